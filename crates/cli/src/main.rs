@@ -1,0 +1,2 @@
+//! The `lennard` command line.
+fn main() {}

@@ -1,0 +1,140 @@
+//! What observables see and what they give back.
+
+use serde::Serialize;
+
+use crate::{Dynamics, PeriodicBox, Persist, State, Want};
+
+/// What an observable declares about itself.
+#[derive(Debug, Clone, Copy)]
+pub struct ObservableSpec {
+    /// Name in scene files.
+    pub name: &'static str,
+    /// One sentence.
+    pub summary: &'static str,
+    /// The defining equation, in plain text.
+    pub equation: &'static str,
+    /// Author, title, equation.
+    pub source: &'static str,
+}
+
+/// The tail correction of a homogeneous fluid beyond the cutoff (g(r) = 1 there).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct TailCorrection {
+    /// Energy per particle, u_tail = 2πρ ∫ r² U dr, in ε.
+    pub energy_per_particle: f64,
+    /// Pressure, p_tail = −(2π/3)ρ² ∫ r³ U′ dr, in ε/σ³.
+    pub pressure: f64,
+}
+
+/// What an observable may look at: nothing here can be changed.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// Everything at `state.time`.
+    pub state: &'a State,
+    /// Masses and degrees of freedom.
+    pub dynamics: &'a Dynamics,
+    /// The periodic box.
+    pub cell: &'a PeriodicBox,
+    /// The tail correction in use; `None` where the scene has none.
+    pub tail: Option<TailCorrection>,
+    /// Σ heat that thermostats have put in since the stage began, in ε: E − heat is conserved.
+    pub heat: f64,
+}
+
+/// An observable: looks at the run, never changes it.
+pub trait Observable: Persist + Send {
+    /// What it declares about itself.
+    fn spec(&self) -> &'static ObservableSpec;
+    /// What it needs from the force evaluation on the steps when it samples.
+    fn want(&self) -> Want;
+    /// Looks at one state.
+    fn sample(&mut self, view: &View<'_>);
+    /// Averages and tables of everything sampled so far.
+    fn finish(&self) -> Findings;
+}
+
+/// A mean with what is known of its error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimate {
+    /// The mean after the equilibration cut.
+    pub mean: f64,
+    /// Its standard error, correlation included.
+    pub standard_error: f64,
+    /// The number of independent samples that it is worth.
+    pub n_effective: f64,
+    /// The number of samples cut off at the start.
+    pub equilibration_cut: u64,
+}
+
+/// A named estimate.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Average {
+    /// Name in the run record (`potential_energy`).
+    pub name: String,
+    /// What it is and in which unit.
+    pub unit: String,
+    /// Value with error.
+    #[serde(flatten)]
+    pub estimate: Estimate,
+}
+
+/// A column of a table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Column {
+    /// Heading.
+    pub name: String,
+    /// Unit (`σ`, `ε`, or empty).
+    pub unit: String,
+    /// Values, one a row.
+    pub values: Vec<f64>,
+}
+
+/// A table, written as CSV with one heading line.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Table {
+    /// File stem (`rdf`).
+    pub name: String,
+    /// One line that says what it holds.
+    pub caption: String,
+    /// Columns of equal length.
+    pub columns: Vec<Column>,
+}
+
+impl Table {
+    /// An empty table.
+    #[must_use]
+    pub fn new(name: impl Into<String>, caption: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            caption: caption.into(),
+            columns: Vec::new(),
+        }
+    }
+
+    /// Adds a column.
+    #[must_use]
+    pub fn with(
+        mut self,
+        name: impl Into<String>,
+        unit: impl Into<String>,
+        values: Vec<f64>,
+    ) -> Self {
+        self.columns.push(Column {
+            name: name.into(),
+            unit: unit.into(),
+            values,
+        });
+        self
+    }
+}
+
+/// What an observable found.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Findings {
+    /// Means with their errors.
+    pub averages: Vec<Average>,
+    /// Tables.
+    pub tables: Vec<Table>,
+    /// Remarks that belong beside the numbers ("not corrected for finite size: no viscosity given").
+    pub remarks: Vec<String>,
+}

@@ -1,0 +1,99 @@
+//! Work over particles in chunks of constant size, so that results never depend on the number of threads.
+//!
+//! Element-wise work gives the same bits however it is cut. Sums are cut into chunks of [`CHUNK`]
+//! particles whatever the number of threads, and the partial sums are added in the order of the chunks.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+/// Particles a chunk, a constant: part of the definition of every sum.
+pub const CHUNK: usize = 2048;
+
+/// Σ over `0..n` of what `partial` gives for each range, added in order.
+///
+/// The same bits for any number of threads.
+pub fn ordered_sum<T, F>(n: usize, partial: F) -> T
+where
+    T: Send + std::ops::Add<Output = T> + std::iter::Sum<T>,
+    F: Fn(Range<usize>) -> T + Sync,
+{
+    let chunks = n.div_ceil(CHUNK);
+    let range = |c: usize| c * CHUNK..((c + 1) * CHUNK).min(n);
+    if chunks <= 1 || rayon::current_num_threads() == 1 {
+        return (0..chunks).map(|c| partial(range(c))).sum();
+    }
+    let parts: Vec<T> = (0..chunks)
+        .into_par_iter()
+        .map(|c| partial(range(c)))
+        .collect();
+    parts.into_iter().sum()
+}
+
+/// Runs `work(first_index, chunk)` over chunks of `items`.
+pub fn for_each_chunk<T, F>(items: &mut [T], work: F)
+where
+    T: Send,
+    F: Fn(usize, &mut [T]) + Sync,
+{
+    if items.len() <= CHUNK || rayon::current_num_threads() == 1 {
+        for (c, chunk) in items.chunks_mut(CHUNK).enumerate() {
+            work(c * CHUNK, chunk);
+        }
+    } else {
+        items
+            .par_chunks_mut(CHUNK)
+            .enumerate()
+            .for_each(|(c, chunk)| work(c * CHUNK, chunk));
+    }
+}
+
+/// Runs `work(first_index, chunk_a, chunk_b)` over chunks of two arrays of the same length.
+///
+/// # Panics
+/// Where the lengths differ: that is a bug of the caller.
+pub fn for_each_chunk_pair<A, B, F>(a: &mut [A], b: &mut [B], work: F)
+where
+    A: Send,
+    B: Send,
+    F: Fn(usize, &mut [A], &mut [B]) + Sync,
+{
+    assert_eq!(a.len(), b.len(), "both arrays hold one item a particle");
+    if a.len() <= CHUNK || rayon::current_num_threads() == 1 {
+        for (c, (x, y)) in a.chunks_mut(CHUNK).zip(b.chunks_mut(CHUNK)).enumerate() {
+            work(c * CHUNK, x, y);
+        }
+    } else {
+        a.par_chunks_mut(CHUNK)
+            .zip(b.par_chunks_mut(CHUNK))
+            .enumerate()
+            .for_each(|(c, (x, y))| work(c * CHUNK, x, y));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_have_the_same_bits_for_any_number_of_threads() {
+        let values: Vec<f64> = (0..100_000)
+            .map(|i| (f64::from(i) * 0.7).sin() * 1e3)
+            .collect();
+        let sum = || ordered_sum::<f64, _>(values.len(), |r| values[r].iter().sum());
+        let one = rayon::ThreadPoolBuilder::new()
+            .num_threads(1)
+            .build()
+            .unwrap()
+            .install(sum);
+        for threads in [2, 3, 8] {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            assert_eq!(pool.install(sum).to_bits(), one.to_bits());
+        }
+        // A plain running sum differs: the test can tell orders apart.
+        assert_ne!(values.iter().sum::<f64>().to_bits(), one.to_bits());
+    }
+}

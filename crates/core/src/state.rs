@@ -1,0 +1,196 @@
+//! The state of a system and what may be asked of its forces.
+
+use glam::{DMat3, DVec3};
+
+/// What an integrator advances. After `step`, everything in it belongs to `time`.
+///
+/// Particles keep the order of the start configuration; kernels that want another order keep a
+/// private copy.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// Number of steps taken since the start of the run.
+    pub step: u64,
+    /// Time in τ.
+    pub time: f64,
+    /// Unwrapped positions, `[N]`, σ.
+    pub positions: Vec<DVec3>,
+    /// Velocities, `[N]`, σ/τ.
+    pub velocities: Vec<DVec3>,
+    /// Forces F = −∂U/∂r at `positions`, `[N]`, ε/σ.
+    pub forces: Vec<DVec3>,
+    /// Energy, virial and so on at `positions`; each entry is `None` where nobody asked for it on this step.
+    pub energetics: Energetics,
+}
+
+impl State {
+    /// A state at step 0 and time 0 with zero forces, which an integrator's `start` then fills.
+    ///
+    /// # Panics
+    /// Where the two arrays differ in length: that is a bug of the caller.
+    #[must_use]
+    pub fn new(positions: Vec<DVec3>, velocities: Vec<DVec3>) -> Self {
+        assert_eq!(
+            positions.len(),
+            velocities.len(),
+            "one velocity for each position"
+        );
+        let forces = vec![DVec3::ZERO; positions.len()];
+        Self {
+            step: 0,
+            time: 0.0,
+            positions,
+            velocities,
+            forces,
+            energetics: Energetics::default(),
+        }
+    }
+
+    /// Number of particles.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Whether there is no particle at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+}
+
+/// What a force evaluation should deliver besides the forces: a set, united over all who ask.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub struct Want {
+    /// The potential energy.
+    pub energy: bool,
+    /// The 3×3 virial Σ r_ij ⊗ F_ij.
+    pub virial: bool,
+    /// The Laplacian Σ_i ∇_i²U, for the configurational temperature.
+    pub laplacian: bool,
+    /// Energy and virial of each particle, for the heat flux.
+    pub per_particle: bool,
+}
+
+impl Want {
+    /// Forces alone.
+    pub const NOTHING: Self = Self {
+        energy: false,
+        virial: false,
+        laplacian: false,
+        per_particle: false,
+    };
+    /// Energy alone.
+    pub const ENERGY: Self = Self {
+        energy: true,
+        ..Self::NOTHING
+    };
+    /// Energy and virial.
+    pub const ENERGY_AND_VIRIAL: Self = Self {
+        energy: true,
+        virial: true,
+        ..Self::NOTHING
+    };
+    /// Everything but the per-particle entries.
+    pub const TOTALS: Self = Self {
+        laplacian: true,
+        ..Self::ENERGY_AND_VIRIAL
+    };
+
+    /// Whether only forces are wanted.
+    #[must_use]
+    pub fn is_nothing(&self) -> bool {
+        *self == Self::NOTHING
+    }
+}
+
+impl std::ops::BitOr for Want {
+    type Output = Self;
+    fn bitor(self, other: Self) -> Self {
+        Self {
+            energy: self.energy || other.energy,
+            virial: self.virial || other.virial,
+            laplacian: self.laplacian || other.laplacian,
+            per_particle: self.per_particle || other.per_particle,
+        }
+    }
+}
+
+impl std::ops::BitOrAssign for Want {
+    fn bitor_assign(&mut self, other: Self) {
+        *self = *self | other;
+    }
+}
+
+/// Which part of a force to evaluate: RESPA asks for the near and the far part apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Part {
+    /// The whole force.
+    All,
+    /// The quickly changing part, from near neighbors.
+    Near,
+    /// The slowly changing rest; `Near + Far = All`.
+    Far,
+}
+
+/// Where the forces are wanted.
+#[derive(Debug, Clone, Copy)]
+pub struct Configuration<'a> {
+    /// Unwrapped positions, `[N]`, σ.
+    pub positions: &'a [DVec3],
+    /// Velocities, `[N]`, σ/τ, for forces that depend on them.
+    pub velocities: Option<&'a [DVec3]>,
+    /// Time in τ, for forces that depend on it.
+    pub time: f64,
+}
+
+/// Totals over the system; each is `None` where it was not asked for.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Energetics {
+    /// Potential energy of the model named, in ε, without any tail correction.
+    pub potential_energy: Option<f64>,
+    /// The energy of which the forces are the gradient, in ε: for the plain cutoff that is the shifted
+    /// one, U_cut − n_pairs·U(r_cut); otherwise it equals `potential_energy`. Conservation is judged by it.
+    pub conserved_potential: Option<f64>,
+    /// Virial tensor Σ_{i<j} r_ij ⊗ F_ij in ε, without a factor 1/3; its trace is W.
+    pub virial: Option<DMat3>,
+    /// Laplacian Σ_i ∇_i²U in ε/σ².
+    pub laplacian: Option<f64>,
+    /// Number of pairs with r ≤ r_cut; comes with the energy.
+    pub pairs: Option<u64>,
+    /// Energy (½ of each pair) in ε and virial tensor (½ of each pair) of each particle, `[N]`.
+    pub per_particle: Option<Vec<(f64, DMat3)>>,
+}
+
+impl Energetics {
+    /// The scalar virial W = Σ r_ij·F_ij in ε, the trace of the tensor.
+    #[must_use]
+    pub fn scalar_virial(&self) -> Option<f64> {
+        self.virial.map(|w| w.x_axis.x + w.y_axis.y + w.z_axis.z)
+    }
+
+    /// The sum of two parts (RESPA's near and far); an entry is kept only where both have it.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        fn both<T: Clone + std::ops::Add<Output = T>>(a: &Option<T>, b: &Option<T>) -> Option<T> {
+            Some(a.clone()? + b.clone()?)
+        }
+        Self {
+            potential_energy: both(&self.potential_energy, &other.potential_energy),
+            conserved_potential: both(&self.conserved_potential, &other.conserved_potential),
+            virial: both(&self.virial, &other.virial),
+            laplacian: both(&self.laplacian, &other.laplacian),
+            // The far part runs over every pair, the near part over some of the same.
+            pairs: self.pairs.zip(other.pairs).map(|(a, b)| a.max(b)),
+            per_particle: self
+                .per_particle
+                .as_ref()
+                .zip(other.per_particle.as_ref())
+                .map(|(a, b)| {
+                    a.iter()
+                        .zip(b)
+                        .map(|(x, y)| (x.0 + y.0, x.1 + y.1))
+                        .collect()
+                }),
+        }
+    }
+}

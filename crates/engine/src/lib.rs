@@ -1,0 +1,1 @@
+//! Initial conditions, the main loop, schedule, watchdog, timers and plan

@@ -1,0 +1,1 @@
+//! Potentials, truncations, tail corrections and pair kernels

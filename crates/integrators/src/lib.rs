@@ -1,0 +1,1 @@
+//! Integrators, thermostats and minimisers, one file a method

@@ -1,0 +1,1 @@
+//! File formats: extended XYZ, NIST columns, tables, run record

@@ -1,0 +1,1 @@
+//! Equations of state, reference data, and comparison with error bars

@@ -1,0 +1,1 @@
+//! Cell grid, neighbor lists, displacement criterion and their brute-force twin

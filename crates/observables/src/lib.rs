@@ -1,0 +1,1 @@
+//! Observables and the statistics of their averages

@@ -1,0 +1,1 @@
+//! Stability, speed against accuracy, force-loop benchmark and sweeps

@@ -1,0 +1,2 @@
+//! Every check with one command.
+fn main() {}
