@@ -1,2 +1,34 @@
-//! The `lennard` command line.
-fn main() {}
+//! The `lennard` command line: arguments in, exit code out.
+#![allow(clippy::print_stdout, clippy::print_stderr)] // printing is what this crate is for
+
+mod args;
+mod commands;
+mod failure;
+mod progress;
+mod show;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::args::{Cli, Command};
+use crate::failure::Failure;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let done = match &cli.command {
+        Command::Run(args) => commands::run::run(args),
+        Command::Plan(args) => commands::plan::plan(args),
+        Command::Energy(args) => commands::energy::energy(args),
+        Command::List(args) => commands::list::list(args),
+        Command::Completions { shell } => commands::completions(*shell),
+        Command::Version { json } => commands::version(*json),
+    };
+    match done {
+        Ok(code) => code,
+        Err(Failure { message, code }) => {
+            eprintln!("{} {message}", console::style("error:").for_stderr().red().bold());
+            ExitCode::from(code)
+        }
+    }
+}

@@ -1,1 +1,24 @@
-//! Initial conditions, the main loop, schedule, watchdog, timers and plan
+//! From a scene to results: initial conditions, the main loop, the watchdog, files and the run record.
+
+mod build;
+mod compare;
+mod energy;
+mod error;
+mod files;
+pub mod initial;
+mod plan;
+mod record;
+mod run;
+mod simulation;
+mod timers;
+pub mod watchdog;
+
+pub use build::{SMALLEST_START_DISTANCE, begin, conditions, forces, recommended_threads, simulation, tail_correction};
+pub use compare::{Comparison, model_kind, with_equation_of_state};
+pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
+pub use error::EngineError;
+pub use files::{Marks, RunFiles};
+pub use plan::{Plan, PlanItem, plan};
+pub use run::{Ending, Outcome, Progress, RunOptions, prepare, run};
+pub use simulation::{Follower, Nobody, Observer, Simulation, StageRun, Verdict};
+pub use timers::Timers;

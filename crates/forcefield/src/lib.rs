@@ -1,1 +1,51 @@
-//! Potentials, truncations, tail corrections and pair kernels
+//! Pair potentials, their truncations and tail corrections, and the loops that sum them.
+//!
+//! A formula is written once, over a number type ([`real::Real`]); each loop compiles it in. The
+//! reference loop stays for ever, and every other one is compared with it.
+
+mod catalog;
+mod error;
+mod form;
+mod listed;
+mod options;
+mod plan;
+mod potential;
+mod provider;
+mod pure;
+mod real;
+mod reference;
+mod simd;
+mod sums;
+mod tail;
+mod truncation;
+
+pub use catalog::{PotentialSpec, TruncationSpec, potentials, truncations};
+pub use error::ForceFieldError;
+pub use form::{Model, model_name};
+pub use options::{
+    ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions, PotentialOptions,
+    Precision, SplitOptions, TruncationKind, TruncationOptions,
+};
+pub use plan::{Conditions, ForcePlan, LARGEST_N, Search, recommended_threads};
+pub use potential::Pair;
+pub use provider::{PairForces, build};
+pub use real::Real;
+pub use tail::{Tail, tail_correction};
+
+/// Whether a force field can be built for these conditions; nothing is built.
+///
+/// # Errors
+/// [`ForceFieldError`] as from [`build`].
+pub fn check(o: &ForceFieldOptions, c: &Conditions) -> Result<(), ForceFieldError> {
+    plan::decide(o, c).map(drop)
+}
+
+/// Names of the instruction sets that this processor has, widest first; each can be forced with `kernel.isa`.
+#[must_use]
+pub fn available_isas() -> Vec<&'static str> {
+    [simd::Level::Avx512, simd::Level::Avx2, simd::Level::Portable]
+        .into_iter()
+        .filter(|level| level.is_available())
+        .map(simd::Level::name)
+        .collect()
+}

@@ -1,1 +1,44 @@
-//! Integrators, thermostats and minimisers, one file a method
+//! Integrators, thermostats and minimisers, one file a method.
+//!
+//! Every method stands behind [`lennard_core::Integrator`] and sees masses, positions, velocities and
+//! a force provider, nothing else: the code that runs the oscillator of the stability study is the
+//! code that runs the fluid. A new integrator is one file with its `Options`, its `SPEC` and its
+//! `step`, and one line in the list of `list.rs`; options, `build`, `lennard list`, the conformance
+//! tests and the studies go over that list.
+//!
+//! Everything is in reduced units: times in τ = σ√(m/ε), lengths in σ, energies in ε.
+
+mod common;
+mod composition;
+pub mod fire;
+mod krylov;
+mod list;
+pub mod measure;
+pub mod oscillator;
+
+pub mod analytic;
+pub mod bit_reversible_verlet;
+pub mod blanes_moan;
+pub mod explicit_euler;
+pub mod forest_ruth;
+pub mod implicit_euler;
+pub mod leapfrog;
+pub mod pefrl;
+pub mod respa;
+pub mod spook;
+pub mod stormer_time_corrected;
+pub mod stormer_variable;
+pub mod stormer_verlet;
+pub mod symplectic_euler;
+pub mod velocity_verlet;
+pub mod velocity_verlet_short;
+
+pub mod bussi;
+pub mod langevin;
+pub mod rescale;
+
+pub use common::OptionError;
+pub use list::{
+    Coupling, IntegratorEntry, IntegratorOptions, OscillatorModel, ThermostatOptions, build,
+    couple, integrators, thermostats,
+};

@@ -1,1 +1,54 @@
-//! File formats: extended XYZ, NIST columns, tables, run record
+//! File formats: extended XYZ and NIST columns, tables, the run record, checkpoints.
+//!
+//! What is written is written whole: a growing file gets whole frames or whole rows and is cut back
+//! to the last whole one where a write fails; a file written once goes to a hidden neighbor first,
+//! is synced, and is then renamed. What is read is checked against the size of the file before
+//! memory is taken, and refused with file, line, what was found and what is allowed.
+//!
+//! All quantities are in reduced units (σ, τ, ε); see [`FrameStyle::length_scale`] for the one exception.
+
+mod atomic;
+mod checkpoint;
+mod checkpoint_codec;
+mod checkpoint_folder;
+mod configuration;
+mod error;
+mod extended_xyz;
+mod folder;
+mod frame_text;
+mod host;
+mod lines;
+mod nist;
+mod record;
+mod sink;
+mod tables;
+mod text;
+mod topology;
+mod trajectory;
+mod trajectory_reader;
+mod xyz_header;
+
+pub use atomic::{write_json_atomically, write_text_atomically};
+pub use checkpoint::{
+    CHECKPOINT_VERSION, Checkpoint, CheckpointError, CheckpointMetadata, CheckpointProblem,
+    read_checkpoint, read_checkpoint_bytes, read_checkpoint_metadata, write_checkpoint,
+};
+pub use checkpoint_folder::CheckpointFolder;
+pub use configuration::{
+    StartConfiguration, read_configuration, read_configuration_bytes, read_configuration_in,
+};
+pub use error::{FormatError, WriteError};
+pub use folder::{Existing, FolderError, create_named_folder, create_numbered_folder};
+pub use frame_text::{Frame, FrameStyle, is_element_symbol};
+pub use host::cpu_name;
+pub use record::{
+    AverageRecord, Comparison, Conservation, Host, NeighborRecord, Performance, RUN_SCHEMA,
+    RunRecord, StageSeconds, StatePoint, ThermostatRecord, read_run_record, read_run_record_bytes,
+};
+pub use sink::{FileMark, Sink};
+pub use tables::{Cell, TableWriter, read_table_csv, read_table_csv_bytes, write_table_csv};
+pub use topology::write_topology_gro;
+pub use trajectory::{TrajectoryWriter, write_frame};
+pub use trajectory_reader::{
+    TrajectoryFrame, TrajectoryReader, read_trajectory, read_trajectory_bytes, whole_frames,
+};

@@ -1,1 +1,48 @@
-//! Equations of state, reference data, and comparison with error bars
+//! What the literature says about the Lennard-Jones fluid: equations of state, the freezing line,
+//! transport coefficients, each with source and status, and comparison that takes the fluctuation of
+//! temperature into account.
+//!
+//! All quantities are per particle and in reduced units (ε = σ = m = k_B = 1). The potential energy
+//! is the residual internal energy; the pressure includes the ideal part.
+//!
+//! ```
+//! use lennard_literature::{ModelKind, equation_of_state_for};
+//!
+//! let equation = equation_of_state_for(ModelKind::CutWithTail { r_cut: 4.0 }).unwrap();
+//! let state = equation.at(0.8442, 0.722);
+//! assert!((state.potential_energy - -6.080081).abs() < 1e-6);
+//! assert!((state.pressure - 0.165090).abs() < 1e-6);
+//! assert!(equation.phase(0.8442, 0.722).is_stable());
+//! // A run with another truncation is not judged by it.
+//! assert!(equation_of_state_for(ModelKind::ForceShifted { r_cut: 2.5 }).is_err());
+//! ```
+
+mod compare;
+mod equation;
+mod freezing;
+mod jet;
+mod kolafa_nezbeda;
+mod model;
+mod phase;
+mod saturation;
+mod thol;
+mod transport;
+
+pub use compare::{CompareError, Differences, Property, differences};
+pub use equation::{
+    CriticalPoint, EquationOfState, EquationSpec, FluidState, OutsideRange, OwnUncertainty, Range,
+};
+pub use freezing::{FreezingLine, freezing_line};
+pub use jet::Jet;
+pub use kolafa_nezbeda::KolafaNezbeda;
+pub use model::{
+    GOOD_TAIL_CUTOFF, ModelKind, NoReference, equation_of_state_for, kolafa_nezbeda_1994, list,
+    remark_for, thol_2015, thol_2016,
+};
+pub use phase::Phase;
+pub use saturation::Saturation;
+pub use thol::Thol;
+pub use transport::{
+    NEAR_DENSITY, NEAR_TEMPERATURE, TransportProperty, TransportValue, self_diffusion_near,
+    transport_near, viscosity_near,
+};

@@ -1,1 +1,19 @@
-//! Cell grid, neighbor lists, displacement criterion and their brute-force twin
+//! Neighbor lists: a cell grid with periodic images, full Verlet lists built from it, the displacement
+//! criterion that keeps them valid, and the brute-force twin that judges them.
+//!
+//! The list is a *full* one: each particle has all its neighbors, so a force loop writes to nobody
+//! else and gives the same bits for any number of threads. Particles are sorted in space into *rows*;
+//! periodic images are rows of their own (*ghosts*), so that a force loop needs no minimum image.
+
+mod brute;
+mod criterion;
+mod grid;
+mod list;
+mod scan;
+pub mod skin;
+
+pub use brute::{brute_force_pairs, for_each_pair};
+pub use criterion::{Criterion, Verdict};
+pub use grid::{Ghost, GridError, RowTable};
+pub use list::{ATOMS_PER_CHUNK, Entries, Images, ListChunk, NeighborList};
+pub use scan::{Candidates, RowScanner, ScalarScanner};

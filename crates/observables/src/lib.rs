@@ -1,1 +1,44 @@
-//! Observables and the statistics of their averages
+//! Observables and the statistics of their averages.
+//!
+//! An observable looks at the run and never changes it ([`lennard_core::Observable`]). Each has a
+//! file of its own with its options, its definition and its source; the list in `catalog.rs` names
+//! them all, and scene files, `list observables` and the tests go over that list.
+//!
+//! Every mean comes with its standard error and its number of independent samples
+//! ([`statistics`]). All stores are bounded in memory however long the run ([`Series`],
+//! [`BlockedSums`]), and all are saved and restored to the bit.
+
+mod blocks;
+mod catalog;
+mod correlator;
+mod error;
+mod extrema;
+mod linear_regime;
+mod momentum;
+mod msd;
+mod pairs;
+mod pressure_tensor;
+mod rdf;
+mod series;
+pub mod statistics;
+mod structure_factor;
+#[cfg(test)]
+mod testing;
+mod thermo_series;
+mod thermodynamics;
+mod tracked;
+mod vacf;
+
+pub use blocks::BlockedSums;
+pub use catalog::{BuildContext, ObservableOptions, Recipe, build, observables};
+pub use correlator::{Correlation, Correlator};
+pub use error::ObservableError;
+pub use momentum::{Momentum, MomentumOptions};
+pub use msd::{MeanSquareDisplacement, MsdOptions};
+pub use pressure_tensor::{PressureTensor, PressureTensorOptions};
+pub use rdf::{RadialDistribution, RdfOptions};
+pub use series::{Columns, Series};
+pub use structure_factor::{StructureFactor, StructureFactorOptions};
+pub use thermo_series::ThermoSeries;
+pub use thermodynamics::{Conservation, Thermodynamics, ThermodynamicsOptions};
+pub use vacf::{VacfOptions, VelocityAutocorrelation};

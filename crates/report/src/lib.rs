@@ -1,1 +1,68 @@
-//! Figures and self-contained pages from results
+//! Figures and self-contained pages from results.
+//!
+//! A [`Figure`] or a [`BarFigure`] is plain data and becomes one SVG text; a [`Page`] is plain data and
+//! becomes one HTML text with everything inside. The same data give the same bytes: nothing here reads a
+//! clock, a font, a file or the environment.
+
+mod axis;
+mod bars;
+mod canvas;
+mod draw;
+mod escape;
+mod figure;
+mod number;
+mod page;
+mod palette;
+mod table;
+
+pub use axis::{Axis, Scale};
+pub use bars::{BarFigure, BarSeries};
+pub use escape::{escape, inline_markup};
+pub use figure::{Figure, Guide, Look, Point, Series};
+pub use number::{plain_or_scientific, significant, with_error};
+pub use page::{Block, Page, PageFigure, Section};
+pub use palette::{COLORS, Dash, Symbol};
+pub use table::{Cell, PageTable, Tone};
+
+/// Why a figure cannot be drawn.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ReportError {
+    /// No value of the figure can be shown on its axes.
+    #[error("figure `{figure}` has no value that its axes can show")]
+    NothingToDraw {
+        /// Name of the figure.
+        figure: String,
+    },
+    /// A fixed axis range is empty, not finite, or not positive on a logarithmic axis.
+    #[error("figure `{figure}`: the axis `{axis}` cannot run from {low} to {high}")]
+    BadRange {
+        /// Name of the figure.
+        figure: String,
+        /// Label of the axis.
+        axis: String,
+        /// Lower end asked for.
+        low: String,
+        /// Upper end asked for.
+        high: String,
+    },
+    /// The bars of a series are not one for each group.
+    #[error("figure `{figure}`: series `{series}` has {found} bars for {wanted} groups")]
+    BarCount {
+        /// Name of the figure.
+        figure: String,
+        /// Name of the series.
+        series: String,
+        /// Bars found.
+        found: usize,
+        /// Groups of the figure.
+        wanted: usize,
+    },
+    /// The plotting library failed.
+    #[error("figure `{figure}` could not be drawn: {reason}")]
+    Drawing {
+        /// Name of the figure.
+        figure: String,
+        /// What the library said.
+        reason: String,
+    },
+}

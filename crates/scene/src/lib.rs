@@ -1,1 +1,27 @@
-//! The scene file as typed tables, with errors that name file, line and key
+//! The scene file as typed tables, with errors that name file, line, key, value and what is allowed.
+//!
+//! A scene is read in four moves: text to a tree in which every value knows its line
+//! ([`Scene::parse`]), overrides written over the tree, tables made typed by serde (each method's
+//! options type lives beside the method), and checks between tables. [`reference`] holds every table and
+//! key with default, unit and what is allowed; messages and `inputs/README.md` are made from it.
+
+mod checks;
+mod de;
+mod error;
+mod lattice;
+mod names;
+mod overrides;
+mod read;
+pub mod reference;
+mod resolved;
+mod scene;
+mod system;
+mod tables;
+mod tree;
+mod typed;
+
+pub use error::{Place, SceneError, Source};
+pub use scene::{
+    Checkpoint, Geometry, IntegratorTable, Lattice, ObservableTable, Output, Placement, Scene,
+    Stage, Start, System,
+};

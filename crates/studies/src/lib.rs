@@ -1,1 +1,11 @@
-//! Stability, speed against accuracy, force-loop benchmark and sweeps
+//! Studies: stability of every integrator, on the oscillator and on the fluid.
+//!
+//! A study is data first: it runs, keeps what it found with every number, and is then written as CSV,
+//! JSON, SVG and one self-contained page.
+
+mod error;
+mod progress;
+pub mod stability;
+
+pub use error::StudyError;
+pub use progress::{Progress, Silent};

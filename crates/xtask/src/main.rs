@@ -1,2 +1,66 @@
-//! Every check with one command.
-fn main() {}
+//! Every check with one command: `cargo xtask test`.
+#![allow(clippy::print_stdout, clippy::print_stderr)] // a command-line tool speaks on both
+
+mod counts;
+mod python;
+mod tidy;
+mod tiers;
+mod workspace;
+
+use std::process::ExitCode;
+
+use workspace::Workspace;
+
+const HELP: &str = "\
+Every check with one command.
+
+Usage: cargo xtask COMMAND
+
+Commands:
+  test     All checks but the long ones: format, lints, documentation, Rust tests, release
+           build, tidiness, Python environment, validation by other people's tools
+  physics  The long checks: state points against the equation of state, error bars against
+           independent seeds, Rust tests marked as ignored
+  tidy     Paths and commands named in README.md exist, crates depend as designed, no machine
+           path, registry host or large file is tracked
+  python   Make the virtual environment .venv from validation/requirements.txt
+  help     This text
+
+Every command runs all its tiers, says at the end what passed, failed and was skipped, and exits
+with 1 if anything failed.";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let command = match arguments.as_slice() {
+        [] => "help",
+        [one] => one.as_str(),
+        _ => "",
+    };
+    if matches!(command, "help" | "--help" | "-h") {
+        println!("{HELP}");
+        return ExitCode::SUCCESS;
+    }
+    let workspace = match Workspace::find() {
+        Ok(workspace) => workspace,
+        Err(error) => {
+            eprintln!("cannot find the workspace: {error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    match command {
+        "test" => tiers::run_all(
+            &workspace,
+            &tiers::test(),
+            &[
+                "physics: U and P at eight state points, error bars over ten seeds (cargo xtask physics)",
+            ],
+        ),
+        "physics" => tiers::run_all(&workspace, &tiers::physics(), &[]),
+        "tidy" => tiers::run_all(&workspace, &tiers::tidy(), &[]),
+        "python" => tiers::run_all(&workspace, &tiers::python(), &[]),
+        _ => {
+            eprintln!("unknown command: {}\n\n{HELP}", arguments.join(" "));
+            ExitCode::from(2)
+        }
+    }
+}

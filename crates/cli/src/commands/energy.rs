@@ -1,0 +1,30 @@
+//! `lennard energy`: one evaluation.
+
+use std::process::ExitCode;
+
+use lennard_engine::Evaluated;
+use lennard_io::{Frame, FrameStyle};
+
+use crate::args::EnergyArgs;
+use crate::commands::{load, on_threads, print_json};
+use crate::failure::Failure;
+use crate::show;
+
+/// Evaluates the start configuration once and prints energy, virial and pressure.
+pub fn energy(args: &EnergyArgs) -> Result<ExitCode, Failure> {
+    let scene = load(&args.scene)?;
+    let threads = args.scene.threads.map_or(1, usize::from);
+    let evaluated = on_threads(threads, || Ok(lennard_engine::evaluate_energy(&scene)?))?;
+    if let Some(path) = &args.forces {
+        let Evaluated { report, cell, state } = &evaluated;
+        let style = FrameStyle { forces: true, wrapped: false, element: scene.output.element.clone(), ..Default::default() };
+        let extra = [("potential_energy", report.potential_energy)];
+        lennard_io::write_frame(path, &style, &Frame { cell, state, extra: &extra })?;
+    }
+    if args.scene.json {
+        print_json(&evaluated.report)?;
+    } else {
+        show::energy(&evaluated.report);
+    }
+    Ok(ExitCode::SUCCESS)
+}

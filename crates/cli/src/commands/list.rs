@@ -1,0 +1,126 @@
+//! `lennard list`: the methods that a scene can name.
+
+use std::process::ExitCode;
+
+use serde::Serialize;
+
+use crate::args::{ListArgs, Listed};
+use crate::commands::print_json;
+use crate::failure::Failure;
+use crate::show;
+
+/// One method of a list.
+#[derive(Debug, Serialize)]
+pub struct Entry {
+    /// Name in scene files.
+    pub name: String,
+    /// One sentence.
+    pub summary: String,
+    /// Its equations, if it has any to show.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub equation: Option<String>,
+    /// What it declares about itself.
+    #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
+    pub properties: serde_json::Map<String, serde_json::Value>,
+    /// Where it comes from.
+    pub source: String,
+}
+
+/// Prints a list.
+pub fn list(args: &ListArgs) -> Result<ExitCode, Failure> {
+    let entries = match args.what {
+        Listed::Integrators => integrators(),
+        Listed::Thermostats => thermostats(),
+        Listed::Potentials => lennard_forcefield::potentials()
+            .iter()
+            .map(|s| plain(s.name, s.summary, s.equation, s.source))
+            .collect(),
+        Listed::Truncations => lennard_forcefield::truncations()
+            .iter()
+            .map(|s| plain(s.name, s.summary, s.equation, s.source))
+            .collect(),
+        Listed::Observables => lennard_observables::observables()
+            .iter()
+            .map(|s| plain(s.name, s.summary, s.equation, s.source))
+            .collect(),
+        Listed::EquationsOfState => equations_of_state(),
+    };
+    if args.json {
+        print_json(&entries)?;
+    } else {
+        show::list(&entries);
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn plain(name: &str, summary: &str, equation: &str, source: &str) -> Entry {
+    Entry {
+        name: name.into(),
+        summary: summary.into(),
+        equation: Some(equation.into()),
+        properties: serde_json::Map::new(),
+        source: source.into(),
+    }
+}
+
+/// A JSON object of properties.
+macro_rules! properties {
+    ($($key:literal: $value:expr),* $(,)?) => {
+        [$(($key.to_owned(), serde_json::json!($value))),*].into_iter().collect()
+    };
+}
+
+fn integrators() -> Vec<Entry> {
+    lennard_integrators::integrators()
+        .iter()
+        .map(|entry| {
+            let s = entry.spec;
+            Entry {
+                properties: properties! {
+                    "order of positions": s.position_order,
+                    "order of velocities": s.velocity_order,
+                    "symplectic": s.symplectic,
+                    "reversible": s.reversible,
+                    "fixed step only": s.fixed_step_only,
+                    "force evaluations a step": s.force_evaluations,
+                    "largest stable ωh": s.stability_limit,
+                },
+                ..plain(s.name, s.summary, s.equations, s.source)
+            }
+        })
+        .collect()
+}
+
+fn thermostats() -> Vec<Entry> {
+    lennard_integrators::thermostats()
+        .iter()
+        .map(|s| Entry {
+            name: s.name.into(),
+            summary: s.summary.into(),
+            equation: None,
+            properties: properties! { "samples the canonical ensemble": s.canonical },
+            source: s.source.into(),
+        })
+        .collect()
+}
+
+fn equations_of_state() -> Vec<Entry> {
+    lennard_literature::list()
+        .iter()
+        .map(|equation| {
+            let s = equation.spec();
+            Entry {
+                name: s.key.clone(),
+                summary: format!("{}: {}", s.name, s.model),
+                equation: None,
+                properties: properties! {
+                    "T": [s.range.t_min, s.range.t_max],
+                    "largest p": s.range.p_max,
+                    "doi": s.doi,
+                    "status": s.status,
+                },
+                source: s.citation.clone(),
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,76 @@
+//! One file a command.
+
+pub mod energy;
+pub mod list;
+pub mod plan;
+pub mod run;
+
+use std::process::ExitCode;
+
+use clap::CommandFactory;
+use clap_complete::Shell;
+use lennard_scene::Scene;
+use serde::Serialize;
+
+use crate::args::{Cli, SceneArgs};
+use crate::failure::{Failure, OTHER};
+
+/// Loads the scene of a command with its overrides.
+pub fn load(args: &SceneArgs) -> Result<Scene, Failure> {
+    Ok(Scene::load(&args.scene, &args.overrides())?)
+}
+
+/// Runs `work` on a pool of so many threads.
+pub fn on_threads<T: Send>(
+    threads: usize,
+    work: impl FnOnce() -> Result<T, Failure> + Send,
+) -> Result<T, Failure> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| Failure::new("starting threads", e, OTHER))?;
+    pool.install(work)
+}
+
+/// As many threads as asked for, or as pay for so many particles.
+pub fn threads(args: &SceneArgs, n_atoms: usize) -> usize {
+    args.threads.map_or_else(|| lennard_engine::recommended_threads(n_atoms), usize::from)
+}
+
+/// Prints one JSON document.
+pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| Failure::new("writing JSON", e, OTHER))?;
+    println!("{text}");
+    Ok(())
+}
+
+/// `lennard completions`.
+pub fn completions(shell: Shell) -> Result<ExitCode, Failure> {
+    clap_complete::generate(shell, &mut Cli::command(), "lennard", &mut std::io::stdout());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// `lennard version`.
+pub fn version(json: bool) -> Result<ExitCode, Failure> {
+    #[derive(Serialize)]
+    struct Version {
+        version: &'static str,
+        cpu: String,
+        isa: Vec<&'static str>,
+        threads: usize,
+    }
+    let version = Version {
+        version: env!("CARGO_PKG_VERSION"),
+        cpu: lennard_io::cpu_name(),
+        isa: lennard_forcefield::available_isas(),
+        threads: std::thread::available_parallelism().map_or(1, usize::from),
+    };
+    if json {
+        print_json(&version)?;
+    } else {
+        println!("lennard {}", version.version);
+        println!("processor: {}, {} threads", version.cpu, version.threads);
+        println!("instruction sets of the pair kernel: {}", version.isa.join(", "));
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,52 @@
+//! What a command ends with when it fails: what it was doing, what went wrong, and an exit code.
+
+use lennard_engine::EngineError;
+use lennard_io::WriteError;
+use lennard_scene::SceneError;
+
+/// Exit code for wrong input.
+pub const INPUT: u8 = 2;
+/// Exit code for anything that is neither input nor physics.
+pub const OTHER: u8 = 1;
+
+/// A message for standard error and an exit code.
+#[derive(Debug)]
+pub struct Failure {
+    /// What to print.
+    pub message: String,
+    /// What to exit with.
+    pub code: u8,
+}
+
+impl Failure {
+    /// A failure while `doing` something.
+    pub fn new(doing: &str, error: impl std::fmt::Display, code: u8) -> Self {
+        Self { message: format!("{doing}: {error}"), code }
+    }
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        Self::new("reading the scene", error, INPUT)
+    }
+}
+
+impl From<EngineError> for Failure {
+    fn from(error: EngineError) -> Self {
+        let code = error.exit_code();
+        match error {
+            EngineError::Scene(e) => Self::new("reading the scene", e, code),
+            EngineError::Configuration(e) => Self::new("reading the start configuration", e, code),
+            EngineError::Folder(e) => Self::new("making the output folder", e, code),
+            EngineError::Write(e) => e.into(),
+            EngineError::Physics(e) => Self { message: e.to_string(), code },
+        }
+    }
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Self {
+        let advice = error.advice();
+        Self::new("writing results", format!("{error}\n  {advice}"), OTHER)
+    }
+}

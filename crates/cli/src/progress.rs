@@ -1,0 +1,87 @@
+//! Progress on standard error: a bar with time left on a terminal, plain lines elsewhere.
+
+use std::time::{Duration, Instant};
+
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use lennard_engine::Progress;
+
+/// Time between two updates of the bar.
+const BAR_INTERVAL: Duration = Duration::from_millis(100);
+/// Time between two plain lines.
+const LINE_INTERVAL: Duration = Duration::from_secs(10);
+
+/// Shows how far a run is.
+pub struct Display {
+    bar: Option<ProgressBar>,
+    label: String,
+    started: Instant,
+    last: Instant,
+    silent: bool,
+}
+
+impl Display {
+    /// A bar where standard error is a terminal, lines where it is not, nothing where `quiet`.
+    pub fn new(quiet: bool) -> Self {
+        let terminal = console::user_attended_stderr();
+        let bar = (terminal && !quiet).then(|| {
+            let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
+            let style = ProgressStyle::with_template(
+                "{msg:16} {bar:32.cyan/blue} {percent:>3}%  {human_pos} of {human_len} steps, {eta} left",
+            );
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar
+        });
+        let now = Instant::now();
+        Self { bar, label: String::new(), started: now, last: now, silent: quiet }
+    }
+}
+
+impl Progress for Display {
+    fn update(&mut self, stage: &str, done: u64, total: u64) {
+        if self.silent {
+            return;
+        }
+        let changed = self.label != stage;
+        let now = Instant::now();
+        let interval = if self.bar.is_some() { BAR_INTERVAL } else { LINE_INTERVAL };
+        if !changed && done < total && now.duration_since(self.last) < interval {
+            return;
+        }
+        self.last = now;
+        if changed {
+            stage.clone_into(&mut self.label);
+        }
+        match &self.bar {
+            Some(bar) => {
+                if changed {
+                    bar.set_message(stage.to_owned());
+                }
+                bar.set_length(total);
+                bar.set_position(done);
+                if done >= total {
+                    bar.finish_and_clear();
+                }
+            }
+            None => {
+                let elapsed = self.started.elapsed();
+                let left = elapsed.mul_f64((total - done) as f64 / done.max(1) as f64);
+                let percent = 100.0 * done as f64 / total.max(1) as f64;
+                // Right after the start the rate is not known yet.
+                let left = if elapsed < Duration::from_secs(1) || done >= total {
+                    String::new()
+                } else {
+                    format!(", {} left", HumanDuration(left))
+                };
+                eprintln!("{stage}: step {done} of {total} ({percent:.0} %){left}");
+            }
+        }
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

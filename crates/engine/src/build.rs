@@ -1,0 +1,210 @@
+//! From a scene to a simulation that can run.
+
+use std::path::Path;
+
+use lennard_core::random::Streams;
+use lennard_core::{DVec3, Dynamics, ForceProvider, PeriodicBox, State, TailCorrection};
+use lennard_forcefield::{Conditions, ForceFieldOptions, Model, PairForces, Tail};
+use lennard_integrators::fire::{self, FireOptions};
+use lennard_io::StartConfiguration;
+use lennard_observables::{BuildContext, ObservableOptions, Thermodynamics};
+use lennard_scene::{Geometry, Lattice, Scene, Stage, Start};
+
+use crate::error::misfit;
+use crate::initial::{self, closest_pair};
+use crate::simulation::{Observer, Simulation};
+use crate::timers::Timers;
+use crate::{EngineError, compare};
+
+/// Start positions nearer than this (σ) are refused: U(0.5 σ) = 16,128 ε would blow any step up.
+pub const SMALLEST_START_DISTANCE: f64 = 0.5;
+
+/// Where the particles are, and how fast, before the first step.
+pub struct Beginning {
+    /// The box.
+    pub cell: PeriodicBox,
+    /// Positions, σ.
+    pub positions: Vec<DVec3>,
+    /// Velocities, if the start has any.
+    pub velocities: Option<Vec<DVec3>>,
+    /// Whether the positions must be relaxed first.
+    pub relax: bool,
+}
+
+/// Places the particles as the scene says.
+///
+/// # Errors
+/// [`EngineError`] where a configuration cannot be read, does not fit the box, or overlaps.
+pub fn begin(scene: &Scene) -> Result<Beginning, EngineError> {
+    match &scene.system.start {
+        Start::Lattice { lattice, n_atoms, .. } => {
+            let placement = scene.placement()?.expect("a lattice start has a placement");
+            let cell = placement.cell;
+            if *lattice == Lattice::Random {
+                let filled = PeriodicBox::new(placement.filled)
+                    .map_err(|e| scene.source.invalid("system.box", e, "finite positive lengths"))?;
+                let streams = Streams::new(scene.system.seed);
+                let points = initial::random_points(&filled, *n_atoms, streams).ok_or_else(|| {
+                    scene.source.invalid("system.density", "points that do not fit at random", "a lower density")
+                })?;
+                let positions = points.into_iter().map(|r| r + placement.corner).collect();
+                return Ok(Beginning { cell, positions, velocities: None, relax: true });
+            }
+            let cells = placement.cells.expect("a lattice has cells");
+            let positions = initial::lattice_sites(placement.corner, placement.filled, cells, lattice.basis());
+            Ok(Beginning { cell, positions, velocities: None, relax: false })
+        }
+        Start::Configuration { path, geometry } => {
+            let read = lennard_io::read_configuration(path)?;
+            from_configuration(scene, path, read, geometry.as_ref())
+        }
+    }
+}
+
+fn from_configuration(
+    scene: &Scene,
+    path: &Path,
+    read: StartConfiguration,
+    geometry: Option<&Geometry>,
+) -> Result<Beginning, EngineError> {
+    if let Some(Geometry::Box(sides)) = geometry
+        && DVec3::from_array(*sides) != read.cell.lengths()
+    {
+        let found = format!("{sides:?}, where {} has {:?}", path.display(), read.cell.lengths().to_array());
+        return Err(scene.source.invalid("system.box", found, "the box of the file, or no `box` at all").into());
+    }
+    if let Some(pair) = closest_pair(&read.cell, &read.positions, SMALLEST_START_DISTANCE) {
+        let found = format!(
+            "particles {} and {} of {} at a distance of {:.4} σ (counted from 1)",
+            pair.i + 1,
+            pair.j + 1,
+            path.display(),
+            pair.distance
+        );
+        let allowed = format!("no pair nearer than {SMALLEST_START_DISTANCE} σ");
+        return Err(scene.source.invalid("system.configuration", found, allowed).into());
+    }
+    Ok(Beginning { cell: read.cell, positions: read.positions, velocities: read.velocities, relax: false })
+}
+
+/// The temperature and step for which the list is laid out: the hottest of all stages and the largest
+/// of all steps, since the list must serve them all.
+#[must_use]
+pub fn conditions(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Conditions {
+    let measured: Vec<&Stage> = scene.stages.iter().filter(|s| s.measure).collect();
+    let stages: Vec<&Stage> = if measured.is_empty() { scene.stages.iter().collect() } else { measured };
+    let temperature = stages.iter().map(|s| s.temperature).fold(0.0, f64::max);
+    let dt = stages.iter().map(|s| scene.stage_dt(s)).fold(0.0, f64::max);
+    Conditions { cell, n_atoms, temperature, dt }
+}
+
+/// The force field of a scene for a box.
+///
+/// # Errors
+/// [`EngineError::Scene`] where cutoff or skin do not fit the box.
+pub fn forces(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(ForceFieldOptions, PairForces), EngineError> {
+    let options = scene.force_field();
+    let built = lennard_forcefield::build(&options, &conditions(scene, cell, n_atoms))
+        .map_err(|e| misfit(&scene.source, &e))?;
+    Ok((options, built))
+}
+
+/// The tail correction per particle, as observables use it.
+#[must_use]
+pub fn tail_correction(tail: Option<&Tail>) -> Option<TailCorrection> {
+    tail.map(|t| TailCorrection { energy_per_particle: t.energy_per_particle, pressure: t.pressure })
+}
+
+/// Builds the simulation: particles placed, relaxed where the start is random, velocities drawn
+/// where the start has none.
+///
+/// # Errors
+/// [`EngineError`] for everything about the scene that can only be seen now.
+pub fn simulation(scene: Scene) -> Result<Simulation, EngineError> {
+    let mut beginning = begin(&scene)?;
+    let n = beginning.positions.len();
+    let cell = beginning.cell;
+    let (options, mut provider) = forces(&scene, cell, n)?;
+    if beginning.relax {
+        relax(&scene, &mut beginning.positions, &mut provider)?;
+    }
+    let dynamics = Dynamics::fluid(n);
+    let streams = Streams::new(scene.system.seed);
+    let velocities = match beginning.velocities {
+        Some(mut given) => {
+            initial::remove_drift(&dynamics, &mut given);
+            given
+        }
+        None => initial::thermal_velocities(&dynamics, n, scene.system.temperature, streams),
+    };
+    let tail = tail_correction(lennard_forcefield::tail_correction(&options, n, cell.volume()).as_ref());
+    let (thermodynamics, observers) = observers(&scene, cell, n)?;
+    let isa = provider.plan().isa.to_string();
+    Ok(Simulation {
+        state: State::new(beginning.positions, velocities),
+        scene,
+        cell,
+        dynamics,
+        forces: Box::new(provider),
+        tail,
+        streams,
+        stage: None,
+        thermodynamics,
+        observers,
+        measured_steps: 0,
+        timers: Timers::default(),
+        isa,
+    })
+}
+
+/// Relaxes a random start until nothing overlaps.
+fn relax(scene: &Scene, positions: &mut [DVec3], provider: &mut dyn ForceProvider) -> Result<(), EngineError> {
+    fire::relax(positions, provider, &FireOptions::default()).map(|_| ()).map_err(|e| {
+        scene.source.invalid("system.lattice", format!("`random`, which could not be relaxed: {e}"), "a lattice, or a lower density").into()
+    })
+}
+
+/// Thermodynamics, which every run has, and the others that the scene names.
+fn observers(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(Thermodynamics, Vec<Observer>), EngineError> {
+    let measured = scene.stages.iter().rev().find(|s| s.measure).or(scene.stages.last());
+    let dt = measured.map_or(scene.integrator.dt, |s| scene.stage_dt(s));
+    let context = |every| BuildContext { cell, n_atoms, dt, every, r_cut: scene.truncation.r_cut };
+    let mut observers = Vec::new();
+    let mut thermodynamics = None;
+    for (index, table) in scene.observables.iter().enumerate() {
+        let mut options = table.options.clone();
+        match &mut options {
+            ObservableOptions::Thermodynamics(o) => {
+                thermodynamics = Some(Thermodynamics::with_options(o, &context(scene.output.thermo_every)));
+                continue;
+            }
+            ObservableOptions::Msd(o) if o.viscosity.is_none() => {
+                o.viscosity = compare::viscosity_for(scene, n_atoms as f64 / cell.volume());
+            }
+            _ => {}
+        }
+        let observable = lennard_observables::build(&options, &context(table.every)).map_err(|e| {
+            scene.source.invalid(&format!("observable.{index}.{}", e.key()), e.found(), e.allowed())
+        })?;
+        observers.push(Observer { every: table.every, observable });
+    }
+    let mut thermodynamics =
+        thermodynamics.unwrap_or_else(|| Thermodynamics::new(&context(scene.output.thermo_every)));
+    thermodynamics.set_force_jump(force_jump(scene)?);
+    Ok((thermodynamics, observers))
+}
+
+/// U′(r_cut) just inside the cutoff, where the force drops to zero with a jump (plain and shifted
+/// cutoffs); zero where the force is continuous.
+fn force_jump(scene: &Scene) -> Result<f64, EngineError> {
+    let model = Model::new(&scene.potential, &scene.truncation).map_err(|e| misfit(&scene.source, &e))?;
+    let pair = model.eval(model.r_cut * model.r_cut);
+    Ok(-pair.force * model.r_cut)
+}
+
+/// As many threads as pay for so many particles on this machine.
+#[must_use]
+pub fn recommended_threads(n_atoms: usize) -> usize {
+    let available = std::thread::available_parallelism().map_or(1, usize::from);
+    lennard_forcefield::recommended_threads(n_atoms, available)
+}

@@ -1,0 +1,112 @@
+//! A run beside the literature.
+
+use lennard_core::Observable;
+use lennard_forcefield::{PotentialOptions, TruncationKind};
+use lennard_io::StatePoint;
+use lennard_literature::ModelKind;
+use lennard_observables::Thermodynamics;
+use lennard_scene::Scene;
+
+/// What was compared, and what could not be.
+#[derive(Debug, Clone, Default)]
+pub struct Comparison {
+    /// Measured values beside reference values.
+    pub entries: Vec<lennard_io::Comparison>,
+    /// Remarks that belong beside them.
+    pub remarks: Vec<String>,
+}
+
+/// The model that a scene simulates, as far as the choice of a reference goes.
+#[must_use]
+pub fn model_kind(scene: &Scene) -> ModelKind {
+    let r_cut = scene.truncation.r_cut;
+    match (&scene.potential, scene.truncation.kind) {
+        (PotentialOptions::LennardJones {}, TruncationKind::Cut) if scene.truncation.tail_correction => {
+            ModelKind::CutWithTail { r_cut }
+        }
+        (PotentialOptions::LennardJones {}, TruncationKind::Cut) => ModelKind::CutWithoutTail { r_cut },
+        (PotentialOptions::LennardJones {}, TruncationKind::Shift) => ModelKind::Shifted { r_cut },
+        (PotentialOptions::LennardJones {}, TruncationKind::ForceShift) => ModelKind::ForceShifted { r_cut },
+        (PotentialOptions::LennardJones {}, TruncationKind::Switch) => ModelKind::Switched { r_cut },
+        (PotentialOptions::Wca {}, _) => ModelKind::Other { potential: "WCA" },
+        (PotentialOptions::SoftSphere { .. }, _) => ModelKind::Other { potential: "soft sphere" },
+    }
+}
+
+/// The viscosity of the reference table near a scene's state, for the finite-size correction of D;
+/// `None` where the model is not Lennard-Jones or none is near.
+#[must_use]
+pub fn viscosity_for(scene: &Scene, density: f64) -> Option<f64> {
+    if matches!(model_kind(scene), ModelKind::Other { .. }) {
+        return None;
+    }
+    let temperature = scene.stages.iter().rev().find(|s| s.measure)?.temperature;
+    lennard_literature::viscosity_near(density, temperature).map(|v| v.value)
+}
+
+/// U and P of a run beside the equation of state that describes its model, at the measured T and ρ.
+///
+/// The error of each difference is that of the series X_b − [X_EOS(T̄) + (T_b − T̄)·∂X_EOS/∂T], which
+/// carries the correlation of X and T.
+#[must_use]
+pub fn with_equation_of_state(scene: &Scene, density: f64, thermodynamics: &Thermodynamics) -> Comparison {
+    let mut comparison = Comparison::default();
+    let model = model_kind(scene);
+    let equation = match lennard_literature::equation_of_state_for(model) {
+        Ok(equation) => equation,
+        Err(none) => {
+            comparison.remarks.push(none.to_string());
+            return comparison;
+        }
+    };
+    let series = thermodynamics.series();
+    let temperatures = &series.temperature[thermodynamics.equilibration_cut().min(series.temperature.len())..];
+    if temperatures.len() < 2 {
+        comparison.remarks.push("too few samples to compare with an equation of state".into());
+        return comparison;
+    }
+    let mean_temperature = temperatures.iter().sum::<f64>() / temperatures.len() as f64;
+    if let Err(outside) = equation.check(density, mean_temperature) {
+        comparison.remarks.push(format!("not compared: {outside}"));
+        return comparison;
+    }
+    let phase = equation.phase(density, mean_temperature);
+    if !phase.is_stable() {
+        comparison.remarks.push(format!(
+            "by {} the state ρ = {density:.4}, T = {mean_temperature:.4} is {}",
+            equation.spec().name,
+            phase.describe()
+        ));
+    }
+    let state = equation.at(density, mean_temperature);
+    let own = equation.spec().uncertainty.as_ref();
+    let averages = thermodynamics.finish().averages;
+    let quantities = [
+        (
+            "potential_energy",
+            state.potential_energy,
+            thermodynamics.potential_energy_against(state.du_dt),
+            own.map(|u| u.potential_energy),
+        ),
+        ("pressure", state.pressure, thermodynamics.pressure_against(state.dp_dt), own.map(|u| u.pressure)),
+    ];
+    for (name, reference, against, reference_uncertainty) in quantities {
+        let Some(average) = averages.iter().find(|a| a.name == name) else { continue };
+        let difference = average.estimate.mean - reference;
+        comparison.entries.push(lennard_io::Comparison {
+            quantity: name.to_owned(),
+            unit: average.unit.clone(),
+            measured: average.estimate.mean,
+            reference,
+            reference_uncertainty,
+            difference,
+            standard_error: against.standard_error,
+            in_standard_errors: difference / against.standard_error,
+            at: StatePoint { temperature: mean_temperature, density },
+            source: format!("{}, doi:{}", equation.spec().name, equation.spec().doi),
+            remark: equation.spec().model.clone(),
+        });
+    }
+    comparison.remarks.extend(lennard_literature::remark_for(model));
+    comparison
+}

@@ -1,0 +1,100 @@
+//! One evaluation of energy, virial and pressure, for checks against reference configurations.
+
+use lennard_core::{Configuration, DVec3, Dynamics, ForceProvider, Part, PeriodicBox, State, Want};
+use lennard_scene::Scene;
+use serde::Serialize;
+
+use crate::{EngineError, build};
+
+/// Where the kinetic part of the pressure comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum KineticSource {
+    /// From the velocities of the start configuration.
+    Velocities,
+    /// From the temperature of the scene.
+    SceneTemperature,
+}
+
+/// Energy, virial and pressure of one configuration: totals for the system, in reduced units.
+#[derive(Debug, Clone, Serialize)]
+pub struct EnergyReport {
+    /// Schema of this document.
+    pub schema: &'static str,
+    /// The model in words.
+    pub model: String,
+    /// Number of particles.
+    pub atoms: usize,
+    /// Box sides, σ.
+    #[serde(rename = "box")]
+    pub lengths: [f64; 3],
+    /// Σ U(r_ij) over pairs within the cutoff, without tail, ε.
+    pub potential_energy: f64,
+    /// Tail correction of the energy, ε; zero where it is off.
+    pub tail_energy: f64,
+    /// W = Σ r_ij·F_ij over pairs, without a factor 1/3, ε.
+    pub virial: f64,
+    /// Tail correction of W, ε; zero where it is off.
+    pub tail_virial: f64,
+    /// Pressure ρT + (W + W_tail)/(3V), ε/σ³.
+    pub pressure: f64,
+    /// Temperature of the kinetic part, ε/k_B.
+    pub temperature: f64,
+    /// Where that temperature comes from.
+    pub temperature_from: KineticSource,
+    /// Pairs with r ≤ r_cut.
+    pub pairs: u64,
+}
+
+/// The report with the state that it belongs to, forces included.
+pub struct Evaluated {
+    /// The numbers.
+    pub report: EnergyReport,
+    /// The box.
+    pub cell: PeriodicBox,
+    /// Positions, velocities (zero where the start has none) and forces.
+    pub state: State,
+}
+
+/// Evaluates the start configuration of a scene once.
+///
+/// # Errors
+/// [`EngineError`] for everything that is wrong with the scene.
+pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
+    let beginning = build::begin(scene)?;
+    let n = beginning.positions.len();
+    let cell = beginning.cell;
+    let (options, mut provider) = build::forces(scene, cell, n)?;
+    let has_velocities = beginning.velocities.is_some();
+    let velocities = beginning.velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]);
+    let mut state = State::new(beginning.positions, velocities);
+    let at = Configuration { positions: &state.positions, velocities: None, time: 0.0 };
+    let energetics = provider
+        .evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut state.forces)
+        .map_err(|e| scene.source.invalid("system", e, "a start configuration with finite forces"))?;
+    let (temperature, temperature_from) = if has_velocities {
+        (Dynamics::fluid(n).temperature(&state.velocities), KineticSource::Velocities)
+    } else {
+        (scene.system.temperature, KineticSource::SceneTemperature)
+    };
+    let tail = lennard_forcefield::tail_correction(&options, n, cell.volume());
+    let (tail_energy, tail_virial) = tail.map_or((0.0, 0.0), |t| (t.energy, t.virial));
+    let virial = energetics.scalar_virial().unwrap_or(f64::NAN);
+    let volume = cell.volume();
+    let report = EnergyReport {
+        schema: "lennard-energy-1",
+        model: lennard_forcefield::model_name(&options),
+        atoms: n,
+        lengths: cell.lengths().to_array(),
+        potential_energy: energetics.potential_energy.unwrap_or(f64::NAN),
+        tail_energy,
+        virial,
+        tail_virial,
+        pressure: n as f64 / volume * temperature + (virial + tail_virial) / (3.0 * volume),
+        temperature,
+        temperature_from,
+        pairs: energetics.pairs.unwrap_or(0),
+    };
+    state.energetics = energetics;
+    Ok(Evaluated { report, cell, state })
+}

@@ -1,0 +1,237 @@
+//! Start configurations: lattices, random points without overlaps, and Maxwell–Boltzmann velocities.
+
+use std::collections::HashMap;
+
+use lennard_core::random::Streams;
+use lennard_core::{DVec3, Dynamics, PeriodicBox};
+use rand::RngExt;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Random sequential addition is dense enough to be slow beyond this many trials a particle.
+const TRIALS_PER_PARTICLE: usize = 20_000;
+
+/// The smallest distance of a random start, in units of ρ^{-1/3}: a packing fraction of
+/// π/6·0.7³ = 0.18, well below the 0.38 at which random sequential addition jams.
+const RANDOM_SPACING: f64 = 0.7;
+
+/// Sites of a lattice inside a box: `basis` (fractions of a cell) repeated `cells` times along each axis.
+///
+/// The lattice starts at a quarter of a cell so that no site lies on the face of the box.
+#[must_use]
+pub fn lattice_sites(origin: DVec3, extent: DVec3, cells: [usize; 3], basis: &[[f64; 3]]) -> Vec<DVec3> {
+    let step = extent / DVec3::new(cells[0] as f64, cells[1] as f64, cells[2] as f64);
+    let mut sites = Vec::with_capacity(cells.iter().product::<usize>() * basis.len());
+    for ix in 0..cells[0] {
+        for iy in 0..cells[1] {
+            for iz in 0..cells[2] {
+                let corner = DVec3::new(ix as f64, iy as f64, iz as f64);
+                for b in basis {
+                    sites.push(origin + (corner + DVec3::from_array(*b) + 0.25) * step);
+                }
+            }
+        }
+    }
+    sites
+}
+
+/// Random points with no two closer than 0.7·ρ^{-1/3} (at most 0.9 σ), by random sequential addition.
+///
+/// Returns `None` where the points cannot be placed, which does not happen at this spacing.
+#[must_use]
+pub fn random_points(cell: &PeriodicBox, n: usize, streams: Streams) -> Option<Vec<DVec3>> {
+    let density = n as f64 / cell.volume();
+    let spacing = (RANDOM_SPACING / density.cbrt()).min(0.9);
+    let mut rng = streams.sequential("random-positions");
+    let mut bins = Bins::new(cell, spacing);
+    let mut points = Vec::with_capacity(n);
+    for _ in 0..n {
+        let point = (0..TRIALS_PER_PARTICLE).find_map(|_| {
+            let r = cell.lengths() * DVec3::new(rng.random(), rng.random(), rng.random());
+            bins.nearest(&points, r).is_none_or(|(_, d)| d >= spacing).then_some(r)
+        })?;
+        bins.insert(points.len() as u32, point);
+        points.push(point);
+    }
+    Some(points)
+}
+
+/// Velocities from the Maxwell–Boltzmann distribution, with zero total momentum (more than one
+/// particle) and scaled to 2K/n_dof = `temperature` exactly.
+#[must_use]
+pub fn thermal_velocities(dynamics: &Dynamics, n: usize, temperature: f64, streams: Streams) -> Vec<DVec3> {
+    let mut rng = streams.sequential("velocities");
+    let mut velocities: Vec<DVec3> = (0..n)
+        .map(|i| {
+            let width = (temperature / dynamics.masses.of(i)).sqrt();
+            width
+                * DVec3::new(
+                    StandardNormal.sample(&mut rng),
+                    StandardNormal.sample(&mut rng),
+                    StandardNormal.sample(&mut rng),
+                )
+        })
+        .collect();
+    remove_drift(dynamics, &mut velocities);
+    scale_to_temperature(dynamics, &mut velocities, temperature);
+    velocities
+}
+
+/// Takes the velocity of the centre of mass off every particle; nothing is done for a single particle.
+pub fn remove_drift(dynamics: &Dynamics, velocities: &mut [DVec3]) {
+    if velocities.len() > 1 {
+        let mass: f64 = (0..velocities.len()).map(|i| dynamics.masses.of(i)).sum();
+        let drift = dynamics.momentum(velocities) / mass;
+        for v in velocities {
+            *v -= drift;
+        }
+    }
+}
+
+/// Scales velocities so that 2K/n_dof = `temperature`; velocities that are all zero stay so.
+pub fn scale_to_temperature(dynamics: &Dynamics, velocities: &mut [DVec3], temperature: f64) {
+    let now = dynamics.temperature(velocities);
+    if now > 0.0 {
+        let factor = (temperature / now).sqrt();
+        for v in velocities {
+            *v *= factor;
+        }
+    }
+}
+
+/// Two particles and their distance in σ.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClosePair {
+    /// Index of the first, from 0.
+    pub i: usize,
+    /// Index of the second, from 0.
+    pub j: usize,
+    /// Their distance, nearest image, σ.
+    pub distance: f64,
+}
+
+/// The closest pair nearer than `within` (σ), or `None`: O(N) through bins of that size.
+///
+/// Positions that are not finite are left out.
+#[must_use]
+pub fn closest_pair(cell: &PeriodicBox, positions: &[DVec3], within: f64) -> Option<ClosePair> {
+    let mut bins = Bins::new(cell, within);
+    let mut best: Option<ClosePair> = None;
+    for (j, r) in positions.iter().enumerate().filter(|(_, r)| r.is_finite()) {
+        if let Some((i, distance)) = bins.nearest(positions, *r)
+            && distance < best.map_or(within, |b| b.distance)
+        {
+            best = Some(ClosePair { i, j, distance });
+        }
+        bins.insert(j as u32, *r);
+    }
+    best
+}
+
+/// Points sorted into bins no smaller than a given distance, sparse, so that a wide empty box costs nothing.
+struct Bins<'a> {
+    cell: &'a PeriodicBox,
+    counts: [i32; 3],
+    members: HashMap<[i32; 3], Vec<u32>>,
+}
+
+impl<'a> Bins<'a> {
+    fn new(cell: &'a PeriodicBox, smallest: f64) -> Self {
+        // 2²⁰ bins an axis are plenty, and keep the index in range for any box.
+        let counts = (cell.lengths() / smallest).floor().clamp(DVec3::ONE, DVec3::splat(1_048_576.0));
+        Self { cell, counts: counts.as_ivec3().to_array(), members: HashMap::new() }
+    }
+
+    fn bin_of(&self, r: DVec3) -> [i32; 3] {
+        let fraction = self.cell.wrap(r) / self.cell.lengths();
+        std::array::from_fn(|axis| {
+            ((fraction[axis] * f64::from(self.counts[axis])) as i32).clamp(0, self.counts[axis] - 1)
+        })
+    }
+
+    fn insert(&mut self, index: u32, r: DVec3) {
+        self.members.entry(self.bin_of(r)).or_default().push(index);
+    }
+
+    /// The nearest of the points in the bins around `r`.
+    fn nearest(&self, points: &[DVec3], r: DVec3) -> Option<(usize, f64)> {
+        let home = self.bin_of(r);
+        let mut best: Option<(usize, f64)> = None;
+        let around = |axis: usize| -> Vec<i32> {
+            let count = self.counts[axis];
+            let mut bins: Vec<i32> = (-1..=1).map(|d| (home[axis] + d).rem_euclid(count)).collect();
+            bins.sort_unstable();
+            bins.dedup();
+            bins
+        };
+        let (xs, ys, zs) = (around(0), around(1), around(2));
+        for &x in &xs {
+            for &y in &ys {
+                for &z in &zs {
+                    for &k in self.members.get(&[x, y, z]).into_iter().flatten() {
+                        let d = self.cell.minimum_image(r - points[k as usize]).length();
+                        if best.is_none_or(|b| d < b.1) {
+                            best = Some((k as usize, d));
+                        }
+                    }
+                }
+            }
+        }
+        best
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_fcc_crystal_has_twelve_nearest_neighbors_at_the_right_distance() {
+        let cell = PeriodicBox::cubic_for_density(256, 0.8442).unwrap();
+        let fcc = [[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
+        let sites = lattice_sites(DVec3::ZERO, cell.lengths(), [4; 3], &fcc);
+        assert_eq!(sites.len(), 256);
+        let nearest = cell.lengths().x / 4.0 / 2.0_f64.sqrt();
+        for (i, a) in sites.iter().enumerate() {
+            let shell = sites
+                .iter()
+                .enumerate()
+                .filter(|(j, b)| *j != i && (cell.minimum_image(*a - **b).length() - nearest).abs() < 1e-12);
+            assert_eq!(shell.count(), 12);
+        }
+    }
+
+    #[test]
+    fn velocities_have_the_temperature_and_no_momentum() {
+        let dynamics = Dynamics::fluid(500);
+        let v = thermal_velocities(&dynamics, 500, 0.722, Streams::new(1));
+        assert!((dynamics.temperature(&v) - 0.722).abs() < 1e-14);
+        assert!(dynamics.momentum(&v).length() < 1e-12);
+    }
+
+    #[test]
+    fn random_points_keep_their_distance_even_in_the_dense_liquid() {
+        let cell = PeriodicBox::cubic_for_density(400, 0.8442).unwrap();
+        let points = random_points(&cell, 400, Streams::new(5)).unwrap();
+        let spacing = RANDOM_SPACING / 0.8442_f64.cbrt();
+        let closest = closest_pair(&cell, &points, 1.5).unwrap();
+        assert!(closest.distance >= spacing, "{closest:?}");
+        // The O(N²) answer agrees.
+        let mut brute = f64::INFINITY;
+        for i in 0..400 {
+            for j in 0..i {
+                brute = brute.min(cell.minimum_image(points[i] - points[j]).length());
+            }
+        }
+        assert_eq!(brute, closest.distance);
+    }
+
+    #[test]
+    fn the_closest_pair_is_found_across_the_face_of_the_box() {
+        let cell = PeriodicBox::new(DVec3::new(10.0, 1e6, 10.0)).unwrap();
+        let points = [DVec3::new(0.1, 5.0, 5.0), DVec3::new(9.8, 5.0, 5.0), DVec3::new(5.0, 5.0, f64::NAN)];
+        let pair = closest_pair(&cell, &points, 0.5).unwrap();
+        assert_eq!((pair.i, pair.j), (0, 1));
+        assert!((pair.distance - 0.3).abs() < 1e-12);
+        assert_eq!(closest_pair(&cell, &points, 0.2), None);
+    }
+}

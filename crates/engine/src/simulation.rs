@@ -1,0 +1,378 @@
+//! A simulation: the system, its forces, the stage that runs, and who watches; and the main loop.
+
+use std::time::Instant;
+
+use lennard_core::random::Streams;
+use lennard_core::{
+    Dynamics, Findings, ForceProvider, Integrator, Observable, PeriodicBox, Persist, RestoreError, State, StateReader,
+    StateWriter, StepError, TailCorrection, Thermostat, View, Want,
+};
+use lennard_integrators::Coupling;
+use lennard_observables::Thermodynamics;
+use lennard_scene::{Scene, Stage};
+
+use crate::initial;
+use crate::timers::Timers;
+use crate::watchdog::{self, Circumstances, PhysicsFailure, Symptom};
+
+/// An observable with its interval.
+pub struct Observer {
+    /// Steps between samples.
+    pub every: u64,
+    /// What samples.
+    pub observable: Box<dyn Observable>,
+}
+
+/// The stage under way: its method, its heat bath, and what the bath has put in.
+pub struct StageRun {
+    /// Index in the scene.
+    pub index: usize,
+    /// Steps done of it.
+    pub steps_done: u64,
+    /// Step size in τ.
+    pub dt: f64,
+    /// The method that advances the state.
+    pub method: Box<dyn Integrator>,
+    /// The heat bath between steps, if any.
+    pub thermostat: Option<Box<dyn Thermostat>>,
+    /// Σ heat since the stage began, ε.
+    pub heat: f64,
+    /// Conserved energy per particle at the start, ε.
+    pub start_energy: f64,
+}
+
+/// Everything that a run is made of.
+pub struct Simulation {
+    /// The scene as resolved.
+    pub scene: Scene,
+    /// The box.
+    pub cell: PeriodicBox,
+    /// Masses and degrees of freedom of the stage under way.
+    pub dynamics: Dynamics,
+    /// Positions, velocities, forces.
+    pub state: State,
+    /// The forces.
+    pub forces: Box<dyn ForceProvider + Send>,
+    /// The tail correction, if the scene has one.
+    pub tail: Option<TailCorrection>,
+    /// Random streams of the scene's seed.
+    pub streams: Streams,
+    /// The stage under way; `None` before the first.
+    pub stage: Option<StageRun>,
+    /// Thermodynamic averages of the measured stages.
+    pub thermodynamics: Thermodynamics,
+    /// The other observables, sampled in measured stages.
+    pub observers: Vec<Observer>,
+    /// Steps since the first measured stage began.
+    pub measured_steps: u64,
+    /// Where the time went.
+    pub timers: Timers,
+    /// Instruction set of the pair kernel, for the record.
+    pub isa: String,
+}
+
+/// What the main loop hands to those outside after each step.
+pub trait Follower {
+    /// The steps at which this follower wants something from the forces.
+    fn want(&self, scene: &Scene, step: u64, measured: bool) -> Want;
+    /// Called after each step with the simulation as it is; an error ends the run.
+    ///
+    /// # Errors
+    /// Whatever keeps the run from going on (a full disk).
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, crate::EngineError>;
+}
+
+/// Whether to go on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Go on.
+    Continue,
+    /// Stop after this step.
+    Stop,
+}
+
+/// Follows nothing.
+pub struct Nobody;
+
+impl Follower for Nobody {
+    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
+        Want::NOTHING
+    }
+    fn after_step(&mut self, _simulation: &mut Simulation) -> Result<Verdict, crate::EngineError> {
+        Ok(Verdict::Continue)
+    }
+}
+
+impl Simulation {
+    /// Runs stages until the scene's end, or until a follower says stop. `Ok(true)` at the end.
+    ///
+    /// # Errors
+    /// [`crate::EngineError`] where physics or a follower fails.
+    pub fn run(&mut self, follower: &mut dyn Follower) -> Result<bool, crate::EngineError> {
+        while self.enter_next_stage()? {
+            let steps = self.current_stage().steps;
+            while self.stage_run().steps_done < steps {
+                self.step(follower)?;
+                if follower.after_step(self)? == Verdict::Stop {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// One step: advance, couple to the bath, watch, sample.
+    fn step(&mut self, follower: &dyn Follower) -> Result<(), crate::EngineError> {
+        let next = self.state.step + 1;
+        let want = self.wanted_at(next) | follower.want(&self.scene, next, self.current_stage().measure);
+        let stage = self.stage.as_mut().expect("a stage has been entered");
+        let clock = Instant::now();
+        let report = stage
+            .method
+            .step(&self.dynamics, &mut self.state, self.forces.as_mut(), stage.dt, want)
+            .map_err(|error| self.failed(error))?;
+        let stage = self.stage.as_mut().expect("a stage has been entered");
+        stage.steps_done += 1;
+        stage.heat += report.heat;
+        let noise = self.streams.noise("thermostat");
+        let heat = stage
+            .thermostat
+            .as_mut()
+            .and_then(|bath| bath.apply(&self.dynamics, &mut self.state, stage.dt, &noise));
+        if let Some(heat) = heat {
+            stage.heat += heat;
+            if stage.method.spec().has_memory {
+                self.restart_method(want)?;
+            }
+        }
+        self.timers.step += clock.elapsed();
+        self.watch()?;
+        self.sample(next);
+        Ok(())
+    }
+
+    /// What the observables want at a step.
+    fn wanted_at(&self, step: u64) -> Want {
+        if !self.current_stage().measure {
+            return Want::NOTHING;
+        }
+        let mut want = Want::NOTHING;
+        if step.is_multiple_of(self.scene.output.thermo_every) {
+            want |= self.thermodynamics.want();
+        }
+        for observer in self.observers.iter().filter(|o| step.is_multiple_of(o.every)) {
+            want |= observer.observable.want();
+        }
+        want
+    }
+
+    /// Lets everyone look whose turn it is.
+    fn sample(&mut self, step: u64) {
+        if !self.current_stage().measure {
+            return;
+        }
+        self.measured_steps += 1;
+        let clock = Instant::now();
+        let view = View {
+            state: &self.state,
+            dynamics: &self.dynamics,
+            cell: &self.cell,
+            tail: self.tail,
+            heat: self.stage.as_ref().map_or(0.0, |s| s.heat),
+        };
+        if step.is_multiple_of(self.scene.output.thermo_every) {
+            self.thermodynamics.sample(&view);
+        }
+        for observer in self.observers.iter_mut().filter(|o| step.is_multiple_of(o.every)) {
+            observer.observable.sample(&view);
+        }
+        self.timers.observe += clock.elapsed();
+    }
+
+    /// Looks for signs of a run gone wrong.
+    fn watch(&self) -> Result<(), crate::EngineError> {
+        let stage = self.stage_run();
+        if let Some(energy) = self.conserved_energy_per_particle() {
+            watchdog::check_energy(stage.start_energy, energy).map_err(|s| self.diagnosed(s))?;
+        } else if !self.state.step.is_multiple_of(watchdog::EVERY) {
+            return Ok(());
+        }
+        watchdog::check_speeds(&self.state, stage.dt).map_err(|s| self.diagnosed(s))
+    }
+
+    /// (K + U_conserved − Σ heat)/N in ε, where the energy was asked for on this step.
+    #[must_use]
+    pub fn conserved_energy_per_particle(&self) -> Option<f64> {
+        let potential = self.state.energetics.conserved_potential?;
+        let heat = self.stage.as_ref().map_or(0.0, |s| s.heat);
+        Some((self.dynamics.kinetic_energy(&self.state.velocities) + potential - heat) / self.state.len() as f64)
+    }
+
+    /// Potential energy per particle in ε, with the tail where the scene has one, if asked for on this step.
+    #[must_use]
+    pub fn potential_energy_per_particle(&self) -> Option<f64> {
+        let tail = self.tail.map_or(0.0, |t| t.energy_per_particle);
+        Some(self.state.energetics.potential_energy? / self.state.len() as f64 + tail)
+    }
+
+    /// Pressure P = ρT + W/(3V) + tail in ε/σ³, if the virial was asked for on this step.
+    #[must_use]
+    pub fn pressure(&self) -> Option<f64> {
+        let volume = self.cell.volume();
+        let density = self.state.len() as f64 / volume;
+        let temperature = self.dynamics.temperature(&self.state.velocities);
+        let tail = self.tail.map_or(0.0, |t| t.pressure);
+        Some(density * temperature + self.state.energetics.scalar_virial()? / (3.0 * volume) + tail)
+    }
+
+    /// Moves on to the next stage where the current one is done; `false` at the end of the scene.
+    fn enter_next_stage(&mut self) -> Result<bool, crate::EngineError> {
+        let index = match &self.stage {
+            None => 0,
+            Some(stage) if stage.steps_done < self.scene.stages[stage.index].steps => return Ok(true),
+            Some(stage) => stage.index + 1,
+        };
+        if index >= self.scene.stages.len() {
+            return Ok(false);
+        }
+        let was_noisy = self.stage.as_ref().is_some_and(|s| !s.method.spec().conserves_momentum);
+        self.stage = Some(self.stage_run_for(index));
+        let stage = self.stage_run();
+        let conserves = stage.method.spec().conserves_momentum;
+        self.dynamics = Dynamics::fluid(self.state.len());
+        if !conserves {
+            self.dynamics.n_dof = 3.0 * self.state.len() as f64;
+        } else if was_noisy {
+            // A Langevin stage leaves the fluid drifting; n_dof = 3N − 3 assumes that it does not.
+            initial::remove_drift(&self.dynamics, &mut self.state.velocities);
+        }
+        self.restart_method(Want::ENERGY)?;
+        let energy = self.conserved_energy_per_particle();
+        self.stage.as_mut().expect("just entered").start_energy = energy.unwrap_or(f64::NAN);
+        Ok(true)
+    }
+
+    /// A fresh method and bath for a stage.
+    fn stage_run_for(&self, index: usize) -> StageRun {
+        let plan = &self.scene.stages[index];
+        let noise = self.streams.noise("thermostat");
+        let (method, thermostat) = match &plan.thermostat {
+            None => (lennard_integrators::build(&self.scene.integrator.method), None),
+            Some(options) => match lennard_integrators::couple(options, plan.temperature, noise) {
+                Coupling::Integrator(method) => (method, None),
+                Coupling::Thermostat(bath) => {
+                    (lennard_integrators::build(&self.scene.integrator.method), Some(bath))
+                }
+            },
+        };
+        StageRun {
+            index,
+            steps_done: 0,
+            dt: plan.dt.unwrap_or(self.scene.integrator.dt),
+            method,
+            thermostat,
+            heat: 0.0,
+            start_energy: f64::NAN,
+        }
+    }
+
+    /// Starts the method anew from the state as it is.
+    fn restart_method(&mut self, want: Want) -> Result<(), crate::EngineError> {
+        let stage = self.stage.as_mut().expect("a stage has been entered");
+        stage
+            .method
+            .start(&self.dynamics, &mut self.state, self.forces.as_mut(), stage.dt, want)
+            .map_err(|error| self.failed(error))
+    }
+
+    /// Averages, tables and remarks of all observables, thermodynamics first.
+    #[must_use]
+    pub fn findings(&self) -> Vec<Findings> {
+        let first = std::iter::once(self.thermodynamics.finish());
+        first.chain(self.observers.iter().map(|o| o.observable.finish())).collect()
+    }
+
+    /// The stage under way.
+    ///
+    /// # Panics
+    /// Before the first stage: callers run inside the loop.
+    #[must_use]
+    pub fn stage_run(&self) -> &StageRun {
+        self.stage.as_ref().expect("a stage has been entered")
+    }
+
+    /// The scene's description of the stage under way.
+    #[must_use]
+    pub fn current_stage(&self) -> &Stage {
+        &self.scene.stages[self.stage_run().index]
+    }
+
+    fn failed(&self, error: StepError) -> crate::EngineError {
+        match error {
+            StepError::Force(e) => self.diagnosed(Symptom::NonFinite(e)),
+            StepError::NotConverged { .. } => self.diagnosed(Symptom::Method(error)),
+            // Everything else is a combination that the scene should not ask for.
+            other => self.scene.source.invalid("integrator.kind", other, "a method that suits the forces").into(),
+        }
+    }
+
+    fn diagnosed(&self, symptom: Symptom) -> crate::EngineError {
+        let plan = self.current_stage();
+        let stage = self.stage_run();
+        let spec = stage.method.spec();
+        let at = Circumstances {
+            stage: &plan.name,
+            method: spec.name,
+            dt: stage.dt,
+            dt_limit: spec.stability_limit.map(|limit| watchdog::rough_stable_dt(plan.temperature, limit)),
+            steps_into_stage: stage.steps_done,
+        };
+        let failure: PhysicsFailure = watchdog::diagnose(&self.state, &self.cell, at, symptom);
+        crate::EngineError::Physics(Box::new(failure))
+    }
+}
+
+impl Persist for Simulation {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.state.save(&mut to.section("state"));
+        self.forces.save(&mut to.section("forces"));
+        self.thermodynamics.save(&mut to.section("thermodynamics"));
+        for (i, observer) in self.observers.iter().enumerate() {
+            observer.observable.save(&mut to.section(&format!("observer-{i}")));
+        }
+        to.put_u64("measured_steps", &[self.measured_steps]);
+        to.put_f64("n_dof", &[self.dynamics.n_dof]);
+        if let Some(stage) = &self.stage {
+            to.put_u64("stage", &[stage.index as u64, stage.steps_done]);
+            to.put_f64("stage_energy", &[stage.heat, stage.start_energy]);
+            stage.method.save(&mut to.section("method"));
+            if let Some(bath) = &stage.thermostat {
+                bath.save(&mut to.section("thermostat"));
+            }
+        }
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.state.restore(&from.section("state"))?;
+        self.forces.restore(&from.section("forces"))?;
+        self.thermodynamics.restore(&from.section("thermodynamics"))?;
+        for (i, observer) in self.observers.iter_mut().enumerate() {
+            observer.observable.restore(&from.section(&format!("observer-{i}")))?;
+        }
+        [self.measured_steps] = from.u64s("measured_steps")?;
+        [self.dynamics.n_dof] = from.f64s("n_dof")?;
+        let [index, steps_done] = from.u64s("stage")?;
+        if index as usize >= self.scene.stages.len() {
+            return Err(from.misfit("stage", format!("stage {index} of {}", self.scene.stages.len())));
+        }
+        let mut stage = self.stage_run_for(index as usize);
+        stage.steps_done = steps_done;
+        [stage.heat, stage.start_energy] = from.f64s("stage_energy")?;
+        stage.method.restore(&from.section("method"))?;
+        if let Some(bath) = &mut stage.thermostat {
+            bath.restore(&from.section("thermostat"))?;
+        }
+        self.stage = Some(stage);
+        Ok(())
+    }
+}

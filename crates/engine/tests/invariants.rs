@@ -1,0 +1,166 @@
+//! What must hold whatever the scene: bits, splits, observers, conservation, and failing well.
+
+use lennard_core::{Persist, StateArchive, Want};
+use lennard_engine::{EngineError, Follower, Nobody, Simulation, Verdict, simulation};
+use lennard_scene::Scene;
+
+/// A liquid near its triple point, 256 particles, one measured stage.
+const LIQUID: &str = r#"
+    [system]
+    lattice = "fcc"
+    n_atoms = 256
+    density = 0.8442
+    temperature = 1.4
+    seed = 11
+    [truncation]
+    kind = "switch"
+    r_cut = 2.5
+    [integrator]
+    kind = "velocity-verlet"
+    dt = 0.004
+    [[stage]]
+    name = "production"
+    steps = 1000
+    [output]
+    thermo_every = 10
+"#;
+
+fn scene(overrides: &[(&str, &str)]) -> Scene {
+    let overrides: Vec<_> = overrides.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
+    Scene::parse(LIQUID, "liquid.toml", &overrides).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn build(overrides: &[(&str, &str)]) -> Simulation {
+    simulation(scene(overrides)).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Everything that later steps depend on, to the bit.
+fn archive(simulation: &Simulation) -> StateArchive {
+    let mut archive = StateArchive::default();
+    simulation.save(&mut archive.writer());
+    archive
+}
+
+/// Positions, velocities and forces as bits.
+fn bits(simulation: &Simulation) -> Vec<[u64; 3]> {
+    let s = &simulation.state;
+    let all = s.positions.iter().chain(&s.velocities).chain(&s.forces);
+    all.map(|v| v.to_array().map(f64::to_bits)).collect()
+}
+
+/// Stops after a number of steps.
+struct StopAt(u64);
+
+impl Follower for StopAt {
+    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
+        Want::NOTHING
+    }
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+        Ok(if simulation.state.step == self.0 { Verdict::Stop } else { Verdict::Continue })
+    }
+}
+
+fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
+}
+
+#[test]
+fn the_bits_are_the_same_for_any_number_of_threads() {
+    // 864 particles as in the issue of 1967, and 6912 so that sweeps and sums have several chunks.
+    for (n, steps) in [("864", "2000"), ("6912", "200")] {
+        let run = |threads| {
+            on_threads(threads, || {
+                let mut s = build(&[("system.n_atoms", n), ("stage.0.steps", steps)]);
+                s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+                bits(&s)
+            })
+        };
+        let one = run(1);
+        for threads in [2, 3, 8] {
+            assert!(run(threads) == one, "{n} particles on {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn a_run_split_through_a_saved_state_goes_on_to_the_bit() {
+    let methods = ["velocity-verlet", "stormer-verlet", "leapfrog", "symplectic-euler"];
+    let baths = [None, Some("rescale"), Some("bussi"), Some("langevin")];
+    let every = r#"[{kind="rdf", every=20}, {kind="msd", every=10}, {kind="vacf", every=5}, {kind="pressure-tensor", every=10}]"#;
+    for method in methods {
+        for bath in baths {
+            let mut overrides = vec![("integrator.kind", method), ("observable", every)];
+            overrides.extend(bath.map(|b| ("stage.0.thermostat", b)));
+            let mut whole = build(&overrides);
+            assert!(whole.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}")));
+
+            let mut first = build(&overrides);
+            assert!(!first.run(&mut StopAt(400)).unwrap_or_else(|e| panic!("{e}")));
+            let saved = archive(&first);
+            let mut second = build(&overrides);
+            second.restore(&saved.reader()).unwrap_or_else(|e| panic!("{method} {bath:?}: {e}"));
+            assert!(second.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}")));
+
+            assert_eq!(second.state.step, 1000);
+            assert!(bits(&second) == bits(&whole), "{method} with {bath:?}");
+            assert!(archive(&second) == archive(&whole), "{method} with {bath:?}");
+            // Going on in the same simulation is the same again.
+            assert!(first.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}")));
+            assert!(bits(&first) == bits(&whole), "{method} with {bath:?}");
+        }
+    }
+}
+
+#[test]
+fn observing_changes_no_bit_of_the_trajectory() {
+    let mut bare = build(&[("output.thermo_every", "1000")]);
+    bare.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+    let every = r#"[{kind="rdf", every=7}, {kind="msd", every=3}, {kind="vacf", every=5}, {kind="pressure-tensor", every=2}, {kind="momentum", every=1}]"#;
+    let mut watched = build(&[("output.thermo_every", "1"), ("observable", every)]);
+    watched.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+    assert!(bits(&watched) == bits(&bare));
+    assert!(watched.thermodynamics.series().time.len() > bare.thermodynamics.series().time.len());
+}
+
+#[test]
+fn momentum_is_conserved_and_the_temperature_is_the_one_asked_for_at_the_start() {
+    let mut s = build(&[]);
+    assert!((s.dynamics.temperature(&s.state.velocities) - 1.4).abs() < 1e-13);
+    s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+    // Each step adds roundings of the kicks: N·√steps·ε_machine·|v| ≈ 256·30·1e-16·3, and a margin of ten.
+    assert!(s.dynamics.momentum(&s.state.velocities).length() < 2e-10);
+}
+
+#[test]
+fn the_energy_fluctuation_falls_as_the_square_of_dt() {
+    let rms = |dt: &str, steps: &str| {
+        let melt = ["[{name=\"melt\", steps=2000, thermostat=\"bussi\", temperature=0.8, dt=0.004}, {name=\"production\", steps=", steps, "}]"];
+        let stages = melt.concat();
+        let mut s = build(&[("integrator.dt", dt), ("stage", &stages), ("output.thermo_every", "1")]);
+        s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+        s.thermodynamics.conservation().energy_rms_per_atom
+    };
+    // The same 8 τ of the same liquid at both steps.
+    let (coarse, fine) = (rms("0.008", "1000"), rms("0.002", "4000"));
+    let exponent = (coarse / fine).ln() / 4.0_f64.ln();
+    assert!((exponent - 2.0).abs() < 0.1, "RMS {coarse:e} at dt = 0.008, {fine:e} at 0.002: exponent {exponent}");
+}
+
+#[test]
+fn a_step_far_too_large_stops_the_run_and_says_why() {
+    let mut s = build(&[("integrator.dt", "0.08")]);
+    let error = s.run(&mut Nobody).expect_err("dt = 0.08 is far past the limit of stability");
+    assert_eq!(error.exit_code(), 3);
+    let text = error.to_string();
+    assert!(text.contains("dt = 0.08 τ is too large"), "{text}");
+    assert!(matches!(error, EngineError::Physics(_)));
+}
+
+#[test]
+fn no_list_is_ever_late() {
+    let mut s = build(&[("system.temperature", "3")]);
+    s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+    let statistics = s.forces.statistics();
+    assert_eq!(statistics.late_builds, 0);
+    assert_eq!(statistics.evaluations, 1001);
+}

@@ -1,0 +1,150 @@
+//! Why a force field cannot be built, with the scene key that each reason is about.
+
+/// Why a force field cannot be built.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ForceFieldError {
+    /// A cutoff that is not a finite positive number.
+    #[error("the cutoff must be a finite positive number, found {0}")]
+    BadCutoff(f64),
+    /// A cutoff beyond half the shortest side of the box.
+    #[error("the cutoff {r_cut} is over half the shortest side of the box, {largest}")]
+    CutoffOverHalfBox {
+        /// The cutoff found, σ.
+        r_cut: f64,
+        /// The largest legal one, σ.
+        largest: f64,
+    },
+    /// A cutoff inside the minimum of the Weeks–Chandler–Andersen potential.
+    #[error("the WCA potential ends at 2^(1/6) σ: a cutoff of {0} would cut into it")]
+    CutoffInsideWca(f64),
+    /// A WCA potential with a switch.
+    #[error("the WCA potential ends smoothly by itself and takes no switch")]
+    SwitchedWca,
+    /// A switch that does not begin between 0 and the cutoff.
+    #[error("the switch must begin between 0 and r_cut = {r_cut}, found {found}")]
+    BadSwitch {
+        /// The start of the switch found, σ.
+        found: f64,
+        /// The cutoff, σ.
+        r_cut: f64,
+    },
+    /// A start of a switch without a switch.
+    #[error("`switch_from` belongs to the switch truncation alone")]
+    SwitchWithoutSwitch(f64),
+    /// A tail correction with anything but the plain cutoff.
+    #[error("a tail correction belongs to the plain cutoff alone, not to `{0}`")]
+    TailWithoutCut(&'static str),
+    /// An exponent outside the range that the kernels and the tail integrals allow.
+    #[error("the soft-sphere exponent {0} is out of range")]
+    BadExponent(u32),
+    /// A skin that is negative or not a finite number.
+    #[error("the skin must be a finite number, zero or more, found {0}")]
+    BadSkin(f64),
+    /// A skin fixed by hand that does not fit the box.
+    #[error("a skin of {skin} makes the list radius larger than half the box: at most {largest}")]
+    SkinTooLarge {
+        /// The skin found, σ.
+        skin: f64,
+        /// The largest legal one, σ.
+        largest: f64,
+    },
+    /// A skin fixed by hand where no list is used.
+    #[error("a skin is set and the list mode is `direct`, which has none")]
+    SkinWithoutList(f64),
+    /// An instruction set that this processor lacks.
+    #[error("this processor does not have the instruction set `{0}`")]
+    IsaNotAvailable(&'static str),
+    /// A split radius outside (0, r_cut).
+    #[error("the split radius must lie between 0 and r_cut = {r_cut}, found {found}")]
+    BadSplit {
+        /// The split radius found, σ.
+        found: f64,
+        /// The cutoff, σ.
+        r_cut: f64,
+    },
+    /// A split width outside (0, r_split].
+    #[error("the split width must lie between 0 and the split radius, found {0}")]
+    BadSplitWidth(f64),
+    /// No particle at all.
+    #[error("there is no particle")]
+    NoParticles,
+    /// More particles than list entries can number.
+    #[error("{0} particles are more than a list can number")]
+    TooManyParticles(usize),
+}
+
+impl ForceFieldError {
+    /// The scene key that this is about.
+    #[must_use]
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::BadCutoff(_) | Self::CutoffOverHalfBox { .. } | Self::CutoffInsideWca(_) => {
+                "truncation.r_cut"
+            }
+            Self::SwitchedWca => "truncation.kind",
+            Self::BadSwitch { .. } | Self::SwitchWithoutSwitch(_) => "truncation.switch_from",
+            Self::TailWithoutCut(_) => "truncation.tail_correction",
+            Self::BadExponent(_) => "potential.exponent",
+            Self::BadSkin(_) | Self::SkinTooLarge { .. } | Self::SkinWithoutList(_) => {
+                "neighbor.skin"
+            }
+            Self::IsaNotAvailable(_) => "kernel.isa",
+            Self::BadSplit { .. } => "integrator.r_split",
+            Self::BadSplitWidth(_) => "integrator.split_width",
+            Self::NoParticles | Self::TooManyParticles(_) => "system.n_atoms",
+        }
+    }
+
+    /// The value found.
+    #[must_use]
+    pub fn found(&self) -> String {
+        match self {
+            Self::BadCutoff(x)
+            | Self::CutoffInsideWca(x)
+            | Self::SwitchWithoutSwitch(x)
+            | Self::BadSkin(x)
+            | Self::SkinWithoutList(x)
+            | Self::BadSplitWidth(x) => x.to_string(),
+            Self::CutoffOverHalfBox { r_cut, .. } => r_cut.to_string(),
+            Self::SwitchedWca => "switch".into(),
+            Self::BadSwitch { found, .. } | Self::BadSplit { found, .. } => found.to_string(),
+            Self::TailWithoutCut(kind) => format!("true with kind = \"{kind}\""),
+            Self::BadExponent(n) => n.to_string(),
+            Self::SkinTooLarge { skin, .. } => skin.to_string(),
+            Self::IsaNotAvailable(isa) => (*isa).into(),
+            Self::NoParticles => "0".into(),
+            Self::TooManyParticles(n) => n.to_string(),
+        }
+    }
+
+    /// The values allowed.
+    #[must_use]
+    pub fn allowed(&self) -> String {
+        match self {
+            Self::BadCutoff(_) => "a finite number above 0, at most half the shortest side".into(),
+            Self::CutoffOverHalfBox { largest, .. } => {
+                format!("at most {largest}, half the shortest side of the box")
+            }
+            Self::CutoffInsideWca(_) => "at least 2^(1/6) = 1.1225, or nothing at all".into(),
+            Self::SwitchedWca => "cut or shift".into(),
+            Self::BadSwitch { r_cut, .. } => format!("above 0 and below r_cut = {r_cut}"),
+            Self::SwitchWithoutSwitch(_) => "only with kind = \"switch\"".into(),
+            Self::TailWithoutCut(_) => "false, or kind = \"cut\"".into(),
+            Self::BadExponent(_) => format!(
+                "from {} to {}",
+                crate::potential::SMALLEST_EXPONENT,
+                crate::potential::LARGEST_EXPONENT
+            ),
+            Self::BadSkin(_) => "a finite number, 0 or more".into(),
+            Self::SkinTooLarge { largest, .. } => {
+                format!("at most {largest}, so that r_cut + skin fits half the box")
+            }
+            Self::SkinWithoutList(_) => "only with mode = \"auto\" or \"verlet\"".into(),
+            Self::IsaNotAvailable(_) => "auto, or one that this processor has".into(),
+            Self::BadSplit { r_cut, .. } => format!("above 0 and below r_cut = {r_cut}"),
+            Self::BadSplitWidth(_) => "above 0 and at most r_split".into(),
+            Self::NoParticles => "at least 1".into(),
+            Self::TooManyParticles(_) => format!("at most {}", crate::plan::LARGEST_N),
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! What a scene file may say about forces: potential, truncation, list and kernel.
+
+use serde::{Deserialize, Serialize};
+
+/// The pair potential U(r), before any truncation, in reduced units.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum PotentialOptions {
+    /// Lennard-Jones 12-6, U = 4·(r⁻¹² − r⁻⁶).
+    LennardJones {},
+    /// Weeks–Chandler–Andersen: Lennard-Jones + 1 up to its minimum at 2^{1/6} σ, zero beyond. Its
+    /// own cutoff replaces `truncation.r_cut`.
+    Wca {},
+    /// Soft sphere, U = r⁻ⁿ.
+    SoftSphere {
+        /// The exponent n; at least 4, so that the tail integrals exist.
+        #[serde(default = "default_exponent")]
+        exponent: u32,
+    },
+}
+
+fn default_exponent() -> u32 {
+    12
+}
+
+impl Default for PotentialOptions {
+    fn default() -> Self {
+        Self::LennardJones {}
+    }
+}
+
+/// How the potential ends at r_cut.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TruncationKind {
+    /// Plain cutoff: U as it is up to r_cut, zero beyond; the energy jumps there.
+    #[default]
+    Cut,
+    /// U − U(r_cut): the same forces as the plain cutoff, and a continuous energy.
+    Shift,
+    /// U − U(r_cut) − U′(r_cut)·(r − r_cut): energy and force are continuous.
+    ForceShift,
+    /// U·S with a quintic S in r², from 1 at `switch_from` to 0 at r_cut: energy, force and
+    /// curvature are continuous.
+    Switch,
+}
+
+/// The scene table `[truncation]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "TruncationTable", into = "TruncationTable")]
+pub struct TruncationOptions {
+    /// How the potential ends.
+    pub kind: TruncationKind,
+    /// Cutoff radius r_cut, σ; pairs with r ≤ r_cut count.
+    pub r_cut: f64,
+    /// Where the switch begins, σ; for [`TruncationKind::Switch`] alone. Default 0.8·r_cut.
+    pub switch_from: Option<f64>,
+    /// Whether means are corrected for the tail beyond r_cut; for [`TruncationKind::Cut`] alone,
+    /// and on there unless the scene says otherwise.
+    pub tail_correction: bool,
+}
+
+/// The table as written: an absent `tail_correction` means "on for the plain cutoff".
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TruncationTable {
+    #[serde(default)]
+    kind: TruncationKind,
+    #[serde(default = "default_r_cut")]
+    r_cut: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    switch_from: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    tail_correction: Option<bool>,
+}
+
+/// The customary cutoff of the Lennard-Jones fluid, σ.
+const DEFAULT_R_CUT: f64 = 2.5;
+
+fn default_r_cut() -> f64 {
+    DEFAULT_R_CUT
+}
+
+impl From<TruncationTable> for TruncationOptions {
+    fn from(table: TruncationTable) -> Self {
+        Self {
+            kind: table.kind,
+            r_cut: table.r_cut,
+            switch_from: table.switch_from,
+            tail_correction: table
+                .tail_correction
+                .unwrap_or(table.kind == TruncationKind::Cut),
+        }
+    }
+}
+
+impl From<TruncationOptions> for TruncationTable {
+    fn from(options: TruncationOptions) -> Self {
+        Self {
+            kind: options.kind,
+            r_cut: options.r_cut,
+            switch_from: options.switch_from,
+            tail_correction: Some(options.tail_correction),
+        }
+    }
+}
+
+impl TruncationOptions {
+    /// A truncation of this kind at `r_cut` σ, with the tail correction on for the plain cutoff.
+    #[must_use]
+    pub fn new(kind: TruncationKind, r_cut: f64) -> Self {
+        Self {
+            kind,
+            r_cut,
+            switch_from: None,
+            tail_correction: kind == TruncationKind::Cut,
+        }
+    }
+}
+
+impl Default for TruncationOptions {
+    fn default() -> Self {
+        Self::new(TruncationKind::Cut, DEFAULT_R_CUT)
+    }
+}
+
+/// How neighbors are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ListMode {
+    /// Chosen from the scene: a list where box and number of particles let it pay.
+    #[default]
+    Auto,
+    /// Every pair, every time.
+    Direct,
+    /// A Verlet list over a cell grid.
+    Verlet,
+}
+
+/// The scene table `[neighbor]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct NeighborOptions {
+    /// How neighbors are found.
+    pub mode: ListMode,
+    /// The skin r_list − r_cut in σ, fixed by hand; chosen from density, temperature and dt where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skin: Option<f64>,
+}
+
+/// Which force loop runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kernel {
+    /// The fastest that suits the scene.
+    #[default]
+    Auto,
+    /// The ten-line double loop over all pairs, scalar, serial: what every other one is judged by.
+    Reference,
+}
+
+/// In which precision pairs are computed; sums and integration are always in double.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Precision {
+    /// Everything in f64.
+    #[default]
+    Double,
+    /// Pairs in f32 on coordinate differences that are exact, sums in f64.
+    Mixed,
+}
+
+/// Which instruction set the pair loop uses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Isa {
+    /// The widest that this processor has.
+    #[default]
+    Auto,
+    /// AVX-512 (F, BW, DQ and VL).
+    Avx512,
+    /// AVX2 with FMA.
+    Avx2,
+    /// No particular instruction set.
+    Portable,
+}
+
+/// The scene table `[kernel]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct KernelOptions {
+    /// Which force loop runs.
+    pub kernel: Kernel,
+    /// In which precision pairs are computed.
+    pub precision: Precision,
+    /// Which instruction set the pair loop uses.
+    pub isa: Isa,
+}
+
+/// A split of the pair force by distance, for multiple-time-step integrators.
+///
+/// The near part carries the weight w(r) = 1 up to `r_split − width`, falling smoothly to 0 at
+/// `r_split`; the far part carries 1 − w.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SplitOptions {
+    /// Where the near part ends, σ.
+    pub r_split: f64,
+    /// Over which distance it ends, σ.
+    pub width: f64,
+}
+
+/// Everything that decides what the forces are and how they are computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ForceFieldOptions {
+    /// The pair potential.
+    pub potential: PotentialOptions,
+    /// How it ends.
+    pub truncation: TruncationOptions,
+    /// How neighbors are found.
+    pub neighbor: NeighborOptions,
+    /// Which loop computes.
+    pub kernel: KernelOptions,
+    /// The split into a near and a far part; set by whoever runs a method that asks for parts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub split: Option<SplitOptions>,
+    /// Whether forces must be a pure function of the positions, to the bit, whatever the list, its
+    /// history and the number of threads: the bit-reversible integrator needs that.
+    pub canonical: bool,
+}

@@ -1,0 +1,272 @@
+//! Which loop runs, with which list: decided from the scene, never from a clock.
+
+use lennard_core::PeriodicBox;
+use lennard_neighbor::skin::{SkinInputs, cheapest_skin};
+use serde::Serialize;
+
+use crate::error::ForceFieldError;
+use crate::form::Model;
+use crate::options::{ForceFieldOptions, Kernel, ListMode, Precision};
+use crate::simd::Level;
+
+/// The largest number of particles: rows, ghosts included, are numbered in 32 bits.
+pub const LARGEST_N: usize = 500_000_000;
+/// Up to this many particles all pairs cost no more than a list.
+const DIRECT_UP_TO: usize = 128;
+/// A list with a skin below this, σ, is rebuilt at almost every step.
+const USELESS_SKIN: f64 = 0.05;
+/// Up to this many particles all pairs are still better than a list with a useless skin.
+const DIRECT_OVER_USELESS_SKIN: usize = 1024;
+/// Share of the box side by which r_cut must stay below half of it for ghosts to be unambiguous: at
+/// exactly half, two images of one particle are equally near.
+const TIE_MARGIN: f64 = 1e-9;
+/// Fewer particles than this for each thread cost more in waiting than they save.
+const ATOMS_PER_THREAD: usize = 400;
+
+/// What the forces are for: box, particles, and the motion that the list must last through.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conditions {
+    /// The periodic box.
+    pub cell: PeriodicBox,
+    /// Number of particles.
+    pub n_atoms: usize,
+    /// The highest temperature of the run, ε/k_B.
+    pub temperature: f64,
+    /// The time step, τ.
+    pub dt: f64,
+}
+
+/// How pairs are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Search {
+    /// All pairs, by the serial reference loop.
+    Reference,
+    /// All pairs.
+    Direct,
+    /// A Verlet list over a cell grid.
+    Verlet,
+}
+
+/// What was decided, for `plan` and for the run record.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ForcePlan {
+    /// The model in words.
+    pub model: String,
+    /// How pairs are found.
+    pub search: Search,
+    /// Why, in words.
+    pub reason: String,
+    /// The cutoff in force, σ.
+    pub r_cut: f64,
+    /// The skin, σ; 0 where there is no list.
+    pub skin: f64,
+    /// The list radius r_cut + skin, σ; the cutoff where there is no list.
+    pub r_list: f64,
+    /// The loop: `reference`, `direct`, `rows` or `canonical`.
+    pub kernel: &'static str,
+    /// The instruction set of the loop: `avx512`, `avx2` or `portable`.
+    pub isa: &'static str,
+    /// The precision of pairs: `double` or `mixed`.
+    pub precision: Precision,
+    /// Threads worth using for this many particles.
+    pub recommended_threads: usize,
+    /// Estimate of the bytes held by lists and private copies.
+    pub estimated_bytes: u64,
+}
+
+/// The number of threads worth using for `n_atoms` particles, at most `available`.
+///
+/// A pure function of its arguments; the bits of a run do not depend on it.
+#[must_use]
+pub fn recommended_threads(n_atoms: usize, available: usize) -> usize {
+    (n_atoms / ATOMS_PER_THREAD).clamp(1, available.max(1))
+}
+
+/// The decision as the provider needs it.
+#[derive(Debug, Clone)]
+pub(crate) struct Decision {
+    pub model: Model,
+    pub level: Level,
+    /// The precision of the loop that runs: direct sums are always double.
+    pub precision: Precision,
+    /// Whether forces must be (or simply are) a pure function of the positions.
+    pub pure: bool,
+    pub plan: ForcePlan,
+}
+
+pub(crate) fn decide(
+    o: &ForceFieldOptions,
+    c: &Conditions,
+) -> Result<Decision, ForceFieldError> {
+    let model = Model::new(&o.potential, &o.truncation)?;
+    if c.n_atoms == 0 {
+        return Err(ForceFieldError::NoParticles);
+    }
+    if c.n_atoms > LARGEST_N {
+        return Err(ForceFieldError::TooManyParticles(c.n_atoms));
+    }
+    let r_cut = model.r_cut;
+    let largest = c.cell.largest_cutoff();
+    if r_cut > largest {
+        return Err(ForceFieldError::CutoffOverHalfBox { r_cut, largest });
+    }
+    let level = Level::choose(o.kernel.isa).ok_or(ForceFieldError::IsaNotAvailable(
+        match o.kernel.isa {
+            crate::Isa::Avx512 => "avx512",
+            crate::Isa::Avx2 => "avx2",
+            crate::Isa::Auto | crate::Isa::Portable => "portable",
+        },
+    ))?;
+    check_split(o, r_cut)?;
+    let (search, skin, reason) = search(o, c, r_cut)?;
+
+    let tie = largest - r_cut < TIE_MARGIN * largest;
+    let pure = o.canonical || search != Search::Verlet || tie;
+    let precision = if pure {
+        Precision::Double
+    } else {
+        o.kernel.precision
+    };
+    let kernel = match search {
+        Search::Reference => "reference",
+        Search::Direct => "direct",
+        Search::Verlet if pure => "canonical",
+        Search::Verlet => "rows",
+    };
+    let isa = if pure { Level::Portable } else { level };
+    let mut reason = reason;
+    if pure && o.kernel.precision == Precision::Mixed {
+        reason.push_str("; this loop is always in double precision");
+    }
+    let plan = ForcePlan {
+        model: crate::form::model_name(o),
+        search,
+        reason,
+        r_cut,
+        skin,
+        r_list: r_cut + skin,
+        kernel,
+        isa: isa.name(),
+        precision,
+        recommended_threads: recommended_threads(c.n_atoms, usize::MAX),
+        estimated_bytes: estimate_bytes(c, search, r_cut + skin, precision),
+    };
+    Ok(Decision {
+        model,
+        level,
+        precision,
+        pure,
+        plan,
+    })
+}
+
+fn check_split(o: &ForceFieldOptions, r_cut: f64) -> Result<(), ForceFieldError> {
+    let Some(split) = o.split else { return Ok(()) };
+    if !(split.r_split > 0.0 && split.r_split < r_cut) {
+        return Err(ForceFieldError::BadSplit {
+            found: split.r_split,
+            r_cut,
+        });
+    }
+    if !(split.width > 0.0 && split.width <= split.r_split) {
+        return Err(ForceFieldError::BadSplitWidth(split.width));
+    }
+    Ok(())
+}
+
+/// Chooses how pairs are found, with the skin and the reason.
+fn search(
+    o: &ForceFieldOptions,
+    c: &Conditions,
+    r_cut: f64,
+) -> Result<(Search, f64, String), ForceFieldError> {
+    let n = c.n_atoms;
+    let largest_skin = c.cell.largest_cutoff() - r_cut;
+    if let Some(skin) = o.neighbor.skin {
+        if !(skin.is_finite() && skin >= 0.0) {
+            return Err(ForceFieldError::BadSkin(skin));
+        }
+        if o.neighbor.mode == ListMode::Direct {
+            return Err(ForceFieldError::SkinWithoutList(skin));
+        }
+        if r_cut + skin > c.cell.largest_cutoff() {
+            return Err(ForceFieldError::SkinTooLarge {
+                skin,
+                largest: largest_skin,
+            });
+        }
+    }
+    if o.kernel.kernel == Kernel::Reference {
+        return Ok((
+            Search::Reference,
+            0.0,
+            "the reference loop was asked for".into(),
+        ));
+    }
+    let cheapest = cheapest_skin(&SkinInputs {
+        n_atoms: n,
+        temperature: c.temperature,
+        dt: c.dt,
+        r_cut,
+    });
+    let chosen = cheapest.min(largest_skin);
+    match (o.neighbor.mode, o.neighbor.skin) {
+        (ListMode::Direct, _) => Ok((
+            Search::Direct,
+            0.0,
+            "the scene asks for a direct sum".into(),
+        )),
+        (_, Some(skin)) => Ok((
+            Search::Verlet,
+            skin,
+            format!("the scene fixes a skin of {skin} σ"),
+        )),
+        (ListMode::Verlet, None) => Ok((
+            Search::Verlet,
+            chosen,
+            "the scene asks for a Verlet list".into(),
+        )),
+        (ListMode::Auto, None) if n <= DIRECT_UP_TO => Ok((
+            Search::Direct,
+            0.0,
+            format!("{n} particles are so few that no list pays"),
+        )),
+        (ListMode::Auto, None) if chosen < USELESS_SKIN && n <= DIRECT_OVER_USELESS_SKIN => Ok((
+            Search::Direct,
+            0.0,
+            format!("half the box leaves only {largest_skin:.3} σ of skin beyond r_cut"),
+        )),
+        (ListMode::Auto, None) => {
+            let limit = if chosen < cheapest {
+                ", held to half the box"
+            } else {
+                ""
+            };
+            Ok((
+                Search::Verlet,
+                chosen,
+                format!("skin from density, temperature and dt by a cost model{limit}"),
+            ))
+        }
+    }
+}
+
+/// Bytes of the lists and private copies, from the mean number of neighbors.
+fn estimate_bytes(c: &Conditions, search: Search, r_list: f64, precision: Precision) -> u64 {
+    let n = c.n_atoms as f64;
+    if search != Search::Verlet {
+        return (n * 24.0) as u64;
+    }
+    let lengths = c.cell.lengths();
+    let density = n / c.cell.volume();
+    let neighbors = density * 4.0 / 3.0 * std::f64::consts::PI * r_list.powi(3);
+    let rows = n * ((lengths + 2.0 * r_list) / lengths).element_product();
+    // Entries of 16 bits, padded by half a register on average; tables by place and by row.
+    let entries = n * (neighbors + 6.0) * 2.0;
+    let row_bytes = match precision {
+        Precision::Double => 32.0 * rows,
+        Precision::Mixed => 16.0 * n,
+    };
+    (entries + row_bytes + n * 92.0 + rows * 16.0) as u64
+}

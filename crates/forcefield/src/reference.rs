@@ -1,0 +1,47 @@
+//! The reference loop: all pairs, serial, scalar, in double precision. Every other loop is judged by it.
+
+use glam::{DMat3, DVec3};
+use lennard_core::PeriodicBox;
+
+use crate::form::Model;
+use crate::simd::PerParticle;
+use crate::sums::Totals;
+use crate::truncation::PairForm;
+
+/// Writes forces and returns the totals; `each` takes the entries of each particle where they are wanted.
+pub fn evaluate<F: PairForm>(
+    form: &F,
+    model: &Model,
+    cell: &PeriodicBox,
+    positions: &[DVec3],
+    forces: &mut [DVec3],
+    mut each: Option<&mut [PerParticle]>,
+) -> Totals {
+    let mut totals = Totals::default();
+    forces.fill(DVec3::ZERO);
+    for i in 0..positions.len() {
+        for j in i + 1..positions.len() {
+            let r_ij = cell.minimum_image(positions[i] - positions[j]);
+            let r2 = r_ij.length_squared();
+            if r2 <= model.r_cut * model.r_cut {
+                let pair = form.eval(r2);
+                let f_ij = pair.force * r_ij;
+                forces[i] += f_ij;
+                forces[j] -= f_ij;
+                totals.add(&pair, r_ij);
+                if let Some(each) = &mut each {
+                    for k in [i, j] {
+                        each[k].0 += 0.5 * pair.energy;
+                        each[k].1 += 0.5 * outer(r_ij, f_ij);
+                    }
+                }
+            }
+        }
+    }
+    totals
+}
+
+/// The matrix a ⊗ b.
+pub fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}

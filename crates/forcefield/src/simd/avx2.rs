@@ -1,0 +1,267 @@
+//! Lanes of AVX2 with FMA: four doubles or eight singles.
+
+use std::arch::x86_64::*;
+use std::ops::{Add, Mul, Neg, Sub};
+
+use super::lanes::{Entry, Lanes};
+use super::pair_loop::{ChunkTotals, PairJob, Wanted, run};
+use super::{DoubleRow, FixedRow};
+use crate::real::Real;
+use crate::truncation::PairForm;
+
+/// Four doubles. Values of this type exist only inside functions that enable AVX2 and FMA.
+#[derive(Clone, Copy)]
+pub struct F64x4(__m256d);
+
+/// Eight singles. Values of this type exist only inside functions that enable AVX2 and FMA.
+#[derive(Clone, Copy)]
+pub struct F32x8(__m256);
+
+macro_rules! lanes {
+    ($lanes:ident, $float:ty, $splat:ident, $zero:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
+     $fmadd:ident, $sqrt:ident, $min:ident, $max:ident) => {
+        impl Add for $lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, o: Self) -> Self {
+                // SAFETY: a value of this type proves AVX2 and FMA, here and below.
+                Self(unsafe { $add(self.0, o.0) })
+            }
+        }
+        impl Sub for $lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, o: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $sub(self.0, o.0) })
+            }
+        }
+        impl Mul for $lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, o: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $mul(self.0, o.0) })
+            }
+        }
+        impl Neg for $lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $sub($zero(), self.0) })
+            }
+        }
+        impl Real for $lanes {
+            #[inline(always)]
+            fn splat(value: f64) -> Self {
+                // SAFETY: called inside functions that enable AVX2 and FMA alone.
+                Self(unsafe { $splat(value as $float) })
+            }
+            #[inline(always)]
+            fn mul_add(self, a: Self, b: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $fmadd(self.0, a.0, b.0) })
+            }
+            #[inline(always)]
+            fn recip(self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $div($splat(1.0), self.0) })
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $sqrt(self.0) })
+            }
+            #[inline(always)]
+            fn min(self, o: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $min(self.0, o.0) })
+            }
+            #[inline(always)]
+            fn max(self, o: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $max(self.0, o.0) })
+            }
+        }
+    };
+}
+
+lanes!(
+    F64x4, f64, _mm256_set1_pd, _mm256_setzero_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd,
+    _mm256_div_pd, _mm256_fmadd_pd, _mm256_sqrt_pd, _mm256_min_pd, _mm256_max_pd
+);
+lanes!(
+    F32x8, f32, _mm256_set1_ps, _mm256_setzero_ps, _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps,
+    _mm256_div_ps, _mm256_fmadd_ps, _mm256_sqrt_ps, _mm256_min_ps, _mm256_max_ps
+);
+
+impl Lanes for F64x4 {
+    const WIDTH: usize = 4;
+    type Row = DoubleRow;
+    type Own = [Self; 3];
+    type Mask = __m256d;
+
+    #[inline(always)]
+    unsafe fn spread(row: &DoubleRow) -> Self::Own {
+        let [x, y, z, _] = row.0;
+        [Self::splat(x), Self::splat(y), Self::splat(z)]
+    }
+
+    #[inline(always)]
+    unsafe fn differences<E: Entry>(
+        own: Self::Own,
+        _scale: [Self; 3],
+        rows: *const DoubleRow,
+        entries: *const E,
+    ) -> [Self; 3] {
+        // SAFETY: four entries are readable, each names a readable row, and AVX2 is there.
+        unsafe {
+            let row = |k: usize| _mm256_load_pd(rows.add((*entries.add(k)).index()).cast());
+            let (a, b, c, d) = (row(0), row(1), row(2), row(3));
+            let xz_low = _mm256_unpacklo_pd(a, b);
+            let y_low = _mm256_unpackhi_pd(a, b);
+            let xz_high = _mm256_unpacklo_pd(c, d);
+            let y_high = _mm256_unpackhi_pd(c, d);
+            let x = _mm256_permute2f128_pd::<0x20>(xz_low, xz_high);
+            let y = _mm256_permute2f128_pd::<0x20>(y_low, y_high);
+            let z = _mm256_permute2f128_pd::<0x31>(xz_low, xz_high);
+            [own[0] - Self(x), own[1] - Self(y), own[2] - Self(z)]
+        }
+    }
+
+    #[inline(always)]
+    fn at_most(self, limit: Self) -> Self::Mask {
+        // SAFETY: a value of this type proves AVX2.
+        unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, limit.0) }
+    }
+    #[inline(always)]
+    fn first(mask: Self::Mask, count: usize) -> Self::Mask {
+        // SAFETY: as above.
+        unsafe {
+            let limit = _mm256_set1_pd(count as f64);
+            let valid = _mm256_cmp_pd::<_CMP_LT_OQ>(_mm256_setr_pd(0.0, 1.0, 2.0, 3.0), limit);
+            _mm256_and_pd(mask, valid)
+        }
+    }
+    #[inline(always)]
+    fn count(mask: Self::Mask) -> u32 {
+        // SAFETY: as above.
+        unsafe { _mm256_movemask_pd(mask).count_ones() }
+    }
+    #[inline(always)]
+    fn keep(self, mask: Self::Mask) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm256_and_pd(self.0, mask) })
+    }
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        // SAFETY: as above.
+        unsafe {
+            let pair = _mm_add_pd(
+                _mm256_castpd256_pd128(self.0),
+                _mm256_extractf128_pd::<1>(self.0),
+            );
+            _mm_cvtsd_f64(_mm_add_sd(pair, _mm_unpackhi_pd(pair, pair)))
+        }
+    }
+}
+
+impl Lanes for F32x8 {
+    const WIDTH: usize = 8;
+    type Row = FixedRow;
+    type Own = [__m256i; 3];
+    type Mask = __m256;
+
+    #[inline(always)]
+    unsafe fn spread(row: &FixedRow) -> Self::Own {
+        // SAFETY: AVX2 is there by contract.
+        [0, 1, 2].map(|axis| unsafe { _mm256_set1_epi32(row.0[axis]) })
+    }
+
+    #[inline(always)]
+    unsafe fn differences<E: Entry>(
+        own: Self::Own,
+        scale: [Self; 3],
+        rows: *const FixedRow,
+        entries: *const E,
+    ) -> [Self; 3] {
+        // SAFETY: eight entries are readable, each names a readable row, and AVX2 is there.
+        unsafe {
+            let row = |k: usize| _mm_load_si128(rows.add((*entries.add(k)).index()).cast());
+            let two = |k: usize| {
+                _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(row(k)), row(k + 4))
+            };
+            let (a, b, c, d) = (two(0), two(1), two(2), two(3));
+            let xy_ab = _mm256_unpacklo_epi32(a, b);
+            let z_ab = _mm256_unpackhi_epi32(a, b);
+            let xy_cd = _mm256_unpacklo_epi32(c, d);
+            let z_cd = _mm256_unpackhi_epi32(c, d);
+            let x = _mm256_unpacklo_epi64(xy_ab, xy_cd);
+            let y = _mm256_unpackhi_epi64(xy_ab, xy_cd);
+            let z = _mm256_unpacklo_epi64(z_ab, z_cd);
+            let difference = |own, r| Self(_mm256_cvtepi32_ps(_mm256_sub_epi32(own, r)));
+            [
+                difference(own[0], x) * scale[0],
+                difference(own[1], y) * scale[1],
+                difference(own[2], z) * scale[2],
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn at_most(self, limit: Self) -> Self::Mask {
+        // SAFETY: a value of this type proves AVX2.
+        unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, limit.0) }
+    }
+    #[inline(always)]
+    fn first(mask: Self::Mask, count: usize) -> Self::Mask {
+        // SAFETY: as above.
+        unsafe {
+            let ramp = _mm256_setr_ps(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0);
+            let valid = _mm256_cmp_ps::<_CMP_LT_OQ>(ramp, _mm256_set1_ps(count as f32));
+            _mm256_and_ps(mask, valid)
+        }
+    }
+    #[inline(always)]
+    fn count(mask: Self::Mask) -> u32 {
+        // SAFETY: as above.
+        unsafe { _mm256_movemask_ps(mask).count_ones() }
+    }
+    #[inline(always)]
+    fn keep(self, mask: Self::Mask) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm256_and_ps(self.0, mask) })
+    }
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        // SAFETY: as above.
+        unsafe {
+            let low = _mm256_cvtps_pd(_mm256_castps256_ps128(self.0));
+            let high = _mm256_cvtps_pd(_mm256_extractf128_ps::<1>(self.0));
+            F64x4(_mm256_add_pd(low, high)).sum()
+        }
+    }
+}
+
+/// The pair loop in double precision.
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+pub fn run_double<F: PairForm>(
+    job: &PairJob<'_, DoubleRow, F>,
+    chunk: usize,
+    wanted: Wanted,
+) -> ChunkTotals {
+    // SAFETY: this function enables the instruction set; chunks are handed out once each.
+    unsafe { run::<F64x4, F>(job, chunk, wanted) }
+}
+
+/// The pair loop in mixed precision.
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+pub fn run_mixed<F: PairForm>(
+    job: &PairJob<'_, FixedRow, F>,
+    chunk: usize,
+    wanted: Wanted,
+) -> ChunkTotals {
+    // SAFETY: as above.
+    unsafe { run::<F32x8, F>(job, chunk, wanted) }
+}

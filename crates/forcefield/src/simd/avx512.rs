@@ -1,0 +1,353 @@
+//! Lanes of AVX-512: eight doubles or sixteen singles.
+
+use std::arch::x86_64::*;
+use std::ops::{Add, Mul, Neg, Range, Sub};
+
+use super::lanes::{Entry, Lanes};
+use super::pair_loop::{ChunkTotals, PairJob, Wanted, run};
+use super::{DoubleRow, FixedRow};
+use crate::real::Real;
+use crate::truncation::PairForm;
+use lennard_neighbor::Candidates;
+
+/// Eight doubles. Values of this type exist only inside functions that enable AVX-512.
+#[derive(Clone, Copy)]
+pub struct F64x8(__m512d);
+
+/// Sixteen singles. Values of this type exist only inside functions that enable AVX-512.
+#[derive(Clone, Copy)]
+pub struct F32x16(__m512);
+
+macro_rules! operators {
+    ($lanes:ident, $add:ident, $sub:ident, $mul:ident, $splat:expr) => {
+        impl Add for $lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, o: Self) -> Self {
+                // SAFETY: a value of this type proves AVX-512.
+                Self(unsafe { $add(self.0, o.0) })
+            }
+        }
+        impl Sub for $lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, o: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $sub(self.0, o.0) })
+            }
+        }
+        impl Mul for $lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, o: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $mul(self.0, o.0) })
+            }
+        }
+        impl Neg for $lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $sub($splat(0.0), self.0) })
+            }
+        }
+    };
+}
+
+operators!(F64x8, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_set1_pd);
+operators!(F32x16, _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps, _mm512_set1_ps);
+
+impl Real for F64x8 {
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        // SAFETY: called inside functions that enable AVX-512 alone, as are all below.
+        Self(unsafe { _mm512_set1_pd(value) })
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        // SAFETY: a value of this type proves AVX-512.
+        Self(unsafe { _mm512_fmadd_pd(self.0, a.0, b.0) })
+    }
+    #[inline(always)]
+    fn recip(self) -> Self {
+        // SAFETY: as above.
+        unsafe {
+            // y₀(1 + e)(1 + e²) with e = 1 − x·y₀, |e| ≤ 2⁻¹⁴: the truncation error e⁴ is below a last bit.
+            let y = _mm512_rcp14_pd(self.0);
+            let e = _mm512_fnmadd_pd(self.0, y, _mm512_set1_pd(1.0));
+            let e2 = _mm512_mul_pd(e, e);
+            let y = _mm512_fmadd_pd(y, e, y);
+            Self(_mm512_fmadd_pd(y, e2, y))
+        }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_sqrt_pd(self.0) })
+    }
+    #[inline(always)]
+    fn min(self, o: Self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_min_pd(self.0, o.0) })
+    }
+    #[inline(always)]
+    fn max(self, o: Self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_max_pd(self.0, o.0) })
+    }
+}
+
+impl Lanes for F64x8 {
+    const WIDTH: usize = 8;
+    type Row = DoubleRow;
+    type Own = [Self; 3];
+    type Mask = __mmask8;
+
+    #[inline(always)]
+    unsafe fn spread(row: &DoubleRow) -> Self::Own {
+        let [x, y, z, _] = row.0;
+        [Self::splat(x), Self::splat(y), Self::splat(z)]
+    }
+
+    #[inline(always)]
+    unsafe fn differences<E: Entry>(
+        own: Self::Own,
+        _scale: [Self; 3],
+        rows: *const DoubleRow,
+        entries: *const E,
+    ) -> [Self; 3] {
+        // SAFETY: eight entries are readable, each names a readable row, and AVX-512 is there.
+        unsafe {
+            let row = |k: usize| rows.add((*entries.add(k)).index()).cast::<f64>();
+            let two = |k: usize| {
+                let low = _mm512_castpd256_pd512(_mm256_load_pd(row(k)));
+                _mm512_insertf64x4::<1>(low, _mm256_load_pd(row(k + 2)))
+            };
+            // Rows in pairs, transposed: lanes end in the order of the entries.
+            let (a, b, c, d) = (two(0), two(1), two(4), two(5));
+            let xz_low = _mm512_unpacklo_pd(a, b);
+            let y_low = _mm512_unpackhi_pd(a, b);
+            let xz_high = _mm512_unpacklo_pd(c, d);
+            let y_high = _mm512_unpackhi_pd(c, d);
+            let x = _mm512_shuffle_f64x2::<0b10_00_10_00>(xz_low, xz_high);
+            let y = _mm512_shuffle_f64x2::<0b10_00_10_00>(y_low, y_high);
+            let z = _mm512_shuffle_f64x2::<0b11_01_11_01>(xz_low, xz_high);
+            [own[0] - Self(x), own[1] - Self(y), own[2] - Self(z)]
+        }
+    }
+
+    #[inline(always)]
+    fn at_most(self, limit: Self) -> Self::Mask {
+        // SAFETY: a value of this type proves AVX-512.
+        unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, limit.0) }
+    }
+    #[inline(always)]
+    fn first(mask: Self::Mask, count: usize) -> Self::Mask {
+        mask & ((1_u32 << count) - 1) as u8
+    }
+    #[inline(always)]
+    fn count(mask: Self::Mask) -> u32 {
+        mask.count_ones()
+    }
+    #[inline(always)]
+    fn keep(self, mask: Self::Mask) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_maskz_mov_pd(mask, self.0) })
+    }
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        // SAFETY: as above.
+        unsafe { _mm512_reduce_add_pd(self.0) }
+    }
+}
+
+impl Real for F32x16 {
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        // SAFETY: called inside functions that enable AVX-512 alone, as are all below.
+        Self(unsafe { _mm512_set1_ps(value as f32) })
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        // SAFETY: a value of this type proves AVX-512.
+        Self(unsafe { _mm512_fmadd_ps(self.0, a.0, b.0) })
+    }
+    #[inline(always)]
+    fn recip(self) -> Self {
+        // SAFETY: as above.
+        unsafe {
+            // One Newton step squares the error of 2⁻¹⁴.
+            let y = _mm512_rcp14_ps(self.0);
+            let e = _mm512_fnmadd_ps(self.0, y, _mm512_set1_ps(1.0));
+            Self(_mm512_fmadd_ps(y, e, y))
+        }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_sqrt_ps(self.0) })
+    }
+    #[inline(always)]
+    fn min(self, o: Self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_min_ps(self.0, o.0) })
+    }
+    #[inline(always)]
+    fn max(self, o: Self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_max_ps(self.0, o.0) })
+    }
+}
+
+impl Lanes for F32x16 {
+    const WIDTH: usize = 16;
+    type Row = FixedRow;
+    type Own = [__m512i; 3];
+    type Mask = __mmask16;
+
+    #[inline(always)]
+    unsafe fn spread(row: &FixedRow) -> Self::Own {
+        // SAFETY: AVX-512 is there by contract.
+        [0, 1, 2].map(|axis| unsafe { _mm512_set1_epi32(row.0[axis]) })
+    }
+
+    #[inline(always)]
+    unsafe fn differences<E: Entry>(
+        own: Self::Own,
+        scale: [Self; 3],
+        rows: *const FixedRow,
+        entries: *const E,
+    ) -> [Self; 3] {
+        // SAFETY: sixteen entries are readable, each names a readable row, and AVX-512 is there.
+        unsafe {
+            let row = |k: usize| _mm_load_si128(rows.add((*entries.add(k)).index()).cast());
+            let four = |k: usize| {
+                let v = _mm512_castsi128_si512(row(k));
+                let v = _mm512_inserti32x4::<1>(v, row(k + 4));
+                let v = _mm512_inserti32x4::<2>(v, row(k + 8));
+                _mm512_inserti32x4::<3>(v, row(k + 12))
+            };
+            // Rows in fours, transposed within each quarter: lanes end in the order of the entries.
+            let (a, b, c, d) = (four(0), four(1), four(2), four(3));
+            let xy_ab = _mm512_unpacklo_epi32(a, b);
+            let z_ab = _mm512_unpackhi_epi32(a, b);
+            let xy_cd = _mm512_unpacklo_epi32(c, d);
+            let z_cd = _mm512_unpackhi_epi32(c, d);
+            let x = _mm512_unpacklo_epi64(xy_ab, xy_cd);
+            let y = _mm512_unpackhi_epi64(xy_ab, xy_cd);
+            let z = _mm512_unpacklo_epi64(z_ab, z_cd);
+            let difference = |own, r| Self(_mm512_cvtepi32_ps(_mm512_sub_epi32(own, r)));
+            [
+                difference(own[0], x) * scale[0],
+                difference(own[1], y) * scale[1],
+                difference(own[2], z) * scale[2],
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn at_most(self, limit: Self) -> Self::Mask {
+        // SAFETY: a value of this type proves AVX-512.
+        unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, limit.0) }
+    }
+    #[inline(always)]
+    fn first(mask: Self::Mask, count: usize) -> Self::Mask {
+        mask & ((1_u32 << count) - 1) as u16
+    }
+    #[inline(always)]
+    fn count(mask: Self::Mask) -> u32 {
+        mask.count_ones()
+    }
+    #[inline(always)]
+    fn keep(self, mask: Self::Mask) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_maskz_mov_ps(mask, self.0) })
+    }
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        // SAFETY: as above.
+        unsafe {
+            let low = _mm512_cvtps_pd(_mm512_castps512_ps256(self.0));
+            let high = _mm512_cvtps_pd(_mm512_extractf32x8_ps::<1>(self.0));
+            _mm512_reduce_add_pd(_mm512_add_pd(low, high))
+        }
+    }
+}
+
+/// The pair loop in double precision.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
+pub fn run_double<F: PairForm>(
+    job: &PairJob<'_, DoubleRow, F>,
+    chunk: usize,
+    wanted: Wanted,
+) -> ChunkTotals {
+    // SAFETY: this function enables the instruction set; chunks are handed out once each.
+    unsafe { run::<F64x8, F>(job, chunk, wanted) }
+}
+
+/// The pair loop in mixed precision.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
+pub fn run_mixed<F: PairForm>(
+    job: &PairJob<'_, FixedRow, F>,
+    chunk: usize,
+    wanted: Wanted,
+) -> ChunkTotals {
+    // SAFETY: as above.
+    unsafe { run::<F32x16, F>(job, chunk, wanted) }
+}
+
+/// The scanner of list building: sixteen rows at a time, indices of near ones packed together.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
+pub fn scan(
+    candidates: &Candidates,
+    own: u32,
+    runs: &[Range<u32>],
+    radius2: f32,
+    found: &mut [u32],
+) -> usize {
+    let rows = candidates.rows();
+    let total: usize = runs.iter().map(Range::len).sum();
+    assert!(found.len() >= total + Candidates::PADDING, "room for all that may be found");
+    assert!(runs.iter().all(|r| r.start <= r.end && r.end as usize <= rows), "runs of rows");
+    let i = own as usize;
+    let x = _mm512_set1_ps(candidates.x[i]);
+    let y = _mm512_set1_ps(candidates.y[i]);
+    let z = _mm512_set1_ps(candidates.z[i]);
+    let limit = _mm512_set1_ps(radius2);
+    let me = _mm512_set1_epi32(own as i32);
+    let ramp = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    let (px, py, pz) = (
+        candidates.x.as_ptr(),
+        candidates.y.as_ptr(),
+        candidates.z.as_ptr(),
+    );
+    let mut count = 0_usize;
+    for run in runs {
+        let mut row = run.start;
+        while row < run.end {
+            let left = run.end - row;
+            let valid: __mmask16 = if left >= 16 { u16::MAX } else { (1 << left) - 1 };
+            let at = row as usize;
+            // SAFETY: `at < rows`, and the arrays are padded by a register beyond their rows.
+            let (dx, dy, dz) = unsafe {
+                (
+                    _mm512_sub_ps(x, _mm512_loadu_ps(px.add(at))),
+                    _mm512_sub_ps(y, _mm512_loadu_ps(py.add(at))),
+                    _mm512_sub_ps(z, _mm512_loadu_ps(pz.add(at))),
+                )
+            };
+            let r2 = _mm512_fmadd_ps(dz, dz, _mm512_fmadd_ps(dy, dy, _mm512_mul_ps(dx, dx)));
+            let index = _mm512_add_epi32(_mm512_set1_epi32(row as i32), ramp);
+            let near = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(valid, r2, limit);
+            let near = _mm512_mask_cmpneq_epi32_mask(near, index, me);
+            let packed = _mm512_maskz_compress_epi32(near, index);
+            // SAFETY: `count` is at most the rows looked at so far, and `found` is longer than all runs
+            // by a register.
+            unsafe { _mm512_storeu_si512(found.as_mut_ptr().add(count).cast(), packed) };
+            count += near.count_ones() as usize;
+            row += 16;
+        }
+    }
+    count
+}

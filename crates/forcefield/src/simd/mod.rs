@@ -1,0 +1,209 @@
+//! The one module with `unsafe` code: registers of lanes, the pair loop over them, and writes to
+//! scattered but distinct places.
+//!
+//! Everything that callers must guarantee is checked once per evaluation by [`PairJob::new`]; the
+//! physics is in the formulas that are passed in, none of which names an instruction set.
+#![allow(unsafe_code)]
+
+mod lanes;
+mod packing;
+mod pair_loop;
+mod portable;
+mod scatter;
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+
+pub use packing::{FIXED_UNITS, Moved, pack_fixed};
+pub use pair_loop::{ChunkTotals, PairJob, PerParticle, Wanted};
+pub use scatter::Scatter;
+
+use crate::options::{Isa, Precision};
+use crate::truncation::PairForm;
+use lennard_neighbor::{Candidates, RowScanner, RowTable, ScalarScanner};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A coordinate row in double precision: x, y, z in σ, and padding.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[repr(C, align(32))]
+pub struct DoubleRow(pub [f64; 4]);
+
+/// A coordinate row in fixed point: x, y, z in units of L/2³² along each axis, and padding.
+///
+/// Differences of such numbers are exact, and wrap around as the periodic box does.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[repr(C, align(16))]
+pub struct FixedRow(pub [i32; 4]);
+
+/// The instruction set of a kernel, after every choice has been made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Level {
+    /// AVX-512 F, BW, DQ, VL, with FMA.
+    Avx512,
+    /// AVX2 with FMA.
+    Avx2,
+    /// None in particular.
+    Portable,
+}
+
+impl Level {
+    /// Whether this processor has it.
+    pub fn is_available(self) -> bool {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => {
+                Self::Avx2.is_available()
+                    && is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512bw")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
+            }
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => {
+                is_x86_feature_detected!("avx2")
+                    && is_x86_feature_detected!("fma")
+                    && is_x86_feature_detected!("bmi1")
+                    && is_x86_feature_detected!("bmi2")
+                    && is_x86_feature_detected!("popcnt")
+            }
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx512 | Self::Avx2 => false,
+            Self::Portable => true,
+        }
+    }
+
+    /// The level that an option asks for; `None` where this processor lacks it.
+    pub fn choose(isa: Isa) -> Option<Self> {
+        let wanted = match isa {
+            Isa::Auto => {
+                return [Self::Avx512, Self::Avx2, Self::Portable]
+                    .into_iter()
+                    .find(|l| l.is_available());
+            }
+            Isa::Avx512 => Self::Avx512,
+            Isa::Avx2 => Self::Avx2,
+            Isa::Portable => Self::Portable,
+        };
+        wanted.is_available().then_some(wanted)
+    }
+
+    /// The name in run records and options.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Avx512 => "avx512",
+            Self::Avx2 => "avx2",
+            Self::Portable => "portable",
+        }
+    }
+
+    /// Lanes of one register in a precision: what list entries are padded to.
+    pub fn lanes(self, precision: Precision) -> usize {
+        match (self, precision) {
+            (Self::Avx512, Precision::Double) => 8,
+            (Self::Avx512, Precision::Mixed) => 16,
+            (Self::Avx2 | Self::Portable, Precision::Double) => 4,
+            (Self::Avx2 | Self::Portable, Precision::Mixed) => 8,
+        }
+    }
+
+    /// The scanner that builds lists at this level.
+    pub fn scanner(self) -> &'static dyn RowScanner {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => &Avx512Scanner,
+            _ => &ScalarScanner,
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+struct Avx512Scanner;
+
+#[cfg(target_arch = "x86_64")]
+impl RowScanner for Avx512Scanner {
+    fn scan(
+        &self,
+        candidates: &Candidates,
+        own: u32,
+        runs: &[Range<u32>],
+        radius2: f32,
+        found: &mut [u32],
+    ) -> usize {
+        // SAFETY: this scanner is handed out by `Level::scanner` of a level that is available.
+        unsafe { avx512::scan(candidates, own, runs, radius2, found) }
+    }
+}
+
+/// Runs the pair loop over one chunk of the list.
+pub fn run_double<F: PairForm>(
+    level: Level,
+    job: &PairJob<'_, DoubleRow, F>,
+    chunk: usize,
+    wanted: Wanted,
+) -> ChunkTotals {
+    match level {
+        // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 => unsafe { avx512::run_double(job, chunk, wanted) },
+        // SAFETY: as above.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 => unsafe { avx2::run_double(job, chunk, wanted) },
+        _ => portable::run_double(job, chunk, wanted),
+    }
+}
+
+/// Runs the pair loop over one chunk of the list, in mixed precision.
+pub fn run_mixed<F: PairForm>(
+    level: Level,
+    job: &PairJob<'_, FixedRow, F>,
+    chunk: usize,
+    wanted: Wanted,
+) -> ChunkTotals {
+    match level {
+        // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 => unsafe { avx512::run_mixed(job, chunk, wanted) },
+        // SAFETY: as above.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 => unsafe { avx2::run_mixed(job, chunk, wanted) },
+        _ => portable::run_mixed(job, chunk, wanted),
+    }
+}
+
+/// Places or ghosts packed by one task: a constant, though nothing depends on it but speed.
+const PACKED_PER_TASK: usize = 2048;
+
+/// Writes all rows in double precision, ghosts included; `built` holds the positions of the build by
+/// place. Gives the largest displacement since then.
+pub fn pack_double(
+    table: &RowTable,
+    positions: &[DVec3],
+    built: &[DVec3],
+    lengths: DVec3,
+    rows: &mut [DoubleRow],
+) -> Moved {
+    let rows = Scatter::new(rows);
+    // SAFETY: tasks have disjoint places, places have distinct rows, and ghosts are written afterwards.
+    let moved = in_tasks(table.particle.len(), |places| unsafe {
+        packing::pack_double(table, positions, built, lengths, places, &rows)
+    });
+    // SAFETY: tasks have disjoint ghosts, and all other rows are at rest.
+    in_tasks(table.ghosts.len(), |ghosts| unsafe {
+        packing::pack_ghosts(table, lengths, ghosts, &rows);
+        Moved::NOTHING
+    });
+    moved
+}
+
+fn in_tasks(n: usize, task: impl Fn(Range<usize>) -> Moved + Sync) -> Moved {
+    if n <= PACKED_PER_TASK || rayon::current_num_threads() == 1 {
+        return task(0..n);
+    }
+    (0..n.div_ceil(PACKED_PER_TASK))
+        .into_par_iter()
+        .map(|t| task(t * PACKED_PER_TASK..((t + 1) * PACKED_PER_TASK).min(n)))
+        .reduce(|| Moved::NOTHING, Moved::and)
+}

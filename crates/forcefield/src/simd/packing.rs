@@ -1,0 +1,117 @@
+//! From particles to rows: wrapping, displacement since the build, and ghosts, in one pass each.
+
+use std::ops::Range;
+
+use glam::DVec3;
+use lennard_neighbor::RowTable;
+
+use super::{DoubleRow, FixedRow, Scatter};
+
+/// 2³², the units of [`FixedRow`] a box side.
+pub const FIXED_UNITS: f64 = 4_294_967_296.0;
+
+/// The largest |x − x⁰|² over some particles, σ², and whether all were finite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moved {
+    /// The largest |x − x⁰|² met, σ².
+    pub largest2: f64,
+    /// Whether every one was a finite number.
+    pub finite: bool,
+}
+
+impl Moved {
+    /// Nothing has moved.
+    pub const NOTHING: Self = Self {
+        largest2: 0.0,
+        finite: true,
+    };
+
+    /// The union of two sets of particles.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            largest2: self.largest2.max(other.largest2),
+            finite: self.finite & other.finite,
+        }
+    }
+
+    #[inline(always)]
+    pub fn include(&mut self, displacement: DVec3) {
+        let d2 = displacement.length_squared();
+        self.finite &= d2 < f64::INFINITY;
+        self.largest2 = if d2 > self.largest2 { d2 } else { self.largest2 };
+    }
+}
+
+/// Writes the rows of some places in double precision: positions minus the image that each had when the
+/// list was built, so that rows move continuously; `built` holds the positions of the build by place.
+///
+/// # Safety
+/// No other thread writes the rows of these places.
+pub unsafe fn pack_double(
+    table: &RowTable,
+    positions: &[DVec3],
+    built: &[DVec3],
+    lengths: DVec3,
+    places: Range<usize>,
+    rows: &Scatter<'_, DoubleRow>,
+) -> Moved {
+    let mut moved = Moved::NOTHING;
+    let places = table.particle[places.clone()]
+        .iter()
+        .zip(&table.row[places.clone()])
+        .zip(&table.image[places.clone()])
+        .zip(&built[places]);
+    for (((particle, row), image), built) in places {
+        let r = positions[*particle as usize];
+        moved.include(r - *built);
+        let r = r - image.as_dvec3() * lengths;
+        // SAFETY: rows of places are distinct, and these places are this thread's.
+        unsafe { rows.write(*row as usize, DoubleRow([r.x, r.y, r.z, 0.0])) };
+    }
+    moved
+}
+
+/// Refreshes some ghosts from the rows that they repeat.
+///
+/// # Safety
+/// No other thread writes these ghosts, and none writes a row that is not a ghost.
+pub unsafe fn pack_ghosts(
+    table: &RowTable,
+    lengths: DVec3,
+    ghosts: Range<usize>,
+    rows: &Scatter<'_, DoubleRow>,
+) {
+    for ghost in &table.ghosts[ghosts] {
+        let [sx, sy, sz] = ghost.shift;
+        // SAFETY: the source is no ghost, so nobody writes it now.
+        let DoubleRow([x, y, z, _]) = unsafe { rows.read(ghost.source as usize) };
+        let shifted = [
+            x + f64::from(sx) * lengths.x,
+            y + f64::from(sy) * lengths.y,
+            z + f64::from(sz) * lengths.z,
+            0.0,
+        ];
+        // SAFETY: each ghost has a row of its own.
+        unsafe { rows.write(ghost.row as usize, DoubleRow(shifted)) };
+    }
+}
+
+/// Writes the rows of some places in fixed point: whole boxes drop out by wrap-around.
+pub fn pack_fixed(
+    table: &RowTable,
+    positions: &[DVec3],
+    built: &[DVec3],
+    units: DVec3,
+    first: usize,
+    rows: &mut [FixedRow],
+) -> Moved {
+    let mut moved = Moved::NOTHING;
+    let places = table.particle[first..].iter().zip(&built[first..]);
+    for (row, (particle, built)) in rows.iter_mut().zip(places) {
+        let r = positions[*particle as usize];
+        moved.include(r - *built);
+        let scaled = (r * units).round();
+        *row = FixedRow([scaled.x, scaled.y, scaled.z, 0.0].map(|u| u as i64 as i32));
+    }
+    moved
+}

@@ -1,0 +1,231 @@
+//! The pair loop, written once over the lanes.
+
+use glam::{DMat3, DVec3};
+use lennard_neighbor::{Entries, ListChunk, NeighborList};
+
+use super::Scatter;
+use super::lanes::{Entry, Lanes};
+use crate::truncation::PairForm;
+
+/// Energy (half of each pair), ε, and virial tensor (half of each pair), ε, of one particle.
+pub type PerParticle = (f64, DMat3);
+
+/// Which instance of the loop is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wanted {
+    /// Forces alone.
+    Forces,
+    /// Forces and the totals of the chunk.
+    Totals,
+    /// Forces, totals and the entries of each particle.
+    Each,
+}
+
+/// Sums over one chunk; every pair is met from both of its ends, so each of these is twice its share.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ChunkTotals {
+    /// Σ U, ε.
+    pub energy: f64,
+    /// Σ r_ij ⊗ F_ij, ε.
+    pub virial: DMat3,
+    /// Σ (U″ + 2U′/r), ε/σ².
+    pub laplacian: f64,
+    /// Pairs with r ≤ r_cut.
+    pub pairs: u64,
+    /// Whether a force that is not finite was met.
+    pub broken: bool,
+}
+
+/// One evaluation, as the pair loop sees it.
+pub struct PairJob<'a, Row, F> {
+    form: F,
+    r_cut2: f64,
+    scale: [f64; 3],
+    rows: &'a [Row],
+    list: &'a NeighborList,
+    forces: Scatter<'a, DVec3>,
+    each: Option<Scatter<'a, PerParticle>>,
+}
+
+impl<'a, Row, F: PairForm> PairJob<'a, Row, F> {
+    /// Prepares an evaluation: `scale` is the length in σ of one unit of the rows along each axis,
+    /// `forces` (and `each`) have one element a particle.
+    ///
+    /// # Panics
+    /// Where rows, list and arrays do not belong together: that is a bug of the caller.
+    pub fn new(
+        form: F,
+        r_cut: f64,
+        scale: [f64; 3],
+        rows: &'a [Row],
+        list: &'a NeighborList,
+        forces: &'a mut [DVec3],
+        each: Option<&'a mut [PerParticle]>,
+    ) -> Self {
+        let n = list.table().particle.len();
+        assert!(rows.len() >= list.targets(), "a row for each target of the list");
+        assert_eq!(forces.len(), n, "a force for each particle");
+        if let Some(each) = &each {
+            assert_eq!(each.len(), n, "an entry for each particle");
+        }
+        Self {
+            form,
+            r_cut2: r_cut * r_cut,
+            scale,
+            rows,
+            list,
+            forces: Scatter::new(forces),
+            each: each.map(Scatter::new),
+        }
+    }
+}
+
+/// Runs one chunk.
+///
+/// # Safety
+/// The processor has the instruction set of `L`, and no other thread runs the same chunk.
+#[inline(always)]
+pub unsafe fn run<L: Lanes, F: PairForm>(
+    job: &PairJob<'_, L::Row, F>,
+    chunk: usize,
+    wanted: Wanted,
+) -> ChunkTotals {
+    let chunk = &job.list.chunks()[chunk];
+    assert_eq!(job.list.lanes() % L::WIDTH, 0, "entries fill whole registers");
+    // SAFETY: the contract is passed on.
+    unsafe {
+        match (&chunk.entries, wanted) {
+            (Entries::Narrow(e), Wanted::Forces) => sweep::<L, F, u16, false>(job, chunk, e),
+            (Entries::Wide(e), Wanted::Forces) => sweep::<L, F, u32, false>(job, chunk, e),
+            (Entries::Narrow(e), _) => sweep::<L, F, u16, true>(job, chunk, e),
+            (Entries::Wide(e), _) => sweep::<L, F, u32, true>(job, chunk, e),
+        }
+    }
+}
+
+/// Running sums of one particle.
+#[derive(Clone, Copy)]
+struct Sums<L> {
+    force: [L; 3],
+    energy: L,
+    laplacian: L,
+    /// xx, yy, zz, xy, xz, yz.
+    virial: [L; 6],
+    pairs: u32,
+}
+
+/// # Safety
+/// As [`run`]; `entries` are those of `chunk`, built by the list of `job`.
+#[inline(always)]
+unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
+    job: &PairJob<'_, L::Row, F>,
+    chunk: &ListChunk,
+    entries: &[E],
+) -> ChunkTotals {
+    let r_cut2 = L::splat(job.r_cut2);
+    let scale = job.scale.map(L::splat);
+    let zero = L::splat(0.0);
+    let mut totals = ChunkTotals::default();
+    let mut start = 0;
+    // SAFETY: `PairJob::new` checked that every target of the list is a row; base plus entry is one.
+    let rows = unsafe { job.rows.as_ptr().add(chunk.base as usize) };
+    let padding = job.list.lanes();
+    for (offset, count) in chunk.counts.iter().enumerate() {
+        let count = *count as usize;
+        let place = chunk.first_place as usize + offset;
+        let particle = job.list.table().particle[place] as usize;
+        let own = &job.rows[job.list.target_of(place) as usize];
+        // SAFETY: the instruction set is there by contract.
+        let own = unsafe { L::spread(own) };
+        let end = start + count.next_multiple_of(padding);
+        let mine = &entries[start..end];
+        start = end;
+
+        let mut sums = Sums {
+            force: [zero; 3],
+            energy: zero,
+            laplacian: zero,
+            virial: [zero; 6],
+            pairs: 0,
+        };
+        let full = count / L::WIDTH;
+        for block in 0..full {
+            // SAFETY: `WIDTH` entries lie at this place of `mine`, and each names a row (see above).
+            unsafe {
+                let at = mine.as_ptr().add(block * L::WIDTH);
+                add::<L, F, E, TOTALS>(&job.form, own, scale, rows, at, r_cut2, L::WIDTH, &mut sums);
+            }
+        }
+        let rest = count % L::WIDTH;
+        if rest > 0 {
+            // SAFETY: entries are padded to whole registers with a row that exists.
+            unsafe {
+                let at = mine.as_ptr().add(full * L::WIDTH);
+                add::<L, F, E, TOTALS>(&job.form, own, scale, rows, at, r_cut2, rest, &mut sums);
+            }
+        }
+
+        let force = DVec3::from(sums.force.map(L::sum));
+        totals.broken |= !force.is_finite();
+        // SAFETY: each particle stands at one place, and each place in one chunk.
+        unsafe { job.forces.write(particle, force) };
+        if TOTALS {
+            let energy = sums.energy.sum();
+            let [xx, yy, zz, xy, xz, yz] = sums.virial.map(L::sum);
+            let virial = DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
+            totals.energy += energy;
+            totals.virial += virial;
+            totals.laplacian += sums.laplacian.sum();
+            totals.pairs += u64::from(sums.pairs);
+            if let Some(each) = &job.each {
+                // SAFETY: as for the forces.
+                unsafe { each.write(particle, (0.5 * energy, 0.5 * virial)) };
+            }
+        }
+    }
+    totals
+}
+
+/// Adds the pairs of one register; the first `valid` lanes are pairs, the rest padding.
+///
+/// # Safety
+/// As [`Lanes::differences`].
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+unsafe fn add<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
+    form: &F,
+    own: L::Own,
+    scale: [L; 3],
+    rows: *const L::Row,
+    entries: *const E,
+    r_cut2: L,
+    valid: usize,
+    sums: &mut Sums<L>,
+) {
+    // SAFETY: the contract is passed on.
+    let [dx, dy, dz] = unsafe { L::differences(own, scale, rows, entries) };
+    let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx));
+    let mut inside = r2.at_most(r_cut2);
+    if valid < L::WIDTH {
+        inside = L::first(inside, valid);
+    }
+    let pair = form.eval(r2);
+    let f = pair.force.keep(inside);
+    sums.force[0] = dx.mul_add(f, sums.force[0]);
+    sums.force[1] = dy.mul_add(f, sums.force[1]);
+    sums.force[2] = dz.mul_add(f, sums.force[2]);
+    if TOTALS {
+        sums.pairs += L::count(inside);
+        sums.energy = sums.energy + pair.energy.keep(inside);
+        let curvature = pair.curvature.keep(inside);
+        sums.laplacian = sums.laplacian + f.mul_add(L::splat(-2.0), curvature);
+        let [xx, yy, zz, xy, xz, yz] = &mut sums.virial;
+        let (fx, fy, fz) = (dx * f, dy * f, dz * f);
+        *xx = dx.mul_add(fx, *xx);
+        *yy = dy.mul_add(fy, *yy);
+        *zz = dz.mul_add(fz, *zz);
+        *xy = dx.mul_add(fy, *xy);
+        *xz = dx.mul_add(fz, *xz);
+        *yz = dy.mul_add(fz, *yz);
+    }
+}

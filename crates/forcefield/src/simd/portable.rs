@@ -1,0 +1,179 @@
+//! Lanes without any particular instruction set: small arrays, which compilers turn into whatever
+//! registers there are.
+
+use std::array::from_fn;
+use std::ops::{Add, Mul, Neg, Sub};
+
+use super::lanes::{Entry, Lanes};
+use super::pair_loop::{ChunkTotals, PairJob, Wanted, run};
+use super::{DoubleRow, FixedRow};
+use crate::real::Real;
+use crate::truncation::PairForm;
+
+/// `N` numbers side by side.
+#[derive(Clone, Copy)]
+pub struct Group<T, const N: usize>([T; N]);
+
+macro_rules! group {
+    ($float:ty) => {
+        impl<const N: usize> Add for Group<$float, N> {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, o: Self) -> Self {
+                Self(from_fn(|k| self.0[k] + o.0[k]))
+            }
+        }
+        impl<const N: usize> Sub for Group<$float, N> {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, o: Self) -> Self {
+                Self(from_fn(|k| self.0[k] - o.0[k]))
+            }
+        }
+        impl<const N: usize> Mul for Group<$float, N> {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, o: Self) -> Self {
+                Self(from_fn(|k| self.0[k] * o.0[k]))
+            }
+        }
+        impl<const N: usize> Neg for Group<$float, N> {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self(from_fn(|k| -self.0[k]))
+            }
+        }
+        impl<const N: usize> Real for Group<$float, N> {
+            #[inline(always)]
+            fn splat(value: f64) -> Self {
+                Self([value as $float; N])
+            }
+            #[inline(always)]
+            fn mul_add(self, a: Self, b: Self) -> Self {
+                // Without the instruction, a fused multiply-add is a library call.
+                self * a + b
+            }
+            #[inline(always)]
+            fn recip(self) -> Self {
+                Self(self.0.map(|v| 1.0 / v))
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self(self.0.map(<$float>::sqrt))
+            }
+            #[inline(always)]
+            fn min(self, o: Self) -> Self {
+                Self(from_fn(|k| if self.0[k] < o.0[k] { self.0[k] } else { o.0[k] }))
+            }
+            #[inline(always)]
+            fn max(self, o: Self) -> Self {
+                Self(from_fn(|k| if self.0[k] > o.0[k] { self.0[k] } else { o.0[k] }))
+            }
+        }
+    };
+}
+
+group!(f64);
+group!(f32);
+
+macro_rules! masks {
+    ($float:ty) => {
+        #[inline(always)]
+        fn at_most(self, limit: Self) -> Self::Mask {
+            from_fn(|k| self.0[k] <= limit.0[k])
+        }
+        #[inline(always)]
+        fn first(mask: Self::Mask, count: usize) -> Self::Mask {
+            from_fn(|k| mask[k] && k < count)
+        }
+        #[inline(always)]
+        fn count(mask: Self::Mask) -> u32 {
+            mask.iter().map(|m| u32::from(*m)).sum()
+        }
+        #[inline(always)]
+        fn keep(self, mask: Self::Mask) -> Self {
+            Self(from_fn(|k| if mask[k] { self.0[k] } else { 0.0 }))
+        }
+        #[inline(always)]
+        fn sum(self) -> f64 {
+            self.0.iter().map(|v| f64::from(*v)).sum()
+        }
+    };
+}
+
+impl<const N: usize> Lanes for Group<f64, N> {
+    const WIDTH: usize = N;
+    type Row = DoubleRow;
+    type Own = [f64; 3];
+    type Mask = [bool; N];
+
+    #[inline(always)]
+    unsafe fn spread(row: &DoubleRow) -> Self::Own {
+        let [x, y, z, _] = row.0;
+        [x, y, z]
+    }
+
+    #[inline(always)]
+    unsafe fn differences<E: Entry>(
+        own: Self::Own,
+        _scale: [Self; 3],
+        rows: *const DoubleRow,
+        entries: *const E,
+    ) -> [Self; 3] {
+        // SAFETY: `N` entries are readable and each names a readable row.
+        let at: [&DoubleRow; N] = from_fn(|k| unsafe { &*rows.add((*entries.add(k)).index()) });
+        [0, 1, 2].map(|axis| Self(from_fn(|k| own[axis] - at[k].0[axis])))
+    }
+
+    masks!(f64);
+}
+
+impl<const N: usize> Lanes for Group<f32, N> {
+    const WIDTH: usize = N;
+    type Row = FixedRow;
+    type Own = [i32; 3];
+    type Mask = [bool; N];
+
+    #[inline(always)]
+    unsafe fn spread(row: &FixedRow) -> Self::Own {
+        let [x, y, z, _] = row.0;
+        [x, y, z]
+    }
+
+    #[inline(always)]
+    unsafe fn differences<E: Entry>(
+        own: Self::Own,
+        scale: [Self; 3],
+        rows: *const FixedRow,
+        entries: *const E,
+    ) -> [Self; 3] {
+        // SAFETY: `N` entries are readable and each names a readable row.
+        let at: [&FixedRow; N] = from_fn(|k| unsafe { &*rows.add((*entries.add(k)).index()) });
+        [0, 1, 2].map(|axis| {
+            Self(from_fn(|k| own[axis].wrapping_sub(at[k].0[axis]) as f32)) * scale[axis]
+        })
+    }
+
+    masks!(f32);
+}
+
+/// The pair loop in double precision.
+pub fn run_double<F: PairForm>(
+    job: &PairJob<'_, DoubleRow, F>,
+    chunk: usize,
+    wanted: Wanted,
+) -> ChunkTotals {
+    // SAFETY: no instruction set is needed; chunks are handed out once each.
+    unsafe { run::<Group<f64, 4>, F>(job, chunk, wanted) }
+}
+
+/// The pair loop in mixed precision.
+pub fn run_mixed<F: PairForm>(
+    job: &PairJob<'_, FixedRow, F>,
+    chunk: usize,
+    wanted: Wanted,
+) -> ChunkTotals {
+    // SAFETY: as above.
+    unsafe { run::<Group<f32, 8>, F>(job, chunk, wanted) }
+}

@@ -1,0 +1,63 @@
+//! Totals over pairs, and what becomes of them.
+
+use glam::{DMat3, DVec3};
+use lennard_core::{Energetics, Want};
+
+use crate::potential::Pair;
+use crate::reference::outer;
+use crate::simd::{ChunkTotals, PerParticle};
+
+/// Totals over pairs, each counted once.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Totals {
+    /// Σ U, ε.
+    pub energy: f64,
+    /// Σ r_ij ⊗ F_ij, ε.
+    pub virial: DMat3,
+    /// Σ_i ∇_i²U, ε/σ².
+    pub laplacian: f64,
+    /// Pairs with r ≤ r_cut.
+    pub pairs: u64,
+}
+
+impl Totals {
+    /// Adds one pair.
+    pub fn add(&mut self, pair: &Pair<f64>, r_ij: DVec3) {
+        self.energy += pair.energy;
+        self.virial += outer(r_ij, pair.force * r_ij);
+        // ∇²U = U″ + 2U′/r, once for each end of the pair.
+        self.laplacian += 2.0 * (pair.curvature - 2.0 * pair.force);
+        self.pairs += 1;
+    }
+
+    /// The totals of chunks that met every pair from both of its ends, added in order.
+    pub fn of_chunks(chunks: &[ChunkTotals]) -> Self {
+        let mut sum = ChunkTotals::default();
+        for chunk in chunks {
+            sum.energy += chunk.energy;
+            sum.virial += chunk.virial;
+            sum.laplacian += chunk.laplacian;
+            sum.pairs += chunk.pairs;
+        }
+        Self {
+            energy: 0.5 * sum.energy,
+            virial: 0.5 * sum.virial,
+            laplacian: sum.laplacian,
+            pairs: sum.pairs / 2,
+        }
+    }
+
+    /// What was asked for; `jump` is U(r_cut), which the conserved energy subtracts for each pair.
+    pub fn deliver(&self, want: Want, jump: f64, each: Option<Vec<PerParticle>>) -> Energetics {
+        Energetics {
+            potential_energy: want.energy.then_some(self.energy),
+            conserved_potential: want
+                .energy
+                .then_some(self.energy - self.pairs as f64 * jump),
+            virial: want.virial.then_some(self.virial),
+            laplacian: want.laplacian.then_some(self.laplacian),
+            pairs: want.energy.then_some(self.pairs),
+            per_particle: each,
+        }
+    }
+}

@@ -1,0 +1,544 @@
+//! Every loop against the reference loop, and the invariants that all of them share.
+
+mod common;
+
+use common::*;
+use lennard_core::{
+    DVec3, ForceError, ForceProvider, Part, PeriodicBox, Persist, StateArchive, Want,
+};
+use lennard_forcefield::*;
+use proptest::prelude::*;
+
+fn forms() -> Vec<ForceFieldOptions> {
+    let mut all = Vec::new();
+    for potential in [
+        PotentialOptions::LennardJones {},
+        PotentialOptions::Wca {},
+        PotentialOptions::SoftSphere { exponent: 12 },
+        PotentialOptions::SoftSphere { exponent: 9 },
+    ] {
+        for kind in [
+            TruncationKind::Cut,
+            TruncationKind::Shift,
+            TruncationKind::ForceShift,
+            TruncationKind::Switch,
+        ] {
+            if potential == (PotentialOptions::Wca {}) && kind == TruncationKind::Switch {
+                continue;
+            }
+            all.push(ForceFieldOptions {
+                potential,
+                truncation: TruncationOptions::new(kind, 2.5),
+                ..ForceFieldOptions::default()
+            });
+        }
+    }
+    all
+}
+
+fn want_each() -> Want {
+    Want {
+        per_particle: true,
+        ..Want::TOTALS
+    }
+}
+
+/// Moves every particle a little, each in its own direction.
+fn moved(positions: &[DVec3], by: f64) -> Vec<DVec3> {
+    let shake = scatter(positions.len(), DVec3::splat(2.0), 0.7);
+    positions
+        .iter()
+        .zip(&shake)
+        .map(|(r, s)| *r + (*s - DVec3::ONE).normalize_or_zero() * by)
+        .collect()
+}
+
+#[test]
+fn every_kernel_agrees_with_the_reference_after_the_particles_have_moved() {
+    let (cell, start) = liquid([9, 8, 7], 0.8442, 0.15);
+    let positions = moved(&start, 0.1);
+    for base in forms() {
+        let (wanted, totals) = reference(&base, cell, &positions);
+        let sizes = magnitudes(&base, cell, &positions);
+        let rms = (wanted.iter().map(|f| f.length_squared()).sum::<f64>() / wanted.len() as f64).sqrt();
+        for kernel in kernels() {
+            let options = ForceFieldOptions {
+                kernel,
+                neighbor: verlet(Some(0.3)),
+                ..base
+            };
+            let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
+            all(&mut forces, &start, Want::NOTHING);
+            let (found, energetics) = all(&mut forces, &positions, want_each());
+            assert_eq!(forces.statistics().builds, 1, "the list was used after a move");
+            let mut squares = 0.0;
+            for ((f, w), (size, stiffness)) in found.iter().zip(&wanted).zip(&sizes) {
+                if kernel.precision == Precision::Double {
+                    // Rounding of the sums, and of coordinates of some 10 σ through the stiffness.
+                    let bound = 1e-13 * size + 8e-15 * stiffness;
+                    assert!((*f - *w).length() <= bound, "{options:?}: {f} against {w}");
+                }
+                squares += (*f - *w).length_squared();
+            }
+            let error = (squares / wanted.len() as f64).sqrt() / rms;
+            let (limit, relative) = match kernel.precision {
+                Precision::Double => (1e-14, 1e-13),
+                // Pairs in f32, whose last place is 6e-8, with factors up to 13 in the force.
+                Precision::Mixed => (3e-6, 3e-6),
+            };
+            assert!(error <= limit, "{options:?}: RMS error {error:e}");
+            let scale = |e: &lennard_core::Energetics| {
+                let each = e.per_particle.as_ref().unwrap();
+                each.iter().map(|(u, _)| u.abs()).sum::<f64>()
+            };
+            let size = scale(&totals);
+            assert!(
+                (energetics.potential_energy.unwrap() - totals.potential_energy.unwrap()).abs()
+                    <= relative * size
+            );
+            assert!(
+                (energetics.conserved_potential.unwrap() - totals.conserved_potential.unwrap())
+                    .abs()
+                    <= relative * size
+            );
+            assert_eq!(energetics.pairs, totals.pairs, "{options:?}");
+            // The virial cancels between attraction and repulsion: judge by Σ r·|F|, a few times larger.
+            let strength: f64 = sizes.iter().map(|s| s.0).sum();
+            let difference = energetics.virial.unwrap() - totals.virial.unwrap();
+            assert!(difference.to_cols_array().iter().all(|d| d.abs() <= relative * strength));
+            let stiffness: f64 = sizes.iter().map(|s| s.1).sum();
+            assert!(
+                (energetics.laplacian.unwrap() - totals.laplacian.unwrap()).abs()
+                    <= relative * stiffness
+            );
+            let mine = energetics.per_particle.unwrap();
+            for ((u, w), (u0, w0)) in mine.iter().zip(totals.per_particle.as_ref().unwrap()) {
+                assert!((u - u0).abs() <= 30.0 * relative * (1.0 + u0.abs()));
+                let d = (*w - *w0).to_cols_array().map(f64::abs).into_iter().fold(0.0, f64::max);
+                assert!(d <= 30.0 * relative * (1.0 + strength / mine.len() as f64), "{d}");
+            }
+        }
+    }
+}
+
+#[test]
+fn forces_have_the_same_bits_with_and_without_energetics() {
+    let (cell, positions) = liquid([8, 8, 8], 0.8442, 0.15);
+    for base in forms() {
+        for kernel in kernels() {
+            for neighbor in [
+                verlet(None),
+                NeighborOptions {
+                    mode: ListMode::Direct,
+                    skin: None,
+                },
+            ] {
+                let options = ForceFieldOptions {
+                    kernel,
+                    neighbor,
+                    ..base
+                };
+                let mut forces = build(&options, &conditions(cell, positions.len())).unwrap();
+                let (plain, none) = all(&mut forces, &positions, Want::NOTHING);
+                assert_eq!(none, lennard_core::Energetics::default());
+                for want in [Want::ENERGY, Want::TOTALS, want_each()] {
+                    assert_eq!(all(&mut forces, &positions, want).0, plain, "{options:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_same_bits_come_from_any_number_of_threads() {
+    let (cell, start) = liquid([14, 13, 12], 0.8442, 0.15);
+    for kernel in kernels() {
+        let run = || {
+            let options = ForceFieldOptions {
+                kernel,
+                ..ForceFieldOptions::default()
+            };
+            let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
+            (0..4)
+                .map(|k| all(&mut forces, &moved(&start, 0.06 * f64::from(k)), want_each()))
+                .collect::<Vec<_>>()
+        };
+        let one = in_threads(1, run);
+        for threads in [2, 3, 8] {
+            assert!(in_threads(threads, run) == one, "{threads} threads, {kernel:?}");
+        }
+    }
+}
+
+#[test]
+fn forces_add_up_to_zero() {
+    let (cell, positions) = liquid([10, 10, 10], 0.8442, 0.2);
+    for kernel in kernels() {
+        let options = ForceFieldOptions {
+            kernel,
+            ..ForceFieldOptions::default()
+        };
+        let mut forces = build(&options, &conditions(cell, positions.len())).unwrap();
+        let (f, _) = all(&mut forces, &positions, Want::NOTHING);
+        let size: f64 = magnitudes(&options, cell, &positions).iter().map(|m| m.0).sum();
+        // A full list computes each pair twice: antisymmetric to the bit, but summed in other orders.
+        let bound = match kernel.precision {
+            Precision::Double => 1e-15 * size,
+            Precision::Mixed => 1e-7 * size / (f.len() as f64).sqrt(),
+        };
+        let total = f.iter().sum::<DVec3>();
+        assert!(total.length() <= bound, "{kernel:?}: {total} over {bound:e}");
+    }
+}
+
+#[test]
+fn mixed_precision_does_not_suffer_far_from_the_origin() {
+    let (cell, positions) = liquid([9, 9, 9], 0.8442, 0.15);
+    let far: Vec<DVec3> = positions.iter().map(|r| *r + DVec3::new(1e4, -1e4, 1e4)).collect();
+    let options = ForceFieldOptions::default();
+    let (wanted, _) = reference(&options, cell, &far);
+    let rms = (wanted.iter().map(|f| f.length_squared()).sum::<f64>() / wanted.len() as f64).sqrt();
+    for kernel in kernels() {
+        let options = ForceFieldOptions { kernel, ..options };
+        let mut forces = build(&options, &conditions(cell, far.len())).unwrap();
+        let (found, _) = all(&mut forces, &far, Want::NOTHING);
+        let squares: f64 = found.iter().zip(&wanted).map(|(a, b)| (*a - *b).length_squared()).sum();
+        let error = (squares / wanted.len() as f64).sqrt() / rms;
+        // Double: the last place of 1e4 is 2e-12, times a stiffness some 30 times the force.
+        let limit = match kernel.precision {
+            Precision::Double => 2e-10,
+            Precision::Mixed => 3e-6,
+        };
+        assert!(error <= limit, "{kernel:?}: {error:e}");
+    }
+}
+
+#[test]
+fn canonical_forces_are_a_pure_function_of_the_positions() {
+    let (cell, start) = liquid([9, 8, 8], 0.8442, 0.15);
+    let target = moved(&start, 0.1);
+    let bits = |skin: Option<f64>, mode, threads, before: &[DVec3]| {
+        let options = ForceFieldOptions {
+            canonical: true,
+            neighbor: NeighborOptions { mode, skin },
+            ..ForceFieldOptions::default()
+        };
+        in_threads(threads, || {
+            let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
+            all(&mut forces, before, Want::NOTHING);
+            all(&mut forces, &target, Want::NOTHING).0
+        })
+    };
+    let wanted = bits(None, ListMode::Direct, 1, &start);
+    for (skin, threads) in [(0.0, 1), (0.21, 2), (0.4, 3), (0.7, 8)] {
+        for before in [&start, &target, &moved(&start, 0.3)] {
+            let found = bits(Some(skin), ListMode::Verlet, threads, before);
+            assert!(found == wanted, "skin {skin}, {threads} threads");
+        }
+    }
+    // Shifting a particle by whole boxes of a power-of-two side changes no bit either.
+    let cell = PeriodicBox::new(DVec3::splat(8.0)).unwrap();
+    let (_, small) = liquid([7, 7, 7], 343.0 / 512.0, 0.1);
+    let small: Vec<DVec3> = small.iter().map(|r| cell.wrap((*r * 1024.0).round() / 1024.0)).collect();
+    let shifted: Vec<DVec3> = small.iter().enumerate()
+        .map(|(i, r)| *r + 8.0 * DVec3::new(i as f64 % 3.0, -(i as f64 % 5.0), 1.0))
+        .collect();
+    let options = ForceFieldOptions { canonical: true, ..ForceFieldOptions::default() };
+    let mut forces = build(&options, &conditions(cell, small.len())).unwrap();
+    let a = all(&mut forces, &small, Want::NOTHING).0;
+    assert!(a == all(&mut forces, &shifted, Want::NOTHING).0);
+}
+
+#[test]
+fn near_and_far_parts_add_up_to_the_whole_force() {
+    let (cell, start) = liquid([9, 8, 8], 0.8442, 0.15);
+    let positions = moved(&start, 0.1);
+    for base in forms() {
+        let r_cut = Model::new(&base.potential, &base.truncation).unwrap().r_cut;
+        for kernel in kernels() {
+            for mode in [ListMode::Verlet, ListMode::Direct] {
+                let options = ForceFieldOptions {
+                    kernel,
+                    neighbor: NeighborOptions { mode, skin: None },
+                    split: Some(SplitOptions {
+                        r_split: 0.7 * r_cut,
+                        width: 0.15 * r_cut,
+                    }),
+                    ..base
+                };
+                let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
+                assert!(forces.properties().splits);
+                for part in [Part::Near, Part::Far, Part::All] {
+                    evaluate(&mut forces, &start, part, Want::NOTHING).unwrap();
+                }
+                let get = |forces: &mut PairForces, part| {
+                    evaluate(forces, &positions, part, Want::TOTALS).unwrap()
+                };
+                let (near, e_near) = get(&mut forces, Part::Near);
+                let (far, e_far) = get(&mut forces, Part::Far);
+                let (whole, e_all) = get(&mut forces, Part::All);
+                let relative = match kernel.precision {
+                    Precision::Double => 1e-13,
+                    Precision::Mixed => 1e-5,
+                };
+                let sizes = magnitudes(&base, cell, &positions);
+                for (((n, f), w), (size, _)) in near.iter().zip(&far).zip(&whole).zip(&sizes) {
+                    assert!((*n + *f - *w).length() <= relative * size, "{options:?}");
+                }
+                let sum = e_near.plus(&e_far);
+                let size: f64 = sizes.iter().map(|s| s.0).sum();
+                for (a, b) in [
+                    (sum.potential_energy, e_all.potential_energy),
+                    (sum.conserved_potential, e_all.conserved_potential),
+                    (sum.scalar_virial(), e_all.scalar_virial()),
+                ] {
+                    assert!((a.unwrap() - b.unwrap()).abs() <= relative * size);
+                }
+                assert_eq!(sum.pairs, e_all.pairs);
+                assert!(near.iter().any(|n| n.length() > 0.0));
+                if base.potential == (PotentialOptions::LennardJones {}) {
+                    assert!(far.iter().any(|f| f.length() > 1e-3));
+                }
+            }
+        }
+    }
+    let mut whole = build(&ForceFieldOptions::default(), &conditions(cell, start.len())).unwrap();
+    assert_eq!(
+        evaluate(&mut whole, &start, Part::Near, Want::NOTHING).unwrap_err(),
+        ForceError::NotSplit
+    );
+}
+
+#[test]
+fn a_restart_continues_with_the_same_bits() {
+    let (cell, start) = liquid([9, 8, 8], 0.8442, 0.15);
+    for kernel in kernels() {
+        let options = ForceFieldOptions {
+            kernel,
+            neighbor: verlet(Some(0.4)),
+            split: Some(SplitOptions {
+                r_split: 1.6,
+                width: 0.3,
+            }),
+            ..ForceFieldOptions::default()
+        };
+        let at = conditions(cell, start.len());
+        let parts = [Part::All, Part::Near, Part::Far];
+        let mut one = build(&options, &at).unwrap();
+        for part in parts {
+            evaluate(&mut one, &start, part, Want::NOTHING).unwrap();
+        }
+        let mut archive = StateArchive::default();
+        one.save(&mut archive.writer());
+        let mut other = build(&options, &at).unwrap();
+        other.restore(&archive.reader()).unwrap();
+        let later = moved(&start, 0.15);
+        for part in parts {
+            let a = evaluate(&mut one, &later, part, Want::TOTALS).unwrap();
+            let b = evaluate(&mut other, &later, part, Want::TOTALS).unwrap();
+            assert!(a == b, "{part:?}");
+        }
+        let (a, b) = (one.statistics(), other.statistics());
+        assert_eq!((a.builds, a.evaluations), (b.builds, b.evaluations));
+        // A provider that starts afresh builds its list elsewhere and sums in another order.
+        let mut fresh = build(&options, &at).unwrap();
+        let a = all(&mut one, &later, Want::NOTHING).0;
+        assert!(a != all(&mut fresh, &later, Want::NOTHING).0, "the test can tell orders apart");
+    }
+}
+
+#[test]
+fn a_number_that_is_not_finite_is_an_error_that_names_the_particle() {
+    let (cell, start) = liquid([8, 8, 8], 0.8442, 0.1);
+    let mut strategies: Vec<ForceFieldOptions> = kernels()
+        .into_iter()
+        .map(|kernel| ForceFieldOptions {
+            kernel,
+            neighbor: verlet(None),
+            ..ForceFieldOptions::default()
+        })
+        .collect();
+    let base = ForceFieldOptions::default();
+    strategies.push(ForceFieldOptions {
+        canonical: true,
+        ..base
+    });
+    strategies.push(ForceFieldOptions {
+        neighbor: NeighborOptions {
+            mode: ListMode::Direct,
+            skin: None,
+        },
+        ..base
+    });
+    strategies.push(ForceFieldOptions {
+        kernel: KernelOptions {
+            kernel: Kernel::Reference,
+            ..KernelOptions::default()
+        },
+        ..base
+    });
+    for options in strategies {
+        for warm in [false, true] {
+            for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
+                if warm {
+                    all(&mut forces, &start, Want::NOTHING);
+                }
+                let mut positions = start.clone();
+                positions[137].y = bad;
+                let error = evaluate(&mut forces, &positions, Part::All, Want::NOTHING);
+                assert_eq!(
+                    error.unwrap_err(),
+                    ForceError::NonFinitePosition { particle: 137 }
+                );
+            }
+            // Far away is no reason to hang, to panic or to read elsewhere.
+            for far in [1e6, -1e9, 1e15, 1e300, -1.7e308] {
+                let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
+                if warm {
+                    all(&mut forces, &start, Want::NOTHING);
+                }
+                let mut positions = start.clone();
+                positions[5].x = far;
+                let _ = evaluate(&mut forces, &positions, Part::All, Want::TOTALS);
+            }
+            let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
+            if warm {
+                all(&mut forces, &start, Want::NOTHING);
+            }
+            let mut positions = start.clone();
+            positions[200] = positions[33];
+            let error = evaluate(&mut forces, &positions, Part::All, Want::NOTHING);
+            assert_eq!(
+                error.unwrap_err(),
+                ForceError::NonFiniteForce { particle: 33 },
+                "{options:?}"
+            );
+            // The provider is still usable.
+            all(&mut forces, &start, Want::TOTALS);
+        }
+    }
+}
+
+#[test]
+fn no_build_is_late_and_no_pair_is_missed_along_a_trajectory() {
+    let (cell, mut positions) = liquid([8, 8, 8], 0.8442, 0.1);
+    let n = positions.len();
+    for kernel in kernels() {
+        let options = ForceFieldOptions {
+            kernel,
+            neighbor: verlet(Some(0.25)),
+            ..ForceFieldOptions::default()
+        };
+        let mut forces = build(&options, &conditions(cell, n)).unwrap();
+        let mut velocities = scatter(n, DVec3::splat(3.0), 0.1);
+        let mean = velocities.iter().sum::<DVec3>() / n as f64;
+        velocities.iter_mut().for_each(|v| *v -= mean);
+        let dt = 0.004;
+        let (mut f, _) = all(&mut forces, &positions, Want::NOTHING);
+        for step in 0..150 {
+            for ((r, v), f) in positions.iter_mut().zip(&mut velocities).zip(&f) {
+                *v += 0.5 * dt * *f;
+                *r += dt * *v;
+            }
+            let (next, found) = all(&mut forces, &positions, Want::ENERGY);
+            f = next;
+            for (v, f) in velocities.iter_mut().zip(&f) {
+                *v += 0.5 * dt * *f;
+            }
+            if step % 10 == 0 {
+                assert_eq!(found.pairs, reference(&options, cell, &positions).1.pairs);
+            }
+        }
+        let statistics = forces.statistics();
+        assert!(statistics.builds > 3, "{statistics:?}");
+        assert_eq!(statistics.late_builds, 0);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_box_any_skin_any_filling_agrees_with_the_reference(
+        n in 1_usize..400,
+        sides in prop::array::uniform3(5.0_f64..18.0),
+        skin_share in 0.0_f64..=1.0,
+        filling in 0.05_f64..=1.0,
+        seed in 0.0_f64..1000.0,
+        origin in -30.0_f64..30.0,
+    ) {
+        let cell = PeriodicBox::new(DVec3::from(sides)).unwrap();
+        let r_cut = (0.5 * cell.shortest()).min(2.5);
+        // A soft potential: random positions overlap.
+        let potential = PotentialOptions::SoftSphere { exponent: 4 };
+        let skin = (skin_share * (cell.largest_cutoff() - r_cut)).max(0.0);
+        let start: Vec<DVec3> = scatter(n, cell.lengths() * filling, seed)
+            .into_iter()
+            .map(|r| r + DVec3::splat(origin))
+            .collect();
+        let base = ForceFieldOptions {
+            potential,
+            truncation: TruncationOptions::new(TruncationKind::Shift, r_cut),
+            neighbor: verlet(Some(skin)),
+            ..ForceFieldOptions::default()
+        };
+        let positions = moved(&start, 0.49 * skin);
+        let (wanted, totals) = reference(&base, cell, &positions);
+        let sizes = magnitudes(&base, cell, &positions);
+        for kernel in kernels() {
+            let options = ForceFieldOptions { kernel, ..base };
+            let mut forces = build(&options, &conditions(cell, n)).unwrap();
+            all(&mut forces, &start, Want::NOTHING);
+            let (found, energetics) = all(&mut forces, &positions, Want::ENERGY);
+            if skin > 1e-9 {
+                prop_assert_eq!(forces.statistics().builds, 1);
+            }
+            if kernel.precision == Precision::Double {
+                prop_assert_eq!(energetics.pairs, totals.pairs);
+            }
+            for ((f, w), (size, stiffness)) in found.iter().zip(&wanted).zip(&sizes) {
+                let bound = match kernel.precision {
+                    Precision::Double => 1e-13 * size + 1e-13 * stiffness,
+                    // Fixed-point coordinates of boxes up to 18 σ, then f32 pairs.
+                    Precision::Mixed => 1e-6 * size + 2e-8 * stiffness + 1e-6,
+                };
+                prop_assert!((*f - *w).length() <= bound, "{:?}: {} against {}, bound {:e}", options, f, w, bound);
+            }
+        }
+    }
+
+    #[test]
+    fn forces_do_not_depend_on_the_skin_the_order_or_the_place(
+        skin in 0.0_f64..1.0,
+        shift in prop::array::uniform3(-50.0_f64..50.0),
+        stride in 1_usize..500,
+    ) {
+        let (cell, positions) = liquid([8, 8, 8], 0.8442, 0.15);
+        let n = positions.len();
+        // A permutation: multiplication by an odd number modulo 512.
+        let order: Vec<usize> = (0..n).map(|i| i * (2 * stride + 1) % n).collect();
+        let moved: Vec<DVec3> = order.iter().map(|i| positions[*i] + DVec3::from(shift)).collect();
+        for kernel in kernels() {
+            let get = |skin, at: &[DVec3]| {
+                let options = ForceFieldOptions { kernel, neighbor: verlet(Some(skin)), ..ForceFieldOptions::default() };
+                all(&mut build(&options, &conditions(cell, n)).unwrap(), at, Want::NOTHING).0
+            };
+            let wanted = get(0.3, &positions);
+            let sizes = magnitudes(&ForceFieldOptions::default(), cell, &positions);
+            // Double: shifted coordinates of 60 σ have a last place of 7e-15 each.
+            let (relative, absolute) = match kernel.precision {
+                Precision::Double => (1e-14, 2e-14),
+                Precision::Mixed => (1e-6, 1e-7),
+            };
+            for (i, (a, b)) in get(skin, &positions).iter().zip(&wanted).enumerate() {
+                prop_assert!((*a - *b).length() <= relative * sizes[i].0);
+            }
+            for (k, f) in get(skin, &moved).iter().enumerate() {
+                let i = order[k];
+                let bound = relative * sizes[i].0 + absolute * sizes[i].1;
+                prop_assert!((*f - wanted[i]).length() <= bound, "{} against {}", f, wanted[i]);
+            }
+        }
+    }
+}

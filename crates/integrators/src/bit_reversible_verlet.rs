@@ -1,0 +1,254 @@
+//! The bit-reversible Verlet of Levesque and Verlet: positions are integers, and nothing is ever lost.
+
+use lennard_core::parallel::{for_each_chunk_pair, ordered_sum};
+use lennard_core::{
+    DVec3, Dynamics, ForceProvider, Integrator, IntegratorSpec, Persist, RestoreError, State,
+    StateReader, StateWriter, StepError, StepReport, Want,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::common::{Method, OptionError, begin, check_same_step, check_suited, evaluate, tick};
+use crate::velocity_verlet::oscillator_map;
+
+/// Options of the bit-reversible method.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Options {
+    /// Spacing δ of the position grid, in σ; best a power of two.
+    pub grid_spacing: f64,
+}
+
+impl Default for Options {
+    /// 2⁻⁴⁸ σ ≈ 3.6·10⁻¹⁵ σ, the resolution of a double at a few dozen σ, with room for ±32768 σ.
+    fn default() -> Self {
+        Self {
+            grid_spacing: 2.0_f64.powi(-48),
+        }
+    }
+}
+
+/// What the bit-reversible method declares about itself.
+pub static SPEC: IntegratorSpec = IntegratorSpec {
+    name: "bit-reversible-verlet",
+    summary: "Störmer–Verlet on integer positions: run back, it returns to its start to the last bit, where forces are a pure function of the positions.",
+    equations: "q(t+h) = 2 q(t) - q(t-h) + round(h^2 a(t)/d) in whole multiples q of the grid spacing d, x = d q; published: v(t) = d (q(t+h) - q(t-h))/(2 h)",
+    position_order: 2,
+    velocity_order: 2,
+    symplectic: true,
+    reversible: true,
+    fixed_step_only: true,
+    velocity_dependent_forces: false,
+    has_memory: true,
+    conserves_momentum: true,
+    force_evaluations: 1,
+    stability_limit: Some(2.0),
+    oscillator_map: Some(oscillator_map),
+    source: "Levesque and Verlet, \"Molecular dynamics and time reversibility\", J. Stat. Phys. 72, 519 (1993)",
+};
+
+/// Grid positions beyond this are refused: sums of four such numbers still fit into 64 bits.
+const LARGEST: i64 = 1 << 60;
+
+type Cell = [i64; 3];
+
+/// Störmer–Verlet on a grid of spacing δ: x = δ·q with whole q.
+///
+/// With D = q − q⁻ and A = round(h²a/δ), the next position is q + D + A, and the published velocity is
+/// the central one, δ·(2D + A)/(2h). Reversing that velocity and starting again finds q⁻ + A − … = the
+/// very q(t+h) just predicted, so the run retraces its steps exactly: rounding A is a function of the
+/// positions alone and cancels between there and back. This needs forces that are a pure function of
+/// the positions, to the bit, which no neighbor list with a history gives by itself.
+///
+/// Positions and velocities given to `start` are rounded to the grid.
+#[derive(Debug, Clone)]
+pub struct BitReversibleVerlet {
+    spacing: f64,
+    started_dt: f64,
+    current: Vec<Cell>,
+    previous: Vec<Cell>,
+}
+
+impl BitReversibleVerlet {
+    /// With the given options.
+    #[must_use]
+    pub fn new(options: &Options) -> Self {
+        Self {
+            spacing: options.grid_spacing,
+            started_dt: 0.0,
+            current: Vec::new(),
+            previous: Vec::new(),
+        }
+    }
+
+    /// The positions as whole multiples of the grid spacing, `[N]`.
+    #[must_use]
+    pub fn grid_positions(&self) -> &[[i64; 3]] {
+        &self.current
+    }
+
+    fn off_the_grid(&self) -> StepError {
+        StepError::Unsuited {
+            method: SPEC.name,
+            reason: format!(
+                "a particle left the range of the position grid, ±{:e} σ",
+                LARGEST as f64 * self.spacing
+            ),
+        }
+    }
+
+    /// Whether all positions leave room for the next sums.
+    fn check_range(&self) -> Result<(), StepError> {
+        let outside: u64 = ordered_sum(self.current.len(), |range| {
+            self.current[range]
+                .iter()
+                .filter(|q| q.iter().any(|c| c.abs() > LARGEST))
+                .count() as u64
+        });
+        if outside == 0 {
+            Ok(())
+        } else {
+            Err(self.off_the_grid())
+        }
+    }
+
+    /// A = round(h²a/δ) for one particle; saturates far outside the range that `check_range` allows.
+    fn rounded_push(&self, dynamics: &Dynamics, forces: &[DVec3], i: usize) -> Cell {
+        let dt = self.started_dt;
+        to_grid(forces[i] * (dt * dt / (dynamics.masses.of(i) * self.spacing)))
+    }
+
+    /// The velocity (2D + A)·δ/(2h) of one particle.
+    fn central_velocity(&self, now: Cell, before: Cell, push: Cell) -> DVec3 {
+        let factor = self.spacing / (2.0 * self.started_dt);
+        DVec3::from_array(std::array::from_fn(|c| {
+            factor * (2 * (now[c] - before[c]) + push[c]) as f64
+        }))
+    }
+
+    /// Publishes velocities from grid positions and forces.
+    fn publish_velocities(&self, dynamics: &Dynamics, state: &mut State) {
+        let forces = &state.forces;
+        lennard_core::parallel::for_each_chunk(&mut state.velocities, |first, vs| {
+            for (i, v) in vs.iter_mut().enumerate() {
+                let i = first + i;
+                let push = self.rounded_push(dynamics, forces, i);
+                *v = self.central_velocity(self.current[i], self.previous[i], push);
+            }
+        });
+    }
+}
+
+/// The nearest whole numbers; saturating, halves away from zero, so that f(−x) = −f(x).
+fn to_grid(x: DVec3) -> Cell {
+    x.to_array()
+        .map(|c| c.round().clamp(-2.0 * LARGEST as f64, 2.0 * LARGEST as f64) as i64)
+}
+
+fn to_position(q: Cell, spacing: f64) -> DVec3 {
+    DVec3::from_array(q.map(|c| c as f64 * spacing))
+}
+
+impl Method for Options {
+    fn build(&self) -> Box<dyn Integrator> {
+        Box::new(BitReversibleVerlet::new(self))
+    }
+
+    fn check(&self) -> Result<(), OptionError> {
+        OptionError::unless_positive("grid_spacing", self.grid_spacing)
+    }
+}
+
+impl Persist for BitReversibleVerlet {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        to.put_f64("started_dt", &[self.started_dt]);
+        to.put_i64("current", self.current.as_flattened());
+        to.put_i64("previous", self.previous.as_flattened());
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        [self.started_dt] = from.f64s("started_dt")?;
+        for (name, target) in [
+            ("current", &mut self.current),
+            ("previous", &mut self.previous),
+        ] {
+            let (cells, rest) = from.i64(name)?.as_chunks::<3>();
+            if !rest.is_empty() {
+                return Err(from.misfit(name, "not three numbers a particle"));
+            }
+            *target = cells.to_vec();
+        }
+        Ok(())
+    }
+}
+
+impl Integrator for BitReversibleVerlet {
+    fn spec(&self) -> &'static IntegratorSpec {
+        &SPEC
+    }
+
+    fn start(
+        &mut self,
+        dynamics: &Dynamics,
+        state: &mut State,
+        forces: &mut dyn ForceProvider,
+        dt: f64,
+        want: Want,
+    ) -> Result<(), StepError> {
+        check_suited(&SPEC, forces, dt)?;
+        self.started_dt = dt;
+        // Far from the origin a double is coarser than the grid: where the state still holds the very
+        // position that was published, the integers behind it are the better knowledge.
+        self.current.resize(state.len(), [0; 3]);
+        for (q, x) in self.current.iter_mut().zip(&mut state.positions) {
+            if to_position(*q, self.spacing) != *x {
+                *q = to_grid(*x / self.spacing);
+                *x = to_position(*q, self.spacing);
+            }
+        }
+        self.check_range()?;
+        begin(&SPEC, dynamics, state, forces, dt, want)?;
+        let to_steps = 2.0 * dt / self.spacing;
+        self.previous = (0..state.len())
+            .map(|i| {
+                let push = self.rounded_push(dynamics, &state.forces, i);
+                let twice = to_grid(state.velocities[i] * to_steps);
+                // 2D = 2hv/δ − A: even where the velocity was published by this method.
+                std::array::from_fn(|c| self.current[i][c] - (twice[c] - push[c]).div_euclid(2))
+            })
+            .collect();
+        self.publish_velocities(dynamics, state);
+        Ok(())
+    }
+
+    fn step(
+        &mut self,
+        dynamics: &Dynamics,
+        state: &mut State,
+        forces: &mut dyn ForceProvider,
+        dt: f64,
+        want: Want,
+    ) -> Result<StepReport, StepError> {
+        check_same_step(&SPEC, self.started_dt, dt)?;
+        check_suited(&SPEC, forces, dt)?;
+        // The new positions overwrite those of one step ago, which nobody needs any more.
+        let mut next = std::mem::take(&mut self.previous);
+        for_each_chunk_pair(&mut state.positions, &mut next, |first, xs, nexts| {
+            for (i, (x, next)) in xs.iter_mut().zip(nexts).enumerate() {
+                let i = first + i;
+                let push = self.rounded_push(dynamics, &state.forces, i);
+                let now = self.current[i];
+                *next = std::array::from_fn(|c| 2 * now[c] - next[c] + push[c]);
+                *x = to_position(*next, self.spacing);
+            }
+        });
+        self.previous = std::mem::replace(&mut self.current, next);
+        self.check_range()?;
+        tick(state, dt);
+        evaluate(&SPEC, state, forces, want)?;
+        self.publish_velocities(dynamics, state);
+        Ok(StepReport {
+            force_evaluations: 1,
+            ..StepReport::default()
+        })
+    }
+}

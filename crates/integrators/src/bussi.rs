@@ -1,0 +1,110 @@
+//! Stochastic velocity rescaling: the kinetic energy follows its own canonical dynamics.
+
+use lennard_core::random::NoiseStream;
+use lennard_core::{Dynamics, State, Thermostat, ThermostatSpec};
+use rand_distr::{ChiSquared, Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+use crate::common::{OptionError, remembers_nothing, scale_velocities};
+
+/// Options of stochastic velocity rescaling.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Options {
+    /// Relaxation time of the kinetic energy, in τ.
+    pub tau: f64,
+}
+
+impl Default for Options {
+    /// 0.5 τ, about 1 ps for argon: a few vibrations, so that equilibration is quick and the
+    /// dynamics little disturbed.
+    fn default() -> Self {
+        Self { tau: 0.5 }
+    }
+}
+
+impl Options {
+    /// Whether every option has a possible value.
+    ///
+    /// # Errors
+    /// [`OptionError`], which names the key, what was found and what is allowed.
+    pub fn check(&self) -> Result<(), OptionError> {
+        OptionError::unless_positive("tau", self.tau)
+    }
+}
+
+/// What stochastic velocity rescaling declares about itself.
+pub const SPEC: ThermostatSpec = ThermostatSpec {
+    name: "bussi",
+    summary: "Stochastic velocity rescaling: one factor for all velocities, drawn so that the kinetic energy is canonical.",
+    canonical: true,
+    source: "Bussi, Donadio and Parrinello, \"Canonical sampling through velocity rescaling\", J. Chem. Phys. 126, 014101 (2007), appendix",
+};
+
+/// Stochastic velocity rescaling, v ← α·v, with the exact propagator of the kinetic energy over dt.
+///
+/// With c = e^{−dt/tau}, g = (1 − c)·K̄/(n_dof·K), K̄ = ½·n_dof·T, R a normal number and S the sum
+/// of the squares of n_dof − 1 further ones (a χ² number):
+///
+/// α² = c + g·(R² + S) + 2R·√(c·g), with the sign of R + √(c/g).
+///
+/// The heat α²K − K is returned; E minus its sum is conserved. Momentum keeps its direction, and
+/// zero stays zero.
+#[derive(Debug, Clone)]
+pub struct Bussi {
+    tau: f64,
+    temperature: f64,
+}
+
+impl Bussi {
+    /// A bath at `temperature` (ε/k_B).
+    #[must_use]
+    pub fn new(options: &Options, temperature: f64) -> Self {
+        Self {
+            tau: options.tau,
+            temperature,
+        }
+    }
+}
+
+remembers_nothing!(Bussi);
+
+/// One number serves the whole system, so its stream has a single index.
+const WHOLE_SYSTEM: u32 = 0;
+
+impl Thermostat for Bussi {
+    fn spec(&self) -> &'static ThermostatSpec {
+        &SPEC
+    }
+
+    fn apply(
+        &mut self,
+        dynamics: &Dynamics,
+        state: &mut State,
+        dt: f64,
+        noise: &NoiseStream,
+    ) -> Option<f64> {
+        let kinetic = dynamics.kinetic_energy(&state.velocities);
+        if kinetic <= 0.0 {
+            return None;
+        }
+        let mut rng = noise.at(state.step, WHOLE_SYSTEM);
+        let normal: f64 = StandardNormal.sample(&mut rng);
+        // With a single degree of freedom there are no further ones.
+        let others = match ChiSquared::new(dynamics.n_dof - 1.0) {
+            Ok(distribution) => distribution.sample(&mut rng),
+            Err(_) => 0.0,
+        };
+        let c = (-dt / self.tau).exp();
+        let g = (1.0 - c) * 0.5 * self.temperature / kinetic;
+        let squared = c + g * (normal * normal + others) + 2.0 * normal * (c * g).sqrt();
+        // Rounding may bring a sum of squares a hair below zero.
+        let magnitude = squared.max(0.0).sqrt();
+        let factor = if normal + (c / g).sqrt() < 0.0 {
+            -magnitude
+        } else {
+            magnitude
+        };
+        Some(scale_velocities(dynamics, state, kinetic, factor))
+    }
+}

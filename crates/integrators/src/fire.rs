@@ -1,0 +1,227 @@
+//! FIRE: relaxation of a configuration by damped dynamics, for starts that lie too close together.
+
+use lennard_core::parallel::{for_each_chunk_pair, ordered_sum};
+use lennard_core::{Configuration, DVec3, ForceError, ForceProvider, Part, Want};
+use serde::{Deserialize, Serialize};
+
+/// When to stop, and how far a step may go.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FireOptions {
+    /// Stops when no particle feels a force above this, in ε/σ.
+    pub largest_force: f64,
+    /// Gives up after so many steps.
+    pub max_steps: u64,
+    /// No particle moves farther than this in a step, in σ: what keeps huge first forces harmless.
+    pub max_displacement: f64,
+}
+
+impl Default for FireOptions {
+    /// Forces below 10 ε/σ are harmless to dynamics (a liquid near its triple point has larger ones);
+    /// a twentieth of a diameter a step lets overlaps open without jumping over neighbors.
+    fn default() -> Self {
+        Self {
+            largest_force: 10.0,
+            max_steps: 20_000,
+            max_displacement: 0.05,
+        }
+    }
+}
+
+/// What a relaxation did.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FireReport {
+    /// Steps made.
+    pub steps: u64,
+    /// Force evaluations made.
+    pub force_evaluations: u64,
+    /// The largest force on a particle at the start, ε/σ.
+    pub largest_force_before: f64,
+    /// The largest force on a particle at the end, ε/σ.
+    pub largest_force: f64,
+    /// Potential energy at the end, ε, where the forces give one.
+    pub potential_energy: Option<f64>,
+}
+
+/// Why a relaxation failed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FireError {
+    /// The forces failed: two particles lie on top of each other, for example.
+    #[error(transparent)]
+    Force(#[from] ForceError),
+    /// The forces depend on velocities, so there is nothing to minimise.
+    #[error("forces that depend on velocities cannot be relaxed")]
+    VelocityDependentForce,
+    /// The steps ran out.
+    #[error(
+        "relaxation stopped after {steps} steps with a largest force of {largest_force:.3e} (wanted {wanted:.3e})"
+    )]
+    NotRelaxed {
+        /// Steps made.
+        steps: u64,
+        /// Largest force left, ε/σ.
+        largest_force: f64,
+        /// Largest force wanted, ε/σ.
+        wanted: f64,
+    },
+}
+
+// The parameters of FIRE 2.0 (Guénolé et al. 2020, table 2), but for the time steps, which are in τ.
+const FIRST_DT: f64 = 0.002;
+const LARGEST_DT: f64 = 10.0 * FIRST_DT;
+const SMALLEST_DT: f64 = 0.02 * FIRST_DT;
+const DELAY: u64 = 20;
+const GROWTH: f64 = 1.1;
+const SHRINKAGE: f64 = 0.5;
+const FIRST_MIXING: f64 = 0.25;
+const MIXING_DECAY: f64 = 0.99;
+
+/// Moves `positions` (`[N]`, σ) downhill until no force exceeds `options.largest_force`.
+///
+/// Damped dynamics with unit masses: v ← v + dt·F; v ← (1 − α)·v + α·|v|·F/|F|; x ← x + dt·v, where
+/// dt grows while the power F·v is positive and everything starts again, half a step back, when it is
+/// not. Each particle's step is cut to `max_displacement`, which bounds what a huge force can do.
+///
+/// Sources: Bitzek, Koskinen, Gähler, Moseler and Gumbsch, "Structural relaxation made simple",
+/// Phys. Rev. Lett. 97, 170201 (2006); Guénolé et al., "Assessment and optimization of the fast
+/// inertial relaxation engine (FIRE) for energy minimization in atomistic simulations", Comput. Mater.
+/// Sci. 175, 109584 (2020), FIRE 2.0 with semi-implicit Euler.
+///
+/// # Errors
+/// [`FireError`] where the forces fail, depend on velocities, or stay too large.
+pub fn relax(
+    positions: &mut [DVec3],
+    forces: &mut dyn ForceProvider,
+    options: &FireOptions,
+) -> Result<FireReport, FireError> {
+    if forces.properties().velocity_dependent {
+        return Err(FireError::VelocityDependentForce);
+    }
+    let n = positions.len();
+    let mut velocities = vec![DVec3::ZERO; n];
+    let mut force = vec![DVec3::ZERO; n];
+    let mut potential_energy = evaluate(positions, forces, &mut force)?;
+    let largest_force_before = largest(&force);
+
+    let (mut dt, mut mixing, mut uphill_free, mut steps) = (FIRST_DT, FIRST_MIXING, 0_u64, 0_u64);
+    while largest(&force) > options.largest_force {
+        if steps == options.max_steps {
+            return Err(FireError::NotRelaxed {
+                steps,
+                largest_force: largest(&force),
+                wanted: options.largest_force,
+            });
+        }
+        if dot(&force, &velocities) > 0.0 {
+            uphill_free += 1;
+            if uphill_free > DELAY {
+                dt = (dt * GROWTH).min(LARGEST_DT);
+                mixing *= MIXING_DECAY;
+            }
+        } else {
+            uphill_free = 0;
+            mixing = FIRST_MIXING;
+            if steps > DELAY {
+                dt = (dt * SHRINKAGE).max(SMALLEST_DT);
+            }
+            for_each_chunk_pair(positions, &mut velocities, |_, xs, vs| {
+                for (x, v) in xs.iter_mut().zip(vs) {
+                    *x -= 0.5 * dt * *v;
+                    *v = DVec3::ZERO;
+                }
+            });
+        }
+        step(
+            positions,
+            &mut velocities,
+            &force,
+            dt,
+            mixing,
+            options.max_displacement,
+        );
+        potential_energy = evaluate(positions, forces, &mut force)?;
+        steps += 1;
+    }
+    Ok(FireReport {
+        steps,
+        force_evaluations: steps + 1,
+        largest_force_before,
+        largest_force: largest(&force),
+        potential_energy,
+    })
+}
+
+fn evaluate(
+    positions: &[DVec3],
+    forces: &mut dyn ForceProvider,
+    force: &mut [DVec3],
+) -> Result<Option<f64>, FireError> {
+    let at = Configuration {
+        positions,
+        velocities: None,
+        time: 0.0,
+    };
+    let found = forces.evaluate(at, Part::All, Want::ENERGY, force)?;
+    crate::common::check_finite(force)?;
+    Ok(found.potential_energy)
+}
+
+/// Kick, mixing and drift with the cap on each particle's displacement.
+fn step(
+    positions: &mut [DVec3],
+    velocities: &mut [DVec3],
+    force: &[DVec3],
+    dt: f64,
+    mixing: f64,
+    max_displacement: f64,
+) {
+    let cap = max_displacement / dt;
+    for_each_chunk_pair(positions, velocities, |first, _, vs| {
+        for (v, f) in vs.iter_mut().zip(&force[first..]) {
+            *v = (*v + dt * *f).clamp_length_max(cap);
+        }
+    });
+    let force_norm = norm(force);
+    // Without any force there is no direction to mix in.
+    let towards = if force_norm > 0.0 {
+        mixing * norm(velocities) / force_norm
+    } else {
+        0.0
+    };
+    for_each_chunk_pair(positions, velocities, |first, xs, vs| {
+        for ((x, v), f) in xs.iter_mut().zip(vs).zip(&force[first..]) {
+            *v = ((1.0 - mixing) * *v + towards * *f).clamp_length_max(cap);
+            *x += dt * *v;
+        }
+    });
+}
+
+fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
+    ordered_sum(a.len(), |range| range.map(|i| a[i].dot(b[i])).sum())
+}
+
+/// √Σ|aᵢ|² without overflow: first forces may be near 1e200.
+fn norm(a: &[DVec3]) -> f64 {
+    let scale = largest(a);
+    if scale == 0.0 {
+        return 0.0;
+    }
+    let squares: f64 = ordered_sum(a.len(), |range| {
+        range.map(|i| (a[i] / scale).length_squared()).sum()
+    });
+    scale * squares.sqrt()
+}
+
+/// The largest component sum |a| of a particle, by way of the largest component against overflow.
+fn largest(a: &[DVec3]) -> f64 {
+    a.iter()
+        .map(|f| {
+            let scale = f.abs().max_element();
+            if scale == 0.0 {
+                0.0
+            } else {
+                scale * (*f / scale).length()
+            }
+        })
+        .fold(0.0, f64::max)
+}

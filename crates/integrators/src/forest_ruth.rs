@@ -1,0 +1,92 @@
+//! The fourth-order symplectic method of Forest and Ruth: three velocity Verlet steps, the middle one backwards.
+
+use glam::DMat2;
+use lennard_core::{
+    Dynamics, ForceProvider, Integrator, IntegratorSpec, State, StepError, StepReport, Want,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::common::{Method, begin, remembers_nothing};
+use crate::composition::Composition;
+
+/// Options of the method of Forest and Ruth: there are none.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Options {}
+
+/// What the method of Forest and Ruth declares about itself.
+pub static SPEC: IntegratorSpec = IntegratorSpec {
+    name: "forest-ruth",
+    summary: "Fourth-order symplectic: three velocity Verlet steps of θh, (1−2θ)h and θh with θ = 1/(2 − 2^(1/3)).",
+    equations: "VV(theta h), VV((1 - 2 theta) h), VV(theta h), with VV a velocity Verlet step and theta = 1/(2 - 2^(1/3))",
+    position_order: 4,
+    velocity_order: 4,
+    symplectic: true,
+    reversible: true,
+    fixed_step_only: false,
+    velocity_dependent_forces: false,
+    has_memory: false,
+    conserves_momentum: true,
+    force_evaluations: 3,
+    stability_limit: Some(1.573_402),
+    oscillator_map: Some(oscillator_map),
+    source: "Forest and Ruth, \"Fourth-order symplectic integration\", Physica D 43, 105 (1990)",
+};
+
+/// θ = 1/(2 − ∛2), which removes the error of third order from three steps in a row.
+const THETA: f64 = 1.351_207_191_959_657_7;
+
+static COMPOSITION: Composition = Composition {
+    stages: &[
+        (0.5 * THETA, THETA),
+        (0.5 * (1.0 - THETA), 1.0 - 2.0 * THETA),
+        (0.5 * (1.0 - THETA), THETA),
+    ],
+    last_kick: 0.5 * THETA,
+};
+
+/// One step on ẍ = −ω²x as a matrix on (x, v): the product of the kicks and drifts.
+#[must_use]
+pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
+    COMPOSITION.oscillator_map(omega, dt)
+}
+
+/// Forest–Ruth, in the form that begins and ends with a kick.
+#[derive(Debug, Clone, Default)]
+pub struct ForestRuth;
+
+impl Method for Options {
+    fn build(&self) -> Box<dyn Integrator> {
+        Box::new(ForestRuth)
+    }
+}
+
+remembers_nothing!(ForestRuth);
+
+impl Integrator for ForestRuth {
+    fn spec(&self) -> &'static IntegratorSpec {
+        &SPEC
+    }
+
+    fn start(
+        &mut self,
+        dynamics: &Dynamics,
+        state: &mut State,
+        forces: &mut dyn ForceProvider,
+        dt: f64,
+        want: Want,
+    ) -> Result<(), StepError> {
+        begin(&SPEC, dynamics, state, forces, dt, want)
+    }
+
+    fn step(
+        &mut self,
+        dynamics: &Dynamics,
+        state: &mut State,
+        forces: &mut dyn ForceProvider,
+        dt: f64,
+        want: Want,
+    ) -> Result<StepReport, StepError> {
+        COMPOSITION.step(&SPEC, dynamics, state, forces, dt, want)
+    }
+}

@@ -1,0 +1,375 @@
+//! Implicit Euler: the force at the end of the step, found by solving for where the step ends.
+
+use glam::DMat2;
+use lennard_core::parallel::ordered_sum;
+use lennard_core::{
+    Configuration, DVec3, Dynamics, Energetics, ForceError, ForceProvider, Integrator,
+    IntegratorSpec, Part, State, StepError, StepReport, Want, sweeps,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::common::{
+    Method, OptionError, begin, check_finite, check_suited, evaluate, remembers_nothing, tick,
+};
+use crate::krylov::{conjugate_gradients, dot};
+
+/// Options of implicit Euler.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Options {
+    /// Largest error of a position in its equation, in σ; rounding sets a floor of its own.
+    pub tolerance: f64,
+    /// Newton iterations after which a step fails.
+    pub max_iterations: u32,
+}
+
+impl Default for Options {
+    /// Far below what a step of first order leaves, and within reach of double precision.
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-12,
+            max_iterations: 60,
+        }
+    }
+}
+
+/// What implicit Euler declares about itself.
+pub static SPEC: IntegratorSpec = IntegratorSpec {
+    name: "implicit-euler",
+    summary: "Implicit Euler, solved by Newton's method with conjugate gradients; stable at any step and damps every motion.",
+    equations: "v(t+h) = v(t) + h a(x(t+h)); x(t+h) = x(t) + h v(t+h)",
+    position_order: 1,
+    velocity_order: 1,
+    symplectic: false,
+    reversible: false,
+    fixed_step_only: false,
+    velocity_dependent_forces: false,
+    has_memory: false,
+    conserves_momentum: true,
+    force_evaluations: 0,
+    stability_limit: None,
+    oscillator_map: Some(oscillator_map),
+    source: "Hairer, Lubich and Wanner, \"Geometric Numerical Integration\", 2nd ed., Springer (2006), section I.1.2, eq. 1.6; line-search Newton-CG: Nocedal and Wright, \"Numerical Optimization\", 2nd ed., Springer (2006), algorithm 7.1",
+};
+
+/// One step on ẍ = −ω²x as a matrix on (x, v): the inverse of [[1, −h], [ω²h, 1]]. Both eigenvalues
+/// have the modulus 1/√(1 + ω²h²) < 1.
+#[must_use]
+pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
+    let weight = 1.0 / (1.0 + (omega * dt).powi(2));
+    DMat2::from_cols_array_2d(&[[1.0, -omega * omega * dt], [dt, 1.0]]) * weight
+}
+
+/// Implicit Euler.
+///
+/// With x̂ = x + h·v the end y of a step solves M·(y − x̂)/h² = F(y). That is where the gradient of
+/// Φ(y) = ½(y − x̂)ᵀM(y − x̂)/h² + U(y) vanishes, so each step is a minimisation: Newton's directions
+/// from conjugate gradients on M/h² + ∂²U/∂x², which stop at a direction of negative curvature (a
+/// fluid has them, and at large h they show), and a line search on Φ. Where the force is linear one
+/// direction, solved to rounding, is the answer, and further ones only polish it.
+///
+/// [`StepReport::force_evaluations`] counts evaluations and [`StepReport::iterations`] products of the
+/// Hessian with a vector, each worth two evaluations more unless the forces know their Hessian;
+/// [`StepReport::residual`] is max |y − x̂ − h²·a(y)| in σ.
+#[derive(Debug, Clone)]
+pub struct ImplicitEuler {
+    options: Options,
+}
+
+impl ImplicitEuler {
+    /// With the given options.
+    #[must_use]
+    pub fn new(options: &Options) -> Self {
+        Self {
+            options: options.clone(),
+        }
+    }
+}
+
+impl Method for Options {
+    fn build(&self) -> Box<dyn Integrator> {
+        Box::new(ImplicitEuler::new(self))
+    }
+
+    fn check(&self) -> Result<(), OptionError> {
+        OptionError::unless_positive("tolerance", self.tolerance)?;
+        OptionError::unless_counted("max_iterations", u64::from(self.max_iterations))
+    }
+}
+
+remembers_nothing!(ImplicitEuler);
+
+/// A trial end of the step with everything known there.
+struct Trial {
+    positions: Vec<DVec3>,
+    forces: Vec<DVec3>,
+    /// −∇Φ = F − M·(y − x̂)/h², ε/σ.
+    downhill: Vec<DVec3>,
+    /// Φ in ε, where the forces have an energy.
+    merit: Option<f64>,
+    /// max |y − x̂ − h²·a(y)|, σ.
+    residual: f64,
+    /// What rounding leaves of that residual, σ.
+    floor: f64,
+}
+
+/// Rounding of the few operations behind the residual, each relative to the largest term.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// The equations of one step.
+struct Equations<'a> {
+    dynamics: &'a Dynamics,
+    /// x̂ = x + h·v, σ.
+    inertial: Vec<DVec3>,
+    dt: f64,
+    end_time: f64,
+}
+
+impl Equations<'_> {
+    /// M/h² of particle `i`.
+    fn inertia(&self, i: usize) -> f64 {
+        self.dynamics.masses.of(i) / (self.dt * self.dt)
+    }
+
+    fn at<'a>(&self, positions: &'a [DVec3]) -> Configuration<'a> {
+        Configuration {
+            positions,
+            velocities: None,
+            time: self.end_time,
+        }
+    }
+
+    fn trial(
+        &self,
+        positions: Vec<DVec3>,
+        forces: &mut dyn ForceProvider,
+    ) -> Result<Trial, ForceError> {
+        let mut f = vec![DVec3::ZERO; positions.len()];
+        let found = forces.evaluate(self.at(&positions), Part::All, Want::ENERGY, &mut f)?;
+        check_finite(&f)?;
+        Ok(self.judge(positions, f, found.conserved_potential))
+    }
+
+    fn judge(&self, positions: Vec<DVec3>, forces: Vec<DVec3>, potential: Option<f64>) -> Trial {
+        let n = positions.len();
+        let downhill: Vec<DVec3> = (0..n)
+            .map(|i| forces[i] - self.inertia(i) * (positions[i] - self.inertial[i]))
+            .collect();
+        let kinetic: f64 = ordered_sum(n, |range| {
+            range
+                .map(|i| 0.5 * self.inertia(i) * (positions[i] - self.inertial[i]).length_squared())
+                .sum()
+        });
+        let (mut residual, mut largest) = (0.0_f64, 0.0_f64);
+        for i in 0..n {
+            let inverse = self.inertia(i).recip();
+            residual = residual.max(inverse * downhill[i].abs().max_element());
+            largest = largest
+                .max(positions[i].abs().max_element())
+                .max(self.inertial[i].abs().max_element())
+                .max(inverse * forces[i].abs().max_element());
+        }
+        Trial {
+            positions,
+            forces,
+            downhill,
+            merit: potential.map(|u| kinetic + u),
+            residual,
+            floor: ROUNDING * largest + f64::MIN_POSITIVE,
+        }
+    }
+
+    /// The first guess: the step taken with the old force, or no move at all, whichever fits better.
+    ///
+    /// Without a move the residual is that of the old force, known without an evaluation; a guess
+    /// that fits worse (or overlaps) would begin the search in another valley.
+    fn first_guess(
+        &self,
+        state: &State,
+        forces: &mut dyn ForceProvider,
+    ) -> Result<(Trial, u32), StepError> {
+        let at_rest = self.judge(state.positions.clone(), state.forces.clone(), None);
+        let guess = (0..state.len())
+            .map(|i| self.inertial[i] + state.forces[i] / self.inertia(i))
+            .collect();
+        match self.trial(guess, forces) {
+            Ok(trial) if trial.residual <= at_rest.residual => Ok((trial, 1)),
+            _ => Ok((self.trial(at_rest.positions, forces)?, 2)),
+        }
+    }
+}
+
+/// Sufficient decrease of Φ along a direction (Nocedal and Wright, section 3.1).
+const ARMIJO: f64 = 1e-4;
+/// Halvings of a step along a direction before it is given up.
+const HALVINGS: u32 = 40;
+/// Φ is a sum: where a change is below this share of it, rounding hides it and the residual decides.
+const MERIT_ROUNDING: f64 = 1e-12;
+/// Products for one direction: far more than a Hessian that the inertia dominates ever needs.
+const MOST_PRODUCTS: u32 = 2000;
+
+impl ImplicitEuler {
+    /// Finds the end of the step; returns it with the number of evaluations and products.
+    fn solve(
+        &self,
+        equations: &Equations<'_>,
+        state: &State,
+        forces: &mut dyn ForceProvider,
+    ) -> Result<(Trial, u32, u32), StepError> {
+        let linear = forces.properties().linear;
+        let (mut current, mut evaluations) = equations.first_guess(state, forces)?;
+        let mut products = 0;
+        let mut direction = Vec::new();
+        for iteration in 0..=self.options.max_iterations {
+            // A linear system is solved to the floor; so is any where the tolerance lies below it.
+            let wanted = if linear {
+                current.floor
+            } else {
+                self.options.tolerance.max(current.floor)
+            };
+            if current.residual <= wanted {
+                return Ok((current, evaluations, products));
+            }
+            let failed = |residual| StepError::NotConverged {
+                method: SPEC.name,
+                iterations: iteration,
+                residual,
+                wanted,
+            };
+            if iteration == self.options.max_iterations {
+                return Err(failed(current.residual));
+            }
+            // Solve the more exactly the closer the end is: convergence faster than linear.
+            let reduction = if linear {
+                f64::EPSILON
+            } else {
+                current.residual.sqrt().clamp(1e-4, 0.1)
+            };
+            let at = equations.at(&current.positions);
+            let outcome = conjugate_gradients(
+                |d, out| {
+                    forces.hessian_vector(at, d, out)?;
+                    for (i, (o, d)) in out.iter_mut().zip(d).enumerate() {
+                        *o += equations.inertia(i) * *d;
+                    }
+                    Ok(())
+                },
+                |i| equations.inertia(i).recip(),
+                &current.downhill,
+                &mut direction,
+                reduction,
+                MOST_PRODUCTS,
+            )?;
+            products += outcome.products;
+            match line_search(equations, &current, &direction, forces) {
+                Ok((next, tried)) => {
+                    current = next;
+                    evaluations += tried;
+                }
+                Err(Some(error)) => return Err(error.into()),
+                Err(None) => return Err(failed(current.residual)),
+            }
+        }
+        unreachable!("the last iteration returns")
+    }
+}
+
+/// The first of the steps 1, ½, ¼, … along `direction` that is good enough, and how many were tried.
+///
+/// Where forces fail (an overlap) the step was too long. Fails with the forces' own error where they
+/// failed for every length, and with none where no length was good enough.
+fn line_search(
+    equations: &Equations<'_>,
+    current: &Trial,
+    direction: &[DVec3],
+    forces: &mut dyn ForceProvider,
+) -> Result<(Trial, u32), Option<ForceError>> {
+    let descent = dot(&current.downhill, direction);
+    let mut length = 1.0;
+    let (mut last_error, mut evaluated) = (None, false);
+    for tried in 1..=HALVINGS {
+        let positions = current
+            .positions
+            .iter()
+            .zip(direction)
+            .map(|(y, d)| *y + length * *d)
+            .collect();
+        match equations.trial(positions, forces) {
+            Ok(trial) if is_better(&trial, current, length * descent) => {
+                return Ok((trial, tried));
+            }
+            Ok(_) => evaluated = true,
+            Err(error) => last_error = Some(error),
+        }
+        length *= 0.5;
+    }
+    Err(if evaluated { None } else { last_error })
+}
+
+fn is_better(trial: &Trial, current: &Trial, descent: f64) -> bool {
+    if trial.residual <= current.floor {
+        return true;
+    }
+    let closer = trial.residual < current.residual;
+    match (trial.merit, current.merit) {
+        (Some(new), Some(old)) => {
+            let hidden = MERIT_ROUNDING * old.abs().max(new.abs());
+            new <= old - ARMIJO * descent || ((new - old).abs() <= hidden && closer)
+        }
+        _ => closer,
+    }
+}
+
+impl Integrator for ImplicitEuler {
+    fn spec(&self) -> &'static IntegratorSpec {
+        &SPEC
+    }
+
+    fn start(
+        &mut self,
+        dynamics: &Dynamics,
+        state: &mut State,
+        forces: &mut dyn ForceProvider,
+        dt: f64,
+        want: Want,
+    ) -> Result<(), StepError> {
+        begin(&SPEC, dynamics, state, forces, dt, want)
+    }
+
+    fn step(
+        &mut self,
+        dynamics: &Dynamics,
+        state: &mut State,
+        forces: &mut dyn ForceProvider,
+        dt: f64,
+        want: Want,
+    ) -> Result<StepReport, StepError> {
+        check_suited(&SPEC, forces, dt)?;
+        let mut inertial = state.positions.clone();
+        sweeps::drift(&mut inertial, &state.velocities, dt);
+        let equations = Equations {
+            dynamics,
+            inertial,
+            dt,
+            end_time: state.time + dt,
+        };
+        let (end, mut force_evaluations, iterations) = self.solve(&equations, state, forces)?;
+        state.positions = end.positions;
+        state.forces = end.forces;
+        state.energetics = Energetics::default();
+        tick(state, dt);
+        // The solve ended with the forces of these positions; whatever else is wanted comes with the
+        // same forces once more.
+        if !want.is_nothing() {
+            evaluate(&SPEC, state, forces, want)?;
+            force_evaluations += 1;
+        }
+        sweeps::kick(&mut state.velocities, &state.forces, &dynamics.masses, dt);
+        Ok(StepReport {
+            force_evaluations,
+            iterations,
+            residual: end.residual,
+            heat: 0.0,
+        })
+    }
+}

@@ -1,0 +1,221 @@
+//! The lists of methods, and everything that is made from them.
+
+use lennard_core::random::NoiseStream;
+use lennard_core::{Integrator, IntegratorSpec, Thermostat, ThermostatSpec};
+use serde::{Deserialize, Serialize};
+
+use crate::common::{Method, OptionError};
+use crate::{bussi, langevin, rescale};
+
+/// How a method is given the harmonic oscillator.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OscillatorModel {
+    /// As the force −k·x of [`crate::oscillator::HarmonicForces`].
+    Force,
+    /// As the constraint of [`crate::oscillator::OscillatorConstraint`], with no other force.
+    Constraint,
+    /// As a force for the published forces, and as its own exact solution
+    /// ([`crate::oscillator::ExactOscillator`]).
+    ExactSolution,
+}
+
+/// One line of the list of integrators.
+#[derive(Debug, Clone, Copy)]
+pub struct IntegratorEntry {
+    /// What the method declares about itself, at its default options.
+    pub spec: &'static IntegratorSpec,
+    /// How it is given the oscillator.
+    pub oscillator: OscillatorModel,
+    /// Its default options.
+    pub default_options: fn() -> IntegratorOptions,
+}
+
+impl IntegratorEntry {
+    /// The method with its default options.
+    #[must_use]
+    pub fn build(&self) -> Box<dyn Integrator> {
+        build(&(self.default_options)())
+    }
+}
+
+/// Makes the options enum, the list and the constructor from lines `Variant: module,`.
+macro_rules! list_of_integrators {
+    ($($(#[$doc:meta])* $variant:ident: $module:ident,)*) => {
+        /// An integrator by name, with its own options: the scene's `[integrator]` table without `dt`.
+        ///
+        /// `kind` is the name of the method; each variant holds the options type of the method's file.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(tag = "kind", rename_all = "kebab-case")]
+        pub enum IntegratorOptions {
+            $($(#[$doc])* $variant(crate::$module::Options),)*
+        }
+
+        static INTEGRATORS: &[IntegratorEntry] = &[
+            $(IntegratorEntry {
+                spec: &crate::$module::SPEC,
+                oscillator: <crate::$module::Options as Method>::OSCILLATOR,
+                default_options: || IntegratorOptions::$variant(Default::default()),
+            },)*
+        ];
+
+        impl IntegratorOptions {
+            /// What the chosen method declares about itself, at its default options.
+            #[must_use]
+            pub fn spec(&self) -> &'static IntegratorSpec {
+                match self {
+                    $(Self::$variant(_) => &crate::$module::SPEC,)*
+                }
+            }
+
+            /// Whether every option has a possible value.
+            ///
+            /// # Errors
+            /// [`OptionError`], which names the key, what was found and what is allowed.
+            pub fn check(&self) -> Result<(), OptionError> {
+                match self {
+                    $(Self::$variant(options) => Method::check(options),)*
+                }
+            }
+        }
+
+        /// Makes the integrator that the options describe.
+        #[must_use]
+        pub fn build(options: &IntegratorOptions) -> Box<dyn Integrator> {
+            match options {
+                $(IntegratorOptions::$variant(options) => Method::build(options),)*
+            }
+        }
+    };
+}
+
+list_of_integrators! {
+    /// The exact solution, where one is known.
+    Analytic: analytic,
+    /// Explicit Euler.
+    ExplicitEuler: explicit_euler,
+    /// Implicit Euler, solved by Newton's method.
+    ImplicitEuler: implicit_euler,
+    /// Symplectic (semi-implicit) Euler.
+    SymplecticEuler: symplectic_euler,
+    /// SPOOK for at most one constraint.
+    Spook: spook,
+    /// Störmer–Verlet on positions, with the Taylor start.
+    StormerVerlet: stormer_verlet,
+    /// Störmer–Verlet corrected for a changing step.
+    StormerVerletTimeCorrected: stormer_time_corrected,
+    /// Störmer–Verlet for a changing step, of second order throughout.
+    StormerVerletVariable: stormer_variable,
+    /// Velocity Verlet in its four-step form.
+    VelocityVerlet: velocity_verlet,
+    /// Velocity Verlet in its short form.
+    VelocityVerletShort: velocity_verlet_short,
+    /// Leapfrog with velocities at half steps.
+    Leapfrog: leapfrog,
+    /// Störmer–Verlet on integer positions.
+    BitReversibleVerlet: bit_reversible_verlet,
+    /// Multiple time steps for a near and a far force.
+    Respa: respa,
+    /// Forest and Ruth's method of order 4.
+    ForestRuth: forest_ruth,
+    /// PEFRL, of order 4.
+    Pefrl: pefrl,
+    /// Blanes and Moan's method of order 4.
+    BlanesMoan: blanes_moan,
+}
+
+impl IntegratorOptions {
+    /// The name of the method in scene files.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.spec().name
+    }
+}
+
+impl Default for IntegratorOptions {
+    fn default() -> Self {
+        Self::VelocityVerlet(Default::default())
+    }
+}
+
+/// Every integrator, in the order of `lennard list integrators`.
+#[must_use]
+pub fn integrators() -> &'static [IntegratorEntry] {
+    INTEGRATORS
+}
+
+/// A thermostat by name, with its options: the `thermostat` of a stage.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum ThermostatOptions {
+    /// Velocity rescaling to exactly T, every so many steps, as Verlet did.
+    Rescale(rescale::Options),
+    /// Stochastic velocity rescaling of Bussi, Donadio and Parrinello.
+    Bussi(bussi::Options),
+    /// Langevin dynamics by the BAOAB splitting, in place of the scene's integrator.
+    Langevin(langevin::Options),
+}
+
+impl ThermostatOptions {
+    /// What the chosen thermostat declares about itself.
+    #[must_use]
+    pub fn spec(&self) -> &'static ThermostatSpec {
+        match self {
+            Self::Rescale(_) => &rescale::SPEC,
+            Self::Bussi(_) => &bussi::SPEC,
+            Self::Langevin(_) => &langevin::THERMOSTAT_SPEC,
+        }
+    }
+
+    /// The name in scene files.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.spec().name
+    }
+
+    /// Whether every option has a possible value.
+    ///
+    /// # Errors
+    /// [`OptionError`], which names the key, what was found and what is allowed.
+    pub fn check(&self) -> Result<(), OptionError> {
+        match self {
+            Self::Rescale(o) => o.check(),
+            Self::Bussi(o) => o.check(),
+            Self::Langevin(o) => o.check(),
+        }
+    }
+}
+
+/// Every thermostat, in the order of `lennard list`.
+#[must_use]
+pub fn thermostats() -> &'static [ThermostatSpec] {
+    static THERMOSTATS: &[ThermostatSpec] =
+        &[rescale::SPEC, bussi::SPEC, langevin::THERMOSTAT_SPEC];
+    THERMOSTATS
+}
+
+/// How a heat bath acts on a run.
+pub enum Coupling {
+    /// On the velocities, once after each step of the scene's integrator.
+    Thermostat(Box<dyn Thermostat>),
+    /// As an integrator that takes the place of the scene's.
+    Integrator(Box<dyn Integrator>),
+}
+
+/// Makes the heat bath that the options describe, at `temperature` (in ε/k_B).
+///
+/// A bath that is an integrator draws its noise from `noise`, keyed by step and particle; a
+/// [`Thermostat`] is handed its stream at each call.
+#[must_use]
+pub fn couple(options: &ThermostatOptions, temperature: f64, noise: NoiseStream) -> Coupling {
+    match options {
+        ThermostatOptions::Rescale(o) => {
+            Coupling::Thermostat(Box::new(rescale::Rescale::new(o, temperature)))
+        }
+        ThermostatOptions::Bussi(o) => {
+            Coupling::Thermostat(Box::new(bussi::Bussi::new(o, temperature)))
+        }
+        ThermostatOptions::Langevin(o) => {
+            Coupling::Integrator(Box::new(langevin::Langevin::new(o, temperature, noise)))
+        }
+    }
+}

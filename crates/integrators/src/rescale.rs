@@ -1,0 +1,92 @@
+//! Velocity rescaling to exactly the wanted temperature, as Verlet did.
+
+use lennard_core::random::NoiseStream;
+use lennard_core::{Dynamics, State, Thermostat, ThermostatSpec};
+use serde::{Deserialize, Serialize};
+
+use crate::common::{OptionError, remembers_nothing};
+
+/// Options of velocity rescaling.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Options {
+    /// Steps from one rescaling to the next.
+    pub every: u64,
+}
+
+impl Default for Options {
+    /// Every 10 steps: long enough for kinetic and potential energy to exchange something in between.
+    fn default() -> Self {
+        Self { every: 10 }
+    }
+}
+
+impl Options {
+    /// Whether every option has a possible value.
+    ///
+    /// # Errors
+    /// [`OptionError`], which names the key, what was found and what is allowed.
+    pub fn check(&self) -> Result<(), OptionError> {
+        OptionError::unless_counted("every", self.every)
+    }
+}
+
+/// What velocity rescaling declares about itself.
+pub const SPEC: ThermostatSpec = ThermostatSpec {
+    name: "rescale",
+    summary: "Rescales all velocities to exactly the wanted temperature every so many steps; for equilibration.",
+    canonical: false,
+    source: "Verlet, \"Computer experiments on classical fluids. I\", Phys. Rev. 159, 98 (1967), section II; v <- v sqrt(T_wanted/T)",
+};
+
+/// Velocity rescaling, v ← v·√(T_wanted/T) with T = 2K/n_dof, on every step that is a multiple of `every`.
+///
+/// A system at rest has no temperature to scale and is left as it is.
+#[derive(Debug, Clone)]
+pub struct Rescale {
+    every: u64,
+    temperature: f64,
+}
+
+impl Rescale {
+    /// Rescaling to `temperature` (ε/k_B).
+    #[must_use]
+    pub fn new(options: &Options, temperature: f64) -> Self {
+        Self {
+            every: options.every,
+            temperature,
+        }
+    }
+}
+
+remembers_nothing!(Rescale);
+
+impl Thermostat for Rescale {
+    fn spec(&self) -> &'static ThermostatSpec {
+        &SPEC
+    }
+
+    fn apply(
+        &mut self,
+        dynamics: &Dynamics,
+        state: &mut State,
+        _dt: f64,
+        _noise: &NoiseStream,
+    ) -> Option<f64> {
+        // An interval of zero is refused by `check`; here it means never.
+        if self.every == 0 || !state.step.is_multiple_of(self.every) {
+            return None;
+        }
+        let kinetic = dynamics.kinetic_energy(&state.velocities);
+        if kinetic <= 0.0 {
+            return None;
+        }
+        let wanted = 0.5 * dynamics.n_dof * self.temperature;
+        Some(crate::common::scale_velocities(
+            dynamics,
+            state,
+            kinetic,
+            (wanted / kinetic).sqrt(),
+        ))
+    }
+}

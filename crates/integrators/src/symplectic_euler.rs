@@ -1,0 +1,94 @@
+//! Symplectic Euler, also called semi-implicit: the velocity first, then the position with the new velocity.
+
+use glam::DMat2;
+use lennard_core::{
+    Dynamics, ForceProvider, Integrator, IntegratorSpec, State, StepError, StepReport, Want, sweeps,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::common::{Method, begin, check_suited, evaluate, remembers_nothing, tick};
+
+/// Options of symplectic Euler: there are none.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Options {}
+
+/// What symplectic Euler declares about itself.
+pub static SPEC: IntegratorSpec = IntegratorSpec {
+    name: "symplectic-euler",
+    summary: "Symplectic (semi-implicit) Euler: kick by the whole step, then drift with the new velocity.",
+    equations: "v(t+h) = v(t) + h a(t); x(t+h) = x(t) + h v(t+h)",
+    position_order: 1,
+    velocity_order: 1,
+    symplectic: true,
+    reversible: false,
+    fixed_step_only: false,
+    velocity_dependent_forces: true,
+    has_memory: false,
+    conserves_momentum: true,
+    force_evaluations: 1,
+    stability_limit: Some(2.0),
+    oscillator_map: Some(oscillator_map),
+    source: "Hairer, Lubich and Wanner, \"Geometric Numerical Integration\", 2nd ed., Springer (2006), section I.1.2, eq. 1.9",
+};
+
+/// One step on ẍ = −ω²x as a matrix on (x, v): v′ = v − ω²h·x, x′ = x + h·v′.
+#[must_use]
+pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
+    let kick = -omega * omega * dt;
+    DMat2::from_cols_array_2d(&[[1.0 + dt * kick, kick], [dt, 1.0]])
+}
+
+/// Symplectic Euler, v ← v + h·a, x ← x + h·v.
+#[derive(Debug, Clone, Default)]
+pub struct SymplecticEuler;
+
+impl Method for Options {
+    fn build(&self) -> Box<dyn Integrator> {
+        Box::new(SymplecticEuler)
+    }
+}
+
+remembers_nothing!(SymplecticEuler);
+
+impl Integrator for SymplecticEuler {
+    fn spec(&self) -> &'static IntegratorSpec {
+        &SPEC
+    }
+
+    fn start(
+        &mut self,
+        dynamics: &Dynamics,
+        state: &mut State,
+        forces: &mut dyn ForceProvider,
+        dt: f64,
+        want: Want,
+    ) -> Result<(), StepError> {
+        begin(&SPEC, dynamics, state, forces, dt, want)
+    }
+
+    fn step(
+        &mut self,
+        dynamics: &Dynamics,
+        state: &mut State,
+        forces: &mut dyn ForceProvider,
+        dt: f64,
+        want: Want,
+    ) -> Result<StepReport, StepError> {
+        check_suited(&SPEC, forces, dt)?;
+        sweeps::kick_and_drift(
+            &mut state.positions,
+            &mut state.velocities,
+            &state.forces,
+            &dynamics.masses,
+            dt,
+            dt,
+        );
+        tick(state, dt);
+        evaluate(&SPEC, state, forces, want)?;
+        Ok(StepReport {
+            force_evaluations: 1,
+            ..StepReport::default()
+        })
+    }
+}

@@ -1,0 +1,305 @@
+//! The bytes of a checkpoint.
+//!
+//! All numbers are little-endian. A text is its length in bytes (u64), then UTF-8.
+//!
+//! | bytes | content |
+//! |---|---|
+//! | 8 | `LENNARD` and 0x1A |
+//! | 4 | version of the format |
+//! | 4 | zero |
+//! | 8 | length of the whole file |
+//! | … | metadata as JSON text; scene text; number of arrays (u64) |
+//! | … | for each array, names ascending: name text, type (u64: 1 f64, 2 i64, 3 u64, 4 vector), count (u64), values of 8 or 24 bytes |
+//! | 4 | CRC-32 (IEEE 802.3) of everything before |
+
+use std::io::{self, Read, Seek, SeekFrom, Write};
+
+use crc32fast::Hasher;
+use glam::DVec3;
+use lennard_core::{Array, StateArchive};
+
+use crate::checkpoint::{CHECKPOINT_VERSION, Checkpoint, CheckpointProblem};
+
+const MAGIC: [u8; 8] = *b"LENNARD\x1a";
+
+/// Bytes before the metadata: magic, version, zero, length.
+const PREFIX: u64 = 24;
+
+/// Bytes of the checksum.
+const CHECKSUM: u64 = 4;
+
+/// Bytes moved at a time; a multiple of 8, the size of every value.
+const PIECE: usize = 1 << 16;
+
+/// Bytes of a number.
+const WORD: u64 = 8;
+
+/// How much of a checkpoint is wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Contents {
+    /// All of it.
+    Everything,
+    /// No arrays; the checksum is still checked over everything.
+    Metadata,
+}
+
+fn kind_and_words(array: &Array) -> (u64, u64, u64) {
+    match array {
+        Array::F64(v) => (1, v.len() as u64, 1),
+        Array::I64(v) => (2, v.len() as u64, 1),
+        Array::U64(v) => (3, v.len() as u64, 1),
+        Array::Vec3(v) => (4, v.len() as u64, 3),
+    }
+}
+
+/// Counts what passes through into the checksum.
+struct Summed<'a, W> {
+    to: &'a mut W,
+    sum: Hasher,
+}
+
+impl<W: Write> Summed<'_, W> {
+    fn bytes(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.sum.update(bytes);
+        self.to.write_all(bytes)
+    }
+
+    fn text(&mut self, text: &str) -> io::Result<()> {
+        self.bytes(&(text.len() as u64).to_le_bytes())?;
+        self.bytes(text.as_bytes())
+    }
+
+    fn words(&mut self, words: impl Iterator<Item = u64>) -> io::Result<()> {
+        let mut piece = Vec::with_capacity(PIECE);
+        for word in words {
+            piece.extend_from_slice(&word.to_le_bytes());
+            if piece.len() == PIECE {
+                self.bytes(&piece)?;
+                piece.clear();
+            }
+        }
+        self.bytes(&piece)
+    }
+}
+
+/// Writes a checkpoint; the same checkpoint gives the same bytes.
+pub(crate) fn encode<W: Write>(checkpoint: &Checkpoint, to: &mut W) -> io::Result<()> {
+    let metadata = serde_json::to_string(&checkpoint.metadata)?;
+    let arrays = &checkpoint.archive.arrays;
+    let text_length = |text: &str| WORD + text.len() as u64;
+    let length = PREFIX
+        + text_length(&metadata)
+        + text_length(&checkpoint.scene)
+        + WORD
+        + arrays
+            .iter()
+            .map(|(name, array)| {
+                let (_, count, words) = kind_and_words(array);
+                text_length(name) + 2 * WORD + WORD * words * count
+            })
+            .sum::<u64>()
+        + CHECKSUM;
+    let mut out = Summed {
+        to,
+        sum: Hasher::new(),
+    };
+    out.bytes(&MAGIC)?;
+    out.bytes(&CHECKPOINT_VERSION.to_le_bytes())?;
+    out.bytes(&[0; 4])?;
+    out.bytes(&length.to_le_bytes())?;
+    out.text(&metadata)?;
+    out.text(&checkpoint.scene)?;
+    out.bytes(&(arrays.len() as u64).to_le_bytes())?;
+    for (name, array) in arrays {
+        let (kind, count, _) = kind_and_words(array);
+        out.text(name)?;
+        out.bytes(&kind.to_le_bytes())?;
+        out.bytes(&count.to_le_bytes())?;
+        match array {
+            Array::F64(v) => out.words(v.iter().map(|x| x.to_bits()))?,
+            Array::I64(v) => out.words(v.iter().map(|x| x.cast_unsigned()))?,
+            Array::U64(v) => out.words(v.iter().copied())?,
+            Array::Vec3(v) => {
+                out.words(v.iter().flat_map(|r| r.to_array().map(f64::to_bits)))?;
+            }
+        }
+    }
+    let sum = out.sum.finalize();
+    to.write_all(&sum.to_le_bytes())
+}
+
+/// Reads a checkpoint of `size` bytes. Nothing is taken from it before its length and checksum fit.
+pub(crate) fn decode<R: Read + Seek>(
+    mut from: R,
+    size: u64,
+    contents: Contents,
+) -> Result<Checkpoint, CheckpointProblem> {
+    let mut prefix = Vec::new();
+    (&mut from).take(PREFIX).read_to_end(&mut prefix)?;
+    if !prefix.starts_with(&MAGIC) {
+        return Err(CheckpointProblem::NotACheckpoint);
+    }
+    let (Some(version), Some(wanted)) = (
+        prefix.get(8..12).and_then(|b| b.try_into().ok()),
+        prefix.get(16..24).and_then(|b| b.try_into().ok()),
+    ) else {
+        return Err(CheckpointProblem::WrongLength {
+            found: size,
+            wanted: PREFIX + CHECKSUM,
+        });
+    };
+    let found = u32::from_le_bytes(version);
+    if found != CHECKPOINT_VERSION {
+        return Err(CheckpointProblem::OtherVersion { found });
+    }
+    let wanted = u64::from_le_bytes(wanted).max(PREFIX + CHECKSUM);
+    if wanted != size {
+        return Err(CheckpointProblem::WrongLength {
+            found: size,
+            wanted,
+        });
+    }
+    check_sum(&mut from, &prefix, size)?;
+    from.seek(SeekFrom::Start(PREFIX))?;
+    Body {
+        from,
+        left: size - PREFIX - CHECKSUM,
+    }
+    .checkpoint(contents)
+}
+
+/// Reads on to the end and compares the checksum there with that of everything before.
+fn check_sum<R: Read>(from: &mut R, prefix: &[u8], size: u64) -> Result<(), CheckpointProblem> {
+    let mut sum = Hasher::new();
+    sum.update(prefix);
+    let mut left = size - PREFIX - CHECKSUM;
+    let mut piece = vec![0; PIECE];
+    while left > 0 {
+        let length = left.min(PIECE as u64);
+        let piece = &mut piece[..length as usize];
+        from.read_exact(piece)?;
+        sum.update(piece);
+        left -= length;
+    }
+    let mut stored = [0; CHECKSUM as usize];
+    from.read_exact(&mut stored)?;
+    if u32::from_le_bytes(stored) == sum.finalize() {
+        Ok(())
+    } else {
+        Err(CheckpointProblem::Damaged)
+    }
+}
+
+/// The part between prefix and checksum. Its counts are not believed, although the checksum fits:
+/// whoever can write a file can write a checksum.
+struct Body<R> {
+    from: R,
+    left: u64,
+}
+
+fn malformed(reason: impl Into<String>) -> CheckpointProblem {
+    CheckpointProblem::Malformed(reason.into())
+}
+
+impl<R: Read> Body<R> {
+    /// Takes note of `length` bytes that will be read next.
+    fn claim(&mut self, length: u64, what: &str) -> Result<(), CheckpointProblem> {
+        self.left = self.left.checked_sub(length).ok_or_else(|| {
+            malformed(format!(
+                "{what} of {length} bytes, where {} are left",
+                self.left
+            ))
+        })?;
+        Ok(())
+    }
+
+    fn word(&mut self) -> Result<u64, CheckpointProblem> {
+        self.claim(WORD, "a number")?;
+        let mut bytes = [0; WORD as usize];
+        self.from.read_exact(&mut bytes)?;
+        Ok(u64::from_le_bytes(bytes))
+    }
+
+    fn text(&mut self, what: &str) -> Result<String, CheckpointProblem> {
+        let length = self.word()?;
+        self.claim(length, what)?;
+        let mut bytes = Vec::new();
+        (&mut self.from).take(length).read_to_end(&mut bytes)?;
+        String::from_utf8(bytes).map_err(|_| malformed(format!("{what} is not UTF-8")))
+    }
+
+    /// `count` values of `WORDS` words each.
+    fn values<const WORDS: usize, T>(
+        &mut self,
+        count: u64,
+        name: &str,
+        value: impl Fn([u64; WORDS]) -> T,
+    ) -> Result<Vec<T>, CheckpointProblem> {
+        let each = WORD * WORDS as u64;
+        let bytes = count
+            .checked_mul(each)
+            .ok_or_else(|| malformed(format!("`{name}` holds {count} values")))?;
+        self.claim(bytes, &format!("`{name}`"))?;
+        // The claim holds: there are as many bytes in the file as this takes memory.
+        let mut values = Vec::with_capacity(usize::try_from(count).unwrap_or(0));
+        let each = each as usize;
+        let mut piece = vec![0; (PIECE / each * each).min(usize::try_from(bytes).unwrap_or(PIECE))];
+        let mut left = bytes;
+        while left > 0 {
+            let length = left.min(piece.len() as u64);
+            let piece = &mut piece[..length as usize];
+            self.from.read_exact(piece)?;
+            values.extend(piece.chunks_exact(each).map(|bytes| {
+                let mut words = [0; WORDS];
+                for (word, bytes) in words.iter_mut().zip(bytes.as_chunks::<8>().0) {
+                    *word = u64::from_le_bytes(*bytes);
+                }
+                value(words)
+            }));
+            left -= length;
+        }
+        Ok(values)
+    }
+
+    fn checkpoint(mut self, contents: Contents) -> Result<Checkpoint, CheckpointProblem> {
+        let metadata = serde_json::from_str(&self.text("the metadata")?)
+            .map_err(|e| malformed(format!("the metadata: {e}")))?;
+        let scene = self.text("the scene")?;
+        let mut archive = StateArchive::default();
+        if contents == Contents::Everything {
+            for _ in 0..self.word()? {
+                let name = self.text("the name of an array")?;
+                let in_order = archive
+                    .arrays
+                    .last_key_value()
+                    .is_none_or(|(before, _)| *before < name);
+                if !in_order {
+                    return Err(malformed(format!("`{name}` is not in order")));
+                }
+                let kind = self.word()?;
+                let count = self.word()?;
+                let array = match kind {
+                    1 => Array::F64(self.values(count, &name, |[w]| f64::from_bits(w))?),
+                    2 => Array::I64(self.values(count, &name, |[w]| w.cast_signed())?),
+                    3 => Array::U64(self.values(count, &name, |[w]| w)?),
+                    4 => Array::Vec3(self.values(count, &name, |words: [u64; 3]| {
+                        DVec3::from_array(words.map(f64::from_bits))
+                    })?),
+                    _ => return Err(malformed(format!("`{name}` has the unknown type {kind}"))),
+                };
+                archive.arrays.insert(name, array);
+            }
+            if self.left != 0 {
+                return Err(malformed(format!(
+                    "{} bytes after the last array",
+                    self.left
+                )));
+            }
+        }
+        Ok(Checkpoint {
+            metadata,
+            scene,
+            archive,
+        })
+    }
+}

@@ -1,0 +1,245 @@
+//! Why a file cannot be read or written.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Longest piece of a file that a message repeats, in characters.
+const LONGEST_EXCERPT: usize = 60;
+
+/// Why a file cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum FormatError {
+    /// The operating system refused.
+    #[error("{}: cannot be read: {source}", file.display())]
+    Io {
+        /// The file.
+        file: PathBuf,
+        /// The cause.
+        source: io::Error,
+    },
+    /// The content is not what the format asks for.
+    #[error("{}:{line}: found {found}; allowed: {allowed}", file.display())]
+    Content {
+        /// The file.
+        file: PathBuf,
+        /// Line, counted from 1.
+        line: u64,
+        /// What stands there.
+        found: String,
+        /// What may stand there.
+        allowed: String,
+    },
+}
+
+impl FormatError {
+    pub(crate) fn io(file: &Path, source: io::Error) -> Self {
+        Self::Io {
+            file: file.to_path_buf(),
+            source,
+        }
+    }
+
+    /// The file that cannot be read.
+    #[must_use]
+    pub fn file(&self) -> &Path {
+        match self {
+            Self::Io { file, .. } | Self::Content { file, .. } => file,
+        }
+    }
+
+    /// The line at fault, counted from 1, where the content is at fault.
+    #[must_use]
+    pub fn line(&self) -> Option<u64> {
+        match self {
+            Self::Io { .. } => None,
+            Self::Content { line, .. } => Some(*line),
+        }
+    }
+}
+
+/// A piece of a file as it may be shown in a message: short, printable, in quotes.
+pub(crate) fn excerpt(bytes: &[u8]) -> String {
+    // Four bytes a character at most, so that a long line is not converted whole.
+    let head = &bytes[..bytes.len().min(4 * LONGEST_EXCERPT)];
+    let text = String::from_utf8_lossy(head);
+    let mut shown: String = text.chars().take(LONGEST_EXCERPT).collect();
+    if shown.len() < text.len() || head.len() < bytes.len() {
+        shown.push('…');
+    }
+    format!("`{}`", shown.escape_debug())
+}
+
+/// Why a file cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The operating system refused; what was whole before is still whole.
+    #[error("{}: cannot {action}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What was tried (`write`, `sync`).
+        action: &'static str,
+        /// The cause.
+        source: io::Error,
+    },
+    /// A write failed and what it left half-written could not be removed either.
+    #[error(
+        "{}: cannot write: {source}; and cannot cut the file back to its {whole} whole bytes: {cut_back}",
+        path.display()
+    )]
+    NotCutBack {
+        /// The file.
+        path: PathBuf,
+        /// Bytes from the start of the file that are whole.
+        whole: u64,
+        /// Why writing failed.
+        source: io::Error,
+        /// Why cutting back failed.
+        cut_back: io::Error,
+    },
+    /// The file was removed or replaced by another while it was being written.
+    #[error("{}: the file was removed or replaced while the run was writing it", path.display())]
+    Vanished {
+        /// The file.
+        path: PathBuf,
+    },
+    /// An earlier write to this file failed in a way that cannot be mended.
+    #[error("{}: not written, since an earlier write to it failed", path.display())]
+    GivenUp {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file to go on with is shorter than what the checkpoint says was written, or was changed.
+    #[error(
+        "{}: cannot go on after byte {wanted}: {reason}", path.display()
+    )]
+    NotResumable {
+        /// The file.
+        path: PathBuf,
+        /// Where writing should go on.
+        wanted: u64,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A number that is not finite, or a position more than 2³¹ boxes away: it is never written.
+    #[error("{}: {quantity} of particle {particle} is {value}: such a number is not written", path.display())]
+    NotFinite {
+        /// The file.
+        path: PathBuf,
+        /// `position`, `velocity` or `force`.
+        quantity: &'static str,
+        /// The particle, counted from 0.
+        particle: usize,
+        /// What was found.
+        value: f64,
+    },
+    /// What should be written cannot stand in this format.
+    #[error("{}: {what}: found {found}; allowed: {allowed}", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// Which part.
+        what: &'static str,
+        /// What was found.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+    },
+}
+
+impl WriteError {
+    pub(crate) fn io(path: &Path, action: &'static str, source: io::Error) -> Self {
+        Self::Io {
+            path: path.to_path_buf(),
+            action,
+            source,
+        }
+    }
+
+    /// The file that cannot be written.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Io { path, .. }
+            | Self::NotCutBack { path, .. }
+            | Self::Vanished { path }
+            | Self::GivenUp { path }
+            | Self::NotResumable { path, .. }
+            | Self::NotFinite { path, .. }
+            | Self::Unwritable { path, .. } => path,
+        }
+    }
+
+    /// What a user can do about it.
+    #[must_use]
+    pub fn advice(&self) -> &'static str {
+        match self {
+            Self::Io { source, .. } | Self::NotCutBack { source, .. } => advice_for(source.kind()),
+            Self::Vanished { .. } => {
+                "leave the output folder alone while the run goes on; resume from the last checkpoint"
+            }
+            Self::GivenUp { .. } => "mend the cause of the first error, then resume",
+            Self::NotResumable { .. } => {
+                "put the output files back as the run left them, or resume from the older checkpoint"
+            }
+            Self::NotFinite { .. } => "the run has failed; start again with a smaller time step",
+            Self::Unwritable { .. } => "change the value named",
+        }
+    }
+}
+
+/// What a user can do about a cause that the operating system named.
+pub(crate) fn advice_for(kind: io::ErrorKind) -> &'static str {
+    match kind {
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            "free space on this disk or write to another one, then resume"
+        }
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+            "give write permission for the folder or write to another one, then resume"
+        }
+        io::ErrorKind::NotFound => {
+            "the folder is gone: leave it alone while the run goes on, or name one that exists"
+        }
+        io::ErrorKind::BrokenPipe => "whoever read the output has gone: write to a file instead",
+        _ => "check the disk and the folder, then resume",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn excerpts_are_short_printable_and_in_quotes() {
+        assert_eq!(excerpt(b"abc\x1b[31m"), "`abc\\u{1b}[31m`");
+        assert_eq!(excerpt(&[0xff, b'a']), "`\u{fffd}a`");
+        let long = excerpt(&vec![b'x'; 1 << 20]);
+        assert_eq!(long.chars().count(), LONGEST_EXCERPT + 3);
+        assert!(long.ends_with("…`"));
+    }
+
+    #[test]
+    fn a_content_error_names_file_line_found_and_allowed() {
+        let error = FormatError::Content {
+            file: "a.xyz".into(),
+            line: 7,
+            found: "`x`".into(),
+            allowed: "a finite number".into(),
+        };
+        assert_eq!(
+            error.to_string(),
+            "a.xyz:7: found `x`; allowed: a finite number"
+        );
+    }
+
+    #[test]
+    fn a_full_disk_is_met_with_advice_to_free_space() {
+        let error = WriteError::io(
+            Path::new("t.xyz"),
+            "write",
+            io::Error::from(io::ErrorKind::StorageFull),
+        );
+        assert!(error.advice().contains("free space"));
+        assert!(error.to_string().starts_with("t.xyz: cannot write: "));
+    }
+}

@@ -1,0 +1,264 @@
+//! Reading lines of files that may be hostile, and the pieces of a line.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use crate::FormatError;
+use crate::error::excerpt;
+
+/// Longest line that is read, in bytes: a file without line ends must not fill the memory.
+const LONGEST_LINE: u64 = 1 << 20;
+
+/// Bytes read at a time.
+const READ_BUFFER: usize = 1 << 18;
+
+/// Opens a regular file and tells its size in bytes. Devices and pipes have no size to check counts
+/// against, and may never end: they are refused.
+pub(crate) fn open_regular(path: &Path) -> Result<(BufReader<File>, u64), FormatError> {
+    let fail = |e| FormatError::io(path, e);
+    // Asked before opening: opening a pipe would wait for its other end.
+    let is_file = std::fs::metadata(path).map_err(fail)?.is_file();
+    if !is_file {
+        let cause = io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file");
+        return Err(fail(cause));
+    }
+    let file = File::open(path).map_err(fail)?;
+    let size = file.metadata().map_err(fail)?.len();
+    Ok((BufReader::with_capacity(READ_BUFFER, file), size))
+}
+
+/// Lines with their numbers, one in memory at a time.
+#[derive(Debug)]
+pub(crate) struct Lines<R> {
+    reader: R,
+    file: PathBuf,
+    size: u64,
+    offset: u64,
+    number: u64,
+    current: Vec<u8>,
+    had_end: bool,
+}
+
+impl<R: BufRead> Lines<R> {
+    /// Lines of `reader`, which holds `size` bytes; `file` is for messages.
+    pub(crate) fn new(reader: R, size: u64, file: &Path) -> Self {
+        Self {
+            reader,
+            file: file.to_path_buf(),
+            size,
+            offset: 0,
+            number: 0,
+            current: Vec::new(),
+            had_end: false,
+        }
+    }
+
+    /// Goes to the next line; false at the end of the file.
+    pub(crate) fn advance(&mut self) -> Result<bool, FormatError> {
+        self.current.clear();
+        let read = (&mut self.reader)
+            .take(LONGEST_LINE)
+            .read_until(b'\n', &mut self.current)
+            .map_err(|e| FormatError::io(&self.file, e))? as u64;
+        if read == 0 {
+            return Ok(false);
+        }
+        self.offset += read;
+        self.number += 1;
+        self.had_end = self.current.last() == Some(&b'\n');
+        if self.had_end {
+            self.current.pop();
+            if self.current.last() == Some(&b'\r') {
+                self.current.pop();
+            }
+        } else if read == LONGEST_LINE {
+            return Err(self.refuse(
+                format!("a line of more than {LONGEST_LINE} bytes"),
+                "shorter lines",
+            ));
+        }
+        Ok(true)
+    }
+
+    /// Says that reading starts behind the first `offset` bytes and `number` lines of the file.
+    pub(crate) fn start_at(&mut self, offset: u64, number: u64) {
+        self.offset = offset;
+        self.number = number;
+    }
+
+    /// Whether the current line had an end, which a line cut off in writing lacks.
+    pub(crate) fn ended_with_line_end(&self) -> bool {
+        self.had_end
+    }
+
+    /// The current line without its end.
+    pub(crate) fn line(&self) -> &[u8] {
+        &self.current
+    }
+
+    /// Whether the current line holds nothing but white space.
+    pub(crate) fn is_blank(&self) -> bool {
+        self.current.iter().all(u8::is_ascii_whitespace)
+    }
+
+    /// Number of the current line, counted from 1.
+    pub(crate) fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// Bytes read so far.
+    pub(crate) fn offset(&self) -> u64 {
+        self.offset
+    }
+
+    /// Bytes left in the file.
+    pub(crate) fn left(&self) -> u64 {
+        self.size.saturating_sub(self.offset)
+    }
+
+    /// An error at the current line.
+    pub(crate) fn refuse(
+        &self,
+        found: impl Into<String>,
+        allowed: impl Into<String>,
+    ) -> FormatError {
+        self.refuse_at(self.number.max(1), found, allowed)
+    }
+
+    /// An error at another line.
+    pub(crate) fn refuse_at(
+        &self,
+        line: u64,
+        found: impl Into<String>,
+        allowed: impl Into<String>,
+    ) -> FormatError {
+        FormatError::Content {
+            file: self.file.clone(),
+            line,
+            found: found.into(),
+            allowed: allowed.into(),
+        }
+    }
+
+    /// An error for the end of the file where a line should be.
+    pub(crate) fn refuse_end(&self, allowed: impl Into<String>) -> FormatError {
+        self.refuse_at(self.number + 1, "the end of the file", allowed)
+    }
+
+    /// The current line as a count of particles whose lines, `least_bytes_each` at least, and `more_lines`
+    /// besides must still fit into the file.
+    pub(crate) fn particle_count(
+        &self,
+        more_lines: u64,
+        least_bytes_each: u64,
+    ) -> Result<usize, FormatError> {
+        let allowed = "the number of particles, an integer of at least 1";
+        let count = one_token(&self.current)
+            .and_then(|token| std::str::from_utf8(token).ok())
+            .filter(|text| text.bytes().all(|b| b.is_ascii_digit()))
+            .ok_or_else(|| self.refuse(excerpt(&self.current), allowed))?;
+        let too_many = || {
+            self.refuse(
+                format!("{} particles", excerpt(count.as_bytes())),
+                format!(
+                    "at most what the {} bytes left in the file can hold, {least_bytes_each} bytes a particle",
+                    self.left()
+                ),
+            )
+        };
+        let n: u64 = count.parse().map_err(|_| too_many())?;
+        if n == 0 {
+            return Err(self.refuse("0 particles", allowed));
+        }
+        self.check_room(n, more_lines, least_bytes_each)
+            .then_some(n)
+            .and_then(|n| usize::try_from(n).ok())
+            .ok_or_else(too_many)
+    }
+
+    /// Whether `n` lines of `least_bytes_each` bytes and `more_lines` besides fit into the rest of the file;
+    /// the last line may lack its end.
+    pub(crate) fn check_room(&self, n: u64, more_lines: u64, least_bytes_each: u64) -> bool {
+        n.checked_mul(least_bytes_each)
+            .and_then(|bytes| bytes.checked_add(more_lines))
+            .is_some_and(|bytes| bytes - 1 <= self.left())
+    }
+}
+
+/// The pieces of a line between white space.
+pub(crate) fn tokens(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(u8::is_ascii_whitespace)
+        .filter(|t| !t.is_empty())
+}
+
+/// The only piece of a line, if it has exactly one.
+pub(crate) fn one_token(line: &[u8]) -> Option<&[u8]> {
+    let mut all = tokens(line);
+    all.next().filter(|_| all.next().is_none())
+}
+
+/// A finite number.
+pub(crate) fn finite(token: &[u8]) -> Option<f64> {
+    let value: f64 = std::str::from_utf8(token).ok()?.parse().ok()?;
+    value.is_finite().then_some(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Cursor;
+
+    #[test]
+    fn both_kinds_of_line_ends_and_a_missing_last_one_are_read() {
+        let text = b"a\r\nb\n\nc";
+        let mut lines = Lines::new(Cursor::new(text), text.len() as u64, Path::new("f"));
+        let mut all = Vec::new();
+        while lines.advance().unwrap() {
+            all.push(lines.line().to_vec());
+        }
+        assert_eq!(all, [b"a".to_vec(), b"b".to_vec(), vec![], b"c".to_vec()]);
+        assert_eq!((lines.number(), lines.left()), (4, 0));
+    }
+
+    #[test]
+    fn a_file_without_line_ends_is_refused_before_it_fills_the_memory() {
+        let endless = io::repeat(b'x');
+        let mut lines = Lines::new(BufReader::new(endless), u64::MAX, Path::new("f"));
+        assert!(
+            lines
+                .advance()
+                .unwrap_err()
+                .to_string()
+                .contains("more than")
+        );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_regular_file_is_refused() {
+        for path in ["/dev/zero", "/"] {
+            let error = open_regular(Path::new(path)).unwrap_err();
+            assert!(error.to_string().contains("not a regular file"), "{error}");
+        }
+    }
+
+    #[test]
+    fn words_and_overflows_are_no_finite_numbers() {
+        for bad in [
+            "nan",
+            "inf",
+            "-infinity",
+            "1e999",
+            "1,5",
+            "",
+            "1.0D0",
+            "0x10",
+            "\u{661}",
+        ] {
+            assert_eq!(finite(bad.as_bytes()), None, "{bad}");
+        }
+        assert_eq!(finite(b"-1.5e-3"), Some(-1.5e-3));
+        assert_eq!(finite(&[0xff]), None);
+    }
+}

@@ -1,0 +1,278 @@
+//! The record of a run, `run.json`: what was run, where, how fast, and what came out.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use lennard_core::Average;
+use serde::{Deserialize, Serialize};
+
+use crate::FormatError;
+use crate::lines::open_regular;
+
+/// Name and version of the schema of [`RunRecord`]; the number grows where an entry changes its meaning.
+pub const RUN_SCHEMA: &str = "lennard-run/1";
+
+/// The record of a run. Quantities are in reduced units, averages per atom.
+///
+/// A number that is not finite (a standard error of too few samples) is `null` in the file and NaN when
+/// read back.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunRecord {
+    /// [`RUN_SCHEMA`].
+    pub schema: String,
+    /// Whether all steps were done.
+    pub finished: bool,
+    /// The scene as resolved, every default written out.
+    pub scene: serde_json::Value,
+    /// The model in words (`Lennard-Jones, cut at 2.5 σ, with tail correction`).
+    pub model: String,
+    /// The seed of all random streams.
+    pub seed: u64,
+    /// Version of the program.
+    pub version: String,
+    /// The machine.
+    pub host: Host,
+    /// Steps done over all stages.
+    pub steps: u64,
+    /// Number of particles.
+    pub atoms: u64,
+    /// Degrees of freedom: 3N − 3 − constraints where total momentum is conserved, 3N otherwise.
+    pub n_dof: u64,
+    /// Wall time in s.
+    #[serde(with = "number")]
+    pub wall_s: f64,
+    /// How fast it was.
+    pub performance: Performance,
+    /// What the neighbor lists did.
+    pub neighbor: NeighborRecord,
+    /// Means with their errors, by name.
+    pub averages: BTreeMap<String, AverageRecord>,
+    /// How well the conserved quantities were conserved in the measured stages.
+    pub conservation: Conservation,
+    /// What thermostats did in the measured stages; `null` where none was on.
+    pub thermostat: Option<ThermostatRecord>,
+    /// Measured values beside those of the literature.
+    pub comparison: Vec<Comparison>,
+    /// Remarks that belong beside the numbers.
+    pub remarks: Vec<String>,
+    /// Whole frames in the trajectory; `null` where there is none. Some readers drop a truncated last frame
+    /// silently: this number tells.
+    pub trajectory_frames: Option<u64>,
+}
+
+/// The machine that a run was made on.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Host {
+    /// Name of the processor.
+    pub cpu: String,
+    /// Instruction set of the force kernel.
+    pub isa: String,
+    /// Number of threads.
+    pub threads: u64,
+}
+
+/// How fast a run was.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Performance {
+    /// Atoms times steps per second of wall time.
+    #[serde(with = "number")]
+    pub atom_steps_per_s: f64,
+    /// Wall time per atom and step in ns.
+    #[serde(with = "number")]
+    pub ns_per_atom_step: f64,
+    /// Where the time went.
+    pub stages: StageSeconds,
+}
+
+/// Wall time by kind of work, in s.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct StageSeconds {
+    /// Forces.
+    #[serde(with = "number")]
+    pub force: f64,
+    /// Neighbor lists.
+    #[serde(with = "number")]
+    pub neighbor: f64,
+    /// Kicks, drifts and thermostats.
+    #[serde(with = "number")]
+    pub integrate: f64,
+    /// Observables.
+    #[serde(with = "number")]
+    pub observe: f64,
+    /// Files.
+    #[serde(with = "number")]
+    pub write: f64,
+}
+
+/// What the neighbor lists did.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct NeighborRecord {
+    /// Number of builds.
+    pub builds: u64,
+    /// Builds that came later than the skin allows: 0, or the run has failed.
+    pub late_builds: u64,
+    /// Skin in σ; `null` for a direct sum.
+    pub skin: Option<f64>,
+}
+
+/// A mean with what is known of its error.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AverageRecord {
+    /// The mean after the equilibration cut.
+    #[serde(with = "number")]
+    pub mean: f64,
+    /// Its standard error, correlation included.
+    #[serde(with = "number")]
+    pub standard_error: f64,
+    /// The number of independent samples that it is worth.
+    #[serde(with = "number")]
+    pub n_effective: f64,
+    /// The number of samples cut off at the start.
+    pub equilibration_cut: u64,
+    /// Unit.
+    pub unit: String,
+}
+
+impl From<&Average> for AverageRecord {
+    fn from(average: &Average) -> Self {
+        Self {
+            mean: average.estimate.mean,
+            standard_error: average.estimate.standard_error,
+            n_effective: average.estimate.n_effective,
+            equilibration_cut: average.estimate.equilibration_cut,
+            unit: average.unit.clone(),
+        }
+    }
+}
+
+/// How well conserved quantities were conserved.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Conservation {
+    /// Slope of the conserved energy in ε per atom per τ.
+    #[serde(with = "number")]
+    pub energy_drift_per_atom_per_tau: f64,
+    /// Its standard error, from block slopes.
+    #[serde(with = "number")]
+    pub energy_drift_standard_error: f64,
+    /// Root mean square of the conserved energy about its mean, in ε per atom.
+    #[serde(with = "number")]
+    pub energy_rms_per_atom: f64,
+    /// Length of the total momentum per atom.
+    #[serde(with = "number")]
+    pub momentum_per_atom: f64,
+}
+
+/// What the thermostats did.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ThermostatRecord {
+    /// Names in the scene (`bussi`).
+    pub name: String,
+    /// Σ heat put in, in ε for the whole system: E − heat is conserved.
+    #[serde(with = "number")]
+    pub heat: f64,
+    /// The conserved quantity in words (`total energy − heat of the thermostat`).
+    pub conserved_quantity: String,
+}
+
+/// A measured value beside one of the literature, at the measured temperature and density.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// What is compared (`pressure`).
+    pub quantity: String,
+    /// Unit.
+    pub unit: String,
+    /// Measured mean.
+    #[serde(with = "number")]
+    pub measured: f64,
+    /// Value of the literature.
+    #[serde(with = "number")]
+    pub reference: f64,
+    /// Uncertainty that the source states of its value; `null` where it states none.
+    pub reference_uncertainty: Option<f64>,
+    /// Measured − reference.
+    #[serde(with = "number")]
+    pub difference: f64,
+    /// Standard error of the difference, the correlation with the measured temperature included.
+    #[serde(with = "number")]
+    pub standard_error: f64,
+    /// Difference in standard errors.
+    #[serde(with = "number")]
+    pub in_standard_errors: f64,
+    /// Temperature and density that the reference is taken at.
+    pub at: StatePoint,
+    /// Author and title, and a DOI where there is one.
+    pub source: String,
+    /// Which model the source is of, and what else is to be known.
+    pub remark: String,
+}
+
+/// A thermodynamic state.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StatePoint {
+    /// Temperature in ε/k_B.
+    #[serde(with = "number")]
+    pub temperature: f64,
+    /// Number density in σ⁻³.
+    #[serde(with = "number")]
+    pub density: f64,
+}
+
+/// JSON has no NaN and no infinity: they are written as `null` and read as NaN.
+mod number {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(value: &f64, to: S) -> Result<S::Ok, S::Error> {
+        if value.is_finite() {
+            to.serialize_f64(*value)
+        } else {
+            to.serialize_none()
+        }
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
+    }
+}
+
+/// Reads a run record.
+///
+/// # Errors
+/// Where the file cannot be read, is no run record, or one of another schema.
+pub fn read_run_record(path: &Path) -> Result<RunRecord, FormatError> {
+    open_regular(path)?;
+    let bytes = fs::read(path).map_err(|e| FormatError::io(path, e))?;
+    parse(&bytes, path)
+}
+
+/// Like [`read_run_record`], from memory.
+///
+/// # Errors
+/// Where the content is no run record, or one of another schema.
+pub fn read_run_record_bytes(bytes: &[u8]) -> Result<RunRecord, FormatError> {
+    parse(bytes, Path::new("run record in memory"))
+}
+
+fn parse(bytes: &[u8], path: &Path) -> Result<RunRecord, FormatError> {
+    /// Looked at first: another schema may differ in everything else.
+    #[derive(Deserialize)]
+    struct Schema {
+        schema: String,
+    }
+    let malformed = |e: serde_json::Error| FormatError::Content {
+        file: path.to_path_buf(),
+        line: e.line().max(1) as u64,
+        found: e.to_string(),
+        allowed: format!("a run record of schema {RUN_SCHEMA}"),
+    };
+    let Schema { schema } = serde_json::from_slice(bytes).map_err(malformed)?;
+    if schema != RUN_SCHEMA {
+        return Err(FormatError::Content {
+            file: path.to_path_buf(),
+            line: 1,
+            found: format!("schema {}", crate::error::excerpt(schema.as_bytes())),
+            allowed: RUN_SCHEMA.into(),
+        });
+    }
+    serde_json::from_slice(bytes).map_err(malformed)
+}

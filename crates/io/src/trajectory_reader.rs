@@ -1,0 +1,174 @@
+//! Reading trajectories frame by frame.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Cursor, Seek, SeekFrom};
+use std::path::Path;
+
+use glam::DVec3;
+use lennard_core::PeriodicBox;
+
+use crate::extended_xyz::{find_frame, parse_frame, skip_frame};
+use crate::lines::{Lines, open_regular};
+use crate::{FileMark, FormatError};
+
+/// A frame as read, in reduced units: a `length_scale` of the header is taken out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrajectoryFrame {
+    /// The periodic box; `None` where the header names none.
+    pub cell: Option<PeriodicBox>,
+    /// Positions, `[N]`, σ, unwrapped by the image flags where the file has them.
+    pub positions: Vec<DVec3>,
+    /// Velocities, `[N]`, σ/τ.
+    pub velocities: Option<Vec<DVec3>>,
+    /// Forces, `[N]`, ε/σ.
+    pub forces: Option<Vec<DVec3>>,
+    /// The one species of all particles; `None` where the file names none.
+    pub species: Option<String>,
+    /// Number of the step.
+    pub step: Option<u64>,
+    /// Time in τ.
+    pub time: Option<f64>,
+    /// The other entries of the header, as text.
+    pub info: BTreeMap<String, String>,
+}
+
+/// Reads the frames of an extended XYZ file one after another, one in memory at a time.
+///
+/// Columns may stand in any order; `species`, `pos`, `velo` or `vel`, `forces` and `map_shift` are used,
+/// others passed over. After an error it ends.
+#[derive(Debug)]
+pub struct TrajectoryReader<R> {
+    lines: Lines<R>,
+    ended: bool,
+}
+
+impl TrajectoryReader<BufReader<File>> {
+    /// Opens a trajectory.
+    ///
+    /// # Errors
+    /// Where the file cannot be opened or is no regular file.
+    pub fn open(path: &Path) -> Result<Self, FormatError> {
+        let (reader, size) = open_regular(path)?;
+        Ok(Self::new(reader, size, path))
+    }
+}
+
+impl<'a> TrajectoryReader<Cursor<&'a [u8]>> {
+    /// Reads from memory; `path` is for messages.
+    #[must_use]
+    pub fn over(bytes: &'a [u8], path: &Path) -> Self {
+        Self::new(Cursor::new(bytes), bytes.len() as u64, path)
+    }
+}
+
+impl<R: BufRead> TrajectoryReader<R> {
+    fn new(reader: R, size: u64, path: &Path) -> Self {
+        Self {
+            lines: Lines::new(reader, size, path),
+            ended: false,
+        }
+    }
+
+    fn at_frame<T>(
+        &mut self,
+        work: impl FnOnce(&mut Lines<R>) -> Result<T, FormatError>,
+    ) -> Result<Option<T>, FormatError> {
+        if self.ended {
+            return Ok(None);
+        }
+        let result = match find_frame(&mut self.lines) {
+            Ok(true) => work(&mut self.lines).map(Some),
+            Ok(false) => Ok(None),
+            Err(error) => Err(error),
+        };
+        self.ended = !matches!(result, Ok(Some(_)));
+        result
+    }
+
+    /// The next frame; `None` at the end of the file.
+    ///
+    /// # Errors
+    /// Where the frame is truncated or holds what its header does not allow.
+    pub fn next_frame(&mut self) -> Result<Option<TrajectoryFrame>, FormatError> {
+        self.at_frame(parse_frame)
+    }
+
+    /// Passes over the next frame, looking at its count and its lines but not into them; false at the end.
+    ///
+    /// # Errors
+    /// Where the frame is truncated or its count is impossible.
+    pub fn skip_frame(&mut self) -> Result<bool, FormatError> {
+        Ok(self.at_frame(skip_frame)?.is_some())
+    }
+}
+
+impl<R: BufRead> Iterator for TrajectoryReader<R> {
+    type Item = Result<TrajectoryFrame, FormatError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.next_frame().transpose()
+    }
+}
+
+/// The last frame and the line that it starts at, without looking into those before; `None` where
+/// there is no frame.
+pub(crate) fn last_frame<R: BufRead + Seek>(
+    mut reader: R,
+    size: u64,
+    path: &Path,
+) -> Result<Option<(TrajectoryFrame, u64)>, FormatError> {
+    let mut start = None;
+    let mut scan = TrajectoryReader::new(&mut reader, size, path);
+    loop {
+        let before = (scan.lines.offset(), scan.lines.number());
+        if !scan.skip_frame()? {
+            break;
+        }
+        start = Some(before);
+    }
+    let Some((offset, line)) = start else {
+        return Ok(None);
+    };
+    reader
+        .seek(SeekFrom::Start(offset))
+        .map_err(|e| FormatError::io(path, e))?;
+    let mut last = TrajectoryReader::new(reader, size, path);
+    last.lines.start_at(offset, line);
+    Ok(last.next_frame()?.map(|frame| (frame, line + 1)))
+}
+
+/// Every frame of a trajectory. For files larger than memory use [`TrajectoryReader`].
+///
+/// # Errors
+/// Where the file cannot be read or any of its frames is at fault.
+pub fn read_trajectory(path: &Path) -> Result<Vec<TrajectoryFrame>, FormatError> {
+    TrajectoryReader::open(path)?.collect()
+}
+
+/// Every frame of a trajectory in memory.
+///
+/// # Errors
+/// Where any of the frames is at fault.
+pub fn read_trajectory_bytes(bytes: &[u8]) -> Result<Vec<TrajectoryFrame>, FormatError> {
+    TrajectoryReader::over(bytes, Path::new("trajectory in memory")).collect()
+}
+
+/// How much of a trajectory is whole: the frames before the first one that is truncated.
+///
+/// # Errors
+/// Where the file cannot be opened or read.
+pub fn whole_frames(path: &Path) -> Result<FileMark, FormatError> {
+    let mut reader = TrajectoryReader::open(path)?;
+    let mut mark = FileMark::default();
+    loop {
+        match reader.skip_frame() {
+            Ok(true) if reader.lines.ended_with_line_end() => {
+                mark.bytes = reader.lines.offset();
+                mark.records += 1;
+            }
+            Ok(_) | Err(FormatError::Content { .. }) => return Ok(mark),
+            Err(error) => return Err(error),
+        }
+    }
+}

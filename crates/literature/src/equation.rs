@@ -1,0 +1,256 @@
+//! What every equation of state offers: all properties from the residual Helmholtz energy.
+
+use serde::{Deserialize, Serialize};
+
+use crate::jet::Jet;
+use crate::phase::{self, Phase};
+use crate::saturation::{self, Saturation};
+
+/// Where an equation may be used, in reduced units.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Range {
+    /// Lowest temperature, ε/k_B.
+    pub t_min: f64,
+    /// Highest temperature, ε/k_B.
+    pub t_max: f64,
+    /// Highest pressure, ε/σ³.
+    pub p_max: f64,
+    /// Where these limits come from.
+    pub status: String,
+}
+
+/// How far an equation is from simulations of its own model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OwnUncertainty {
+    /// In the potential energy per particle, ε.
+    pub potential_energy: f64,
+    /// In the pressure, ε/σ³.
+    pub pressure: f64,
+    /// How that was established.
+    pub status: String,
+}
+
+/// A critical point in reduced units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CriticalPoint {
+    /// T_c in ε/k_B.
+    pub temperature: f64,
+    /// ρ_c in σ⁻³.
+    pub density: f64,
+}
+
+/// What an equation of state declares about itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EquationSpec {
+    /// Name for files and options.
+    pub key: String,
+    /// Name for tables.
+    pub name: String,
+    /// The model that it describes, in words.
+    pub model: String,
+    /// Authors, title, journal, table.
+    pub citation: String,
+    /// DOI.
+    pub doi: String,
+    /// How the coefficients were obtained and checked.
+    pub status: String,
+    /// Where it may be used.
+    pub range: Range,
+    /// How good it is, where that has been established.
+    pub uncertainty: Option<OwnUncertainty>,
+    /// Its critical point.
+    pub critical: CriticalPoint,
+}
+
+/// Why a state cannot be looked up.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum OutsideRange {
+    /// Density or temperature is not a finite positive number.
+    #[error(
+        "density and temperature must be finite positive numbers, found density {rho} and temperature {temperature}"
+    )]
+    NotAState {
+        /// The density asked for.
+        rho: f64,
+        /// The temperature asked for.
+        temperature: f64,
+    },
+    /// The temperature is outside.
+    #[error("{equation} covers temperatures from {t_min} to {t_max}, found {temperature}")]
+    Temperature {
+        /// Which equation.
+        equation: String,
+        /// Its lowest temperature.
+        t_min: f64,
+        /// Its highest temperature.
+        t_max: f64,
+        /// The temperature asked for.
+        temperature: f64,
+    },
+    /// The pressure is outside.
+    #[error(
+        "{equation} covers pressures up to {p_max}, and at density {rho} and temperature {temperature} it gives {pressure}"
+    )]
+    Pressure {
+        /// Which equation.
+        equation: String,
+        /// Its highest pressure.
+        p_max: f64,
+        /// The density asked for.
+        rho: f64,
+        /// The temperature asked for.
+        temperature: f64,
+        /// The pressure it gives there.
+        pressure: f64,
+    },
+}
+
+/// Everything an equation of state says about one state; per particle, in reduced units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FluidState {
+    /// Number density ρ, σ⁻³.
+    pub rho: f64,
+    /// Temperature T, ε/k_B.
+    pub temperature: f64,
+    /// Residual Helmholtz energy a_res over T: what the interaction adds to the ideal gas at the
+    /// same ρ and T.
+    pub residual_helmholtz: f64,
+    /// Pressure p = ρT(1 + ρ ∂α/∂ρ), ε/σ³, with α = a_res/T.
+    pub pressure: f64,
+    /// Potential energy u = ∂α/∂β, ε, with β = 1/T.
+    pub potential_energy: f64,
+    /// Isochoric heat capacity c_v = 3/2 − β² ∂²α/∂β², k_B.
+    pub heat_capacity_volume: f64,
+    /// Isobaric heat capacity c_p = c_v + T(∂p/∂T)²/(ρ² ∂p/∂ρ), k_B; negative or infinite inside
+    /// the spinodal.
+    pub heat_capacity_pressure: f64,
+    /// Speed of sound w = √(∂p/∂ρ + T(∂p/∂T)²/(ρ² c_v)), σ/τ; not a number where that is negative.
+    pub speed_of_sound: f64,
+    /// ∂u/∂T at constant density, the residual part of c_v, k_B.
+    pub du_dt: f64,
+    /// ∂p/∂T at constant density, k_B/σ³.
+    pub dp_dt: f64,
+    /// ∂u/∂ρ at constant temperature, εσ³.
+    pub du_drho: f64,
+    /// ∂p/∂ρ at constant temperature, ε.
+    pub dp_drho: f64,
+}
+
+/// An equation of state: gives the residual Helmholtz energy, from which all else follows.
+pub trait EquationOfState: Send + Sync + std::fmt::Debug {
+    /// What it declares about itself.
+    fn spec(&self) -> &EquationSpec;
+
+    /// α = a_res/T per particle as a function of β = 1/T (k_B/ε) and ρ (σ⁻³), with its derivatives:
+    /// called with β as the first and ρ as the second variable of the jet.
+    fn residual(&self, beta: Jet, rho: Jet) -> Jet;
+
+    /// The density in σ⁻³ at which the liquid freezes at this temperature; `None` where the freezing
+    /// line of the model is not known or the temperature lies below the triple point.
+    fn freezing_density(&self, temperature: f64) -> Option<f64>;
+
+    /// All properties at a density (σ⁻³) and a temperature (ε/k_B), both positive; not-a-number
+    /// entries come back for other arguments. Whether the equation may be used there is told by
+    /// [`EquationOfState::check`] and [`EquationOfState::phase`].
+    fn at(&self, rho: f64, temperature: f64) -> FluidState {
+        let beta = 1.0 / temperature;
+        let a = self.residual(Jet::first(beta), Jet::second(rho));
+        let ideal = rho * temperature;
+        let dp_drho = temperature * (1.0 + rho * (2.0 * a.y + rho * a.yy));
+        let dp_dt = rho * (1.0 + rho * (a.y - beta * a.xy));
+        let du_dt = -beta * beta * a.xx;
+        let heat_capacity_volume = 1.5 + du_dt;
+        let expansion = temperature * (dp_dt / rho).powi(2);
+        FluidState {
+            rho,
+            temperature,
+            residual_helmholtz: a.value,
+            pressure: ideal * (1.0 + rho * a.y),
+            potential_energy: a.x,
+            heat_capacity_volume,
+            heat_capacity_pressure: heat_capacity_volume + expansion / dp_drho,
+            speed_of_sound: (dp_drho + expansion / heat_capacity_volume).sqrt(),
+            du_dt,
+            dp_dt,
+            du_drho: a.xy,
+            dp_drho,
+        }
+    }
+
+    /// Pressure in ε/σ³, the ideal part included.
+    fn pressure(&self, rho: f64, temperature: f64) -> f64 {
+        self.at(rho, temperature).pressure
+    }
+
+    /// Potential energy per particle in ε.
+    fn potential_energy(&self, rho: f64, temperature: f64) -> f64 {
+        self.at(rho, temperature).potential_energy
+    }
+
+    /// Isochoric heat capacity per particle in k_B, the kinetic 3/2 included.
+    fn heat_capacity_volume(&self, rho: f64, temperature: f64) -> f64 {
+        self.at(rho, temperature).heat_capacity_volume
+    }
+
+    /// Speed of sound in σ/τ.
+    fn speed_of_sound(&self, rho: f64, temperature: f64) -> f64 {
+        self.at(rho, temperature).speed_of_sound
+    }
+
+    /// The coexisting vapor and liquid at a temperature; `None` at and above the critical
+    /// temperature, within 0.01 % below it, and where no coexistence is found.
+    fn saturation(&self, temperature: f64) -> Option<Saturation> {
+        saturation::solve(&|rho, t| self.at(rho, t), self.spec().critical, temperature)
+    }
+
+    /// Which phase the state is in.
+    fn phase(&self, rho: f64, temperature: f64) -> Phase {
+        if self.check(rho, temperature).is_err() {
+            return Phase::OutsideRange;
+        }
+        phase::classify(&phase::Question {
+            state_at: &|r, t| self.at(r, t),
+            critical: self.spec().critical,
+            saturation: self.saturation(temperature),
+            freezing_density: self.freezing_density(temperature),
+            freezing_known: self
+                .freezing_density(self.spec().critical.temperature)
+                .is_some(),
+            rho,
+            temperature,
+        })
+    }
+
+    /// Whether the equation covers this state.
+    ///
+    /// # Errors
+    /// [`OutsideRange`] where density or temperature is no positive number, or the state lies
+    /// outside the range of the equation.
+    fn check(&self, rho: f64, temperature: f64) -> Result<(), OutsideRange> {
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        if !(positive(rho) && positive(temperature)) {
+            return Err(OutsideRange::NotAState { rho, temperature });
+        }
+        let spec = self.spec();
+        let range = &spec.range;
+        if temperature < range.t_min || temperature > range.t_max {
+            return Err(OutsideRange::Temperature {
+                equation: spec.name.clone(),
+                t_min: range.t_min,
+                t_max: range.t_max,
+                temperature,
+            });
+        }
+        let pressure = self.pressure(rho, temperature);
+        if pressure.is_nan() || pressure > range.p_max {
+            return Err(OutsideRange::Pressure {
+                equation: spec.name.clone(),
+                p_max: range.p_max,
+                rho,
+                temperature,
+                pressure,
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,230 @@
+//! Transport coefficients of the full Lennard-Jones fluid from tables.
+
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
+
+/// A transport coefficient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TransportProperty {
+    /// Shear viscosity η, √(mε)/σ².
+    ShearViscosity,
+    /// Self-diffusion coefficient D, σ√(ε/m).
+    SelfDiffusion,
+    /// Thermal conductivity λ, k_B√(ε/m)/σ².
+    ThermalConductivity,
+}
+
+/// A tabulated value, with the state that it belongs to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TransportValue {
+    /// The coefficient in the units of its [`TransportProperty`].
+    pub value: f64,
+    /// One standard deviation, where the source gives one.
+    pub uncertainty: Option<f64>,
+    /// Density of the tabulated state, σ⁻³.
+    pub rho: f64,
+    /// Temperature of the tabulated state, ε/k_B.
+    pub temperature: f64,
+    /// Authors, title, DOI, and how the number was obtained.
+    pub source: String,
+}
+
+/// How far in density (σ⁻³) a tabulated state may lie to be called near.
+pub const NEAR_DENSITY: f64 = 0.01;
+/// How far in temperature, relative, a tabulated state may lie to be called near.
+pub const NEAR_TEMPERATURE: f64 = 0.05;
+
+const CHAPARRO_MUELLER: &str = "G. Chaparro, E. A. Müller, J. Phys. Chem. B (2023), \
+    DOI 10.1021/acs.jpcb.3c06813, database of the authors, read directly";
+
+#[derive(Debug)]
+struct Row {
+    property: TransportProperty,
+    value: TransportValue,
+}
+
+/// The state columns of the tables of Chaparro and Müller; the third from the fifth column on
+/// bears the property's name.
+#[derive(Debug, Deserialize)]
+struct ChaparroRow {
+    rho: f64,
+    #[serde(rename = "T")]
+    temperature: f64,
+    #[serde(
+        alias = "shear_viscosity",
+        alias = "self_diffusivity",
+        alias = "thermal_conductivity"
+    )]
+    value: f64,
+    #[serde(
+        alias = "shear_viscosity_std",
+        alias = "self_diffusivity_std",
+        alias = "thermal_conductivity_std"
+    )]
+    standard_deviation: f64,
+    phase: String,
+    flag: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+struct OtherRow {
+    quantity: TransportProperty,
+    rho: f64,
+    #[serde(rename = "T")]
+    temperature: f64,
+    value: f64,
+    uncertainty: Option<f64>,
+    citation: String,
+    doi: String,
+    status: String,
+}
+
+fn rows<T: for<'a> Deserialize<'a>>(text: &str) -> Vec<T> {
+    csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_reader(text.as_bytes())
+        .deserialize()
+        .collect::<Result<_, _>>()
+        .expect("the shipped tables are well formed: a test reads them")
+}
+
+static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
+    let files = [
+        (
+            TransportProperty::ShearViscosity,
+            include_str!("../data/chaparro-mueller-2023/shear_viscosity.csv"),
+        ),
+        (
+            TransportProperty::SelfDiffusion,
+            include_str!("../data/chaparro-mueller-2023/self_diffusion.csv"),
+        ),
+        (
+            TransportProperty::ThermalConductivity,
+            include_str!("../data/chaparro-mueller-2023/thermal_conductivity.csv"),
+        ),
+    ];
+    let mut table = Vec::new();
+    for (property, text) in files {
+        for row in rows::<ChaparroRow>(text) {
+            // Flagged rows contradict the equation of state; inside the dome a homogeneous value
+            // has no meaning.
+            if row.flag.is_some() || row.phase != "stable_fluid" {
+                continue;
+            }
+            table.push(Row {
+                property,
+                value: TransportValue {
+                    value: row.value,
+                    uncertainty: Some(row.standard_deviation),
+                    rho: row.rho,
+                    temperature: row.temperature,
+                    source: CHAPARRO_MUELLER.to_owned(),
+                },
+            });
+        }
+    }
+    for row in rows::<OtherRow>(include_str!("../data/transport-other.csv")) {
+        table.push(Row {
+            property: row.quantity,
+            value: TransportValue {
+                value: row.value,
+                uncertainty: row.uncertainty,
+                rho: row.rho,
+                temperature: row.temperature,
+                source: format!("{}, DOI {}, {}", row.citation, row.doi, row.status),
+            },
+        });
+    }
+    table
+});
+
+/// The tabulated value nearest to a density (σ⁻³) and temperature (ε/k_B) of the full
+/// Lennard-Jones fluid, if one is near: within [`NEAR_DENSITY`] and [`NEAR_TEMPERATURE`].
+///
+/// Nearest is the smallest (Δρ/0.01)² + (ΔT/0.05 T)². In the dense liquid, where the coefficients
+/// change fastest, η differs over that distance by about a tenth at most, as large as its own error, and the
+/// finite-size correction of D that it enters, itself a tenth of D, by less than 1 % of D. Rows that
+/// contradict the equation of state or lie inside the vapor–liquid dome are left out. Values of the
+/// full potential are no reference for a truncated one.
+#[must_use]
+pub fn transport_near(
+    property: TransportProperty,
+    rho: f64,
+    temperature: f64,
+) -> Option<&'static TransportValue> {
+    let distance = |v: &TransportValue| {
+        let density = (v.rho - rho) / NEAR_DENSITY;
+        let warmth = (v.temperature - temperature) / (NEAR_TEMPERATURE * temperature);
+        (density.abs() <= 1.0 && warmth.abs() <= 1.0).then_some(density * density + warmth * warmth)
+    };
+    TABLE
+        .iter()
+        .filter(|row| row.property == property)
+        .filter_map(|row| Some((distance(&row.value)?, &row.value)))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, value)| value)
+}
+
+/// Shear viscosity in √(mε)/σ² near a state, as [`transport_near`] finds it; for the finite-size
+/// correction of the diffusion coefficient (I.-C. Yeh, G. Hummer, System-size dependence of
+/// diffusion coefficients and viscosities from molecular dynamics simulations with periodic boundary
+/// conditions, J. Phys. Chem. B 108, 15873, 2004).
+#[must_use]
+pub fn viscosity_near(rho: f64, temperature: f64) -> Option<&'static TransportValue> {
+    transport_near(TransportProperty::ShearViscosity, rho, temperature)
+}
+
+/// Self-diffusion coefficient in σ√(ε/m) near a state, as [`transport_near`] finds it; the sources
+/// do not say that it was corrected for finite size.
+#[must_use]
+pub fn self_diffusion_near(rho: f64, temperature: f64) -> Option<&'static TransportValue> {
+    transport_near(TransportProperty::SelfDiffusion, rho, temperature)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tables_hold_the_stable_rows_and_no_flagged_one() {
+        let count = |p| TABLE.iter().filter(|r| r.property == p).count();
+        // 253, 304 and 231 rows in the files, less those inside the dome or flagged, plus Meier's.
+        assert_eq!(count(TransportProperty::ShearViscosity), 227 + 1);
+        assert!(count(TransportProperty::SelfDiffusion) > 200);
+        assert!(count(TransportProperty::ThermalConductivity) > 150);
+        assert!(TABLE.iter().all(|r| r.value.value > 0.0));
+    }
+
+    #[test]
+    fn the_nearest_row_is_found_with_its_own_state_and_source() {
+        let v = viscosity_near(0.8495, 1.001).unwrap();
+        assert_eq!((v.rho, v.temperature), (0.85, 0.999984));
+        assert_eq!((v.value, v.uncertainty), (2.88621, Some(0.37)));
+        assert!(v.source.contains("Chaparro"));
+    }
+
+    #[test]
+    fn what_was_not_read_in_the_paper_says_so() {
+        let v = viscosity_near(0.8442, 0.722).unwrap();
+        assert_eq!(v.value, 3.258);
+        assert!(v.source.contains("secondary"));
+    }
+
+    #[test]
+    fn a_state_with_nothing_near_gives_nothing() {
+        assert_eq!(viscosity_near(0.8442, 0.80), None);
+        assert_eq!(viscosity_near(0.70, 0.5), None);
+        assert_eq!(viscosity_near(f64::NAN, 1.0), None);
+        // The only row near this state lies inside the dome.
+        assert_eq!(viscosity_near(0.819, 0.7396), None);
+    }
+
+    #[test]
+    fn diffusion_is_looked_up_in_its_own_table() {
+        let d = self_diffusion_near(0.8442, 0.722).unwrap();
+        assert_eq!(d.value, 0.0325);
+        assert_eq!(self_diffusion_near(0.01, 2.9).unwrap().value, 38.1662);
+    }
+}

@@ -1,0 +1,140 @@
+//! The displacement criterion: when a list may still be used.
+
+/// What the criterion says about a list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// No pair inside the cutoff can be missing.
+    Valid,
+    /// A pair inside the cutoff might be missing: build before use.
+    Build,
+}
+
+/// Keeps a list honest.
+///
+/// A list built at positions x⁰ holds all pairs with r ≤ r_cut + skin. It may be used at positions x
+/// while 2·max|x_i − x⁰_i| ≤ skin, with unwrapped positions: two particles that each moved by at most
+/// half the skin have come closer by at most the skin.
+///
+/// A build is *late* if the list that it replaces was used at an evaluation for which that did not
+/// hold, so that a pair may have been missed. With the check before every use that cannot happen;
+/// the counter is the proof, and catches a caller that checks more rarely.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Criterion {
+    skin: f64,
+    /// Largest 4·|x − x⁰|² that is allowed, rounded down.
+    limit: f64,
+    used_while_invalid: bool,
+    builds: u64,
+    late_builds: u64,
+}
+
+impl Criterion {
+    /// The criterion of a list with this skin, σ.
+    #[must_use]
+    pub fn new(skin: f64) -> Self {
+        Self {
+            skin,
+            // Rounding of |x − x⁰|² and skin² may each err by a few last bits: keep clear of them.
+            limit: skin * skin * (1.0 - 8.0 * f64::EPSILON),
+            used_while_invalid: false,
+            builds: 0,
+            late_builds: 0,
+        }
+    }
+
+    /// The skin, σ.
+    #[must_use]
+    pub fn skin(&self) -> f64 {
+        self.skin
+    }
+
+    /// Whether a list may be used where the largest |x − x⁰|² is `largest_displacement2` σ².
+    #[must_use]
+    pub fn check(&self, largest_displacement2: f64) -> Verdict {
+        // With a skin of zero the list is good for the very positions of its build; NaN is never good.
+        if 4.0 * largest_displacement2 <= self.limit {
+            Verdict::Valid
+        } else {
+            Verdict::Build
+        }
+    }
+
+    /// Records that the list was used where the largest |x − x⁰|² was `largest_displacement2` σ².
+    pub fn used(&mut self, largest_displacement2: f64) {
+        if self.check(largest_displacement2) == Verdict::Build {
+            self.used_while_invalid = true;
+        }
+    }
+
+    /// Records that a list was built.
+    pub fn built(&mut self) {
+        self.builds += 1;
+        self.late_builds += u64::from(std::mem::take(&mut self.used_while_invalid));
+    }
+
+    /// Builds so far.
+    #[must_use]
+    pub fn builds(&self) -> u64 {
+        self.builds
+    }
+
+    /// Late builds so far.
+    #[must_use]
+    pub fn late_builds(&self) -> u64 {
+        self.late_builds
+    }
+
+    /// Sets the counters, as a restart does.
+    pub fn set_counters(&mut self, builds: u64, late_builds: u64) {
+        self.builds = builds;
+        self.late_builds = late_builds;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_list_is_valid_up_to_half_the_skin_and_no_further() {
+        let criterion = Criterion::new(0.3);
+        assert_eq!(criterion.check(0.1499_f64.powi(2)), Verdict::Valid);
+        assert_eq!(criterion.check(0.1501_f64.powi(2)), Verdict::Build);
+        assert_eq!(criterion.check(f64::NAN), Verdict::Build);
+        assert_eq!(Criterion::new(0.0).check(0.0), Verdict::Valid);
+        assert_eq!(Criterion::new(0.0).check(1e-300), Verdict::Build);
+    }
+
+    #[test]
+    fn a_caller_that_checks_before_each_use_is_never_late() {
+        let mut criterion = Criterion::new(0.3);
+        let mut moved = 0.0_f64;
+        for _ in 0..100 {
+            moved += 0.02;
+            if criterion.check(moved * moved) == Verdict::Build {
+                criterion.built();
+                moved = 0.0;
+            }
+            criterion.used(moved * moved);
+        }
+        assert!(criterion.builds() > 10);
+        assert_eq!(criterion.late_builds(), 0);
+    }
+
+    #[test]
+    fn a_caller_that_checks_every_tenth_time_is_found_out() {
+        let mut criterion = Criterion::new(0.3);
+        let mut moved = 0.0_f64;
+        for evaluation in 0..100 {
+            moved += 0.02;
+            if evaluation % 10 == 9 && criterion.check(moved * moved) == Verdict::Build {
+                criterion.built();
+                moved = 0.0;
+            }
+            criterion.used(moved * moved);
+        }
+        // Half the skin is passed at the eighth move of ten.
+        assert_eq!(criterion.late_builds(), criterion.builds());
+        assert_eq!(criterion.builds(), 10);
+    }
+}

@@ -1,0 +1,316 @@
+//! Full Verlet lists in chunks of constant size.
+
+use glam::DVec3;
+use lennard_core::PeriodicBox;
+use rayon::prelude::*;
+use std::ops::Range;
+
+use crate::grid::{GridError, RowTable};
+use crate::scan::{Candidates, RowScanner};
+
+/// Particles a chunk of the list: a constant, so that sums over chunks have one order. Small, so that
+/// 864 particles still keep several threads busy.
+pub const ATOMS_PER_CHUNK: usize = 96;
+
+/// What list entries name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Images {
+    /// Rows, so that a periodic image is its own ghost row.
+    Ghosts,
+    /// Places: the force loop's own arithmetic finds the image.
+    Folded,
+}
+
+/// List entries, relative to the chunk's base.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Entries {
+    /// 16-bit offsets, where they reach.
+    Narrow(Vec<u16>),
+    /// 32-bit offsets.
+    Wide(Vec<u32>),
+}
+
+impl Entries {
+    /// Number of entries, padding included.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Narrow(v) => v.len(),
+            Self::Wide(v) => v.len(),
+        }
+    }
+
+    /// Whether there is no entry.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The entries of a range, without the base.
+    pub fn offsets(&self, range: Range<usize>) -> Vec<u32> {
+        match self {
+            Self::Narrow(v) => v[range].iter().map(|e| u32::from(*e)).collect(),
+            Self::Wide(v) => v[range].to_vec(),
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Narrow(v) => 2 * v.capacity(),
+            Self::Wide(v) => 4 * v.capacity(),
+        }
+    }
+}
+
+/// The neighbors of up to [`ATOMS_PER_CHUNK`] consecutive places.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ListChunk {
+    /// The first place.
+    pub first_place: u32,
+    /// What is added to each entry.
+    pub base: u32,
+    /// Number of neighbors of each place.
+    pub counts: Vec<u32>,
+    /// Neighbors of one place after another, each padded with the place itself to whole registers.
+    pub entries: Entries,
+}
+
+impl Default for ListChunk {
+    fn default() -> Self {
+        Self {
+            first_place: 0,
+            base: 0,
+            counts: Vec::new(),
+            entries: Entries::Narrow(Vec::new()),
+        }
+    }
+}
+
+/// A full Verlet list: for each particle, everything within the list radius.
+#[derive(Debug, Clone)]
+pub struct NeighborList {
+    cell: PeriodicBox,
+    radius: f64,
+    images: Images,
+    lanes: usize,
+    table: RowTable,
+    chunks: Vec<ListChunk>,
+}
+
+impl NeighborList {
+    /// An empty list for a box and a list radius r_list in σ, with entries padded to multiples of `lanes`.
+    #[must_use]
+    pub fn new(cell: PeriodicBox, radius: f64, images: Images, lanes: usize) -> Self {
+        Self {
+            cell,
+            radius,
+            images,
+            lanes: lanes.max(1),
+            table: RowTable::default(),
+            chunks: Vec::new(),
+        }
+    }
+
+    /// The sorted rows.
+    #[must_use]
+    pub fn table(&self) -> &RowTable {
+        &self.table
+    }
+
+    /// The neighbors, chunk by chunk.
+    #[must_use]
+    pub fn chunks(&self) -> &[ListChunk] {
+        &self.chunks
+    }
+
+    /// The list radius r_list, σ.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Entries are padded to multiples of this many.
+    #[must_use]
+    pub fn lanes(&self) -> usize {
+        self.lanes
+    }
+
+    /// The largest number that an entry plus its base may have, plus one.
+    #[must_use]
+    pub fn targets(&self) -> usize {
+        match self.images {
+            Images::Ghosts => self.table.rows(),
+            Images::Folded => self.table.particle.len(),
+        }
+    }
+
+    /// The number that entries use for the particle at `place`.
+    #[must_use]
+    pub fn target_of(&self, place: usize) -> u32 {
+        match self.images {
+            Images::Ghosts => self.table.row[place],
+            Images::Folded => place as u32,
+        }
+    }
+
+    /// Builds the list for `positions` (unwrapped, σ).
+    ///
+    /// The result is a pure function of the positions and of what was given to [`NeighborList::new`].
+    ///
+    /// # Errors
+    /// [`GridError`] where a position cannot be placed.
+    pub fn build(
+        &mut self,
+        positions: &[DVec3],
+        scanner: &dyn RowScanner,
+    ) -> Result<(), GridError> {
+        self.table.sort(&self.cell, positions, self.radius)?;
+        let margin = self.table.search_margin();
+        let radius2 = (self.radius + margin).powi(2) as f32 * (1.0 + 4.0 * f32::EPSILON);
+        let n = positions.len();
+        self.chunks
+            .resize_with(n.div_ceil(ATOMS_PER_CHUNK), ListChunk::default);
+        let table = &self.table;
+        let (images, lanes) = (self.images, self.lanes);
+        let fill = |scratch: &mut Scratch, (c, chunk): (usize, &mut ListChunk)| {
+            let places = c * ATOMS_PER_CHUNK..((c + 1) * ATOMS_PER_CHUNK).min(n);
+            fill_chunk(table, places, radius2, images, lanes, scanner, scratch, chunk);
+        };
+        if rayon::current_num_threads() == 1 {
+            let mut scratch = Scratch::default();
+            for item in self.chunks.iter_mut().enumerate() {
+                fill(&mut scratch, item);
+            }
+        } else {
+            self.chunks
+                .par_iter_mut()
+                .enumerate()
+                .for_each_init(Scratch::default, |scratch, item| fill(scratch, item));
+        }
+        Ok(())
+    }
+
+    /// Number of pairs in the list, each counted once.
+    #[must_use]
+    pub fn pairs(&self) -> u64 {
+        let entries: u64 = self
+            .chunks
+            .iter()
+            .flat_map(|c| &c.counts)
+            .map(|n| u64::from(*n))
+            .sum();
+        entries / 2
+    }
+
+    /// Bytes held.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let chunks: usize = self
+            .chunks
+            .iter()
+            .map(|c| c.entries.bytes() + 4 * c.counts.capacity() + size_of::<ListChunk>())
+            .sum();
+        chunks + self.table.bytes()
+    }
+
+    /// The particles listed for each particle, `[N]`, ascending: for tests and for observers, not for
+    /// force loops.
+    #[must_use]
+    pub fn neighbors(&self) -> Vec<Vec<u32>> {
+        let mut all = vec![Vec::new(); self.table.particle.len()];
+        for chunk in &self.chunks {
+            let mut start = 0;
+            for (offset, count) in chunk.counts.iter().enumerate() {
+                let count = *count as usize;
+                let place = chunk.first_place as usize + offset;
+                let neighbors = &mut all[self.table.particle[place] as usize];
+                for entry in chunk.entries.offsets(start..start + count) {
+                    let target = entry + chunk.base;
+                    let place = match self.images {
+                        Images::Ghosts => self.table.place[target as usize],
+                        Images::Folded => target,
+                    };
+                    neighbors.push(self.table.particle[place as usize]);
+                }
+                neighbors.sort_unstable();
+                start += count.next_multiple_of(self.lanes);
+            }
+        }
+        all
+    }
+}
+
+/// What one thread needs while it fills chunks.
+#[derive(Default)]
+struct Scratch {
+    runs: Vec<Range<u32>>,
+    found: Vec<u32>,
+    targets: Vec<u32>,
+}
+
+#[allow(clippy::too_many_arguments)]
+fn fill_chunk(
+    table: &RowTable,
+    places: Range<usize>,
+    radius2: f32,
+    images: Images,
+    lanes: usize,
+    scanner: &dyn RowScanner,
+    scratch: &mut Scratch,
+    chunk: &mut ListChunk,
+) {
+    chunk.first_place = places.start as u32;
+    chunk.counts.clear();
+    scratch.targets.clear();
+    for place in places {
+        let candidates = table.runs_near(place, radius2, &mut scratch.runs) + Candidates::PADDING;
+        if scratch.found.len() < candidates {
+            scratch.found.resize(candidates, 0);
+        }
+        let own = table.row[place];
+        let count = scanner.scan(
+            &table.candidates,
+            own,
+            &scratch.runs,
+            radius2,
+            &mut scratch.found,
+        );
+        let found = &scratch.found[..count];
+        let own = match images {
+            Images::Ghosts => {
+                scratch.targets.extend_from_slice(found);
+                own
+            }
+            Images::Folded => {
+                let folded = found.iter().map(|row| table.place[*row as usize]);
+                scratch.targets.extend(folded);
+                place as u32
+            }
+        };
+        chunk.counts.push(count as u32);
+        let padded = count.next_multiple_of(lanes) - count;
+        scratch.targets.extend(std::iter::repeat_n(own, padded));
+    }
+    store(&scratch.targets, chunk);
+}
+
+/// Stores targets as offsets, in 16 bits where they reach.
+fn store(targets: &[u32], chunk: &mut ListChunk) {
+    let (low, high) = targets
+        .iter()
+        .fold((u32::MAX, 0), |(low, high), t| (low.min(*t), high.max(*t)));
+    chunk.base = if targets.is_empty() { 0 } else { low };
+    let base = chunk.base;
+    if high.saturating_sub(base) <= u32::from(u16::MAX) {
+        let mut narrow = match std::mem::replace(&mut chunk.entries, Entries::Wide(Vec::new())) {
+            Entries::Narrow(v) => v,
+            Entries::Wide(_) => Vec::new(),
+        };
+        narrow.clear();
+        narrow.extend(targets.iter().map(|t| (t - base) as u16));
+        chunk.entries = Entries::Narrow(narrow);
+    } else {
+        let wide = targets.iter().map(|t| t - base).collect();
+        chunk.entries = Entries::Wide(wide);
+    }
+}

@@ -1,0 +1,259 @@
+//! Sums over successive stretches of the run: what the errors of functions (g(r), MSD) are made from.
+
+use lennard_core::{Persist, RestoreError, StateReader, StateWriter};
+
+use crate::statistics;
+
+/// Sums and counts of `width` quantities for each of at most `limit` successive blocks of samples.
+///
+/// A block covers `stride` samples; when `limit` blocks are full, they are added in pairs and the
+/// stride doubles. Totals are exact sums, block means give the standard error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BlockedSums {
+    width: usize,
+    limit: usize,
+    stride: u64,
+    samples: u64,
+    sums: Vec<Vec<f64>>,
+    counts: Vec<Vec<u64>>,
+}
+
+impl BlockedSums {
+    /// Nothing summed yet; at most `limit` blocks (rounded down to an even number, at least 2).
+    #[must_use]
+    pub fn new(width: usize, limit: usize) -> Self {
+        Self {
+            width,
+            limit: (limit / 2).max(1) * 2,
+            stride: 1,
+            samples: 0,
+            sums: Vec::new(),
+            counts: Vec::new(),
+        }
+    }
+
+    /// Opens the next sample: what is added from now on belongs to it.
+    pub fn begin_sample(&mut self) {
+        if self.samples == self.stride * self.limit as u64 {
+            self.merge_pairs();
+        }
+        if self.samples.is_multiple_of(self.stride) {
+            self.sums.push(vec![0.0; self.width]);
+            self.counts.push(vec![0; self.width]);
+        }
+        self.samples += 1;
+    }
+
+    /// Adds to quantity `k` of the sample that is open.
+    ///
+    /// # Panics
+    /// Where no sample was begun: that is a bug of the caller.
+    pub fn add(&mut self, k: usize, value: f64, count: u64) {
+        let (sums, counts) = self.current();
+        sums[k] += value;
+        counts[k] += count;
+    }
+
+    /// Sums and counts of the block of the sample that is open.
+    ///
+    /// # Panics
+    /// Where no sample was begun: that is a bug of the caller.
+    pub fn current(&mut self) -> (&mut [f64], &mut [u64]) {
+        let last = self.sums.len().checked_sub(1).expect("a sample was begun");
+        (&mut self.sums[last], &mut self.counts[last])
+    }
+
+    fn merge_pairs(&mut self) {
+        fn merged<T: Copy + std::ops::Add<Output = T>>(rows: &[Vec<T>]) -> Vec<Vec<T>> {
+            rows.chunks(2)
+                .map(|pair| match pair {
+                    [a, b] => a.iter().zip(b).map(|(x, y)| *x + *y).collect(),
+                    _ => pair[0].clone(),
+                })
+                .collect()
+        }
+        self.sums = merged(&self.sums);
+        self.counts = merged(&self.counts);
+        self.stride *= 2;
+    }
+
+    /// Samples begun so far.
+    #[must_use]
+    pub fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// Samples a block.
+    #[must_use]
+    pub fn stride(&self) -> u64 {
+        self.stride
+    }
+
+    /// Number of quantities.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Number of complete blocks.
+    #[must_use]
+    pub fn complete_blocks(&self) -> usize {
+        (self.samples / self.stride) as usize
+    }
+
+    /// Sum and count of quantity `k` over the whole run.
+    #[must_use]
+    pub fn total(&self, k: usize) -> (f64, u64) {
+        (
+            self.sums.iter().map(|row| row[k]).sum(),
+            self.counts.iter().map(|row| row[k]).sum(),
+        )
+    }
+
+    /// Mean of quantity `k` over the whole run; `None` where nothing was added.
+    #[must_use]
+    pub fn mean(&self, k: usize) -> Option<f64> {
+        let (sum, count) = self.total(k);
+        (count > 0).then(|| sum / count as f64)
+    }
+
+    /// The means of quantity `k` over each complete block that holds any.
+    #[must_use]
+    pub fn block_means(&self, k: usize) -> Vec<f64> {
+        (0..self.complete_blocks())
+            .filter_map(|b| self.block_mean(b, k))
+            .collect()
+    }
+
+    /// Mean of quantity `k` over block `b`; `None` where nothing was added there.
+    #[must_use]
+    pub fn block_mean(&self, b: usize, k: usize) -> Option<f64> {
+        let count = self.counts[b][k];
+        (count > 0).then(|| self.sums[b][k] / count as f64)
+    }
+
+    /// The means of several quantities over each block, blocks where one of them has no data left out.
+    ///
+    /// Where most blocks are too short to hold them all, neighboring blocks are joined in pairs until at
+    /// least half of them do.
+    #[must_use]
+    pub fn complete_rows(&self, quantities: &[usize]) -> Vec<Vec<f64>> {
+        let complete = self.complete_blocks();
+        let mut joined = 1;
+        loop {
+            let groups = complete / joined;
+            let rows: Vec<Vec<f64>> = (0..groups)
+                .filter_map(|group| {
+                    let members = group * joined..(group + 1) * joined;
+                    quantities
+                        .iter()
+                        .map(|&k| {
+                            let count: u64 = members.clone().map(|b| self.counts[b][k]).sum();
+                            let sum: f64 = members.clone().map(|b| self.sums[b][k]).sum();
+                            (count > 0).then(|| sum / count as f64)
+                        })
+                        .collect()
+                })
+                .collect();
+            if 2 * rows.len() >= groups {
+                return rows;
+            }
+            joined *= 2;
+        }
+    }
+
+    /// The standard error of [`BlockedSums::mean`] from the scatter of the blocks; NaN for fewer than
+    /// [`statistics::FEWEST_BLOCKS`] blocks.
+    #[must_use]
+    pub fn standard_error(&self, k: usize) -> f64 {
+        statistics::error_from_blocks(&self.block_means(k))
+    }
+}
+
+impl Persist for BlockedSums {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        to.put_u64(
+            "shape",
+            &[
+                self.width as u64,
+                self.limit as u64,
+                self.stride,
+                self.samples,
+            ],
+        );
+        to.put_f64("sums", &self.sums.concat());
+        to.put_u64("counts", &self.counts.concat());
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        let [width, limit, stride, samples] = from.u64s("shape")?;
+        if width != self.width as u64 || limit != self.limit as u64 || stride == 0 {
+            return Err(from.misfit(
+                "shape",
+                format!(
+                    "{limit} blocks of {width} values, wanted {} of {}",
+                    self.limit, self.width
+                ),
+            ));
+        }
+        let (sums, counts) = (from.f64("sums")?, from.u64("counts")?);
+        let expected = samples.div_ceil(stride).saturating_mul(width);
+        if sums.len() as u64 != expected || counts.len() != sums.len() {
+            return Err(from.misfit("sums", format!("{} values, wanted {expected}", sums.len())));
+        }
+        self.stride = stride;
+        self.samples = samples;
+        self.sums = sums.chunks(self.width).map(<[f64]>::to_vec).collect();
+        self.counts = counts.chunks(self.width).map(<[u64]>::to_vec).collect();
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn totals_are_exact_and_blocks_stay_bounded() {
+        let mut blocks = BlockedSums::new(2, 8);
+        for i in 0..1000_u32 {
+            blocks.begin_sample();
+            blocks.add(0, f64::from(i), 1);
+            if i % 2 == 0 {
+                blocks.add(1, 1.0, 1);
+            }
+        }
+        assert_eq!(blocks.total(0), (499_500.0, 1000));
+        assert_eq!(blocks.total(1), (500.0, 500));
+        assert_eq!(blocks.stride(), 128);
+        assert_eq!(blocks.complete_blocks(), 7);
+        assert_eq!(blocks.block_means(0)[0], 63.5);
+    }
+
+    #[test]
+    fn blocks_too_short_for_every_quantity_are_joined() {
+        let mut blocks = BlockedSums::new(2, 64);
+        for i in 0..12 {
+            blocks.begin_sample();
+            blocks.add(0, f64::from(i), 1);
+            if i % 3 == 2 {
+                blocks.add(1, 10.0 * f64::from(i), 1);
+            }
+        }
+        assert_eq!(blocks.complete_rows(&[0]).len(), 12);
+        // Every third sample: pairs of blocks hold it two times out of three.
+        let rows = blocks.complete_rows(&[0, 1]);
+        assert_eq!(rows, [[2.5, 20.0], [4.5, 50.0], [8.5, 80.0], [10.5, 110.0]]);
+    }
+
+    #[test]
+    fn the_error_from_blocks_is_that_of_independent_samples() {
+        // Equally spread values −1, 1, −1, 1 in blocks of one sample: variance 4/3 for four blocks.
+        let mut blocks = BlockedSums::new(1, 64);
+        for i in 0..4 {
+            blocks.begin_sample();
+            blocks.add(0, if i % 2 == 0 { -1.0 } else { 1.0 }, 1);
+        }
+        assert!((blocks.standard_error(0) - (4.0_f64 / 3.0 / 4.0).sqrt()).abs() < 1e-15);
+    }
+}

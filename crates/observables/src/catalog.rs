@@ -1,0 +1,126 @@
+//! The list of observables: one line for each.
+
+use lennard_core::{Observable, ObservableSpec, PeriodicBox};
+use serde::{Deserialize, Serialize};
+
+use crate::ObservableError;
+
+/// What an observable may know when it is built.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BuildContext {
+    /// The periodic box.
+    pub cell: PeriodicBox,
+    /// Number of particles.
+    pub n_atoms: usize,
+    /// Time step in τ.
+    pub dt: f64,
+    /// Steps between two samples.
+    pub every: u64,
+    /// Cutoff of the forces in σ.
+    pub r_cut: f64,
+}
+
+impl BuildContext {
+    /// The time between two samples, every·dt, in τ.
+    #[must_use]
+    pub fn sample_interval(&self) -> f64 {
+        self.every as f64 * self.dt
+    }
+}
+
+/// What the options type of an observable provides: the list is made of these.
+pub trait Recipe {
+    /// What the observable declares about itself.
+    const SPEC: &'static ObservableSpec;
+
+    /// Steps between two samples where the scene names none.
+    fn default_every(&self) -> u64;
+
+    /// Builds the observable.
+    ///
+    /// # Errors
+    /// [`ObservableError`] where an option is impossible in this context.
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError>;
+}
+
+macro_rules! catalog {
+    ($($(#[$doc:meta])* $variant:ident => $options:ty,)*) => {
+        /// The options of one observable, as a scene's `[[observable]]` table gives them (`kind` and
+        /// the keys of that kind; `every` belongs to the scene and is not among them).
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+        pub enum ObservableOptions {
+            $($(#[$doc])* $variant($options),)*
+        }
+
+        impl ObservableOptions {
+            /// What the observable declares about itself.
+            #[must_use]
+            pub fn spec(&self) -> &'static ObservableSpec {
+                match self {
+                    $(Self::$variant(_) => <$options as Recipe>::SPEC,)*
+                }
+            }
+
+            /// Steps between two samples where the scene names none.
+            #[must_use]
+            pub fn default_every(&self) -> u64 {
+                match self {
+                    $(Self::$variant(o) => o.default_every(),)*
+                }
+            }
+
+            /// Every observable with its default options, in the order of the list.
+            #[must_use]
+            pub fn all() -> Vec<Self> {
+                vec![$(Self::$variant(<$options>::default()),)*]
+            }
+        }
+
+        /// Builds an observable from its options.
+        ///
+        /// # Errors
+        /// [`ObservableError`] where an option is impossible in this context.
+        pub fn build(
+            options: &ObservableOptions,
+            context: &BuildContext,
+        ) -> Result<Box<dyn Observable>, ObservableError> {
+            match options {
+                $(ObservableOptions::$variant(o) => o.build(context),)*
+            }
+        }
+
+        const SPECS: &[ObservableSpec] = &[$(*<$options as Recipe>::SPEC,)*];
+    };
+}
+
+catalog! {
+    /// Temperature, energies, pressure, configurational temperature, conservation.
+    Thermodynamics => crate::ThermodynamicsOptions,
+    /// The nine components of the pressure tensor.
+    PressureTensor => crate::PressureTensorOptions,
+    /// Total momentum.
+    Momentum => crate::MomentumOptions,
+    /// The radial distribution function g(r).
+    Rdf => crate::RdfOptions,
+    /// The mean-square displacement and the diffusion coefficient.
+    Msd => crate::MsdOptions,
+    /// The velocity autocorrelation function.
+    Vacf => crate::VacfOptions,
+    /// The static structure factor S(k).
+    StructureFactor => crate::StructureFactorOptions,
+}
+
+impl ObservableOptions {
+    /// The observable's name in scene files.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.spec().name
+    }
+}
+
+/// All observables, in the order of the list.
+#[must_use]
+pub fn observables() -> &'static [ObservableSpec] {
+    SPECS
+}

@@ -1,0 +1,181 @@
+//! A straight line through the part of a lag curve where its slope no longer changes.
+
+use crate::statistics::{FEWEST_BLOCKS, error_from_blocks, mean};
+
+/// By default the longest lag of a fit is this part of the run: longer ones have few independent origins.
+const LONGEST_PART: f64 = 0.05;
+
+/// Two slopes agree where they differ by less than this many standard errors of their difference.
+const AGREEMENT_SIGMAS: f64 = 2.0;
+
+/// Slopes that differ by less than this part are taken as equal however small their errors are.
+const AGREEMENT_PART: f64 = 0.005;
+
+/// Fewest points of a fit.
+const FEWEST_POINTS: usize = 4;
+
+/// A function of the lag.
+#[derive(Debug, Clone)]
+pub(crate) struct LagCurve {
+    /// Lags in τ, rising.
+    pub times: Vec<f64>,
+    /// Values over the whole run.
+    pub values: Vec<f64>,
+    /// Their standard errors.
+    pub errors: Vec<f64>,
+    /// Length of the run in τ.
+    pub duration: f64,
+}
+
+/// A fitted line.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct LinearFit {
+    pub slope: f64,
+    /// The same fit to each block.
+    pub block_slopes: Vec<f64>,
+    /// Range of lags in τ.
+    pub from: f64,
+    pub to: f64,
+    /// Whether the slope was seen to be constant (always where the range was given).
+    pub settled: bool,
+}
+
+/// The slope of the least-squares line with free intercept. The variance of a mean-square displacement grows
+/// as t³ (Gaussian increments: t² from the variance of the square, t from the overlap of origins), which
+/// gives the weights 1/t³; one set of weights for all blocks keeps the fit linear in the data.
+fn weighted_slope(times: &[f64], values: &[f64]) -> f64 {
+    let weights = times.iter().map(|t| t.powi(-3));
+    let (mut w, mut wt, mut wy) = (0.0, 0.0, 0.0);
+    for ((weight, t), y) in weights.clone().zip(times).zip(values) {
+        w += weight;
+        wt += weight * t;
+        wy += weight * y;
+    }
+    let (t0, y0) = (wt / w, wy / w);
+    let (mut tt, mut ty) = (0.0, 0.0);
+    for ((weight, t), y) in weights.zip(times).zip(values) {
+        tt += weight * (t - t0).powi(2);
+        ty += weight * (t - t0) * (y - y0);
+    }
+    ty / tt
+}
+
+/// Fits the linear regime of a lag curve; `None` where there are too few lags. `blocks(end)` gives the values
+/// at the first `end` lags over each of successive blocks of the run.
+///
+/// The end is `fit_to`, or a twentieth of the run. The start is `fit_from`, or the first lag s such that the
+/// slope over [s, 2s] agrees with the slope from 2s to the end, and so on for every later octave: within two
+/// standard errors of their difference, taken block by block, or half a per cent. Bias left by an early start is then below
+/// what the data can tell.
+pub(crate) fn fit_linear_regime(
+    curve: &LagCurve,
+    blocks: impl Fn(usize) -> Vec<Vec<f64>>,
+    fit_from: Option<f64>,
+    fit_to: Option<f64>,
+) -> Option<LinearFit> {
+    // A lag given in decimal must not be lost to rounding.
+    let slack = 1.0 + 1e-9;
+    let end_time = fit_to.unwrap_or(curve.duration * LONGEST_PART) * slack;
+    let end = curve.times.partition_point(|t| *t <= end_time);
+    let blocks = blocks(end);
+    let first_from = |time: f64| curve.times.partition_point(|t| *t * slack < time);
+    let fit = |start: usize, settled: bool| -> Option<LinearFit> {
+        (end >= start + FEWEST_POINTS).then(|| LinearFit {
+            slope: weighted_slope(&curve.times[start..end], &curve.values[start..end]),
+            block_slopes: blocks
+                .iter()
+                .map(|b| weighted_slope(&curve.times[start..end], &b[start..end]))
+                .collect(),
+            from: curve.times[start],
+            to: curve.times[end - 1],
+            settled,
+        })
+    };
+    if let Some(from) = fit_from {
+        return fit(first_from(from), true);
+    }
+    let first = *curve.times.first()?;
+    let mut octaves = Vec::new();
+    let mut time = first;
+    while first_from(2.0 * time) + FEWEST_POINTS <= end {
+        octaves.push((first_from(time), first_from(2.0 * time)));
+        time *= 2.0;
+    }
+    let agrees = |&(start, middle): &(usize, usize)| {
+        let difference: Vec<f64> = blocks
+            .iter()
+            .map(|b| {
+                let early = (b[middle] - b[start]) / (curve.times[middle] - curve.times[start]);
+                early - weighted_slope(&curve.times[middle..end], &b[middle..end])
+            })
+            .collect();
+        let late = weighted_slope(&curve.times[middle..end], &curve.values[middle..end]);
+        let allowed = AGREEMENT_SIGMAS * error_from_blocks(&difference);
+        difference.len() >= FEWEST_BLOCKS
+            && mean(&difference).abs() <= allowed.max(AGREEMENT_PART * late.abs())
+    };
+    // The last octave that disagrees is followed by the start; one octave at least must agree.
+    let settled_from = octaves
+        .iter()
+        .rposition(|octave| !agrees(octave))
+        .map_or(0, |last| last + 1);
+    match octaves.get(settled_from) {
+        Some(&(start, _)) => fit(start, true),
+        None => fit(end.saturating_sub(FEWEST_POINTS.max(end / 4)), false),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(value: impl Fn(f64) -> f64) -> LagCurve {
+        let times: Vec<f64> = (1..=200).map(|k| 0.1 * f64::from(k)).collect();
+        let values: Vec<f64> = times.iter().map(|t| value(*t)).collect();
+        LagCurve {
+            errors: vec![0.0; times.len()],
+            times,
+            values,
+            duration: 400.0,
+        }
+    }
+
+    /// Blocks that differ by a small part of the curve.
+    fn fit(curve: &LagCurve, from: Option<f64>, to: Option<f64>) -> Option<LinearFit> {
+        let blocks = |end: usize| {
+            (0..16)
+                .map(|b| 1.0 + 0.01 * f64::from(b).sin())
+                .map(|factor| curve.values[..end].iter().map(|v| v * factor).collect())
+                .collect()
+        };
+        fit_linear_regime(curve, blocks, from, to)
+    }
+
+    #[test]
+    fn a_straight_line_with_an_intercept_is_fitted_exactly() {
+        let fit = fit(&curve(|t| 0.4 + 0.2 * t), Some(1.0), Some(8.0)).unwrap();
+        assert!((fit.slope - 0.2).abs() < 1e-12);
+        assert!((fit.from - 1.0).abs() < 1e-9 && (fit.to - 8.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_bend_at_short_lags_is_left_out() {
+        let fit = fit(&curve(|t| t - 1.0 + (-t).exp()), None, None).unwrap();
+        assert!(fit.settled && fit.from > 3.0, "{fit:?}");
+        // What is left of the bend where two octaves agree to half a per cent.
+        assert!((fit.slope - 1.0).abs() < 0.005, "{fit:?}");
+    }
+
+    #[test]
+    fn a_curve_that_keeps_bending_is_said_to() {
+        let fit = fit(&curve(|t| t * t), None, None).unwrap();
+        assert!(!fit.settled);
+    }
+
+    #[test]
+    fn a_short_run_has_no_fit() {
+        let mut short = curve(|t| t);
+        short.duration = 1.0;
+        assert!(fit(&short, None, None).is_none());
+    }
+}

@@ -1,0 +1,125 @@
+//! Total momentum.
+
+use lennard_core::{
+    Average, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
+    Table, View, Want,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::series::{Series, impl_columns};
+use crate::{BuildContext, ObservableError, Recipe, statistics};
+
+const SPEC: ObservableSpec = ObservableSpec {
+    name: "momentum",
+    summary: "total momentum per particle against time",
+    equation: "p = Σ m v / N",
+    source: "H. Goldstein, Classical Mechanics, 2nd ed. (1980), equation 1-20: conserved where internal forces obey Newton's third law",
+};
+
+/// Rows kept before neighbors are averaged in pairs.
+const MOST_ROWS: usize = 1 << 14;
+
+/// Options of [`Momentum`]: there are none.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MomentumOptions {}
+
+impl Recipe for MomentumOptions {
+    const SPEC: &'static ObservableSpec = &SPEC;
+
+    fn default_every(&self) -> u64 {
+        100
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
+        Ok(Box::new(Momentum::new(context)))
+    }
+}
+
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Rows {
+    time: Vec<f64>,
+    x: Vec<f64>,
+    y: Vec<f64>,
+    z: Vec<f64>,
+}
+
+impl_columns!(Rows { time, x, y, z });
+
+/// The total momentum per particle, Σ m v / N, in σ/τ.
+///
+/// Internal forces leave it as it is; what grows is rounding, or a pair force that is not antisymmetric.
+/// Under Langevin dynamics it fluctuates with variance T/N (unit mass) in each direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Momentum {
+    series: Series<Rows>,
+    largest: f64,
+}
+
+impl Momentum {
+    /// Nothing seen yet.
+    #[must_use]
+    pub fn new(_context: &BuildContext) -> Self {
+        Self {
+            series: Series::new(Rows::default(), MOST_ROWS),
+            largest: 0.0,
+        }
+    }
+}
+
+impl Observable for Momentum {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want::NOTHING
+    }
+
+    fn sample(&mut self, view: &View<'_>) {
+        let state = view.state;
+        let p = view.dynamics.momentum(&state.velocities) / state.len() as f64;
+        self.largest = self.largest.max(p.length());
+        self.series.push(&[state.time, p.x, p.y, p.z]);
+    }
+
+    fn finish(&self) -> Findings {
+        let rows = self.series.rows();
+        let average = |name: &str, column: &[f64]| Average {
+            name: name.into(),
+            unit: "σ/τ a particle".into(),
+            estimate: statistics::estimate_stationary(column),
+        };
+        Findings {
+            averages: vec![
+                average("momentum_x", &rows.x),
+                average("momentum_y", &rows.y),
+                average("momentum_z", &rows.z),
+            ],
+            tables: vec![
+                Table::new("momentum", "total momentum per particle against time")
+                    .with("time", "τ", rows.time.clone())
+                    .with("x", "σ/τ", rows.x.clone())
+                    .with("y", "σ/τ", rows.y.clone())
+                    .with("z", "σ/τ", rows.z.clone()),
+            ],
+            remarks: vec![format!(
+                "largest total momentum per particle: {:.3e} σ/τ",
+                self.largest
+            )],
+        }
+    }
+}
+
+impl Persist for Momentum {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.series.save(&mut to.section("series"));
+        to.put_f64("largest", &[self.largest]);
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.series.restore(&from.section("series"))?;
+        [self.largest] = from.f64s("largest")?;
+        Ok(())
+    }
+}

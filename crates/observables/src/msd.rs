@@ -1,0 +1,328 @@
+//! The mean-square displacement and the diffusion coefficient.
+
+use std::collections::VecDeque;
+use std::f64::consts::PI;
+
+use lennard_core::{
+    Average, DVec3, Estimate, Findings, Observable, ObservableSpec, Persist, RestoreError,
+    StateReader, StateWriter, Table, View, Want,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::blocks::BlockedSums;
+use crate::error::{positive, within};
+use crate::linear_regime::{LagCurve, LinearFit, fit_linear_regime};
+use crate::rdf::estimate_of_blocks;
+use crate::tracked::{DEFAULT_TRACKED, Tracked, sum_over_pairs};
+use crate::{BuildContext, ObservableError, Recipe};
+
+const SPEC: ObservableSpec = ObservableSpec {
+    name: "msd",
+    summary: "mean-square displacement over many time origins, diffusion coefficient with finite-size correction",
+    equation: "msd(t) = ⟨|r(t₀+t) − r(t₀)|²⟩ → 6Dt + const; D₀ = D + 2.837297 T/(6πηL)",
+    source: "D. Frenkel and B. Smit, Understanding Molecular Simulation, 2nd ed. (2002), section 4.4; \
+             I.-C. Yeh and G. Hummer, J. Phys. Chem. B 108, 15873 (2004), equation 12",
+};
+
+/// ξ of the periodic cube's Ewald sum, in the correction of Yeh and Hummer.
+pub const YEH_HUMMER_XI: f64 = 2.837_297;
+
+/// Positions that each level remembers; also the number of lags of the first level.
+const POINTS: u64 = 16;
+
+/// Blocks of the run from which the errors come.
+const BLOCKS: usize = 64;
+
+/// Relative difference of two sides below which a box counts as a cube.
+const CUBE_TOLERANCE: f64 = 1e-9;
+
+/// Options of [`MeanSquareDisplacement`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MsdOptions {
+    /// Longest lag in τ.
+    pub longest_lag: f64,
+    /// Shortest lag of the straight-line fit in τ; by default where the slope stops changing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fit_from: Option<f64>,
+    /// Longest lag of the fit in τ; by default a twentieth of the run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fit_to: Option<f64>,
+    /// Shear viscosity in ε τ/σ³, for the finite-size correction of Yeh and Hummer in a cubic box.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub viscosity: Option<f64>,
+    /// Number of particles followed, evenly chosen.
+    pub particles: usize,
+}
+
+impl Default for MsdOptions {
+    fn default() -> Self {
+        Self {
+            longest_lag: 100.0,
+            fit_from: None,
+            fit_to: None,
+            viscosity: None,
+            particles: DEFAULT_TRACKED,
+        }
+    }
+}
+
+impl Recipe for MsdOptions {
+    const SPEC: &'static ObservableSpec = &SPEC;
+
+    fn default_every(&self) -> u64 {
+        10
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
+        Ok(Box::new(MeanSquareDisplacement::new(self, context)?))
+    }
+}
+
+/// The mean-square displacement ⟨|Δr(t)|²⟩ in σ² of unwrapped positions relative to the centre of mass.
+///
+/// Every sample is a time origin for lags of up to 16 samples; level ℓ keeps the last 16 positions of every
+/// 2^ℓ-th sample and serves lags of 8·2^ℓ to 16·2^ℓ samples, so that memory and work grow with the logarithm
+/// of the longest lag. Positions are never averaged: each lag is exact.
+///
+/// The diffusion coefficient D = slope/6 comes from a straight line with free intercept over the lags where
+/// the slope no longer changes. Its error comes from the same fit to successive blocks of the run. The
+/// motion of the centre of mass is taken out, which is nothing at zero momentum, and with a heat bath that
+/// kicks the whole system lowers D by 1/N.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeanSquareDisplacement {
+    options: MsdOptions,
+    context: BuildContext,
+    tracked: Tracked,
+    samples: u64,
+    levels: Vec<VecDeque<Vec<DVec3>>>,
+    displacements: BlockedSums,
+    /// Sum of the temperatures of all samples.
+    temperatures: f64,
+}
+
+impl MeanSquareDisplacement {
+    /// Nothing seen yet.
+    ///
+    /// # Errors
+    /// [`ObservableError`] where a time is not positive, the fit is empty, or no particle is followed.
+    pub fn new(options: &MsdOptions, context: &BuildContext) -> Result<Self, ObservableError> {
+        positive("longest_lag", Some(options.longest_lag))?;
+        positive("fit_from", options.fit_from)?;
+        positive("fit_to", options.fit_to)?;
+        positive("viscosity", options.viscosity)?;
+        within("particles", options.particles, 1..=usize::MAX)?;
+        if let (Some(from), Some(to)) = (options.fit_from, options.fit_to)
+            && from >= to
+        {
+            return Err(ObservableError::new(
+                "fit_from",
+                from,
+                format!("less than `fit_to`, which is {to}"),
+            ));
+        }
+        let longest = options.longest_lag / context.sample_interval();
+        // Level ℓ reaches 16·2^ℓ samples.
+        let levels = (longest / POINTS as f64).log2().ceil().clamp(0.0, 40.0) as usize + 1;
+        Ok(Self {
+            options: options.clone(),
+            context: *context,
+            tracked: Tracked::new(context.n_atoms, options.particles),
+            samples: 0,
+            levels: vec![VecDeque::new(); levels],
+            displacements: BlockedSums::new(levels * POINTS as usize, BLOCKS),
+            temperatures: 0.0,
+        })
+    }
+
+    /// The lags in samples, rising, with the index of each among the sums.
+    fn lags(&self) -> Vec<(u64, usize)> {
+        (0..self.levels.len())
+            .flat_map(|level| {
+                let first = if level == 0 { 1 } else { POINTS / 2 + 1 };
+                (first..=POINTS)
+                    .map(move |j| (j << level, level * POINTS as usize + j as usize - 1))
+            })
+            .collect()
+    }
+
+    /// The lags that were reached.
+    fn reached_lags(&self) -> Vec<(u64, usize)> {
+        let mut lags = self.lags();
+        lags.retain(|(_, k)| self.displacements.total(*k).1 > 0);
+        lags
+    }
+
+    /// Mean-square displacement at each lag that was reached.
+    fn curve(&self) -> LagCurve {
+        let lags = self.reached_lags();
+        let interval = self.context.sample_interval();
+        LagCurve {
+            times: lags.iter().map(|(lag, _)| *lag as f64 * interval).collect(),
+            values: lags
+                .iter()
+                .filter_map(|(_, k)| self.displacements.mean(*k))
+                .collect(),
+            errors: lags
+                .iter()
+                .map(|(_, k)| self.displacements.standard_error(*k))
+                .collect(),
+            duration: self.samples.saturating_sub(1) as f64 * interval,
+        }
+    }
+
+    fn is_cubic(&self) -> bool {
+        let sides = self.context.cell.lengths();
+        (sides.max_element() - sides.min_element()) / sides.max_element() < CUBE_TOLERANCE
+    }
+
+    /// What finite size takes away from D in a periodic cube, 2.837297 T/(6πηL), in σ²/τ.
+    fn finite_size_correction(&self, viscosity: f64) -> f64 {
+        let temperature = self.temperatures / self.samples as f64;
+        YEH_HUMMER_XI * temperature / (6.0 * PI * viscosity * self.context.cell.lengths().x)
+    }
+
+    fn report(&self, fit: &LinearFit, findings: &mut Findings) {
+        let blocks: Vec<f64> = fit.block_slopes.iter().map(|s| s / 6.0).collect();
+        let uncorrected = estimate_of_blocks(fit.slope / 6.0, &blocks);
+        let mut add = |name: &str, estimate: Estimate| {
+            findings.averages.push(Average {
+                name: name.into(),
+                unit: "σ²/τ".into(),
+                estimate,
+            });
+        };
+        let remark = match self.options.viscosity {
+            Some(viscosity) if self.is_cubic() => {
+                let correction = self.finite_size_correction(viscosity);
+                add(
+                    "diffusion_coefficient",
+                    Estimate {
+                        mean: uncorrected.mean + correction,
+                        ..uncorrected
+                    },
+                );
+                add("diffusion_coefficient_uncorrected", uncorrected);
+                format!(
+                    "diffusion_coefficient is corrected for finite size after Yeh and Hummer: +{correction:.6} σ²/τ with viscosity {viscosity} ε τ/σ³, whose own error is not counted"
+                )
+            }
+            Some(_) => {
+                add("diffusion_coefficient", uncorrected);
+                "diffusion_coefficient is not corrected for finite size: the correction is known for cubic boxes only".into()
+            }
+            None => {
+                add("diffusion_coefficient", uncorrected);
+                "diffusion_coefficient is not corrected for finite size: no viscosity is given"
+                    .into()
+            }
+        };
+        findings.remarks.push(remark);
+        findings.remarks.push(format!(
+            "diffusion_coefficient is a sixth of the slope of the mean-square displacement between {:.3} and {:.3} τ",
+            fit.from, fit.to
+        ));
+        if !fit.settled {
+            findings.remarks.push(
+                "the slope of the mean-square displacement still changes at the longest lags: the run is too short, or there is no diffusion".into(),
+            );
+        }
+    }
+}
+
+impl Observable for MeanSquareDisplacement {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want::NOTHING
+    }
+
+    fn sample(&mut self, view: &View<'_>) {
+        let now = self
+            .tracked
+            .relative_to_centre_of_mass(view.dynamics, &view.state.positions);
+        let weight = 1.0 / now.len().max(1) as f64;
+        self.displacements.begin_sample();
+        for (level, history) in self.levels.iter_mut().enumerate() {
+            if !self.samples.is_multiple_of(1 << level) {
+                break;
+            }
+            // The lower half of the lags of every level but the first belongs to the level before.
+            let nearest = if level == 0 { 0 } else { POINTS as usize / 2 };
+            for (back, then) in history.iter().enumerate().skip(nearest) {
+                let sum = sum_over_pairs(&now, then, |a, b| (a - b).length_squared());
+                self.displacements
+                    .add(level * POINTS as usize + back, sum * weight, 1);
+            }
+            history.truncate(POINTS as usize - 1);
+            history.push_front(now.clone());
+        }
+        self.temperatures += view.dynamics.temperature(&view.state.velocities);
+        self.samples += 1;
+    }
+
+    fn finish(&self) -> Findings {
+        let curve = self.curve();
+        let mut findings = Findings::default();
+        let quantities: Vec<usize> = self.reached_lags().into_iter().map(|(_, k)| k).collect();
+        let blocks = |end: usize| self.displacements.complete_rows(&quantities[..end]);
+        match fit_linear_regime(&curve, blocks, self.options.fit_from, self.options.fit_to) {
+            Some(fit) => self.report(&fit, &mut findings),
+            None => findings
+                .remarks
+                .push("no diffusion coefficient: too few samples for a fit".into()),
+        }
+        findings.remarks.extend(self.tracked.remark());
+        let diffusion = curve
+            .times
+            .iter()
+            .zip(&curve.values)
+            .map(|(t, m)| m / (6.0 * t))
+            .collect();
+        findings.tables.push(
+            Table::new(
+                "msd",
+                "mean-square displacement relative to the centre of mass against lag",
+            )
+            .with("time", "τ", curve.times)
+            .with("msd", "σ²", curve.values)
+            .with("standard_error", "σ²", curve.errors)
+            .with("msd_over_6t", "σ²/τ", diffusion),
+        );
+        findings
+    }
+}
+
+impl Persist for MeanSquareDisplacement {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        to.put_u64("samples", &[self.samples]);
+        to.put_f64("temperatures", &[self.temperatures]);
+        self.displacements.save(&mut to.section("displacements"));
+        for (level, history) in self.levels.iter().enumerate() {
+            let all: Vec<DVec3> = history.iter().flatten().copied().collect();
+            to.put_vec3(&format!("level_{level}"), &all);
+        }
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        [self.samples] = from.u64s("samples")?;
+        [self.temperatures] = from.f64s("temperatures")?;
+        self.displacements.restore(&from.section("displacements"))?;
+        let n = self.tracked.len();
+        for (level, history) in self.levels.iter_mut().enumerate() {
+            let name = format!("level_{level}");
+            let all = from.vec3(&name)?;
+            let expected = POINTS.min(self.samples.div_ceil(1 << level)) as usize * n;
+            if all.len() != expected {
+                return Err(from.misfit(&name, format!("{} vectors, wanted {expected}", all.len())));
+            }
+            *history = all.chunks(n.max(1)).map(<[DVec3]>::to_vec).collect();
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,152 @@
+use super::*;
+use crate::testing::{context, normal, view_of};
+
+/// Feeds a path, one position array a sample.
+fn follow(
+    options: &MsdOptions,
+    context: &BuildContext,
+    samples: u64,
+    mut positions: impl FnMut(u64) -> Vec<DVec3>,
+) -> MeanSquareDisplacement {
+    let mut msd = MeanSquareDisplacement::new(options, context).unwrap();
+    for s in 0..samples {
+        view_of(&context.cell, positions(s), |view| msd.sample(view));
+    }
+    msd
+}
+
+fn average(findings: &Findings, name: &str) -> Estimate {
+    findings
+        .averages
+        .iter()
+        .find(|a| a.name == name)
+        .unwrap_or_else(|| panic!("{name}: {:?}", findings.remarks))
+        .estimate
+}
+
+#[test]
+fn free_flight_gives_the_square_of_speed_times_time_at_every_lag() {
+    // Opposite velocities: the centre of mass rests, and a common drift of 5 σ/τ is taken out.
+    let context = context(10.0, 2);
+    let v = DVec3::new(0.3, -0.2, 0.6);
+    let drift = DVec3::new(5.0, 0.0, 0.0);
+    let msd = follow(&MsdOptions::default(), &context, 700, |s| {
+        let t = s as f64 * 0.01;
+        vec![(drift + v) * t, (drift - v) * t]
+    });
+    let table = &msd.finish().tables[0];
+    let longest = table.columns[0].values.last().unwrap();
+    assert!(*longest > 4.0);
+    for (t, m) in table.columns[0].values.iter().zip(&table.columns[1].values) {
+        let exact = v.length_squared() * t * t;
+        // Positions near 35 carry rounding of 4e-15; the shortest displacement is 7e-3.
+        assert!((m / exact - 1.0).abs() < 1e-10, "{t}: {m} {exact}");
+    }
+}
+
+#[test]
+fn brownian_motion_gives_its_diffusion_coefficient_and_the_spread_of_seeds_its_error() {
+    let n = 40;
+    let context = context(10.0, n);
+    let (exact, seeds) = (0.05_f64, 24);
+    let step = (2.0 * exact * context.dt).sqrt();
+    let mut values = Vec::new();
+    let mut squares = Vec::new();
+    for seed in 0..seeds {
+        let mut path = vec![DVec3::ZERO; n];
+        let msd = follow(&MsdOptions::default(), &context, 2000, |s| {
+            for (i, r) in path.iter_mut().enumerate() {
+                *r += step * normal(seed, s, i);
+            }
+            path.clone()
+        });
+        let found = average(&msd.finish(), "diffusion_coefficient");
+        values.push(found.mean);
+        squares.push(found.standard_error.powi(2));
+    }
+    let mean = crate::statistics::mean(&values);
+    let printed = crate::statistics::mean(&squares).sqrt();
+    let spread = (crate::statistics::variance(&values) * 24.0 / 23.0).sqrt();
+    // Independent particles relative to their centre of mass diffuse with D(1 − 1/N).
+    let relative = exact * (1.0 - 1.0 / n as f64);
+    assert!((mean - relative).abs() < 4.0 * printed / (seeds as f64).sqrt());
+    // 24 seeds know their spread to 1/√46 = 15 %; printed errors are known better: three of these.
+    assert!((spread / printed - 1.0).abs() < 0.45, "{spread} {printed}");
+    assert!(printed < 0.1 * exact);
+}
+
+#[test]
+fn ballistic_lags_are_left_out_of_the_fit() {
+    // Langevin velocities with friction γ = 2: msd = (6T/γ)(t − (1 − e^{−γt})/γ), D = T/γ.
+    let n = 100;
+    let context = BuildContext {
+        dt: 0.05,
+        ..context(10.0, n)
+    };
+    let (gamma, h) = (2.0_f64, 0.05);
+    let decay = (-gamma * h).exp();
+    let mut v: Vec<DVec3> = (0..n).map(|i| normal(7, u64::MAX, i)).collect();
+    let mut r = vec![DVec3::ZERO; n];
+    // The exact joint update of position and velocity of the Ornstein–Uhlenbeck process.
+    let vv = 1.0 - decay * decay;
+    let rr = (2.0 * h - (3.0 - 4.0 * decay + decay * decay) / gamma) / gamma;
+    let rv = (1.0 - decay).powi(2) / gamma;
+    let msd = follow(&MsdOptions::default(), &context, 20_000, |s| {
+        for i in 0..n {
+            let (a, b) = (normal(8, s, i), normal(9, s, i));
+            r[i] +=
+                (1.0 - decay) / gamma * v[i] + rv / vv.sqrt() * a + (rr - rv * rv / vv).sqrt() * b;
+            v[i] = decay * v[i] + vv.sqrt() * a;
+        }
+        r.clone()
+    });
+    let findings = msd.finish();
+    let found = average(&findings, "diffusion_coefficient");
+    let exact = 0.5 * (1.0 - 1.0 / n as f64);
+    assert!(found.standard_error < 0.03 * exact);
+    // Four standard errors and what the rest of the transient, e^{−γt} at t ≈ 2, can do.
+    assert!(
+        (found.mean - exact).abs() < 4.0 * found.standard_error + 0.01 * exact,
+        "{found:?} {:?}",
+        findings.remarks
+    );
+    let table = &findings.tables[0];
+    for k in [3, 15, 30] {
+        let t = table.columns[0].values[k];
+        let curve = 6.0 / gamma * (t - (1.0 - (-gamma * t).exp()) / gamma) * 0.99;
+        let error = table.columns[2].values[k];
+        assert!((table.columns[1].values[k] - curve).abs() < 5.0 * error);
+    }
+}
+
+#[test]
+fn the_finite_size_correction_is_that_of_yeh_and_hummer() {
+    let with = |viscosity| {
+        let options = MsdOptions {
+            viscosity,
+            ..MsdOptions::default()
+        };
+        let mut path = [DVec3::ZERO; 4];
+        follow(&options, &context(10.0, 4), 400, |s| {
+            for (i, r) in path.iter_mut().enumerate() {
+                *r += 0.1 * normal(3, s, i);
+            }
+            path.to_vec()
+        })
+    };
+    // At rest T = 0 and the correction vanishes; with T = 0.72 set by hand, L = 10, η = 3.0 it is
+    // 2.837297·0.72/(6π·3·10).
+    let mut msd = with(Some(3.0));
+    msd.temperatures = 0.72 * msd.samples as f64;
+    let findings = msd.finish();
+    let difference = average(&findings, "diffusion_coefficient").mean
+        - average(&findings, "diffusion_coefficient_uncorrected").mean;
+    assert!((difference - 0.003_612_558_7).abs() < 1e-9, "{difference}");
+    assert!(
+        with(None)
+            .finish()
+            .remarks
+            .iter()
+            .any(|r| r.contains("not corrected"))
+    );
+}

@@ -1,0 +1,166 @@
+//! Counting pairs by distance.
+
+use lennard_core::{DVec3, PeriodicBox};
+use rayon::prelude::*;
+
+/// Particles whose pairs one task counts. Counts are whole numbers, so that no result depends on it.
+const ROWS_A_TASK: usize = 64;
+
+/// Cells along a side from which a grid of cells pays: with three, each cell would see all others.
+const FEWEST_CELLS: usize = 4;
+
+/// Counts the pairs (each once) whose minimum-image distance falls into each of `bins` equal bins of
+/// [0, r_max). Positions may be unwrapped; `r_max` is at most half the shortest side.
+pub(crate) fn count_distances(
+    positions: &[DVec3],
+    cell: &PeriodicBox,
+    r_max: f64,
+    bins: usize,
+) -> Vec<u64> {
+    let histogram = Histogram {
+        sides: cell.lengths(),
+        r2_max: r_max * r_max,
+        per_length: bins as f64 / r_max,
+        bins,
+    };
+    let wrapped: Vec<DVec3> = positions.iter().map(|r| cell.wrap(*r)).collect();
+    let cells = (cell.lengths() / r_max).floor().as_usizevec3();
+    if cells.min_element() < FEWEST_CELLS {
+        return histogram.all_pairs(&wrapped);
+    }
+    // More cells than particles would only be walked in vain.
+    let most = (wrapped.len() as f64).cbrt().ceil() as usize;
+    let most = most.max(FEWEST_CELLS);
+    let cells = [cells.x.min(most), cells.y.min(most), cells.z.min(most)];
+    histogram.pairs_in_cells(&wrapped, cells)
+}
+
+struct Histogram {
+    sides: DVec3,
+    r2_max: f64,
+    per_length: f64,
+    bins: usize,
+}
+
+impl Histogram {
+    /// Counts the distances from one particle to others.
+    fn count(&self, counts: &mut [u64], from: DVec3, to: &[DVec3]) {
+        for other in to {
+            // Both lie in the home box: the nearest image is the shorter way around.
+            let d = (from - *other).abs();
+            let r2 = d.min(self.sides - d).length_squared();
+            if r2 < self.r2_max {
+                let bin = (r2.sqrt() * self.per_length) as usize;
+                // Just below r_max the product can round up to `bins`.
+                counts[bin.min(self.bins - 1)] += 1;
+            }
+        }
+    }
+
+    /// Adds up what the tasks count.
+    fn over(&self, tasks: usize, count: impl Fn(usize, &mut [u64]) + Sync) -> Vec<u64> {
+        (0..tasks)
+            .into_par_iter()
+            .fold(
+                || vec![0_u64; self.bins],
+                |mut counts, task| {
+                    count(task, &mut counts);
+                    counts
+                },
+            )
+            .reduce(
+                || vec![0_u64; self.bins],
+                |mut a, b| {
+                    a.iter_mut().zip(b).for_each(|(x, y)| *x += y);
+                    a
+                },
+            )
+    }
+
+    fn all_pairs(&self, r: &[DVec3]) -> Vec<u64> {
+        self.over(r.len().div_ceil(ROWS_A_TASK), |task, counts| {
+            for i in task * ROWS_A_TASK..((task + 1) * ROWS_A_TASK).min(r.len()) {
+                self.count(counts, r[i], &r[i + 1..]);
+            }
+        })
+    }
+
+    /// Pairs within a cell and with half of the 26 cells around it.
+    fn pairs_in_cells(&self, r: &[DVec3], cells: [usize; 3]) -> Vec<u64> {
+        let [nx, ny, nz] = cells;
+        let scale = DVec3::new(nx as f64, ny as f64, nz as f64) / self.sides;
+        let index = |x: usize, y: usize, z: usize| (x * ny + y) * nz + z;
+        let home = |r: &DVec3| {
+            let s = (*r * scale).as_usizevec3();
+            index(s.x.min(nx - 1), s.y.min(ny - 1), s.z.min(nz - 1))
+        };
+        let mut members = vec![Vec::new(); nx * ny * nz];
+        for position in r {
+            members[home(position)].push(*position);
+        }
+        let forward: Vec<[usize; 3]> = (0..27)
+            .map(|k| [k / 9, k / 3 % 3, k % 3])
+            .skip(14)
+            .collect();
+        self.over(members.len(), |c, counts| {
+            let (x, y, z) = (c / (ny * nz), c / nz % ny, c % nz);
+            for (i, from) in members[c].iter().enumerate() {
+                self.count(counts, *from, &members[c][i + 1..]);
+                // An offset of 0, 1, 2 stands for −1, 0, 1.
+                for [dx, dy, dz] in &forward {
+                    let other = index(
+                        (x + dx + nx - 1) % nx,
+                        (y + dy + ny - 1) % ny,
+                        (z + dz + nz - 1) % nz,
+                    );
+                    self.count(counts, *from, &members[other]);
+                }
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::random_positions;
+
+    fn brute_force(r: &[DVec3], cell: &PeriodicBox, r_max: f64, bins: usize) -> Vec<u64> {
+        let mut counts = vec![0; bins];
+        for i in 0..r.len() {
+            for j in 0..i {
+                let distance = cell.minimum_image(r[i] - r[j]).length();
+                if distance < r_max {
+                    counts[(distance / r_max * bins as f64) as usize] += 1;
+                }
+            }
+        }
+        counts
+    }
+
+    #[test]
+    fn cells_and_the_double_loop_count_the_same_pairs_on_any_number_of_threads() {
+        let sides = DVec3::new(9.0, 11.0, 10.0);
+        let cell = PeriodicBox::new(sides).unwrap();
+        let unit = random_positions(700, 1.0, 5);
+        // Unwrapped: each particle some boxes away.
+        let positions: Vec<DVec3> = unit
+            .iter()
+            .enumerate()
+            .map(|(i, r)| (*r + DVec3::splat(i as f64 % 5.0 - 2.0)) * sides)
+            .collect();
+        // 4.5 takes the double loop, 2.2 and 0.5 the cells (4 to 5, and 9 along each side).
+        for r_max in [4.5, 2.2, 0.5] {
+            let expected = brute_force(&positions, &cell, r_max, 37);
+            assert!(expected.iter().sum::<u64>() > 50);
+            for threads in [1, 3] {
+                let pool = rayon::ThreadPoolBuilder::new()
+                    .num_threads(threads)
+                    .build()
+                    .unwrap();
+                let found = pool.install(|| count_distances(&positions, &cell, r_max, 37));
+                assert_eq!(found, expected, "r_max = {r_max}");
+            }
+        }
+    }
+}

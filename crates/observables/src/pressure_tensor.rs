@@ -1,0 +1,193 @@
+//! The pressure tensor.
+
+use lennard_core::{
+    Average, DMat3, DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError,
+    StateReader, StateWriter, Table, View, Want, parallel,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::series::{Series, impl_columns};
+use crate::{BuildContext, ObservableError, Recipe, statistics};
+
+const SPEC: ObservableSpec = ObservableSpec {
+    name: "pressure-tensor",
+    summary: "the six components of the pressure tensor, and the surface tension of a slab across z",
+    equation: "P_ab = [3N/n_dof · Σ m v_a v_b + Σ_{i<j} r_ij,a F_ij,b]/V + p_tail δ_ab",
+    source: "J. H. Irving and J. G. Kirkwood, The statistical mechanical theory of transport processes IV, \
+             J. Chem. Phys. 18, 817 (1950); surface tension: J. P. R. B. Walton, D. J. Tildesley, J. S. Rowlinson \
+             and J. R. Henderson, Mol. Phys. 48, 1357 (1983), equation 2",
+};
+
+/// Rows kept before neighbors are averaged in pairs.
+const MOST_ROWS: usize = 1 << 16;
+
+/// Options of [`PressureTensor`]: there are none.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PressureTensorOptions {}
+
+impl Recipe for PressureTensorOptions {
+    const SPEC: &'static ObservableSpec = &SPEC;
+
+    fn default_every(&self) -> u64 {
+        10
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
+        Ok(Box::new(PressureTensor::new(context)))
+    }
+}
+
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Rows {
+    time: Vec<f64>,
+    xx: Vec<f64>,
+    yy: Vec<f64>,
+    zz: Vec<f64>,
+    xy: Vec<f64>,
+    xz: Vec<f64>,
+    yz: Vec<f64>,
+}
+
+impl_columns!(Rows {
+    time,
+    xx,
+    yy,
+    zz,
+    xy,
+    xz,
+    yz
+});
+
+/// The pressure tensor in ε/σ³, with the tail on its diagonal where it is on.
+///
+/// The kinetic part carries the factor 3N/n_dof, so that a third of the trace is the pressure of
+/// [`crate::Thermodynamics`], ρT + W/(3V) + p_tail, to rounding. For central pair forces the virial tensor is
+/// symmetric; its two halves are averaged.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PressureTensor {
+    context: BuildContext,
+    series: Series<Rows>,
+}
+
+impl PressureTensor {
+    /// Nothing seen yet.
+    #[must_use]
+    pub fn new(context: &BuildContext) -> Self {
+        Self {
+            context: *context,
+            series: Series::new(Rows::default(), MOST_ROWS),
+        }
+    }
+
+    /// The pressure tensor of one state, in ε/σ³, without the tail; `None` where the state has no virial.
+    #[must_use]
+    pub fn of(view: &View<'_>) -> Option<DMat3> {
+        let velocities = &view.state.velocities;
+        let masses = &view.dynamics.masses;
+        let kinetic = parallel::ordered_sum(velocities.len(), |range| {
+            range
+                .map(|i| outer(masses.of(i) * velocities[i], velocities[i]))
+                .sum::<DMat3>()
+        });
+        let degrees = 3.0 * velocities.len() as f64 / view.dynamics.n_dof;
+        let virial = view.state.energetics.virial?;
+        let symmetric = (virial + virial.transpose()) * 0.5;
+        Some((kinetic * degrees + symmetric) * (1.0 / view.cell.volume()))
+    }
+}
+
+fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}
+
+impl Observable for PressureTensor {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want {
+            virial: true,
+            ..Want::NOTHING
+        }
+    }
+
+    /// # Panics
+    /// Where the state lacks what [`Observable::want`] asks for: that is a bug of the caller.
+    fn sample(&mut self, view: &View<'_>) {
+        let p = Self::of(view).expect("the force evaluation gives what the observable wants");
+        let tail = view.tail.unwrap_or_default().pressure;
+        self.series.push(&[
+            view.state.time,
+            p.x_axis.x + tail,
+            p.y_axis.y + tail,
+            p.z_axis.z + tail,
+            p.y_axis.x,
+            p.z_axis.x,
+            p.z_axis.y,
+        ]);
+    }
+
+    fn finish(&self) -> Findings {
+        let rows = self.series.rows();
+        let trace: Vec<f64> = (0..rows.xx.len())
+            .map(|i| (rows.xx[i] + rows.yy[i] + rows.zz[i]) / 3.0)
+            .collect();
+        let cut = statistics::common_cut(&[&trace]);
+        let average = |name: &str, unit: &str, column: &[f64]| {
+            let mut estimate = statistics::estimate_after(column, cut);
+            estimate.equilibration_cut *= self.series.stride();
+            Average {
+                name: name.into(),
+                unit: unit.into(),
+                estimate,
+            }
+        };
+        let length = self.context.cell.lengths().z;
+        let tension: Vec<f64> = (0..rows.xx.len())
+            .map(|i| 0.5 * length * (rows.zz[i] - 0.5 * (rows.xx[i] + rows.yy[i])))
+            .collect();
+        let pressure = "ε/σ³";
+        Findings {
+            averages: vec![
+                average("pressure_xx", pressure, &rows.xx),
+                average("pressure_yy", pressure, &rows.yy),
+                average("pressure_zz", pressure, &rows.zz),
+                average("pressure_xy", pressure, &rows.xy),
+                average("pressure_xz", pressure, &rows.xz),
+                average("pressure_yz", pressure, &rows.yz),
+                average("surface_tension_z", "ε/σ²", &tension),
+            ],
+            tables: vec![
+                Table::new(
+                    "pressure_tensor",
+                    format!(
+                        "components of the pressure tensor against time; each row is the mean of {} samples",
+                        self.series.stride()
+                    ),
+                )
+                .with("time", "τ", rows.time.clone())
+                .with("xx", pressure, rows.xx.clone())
+                .with("yy", pressure, rows.yy.clone())
+                .with("zz", pressure, rows.zz.clone())
+                .with("xy", pressure, rows.xy.clone())
+                .with("xz", pressure, rows.xz.clone())
+                .with("yz", pressure, rows.yz.clone()),
+            ],
+            remarks: vec![
+                "surface_tension_z = L_z/2·(P_zz − (P_xx + P_yy)/2) is the tension of one of two flat interfaces across z; in a homogeneous fluid it is zero within its error".into(),
+            ],
+        }
+    }
+}
+
+impl Persist for PressureTensor {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.series.save(&mut to.section("series"));
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.series.restore(&from.section("series"))
+    }
+}

@@ -1,0 +1,390 @@
+//! The radial distribution function.
+
+use lennard_core::{
+    Average, Estimate, Findings, Observable, ObservableSpec, PeriodicBox, Persist, RestoreError,
+    StateReader, StateWriter, Table, View, Want,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::blocks::BlockedSums;
+use crate::error::{positive, within};
+use crate::extrema::{Extremum, extrema};
+use crate::pairs::count_distances;
+use crate::{BuildContext, ObservableError, Recipe, statistics};
+
+const SPEC: ObservableSpec = ObservableSpec {
+    name: "rdf",
+    summary: "radial distribution function g(r), its peaks, and the coordination number",
+    equation: "g(r) = V/(N(N−1)) · ⟨Σ_{i≠j} δ(r − r_ij)⟩/(4πr²); n(r) = (N−1)/V ∫₀^r g 4πs² ds",
+    source: "J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equations 2.5.8 and 2.5.13",
+};
+
+/// Largest distance where the scene gives none, in σ: liquid structure is gone there.
+const DEFAULT_R_MAX: f64 = 6.0;
+
+/// Blocks of histograms from which the errors come.
+const BLOCKS: usize = 64;
+
+/// A peak of g(r) counts where the curve has come down from it by this much, and by four standard errors.
+const SMALLEST_PROMINENCE: f64 = 0.02;
+
+/// Standard errors that a peak must stand out by.
+const PROMINENCE_SIGMAS: f64 = 4.0;
+
+/// Options of [`RadialDistribution`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RdfOptions {
+    /// Largest distance in σ, at most half the shortest side; by default the smaller of that and 6 σ.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub r_max: Option<f64>,
+    /// Number of bins of equal width.
+    pub bins: usize,
+}
+
+impl Default for RdfOptions {
+    fn default() -> Self {
+        Self {
+            r_max: None,
+            bins: 300,
+        }
+    }
+}
+
+impl Recipe for RdfOptions {
+    const SPEC: &'static ObservableSpec = &SPEC;
+
+    fn default_every(&self) -> u64 {
+        100
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
+        Ok(Box::new(RadialDistribution::new(self, context)?))
+    }
+}
+
+/// The radial distribution function in bins of equal width.
+///
+/// Bin k holds the pairs with k·w ≤ r < (k + 1)·w, w = r_max/bins, and
+///
+/// g_k = 2·⟨pairs in the bin⟩·V / (N(N − 1)·(4π/3)(r_{k+1}³ − r_k³)),
+///
+/// normalised by the number of *other* particles, N − 1: for an ideal gas of any N it is exactly 1. (With N in
+/// place of N − 1, as some programs have it, it would be smaller by 1/N.) The error of each bin comes from
+/// the scatter over successive blocks of the run.
+///
+/// The coordination number is n(r) at the first minimum of g after its first peak.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RadialDistribution {
+    cell: PeriodicBox,
+    n_atoms: usize,
+    r_max: f64,
+    bins: usize,
+    counts: BlockedSums,
+}
+
+impl RadialDistribution {
+    /// Nothing counted yet.
+    ///
+    /// # Errors
+    /// [`ObservableError`] where `r_max` is beyond half the shortest side, or there are no bins.
+    pub fn new(options: &RdfOptions, context: &BuildContext) -> Result<Self, ObservableError> {
+        let largest = context.cell.largest_cutoff();
+        positive("r_max", options.r_max)?;
+        let r_max = options.r_max.unwrap_or(largest.min(DEFAULT_R_MAX));
+        if r_max > largest {
+            return Err(ObservableError::new(
+                "r_max",
+                r_max,
+                format!("at most half the shortest side of the box, {largest}"),
+            ));
+        }
+        within("bins", options.bins, 1..=100_000)?;
+        Ok(Self {
+            cell: context.cell,
+            n_atoms: context.n_atoms,
+            r_max,
+            bins: options.bins,
+            counts: BlockedSums::new(options.bins, BLOCKS),
+        })
+    }
+
+    fn width(&self) -> f64 {
+        self.r_max / self.bins as f64
+    }
+
+    /// The middles of the bins in σ.
+    #[must_use]
+    pub fn radii(&self) -> Vec<f64> {
+        (0..self.bins)
+            .map(|k| (k as f64 + 0.5) * self.width())
+            .collect()
+    }
+
+    /// What a pair count in bin `k` is multiplied by to give g.
+    fn normalisation(&self, k: usize) -> f64 {
+        let n = self.n_atoms as f64;
+        let (inner, outer) = (k as f64 * self.width(), (k + 1) as f64 * self.width());
+        let shell = 4.0 / 3.0 * std::f64::consts::PI * (outer.powi(3) - inner.powi(3));
+        2.0 * self.cell.volume() / (n * (n - 1.0) * shell)
+    }
+
+    /// g(r) in each bin with its standard error.
+    #[must_use]
+    pub fn distribution(&self) -> (Vec<f64>, Vec<f64>) {
+        (0..self.bins)
+            .map(|k| {
+                let factor = self.normalisation(k);
+                let mean = self.counts.mean(k).unwrap_or(f64::NAN);
+                (mean * factor, self.counts.standard_error(k) * factor)
+            })
+            .unzip()
+    }
+
+    /// Mean number of neighbors within the outer edge of bin `k`, with the error from the blocks.
+    fn coordination(&self, k: usize) -> Estimate {
+        let factor = 2.0 / self.n_atoms as f64;
+        let blocks: Vec<f64> = (0..self.counts.complete_blocks())
+            .filter_map(|b| {
+                (0..=k)
+                    .map(|bin| self.counts.block_mean(b, bin))
+                    .sum::<Option<f64>>()
+            })
+            .map(|pairs| pairs * factor)
+            .collect();
+        let mean: f64 = (0..=k)
+            .map(|bin| self.counts.mean(bin).unwrap_or(f64::NAN))
+            .sum();
+        estimate_of_blocks(mean * factor, &blocks)
+    }
+
+    fn add_peaks(&self, findings: &mut Findings, g: &[f64], error: &[f64]) {
+        let radii = self.radii();
+        let found = extrema(&radii, g, |k| {
+            let noise = if error[k].is_nan() { 0.0 } else { error[k] };
+            SMALLEST_PROMINENCE.max(PROMINENCE_SIGMAS * noise)
+        });
+        let column = |value: fn(&Extremum) -> f64| found.iter().map(value).collect();
+        findings.tables.push(
+            Table::new(
+                "rdf_peaks",
+                "maxima (kind 1) and minima (kind −1) of g(r), places refined by a parabola",
+            )
+            .with("kind", "", column(|e| if e.maximum { 1.0 } else { -1.0 }))
+            .with("r", "σ", column(|e| e.place))
+            .with("g", "", column(|e| e.height)),
+        );
+        let Some(peak) = found.iter().position(|e| e.maximum) else {
+            findings.remarks.push("g(r) has no peak".into());
+            return;
+        };
+        let mut add = |name: &str, unit: &str, estimate: Estimate| {
+            findings.averages.push(Average {
+                name: name.into(),
+                unit: unit.into(),
+                estimate,
+            });
+        };
+        let height: Vec<f64> = self
+            .counts
+            .block_means(found[peak].bin)
+            .iter()
+            .map(|c| c * self.normalisation(found[peak].bin))
+            .collect();
+        add(
+            "rdf_first_peak",
+            "",
+            estimate_of_blocks(g[found[peak].bin], &height),
+        );
+        match found.get(peak + 1) {
+            Some(minimum) => {
+                add("coordination_number", "", self.coordination(minimum.bin));
+                findings.remarks.push(format!(
+                    "first peak of g(r) at {:.3} σ, coordination number up to the first minimum at {:.3} σ",
+                    found[peak].place,
+                    minimum.place
+                ));
+            }
+            None => findings
+                .remarks
+                .push("g(r) has no minimum after its first peak: no coordination number".into()),
+        }
+    }
+}
+
+/// An estimate whose error comes from blocks; it is worth as many independent samples as the blocks show.
+pub(crate) fn estimate_of_blocks(mean: f64, blocks: &[f64]) -> Estimate {
+    let standard_error = statistics::error_from_blocks(blocks);
+    let n_effective = statistics::variance(blocks) / standard_error.powi(2) + 1.0;
+    Estimate {
+        mean,
+        standard_error,
+        n_effective: if n_effective.is_finite() {
+            n_effective
+        } else {
+            blocks.len() as f64
+        },
+        equilibration_cut: 0,
+    }
+}
+
+impl Observable for RadialDistribution {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want::NOTHING
+    }
+
+    fn sample(&mut self, view: &View<'_>) {
+        let found = count_distances(&view.state.positions, view.cell, self.r_max, self.bins);
+        self.counts.begin_sample();
+        let (sums, counts) = self.counts.current();
+        for ((sum, count), pairs) in sums.iter_mut().zip(counts).zip(found) {
+            // Whole numbers below 2⁵³ add exactly.
+            *sum += pairs as f64;
+            *count += 1;
+        }
+    }
+
+    fn finish(&self) -> Findings {
+        let mut findings = Findings::default();
+        if self.counts.samples() == 0 {
+            return findings;
+        }
+        let (g, error) = self.distribution();
+        let factor = 2.0 / self.n_atoms as f64;
+        let running: Vec<f64> = (0..self.bins)
+            .scan(0.0, |sum, k| {
+                *sum += self.counts.mean(k).unwrap_or(f64::NAN) * factor;
+                Some(*sum)
+            })
+            .collect();
+        self.add_peaks(&mut findings, &g, &error);
+        findings.tables.insert(
+            0,
+            Table::new(
+                "rdf",
+                format!(
+                    "radial distribution function over {} configurations; r is the middle of the bin, coordination counts up to its outer edge",
+                    self.counts.samples()
+                ),
+            )
+            .with("r", "σ", self.radii())
+            .with("g", "", g)
+            .with("standard_error", "", error)
+            .with("coordination", "", running),
+        );
+        findings
+            .remarks
+            .push("g(r) is normalised by N − 1: exactly 1 for an ideal gas".into());
+        findings
+    }
+}
+
+impl Persist for RadialDistribution {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.counts.save(&mut to.section("counts"));
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.counts.restore(&from.section("counts"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{context, fcc, random_positions, view_of};
+
+    fn sampled(
+        rdf: &mut RadialDistribution,
+        cell: &PeriodicBox,
+        positions: Vec<lennard_core::DVec3>,
+    ) {
+        view_of(cell, positions, |view| rdf.sample(view));
+    }
+
+    #[test]
+    fn the_distribution_of_an_ideal_gas_is_one() {
+        let context = context(8.0, 200);
+        let options = RdfOptions {
+            r_max: None,
+            bins: 40,
+        };
+        let mut rdf = RadialDistribution::new(&options, &context).unwrap();
+        for seed in 0..400 {
+            sampled(&mut rdf, &context.cell, random_positions(200, 8.0, seed));
+        }
+        let (g, error) = rdf.distribution();
+        // χ² of 40 bins about exactly 1 has mean 40 and standard deviation √80 = 9; errors from 50
+        // blocks widen it by a few per cent. The first bins hold few pairs and are left out.
+        let chi2: f64 = (4..40).map(|k| ((g[k] - 1.0) / error[k]).powi(2)).sum();
+        assert!((10.0..75.0).contains(&chi2), "{chi2}");
+        // All pairs together: the mean over the volume is exact but for pairs beyond r_max.
+        assert!((10..40).all(|k| (g[k] - 1.0).abs() < 0.05));
+    }
+
+    #[test]
+    fn the_shells_of_a_face_centred_lattice_hold_12_6_24_12_24_8_and_48_neighbors() {
+        // Shells at d, √2 d, √3 d, 2d, √5 d, √6 d, √7 d, d the distance of nearest neighbors.
+        let d = 1.1;
+        let (cell, positions) = fcc(4, d);
+        let n = positions.len();
+        let context = BuildContext {
+            cell,
+            n_atoms: n,
+            ..context(1.0, 1)
+        };
+        let options = RdfOptions {
+            r_max: Some(2.8 * d),
+            bins: 280,
+        };
+        let mut rdf = RadialDistribution::new(&options, &context).unwrap();
+        sampled(&mut rdf, &cell, positions);
+        let findings = rdf.finish();
+        let coordination = &findings.tables[0].columns[3].values;
+        let up_to = |r: f64| coordination[(r * d / rdf.width()).round() as usize - 1];
+        let mut inner = 0.0;
+        for (shell, neighbors) in [
+            (1.0_f64, 12.0),
+            (2.0, 6.0),
+            (3.0, 24.0),
+            (4.0, 12.0),
+            (5.0, 24.0),
+            (6.0, 8.0),
+            (7.0, 48.0),
+        ] {
+            let r = shell.sqrt();
+            assert!((up_to(r - 0.02) - inner).abs() < 1e-9, "before √{shell}");
+            inner += neighbors;
+            assert!((up_to(r + 0.02) - inner).abs() < 1e-9, "after √{shell}");
+        }
+        let first = findings
+            .averages
+            .iter()
+            .find(|a| a.name == "coordination_number")
+            .unwrap();
+        assert!((first.estimate.mean - 12.0).abs() < 1e-9);
+        // A place is known to one bin.
+        let peaks = &findings.tables[1];
+        assert!((peaks.columns[1].values[0] - d).abs() < rdf.width());
+    }
+
+    #[test]
+    fn a_range_beyond_half_the_box_is_refused_and_half_the_box_is_not() {
+        let context = context(8.0, 10);
+        let with = |r_max| {
+            let options = RdfOptions {
+                r_max: Some(r_max),
+                bins: 10,
+            };
+            RadialDistribution::new(&options, &context)
+        };
+        assert!(with(4.0).is_ok());
+        let error = with(4.1).unwrap_err();
+        assert_eq!((error.key(), error.found()), ("r_max", "4.1"));
+        assert!(with(f64::NAN).is_err() && with(-1.0).is_err());
+    }
+}

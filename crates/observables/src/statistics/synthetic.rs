@@ -1,0 +1,52 @@
+//! Series with known statistics, for tests.
+
+use lennard_core::random::Streams;
+use rand_distr::{Distribution, StandardNormal};
+
+/// The autoregressive process x_{i+1} = φ x_i + √(1 − φ²) ξ with unit variance and ρ(t) = φᵗ.
+pub(crate) struct Ar1 {
+    phi: f64,
+    seed: u64,
+}
+
+impl Ar1 {
+    pub(crate) fn new(phi: f64, seed: u64) -> Self {
+        Self { phi, seed }
+    }
+
+    pub(crate) fn series(&self, n: usize) -> Vec<f64> {
+        let noise = Streams::new(self.seed).noise("ar1");
+        let normal = |i: u64| -> f64 { StandardNormal.sample(&mut noise.at(i, 0)) };
+        let strength = (1.0 - self.phi * self.phi).sqrt();
+        let mut x = normal(u64::MAX);
+        (0..n as u64)
+            .map(|i| {
+                x = self.phi * x + strength * normal(i);
+                x
+            })
+            .collect()
+    }
+}
+
+/// The first component of z_{i+1} = r e^{iω} z_i + noise: unit variance, ρ(t) = rᵗ cos ωt.
+pub(crate) fn damped_rotation(r: f64, omega: f64, seed: u64, n: usize) -> Vec<f64> {
+    let noise = Streams::new(seed).noise("rotation");
+    let strength = (1.0 - r * r).sqrt();
+    let pair = |i: u64| -> (f64, f64) {
+        (
+            StandardNormal.sample(&mut noise.at(i, 0)),
+            StandardNormal.sample(&mut noise.at(i, 1)),
+        )
+    };
+    let (mut x, mut y) = pair(u64::MAX);
+    (0..n as u64)
+        .map(|i| {
+            let (a, b) = pair(i);
+            (x, y) = (
+                r * (omega.cos() * x - omega.sin() * y) + strength * a,
+                r * (omega.sin() * x + omega.cos() * y) + strength * b,
+            );
+            x
+        })
+        .collect()
+}

@@ -1,0 +1,67 @@
+//! States for tests.
+
+use lennard_core::random::Streams;
+use lennard_core::{DVec3, Dynamics, PeriodicBox, State, View};
+use rand_distr::{Distribution, StandardNormal, StandardUniform};
+
+use crate::BuildContext;
+
+pub(crate) fn context(side: f64, n_atoms: usize) -> BuildContext {
+    BuildContext {
+        cell: PeriodicBox::new(DVec3::splat(side)).unwrap(),
+        n_atoms,
+        dt: 0.01,
+        every: 1,
+        r_cut: 2.5,
+    }
+}
+
+/// Shows a state at rest with the positions given.
+pub(crate) fn view_of(cell: &PeriodicBox, positions: Vec<DVec3>, mut look: impl FnMut(&View<'_>)) {
+    let n = positions.len();
+    let state = State::new(positions, vec![DVec3::ZERO; n]);
+    look(&View {
+        state: &state,
+        dynamics: &Dynamics::fluid(n),
+        cell,
+        tail: None,
+        heat: 0.0,
+    });
+}
+
+/// Standard normal vectors, a pure function of (seed, step, particle).
+pub(crate) fn normal(seed: u64, step: u64, particle: usize) -> DVec3 {
+    let mut rng = Streams::new(seed).noise("test").at(step, particle as u32);
+    DVec3::from_array(std::array::from_fn(|_| StandardNormal.sample(&mut rng)))
+}
+
+/// Uniform random positions in a cube.
+pub(crate) fn random_positions(n: usize, side: f64, seed: u64) -> Vec<DVec3> {
+    let mut rng = Streams::new(seed).sequential("positions");
+    let mut uniform = || -> f64 { StandardUniform.sample(&mut rng) };
+    (0..n)
+        .map(|_| side * DVec3::new(uniform(), uniform(), uniform()))
+        .collect()
+}
+
+/// A face-centred cubic lattice of `cells`³ unit cells with nearest neighbors at distance `d`.
+pub(crate) fn fcc(cells: usize, d: f64) -> (PeriodicBox, Vec<DVec3>) {
+    let a = d * 2.0_f64.sqrt();
+    let basis = [
+        [0.0, 0.0, 0.0],
+        [0.5, 0.5, 0.0],
+        [0.5, 0.0, 0.5],
+        [0.0, 0.5, 0.5],
+    ];
+    let mut positions = Vec::new();
+    for x in 0..cells {
+        for y in 0..cells {
+            for z in 0..cells {
+                let corner = DVec3::new(x as f64, y as f64, z as f64);
+                positions.extend(basis.map(|b| (corner + DVec3::from_array(b)) * a));
+            }
+        }
+    }
+    let cell = PeriodicBox::new(DVec3::splat(cells as f64 * a)).unwrap();
+    (cell, positions)
+}

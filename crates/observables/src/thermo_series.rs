@@ -1,0 +1,89 @@
+//! The time series of the thermodynamic quantities.
+
+use lennard_core::Table;
+
+use crate::series::impl_columns;
+
+/// The time series of [`crate::Thermodynamics`]: columns of equal length, energies per particle.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ThermoSeries {
+    /// Time in τ; the mean time of the row's samples.
+    pub time: Vec<f64>,
+    /// Kinetic temperature 2K/n_dof.
+    pub temperature: Vec<f64>,
+    /// Kinetic energy K/N.
+    pub kinetic_energy: Vec<f64>,
+    /// Potential energy per particle, with the tail where it is on.
+    pub potential_energy: Vec<f64>,
+    /// Potential energy per particle without the tail.
+    pub potential_energy_without_tail: Vec<f64>,
+    /// Pressure in ε/σ³, with the tail where it is on.
+    pub pressure: Vec<f64>,
+    /// Pressure without the tail.
+    pub pressure_without_tail: Vec<f64>,
+    /// (K + conserved potential − Σ heat)/N: what exact dynamics would keep constant.
+    pub conserved_energy: Vec<f64>,
+    /// Mean square force |∇U|²/N in ε²/σ²; zero where the configurational temperature is off.
+    pub squared_force: Vec<f64>,
+    /// Laplacian ∇²U/N in ε/σ², corrected for the jump of the force at the cutoff; zero where off.
+    pub laplacian: Vec<f64>,
+    /// Mean of (K/N)², for fluctuations: row means of a square survive averaging in pairs.
+    pub kinetic_energy_squared: Vec<f64>,
+    /// Mean of ((K + U)/N)², with the tail where it is on.
+    pub total_energy_squared: Vec<f64>,
+    /// Total momentum per particle, x, in σ/τ.
+    pub momentum_x: Vec<f64>,
+    /// Total momentum per particle, y.
+    pub momentum_y: Vec<f64>,
+    /// Total momentum per particle, z.
+    pub momentum_z: Vec<f64>,
+}
+
+impl_columns!(ThermoSeries {
+    time,
+    temperature,
+    kinetic_energy,
+    potential_energy,
+    potential_energy_without_tail,
+    pressure,
+    pressure_without_tail,
+    conserved_energy,
+    squared_force,
+    laplacian,
+    kinetic_energy_squared,
+    total_energy_squared,
+    momentum_x,
+    momentum_y,
+    momentum_z,
+});
+
+impl ThermoSeries {
+    /// The series as a table, `thermo`; each row is the mean of `stride` samples.
+    #[must_use]
+    pub fn table(&self, stride: u64) -> Table {
+        let columns: [(&str, &str, &[f64]); 11] = [
+            ("time", "τ", &self.time),
+            ("temperature", "ε/k_B", &self.temperature),
+            ("kinetic_energy", "ε", &self.kinetic_energy),
+            ("potential_energy", "ε", &self.potential_energy),
+            (
+                "potential_energy_without_tail",
+                "ε",
+                &self.potential_energy_without_tail,
+            ),
+            ("pressure", "ε/σ³", &self.pressure),
+            ("pressure_without_tail", "ε/σ³", &self.pressure_without_tail),
+            ("conserved_energy", "ε", &self.conserved_energy),
+            ("momentum_x", "σ/τ", &self.momentum_x),
+            ("momentum_y", "σ/τ", &self.momentum_y),
+            ("momentum_z", "σ/τ", &self.momentum_z),
+        ];
+        let caption = format!(
+            "thermodynamics against time, energies per particle; each row is the mean of {stride} samples"
+        );
+        columns.into_iter().fold(
+            Table::new("thermo", caption),
+            |table, (name, unit, values)| table.with(name, unit, values.to_vec()),
+        )
+    }
+}

@@ -1,0 +1,372 @@
+//! Temperature, energies, pressure and what ought to be conserved.
+
+use std::f64::consts::PI;
+
+use lennard_core::{
+    Average, DVec3, Estimate, Findings, Observable, ObservableSpec, Persist, RestoreError,
+    StateReader, StateWriter, View, Want, parallel,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::series::Series;
+use crate::statistics::{self, RunningLine};
+use crate::thermo_series::ThermoSeries;
+use crate::{BuildContext, ObservableError, Recipe};
+
+const SPEC: ObservableSpec = ObservableSpec {
+    name: "thermodynamics",
+    summary: "temperature, energies, pressure, configurational temperature, conserved energy and momentum",
+    equation: "T = 2K/n_dof; U = Σ U(r_ij)/N + u_tail; P = ρT + W/(3V) + p_tail; T_conf = ⟨|∇U|²⟩/⟨∇²U⟩",
+    source: "M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), equations 2.61 and 2.68; \
+             B. D. Butler, G. Ayton, O. G. Jepps and D. J. Evans, Configurational temperature, J. Chem. Phys. 109, 6519 (1998), equation 6",
+};
+
+/// Rows kept before neighbors are averaged in pairs.
+const MOST_ROWS: usize = 1 << 16;
+
+/// Fewer independent samples than this make an error bar uncertain by more than 16 % (1/√(2·20)).
+const FEW_INDEPENDENT: f64 = 20.0;
+
+/// Options of [`Thermodynamics`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ThermodynamicsOptions {
+    /// Whether to take the configurational temperature, for which the forces' Laplacian is evaluated.
+    pub configurational_temperature: bool,
+}
+
+impl Default for ThermodynamicsOptions {
+    fn default() -> Self {
+        Self {
+            configurational_temperature: true,
+        }
+    }
+}
+
+impl Recipe for ThermodynamicsOptions {
+    const SPEC: &'static ObservableSpec = &SPEC;
+
+    fn default_every(&self) -> u64 {
+        10
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
+        Ok(Box::new(Thermodynamics::with_options(self, context)))
+    }
+}
+
+/// How well energy and momentum were kept.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Conservation {
+    /// Slope of the conserved energy per particle, ε/τ, by least squares over all samples.
+    pub energy_drift_per_atom_per_tau: f64,
+    /// Its standard error, from the slopes of ten blocks.
+    pub energy_drift_standard_error: f64,
+    /// Root mean square of the conserved energy per particle about that line, over single samples.
+    pub energy_rms_per_atom: f64,
+    /// The largest |Σ m v|/N seen, in σ/τ.
+    pub momentum_per_atom: f64,
+}
+
+/// Temperature, energies, pressure, configurational temperature and what is conserved.
+///
+/// - **Temperature** T = 2K/n_dof.
+/// - **Pressure** P = ρT + W/(3V) + p_tail with W = Σ r_ij·F_ij. For zero total momentum the mechanical
+///   pressure (2K + W)/(3V) lacks the part of the centre of mass: ⟨2K⟩ = (3N − 3)T makes its ideal part
+///   (N − 1)T/V. With T = 2K/n_dof the ideal part is ρT, exact for the ideal gas at every N, and W depends
+///   on relative positions alone, so ρT + W/(3V) is the canonical pressure, and the two differ by T/V.
+/// - **Conserved energy** (K + U_conserved − Σ heat)/N, with the potential of which the forces are the
+///   gradient (for a plain cutoff the shifted one).
+/// - **Configurational temperature** T_conf = ⟨|∇U|²⟩/⟨∇²U⟩. A force that jumps at the cutoff adds a
+///   delta function to ∇²U that no pair loop can see; its mean, −4πρ r_cut² U′(r_cut) per particle for
+///   g(r_cut) = 1, is added where [`Thermodynamics::set_force_jump`] has told the jump.
+///
+/// All averages share one equilibration cut, the later one of U and P, so that they speak of the same
+/// samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Thermodynamics {
+    options: ThermodynamicsOptions,
+    context: BuildContext,
+    series: Series<ThermoSeries>,
+    energy_line: RunningLine,
+    largest_momentum: f64,
+    force_jump: f64,
+}
+
+impl Thermodynamics {
+    /// With default options.
+    #[must_use]
+    pub fn new(context: &BuildContext) -> Self {
+        Self::with_options(&ThermodynamicsOptions::default(), context)
+    }
+
+    /// With the options given.
+    #[must_use]
+    pub fn with_options(options: &ThermodynamicsOptions, context: &BuildContext) -> Self {
+        Self {
+            options: options.clone(),
+            context: *context,
+            series: Series::new(ThermoSeries::default(), MOST_ROWS),
+            energy_line: RunningLine::default(),
+            largest_momentum: 0.0,
+            force_jump: 0.0,
+        }
+    }
+
+    /// Tells U′(r_cut), the derivative of the pair potential just inside the cutoff, where the force
+    /// drops to zero with a jump (plain and shifted cutoffs), in ε/σ. Zero, the default, for truncations
+    /// whose force is continuous.
+    pub fn set_force_jump(&mut self, derivative_at_cutoff: f64) {
+        self.force_jump = derivative_at_cutoff;
+    }
+
+    /// The time series so far.
+    #[must_use]
+    pub fn series(&self) -> &ThermoSeries {
+        self.series.rows()
+    }
+
+    /// Samples averaged in each row of [`Thermodynamics::series`].
+    #[must_use]
+    pub fn stride(&self) -> u64 {
+        self.series.stride()
+    }
+
+    /// The equilibration cut that all averages share, in rows of [`Thermodynamics::series`].
+    #[must_use]
+    pub fn equilibration_cut(&self) -> usize {
+        let rows = self.series.rows();
+        statistics::common_cut(&[
+            &rows.potential_energy_without_tail,
+            &rows.pressure_without_tail,
+        ])
+    }
+
+    /// Drift and fluctuation of the conserved energy, and the momentum.
+    #[must_use]
+    pub fn conservation(&self) -> Conservation {
+        let rows = self.series.rows();
+        Conservation {
+            energy_drift_per_atom_per_tau: self.energy_line.slope(),
+            energy_drift_standard_error: statistics::slope_error(
+                &rows.time,
+                &rows.conserved_energy,
+            ),
+            energy_rms_per_atom: self.energy_line.rms(),
+            momentum_per_atom: self.largest_momentum,
+        }
+    }
+
+    /// The mean potential energy per particle, with the error of its difference from an equation of state
+    /// whose slope ∂u/∂T at the measured temperature is given ([`statistics::about_line`]).
+    #[must_use]
+    pub fn potential_energy_against(&self, slope: f64) -> Estimate {
+        let rows = self.series.rows();
+        self.against(&rows.potential_energy, slope)
+    }
+
+    /// The mean pressure, with the error of its difference from an equation of state whose slope ∂p/∂T at
+    /// the measured temperature is given.
+    #[must_use]
+    pub fn pressure_against(&self, slope: f64) -> Estimate {
+        self.against(&self.series.rows().pressure, slope)
+    }
+
+    fn against(&self, values: &[f64], slope: f64) -> Estimate {
+        let temperature = &self.series.rows().temperature;
+        let found = statistics::about_line(values, temperature, slope, self.equilibration_cut());
+        self.in_samples(found)
+    }
+
+    /// The cut of an estimate over rows, told in samples.
+    fn in_samples(&self, estimate: Estimate) -> Estimate {
+        Estimate {
+            equilibration_cut: estimate.equilibration_cut * self.series.stride(),
+            ..estimate
+        }
+    }
+
+    /// Mean Laplacian of the jump of the force, per particle, for g(r_cut) = 1.
+    fn jump_laplacian(&self) -> f64 {
+        let density = self.context.n_atoms as f64 / self.context.cell.volume();
+        -4.0 * PI * density * self.context.r_cut.powi(2) * self.force_jump
+    }
+}
+
+impl Observable for Thermodynamics {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want {
+            laplacian: self.options.configurational_temperature,
+            ..Want::ENERGY_AND_VIRIAL
+        }
+    }
+
+    /// # Panics
+    /// Where the state lacks what [`Observable::want`] asks for: that is a bug of the caller.
+    fn sample(&mut self, view: &View<'_>) {
+        let state = view.state;
+        let energetics = &state.energetics;
+        let asked = "the force evaluation gives what the observable wants";
+        let n = state.len() as f64;
+        let volume = view.cell.volume();
+        let kinetic = view.dynamics.kinetic_energy(&state.velocities) / n;
+        let temperature = 2.0 * kinetic * n / view.dynamics.n_dof;
+        let potential = energetics.potential_energy.expect(asked) / n;
+        let conserved = energetics
+            .conserved_potential
+            .or(energetics.potential_energy)
+            .expect(asked);
+        let virial = energetics.scalar_virial().expect(asked);
+        let pressure = n / volume * temperature + virial / (3.0 * volume);
+        let tail = view.tail.unwrap_or_default();
+        let conserved_energy = kinetic + (conserved - view.heat) / n;
+        let (squared_force, laplacian) = if self.options.configurational_temperature {
+            let squares: f64 = parallel::ordered_sum(state.len(), |range| {
+                state.forces[range].iter().map(|f| f.length_squared()).sum()
+            });
+            let laplacian = energetics.laplacian.expect(asked);
+            (squares / n, laplacian / n + self.jump_laplacian())
+        } else {
+            (0.0, 0.0)
+        };
+        let momentum: DVec3 = view.dynamics.momentum(&state.velocities) / n;
+        let total = kinetic + potential + tail.energy_per_particle;
+        self.energy_line.push(state.time, conserved_energy);
+        self.largest_momentum = self.largest_momentum.max(momentum.length());
+        self.series.push(&[
+            state.time,
+            temperature,
+            kinetic,
+            potential + tail.energy_per_particle,
+            potential,
+            pressure + tail.pressure,
+            pressure,
+            conserved_energy,
+            squared_force,
+            laplacian,
+            kinetic * kinetic,
+            total * total,
+            momentum.x,
+            momentum.y,
+            momentum.z,
+        ]);
+    }
+
+    fn finish(&self) -> Findings {
+        let rows = self.series.rows();
+        let cut = self.equilibration_cut();
+        let mut findings = Findings::default();
+        let mut add = |name: &str, unit: &str, estimate: Estimate| {
+            findings.averages.push(Average {
+                name: name.into(),
+                unit: unit.into(),
+                estimate: self.in_samples(estimate),
+            });
+        };
+        let of = |column: &[f64]| statistics::estimate_after(column, cut);
+        let total: Vec<f64> = rows
+            .kinetic_energy
+            .iter()
+            .zip(&rows.potential_energy)
+            .map(|(k, u)| k + u)
+            .collect();
+        add("temperature", "ε/k_B", of(&rows.temperature));
+        if self.options.configurational_temperature {
+            add(
+                "configurational_temperature",
+                "ε/k_B",
+                statistics::ratio(&rows.squared_force, &rows.laplacian, cut),
+            );
+        }
+        add(
+            "potential_energy",
+            "ε a particle",
+            of(&rows.potential_energy),
+        );
+        add(
+            "potential_energy_without_tail",
+            "ε a particle",
+            of(&rows.potential_energy_without_tail),
+        );
+        add("kinetic_energy", "ε a particle", of(&rows.kinetic_energy));
+        add("total_energy", "ε a particle", of(&total));
+        add(
+            "conserved_energy",
+            "ε a particle",
+            of(&rows.conserved_energy),
+        );
+        add("pressure", "ε/σ³", of(&rows.pressure));
+        add(
+            "pressure_without_tail",
+            "ε/σ³",
+            of(&rows.pressure_without_tail),
+        );
+        findings.remarks = self.remarks(cut);
+        findings.tables.push(rows.table(self.series.stride()));
+        for (name, column) in [
+            ("potential_energy", &rows.potential_energy),
+            ("pressure", &rows.pressure),
+            ("temperature", &rows.temperature),
+        ] {
+            findings.tables.push(
+                statistics::blocking_curve(&column[cut..]).table(
+                    &format!("blocking_{name}"),
+                    &format!(
+                        "apparent standard error of the mean {name} against block size; 1 marks the plateau; a sample is the mean of {}",
+                        self.series.stride()
+                    ),
+                ),
+            );
+        }
+        findings
+    }
+}
+
+impl Thermodynamics {
+    fn remarks(&self, cut: usize) -> Vec<String> {
+        let rows = self.series.rows();
+        let mut remarks = Vec::new();
+        for (name, column) in [
+            ("potential energy", &rows.potential_energy_without_tail),
+            ("pressure", &rows.pressure_without_tail),
+        ] {
+            let found = statistics::autocorrelation_time(&column[cut..]);
+            let independent = statistics::estimate_after(column, cut).n_effective;
+            if !found.decayed {
+                remarks.push(format!(
+                    "the correlation of the {name} does not decay within the run: its error is a lower bound"
+                ));
+            } else if independent < FEW_INDEPENDENT {
+                remarks.push(format!(
+                    "only {independent:.0} independent samples of the {name}: its error is itself uncertain"
+                ));
+            }
+        }
+        if self.options.configurational_temperature && self.force_jump != 0.0 {
+            remarks.push(format!(
+                "the configurational temperature counts the jump of the force at the cutoff with g(r_cut) = 1: {:.4} ε/σ² in the Laplacian of each particle",
+                self.jump_laplacian()
+            ));
+        }
+        remarks
+    }
+}
+
+impl Persist for Thermodynamics {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.series.save(&mut to.section("series"));
+        self.energy_line.save(&mut to.section("energy"));
+        to.put_f64("largest_momentum", &[self.largest_momentum]);
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.series.restore(&from.section("series"))?;
+        self.energy_line.restore(&from.section("energy"))?;
+        [self.largest_momentum] = from.f64s("largest_momentum")?;
+        Ok(())
+    }
+}

@@ -1,0 +1,70 @@
+//! Which particles the dynamic correlations follow.
+
+use lennard_core::{DVec3, Dynamics, parallel};
+
+/// The largest number of particles that are followed unless the scene says otherwise. The histories of
+/// more of them would take more memory than the run itself; the error of D falls only as 1/√(particles).
+pub(crate) const DEFAULT_TRACKED: usize = 16_384;
+
+/// An evenly spread subset of the particles: `count` of `n`, all where `count ≥ n`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Tracked {
+    indices: Vec<u32>,
+    n: usize,
+}
+
+impl Tracked {
+    pub(crate) fn new(n: usize, count: usize) -> Self {
+        let count = count.min(n);
+        let indices = (0..count).map(|k| (k * n / count.max(1)) as u32).collect();
+        Self { indices, n }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.indices.len()
+    }
+
+    /// A remark where not every particle is followed.
+    pub(crate) fn remark(&self) -> Option<String> {
+        (self.len() < self.n).then(|| {
+            format!(
+                "averaged over {} of {} particles, evenly chosen, to bound the memory",
+                self.len(),
+                self.n
+            )
+        })
+    }
+
+    /// `values[i] − mean` for the particles followed, where the mean is that of all particles,
+    /// weighted by mass: the motion of the whole system is no diffusion.
+    pub(crate) fn relative_to_centre_of_mass(
+        &self,
+        dynamics: &Dynamics,
+        values: &[DVec3],
+    ) -> Vec<DVec3> {
+        let masses = &dynamics.masses;
+        let weighted: DVec3 =
+            parallel::ordered_sum(values.len(), |r| r.map(|i| masses.of(i) * values[i]).sum());
+        let total: f64 = parallel::ordered_sum(values.len(), |r| r.map(|i| masses.of(i)).sum());
+        let mean = weighted / total;
+        self.indices
+            .iter()
+            .map(|&i| values[i as usize] - mean)
+            .collect()
+    }
+}
+
+/// Σ over particles of `pair(a_i, b_i)`, in constant chunks and constant order.
+pub(crate) fn sum_over_pairs(
+    a: &[DVec3],
+    b: &[DVec3],
+    pair: impl Fn(DVec3, DVec3) -> f64 + Sync,
+) -> f64 {
+    parallel::ordered_sum(a.len(), |range| {
+        a[range.clone()]
+            .iter()
+            .zip(&b[range])
+            .map(|(x, y)| pair(*x, *y))
+            .sum()
+    })
+}

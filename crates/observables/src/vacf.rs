@@ -1,0 +1,342 @@
+//! The velocity autocorrelation function.
+
+use std::collections::VecDeque;
+
+use lennard_core::{
+    Average, DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
+    StateWriter, Table, View, Want,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::blocks::BlockedSums;
+use crate::error::{positive, within};
+use crate::rdf::estimate_of_blocks;
+use crate::tracked::{DEFAULT_TRACKED, Tracked, sum_over_pairs};
+use crate::{BuildContext, ObservableError, Recipe};
+
+const SPEC: ObservableSpec = ObservableSpec {
+    name: "vacf",
+    summary: "velocity autocorrelation function and its Green–Kubo integral, the diffusion coefficient",
+    equation: "C(t) = ⟨v(t₀)·v(t₀+t)⟩; D = ⅓ ∫₀^∞ C dt",
+    source: "A. Rahman, Correlations in the motion of atoms in liquid argon, Phys. Rev. 136, A405 (1964); \
+             J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equation 7.2.10",
+};
+
+/// Blocks of the run from which the errors come.
+const BLOCKS: usize = 64;
+
+/// Most lags of the function.
+const MOST_LAGS: usize = 10_000;
+
+/// The function counts as decayed where its end is below this part of its beginning.
+const DECAYED: f64 = 0.01;
+
+/// Below this value at the first lag the sampling is too coarse for the trapezoidal rule: for a function
+/// that starts as 1 − (Ωt)²/2 the rule errs by about a tenth of what is lost in the first interval.
+const FINE_ENOUGH: f64 = 0.5;
+
+/// Options of [`VelocityAutocorrelation`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct VacfOptions {
+    /// Longest lag in τ.
+    pub window: f64,
+    /// Number of time origins that are followed at once; they are spread over the window.
+    pub origins: usize,
+    /// Number of particles followed, evenly chosen.
+    pub particles: usize,
+}
+
+impl Default for VacfOptions {
+    fn default() -> Self {
+        Self {
+            window: 4.0,
+            origins: 16,
+            particles: DEFAULT_TRACKED,
+        }
+    }
+}
+
+impl Recipe for VacfOptions {
+    const SPEC: &'static ObservableSpec = &SPEC;
+
+    fn default_every(&self) -> u64 {
+        5
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
+        Ok(Box::new(VelocityAutocorrelation::new(self, context)?))
+    }
+}
+
+/// The velocity autocorrelation function C(t) = ⟨v(0)·v(t)⟩ in σ²/τ², relative to the centre of mass, over
+/// many time origins, and D = ⅓∫C dt by the trapezoidal rule up to the end of the window.
+///
+/// For unit masses C(0) = 3T·(N − 1)/N. D from here and from the mean-square displacement are the same
+/// number by two roads; neither is corrected for finite size here.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VelocityAutocorrelation {
+    interval: f64,
+    lags: usize,
+    spacing: u64,
+    tracked: Tracked,
+    samples: u64,
+    /// Time origins, oldest first: number of the sample and velocities there.
+    origins: VecDeque<(u64, Vec<DVec3>)>,
+    products: BlockedSums,
+}
+
+impl VelocityAutocorrelation {
+    /// Nothing seen yet.
+    ///
+    /// # Errors
+    /// [`ObservableError`] where the window holds no two samples or more than 10,000, or there is no origin.
+    pub fn new(options: &VacfOptions, context: &BuildContext) -> Result<Self, ObservableError> {
+        let interval = context.sample_interval();
+        positive("window", Some(options.window))?;
+        let steps = (options.window / interval).round();
+        if !(2.0..=MOST_LAGS as f64).contains(&steps) {
+            return Err(ObservableError::new(
+                "window",
+                options.window,
+                format!(
+                    "from 2 to {MOST_LAGS} sampling intervals of {interval} τ (change `window` or `every`)"
+                ),
+            ));
+        }
+        within("origins", options.origins, 1..=MOST_LAGS)?;
+        within("particles", options.particles, 1..=usize::MAX)?;
+        let lags = steps as usize + 1;
+        Ok(Self {
+            interval,
+            lags,
+            spacing: lags.div_ceil(options.origins) as u64,
+            tracked: Tracked::new(context.n_atoms, options.particles),
+            samples: 0,
+            origins: VecDeque::new(),
+            products: BlockedSums::new(lags, BLOCKS),
+        })
+    }
+
+    fn times(&self) -> Vec<f64> {
+        (0..self.lags).map(|k| k as f64 * self.interval).collect()
+    }
+
+    /// ⅓∫₀^t C by the trapezoidal rule, at each lag.
+    fn running_integral(&self, c: &[f64]) -> Vec<f64> {
+        let mut sum = 0.0;
+        c.iter()
+            .enumerate()
+            .map(|(k, value)| {
+                if k > 0 {
+                    sum += 0.5 * (c[k - 1] + value) * self.interval / 3.0;
+                }
+                sum
+            })
+            .collect()
+    }
+}
+
+impl Observable for VelocityAutocorrelation {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want::NOTHING
+    }
+
+    fn sample(&mut self, view: &View<'_>) {
+        let now = self
+            .tracked
+            .relative_to_centre_of_mass(view.dynamics, &view.state.velocities);
+        let weight = 1.0 / now.len().max(1) as f64;
+        let expired = |&(born, _): &(u64, _)| self.samples - born >= self.lags as u64;
+        while self.origins.front().is_some_and(expired) {
+            self.origins.pop_front();
+        }
+        if self.samples.is_multiple_of(self.spacing) {
+            self.origins.push_back((self.samples, now.clone()));
+        }
+        self.products.begin_sample();
+        for (born, then) in &self.origins {
+            let lag = (self.samples - born) as usize;
+            let sum = sum_over_pairs(&now, then, DVec3::dot);
+            self.products.add(lag, sum * weight, 1);
+        }
+        self.samples += 1;
+    }
+
+    fn finish(&self) -> Findings {
+        let mut findings = Findings::default();
+        findings.remarks.extend(self.tracked.remark());
+        let Some(c) = (0..self.lags)
+            .map(|k| self.products.mean(k))
+            .collect::<Option<Vec<f64>>>()
+        else {
+            findings
+                .remarks
+                .push("no velocity autocorrelation: the run is shorter than its window".into());
+            return findings;
+        };
+        let errors: Vec<f64> = (0..self.lags)
+            .map(|k| self.products.standard_error(k))
+            .collect();
+        let integral = self.running_integral(&c);
+        let every_lag: Vec<usize> = (0..self.lags).collect();
+        let blocks: Vec<f64> = self
+            .products
+            .complete_rows(&every_lag)
+            .iter()
+            .map(|c| self.running_integral(c)[self.lags - 1])
+            .collect();
+        let last = self.lags - 1;
+        findings.averages.push(Average {
+            name: "diffusion_coefficient_green_kubo".into(),
+            unit: "σ²/τ".into(),
+            estimate: estimate_of_blocks(integral[last], &blocks),
+        });
+        findings
+            .remarks
+            .push("diffusion_coefficient_green_kubo is not corrected for finite size".into());
+        if c[last].abs() > (DECAYED * c[0]).max(3.0 * errors[last]) {
+            findings.remarks.push(format!(
+                "the velocity autocorrelation has not decayed at the end of its window, {:.3} τ: its integral is incomplete",
+                last as f64 * self.interval
+            ));
+        }
+        if c[1] < FINE_ENOUGH * c[0] {
+            findings.remarks.push(
+                "the velocity autocorrelation falls by half in one sampling interval: sample more often for a good integral".into(),
+            );
+        }
+        let normalised = c.iter().map(|value| value / c[0]).collect();
+        findings.tables.push(
+            Table::new(
+                "vacf",
+                "velocity autocorrelation function against lag, and a third of its running integral",
+            )
+            .with("time", "τ", self.times())
+            .with("vacf", "σ²/τ²", c)
+            .with("standard_error", "σ²/τ²", errors)
+            .with("normalised", "", normalised)
+            .with("diffusion", "σ²/τ", integral),
+        );
+        findings
+    }
+}
+
+impl Persist for VelocityAutocorrelation {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        to.put_u64("samples", &[self.samples]);
+        self.products.save(&mut to.section("products"));
+        let born: Vec<u64> = self.origins.iter().map(|(born, _)| *born).collect();
+        to.put_u64("origins", &born);
+        let all: Vec<DVec3> = self.origins.iter().flat_map(|(_, v)| v).copied().collect();
+        to.put_vec3("velocities", &all);
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        [self.samples] = from.u64s("samples")?;
+        self.products.restore(&from.section("products"))?;
+        let born = from.u64("origins")?;
+        let all = from.vec3("velocities")?;
+        let n = self.tracked.len();
+        if all.len() != born.len() * n || born.iter().any(|b| *b >= self.samples) {
+            return Err(from.misfit(
+                "velocities",
+                format!("{} vectors for {} origins of {n}", all.len(), born.len()),
+            ));
+        }
+        self.origins = born
+            .iter()
+            .copied()
+            .zip(all.chunks(n.max(1)).map(<[DVec3]>::to_vec))
+            .collect();
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics;
+    use crate::testing::{context, normal};
+    use lennard_core::{Dynamics, State};
+
+    /// Langevin velocities: C(t) = 3T e^{−γt} per particle, D = T/γ; relative to the centre of mass
+    /// both lose 1/N.
+    fn ornstein_uhlenbeck(seed: u64, samples: u64) -> Findings {
+        let (n, gamma, temperature) = (50, 3.0_f64, 0.8_f64);
+        let context = BuildContext {
+            dt: 0.05,
+            ..context(10.0, n)
+        };
+        let decay = (-gamma * context.dt).exp();
+        let kick = (temperature * (1.0 - decay * decay)).sqrt();
+        let start = (0..n)
+            .map(|i| temperature.sqrt() * normal(seed, u64::MAX, i))
+            .collect();
+        let mut state = State::new(vec![DVec3::ZERO; n], start);
+        let mut vacf = VelocityAutocorrelation::new(&VacfOptions::default(), &context).unwrap();
+        for s in 0..samples {
+            vacf.sample(&View {
+                state: &state,
+                dynamics: &Dynamics::fluid(n),
+                cell: &context.cell,
+                tail: None,
+                heat: 0.0,
+            });
+            for (i, v) in state.velocities.iter_mut().enumerate() {
+                *v = decay * *v + kick * normal(seed, s, i);
+            }
+        }
+        vacf.finish()
+    }
+
+    #[test]
+    fn langevin_velocities_decay_exponentially_and_integrate_to_their_diffusion_coefficient() {
+        let (gamma, temperature, h) = (3.0_f64, 0.8, 0.05);
+        let relative = 1.0 - 1.0 / 50.0;
+        let mut values = Vec::new();
+        let mut squares = Vec::new();
+        for seed in 0..24 {
+            let findings = ornstein_uhlenbeck(seed, 3000);
+            let estimate = findings.averages[0].estimate;
+            values.push(estimate.mean);
+            squares.push(estimate.standard_error.powi(2));
+            let table = &findings.tables[0];
+            for k in [0, 4, 20] {
+                let exact = 3.0 * temperature * relative * (-gamma * h * k as f64).exp();
+                let error = table.columns[2].values[k];
+                assert!((table.columns[1].values[k] - exact).abs() < 5.0 * error);
+            }
+        }
+        // The trapezoidal sum of e^{−γt} is h/2·coth(γh/2) in place of 1/γ.
+        let exact = temperature * relative * 0.5 * h / (0.5 * gamma * h).tanh();
+        let printed = statistics::mean(&squares).sqrt();
+        let spread = (statistics::variance(&values) * 24.0 / 23.0).sqrt();
+        assert!((statistics::mean(&values) - exact).abs() < 4.0 * printed / 24.0_f64.sqrt());
+        // 24 seeds know their spread to 1/√46 = 15 %: three of these.
+        assert!((spread / printed - 1.0).abs() < 0.45, "{spread} {printed}");
+    }
+
+    #[test]
+    fn a_run_shorter_than_the_window_gives_no_number() {
+        let findings = ornstein_uhlenbeck(1, 50);
+        assert!(findings.averages.is_empty() && findings.remarks.len() == 1);
+    }
+
+    #[test]
+    fn a_window_that_is_too_coarse_or_too_long_is_refused() {
+        let context = context(10.0, 5);
+        for window in [0.001, 1e9, f64::NAN, -1.0] {
+            let options = VacfOptions {
+                window,
+                ..VacfOptions::default()
+            };
+            let error = VelocityAutocorrelation::new(&options, &context).unwrap_err();
+            assert_eq!(error.key(), "window");
+        }
+    }
+}

@@ -1,0 +1,460 @@
+//! Draws a [`Figure`] with the plotting library.
+
+use plotters::prelude::ChartBuilder;
+use plotters::style::text_anchor::{HPos, VPos};
+use plotters::style::WHITE;
+
+use crate::axis::Span;
+use crate::canvas::{
+    FAINT_GRID, FINE, GREY, GRID, Hint, INK, Place, Sheet, TEXT, WIDTH, color, dress, fine, font,
+    stroke, text_width,
+};
+use crate::{Figure, Guide, Look, Point, ReportError, Series, Symbol};
+
+/// Height of the plotting area of every figure, design units.
+const PLOT_HEIGHT: f64 = 300.0;
+/// Room above the plot for the title, design units.
+const TOP: f64 = 38.0;
+/// Room at the right, for half a tick label, design units.
+const RIGHT: f64 = 22.0;
+/// Radius of marks, design units.
+const MARK: f64 = 4.2;
+/// Width of lines, design units.
+const LINE: f64 = 2.0;
+/// Height of a line of the legend, design units.
+const LEGEND_ROW: f64 = 24.0;
+/// Width of the sample in the legend, design units.
+const SAMPLE: f64 = 34.0;
+
+/// The plotting area on the sheet and the two axes: from values to places.
+struct Frame {
+    left: f64,
+    top: f64,
+    width: f64,
+    height: f64,
+    x: Span,
+    y: Span,
+}
+
+impl Frame {
+    fn at(&self, fx: f64, fy: f64) -> Place {
+        (
+            self.left + fx * self.width,
+            self.top + (1.0 - fy) * self.height,
+        )
+    }
+
+    fn fractions(&self, x: f64, y: f64) -> Option<(f64, f64)> {
+        Some((self.x.fraction(x)?, self.y.fraction(y)?))
+    }
+}
+
+pub(crate) fn figure(figure: &Figure) -> Result<String, ReportError> {
+    let points = || figure.series.iter().flat_map(|s| &s.points);
+    let failures = || figure.series.iter().flat_map(|s| &s.failures).copied();
+    let guides = |vertical: bool| {
+        figure.guides.iter().filter_map(move |g| match g {
+            Guide::Vertical(v, _) if vertical => Some(*v),
+            Guide::Horizontal(v, _) if !vertical => Some(*v),
+            _ => None,
+        })
+    };
+    let x_values = points().map(|p| p.x).chain(failures()).chain(guides(true));
+    let x = figure.x.span(&figure.name, x_values)?;
+    let y_values = points()
+        .flat_map(|p| {
+            let e = p.error.unwrap_or(0.0);
+            [p.y, p.y - e, p.y + e]
+        })
+        .chain(guides(false));
+    let y = figure.y.span(&figure.name, y_values)?;
+
+    let legend = Legend::of(figure);
+    let bottom = 2.0 * TEXT + 22.0;
+    let plot_bottom = TOP + PLOT_HEIGHT;
+    let height = plot_bottom + bottom + legend.height() + 6.0;
+    let left = 12.0 + 1.5 * TEXT + (y.widest_label() as f64 + 1.0) * TEXT * 0.54;
+    let frame = Frame {
+        left,
+        top: TOP,
+        width: WIDTH - left - RIGHT,
+        height: PLOT_HEIGHT,
+        x,
+        y,
+    };
+
+    let mut svg = String::new();
+    let mut hints = Vec::new();
+    {
+        let sheet = Sheet::new(&figure.name, &mut svg, height);
+        sheet.area.fill(&WHITE).map_err(|e| sheet.failed(e))?;
+        sheet.title(&figure.title)?;
+        axes(&sheet, figure, &frame)?;
+        for guide in &figure.guides {
+            draw_guide(&sheet, &frame, guide)?;
+        }
+        for series in &figure.series {
+            draw_series(&sheet, &frame, series, &mut hints)?;
+        }
+        legend.draw(&sheet, plot_bottom + bottom)?;
+        sheet.finish()?;
+    }
+    Ok(dress(&svg, &figure.title, &hints))
+}
+
+fn axes(sheet: &Sheet<'_>, figure: &Figure, frame: &Frame) -> Result<(), ReportError> {
+    let (x0, y0) = fine((frame.left, frame.top));
+    let (x1, y1) = fine((frame.left + frame.width, frame.top + frame.height));
+    let tick_room = TEXT + 12.0;
+    let area = sheet
+        .area
+        .clone()
+        .shrink((0, y0), (x1 as u32, (y1 - y0) as u32 + (tick_room * f64::from(FINE)) as u32));
+    let mut chart = ChartBuilder::on(&area)
+        .set_label_area_size(plotters::prelude::LabelAreaPosition::Left, x0)
+        .set_label_area_size(
+            plotters::prelude::LabelAreaPosition::Bottom,
+            (tick_room * f64::from(FINE)) as i32,
+        )
+        .build_cartesian_2d(frame.x.clone(), frame.y.clone())
+        .map_err(|e| sheet.failed(e))?;
+    chart
+        .configure_mesh()
+        .bold_line_style(stroke(GRID, 1.0))
+        .light_line_style(stroke(FAINT_GRID, 1.0))
+        .axis_style(stroke(GREY, 1.0))
+        .label_style(font(TEXT, INK))
+        .set_all_tick_mark_size(5 * FINE)
+        .draw()
+        .map_err(|e| sheet.failed(e))?;
+    sheet.rectangle(
+        (frame.left, frame.top),
+        (frame.left + frame.width, frame.top + frame.height),
+        stroke(GREY, 1.0),
+    )?;
+    sheet.text(
+        &figure.x.label,
+        (
+            frame.left + 0.5 * frame.width,
+            frame.top + frame.height + tick_room + 2.0,
+        ),
+        font(TEXT, INK),
+        HPos::Center,
+        VPos::Top,
+    )?;
+    let width = text_width(&figure.y.label, TEXT);
+    let height = TEXT * (frame.height * 1.1 / width).min(1.0);
+    sheet.upright(
+        &figure.y.label,
+        (8.0, frame.top + 0.5 * frame.height),
+        height,
+    )
+}
+
+fn draw_guide(sheet: &Sheet<'_>, frame: &Frame, guide: &Guide) -> Result<(), ReportError> {
+    let (label, ends, at, horizontal) = match guide {
+        Guide::Vertical(x, label) => {
+            let Some(f) = frame.x.fraction(*x).filter(|f| (0.0..=1.0).contains(f)) else {
+                return Ok(());
+            };
+            let ends = [frame.at(f, 0.0), frame.at(f, 1.0)];
+            // The word stands on the side where there is room.
+            let (shift, anchor) = if f > 0.6 {
+                (-5.0, HPos::Right)
+            } else {
+                (5.0, HPos::Left)
+            };
+            (label, ends, (ends[1].0 + shift, ends[1].1 + 5.0), anchor)
+        }
+        Guide::Horizontal(y, label) => {
+            let Some(f) = frame.y.fraction(*y).filter(|f| (0.0..=1.0).contains(f)) else {
+                return Ok(());
+            };
+            let ends = [frame.at(0.0, f), frame.at(1.0, f)];
+            let below = f > 0.9;
+            let at = (ends[1].0 - 5.0, ends[1].1 + if below { 4.0 } else { -18.0 });
+            (label, ends, at, HPos::Right)
+        }
+    };
+    sheet.line(&ends, crate::Dash::Dotted, GREY, 1.3)?;
+    sheet.text(label, at, font(0.88 * TEXT, GREY), horizontal, VPos::Top)
+}
+
+fn draw_series(
+    sheet: &Sheet<'_>,
+    frame: &Frame,
+    series: &Series,
+    hints: &mut Vec<Hint>,
+) -> Result<(), ReportError> {
+    let paint = color(series.color);
+    if let Look::Line(dash) | Look::LineAndPoints(dash, _) = series.look {
+        let width = if matches!(series.look, Look::Line(_)) {
+            LINE
+        } else {
+            0.6 * LINE
+        };
+        for piece in visible_pieces(frame, &series.points) {
+            sheet.line(&piece, dash, paint, width)?;
+        }
+    }
+    for point in &series.points {
+        if let Look::Points(symbol) | Look::LineAndPoints(_, symbol) = series.look {
+            draw_point(sheet, frame, point, symbol, series.color)?;
+        }
+        if let (Some(note), Some((fx, fy))) = (&point.note, frame.fractions(point.x, point.y)) {
+            hints.push(Hint {
+                at: frame.at(fx.clamp(0.0, 1.0), fy.clamp(0.0, 1.0)),
+                note: note.clone(),
+            });
+        }
+    }
+    for x in &series.failures {
+        if let Some(f) = frame.x.fraction(*x).filter(|f| (0.0..=1.0).contains(f)) {
+            let (px, py) = frame.at(f, 1.0);
+            // Series fail at the same places: each has its own height, so that none hides another.
+            let row = 9.0 + 11.0 * (series.color % crate::COLORS.len()) as f64;
+            sheet.failure((px, py + row), 0.95 * MARK, paint)?;
+        }
+    }
+    Ok(())
+}
+
+fn draw_point(
+    sheet: &Sheet<'_>,
+    frame: &Frame,
+    point: &Point,
+    symbol: Symbol,
+    color_index: usize,
+) -> Result<(), ReportError> {
+    let paint = color(color_index);
+    let Some(fx) = frame.x.fraction(point.x).filter(|f| (-1e-9..=1.0 + 1e-9).contains(f)) else {
+        return Ok(());
+    };
+    if point.y.is_nan() {
+        return Ok(());
+    }
+    // What a logarithmic axis cannot show, and what lies beyond a fixed end, is an arrow at that edge.
+    let fy = frame
+        .y
+        .fraction(point.y)
+        .unwrap_or(if point.y > 0.0 { 2.0 } else { -1.0 });
+    if fy > 1.0 + 1e-9 {
+        let (x, y) = frame.at(fx, 1.0);
+        return sheet.symbol(Symbol::Triangle, (x, y + 6.0), MARK, paint);
+    }
+    if fy < -1e-9 {
+        let (x, y) = frame.at(fx, 0.0);
+        return sheet.symbol(Symbol::Wedge, (x, y - 6.0), MARK, paint);
+    }
+    if let Some(error) = point.error.filter(|e| e.is_finite() && *e > 0.0) {
+        let end = |y: f64| frame.y.fraction(y).unwrap_or(0.0).clamp(0.0, 1.0);
+        let (low, high) = (
+            frame.at(fx, end(point.y - error)),
+            frame.at(fx, end(point.y + error)),
+        );
+        sheet.line(&[low, high], crate::Dash::Solid, paint, 1.4)?;
+        for (x, y) in [low, high] {
+            sheet.line(&[(x - 3.0, y), (x + 3.0, y)], crate::Dash::Solid, paint, 1.4)?;
+        }
+    }
+    sheet.symbol(symbol, frame.at(fx, fy), MARK, paint)
+}
+
+/// The parts of a line that lie inside the frame, as unbroken runs of places.
+fn visible_pieces(frame: &Frame, points: &[Point]) -> Vec<Vec<Place>> {
+    let mut pieces: Vec<Vec<Place>> = Vec::new();
+    let mut open = false;
+    for pair in points.windows(2) {
+        let clipped = frame
+            .fractions(pair[0].x, pair[0].y)
+            .zip(frame.fractions(pair[1].x, pair[1].y))
+            .and_then(|(a, b)| clip(a, b));
+        let Some((a, b, whole_start, whole_end)) = clipped else {
+            open = false;
+            continue;
+        };
+        let (from, to) = (frame.at(a.0, a.1), frame.at(b.0, b.1));
+        match pieces.last_mut() {
+            Some(piece) if open && whole_start => piece.push(to),
+            _ => pieces.push(vec![from, to]),
+        }
+        open = whole_end;
+    }
+    pieces
+}
+
+type Fractions = (f64, f64);
+
+/// The part of a segment inside the unit square (Liang and Barsky, "A new concept and method for line
+/// clipping", ACM Trans. Graph. 3, 1, 1984), and whether its start and its end are the segment's own.
+fn clip(a: Fractions, b: Fractions) -> Option<(Fractions, Fractions, bool, bool)> {
+    let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+    let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+    for (direction, distance) in [(-dx, a.0), (dx, 1.0 - a.0), (-dy, a.1), (dy, 1.0 - a.1)] {
+        if direction == 0.0 {
+            if distance < 0.0 {
+                return None;
+            }
+        } else if direction < 0.0 {
+            enter = enter.max(distance / direction);
+        } else {
+            leave = leave.min(distance / direction);
+        }
+    }
+    if enter > leave || !(dx.is_finite() && dy.is_finite()) {
+        return None;
+    }
+    let at = |t: f64| (a.0 + t * dx, a.1 + t * dy);
+    Some((at(enter), at(leave), enter == 0.0, leave == 1.0))
+}
+
+/// The legend below the plot, in as many columns as the names allow.
+struct Legend<'a> {
+    entries: Vec<&'a Series>,
+    columns: usize,
+    failures: bool,
+}
+
+impl<'a> Legend<'a> {
+    fn of(figure: &'a Figure) -> Self {
+        let entries: Vec<&Series> = figure
+            .series
+            .iter()
+            .filter(|s| !s.name.is_empty())
+            .collect();
+        let widest = entries
+            .iter()
+            .map(|s| text_width(&s.name, TEXT))
+            .fold(0.0, f64::max);
+        let columns = ((WIDTH - 16.0) / (widest + SAMPLE + 20.0)).floor() as usize;
+        Self {
+            columns: columns.clamp(1, entries.len().max(1)),
+            entries,
+            failures: figure.series.iter().any(|s| !s.failures.is_empty()),
+        }
+    }
+
+    fn rows(&self) -> usize {
+        self.entries.len().div_ceil(self.columns)
+    }
+
+    fn height(&self) -> f64 {
+        (self.rows() + usize::from(self.failures)) as f64 * LEGEND_ROW
+    }
+
+    fn draw(&self, sheet: &Sheet<'_>, top: f64) -> Result<(), ReportError> {
+        let column_width = (WIDTH - 16.0) / self.columns as f64;
+        for (i, series) in self.entries.iter().enumerate() {
+            let (column, row) = (i / self.rows(), i % self.rows());
+            let x = 8.0 + column as f64 * column_width;
+            let y = top + (row as f64 + 0.5) * LEGEND_ROW;
+            let middle = x + 0.5 * SAMPLE;
+            let paint = color(series.color);
+            if let Look::Line(dash) | Look::LineAndPoints(dash, _) = series.look {
+                sheet.line(&[(x, y), (x + SAMPLE - 6.0, y)], dash, paint, LINE)?;
+            }
+            if let Look::Points(symbol) | Look::LineAndPoints(_, symbol) = series.look {
+                sheet.symbol(symbol, (middle - 3.0, y), MARK, paint)?;
+            }
+            let room = column_width - SAMPLE - 4.0;
+            let height = TEXT * (room / text_width(&series.name, TEXT)).min(1.0);
+            sheet.text(
+                &series.name,
+                (x + SAMPLE, y),
+                font(height, INK),
+                HPos::Left,
+                VPos::Center,
+            )?;
+        }
+        if self.failures {
+            let y = top + (self.rows() as f64 + 0.5) * LEGEND_ROW;
+            sheet.failure((8.0 + 0.5 * SAMPLE - 3.0, y), MARK, INK)?;
+            sheet.text(
+                "failed: no value",
+                (8.0 + SAMPLE, y),
+                font(TEXT, INK),
+                HPos::Left,
+                VPos::Center,
+            )?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Axis, Dash};
+
+    fn example() -> Figure {
+        Figure::new("test", "Growth & <decay>", Axis::linear("ωh"), Axis::logarithmic("error / ε"))
+            .with(Series::new(
+                "theory",
+                Look::Line(Dash::Dashed),
+                0,
+                (1..50).map(|i| (f64::from(i), f64::from(i).powi(2))),
+            ))
+            .with(Series::from_points(
+                "measured",
+                Look::Points(Symbol::Disc),
+                1,
+                vec![Point { x: 3.0, y: 9.0, error: Some(20.0), note: Some("n < 3".into()) }],
+            )
+            .with_failures(vec![10.0, 20.0]))
+            .guided(Guide::Vertical(2.0, "limit".into()))
+    }
+
+    #[test]
+    fn the_same_data_give_the_same_bytes_and_text_is_escaped() {
+        let svg = example().to_svg().unwrap();
+        assert_eq!(svg, example().to_svg().unwrap());
+        assert!(svg.starts_with("<svg role=\"img\" width=\"100%\" viewBox=\"0 0 4480 "));
+        assert!(svg.trim_end().ends_with("</svg>"));
+        assert!(svg.contains("<title>Growth &amp; &lt;decay&gt;</title>"));
+        assert!(svg.contains("<title>n &lt; 3</title>"));
+        assert!(!svg.contains("<decay>"));
+        // Text stays text, and the legend says what a cross means.
+        for word in ["theory", "measured", "failed: no value", "limit", "error / ε"] {
+            assert!(svg.contains(word), "{word}");
+        }
+    }
+
+    #[test]
+    fn lines_are_cut_at_the_frame_and_broken_where_there_is_no_value() {
+        assert_eq!(
+            clip((-1.0, 0.5), (1.0, 0.5)),
+            Some(((0.0, 0.5), (1.0, 0.5), false, true))
+        );
+        assert_eq!(clip((-1.0, 2.0), (2.0, 2.0)), None);
+        let frame = Frame {
+            left: 0.0,
+            top: 0.0,
+            width: 100.0,
+            height: 100.0,
+            x: Axis::linear("x").from_to(0.0, 4.0).span("f", [].into_iter()).unwrap(),
+            y: Axis::linear("y").from_to(0.0, 1.0).span("f", [].into_iter()).unwrap(),
+        };
+        let points: Vec<Point> = [0.5, 0.5, f64::NAN, 0.5, 0.5]
+            .iter()
+            .enumerate()
+            .map(|(i, y)| Point { x: i as f64, y: *y, ..Point::default() })
+            .collect();
+        let pieces = visible_pieces(&frame, &points);
+        assert_eq!(pieces, [[(0.0, 50.0), (25.0, 50.0)], [(75.0, 50.0), (100.0, 50.0)]]);
+    }
+
+    #[test]
+    fn failures_are_drawn_and_not_dropped() {
+        let mut without = example();
+        without.series[1].failures.clear();
+        let count = |f: &Figure| f.to_svg().unwrap().matches("<polyline").count();
+        // Two strokes for each of the two failures and two in the legend.
+        assert_eq!(count(&example()), count(&without) + 6);
+    }
+
+    #[test]
+    fn a_figure_without_values_is_an_error() {
+        let empty = Figure::new("empty", "Empty", Axis::linear("x"), Axis::linear("y"));
+        assert!(matches!(empty.to_svg(), Err(ReportError::NothingToDraw { .. })));
+    }
+}

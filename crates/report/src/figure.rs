@@ -1,0 +1,155 @@
+//! A figure as data: axes, series, guides.
+
+use crate::{Axis, Dash, ReportError, Symbol};
+
+/// A point with an optional error bar.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Point {
+    /// Abscissa.
+    pub x: f64,
+    /// Ordinate; a value that is not finite breaks the line.
+    pub y: f64,
+    /// Standard error of `y`, drawn as a bar of ± that length.
+    pub error: Option<f64>,
+    /// What a reader sees who points at it.
+    pub note: Option<String>,
+}
+
+/// How a series is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Look {
+    /// A line: theory, or a densely sampled run.
+    Line(Dash),
+    /// Marks: measurement.
+    Points(Symbol),
+    /// Marks joined by a thin line.
+    LineAndPoints(Dash, Symbol),
+}
+
+/// One set of points under one name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Name in the legend; an empty one keeps it out.
+    pub name: String,
+    /// Line, marks or both.
+    pub look: Look,
+    /// Index of its colour, going round [`crate::COLORS`].
+    pub color: usize,
+    /// The points, in drawing order.
+    pub points: Vec<Point>,
+    /// Abscissae at which there is no value because the run failed: drawn as crosses along the upper edge.
+    pub failures: Vec<f64>,
+}
+
+impl Series {
+    /// A series from pairs.
+    #[must_use]
+    pub fn new(
+        name: impl Into<String>,
+        look: Look,
+        color: usize,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            look,
+            color,
+            points: points
+                .into_iter()
+                .map(|(x, y)| Point {
+                    x,
+                    y,
+                    ..Point::default()
+                })
+                .collect(),
+            failures: Vec::new(),
+        }
+    }
+
+    /// A series from points with error bars or notes.
+    #[must_use]
+    pub fn from_points(
+        name: impl Into<String>,
+        look: Look,
+        color: usize,
+        points: Vec<Point>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            look,
+            color,
+            points,
+            failures: Vec::new(),
+        }
+    }
+
+    /// Marks the abscissae of failed runs.
+    #[must_use]
+    pub fn with_failures(mut self, failures: Vec<f64>) -> Self {
+        self.failures = failures;
+        self
+    }
+}
+
+/// A thin line across the figure with a word beside it.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Guide {
+    /// At this abscissa, from bottom to top.
+    Vertical(f64, String),
+    /// At this ordinate, from left to right.
+    Horizontal(f64, String),
+}
+
+/// A figure with two axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// File stem.
+    pub name: String,
+    /// Heading inside the figure.
+    pub title: String,
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+    /// What is drawn, the first lowest.
+    pub series: Vec<Series>,
+    /// Lines across.
+    pub guides: Vec<Guide>,
+}
+
+impl Figure {
+    /// A figure without series yet.
+    #[must_use]
+    pub fn new(name: impl Into<String>, title: impl Into<String>, x: Axis, y: Axis) -> Self {
+        Self {
+            name: name.into(),
+            title: title.into(),
+            x,
+            y,
+            series: Vec::new(),
+            guides: Vec::new(),
+        }
+    }
+
+    /// Adds a series.
+    #[must_use]
+    pub fn with(mut self, series: Series) -> Self {
+        self.series.push(series);
+        self
+    }
+
+    /// Adds a guide.
+    #[must_use]
+    pub fn guided(mut self, guide: Guide) -> Self {
+        self.guides.push(guide);
+        self
+    }
+
+    /// The figure as one SVG text that scales to the width it is given.
+    ///
+    /// # Errors
+    /// [`ReportError`] where there is nothing to draw or a fixed range is impossible.
+    pub fn to_svg(&self) -> Result<String, ReportError> {
+        crate::draw::figure(self)
+    }
+}

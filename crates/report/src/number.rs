@@ -1,0 +1,95 @@
+//! Numbers as people read them.
+
+/// An exponent in superscript digits.
+pub(crate) fn superscript(n: i32) -> String {
+    n.to_string()
+        .chars()
+        .map(|c| match c {
+            '-' => '⁻',
+            '1' => '¹',
+            '2' => '²',
+            '3' => '³',
+            '0' | '4'..='9' => char::from_u32('⁰' as u32 + (c as u32 - '0' as u32)).unwrap_or(c),
+            other => other,
+        })
+        .collect()
+}
+
+/// A number with so many significant digits, as `1.25·10⁻⁷` or plain between 10⁻³ and 10⁵.
+///
+/// Not-a-number and the infinities are written as words.
+#[must_use]
+pub fn significant(value: f64, digits: usize) -> String {
+    if value.is_nan() {
+        return "not a number".into();
+    }
+    if value.is_infinite() {
+        return if value > 0.0 { "∞" } else { "−∞" }.into();
+    }
+    if value == 0.0 {
+        return "0".into();
+    }
+    let digits = digits.max(1);
+    // Rounding first: 9.996 at three digits is 10.0, not 9.100.
+    let text = format!("{:.*e}", digits - 1, value.abs());
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let sign = if value < 0.0 { "−" } else { "" };
+    if (-3..5).contains(&exponent) {
+        let decimals = usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0);
+        format!("{sign}{:.decimals$}", value.abs())
+    } else {
+        format!("{sign}{mantissa}·10{}", superscript(exponent))
+    }
+}
+
+/// A number as short as it can be: whole numbers without a point, others with four significant digits.
+#[must_use]
+pub fn plain_or_scientific(value: f64) -> String {
+    if value.is_finite() && value == value.trunc() && value.abs() < 1e6 {
+        format!("{value:.0}").replace('-', "−")
+    } else {
+        significant(value, 4)
+    }
+}
+
+/// A value with its standard error in the last digits, `−5.4812(13)`; two digits of error.
+#[must_use]
+pub fn with_error(value: f64, error: f64) -> String {
+    if !(value.is_finite() && error.is_finite() && error > 0.0) {
+        return significant(value, 6);
+    }
+    let last = error.log10().floor() as i32 - 1;
+    if last >= 0 {
+        return format!("{value:.0}({error:.0})").replace('-', "−");
+    }
+    if last < -12 {
+        return format!("{} ± {}", significant(value, 6), significant(error, 2));
+    }
+    let scaled = error / 10f64.powi(last);
+    format!("{value:.*}({scaled:.0})", last.unsigned_abs() as usize).replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_as_written_in_a_paper() {
+        assert_eq!(significant(0.0, 3), "0");
+        assert_eq!(significant(9.996, 3), "10.0");
+        assert_eq!(significant(-1.25e-7, 3), "−1.25·10⁻⁷");
+        assert_eq!(significant(119.760_479, 6), "119.760");
+        assert_eq!(significant(123_456.0, 3), "1.23·10⁵");
+        assert_eq!(significant(f64::NAN, 3), "not a number");
+        assert_eq!(plain_or_scientific(-864.0), "−864");
+        assert_eq!(superscript(-1_234_567_890), "⁻¹²³⁴⁵⁶⁷⁸⁹⁰");
+    }
+
+    #[test]
+    fn errors_stand_in_the_last_two_digits() {
+        assert_eq!(with_error(-5.481_23, 0.001_27), "−5.4812(13)");
+        assert_eq!(with_error(1234.0, 25.0), "1234(25)");
+        assert_eq!(with_error(1.5, 0.0), "1.50000");
+    }
+}

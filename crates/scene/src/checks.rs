@@ -1,0 +1,197 @@
+//! What must hold between tables.
+
+use lennard_core::{DVec3, PeriodicBox};
+
+use crate::lattice::{NoLattice, cells};
+use crate::reference::{LONGEST_SIDE, MOST_STEPS};
+use crate::{Geometry, Placement, Scene, SceneError, Start};
+
+impl Scene {
+    /// The box and the part of it that particles fill at the start; `None` for a start from a
+    /// configuration file.
+    ///
+    /// # Errors
+    /// [`SceneError`] where the particles make no whole lattice or the box cannot be; never for a scene
+    /// that was read from a file, which was checked then.
+    pub fn placement(&self) -> Result<Option<Placement>, SceneError> {
+        let Start::Lattice {
+            lattice,
+            n_atoms,
+            geometry,
+            vacuum,
+        } = &self.system.start
+        else {
+            return Ok(None);
+        };
+        let (filled, key) = match geometry {
+            Geometry::Density(density) => {
+                let side = (*n_atoms as f64 / density).cbrt();
+                (DVec3::splat(side), "system.density")
+            }
+            Geometry::Box(sides) => (DVec3::from_array(*sides), "system.box"),
+        };
+        let mut lengths = filled;
+        lengths.z += vacuum;
+        let refuse = |found: f64| {
+            let key = if filled.max_element() > LONGEST_SIDE || *vacuum == 0.0 {
+                key
+            } else {
+                "system.vacuum"
+            };
+            self.source
+                .refuse(key, "makes an impossible box")
+                .found(format!("a side of {found} σ"))
+                .allowed(format!("sides above 0 and at most {LONGEST_SIDE} σ"))
+        };
+        for side in lengths.to_array() {
+            if !(side > 0.0 && side <= LONGEST_SIDE) {
+                return Err(refuse(side));
+            }
+        }
+        let cell = PeriodicBox::new(lengths).map_err(|_| refuse(f64::NAN))?;
+        let cells = cells(*lattice, *n_atoms, filled)
+            .map_err(|none| self.no_lattice(*n_atoms, &none))?;
+        Ok(Some(Placement {
+            cell,
+            corner: DVec3::new(0.0, 0.0, 0.5 * vacuum),
+            filled,
+            cells,
+        }))
+    }
+
+    fn no_lattice(&self, found: usize, none: &NoLattice) -> SceneError {
+        let nearest = match (none.below, none.above) {
+            (Some(below), Some(above)) => format!("{below} below, {above} above"),
+            (None, Some(only)) | (Some(only), None) => only.to_string(),
+            (None, None) => "none near; lattice = \"random\" takes any number".to_owned(),
+        };
+        self.source
+            .refuse("system.n_atoms", "makes no whole lattice")
+            .found(found)
+            .allowed(&none.rule)
+            .suggestion(Some(nearest))
+    }
+}
+
+/// Everything that can be said before a configuration file is read.
+pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
+    stages(scene)?;
+    if let Some(placement) = scene.placement()? {
+        let Start::Lattice {
+            n_atoms, vacuum, ..
+        } = scene.system.start
+        else {
+            return Ok(());
+        };
+        homogeneous(scene, vacuum)?;
+        fits(scene, placement.cell, n_atoms)?;
+    }
+    Ok(())
+}
+
+fn stages(scene: &Scene) -> Result<(), SceneError> {
+    let mut total: u64 = 0;
+    for (i, stage) in scene.stages.iter().enumerate() {
+        let key = |key: &str| format!("stage.{i}.{key}");
+        if let Some(first) = scene.stages[..i].iter().position(|s| s.name == stage.name) {
+            let first = format!("stage.{first}.name");
+            return Err(scene.source.twice(&key("name"), &stage.name, &first));
+        }
+        total = total.saturating_add(stage.steps);
+        if total > MOST_STEPS as u64 {
+            return Err(scene
+                .source
+                .refuse(&key("steps"), "makes the run too long")
+                .found(format!("{total} steps up to the end of this stage"))
+                .allowed(format!("at most {MOST_STEPS} in all stages together")));
+        }
+        if stage.thermostat.is_some() && stage.temperature <= 0.0 {
+            return Err(scene
+                .source
+                .refuse(&key("thermostat"), "has no temperature to hold")
+                .found(format!("temperature {}", stage.temperature))
+                .allowed("a `temperature` above 0, of this stage or of the system"));
+        }
+    }
+    let mut measured = scene.stages.iter().enumerate().filter(|(_, s)| s.measure);
+    let Some((_, first)) = measured.next() else {
+        return Err(scene
+            .source
+            .refuse("stage", "has none that is measured")
+            .found("measure = false in every stage")
+            .allowed("`measure = true` in at least one stage"));
+    };
+    for (i, stage) in measured {
+        let alike = scene.stage_dt(stage) == scene.stage_dt(first)
+            && stage.thermostat == first.thermostat
+            && (stage.thermostat.is_none() || stage.temperature == first.temperature);
+        if !alike {
+            return Err(scene
+                .source
+                .refuse(&format!("stage.{i}.measure"), "pools unlike samples")
+                .found(format!(
+                    "stages {:?} and {:?}, both measured, that differ in dt, thermostat or temperature",
+                    first.name, stage.name
+                ))
+                .allowed("measured stages that are alike in dt, thermostat and temperature"));
+        }
+    }
+    Ok(())
+}
+
+fn homogeneous(scene: &Scene, vacuum: f64) -> Result<(), SceneError> {
+    if vacuum > 0.0 && scene.truncation.tail_correction {
+        let key = "truncation.tail_correction";
+        let found = match scene.source.wrote(key) {
+            true => "true",
+            false => "true, the default with kind \"cut\"",
+        };
+        return Err(scene
+            .source
+            .refuse(key, "assumes a homogeneous fluid, and this one has surfaces")
+            .found(format!("{found}, with system.vacuum = {vacuum}"))
+            .allowed("false where there is a vacuum"));
+    }
+    Ok(())
+}
+
+/// Whether cutoff, skin and observables fit the box.
+fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneError> {
+    // Measured stages are alike, so one stands for all.
+    let measured = scene.stages.iter().find(|stage| stage.measure);
+    let dt = measured.map_or(scene.integrator.dt, |stage| scene.stage_dt(stage));
+    let conditions = lennard_forcefield::Conditions {
+        cell,
+        n_atoms,
+        temperature: scene.system.temperature,
+        dt,
+    };
+    lennard_forcefield::check(&scene.force_field(), &conditions)
+        .map_err(|e| scene.source.refuse(e.key(), e.to_string()).found(e.found()).allowed(e.allowed()))?;
+    for (i, table) in scene.observables.iter().enumerate() {
+        let context = lennard_observables::BuildContext {
+            cell,
+            n_atoms,
+            dt,
+            every: table.every,
+            r_cut: scene.truncation.r_cut,
+        };
+        lennard_observables::build(&table.options, &context).map_err(|e| {
+            scene
+                .source
+                .refuse(&format!("observable.{i}.{}", e.key()), "is not allowed")
+                .found(e.found())
+                .allowed(e.allowed())
+        })?;
+    }
+    Ok(())
+}
+
+/// Whether a text is the symbol of an element, or X for none.
+pub(crate) fn is_element(symbol: &str) -> bool {
+    const ELEMENTS: &str = "X H He Li Be B C N O F Ne Na Mg Al Si P S Cl Ar K Ca Sc Ti V Cr Mn Fe Co Ni Cu Zn Ga Ge As Se \
+        Br Kr Rb Sr Y Zr Nb Mo Tc Ru Rh Pd Ag Cd In Sn Sb Te I Xe Cs Ba La Ce Pr Nd Pm Sm Eu Gd Tb Dy Ho Er Tm Yb \
+        Lu Hf Ta W Re Os Ir Pt Au Hg Tl Pb Bi Po At Rn Fr Ra Ac Th Pa U Np Pu Am Cm Bk Cf Es Fm Md No Lr Rf Db Sg \
+        Bh Hs Mt Ds Rg Cn Nh Fl Mc Lv Ts Og";
+    ELEMENTS.split_whitespace().any(|element| element == symbol)
+}

@@ -1,0 +1,237 @@
+//! What is wrong with a scene, and where.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+/// Where a key was written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Place {
+    /// On this line of the file, counted from 1.
+    Line(usize),
+    /// In an override, as typed: `system.seed=7`.
+    Override(Arc<str>),
+}
+
+/// A scene that cannot be used: says file, line, key, what was found, what is allowed, and the nearest
+/// valid name where a name is wrong. Its [`Display`](fmt::Display) is the whole message, several lines long.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub struct SceneError(Box<Details>);
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Details {
+    file: String,
+    place: Option<Place>,
+    key: Option<String>,
+    message: String,
+    found: Option<String>,
+    allowed: Option<String>,
+    suggestion: Option<String>,
+}
+
+impl SceneError {
+    pub(crate) fn new(file: impl Into<String>, message: impl Into<String>) -> Self {
+        Self(Box::new(Details {
+            file: file.into(),
+            place: None,
+            key: None,
+            message: message.into(),
+            found: None,
+            allowed: None,
+            suggestion: None,
+        }))
+    }
+
+    pub(crate) fn at(mut self, place: Option<Place>) -> Self {
+        self.0.place = place;
+        self
+    }
+
+    pub(crate) fn key(mut self, key: impl Into<String>) -> Self {
+        self.0.key = Some(key.into());
+        self
+    }
+
+    pub(crate) fn found(mut self, found: impl fmt::Display) -> Self {
+        self.0.found = Some(found.to_string());
+        self
+    }
+
+    pub(crate) fn allowed(mut self, allowed: impl fmt::Display) -> Self {
+        self.0.allowed = Some(allowed.to_string());
+        self
+    }
+
+    pub(crate) fn suggestion(mut self, suggestion: Option<impl Into<String>>) -> Self {
+        self.0.suggestion = suggestion.map(Into::into);
+        self
+    }
+
+    /// The scene file.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        &self.0.file
+    }
+
+    /// The line in the file, counted from 1; `None` where the trouble is an override or the whole file.
+    #[must_use]
+    pub fn line(&self) -> Option<usize> {
+        match self.0.place {
+            Some(Place::Line(line)) => Some(line),
+            _ => None,
+        }
+    }
+
+    /// The override, as typed, where the trouble came from one.
+    #[must_use]
+    pub fn overridden_by(&self) -> Option<&str> {
+        match &self.0.place {
+            Some(Place::Override(text)) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// The key with its tables, `stage.0.steps`.
+    #[must_use]
+    pub fn key_path(&self) -> Option<&str> {
+        self.0.key.as_deref()
+    }
+
+    /// What is wrong, in a sentence.
+    #[must_use]
+    pub fn message(&self) -> &str {
+        &self.0.message
+    }
+
+    /// The value found.
+    #[must_use]
+    pub fn value_found(&self) -> Option<&str> {
+        self.0.found.as_deref()
+    }
+
+    /// What is allowed.
+    #[must_use]
+    pub fn what_is_allowed(&self) -> Option<&str> {
+        self.0.allowed.as_deref()
+    }
+
+    /// The nearest valid name.
+    #[must_use]
+    pub fn nearest(&self) -> Option<&str> {
+        self.0.suggestion.as_deref()
+    }
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Details {
+            file,
+            place,
+            key,
+            message,
+            found,
+            allowed,
+            suggestion,
+        } = &*self.0;
+        match place {
+            Some(Place::Line(line)) => write!(f, "{file}, line {line}")?,
+            Some(Place::Override(text)) => write!(f, "{file}, override `{text}`")?,
+            None => write!(f, "{file}")?,
+        }
+        match key {
+            Some(key) => write!(f, ": `{key}` {message}")?,
+            None => write!(f, ": {message}")?,
+        }
+        if let Some(found) = found {
+            write!(f, "\n  found:   {found}")?;
+        }
+        if let Some(allowed) = allowed {
+            write!(f, "\n  allowed: {allowed}")?;
+        }
+        if let Some(name) = suggestion {
+            write!(f, "\n  nearest: {name}")?;
+        }
+        Ok(())
+    }
+}
+
+/// Where each key of a scene was written, so that trouble found later can still be put on a line.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Source {
+    file: String,
+    places: BTreeMap<String, Place>,
+}
+
+impl Source {
+    pub(crate) fn new(file: impl Into<String>, places: BTreeMap<String, Place>) -> Self {
+        Self {
+            file: file.into(),
+            places,
+        }
+    }
+
+    /// The scene file, as it was named.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// Where a key such as `truncation.r_cut` or `stage.0.steps` was written, or else the table that it
+    /// would belong to; `None` where neither was written.
+    #[must_use]
+    pub fn place(&self, key: &str) -> Option<&Place> {
+        let mut key = key;
+        loop {
+            if let Some(place) = self.places.get(key) {
+                return Some(place);
+            }
+            key = &key[..key.rfind('.')?];
+        }
+    }
+
+    /// The line of a key, counted from 1, or that of its table; `None` where neither was written, or
+    /// where the value came from an override.
+    #[must_use]
+    pub fn locate(&self, key: &str) -> Option<usize> {
+        match self.place(key) {
+            Some(Place::Line(line)) => Some(*line),
+            _ => None,
+        }
+    }
+
+    /// Whether the key was written at all, in the file or as an override.
+    #[must_use]
+    pub fn wrote(&self, key: &str) -> bool {
+        self.places.contains_key(key)
+    }
+
+    /// The error for a value that turned out not to fit, with file and line.
+    #[must_use]
+    pub fn invalid(
+        &self,
+        key: &str,
+        found: impl fmt::Display,
+        allowed: impl fmt::Display,
+    ) -> SceneError {
+        self.refuse(key, "does not fit").found(found).allowed(allowed)
+    }
+
+    /// The error that a name is used twice, `first` being the key where it was before.
+    pub(crate) fn twice(&self, key: &str, found: &str, first: &str) -> SceneError {
+        let before = match self.place(first) {
+            Some(Place::Line(line)) => format!("on line {line}"),
+            Some(Place::Override(text)) => format!("in the override `{text}`"),
+            None => format!("in {first}"),
+        };
+        self.refuse(key, "is there twice")
+            .found(format!("{found:?}, first {before}"))
+            .allowed("each at most once")
+    }
+
+    /// The error that a key has this trouble, with file and line.
+    pub(crate) fn refuse(&self, key: &str, message: impl Into<String>) -> SceneError {
+        SceneError::new(&self.file, message)
+            .at(self.place(key).cloned())
+            .key(key)
+    }
+}

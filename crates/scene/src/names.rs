@@ -1,0 +1,67 @@
+//! Names that are nearly right, and names of what is not there yet.
+
+/// The known name nearest to a mistyped one, where it is near enough to be meant.
+pub(crate) fn nearest<'a>(found: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
+    /// Jaro–Winkler similarity from which a name counts as meant: `n_atom` and `temprature` pass, and
+    /// no two names of the scene reference that have nothing in common do.
+    const NEAR_ENOUGH: f64 = 0.75;
+    let found = found.to_lowercase().replace('-', "_");
+    known
+        .map(|name| {
+            let plain = name.to_lowercase().replace('-', "_");
+            (strsim::jaro_winkler(&found, &plain), name)
+        })
+        .filter(|(similarity, _)| *similarity >= NEAR_ENOUGH)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| name.to_owned())
+}
+
+/// A feature that people look for and that is not there yet: words that name it, and what to call it.
+struct Planned {
+    words: &'static [&'static str],
+    feature: &'static str,
+}
+
+const PLANNED: &[Planned] = &[
+    Planned {
+        words: &["barostat", "pressure_control", "npt", "parrinello_rahman", "berendsen_barostat"],
+        feature: "barostats are",
+    },
+    Planned {
+        words: &["species", "mixture", "mixing", "component", "components", "mixing_rule"],
+        feature: "mixtures of several species are",
+    },
+    Planned {
+        words: &["triclinic", "tilt", "angles", "cell_vectors"],
+        feature: "triclinic boxes are",
+    },
+    Planned {
+        words: &["constraint", "constraints"],
+        feature: "constraints are",
+    },
+    Planned {
+        words: &["bond", "bonds", "dumbbell"],
+        feature: "bonds are",
+    },
+    Planned {
+        words: &["wall", "walls"],
+        feature: "walls are",
+    },
+    Planned {
+        words: &["accuracy"],
+        feature: "settings chosen from a wanted accuracy are",
+    },
+    Planned {
+        words: &["charge", "charges", "coulomb", "ewald", "pme"],
+        feature: "electric charges are",
+    },
+];
+
+/// What a name stands for that is not there yet: "barostats are not available yet".
+pub(crate) fn not_yet(name: &str) -> Option<String> {
+    let name = name.to_lowercase().replace('-', "_");
+    PLANNED
+        .iter()
+        .find(|planned| planned.words.contains(&name.as_str()))
+        .map(|planned| format!("{} not available yet", planned.feature))
+}

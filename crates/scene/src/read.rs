@@ -1,0 +1,273 @@
+//! From the text of a scene to a [`Scene`], table by table.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::{Place, SceneError};
+use crate::names::{nearest, not_yet};
+use crate::reference::{self, MOST_ENTRIES};
+use crate::tree::{self, Entry, Node, Table, Value};
+use crate::typed::Section;
+use crate::{Scene, Source, checks, overrides};
+
+impl Scene {
+    /// Reads a scene file, with overrides such as `("stage.production.steps", "1000")` over it.
+    ///
+    /// A relative `configuration` path is taken from the folder of the scene file.
+    ///
+    /// # Errors
+    /// [`SceneError`] for the first thing that is wrong.
+    pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Self, SceneError> {
+        let file = path.display().to_string();
+        let bytes = std::fs::read(path).map_err(|error| {
+            SceneError::new(&file, "the scene file cannot be read")
+                .found(error)
+                .allowed("the path of a scene file, such as inputs/fluid/gas.toml")
+        })?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let good = error.utf8_error().valid_up_to();
+            let line = error.as_bytes()[..good].iter().filter(|b| **b == b'\n').count() + 1;
+            SceneError::new(&file, "this is not text")
+                .at(Some(Place::Line(line)))
+                .found("bytes that are not UTF-8")
+                .allowed("a TOML file in UTF-8")
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let resolve = |source: &Source, written: &Path| {
+            let joined = folder.join(written);
+            joined.canonicalize().map_err(|error| {
+                source
+                    .refuse("system.configuration", "cannot be read")
+                    .found(format!("{} ({error})", joined.display()))
+                    .allowed("the path of a file that can be read, relative to the scene file")
+            })
+        };
+        read(&text, &file, overrides, &resolve)
+    }
+
+    /// Reads a scene from its text; `name` stands for the file in messages. No other file is looked at.
+    ///
+    /// # Errors
+    /// [`SceneError`] for the first thing that is wrong.
+    pub fn parse(
+        text: &str,
+        name: &str,
+        overrides: &[(String, String)],
+    ) -> Result<Self, SceneError> {
+        read(text, name, overrides, &|_, path| Ok(path.to_owned()))
+    }
+}
+
+/// Makes a written path one that can be opened, or says why not.
+pub(crate) type Resolve<'a> = &'a dyn Fn(&Source, &Path) -> Result<PathBuf, SceneError>;
+
+fn read(
+    text: &str,
+    file: &str,
+    overrides: &[(String, String)],
+    resolve: Resolve<'_>,
+) -> Result<Scene, SceneError> {
+    let mut root = tree::parse(text, file)?;
+    overrides::apply(&mut root, overrides, file)?;
+    let source = Source::new(file, tree::places(&root));
+    let reader = Reader {
+        root: &root,
+        source: &source,
+        empty: Node {
+            value: Value::Table(Table::default()),
+            place: Place::Line(1),
+        },
+    };
+    reader.known_tables()?;
+    let system = reader.system(resolve)?;
+    let name = reader.name(file)?;
+    let mut observables = reader.observables()?;
+    let mut output = reader.output()?;
+    reader.one_thermo_interval(&mut observables, &mut output)?;
+    let scene = Scene {
+        name,
+        potential: reader.tagged("potential", "lennard-jones")?,
+        truncation: reader.plain("truncation")?,
+        neighbor: reader.plain("neighbor")?,
+        kernel: reader.plain("kernel")?,
+        integrator: reader.integrator()?,
+        stages: reader.stages(system.temperature)?,
+        observables,
+        output,
+        checkpoint: reader.checkpoint()?,
+        system,
+        source: source.clone(),
+    };
+    checks::whole_scene(&scene)?;
+    Ok(scene)
+}
+
+/// The tables of a scene file that are written once.
+const TABLES: [&str; 8] = [
+    "system",
+    "potential",
+    "truncation",
+    "neighbor",
+    "kernel",
+    "integrator",
+    "output",
+    "checkpoint",
+];
+
+/// Those that may be written many times.
+const LISTS: [&str; 2] = ["stage", "observable"];
+
+pub(crate) struct Reader<'a> {
+    root: &'a Table,
+    pub source: &'a Source,
+    pub empty: Node,
+}
+
+impl<'a> Reader<'a> {
+    /// Refuses what stands outside every table, and tables that nobody knows.
+    fn known_tables(&self) -> Result<(), SceneError> {
+        for entry in &self.root.0 {
+            let key = entry.key.as_str();
+            if key == "name" {
+                continue;
+            }
+            let heading = match (TABLES.contains(&key), LISTS.contains(&key)) {
+                (true, _) => format!("a table, `[{key}]`"),
+                (_, true) => format!("an array of tables, `[[{key}]]`"),
+                _ => return Err(self.unknown_table(entry)),
+            };
+            let fits = match &entry.node.value {
+                Value::Table(_) => TABLES.contains(&key),
+                Value::Array(items) => {
+                    LISTS.contains(&key) && items.iter().all(|item| item.table().is_some())
+                }
+                _ => false,
+            };
+            if !fits {
+                return Err(self
+                    .source
+                    .refuse(key, "is written the wrong way")
+                    .found(match &entry.node.value {
+                        Value::Table(_) => format!("`[{key}]`"),
+                        Value::Array(items) if items.iter().all(|i| i.table().is_some()) => {
+                            format!("`[[{key}]]`")
+                        }
+                        _ => entry.node.to_string(),
+                    })
+                    .allowed(heading));
+            }
+        }
+        Ok(())
+    }
+
+    fn unknown_table(&self, entry: &Entry) -> SceneError {
+        let key = &entry.key;
+        if let Some(message) = not_yet(key) {
+            return self
+                .source
+                .refuse(key, format!("cannot be used: {message}"));
+        }
+        let known: Vec<&str> = TABLES.into_iter().chain(LISTS).chain(["name"]).collect();
+        let what = match &entry.node.value {
+            Value::Table(_) => "table",
+            Value::Array(_) => "array",
+            _ => "key outside all tables",
+        };
+        let home = reference::keys().iter().find(|doc| doc.key == key);
+        let suggestion = nearest(key, known.iter().copied())
+            .or_else(|| home.map(|doc| format!("{} in [{}]", doc.key, doc.table)));
+        self.source
+            .refuse(key, format!("is not a known {what}"))
+            .found(format!("`{key}`"))
+            .allowed(known.join(", "))
+            .suggestion(suggestion)
+    }
+
+    pub fn node(&self, table: &str) -> &Node {
+        self.root.get(table).unwrap_or(&self.empty)
+    }
+
+    pub fn section(&'a self, table: &'static str) -> Section<'a> {
+        Section::new(self.source, table, table)
+    }
+
+    /// A table whose type has a default for every key.
+    pub fn plain<T: serde::de::DeserializeOwned>(&self, table: &'static str) -> Result<T, SceneError> {
+        self.section(table).read(self.node(table))
+    }
+
+    /// A table with a `kind`, which may be left out.
+    pub fn tagged<T: serde::de::DeserializeOwned>(
+        &self,
+        table: &'static str,
+        default_kind: &str,
+    ) -> Result<T, SceneError> {
+        let node = with_kind(self.node(table), default_kind);
+        self.section(table).with(&["kind"]).read(&node)
+    }
+
+    fn name(&self, file: &str) -> Result<String, SceneError> {
+        let rule = |name: &str| {
+            name.starts_with(|c: char| c.is_ascii_alphanumeric())
+                && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c))
+        };
+        let Some(node) = self.root.get("name") else {
+            let stem = Path::new(file).file_stem().unwrap_or_default();
+            let plain: String = stem
+                .to_string_lossy()
+                .chars()
+                .map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' })
+                .collect();
+            let plain = plain.trim_start_matches(|c: char| !c.is_ascii_alphanumeric());
+            return Ok(if plain.is_empty() { "scene" } else { plain }.to_owned());
+        };
+        match node.text() {
+            Some(name) if rule(name) => Ok(name.to_owned()),
+            _ => Err(self.refuse_value("", "name", "name", node)),
+        }
+    }
+
+    /// A value that the reference does not allow.
+    pub fn refuse_value(&self, table: &str, key: &str, path: &str, node: &Node) -> SceneError {
+        let allowed = reference::find(table, None, key).map(|doc| doc.allowed.text());
+        self.source
+            .refuse(path, "is not allowed")
+            .found(node)
+            .allowed(allowed.unwrap_or_default())
+    }
+
+    pub fn list(&self, name: &str) -> Result<&[Node], SceneError> {
+        match self.root.get(name).map(|node| &node.value) {
+            Some(Value::Array(items)) if items.len() > MOST_ENTRIES => Err(self
+                .source
+                .refuse(name, "is there too often")
+                .found(format!("{} times", items.len()))
+                .allowed(format!("at most {MOST_ENTRIES} times"))),
+            Some(Value::Array(items)) => Ok(items),
+            _ => Ok(&[]),
+        }
+    }
+}
+
+
+/// A table with a `kind` where it has none.
+pub(crate) fn with_kind(node: &Node, kind: &str) -> Node {
+    let mut node = node.clone();
+    if let Value::Table(table) = &mut node.value
+        && table.get("kind").is_none()
+    {
+        let kind = Node {
+            value: Value::Text(kind.to_owned()),
+            place: node.place.clone(),
+        };
+        table.set("kind", kind);
+    }
+    node
+}
+
+pub(crate) fn take(node: &mut Node, key: &str) -> Option<Entry> {
+    match &mut node.value {
+        Value::Table(table) => table.remove(key),
+        _ => None,
+    }
+}
+

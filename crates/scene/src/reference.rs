@@ -1,0 +1,308 @@
+//! The scene reference: every table and key with what it may hold. Error messages, the range checks and
+//! the tables of `inputs/README.md` are made from it.
+
+use std::fmt::Write as _;
+
+/// The most particles that a scene may ask for; their numbers must fit in 32 bits with room to spare.
+pub(crate) const MOST_ATOMS: i64 = 1_000_000_000;
+/// The most steps of a stage: at 10⁴ steps a second, three thousand years.
+pub(crate) const MOST_STEPS: i64 = 1_000_000_000_000_000;
+/// The longest box side in σ: beyond it, image flags and the last digits of positions get scarce.
+pub(crate) const LONGEST_SIDE: f64 = 1e6;
+/// The most stages, and the most observables.
+pub(crate) const MOST_ENTRIES: usize = 1000;
+
+/// What a key may hold.
+#[derive(Debug, Clone, Copy)]
+pub enum Allowed {
+    /// A finite number above 0.
+    Positive,
+    /// A finite number, 0 or more.
+    NotNegative,
+    /// A whole number in this range.
+    Whole(i64, i64),
+    /// `true` or `false`.
+    Flag,
+    /// One of these names.
+    Names(fn() -> Vec<&'static str>),
+    /// What the words say.
+    Words(&'static str),
+}
+
+impl Allowed {
+    /// In words, for messages and for the reference.
+    #[must_use]
+    pub fn text(&self) -> String {
+        match self {
+            Self::Positive => "a finite number above 0".to_owned(),
+            Self::NotNegative => "a finite number, 0 or more".to_owned(),
+            Self::Whole(from, i64::MAX) => format!("a whole number from {from}"),
+            Self::Whole(from, to) => format!("a whole number from {from} to {to}"),
+            Self::Flag => "true or false".to_owned(),
+            Self::Names(names) => quoted(&names()),
+            Self::Words(words) => (*words).to_owned(),
+        }
+    }
+}
+
+/// Names in quotes, with commas.
+pub(crate) fn quoted(names: &[&str]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    quoted.join(", ")
+}
+
+/// One key of a scene file.
+#[derive(Debug, Clone, Copy)]
+pub struct KeyDoc {
+    /// Its table: `system`, `stage`, `stage.thermostat`; empty for a key outside all tables.
+    pub table: &'static str,
+    /// The method that the key belongs to, where it belongs to one alone (`soft-sphere`).
+    pub method: Option<&'static str>,
+    /// The key.
+    pub key: &'static str,
+    /// What it may hold.
+    pub allowed: Allowed,
+    /// The value where it is not written, in words.
+    pub default: &'static str,
+    /// Its unit, empty for a plain number or a name.
+    pub unit: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+}
+
+/// A table of a scene file.
+#[derive(Debug, Clone, Copy)]
+pub struct TableDoc {
+    /// Its name; empty for the keys outside all tables.
+    pub table: &'static str,
+    /// How it is written.
+    pub heading: &'static str,
+    /// What it is for.
+    pub meaning: &'static str,
+}
+
+macro_rules! keys {
+    ($($table:literal of $method:tt { $($key:literal: $allowed:expr, $default:literal, $unit:literal, $meaning:literal;)* })*) => {
+        &[$($(KeyDoc {
+            table: $table,
+            method: keys!(@method $method),
+            key: $key,
+            allowed: $allowed,
+            default: $default,
+            unit: $unit,
+            meaning: $meaning,
+        },)*)*]
+    };
+    (@method any) => { None };
+    (@method $method:literal) => { Some($method) };
+}
+
+use Allowed::{Flag, Names, NotNegative, Positive, Whole, Words};
+
+static TABLES: &[TableDoc] = &[
+    TableDoc {
+        table: "",
+        heading: "Outside all tables",
+        meaning: "At the top of the file.",
+    },
+    TableDoc {
+        table: "system",
+        heading: "`[system]`",
+        meaning: "Where the particles start: either on a lattice or at random (`n_atoms` with `density` or `box`), \
+                  or as a `configuration` file says.",
+    },
+    TableDoc {
+        table: "potential",
+        heading: "`[potential]`",
+        meaning: "The pair potential.",
+    },
+    TableDoc {
+        table: "truncation",
+        heading: "`[truncation]`",
+        meaning: "How the potential ends.",
+    },
+    TableDoc {
+        table: "neighbor",
+        heading: "`[neighbor]`",
+        meaning: "How neighbors are found. Nothing here changes the physics.",
+    },
+    TableDoc {
+        table: "kernel",
+        heading: "`[kernel]`",
+        meaning: "Which force loop runs.",
+    },
+    TableDoc {
+        table: "integrator",
+        heading: "`[integrator]`",
+        meaning: "The method that advances time.",
+    },
+    TableDoc {
+        table: "stage",
+        heading: "`[[stage]]`",
+        meaning: "What happens one after the other; at least one. Without a thermostat a stage runs at constant energy.",
+    },
+    TableDoc {
+        table: "stage.thermostat",
+        heading: "`thermostat = { … }` of a stage",
+        meaning: "The heat bath with its own keys; a name alone (`thermostat = \"bussi\"`) takes their defaults.",
+    },
+    TableDoc {
+        table: "observable",
+        heading: "`[[observable]]`",
+        meaning: "What is measured in the measured stages, besides the thermodynamics that every run measures. \
+                  Each kind at most once.",
+    },
+    TableDoc {
+        table: "output",
+        heading: "`[output]`",
+        meaning: "What is written to the output folder.",
+    },
+    TableDoc {
+        table: "checkpoint",
+        heading: "`[checkpoint]`",
+        meaning: "When the whole state is saved.",
+    },
+];
+
+static KEYS: &[KeyDoc] = keys! {
+    "" of any {
+        "name": Words("letters, digits, `-`, `_` and `.`, beginning with a letter or digit"), "the file's name without `.toml`", "", "Name of the scene; the output folder is called after it.";
+    }
+    "system" of any {
+        "lattice": Names(|| vec!["fcc", "sc", "bcc", "random"]), "`\"fcc\"`", "", "Arrangement at the start. In a cube, fcc takes 4m³ particles, bcc 2m³, sc m³; in another box, 4abc, 2abc or abc with nearly cubic cells (edges within 10 % of each other). `random` takes any number, relaxed until nothing overlaps.";
+        "n_atoms": Whole(1, MOST_ATOMS), "needed", "", "Number of particles.";
+        "density": Positive, "this or `box`", "σ⁻³", "Number density of the start; the box is a cube.";
+        "box": Words("one side, or three sides [Lx, Ly, Lz], each a finite number above 0"), "this or `density`", "σ", "Box sides. With a `configuration`, the box of a file that names none.";
+        "vacuum": NotNegative, "`0.0`", "σ", "Empty length added to the box along z, with the particles in the middle: a slab between two surfaces. `density` and `box` then describe the filled part.";
+        "configuration": Words("the path of a file that can be read"), "none", "", "Start from this file (extended XYZ or the NIST columns), relative to the scene file. Takes the place of `lattice`, `n_atoms` and `density`.";
+        "temperature": NotNegative, "needed", "ε/k_B", "Temperature of the first velocities (where no file gives them) and of every thermostat that names no other.";
+        "seed": Whole(0, i64::MAX), "`1`", "", "Seed of every random stream.";
+    }
+    "potential" of any {
+        "kind": Names(|| lennard_forcefield::potentials().iter().map(|p| p.name).collect()), "`\"lennard-jones\"`", "", "The pair potential U(r).";
+    }
+    "potential" of "soft-sphere" {
+        "exponent": Whole(4, 32), "`12`", "", "The exponent n of U = r⁻ⁿ.";
+    }
+    "truncation" of any {
+        "kind": Names(|| lennard_forcefield::truncations().iter().map(|t| t.name).collect()), "`\"cut\"`", "", "How the potential ends at `r_cut`.";
+        "r_cut": Positive, "`2.5`", "σ", "Cutoff radius; at most half the shortest box side.";
+        "switch_from": Words("a number between 0 and `r_cut`, with kind \"switch\" alone"), "0.8·`r_cut`", "σ", "Where the switch begins.";
+        "tail_correction": Words("true or false; true with kind \"cut\" alone, and only in a homogeneous fluid"), "`true` for `\"cut\"`, else `false`", "", "Whether U and P are corrected for the fluid beyond the cutoff.";
+    }
+    "neighbor" of any {
+        "mode": Names(|| vec!["auto", "direct", "verlet"]), "`\"auto\"`", "", "Every pair each time, or a Verlet list over a cell grid; `auto` chooses from the scene.";
+        "skin": NotNegative, "chosen from density, temperature and dt", "σ", "The list holds pairs up to r_cut + skin; that may not exceed half the shortest box side.";
+    }
+    "kernel" of any {
+        "kernel": Names(|| vec!["auto", "reference"]), "`\"auto\"`", "", "The fastest loop that suits the scene, or the plain double loop that all others are judged by.";
+        "precision": Names(|| vec!["double", "mixed"]), "`\"double\"`", "", "Precision of the pair terms; sums and integration are always double.";
+        "isa": Names(|| vec!["auto", "avx512", "avx2", "portable"]), "`\"auto\"`", "", "Instruction set of the loop.";
+    }
+    "integrator" of any {
+        "kind": Names(|| lennard_integrators::integrators().iter().map(|i| i.spec.name).collect()), "`\"velocity-verlet\"`", "", "The method.";
+        "dt": Positive, "`0.004`", "τ", "Time step.";
+    }
+    "stage" of any {
+        "name": Words("letters, digits, `-` and `_`, not digits alone, and unlike any other stage's"), "needed", "", "Its name, by which `--set stage.NAME.steps=…` finds it.";
+        "steps": Whole(1, MOST_STEPS), "needed", "", "Number of steps.";
+        "thermostat": Words("\"none\", the name of a thermostat, or a table with `kind` and its keys"), "`\"none\"`", "", "The heat bath; none is constant energy.";
+        "temperature": Positive, "`system.temperature`", "ε/k_B", "Temperature of the thermostat.";
+        "dt": Positive, "`integrator.dt`", "τ", "Time step of this stage.";
+        "measure": Flag, "`true` for the last stage, else `false`", "", "Whether observables and the trajectory look at this stage. Measured stages must be alike in dt, thermostat and temperature, since their samples are pooled.";
+    }
+    "stage.thermostat" of any {
+        "kind": Names(|| lennard_integrators::thermostats().iter().map(|t| t.name).collect()), "needed", "", "The thermostat.";
+    }
+    "stage.thermostat" of "rescale" {
+        "every": Whole(1, MOST_STEPS), "`10`", "steps", "Steps between two rescalings.";
+    }
+    "stage.thermostat" of "bussi" {
+        "tau": Positive, "`0.5`", "τ", "Relaxation time of the kinetic energy.";
+    }
+    "stage.thermostat" of "langevin" {
+        "friction": Positive, "`1.0`", "τ⁻¹", "Friction coefficient γ.";
+    }
+    "observable" of any {
+        "kind": Names(|| lennard_observables::observables().iter().map(|o| o.name).collect()), "needed", "", "The observable.";
+        "every": Whole(1, MOST_STEPS), "that of the kind", "steps", "Steps between two samples.";
+    }
+    "observable" of "thermodynamics" {
+        "configurational_temperature": Flag, "`true`", "", "Whether the configurational temperature is taken, for which the Laplacian of U is evaluated.";
+    }
+    "observable" of "rdf" {
+        "r_max": Words("a number above 0, at most half the shortest box side"), "the smaller of half the shortest side and 6", "σ", "Largest distance.";
+        "bins": Whole(1, 100_000), "`300`", "", "Number of bins of equal width.";
+    }
+    "observable" of "msd" {
+        "longest_lag": Positive, "`100.0`", "τ", "Longest lag.";
+        "fit_from": Positive, "where the slope stops changing", "τ", "Shortest lag of the straight-line fit for the diffusion coefficient.";
+        "fit_to": Positive, "a twentieth of the run", "τ", "Longest lag of the fit.";
+        "viscosity": Positive, "the reference table's, where it has one near", "ε τ/σ³", "Shear viscosity for the finite-size correction of Yeh and Hummer.";
+        "particles": Whole(1, i64::MAX), "`16384`", "", "Number of particles followed, evenly chosen.";
+    }
+    "observable" of "vacf" {
+        "window": Positive, "`4.0`", "τ", "Longest lag.";
+        "origins": Whole(1, 10_000), "`16`", "", "Number of time origins followed at once.";
+        "particles": Whole(1, i64::MAX), "`16384`", "", "Number of particles followed, evenly chosen.";
+    }
+    "output" of any {
+        "trajectory_every": Whole(0, MOST_STEPS), "`0`", "steps", "Steps between two frames of `trajectory.xyz`; 0 for no trajectory.";
+        "thermo_every": Whole(1, MOST_STEPS), "`10`", "steps", "Steps between two samples of the thermodynamics, each a line of `thermo.csv`; the `every` of a `thermodynamics` observable is the same number.";
+        "element": Words("an element symbol, or \"X\""), "`\"Ar\"`", "", "Symbol of the particles in the files, for tools that know only elements.";
+        "velocities": Flag, "`true`", "", "Whether frames hold velocities.";
+        "forces": Flag, "`false`", "", "Whether frames hold forces.";
+        "unwrapped": Flag, "`false`", "", "Positions as they moved, rather than folded into the box with image flags.";
+        "length_scale": Positive, "`1.0`", "file units per σ", "Lengths in the trajectory are multiplied by it (3.405 gives ångström for argon).";
+    }
+    "checkpoint" of any {
+        "every_steps": Whole(0, MOST_STEPS), "`0`", "steps", "Steps between two checkpoints; 0 for none.";
+        "every_seconds": NotNegative, "`0.0`", "s", "Wall-clock seconds between two checkpoints; 0 for none.";
+    }
+};
+
+/// Every key of a scene file, table by table.
+#[must_use]
+pub fn keys() -> &'static [KeyDoc] {
+    KEYS
+}
+
+/// Every table of a scene file.
+#[must_use]
+pub fn tables() -> &'static [TableDoc] {
+    TABLES
+}
+
+/// What is known of a key: `table` without indices (`stage.thermostat`).
+pub(crate) fn find(table: &str, method: Option<&str>, key: &str) -> Option<&'static KeyDoc> {
+    KEYS.iter().find(|doc| {
+        doc.table == table && doc.key == key && (doc.method.is_none() || doc.method == method)
+    })
+}
+
+/// The scene reference as Markdown: a section a table, a row a key.
+#[must_use]
+pub fn markdown() -> String {
+    let mut out = String::new();
+    for table in TABLES {
+        let _ = write!(out, "### {}\n\n{}\n\n", table.heading, table.meaning);
+        out.push_str("| Key | Allowed | Default | Unit | Meaning |\n|---|---|---|---|---|\n");
+        for doc in KEYS.iter().filter(|doc| doc.table == table.table) {
+            let only = match doc.method {
+                Some(method) => format!(" (`{method}`)"),
+                None => String::new(),
+            };
+            let _ = writeln!(
+                out,
+                "| `{}`{only} | {} | {} | {} | {} |",
+                doc.key,
+                doc.allowed.text(),
+                doc.default,
+                doc.unit,
+                doc.meaning
+            );
+        }
+        out.push('\n');
+    }
+    out
+}

@@ -1,0 +1,191 @@
+//! A scene written out again, with every default in its place.
+
+use std::path::Path;
+
+use lennard_forcefield::{KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions};
+use lennard_integrators::{IntegratorOptions, ThermostatOptions};
+use lennard_observables::ObservableOptions;
+use serde::Serialize;
+
+use crate::{Geometry, Scene, Start};
+
+#[derive(Serialize)]
+struct Resolved<'a> {
+    name: &'a str,
+    system: System,
+    potential: &'a PotentialOptions,
+    truncation: &'a TruncationOptions,
+    neighbor: &'a NeighborOptions,
+    kernel: &'a KernelOptions,
+    integrator: Integrator<'a>,
+    stage: Vec<Stage<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    observable: Vec<Observable<'a>>,
+    output: Output<'a>,
+    checkpoint: Checkpoint,
+}
+
+#[derive(Serialize, Default)]
+struct System {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    configuration: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lattice: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    n_atoms: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    density: Option<f64>,
+    #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
+    sides: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    vacuum: Option<f64>,
+    temperature: f64,
+    seed: u64,
+}
+
+#[derive(Serialize)]
+struct Integrator<'a> {
+    #[serde(flatten)]
+    method: &'a IntegratorOptions,
+    dt: f64,
+}
+
+#[derive(Serialize)]
+struct Stage<'a> {
+    name: &'a str,
+    steps: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    temperature: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dt: Option<f64>,
+    measure: bool,
+    thermostat: Thermostat<'a>,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Thermostat<'a> {
+    Without(&'static str),
+    With(&'a ThermostatOptions),
+}
+
+#[derive(Serialize)]
+struct Observable<'a> {
+    #[serde(flatten)]
+    options: &'a ObservableOptions,
+    every: u64,
+}
+
+#[derive(Serialize)]
+struct Output<'a> {
+    trajectory_every: u64,
+    thermo_every: u64,
+    element: &'a str,
+    velocities: bool,
+    forces: bool,
+    unwrapped: bool,
+    length_scale: f64,
+}
+
+#[derive(Serialize)]
+struct Checkpoint {
+    every_steps: u64,
+    every_seconds: f64,
+}
+
+impl Scene {
+    /// The scene as TOML with every default written out; reading it gives an equal scene.
+    ///
+    /// # Panics
+    /// Where a number does not fit TOML, which no scene that was read from a file holds.
+    #[must_use]
+    pub fn resolved_toml(&self) -> String {
+        let resolved = Resolved {
+            name: &self.name,
+            system: self.resolved_system(),
+            potential: &self.potential,
+            truncation: &self.truncation,
+            neighbor: &self.neighbor,
+            kernel: &self.kernel,
+            integrator: Integrator {
+                method: &self.integrator.method,
+                dt: self.integrator.dt,
+            },
+            stage: self.stages.iter().map(resolved_stage).collect(),
+            observable: self
+                .observables
+                .iter()
+                .map(|table| Observable {
+                    options: &table.options,
+                    every: table.every,
+                })
+                .collect(),
+            output: Output {
+                trajectory_every: self.output.trajectory_every.unwrap_or(0),
+                thermo_every: self.output.thermo_every,
+                element: &self.output.element,
+                velocities: self.output.velocities,
+                forces: self.output.forces,
+                unwrapped: self.output.unwrapped,
+                length_scale: self.output.length_scale,
+            },
+            checkpoint: Checkpoint {
+                every_steps: self.checkpoint.every_steps.unwrap_or(0),
+                every_seconds: self.checkpoint.every_seconds.unwrap_or(0.0),
+            },
+        };
+        let body = toml::to_string(&resolved).expect("every value of a scene fits TOML");
+        format!("# The scene as it was run, with every default written out.\n\n{body}")
+    }
+
+    fn resolved_system(&self) -> System {
+        let mut system = System {
+            temperature: self.system.temperature,
+            seed: self.system.seed,
+            ..System::default()
+        };
+        let mut place = |geometry: &Geometry| match geometry {
+            Geometry::Density(density) => system.density = Some(*density),
+            Geometry::Box(sides) => system.sides = Some(*sides),
+        };
+        match &self.system.start {
+            Start::Lattice {
+                lattice,
+                n_atoms,
+                geometry,
+                vacuum,
+            } => {
+                place(geometry);
+                system.lattice = Some(lattice.name());
+                system.n_atoms = Some(*n_atoms);
+                system.vacuum = Some(*vacuum);
+            }
+            Start::Configuration { path, geometry } => {
+                if let Some(geometry) = geometry {
+                    place(geometry);
+                }
+                system.configuration = Some(text(path));
+            }
+        }
+        system
+    }
+}
+
+fn text(path: &Path) -> String {
+    path.to_string_lossy().into_owned()
+}
+
+fn resolved_stage(stage: &crate::Stage) -> Stage<'_> {
+    let thermostat = match &stage.thermostat {
+        None => Thermostat::Without("none"),
+        Some(options) => Thermostat::With(options),
+    };
+    Stage {
+        name: &stage.name,
+        steps: stage.steps,
+        temperature: stage.thermostat.as_ref().map(|_| stage.temperature),
+        dt: stage.dt,
+        measure: stage.measure,
+        thermostat,
+    }
+}

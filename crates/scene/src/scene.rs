@@ -1,0 +1,235 @@
+//! What a scene says, with every default filled in.
+
+use std::path::PathBuf;
+
+use lennard_core::{DVec3, PeriodicBox};
+use lennard_forcefield::{
+    ForceFieldOptions, KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions,
+};
+use lennard_integrators::{IntegratorOptions, ThermostatOptions};
+use lennard_observables::ObservableOptions;
+use serde::{Deserialize, Serialize};
+
+use crate::Source;
+
+/// A scene: everything that a run depends on but the machine. Reduced units throughout.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Its name; the file's stem unless the file gives another.
+    pub name: String,
+    /// Where the particles start.
+    pub system: System,
+    /// The pair potential.
+    pub potential: PotentialOptions,
+    /// How the potential ends.
+    pub truncation: TruncationOptions,
+    /// How neighbors are found.
+    pub neighbor: NeighborOptions,
+    /// Which pair kernel computes them.
+    pub kernel: KernelOptions,
+    /// The method that advances time.
+    pub integrator: IntegratorTable,
+    /// What happens one after the other; at least one.
+    pub stages: Vec<Stage>,
+    /// What is measured besides thermodynamics.
+    pub observables: Vec<ObservableTable>,
+    /// What is written.
+    pub output: Output,
+    /// When checkpoints are written.
+    pub checkpoint: Checkpoint,
+    /// Where each key was written.
+    pub source: Source,
+}
+
+/// Two scenes are equal when they say the same, wherever they were written.
+impl PartialEq for Scene {
+    fn eq(&self, other: &Self) -> bool {
+        let Self {
+            name,
+            system,
+            potential,
+            truncation,
+            neighbor,
+            kernel,
+            integrator,
+            stages,
+            observables,
+            output,
+            checkpoint,
+            source: _,
+        } = self;
+        *name == other.name
+            && *system == other.system
+            && *potential == other.potential
+            && *truncation == other.truncation
+            && *neighbor == other.neighbor
+            && *kernel == other.kernel
+            && *integrator == other.integrator
+            && *stages == other.stages
+            && *observables == other.observables
+            && *output == other.output
+            && *checkpoint == other.checkpoint
+    }
+}
+
+impl Scene {
+    /// The options of the force field together.
+    #[must_use]
+    pub fn force_field(&self) -> ForceFieldOptions {
+        ForceFieldOptions {
+            potential: self.potential,
+            truncation: self.truncation,
+            neighbor: self.neighbor,
+            kernel: self.kernel,
+            ..ForceFieldOptions::default()
+        }
+    }
+
+    /// The step of a stage in τ: its own, or that of the integrator table.
+    #[must_use]
+    pub fn stage_dt(&self, stage: &Stage) -> f64 {
+        stage.dt.unwrap_or(self.integrator.dt)
+    }
+
+    /// The steps of all stages together.
+    #[must_use]
+    pub fn total_steps(&self) -> u64 {
+        self.stages.iter().map(|stage| stage.steps).sum()
+    }
+}
+
+/// The table `[system]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct System {
+    /// Where the particles are at step 0.
+    pub start: Start,
+    /// Temperature of the first velocities in ε/k_B (where the start has none) and of every thermostat
+    /// that names no other; ≥ 0.
+    pub temperature: f64,
+    /// Seed of every random stream.
+    pub seed: u64,
+}
+
+/// How the particles are placed.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Start {
+    /// On a lattice, or at random without overlaps.
+    Lattice {
+        /// Which one.
+        lattice: Lattice,
+        /// Number of particles.
+        n_atoms: usize,
+        /// Size of the region that they fill.
+        geometry: Geometry,
+        /// Empty length in σ added along z, the filled region in the middle: a slab between two vacuums;
+        /// 0 for a homogeneous fluid.
+        vacuum: f64,
+    },
+    /// As a file says.
+    Configuration {
+        /// The file: extended XYZ or the NIST columns.
+        path: PathBuf,
+        /// The box, for files that name none.
+        geometry: Option<Geometry>,
+    },
+}
+
+/// The arrangement of the first positions.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Lattice {
+    /// Face-centred cubic, 4 particles a cell.
+    #[default]
+    Fcc,
+    /// Simple cubic, 1 particle a cell.
+    Sc,
+    /// Body-centred cubic, 2 particles a cell.
+    Bcc,
+    /// At random, relaxed until nothing overlaps.
+    Random,
+}
+
+/// The size of a region.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Geometry {
+    /// A cube that holds the particles at this number density, σ⁻³.
+    Density(f64),
+    /// Three sides in σ.
+    Box([f64; 3]),
+}
+
+/// A box with the part of it that particles fill at the start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placement {
+    /// The periodic box.
+    pub cell: PeriodicBox,
+    /// The lower corner of the filled part, σ.
+    pub corner: DVec3,
+    /// The sides of the filled part, σ.
+    pub filled: DVec3,
+    /// Lattice cells along each axis; `None` for a random start.
+    pub cells: Option<[usize; 3]>,
+}
+
+/// The table `[integrator]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IntegratorTable {
+    /// Time step in τ.
+    pub dt: f64,
+    /// The method with its own keys.
+    pub method: IntegratorOptions,
+}
+
+/// A table `[[stage]]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stage {
+    /// Its name, unlike that of any other stage.
+    pub name: String,
+    /// Number of steps.
+    pub steps: u64,
+    /// Temperature of its thermostat in ε/k_B; that of the system where none is given.
+    pub temperature: f64,
+    /// Its own time step in τ.
+    pub dt: Option<f64>,
+    /// The heat bath; `None` is constant energy.
+    pub thermostat: Option<ThermostatOptions>,
+    /// Whether observables look at it.
+    pub measure: bool,
+}
+
+/// A table `[[observable]]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObservableTable {
+    /// Steps between two samples.
+    pub every: u64,
+    /// The observable with its own keys.
+    pub options: ObservableOptions,
+}
+
+/// The table `[output]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Output {
+    /// Steps between two frames of `trajectory.xyz`; `None` for no trajectory.
+    pub trajectory_every: Option<u64>,
+    /// Steps between two lines of `thermo.csv`.
+    pub thermo_every: u64,
+    /// Element symbol of the particles in files.
+    pub element: String,
+    /// Whether frames hold velocities.
+    pub velocities: bool,
+    /// Whether frames hold forces.
+    pub forces: bool,
+    /// Whether positions are written unwrapped; otherwise inside the box, with image flags.
+    pub unwrapped: bool,
+    /// Lengths in the trajectory are those in σ times this factor.
+    pub length_scale: f64,
+}
+
+/// The table `[checkpoint]`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Checkpoint {
+    /// Steps between two checkpoints.
+    pub every_steps: Option<u64>,
+    /// Wall-clock seconds between two checkpoints.
+    pub every_seconds: Option<f64>,
+}

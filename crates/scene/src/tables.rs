@@ -1,0 +1,233 @@
+//! The tables after `[system]`: integrator, stages, observables, output, checkpoints.
+
+use lennard_integrators::{IntegratorOptions, ThermostatOptions};
+use lennard_observables::ObservableOptions;
+use serde::Deserialize;
+
+use crate::error::SceneError;
+use crate::read::{Reader, take, with_kind};
+use crate::tree::{Node, Value};
+use crate::typed::Section;
+use crate::{Checkpoint, IntegratorTable, ObservableTable, Output, Stage, checks};
+
+/// The customary time step of Lennard-Jones fluids, τ.
+const DEFAULT_DT: f64 = 0.004;
+const DEFAULT_THERMO_EVERY: u64 = 10;
+const DEFAULT_ELEMENT: &str = "Ar";
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StageTable {
+    name: String,
+    steps: u64,
+    temperature: Option<f64>,
+    dt: Option<f64>,
+    measure: Option<bool>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OutputTable {
+    trajectory_every: Option<u64>,
+    thermo_every: Option<u64>,
+    element: Option<String>,
+    velocities: Option<bool>,
+    forces: Option<bool>,
+    unwrapped: Option<bool>,
+    length_scale: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CheckpointTable {
+    every_steps: Option<u64>,
+    every_seconds: Option<f64>,
+}
+
+impl Reader<'_> {
+    pub fn integrator(&self) -> Result<IntegratorTable, SceneError> {
+        let mut node = with_kind(
+            self.node("integrator"),
+            IntegratorOptions::default().name(),
+        );
+        let section = self.section("integrator").with(&["kind", "dt"]);
+        let dt = take(&mut node, "dt");
+        let dt = match &dt {
+            Some(entry) => section.number(entry)?,
+            None => DEFAULT_DT,
+        };
+        let method: IntegratorOptions = section.read(&node)?;
+        method
+            .check()
+            .map_err(|e| section.impossible(e.key, &e.found, e.allowed))?;
+        Ok(IntegratorTable { dt, method })
+    }
+
+    pub fn stages(&self, temperature: f64) -> Result<Vec<Stage>, SceneError> {
+        let nodes = self.list("stage")?;
+        if nodes.is_empty() {
+            return Err(self
+                .source
+                .refuse("stage", "is missing")
+                .found("no stage")
+                .allowed("at least one `[[stage]]` with `name` and `steps`"));
+        }
+        let mut stages = Vec::with_capacity(nodes.len());
+        for (i, node) in nodes.iter().enumerate() {
+            let path = format!("stage.{i}");
+            let last = i + 1 == nodes.len();
+            stages.push(self.stage(&path, node, temperature, last)?);
+        }
+        Ok(stages)
+    }
+
+    fn stage(
+        &self,
+        path: &str,
+        node: &Node,
+        temperature: f64,
+        last: bool,
+    ) -> Result<Stage, SceneError> {
+        let section = Section::new(self.source, path, "stage").with(&["thermostat"]);
+        let mut node = node.clone();
+        let thermostat = take(&mut node, "thermostat");
+        let table: StageTable = section.read(&node)?;
+        let good_name = |name: &str| {
+            name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c))
+                && name.chars().any(|c| !c.is_ascii_digit())
+        };
+        if !good_name(&table.name) {
+            let written = node.table().and_then(|t| t.get("name"));
+            let written = written.unwrap_or(&self.empty);
+            return Err(self.refuse_value("stage", "name", &section.name("name"), written));
+        }
+        let thermostat = match &thermostat {
+            Some(entry) => self.thermostat(path, &entry.node)?,
+            None => None,
+        };
+        if let (None, Some(written)) = (&thermostat, table.temperature) {
+            return Err(self
+                .source
+                .refuse(&section.name("temperature"), "has nothing to act on")
+                .found(written)
+                .allowed("a thermostat beside it; a stage without one runs at constant energy"));
+        }
+        Ok(Stage {
+            name: table.name,
+            steps: table.steps,
+            temperature: table.temperature.unwrap_or(temperature),
+            dt: table.dt,
+            thermostat,
+            measure: table.measure.unwrap_or(last),
+        })
+    }
+
+    fn thermostat(
+        &self,
+        stage: &str,
+        node: &Node,
+    ) -> Result<Option<ThermostatOptions>, SceneError> {
+        let path = format!("{stage}.thermostat");
+        let section = Section::new(self.source, &path, "stage.thermostat").with(&["kind"]);
+        let mut names: Vec<&str> = vec!["none"];
+        names.extend(lennard_integrators::thermostats().iter().map(|t| t.name));
+        let named = match &node.value {
+            Value::Table(_) => node.clone(),
+            Value::Text(name) if name == "none" => return Ok(None),
+            Value::Text(name) if names.contains(&name.as_str()) => {
+                with_kind(&self.empty, name)
+            }
+            Value::Text(name) => {
+                let stage = Section::new(self.source, stage, "stage");
+                return Err(stage.unknown_name("thermostat", name, &names));
+            }
+            _ => return Err(self.refuse_value("stage", "thermostat", &path, node)),
+        };
+        let options: ThermostatOptions = section.read(&named)?;
+        options
+            .check()
+            .map_err(|e| section.impossible(e.key, &e.found, e.allowed))?;
+        Ok(Some(options))
+    }
+
+    pub fn observables(&self) -> Result<Vec<ObservableTable>, SceneError> {
+        let mut observables: Vec<ObservableTable> = Vec::new();
+        for (i, node) in self.list("observable")?.iter().enumerate() {
+            let path = format!("observable.{i}");
+            let section =
+                Section::new(self.source, &path, "observable").with(&["kind", "every"]);
+            let mut node = node.clone();
+            let every = take(&mut node, "every");
+            let options: ObservableOptions = section.read(&node)?;
+            let every = match &every {
+                Some(entry) => section.count(entry)?,
+                None => options.default_every(),
+            };
+            let twin = observables
+                .iter()
+                .position(|other| other.options.name() == options.name());
+            if let Some(first) = twin {
+                let first = format!("observable.{first}.kind");
+                return Err(self.source.twice(&section.name("kind"), options.name(), &first));
+            }
+            observables.push(ObservableTable { every, options });
+        }
+        Ok(observables)
+    }
+
+    /// Thermodynamics is sampled every `output.thermo_every` steps; naming it as an observable with an
+    /// `every` of its own says the same thing in another place.
+    pub fn one_thermo_interval(
+        &self,
+        observables: &mut [ObservableTable],
+        output: &mut Output,
+    ) -> Result<(), SceneError> {
+        let thermodynamics =
+            |table: &ObservableTable| matches!(table.options, ObservableOptions::Thermodynamics(_));
+        let Some(i) = observables.iter().position(thermodynamics) else {
+            return Ok(());
+        };
+        let key = format!("observable.{i}.every");
+        if !self.source.wrote(&key) {
+            observables[i].every = output.thermo_every;
+        } else if !self.source.wrote("output.thermo_every") {
+            output.thermo_every = observables[i].every;
+        } else if observables[i].every != output.thermo_every {
+            return Err(self
+                .source
+                .refuse(&key, "differs from `output.thermo_every`")
+                .found(format!("{} and {}", observables[i].every, output.thermo_every))
+                .allowed("the same number, or one of them left out"));
+        }
+        Ok(())
+    }
+
+    pub fn output(&self) -> Result<Output, SceneError> {
+        let node = self.node("output");
+        let table: OutputTable = self.section("output").read(node)?;
+        let element = table.element.unwrap_or_else(|| DEFAULT_ELEMENT.to_owned());
+        if !checks::is_element(&element) {
+            let written = node.table().and_then(|t| t.get("element"));
+            let written = written.unwrap_or(&self.empty);
+            return Err(self.refuse_value("output", "element", "output.element", written));
+        }
+        Ok(Output {
+            trajectory_every: table.trajectory_every.filter(|every| *every > 0),
+            thermo_every: table.thermo_every.unwrap_or(DEFAULT_THERMO_EVERY),
+            element,
+            velocities: table.velocities.unwrap_or(true),
+            forces: table.forces.unwrap_or(false),
+            unwrapped: table.unwrapped.unwrap_or(false),
+            length_scale: table.length_scale.unwrap_or(1.0),
+        })
+    }
+
+    pub fn checkpoint(&self) -> Result<Checkpoint, SceneError> {
+        let table: CheckpointTable = self.plain("checkpoint")?;
+        Ok(Checkpoint {
+            every_steps: table.every_steps.filter(|every| *every > 0),
+            every_seconds: table.every_seconds.filter(|every| *every > 0.0),
+        })
+    }
+
+}

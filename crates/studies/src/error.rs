@@ -1,0 +1,49 @@
+//! Why a study fails. That a method fails at a step is no failure of a study: it is a result.
+
+use lennard_core::StepError;
+use lennard_forcefield::ForceFieldError;
+use lennard_io::WriteError;
+use lennard_report::ReportError;
+
+/// Why a study fails.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// A method failed where every method must work.
+    #[error("`{method}` failed at dt = {dt}: {source}")]
+    Step {
+        /// Name of the method.
+        method: &'static str,
+        /// The step.
+        dt: f64,
+        /// What happened.
+        source: StepError,
+    },
+    /// The list of integrators lacks a method that the study is about.
+    #[error("the list of integrators has no `{0}`")]
+    NoSuchMethod(&'static str),
+    /// The forces of a study's own fluid cannot be built.
+    #[error("the fluid of the study: {0}")]
+    ForceField(#[from] ForceFieldError),
+    /// A figure cannot be drawn.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// A file cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The output folder cannot be made.
+    #[error("cannot create the folder {path}: {source}")]
+    Folder {
+        /// The folder.
+        path: String,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// A text table cannot be put into CSV.
+    #[error("cannot write {name}: {reason}")]
+    Csv {
+        /// Name of the file.
+        name: &'static str,
+        /// What went wrong.
+        reason: String,
+    },
+}

@@ -1,0 +1,15 @@
+//! How a study says how far it is.
+
+/// Told how far a study is; the command line shows it as a bar.
+pub trait Progress {
+    /// `done`, from 0 to 1, of the whole study; `label` says what is at work.
+    fn update(&mut self, label: &str, done: f64);
+}
+
+/// Tells nobody.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn update(&mut self, _label: &str, _done: f64) {}
+}

@@ -1,0 +1,53 @@
+//! Straight lines through few points.
+
+/// Least-squares line y = a + b·x: (a, b).
+pub(crate) fn line(points: &[(f64, f64)]) -> (f64, f64) {
+    let n = points.len() as f64;
+    let mean_x = points.iter().map(|p| p.0).sum::<f64>() / n;
+    let mean_y = points.iter().map(|p| p.1).sum::<f64>() / n;
+    let xy: f64 = points.iter().map(|p| (p.0 - mean_x) * (p.1 - mean_y)).sum();
+    let xx: f64 = points.iter().map(|p| (p.0 - mean_x).powi(2)).sum();
+    let slope = xy / xx;
+    (mean_y - slope * mean_x, slope)
+}
+
+/// The order p of an error e(h) ∝ h^p·(1 + c·h + …) from the smallest steps whose error stands above
+/// `floor`: the slope between the last two, freed of the first correction by the slope before them.
+///
+/// `points` are (h, e) with h falling by the same factor; `None` with fewer than three usable points.
+pub(crate) fn order(points: &[(f64, f64)], floor: f64) -> Option<f64> {
+    let usable: Vec<(f64, f64)> = points
+        .iter()
+        .copied()
+        .take_while(|(_, e)| e.is_finite() && *e > floor)
+        .collect();
+    let [.., a, b, c] = usable.as_slice() else {
+        return None;
+    };
+    let slope = |p: &(f64, f64), q: &(f64, f64)| (p.1 / q.1).ln() / (p.0 / q.0).ln();
+    let (coarse, fine) = (slope(a, b), slope(b, c));
+    // The deviation of the slope falls at least as h does: by the factor of the steps.
+    let factor = b.0 / c.0;
+    Some(fine + (fine - coarse) / (factor - 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_and_an_order_are_recovered() {
+        let points: Vec<_> = (0..9).map(|i| (f64::from(i), 3.0 - 0.5 * f64::from(i))).collect();
+        let (a, b) = line(&points);
+        assert!((a - 3.0).abs() < 1e-13 && (b + 0.5).abs() < 1e-13);
+        let steps = |p: i32| -> Vec<(f64, f64)> {
+            (3..9).map(|i| 0.5_f64.powi(i)).map(|h| (h, h.powi(p) * (1.0 + 0.4 * h))).collect()
+        };
+        for p in [1, 2, 4] {
+            // What is left after one extrapolation is of the order h²: 10⁻⁴ at h = 2⁻⁸.
+            assert!((order(&steps(p), 0.0).unwrap() - f64::from(p)).abs() < 1e-3);
+        }
+        assert_eq!(order(&steps(2)[..2], 0.0), None);
+        assert_eq!(order(&steps(2), 1.0), None);
+    }
+}

@@ -1,0 +1,102 @@
+//! Methods that are the same map on the oscillator stand together: one theory line, many marks.
+
+use lennard_core::IntegratorSpec;
+use lennard_integrators::{IntegratorEntry, integrators};
+use serde::Serialize;
+
+use crate::StudyError;
+
+/// Two maps whose entries differ by less are one; they are computed by different formulas.
+const SAME: f64 = 1e-12;
+/// Places at which maps are compared, as (ω, h).
+const PROBES: [(f64, f64); 3] = [(0.7, 1.0), (1.9, 0.5), (10.0, 0.13)];
+
+/// Methods with one map.
+#[derive(Debug, Clone, Serialize)]
+pub struct Group {
+    /// Name for legends.
+    pub name: String,
+    /// Its methods.
+    #[serde(serialize_with = "names")]
+    pub members: Vec<&'static IntegratorEntry>,
+}
+
+fn names<S: serde::Serializer>(
+    members: &[&'static IntegratorEntry],
+    to: S,
+) -> Result<S::Ok, S::Error> {
+    to.collect_seq(members.iter().map(|e| e.spec.name))
+}
+
+impl Group {
+    /// The first method, which stands for all.
+    #[must_use]
+    pub fn first(&self) -> &'static IntegratorEntry {
+        self.members[0]
+    }
+}
+
+fn same_map(a: &IntegratorSpec, b: &IntegratorSpec) -> bool {
+    let (Some(a), Some(b)) = (a.oscillator_map, b.oscillator_map) else {
+        return false;
+    };
+    PROBES.iter().all(|(omega, dt)| {
+        let difference = a(*omega, *dt) - b(*omega, *dt);
+        difference.to_cols_array().iter().all(|d| d.abs() < SAME)
+    })
+}
+
+/// All integrators, grouped, in the order of the list.
+pub(crate) fn groups() -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for entry in integrators() {
+        match groups.iter_mut().find(|g| same_map(g.first().spec, entry.spec)) {
+            Some(group) => group.members.push(entry),
+            None => groups.push(Group {
+                name: String::new(),
+                members: vec![entry],
+            }),
+        }
+    }
+    for group in &mut groups {
+        let first = group.first().spec.name;
+        group.name = match group.members.len() {
+            1 => first.to_owned(),
+            2 => format!("{first}, {}", group.members[1].spec.name),
+            n => format!("{first} and {} with the same map", n - 1),
+        };
+    }
+    groups
+}
+
+/// A method by name.
+pub(crate) fn entry(name: &'static str) -> Result<&'static IntegratorEntry, StudyError> {
+    integrators()
+        .iter()
+        .find(|e| e.spec.name == name)
+        .ok_or(StudyError::NoSuchMethod(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_verlet_family_is_one_group_and_every_method_is_in_exactly_one() {
+        let groups = groups();
+        let all: Vec<&str> = groups
+            .iter()
+            .flat_map(|g| g.members.iter().map(|e| e.spec.name))
+            .collect();
+        assert_eq!(all.len(), integrators().len());
+        let family = groups
+            .iter()
+            .find(|g| g.members.iter().any(|e| e.spec.name == "velocity-verlet"))
+            .unwrap();
+        let members: Vec<&str> = family.members.iter().map(|e| e.spec.name).collect();
+        for name in ["stormer-verlet", "leapfrog"] {
+            assert!(members.contains(&name), "{name}");
+        }
+        assert!(!members.contains(&"symplectic-euler"));
+    }
+}

@@ -1,0 +1,183 @@
+//! SPOOK at k = ∞ (ε = 0): the one-step map derived, and measured over many steps.
+
+use serde::Serialize;
+
+use super::displacement::STEP;
+use super::groups::entry;
+use super::map::StepMap;
+use super::rig::{Rig, Spring, excursion};
+use crate::StudyError;
+
+/// Steps of the runs with ε = 0.
+const STEPS: u32 = 100_000;
+/// Damping times of the runs, in steps: none, one with complex eigenvalues, the critical one, one beyond.
+const DAMPING_STEPS: [f64; 5] = [0.0, 0.1, 1.0, 2.0, 10.0];
+/// Stiffnesses on the way to ∞, as ωh.
+const APPROACH: [f64; 4] = [10.0, 1e2, 1e3, 1e4];
+/// Steps shown in figures.
+const SHOWN: u32 = 10_000;
+
+/// One damping time at ε = 0.
+#[derive(Debug, Clone, Serialize)]
+pub struct RigidRun {
+    /// τ/h.
+    pub damping_steps: f64,
+    /// γ = 1/(1 + 4τ/h).
+    pub gamma: f64,
+    /// Spectral radius of the map [[1 − 4γ, hγ], [−4γ/h, γ]].
+    pub theory_radius: f64,
+    /// The same from three consecutive states.
+    pub measured_radius: f64,
+    /// |x_n| at the last step, m.
+    pub last_displacement: f64,
+    /// max |x| of the second half of the run over that of the first: 2 for linear growth.
+    pub growth_of_halves: f64,
+    /// |x| in m at the steps of [`Infinite::shown_steps`].
+    #[serde(skip)]
+    pub displacements: Vec<f64>,
+}
+
+/// One large finite stiffness, τ = 0.
+#[derive(Debug, Clone, Serialize)]
+pub struct StiffRun {
+    /// ωh.
+    pub omega_h: f64,
+    /// √(1 + (ωh/2)²), m.
+    pub theory_amplitude: f64,
+    /// max |x| over enough steps for more than a whole beat, m.
+    pub measured_amplitude: f64,
+    /// |x| in m at the steps of [`Infinite::shown_steps`].
+    #[serde(skip)]
+    pub displacements: Vec<f64>,
+}
+
+/// What was found at k = ∞ and on the way there.
+#[derive(Debug, Clone, Serialize)]
+pub struct Infinite {
+    /// Steps of the runs with ε = 0.
+    pub steps: u32,
+    /// Steps at which displacements are kept, about evenly spaced in their logarithm.
+    #[serde(skip)]
+    pub shown_steps: Vec<u32>,
+    /// ε = 0 with each damping time.
+    pub rigid: Vec<RigidRun>,
+    /// Largest relative deviation of |x_n| from 2n + 1 over the run with τ = 0.
+    pub deviation_from_linear: f64,
+    /// Finite stiffnesses.
+    pub stiff: Vec<StiffRun>,
+}
+
+/// The map at ε = 0 on (x, h·v): [[1 − 4γ, γ], [−4γ, γ]], whose eigenvalues solve
+/// λ² − (1 − 3γ)·λ + γ = 0.
+pub(crate) fn rigid_map(gamma: f64) -> StepMap {
+    StepMap(glam::DMat2::from_cols_array_2d(&[
+        [1.0 - 4.0 * gamma, -4.0 * gamma],
+        [gamma, gamma],
+    ]))
+}
+
+fn shown_steps() -> Vec<u32> {
+    let mut steps: Vec<u32> = (0..=160)
+        .map(|i| f64::from(SHOWN).powf(f64::from(i) / 160.0).round() as u32)
+        .collect();
+    steps.dedup();
+    steps
+}
+
+/// Measures everything.
+pub(crate) fn measure(quick: bool) -> Result<Infinite, StudyError> {
+    let spook = entry("spook")?;
+    let failed = |source| StudyError::Step { method: "spook", dt: STEP, source };
+    let steps = if quick { STEPS / 5 } else { STEPS };
+    let shown = shown_steps();
+    let mut deviation_from_linear = 0.0_f64;
+    let mut rigid = Vec::new();
+    for damping_steps in DAMPING_STEPS {
+        let spring = Spring::Rigid { damping_time: damping_steps * STEP };
+        let gamma = 1.0 / (1.0 + 4.0 * damping_steps);
+        let far = excursion(spook, spring, STEP, steps, f64::INFINITY).map_err(failed)?;
+        let mut rig = Rig::start(spook, spring, (1.0, 0.0), STEP).map_err(failed)?;
+        let mut displacements = Vec::new();
+        let mut states = Vec::new();
+        let mut last = 1.0;
+        for n in 1..=steps {
+            let z = rig.step(STEP).map_err(failed)?;
+            last = z.x.abs();
+            if states.len() < 3 {
+                states.push(z);
+            }
+            if shown.binary_search(&n).is_ok() {
+                displacements.push(last);
+            }
+            if damping_steps == 0.0 {
+                let linear = 2.0 * f64::from(n) + 1.0;
+                deviation_from_linear = deviation_from_linear.max((last / linear - 1.0).abs());
+            }
+        }
+        rigid.push(RigidRun {
+            damping_steps,
+            gamma,
+            theory_radius: rigid_map(gamma).radius(),
+            measured_radius: StepMap::from_states([states[0], states[1], states[2]]).radius(),
+            last_displacement: last,
+            growth_of_halves: far.growth(),
+            displacements,
+        });
+    }
+    let stiff = APPROACH
+        .iter()
+        .map(|omega_h| {
+            let spring = Spring::Stiffness((omega_h / STEP).powi(2));
+            // Near the end of the line x turns by π − 4/(ωh) a step: a beat takes π·ωh/4 steps.
+            let enough = (4.0 * omega_h) as u32 + 1000;
+            let far = excursion(spook, spring, STEP, enough, f64::INFINITY).map_err(failed)?;
+            let mut rig = Rig::start(spook, spring, (1.0, 0.0), STEP).map_err(failed)?;
+            let mut displacements = Vec::new();
+            for n in 1..=SHOWN {
+                let z = rig.step(STEP).map_err(failed)?;
+                if shown.binary_search(&n).is_ok() {
+                    displacements.push(z.x.abs());
+                }
+            }
+            Ok(StiffRun {
+                omega_h: *omega_h,
+                theory_amplitude: 1.0_f64.hypot(0.5 * omega_h),
+                measured_amplitude: far.largest(),
+                displacements,
+            })
+        })
+        .collect::<Result<_, StudyError>>()?;
+    Ok(Infinite {
+        steps,
+        shown_steps: shown,
+        rigid,
+        deviation_from_linear,
+        stiff,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rigid_map_without_damping_is_a_defective_reflection() {
+        let map = rigid_map(1.0);
+        assert_eq!((map.trace(), map.determinant()), (-2.0, 1.0));
+        // (M + 1)² = 0 while M + 1 ≠ 0: Mⁿ = (−1)ⁿ·(1 − n·(M + 1)), linear in n.
+        let nilpotent = map.0 + glam::DMat2::IDENTITY;
+        assert_eq!(nilpotent * nilpotent, glam::DMat2::ZERO);
+        assert_ne!(nilpotent, glam::DMat2::ZERO);
+    }
+
+    #[test]
+    fn damping_makes_the_rigid_map_a_contraction() {
+        for gamma in [0.9, 0.5, 1.0 / 9.0 + 1e-9] {
+            assert!((rigid_map(gamma).radius() - gamma.sqrt()).abs() < 1e-6);
+        }
+        assert!((rigid_map(0.01).radius() - 0.959).abs() < 1e-3);
+        for i in 1..1000 {
+            assert!(rigid_map(f64::from(i) / 1000.0).radius() < 1.0);
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! A4: a step that changes, under the plain rule, the time-corrected one and the more exact one.
+
+use lennard_integrators::stormer_verlet::StepRule;
+use serde::Serialize;
+
+use super::fit;
+use super::groups::entry;
+use super::rig::{Rig, Spring};
+use crate::StudyError;
+
+/// Steps of one length before the other length takes over.
+const BLOCK: u32 = 4;
+/// Short step over long step.
+const RATIO: f64 = 0.5;
+/// End of the runs, s, at ω = 1/s: a whole number of blocks for every long step below.
+const END: f64 = 12.0;
+/// Long steps of the order measurement, s.
+const LONG_STEPS: u32 = 7;
+/// Long step of the figure, s.
+const SHOWN_STEP: f64 = 0.125;
+/// Start (x, v): neither at rest nor at zero.
+const START: (f64, f64) = (1.0, 0.3);
+
+/// One rule.
+#[derive(Debug, Clone, Serialize)]
+pub struct StepRuleRun {
+    /// Name of the rule.
+    pub rule: &'static str,
+    /// The method that implements it; the plain rule is refused by `stormer-verlet`, as it must be.
+    pub method: Option<&'static str>,
+    /// (long step h, largest error of x over the run).
+    pub errors: Vec<(f64, f64)>,
+    /// Order of that error.
+    pub order: Option<f64>,
+    /// (t, x) of the run of the figure.
+    #[serde(skip)]
+    pub path: Vec<(f64, f64)>,
+}
+
+/// The step of each step: blocks of the long one and of the short one by turns.
+fn schedule(long: f64) -> Vec<f64> {
+    let blocks = (END / (f64::from(BLOCK) * long * (1.0 + RATIO))).round() as u32;
+    (0..blocks)
+        .flat_map(|_| {
+            let block = |h: f64| std::iter::repeat_n(h, BLOCK as usize);
+            block(long).chain(block(RATIO * long))
+        })
+        .collect()
+}
+
+fn exact(t: f64) -> f64 {
+    START.0 * t.cos() + START.1 * t.sin()
+}
+
+/// The plain rule by its own recurrence, since the method that has it refuses a changing step.
+fn plain_path(steps: &[f64]) -> Vec<(f64, f64)> {
+    let (x, v) = START;
+    let h = steps[0];
+    let (mut now, mut before, mut last, mut t) = (x, x - h * v - 0.5 * h * h * x, h, 0.0);
+    let mut path = vec![(0.0, x)];
+    for h in steps {
+        let (inertia, push) = StepRule::Plain.factors(*h, last);
+        (now, before) = (now + inertia * (now - before) - push * now, now);
+        last = *h;
+        t += h;
+        path.push((t, now));
+    }
+    path
+}
+
+fn path(method: &'static str, steps: &[f64]) -> Result<Vec<(f64, f64)>, StudyError> {
+    let failed = |source| StudyError::Step { method, dt: steps[0], source };
+    let spring = Spring::Stiffness(1.0);
+    let mut rig = Rig::start(entry(method)?, spring, START, steps[0]).map_err(failed)?;
+    let mut path = vec![(0.0, START.0)];
+    for h in steps {
+        let z = rig.step(*h).map_err(failed)?;
+        path.push((rig.time(), z.x));
+    }
+    Ok(path)
+}
+
+/// Runs every rule.
+pub(crate) fn measure() -> Result<Vec<StepRuleRun>, StudyError> {
+    [
+        ("plain rule", None),
+        ("time-corrected", Some("stormer-verlet-time-corrected")),
+        ("more exact", Some("stormer-verlet-variable")),
+        ("velocity Verlet", Some("velocity-verlet")),
+    ]
+    .into_iter()
+    .map(|(rule, method)| {
+        let path = |long: f64| {
+            let steps = schedule(long);
+            method.map_or_else(|| Ok(plain_path(&steps)), |m| path(m, &steps))
+        };
+        let errors = (0..LONG_STEPS)
+            .map(|i| {
+                let long = 0.25 * 0.5_f64.powi(i as i32);
+                let error = path(long)?
+                    .iter()
+                    .map(|(t, x)| (x - exact(*t)).abs())
+                    .fold(0.0, f64::max);
+                Ok((long, error))
+            })
+            .collect::<Result<Vec<_>, StudyError>>()?;
+        Ok(StepRuleRun {
+            rule,
+            method,
+            order: fit::order(&errors, 0.0),
+            errors,
+            path: path(SHOWN_STEP)?,
+        })
+    })
+    .collect()
+}
+
+/// The exact solution on the figure's times.
+pub(crate) fn exact_path() -> Vec<(f64, f64)> {
+    (0..=240).map(|i| END * f64::from(i) / 240.0).map(|t| (t, exact(t))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn schedules_end_where_they_should() {
+        for i in 0..LONG_STEPS {
+            let total: f64 = schedule(0.25 * 0.5_f64.powi(i as i32)).iter().sum();
+            assert_eq!(total, END);
+        }
+    }
+
+    #[test]
+    fn only_the_corrected_rules_converge() {
+        let runs = measure().unwrap();
+        let order = |i: usize| runs[i].order.unwrap();
+        assert!(order(0).abs() < 0.05, "the plain rule has order {}", order(0));
+        assert!((order(1) - 1.0).abs() < 0.05, "time-corrected: {}", order(1));
+        assert!((order(2) - 2.0).abs() < 0.05, "more exact: {}", order(2));
+        assert!((order(3) - 2.0).abs() < 0.05, "velocity Verlet: {}", order(3));
+    }
+}

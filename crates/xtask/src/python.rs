@@ -1,0 +1,114 @@
+//! The virtual environment of the validation.
+
+use std::error::Error;
+use std::fs;
+use std::path::PathBuf;
+
+use crate::workspace::Workspace;
+
+const OLDEST: (u32, u32) = (3, 11);
+const REQUIREMENTS: &str = "validation/requirements.txt";
+/// Inside the environment: what it was made from, so that it is made anew when that changes.
+const STAMP: &str = "made-from.txt";
+
+/// The interpreter of the virtual environment.
+pub fn interpreter(workspace: &Workspace) -> PathBuf {
+    let folder = workspace.root.join(".venv");
+    if cfg!(windows) {
+        folder.join("Scripts").join("python.exe")
+    } else {
+        folder.join("bin").join("python")
+    }
+}
+
+/// Makes `.venv` from the pinned requirements, or leaves it as it is where nothing changed.
+pub fn prepare(workspace: &Workspace) -> Result<(), Box<dyn Error>> {
+    let (system, version) = find(workspace)?;
+    let requirements = fs::read_to_string(workspace.root.join(REQUIREMENTS))
+        .map_err(|e| format!("{REQUIREMENTS}: {e}"))?;
+    let made_from = format!("Python {}.{}\n{requirements}", version.0, version.1);
+    let folder = workspace.root.join(".venv");
+    let stamp = folder.join(STAMP);
+    let python = interpreter(workspace);
+    if python.exists() && fs::read_to_string(&stamp).is_ok_and(|s| s == made_from) {
+        println!(".venv is up to date");
+        return Ok(());
+    }
+    println!(
+        "making .venv with Python {}.{} from {REQUIREMENTS}",
+        version.0, version.1
+    );
+    let status = workspace
+        .command(&system)
+        .args(["-m", "venv", "--clear", ".venv"])
+        .status()?;
+    if !status.success() {
+        return Err(format!(
+            "`{} -m venv` failed: Python's venv module is missing or broken (on Debian and Ubuntu: apt install python3-venv)",
+            system.display()
+        )
+        .into());
+    }
+    let pip = |arguments: &[&str]| -> Result<(), Box<dyn Error>> {
+        let status = workspace
+            .command(&python)
+            .args(["-m", "pip", "--disable-pip-version-check", "--quiet"])
+            .args(arguments)
+            .status()?;
+        if status.success() {
+            Ok(())
+        } else {
+            Err(format!("`pip {}` failed", arguments.join(" ")).into())
+        }
+    };
+    // Nothing but what the file pins; `check` then tells if a pin is missing.
+    pip(&["install", "--no-deps", "--requirement", REQUIREMENTS])?;
+    pip(&["check"])?;
+    fs::write(&stamp, made_from)?;
+    Ok(())
+}
+
+/// A Python that is new enough, with its version.
+fn find(workspace: &Workspace) -> Result<(PathBuf, (u32, u32)), Box<dyn Error>> {
+    let mut too_old = None;
+    for name in ["python3", "python"] {
+        let asked = workspace
+            .command(name)
+            .args(["-c", "import sys; print(*sys.version_info[:2])"])
+            .output();
+        let Ok(output) = asked else { continue };
+        if let Some(version) = version(&String::from_utf8_lossy(&output.stdout)) {
+            if version >= OLDEST {
+                return Ok((name.into(), version));
+            }
+            too_old = Some((name, version));
+        }
+    }
+    let wanted = format!("Python {}.{} or newer is needed", OLDEST.0, OLDEST.1);
+    Err(match too_old {
+        Some((name, (major, minor))) => {
+            format!("{wanted}, and `{name}` is {major}.{minor}")
+        }
+        None => format!("{wanted}, and there is neither `python3` nor `python`"),
+    }
+    .into())
+}
+
+fn version(printed: &str) -> Option<(u32, u32)> {
+    let mut numbers = printed.split_whitespace().map(str::parse);
+    Some((numbers.next()?.ok()?, numbers.next()?.ok()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn versions_are_compared_as_numbers() {
+        assert_eq!(version("3 9\n"), Some((3, 9)));
+        assert!(version("3 9").unwrap() < OLDEST);
+        assert!(version("3 11").unwrap() >= OLDEST);
+        assert!(version("3 14").unwrap() >= OLDEST);
+        assert_eq!(version(""), None);
+    }
+}

@@ -1,0 +1,109 @@
+//! Data goes one way: which crate may depend on which.
+
+use crate::workspace::Package;
+
+/// What a crate may use of this workspace.
+enum May {
+    /// These and nothing else.
+    Use(&'static [&'static str]),
+    /// Every crate above it in the table.
+    UseAllAbove,
+    /// Anything.
+    UseAnything,
+}
+
+/// The crates in the order in which data flows; each may use only crates above it.
+const TABLE: &[(&str, May)] = &[
+    ("core", May::Use(&[])),
+    ("neighbor", May::Use(&["core"])),
+    ("forcefield", May::Use(&["core", "neighbor"])),
+    ("integrators", May::Use(&["core"])),
+    ("observables", May::Use(&["core", "neighbor"])),
+    ("literature", May::Use(&["core"])),
+    ("io", May::Use(&["core"])),
+    (
+        "scene",
+        May::Use(&["core", "forcefield", "integrators", "observables", "io"]),
+    ),
+    ("engine", May::UseAllAbove),
+    ("report", May::Use(&["core", "io", "literature"])),
+    ("studies", May::UseAllAbove),
+    ("cli", May::UseAllAbove),
+    ("xtask", May::Use(&[])),
+    ("benches", May::UseAnything),
+];
+
+const PREFIX: &str = "lennard-";
+
+/// Every dependency that the table does not allow.
+pub fn faults(packages: &[Package]) -> Vec<String> {
+    let place = |name: &str| TABLE.iter().position(|(n, _)| *n == name);
+    let short = |name: &str| name.strip_prefix(PREFIX).unwrap_or(name).to_owned();
+    let mut faults = Vec::new();
+    for package in packages {
+        let name = short(&package.name);
+        if name == package.name {
+            faults.push(format!("{name} is not called {PREFIX}<folder>"));
+        }
+        let Some(own) = place(&name) else {
+            faults.push(format!("{name} has no place in the table of layers"));
+            continue;
+        };
+        for needed in package.needs.iter().map(|n| short(n)) {
+            let allowed = match TABLE[own].1 {
+                May::Use(list) => list.contains(&needed.as_str()),
+                May::UseAllAbove => place(&needed).is_some_and(|p| p < own),
+                May::UseAnything => true,
+            };
+            if !allowed {
+                faults.push(format!("{name} must not depend on {needed}"));
+            }
+        }
+    }
+    faults
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::workspace::Workspace;
+
+    fn package(name: &str, needs: &[&str]) -> Package {
+        Package {
+            name: format!("{PREFIX}{name}"),
+            needs: needs.iter().map(|n| format!("{PREFIX}{n}")).collect(),
+        }
+    }
+
+    #[test]
+    fn crates_of_this_workspace_depend_as_designed() {
+        let workspace = Workspace::find().unwrap();
+        assert!(workspace.packages.len() >= TABLE.len());
+        assert_eq!(faults(&workspace.packages), Vec::<String>::new());
+    }
+
+    #[test]
+    fn integrators_must_not_see_forces_and_nothing_may_look_upwards() {
+        for (name, needed) in [
+            ("integrators", "forcefield"),
+            ("integrators", "neighbor"),
+            ("core", "io"),
+            ("engine", "report"),
+            ("scene", "engine"),
+            ("observables", "forcefield"),
+            ("xtask", "core"),
+        ] {
+            assert_eq!(
+                faults(&[package(name, &[needed])]),
+                [format!("{name} must not depend on {needed}")]
+            );
+        }
+        assert!(faults(&[package("engine", &["scene", "literature"])]).is_empty());
+        assert!(faults(&[package("benches", &["cli"])]).is_empty());
+    }
+
+    #[test]
+    fn a_crate_without_a_place_is_told() {
+        assert_eq!(faults(&[package("extras", &[])]).len(), 1);
+    }
+}

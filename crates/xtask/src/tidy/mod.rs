@@ -1,0 +1,26 @@
+//! Checks of the repository itself.
+
+mod layers;
+mod readme;
+mod tracked;
+
+use std::error::Error;
+
+use crate::workspace::Workspace;
+
+/// A check's name and what it found wrong.
+pub type Finding = (&'static str, Vec<String>);
+
+/// Runs every check.
+pub fn all(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {
+    let mut findings = vec![(
+        "crates depend as designed",
+        layers::faults(&workspace.packages),
+    )];
+    findings.push((
+        "README.md names what exists",
+        readme::faults_in_file(workspace)?,
+    ));
+    findings.extend(tracked::findings(workspace)?);
+    Ok(findings)
+}

@@ -1,0 +1,121 @@
+//! The workspace as cargo describes it.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+/// A package of the workspace and the packages of the workspace that it needs to be built.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Package {
+    /// Its name.
+    pub name: String,
+    /// Normal and build dependencies that are packages of this workspace; tests may use more.
+    pub needs: Vec<String>,
+}
+
+/// Where things are.
+#[derive(Debug)]
+pub struct Workspace {
+    /// The folder of the workspace's Cargo.toml.
+    pub root: PathBuf,
+    /// Where cargo puts what it builds.
+    pub target: PathBuf,
+    /// All packages.
+    pub packages: Vec<Package>,
+}
+
+impl Workspace {
+    /// Asks cargo.
+    pub fn find() -> Result<Self, Box<dyn Error>> {
+        let output = Command::new(cargo())
+            .args(["metadata", "--no-deps", "--format-version", "1"])
+            .output()
+            .map_err(|e| format!("cargo cannot be started: {e}"))?;
+        if !output.status.success() {
+            return Err(String::from_utf8_lossy(&output.stderr).into());
+        }
+        Self::from_metadata(&serde_json::from_slice(&output.stdout)?)
+    }
+
+    fn from_metadata(metadata: &Value) -> Result<Self, Box<dyn Error>> {
+        let text = |value: &Value, key: &str| {
+            value[key]
+                .as_str()
+                .map(str::to_owned)
+                .ok_or_else(|| format!("cargo metadata names no `{key}`"))
+        };
+        let list = |value: &Value, key: &str| {
+            value[key]
+                .as_array()
+                .cloned()
+                .ok_or_else(|| format!("cargo metadata lists no `{key}`"))
+        };
+        let described = list(metadata, "packages")?;
+        let names = described
+            .iter()
+            .map(|p| text(p, "name"))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut packages = Vec::new();
+        for (package, name) in described.iter().zip(&names) {
+            let mut needs = Vec::new();
+            for dependency in list(package, "dependencies")? {
+                let needed = text(&dependency, "name")?;
+                if dependency["kind"].as_str() != Some("dev") && names.contains(&needed) {
+                    needs.push(needed);
+                }
+            }
+            packages.push(Package {
+                name: name.clone(),
+                needs,
+            });
+        }
+        Ok(Self {
+            root: text(metadata, "workspace_root")?.into(),
+            target: text(metadata, "target_directory")?.into(),
+            packages,
+        })
+    }
+
+    /// The release binary.
+    #[must_use]
+    pub fn binary(&self) -> PathBuf {
+        self.target
+            .join("release")
+            .join(format!("lennard{}", std::env::consts::EXE_SUFFIX))
+    }
+
+    /// A command that runs in the root of the workspace.
+    pub fn command(&self, program: impl AsRef<Path>) -> Command {
+        let mut command = Command::new(program.as_ref());
+        command.current_dir(&self.root);
+        command
+    }
+}
+
+/// The cargo that runs us.
+#[must_use]
+pub fn cargo() -> String {
+    std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dependencies_of_tests_do_not_count_as_needs() {
+        let metadata = serde_json::json!({
+            "workspace_root": "root", "target_directory": "target",
+            "packages": [
+                {"name": "a", "dependencies": [
+                    {"name": "b", "kind": null}, {"name": "c", "kind": "dev"}, {"name": "serde", "kind": null}]},
+                {"name": "b", "dependencies": []},
+                {"name": "c", "dependencies": []},
+            ]
+        });
+        let workspace = Workspace::from_metadata(&metadata).unwrap();
+        assert_eq!(workspace.packages[0].needs, ["b"]);
+    }
+}
