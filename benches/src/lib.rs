@@ -1,1 +1,200 @@
-//! Criterion benchmarks and the comparison with other engines.
+//! The benchmark cases and a plain time loop around the forces, without the engine.
+
+use lennard_core::random::Streams;
+use lennard_core::sweeps::{kick, kick_and_drift};
+use lennard_core::{
+    Configuration, DVec3, Dynamics, Energetics, ForceError, ForceProvider, Masses, Part,
+    PeriodicBox, Want,
+};
+use lennard_forcefield::{
+    Conditions, ForceFieldError, ForceFieldOptions, KernelOptions, NeighborOptions, PairForces,
+    TruncationKind, TruncationOptions, build,
+};
+use rand_distr::{Distribution, StandardNormal};
+
+/// Density of all cases, σ⁻³.
+pub const DENSITY: f64 = 0.8442;
+/// Temperature at the start, ε/k_B: the fcc lattice melts and about half of it remains.
+pub const START_TEMPERATURE: f64 = 1.44;
+
+/// A benchmark case: `4·cells³` particles from the fcc lattice.
+#[derive(Debug, Clone, Copy)]
+pub struct Case {
+    /// `A`, `B`, `C`, or another name.
+    pub name: &'static str,
+    /// fcc cells an axis.
+    pub cells: usize,
+    /// Time step, τ.
+    pub dt: f64,
+}
+
+/// The cases A (32,000 particles), B (864) and C (953,312).
+pub const CASES: [Case; 3] = [
+    Case {
+        name: "A",
+        cells: 20,
+        dt: 0.005,
+    },
+    Case {
+        name: "B",
+        cells: 6,
+        dt: 0.004,
+    },
+    Case {
+        name: "C",
+        cells: 62,
+        dt: 0.005,
+    },
+];
+
+/// A system under way.
+pub struct Run {
+    /// Positions, σ.
+    pub positions: Vec<DVec3>,
+    /// Velocities, σ/τ.
+    pub velocities: Vec<DVec3>,
+    /// Forces, ε/σ.
+    pub forces: Vec<DVec3>,
+    /// What gives them.
+    pub provider: PairForces,
+    masses: Masses,
+    dt: f64,
+    time: f64,
+}
+
+impl Case {
+    /// Number of particles.
+    #[must_use]
+    pub fn n_atoms(&self) -> usize {
+        4 * self.cells.pow(3)
+    }
+
+    /// The box and the fcc lattice in it.
+    #[must_use]
+    pub fn lattice(&self) -> (PeriodicBox, Vec<DVec3>) {
+        let cell = PeriodicBox::cubic_for_density(self.n_atoms(), DENSITY)
+            .expect("a positive density gives a box");
+        let a = cell.lengths().x / self.cells as f64;
+        let basis = [
+            DVec3::ZERO,
+            DVec3::new(0.5, 0.5, 0.0),
+            DVec3::new(0.5, 0.0, 0.5),
+            DVec3::new(0.0, 0.5, 0.5),
+        ];
+        let mut positions = Vec::with_capacity(self.n_atoms());
+        for x in 0..self.cells {
+            for y in 0..self.cells {
+                for z in 0..self.cells {
+                    let corner = DVec3::new(x as f64, y as f64, z as f64);
+                    positions.extend(basis.map(|b| (corner + b + 0.25) * a));
+                }
+            }
+        }
+        (cell, positions)
+    }
+
+    /// The case with these kernels, ready for its first step.
+    ///
+    /// # Errors
+    /// [`ForceFieldError`] where this machine cannot run them.
+    pub fn start(
+        &self,
+        kernel: KernelOptions,
+        skin: Option<f64>,
+        kind: TruncationKind,
+    ) -> Result<Run, ForceFieldError> {
+        let (cell, positions) = self.lattice();
+        let n = positions.len();
+        let options = ForceFieldOptions {
+            kernel,
+            truncation: TruncationOptions::new(kind, 2.5),
+            neighbor: NeighborOptions {
+                skin,
+                ..NeighborOptions::default()
+            },
+            ..ForceFieldOptions::default()
+        };
+        let conditions = Conditions {
+            cell,
+            n_atoms: n,
+            // The lattice gives half of its kinetic energy to the potential as it melts.
+            temperature: 0.5 * START_TEMPERATURE,
+            dt: self.dt,
+        };
+        let provider = build(&options, &conditions)?;
+        let mut random = Streams::new(1967).sequential("velocities");
+        let mut velocities: Vec<DVec3> = (0..n)
+            .map(|_| DVec3::from([0; 3].map(|_| StandardNormal.sample(&mut random))))
+            .collect();
+        let mean = velocities.iter().sum::<DVec3>() / n as f64;
+        velocities.iter_mut().for_each(|v| *v -= mean);
+        let scale = (START_TEMPERATURE / Dynamics::fluid(n).temperature(&velocities)).sqrt();
+        velocities.iter_mut().for_each(|v| *v *= scale);
+        let mut run = Run {
+            forces: vec![DVec3::ZERO; n],
+            positions,
+            velocities,
+            provider,
+            masses: Masses::Uniform(1.0),
+            dt: self.dt,
+            time: 0.0,
+        };
+        run.evaluate(Want::NOTHING)
+            .expect("a lattice has finite forces");
+        Ok(run)
+    }
+}
+
+impl Run {
+    /// Evaluates the forces where the particles are.
+    ///
+    /// # Errors
+    /// [`ForceError`] where one is not finite.
+    pub fn evaluate(&mut self, want: Want) -> Result<Energetics, ForceError> {
+        let at = Configuration {
+            positions: &self.positions,
+            velocities: None,
+            time: self.time,
+        };
+        self.provider.evaluate(at, Part::All, want, &mut self.forces)
+    }
+
+    /// Takes `steps` steps of velocity Verlet, the closing kick of one fused with the opening kick of the
+    /// next, and gives what `want` asks for at the last one.
+    ///
+    /// # Errors
+    /// [`ForceError`] where a force is not finite.
+    pub fn steps(&mut self, steps: usize, want: Want) -> Result<Energetics, ForceError> {
+        let dt = self.dt;
+        let mut energetics = Energetics::default();
+        for step in 0..steps {
+            // Two half kicks at one place are one whole kick.
+            let opening = if step == 0 { 0.5 * dt } else { dt };
+            kick_and_drift(
+                &mut self.positions,
+                &mut self.velocities,
+                &self.forces,
+                &self.masses,
+                opening,
+                dt,
+            );
+            self.time += dt;
+            let last = step + 1 == steps;
+            energetics = self.evaluate(if last { want } else { Want::NOTHING })?;
+        }
+        kick(&mut self.velocities, &self.forces, &self.masses, 0.5 * dt);
+        Ok(energetics)
+    }
+
+    /// Kinetic energy, ε.
+    #[must_use]
+    pub fn kinetic_energy(&self) -> f64 {
+        Dynamics::fluid(self.positions.len()).kinetic_energy(&self.velocities)
+    }
+
+    /// Temperature, ε/k_B.
+    #[must_use]
+    pub fn temperature(&self) -> f64 {
+        Dynamics::fluid(self.positions.len()).temperature(&self.velocities)
+    }
+}

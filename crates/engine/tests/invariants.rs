@@ -41,6 +41,16 @@ fn archive(simulation: &Simulation) -> StateArchive {
     archive
 }
 
+/// Names of the saved arrays in which two simulations differ.
+fn differing(a: &Simulation, b: &Simulation) -> Vec<String> {
+    let (a, b) = (archive(a), archive(b));
+    let names = a.arrays.keys().chain(b.arrays.keys());
+    // Compared as text: it tells every finite number from every other, and NaN equals itself.
+    let text = |archive: &StateArchive, name: &String| format!("{:?}", archive.arrays.get(name));
+    // Wall time is carried along for the run record; it is the one thing that differs.
+    names.filter(|name| *name != "forces/seconds" && text(&a, name) != text(&b, name)).cloned().collect()
+}
+
 /// Positions, velocities and forces as bits.
 fn bits(simulation: &Simulation) -> Vec<[u64; 3]> {
     let s = &simulation.state;
@@ -103,7 +113,7 @@ fn a_run_split_through_a_saved_state_goes_on_to_the_bit() {
 
             assert_eq!(second.state.step, 1000);
             assert!(bits(&second) == bits(&whole), "{method} with {bath:?}");
-            assert!(archive(&second) == archive(&whole), "{method} with {bath:?}");
+            assert_eq!(differing(&second, &whole), Vec::<String>::new(), "{method} with {bath:?}");
             // Going on in the same simulation is the same again.
             assert!(first.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}")));
             assert!(bits(&first) == bits(&whole), "{method} with {bath:?}");

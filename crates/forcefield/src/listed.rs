@@ -288,7 +288,7 @@ fn sum_chunks(
                 .map(|c| run(c).broken)
                 .reduce(|| false, |a, b| a | b)
         };
-        return (Totals::default(), broken);
+        return (Totals::NOTHING, broken);
     }
     let totals: Vec<ChunkTotals> = if serial {
         (0..chunks).map(run).collect()

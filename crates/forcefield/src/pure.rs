@@ -89,10 +89,10 @@ impl<F: PairForm> PureJob<'_, F> {
         forces: &mut [DVec3],
         mut each: Option<&mut [PerParticle]>,
     ) -> ChunkTotals {
-        let mut totals = ChunkTotals::default();
+        let mut totals = ChunkTotals::NOTHING;
         for (k, force) in forces.iter_mut().enumerate() {
             let i = chunk * PARTICLES_PER_CHUNK + k;
-            let mut mine = ChunkTotals::default();
+            let mut mine = ChunkTotals::NOTHING;
             *force = match self.nearby {
                 Nearby::All => self.particle(i, (0..i).chain(i + 1..self.wrapped.len()), &mut mine),
                 Nearby::Listed(lists) => {

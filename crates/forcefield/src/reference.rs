@@ -17,7 +17,7 @@ pub fn evaluate<F: PairForm>(
     forces: &mut [DVec3],
     mut each: Option<&mut [PerParticle]>,
 ) -> Totals {
-    let mut totals = Totals::default();
+    let mut totals = Totals::NOTHING;
     forces.fill(DVec3::ZERO);
     for i in 0..positions.len() {
         for j in i + 1..positions.len() {

@@ -8,7 +8,7 @@ use crate::reference::outer;
 use crate::simd::{ChunkTotals, PerParticle};
 
 /// Totals over pairs, each counted once.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct Totals {
     /// Σ U, ε.
     pub energy: f64,
@@ -21,6 +21,14 @@ pub struct Totals {
 }
 
 impl Totals {
+    /// No pair yet. (The default of a matrix is the identity, so there is no derived default.)
+    pub const NOTHING: Self = Self {
+        energy: 0.0,
+        virial: DMat3::ZERO,
+        laplacian: 0.0,
+        pairs: 0,
+    };
+
     /// Adds one pair.
     pub fn add(&mut self, pair: &Pair<f64>, r_ij: DVec3) {
         self.energy += pair.energy;
@@ -32,7 +40,7 @@ impl Totals {
 
     /// The totals of chunks that met every pair from both of its ends, added in order.
     pub fn of_chunks(chunks: &[ChunkTotals]) -> Self {
-        let mut sum = ChunkTotals::default();
+        let mut sum = ChunkTotals::NOTHING;
         for chunk in chunks {
             sum.energy += chunk.energy;
             sum.virial += chunk.virial;

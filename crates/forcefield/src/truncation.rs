@@ -6,6 +6,8 @@ use crate::real::Real;
 /// A truncated potential, as a kernel sees it: valid for r ≤ r_cut, and zero beyond by the kernel's
 /// own comparison.
 pub trait PairForm: Copy + Send + Sync + 'static {
+    /// Whether it runs so seldom that an instance of the loop without energetics is not worth compiling.
+    const RARE: bool = false;
     /// U, −U′/r and U″ at r² = `r2` σ², for r ≤ r_cut.
     fn eval<R: Real>(&self, r2: R) -> Pair<R>;
 }
@@ -172,6 +174,7 @@ pub struct Part<F> {
 }
 
 impl<F: PairForm> PairForm for Part<F> {
+    const RARE: bool = true;
     #[inline(always)]
     fn eval<R: Real>(&self, r2: R) -> Pair<R> {
         let pair = self.form.eval(r2);

@@ -2,8 +2,8 @@
 
 use lennard_core::parallel::{for_each_chunk_pair, ordered_sum};
 use lennard_core::{
-    DVec3, Dynamics, ForceProvider, Integrator, IntegratorSpec, Persist, RestoreError, State,
-    StateReader, StateWriter, StepError, StepReport, Want,
+    DVec3, Dynamics, ForceError, ForceProvider, Integrator, IntegratorSpec, Persist, RestoreError,
+    State, StateReader, StateWriter, StepError, StepReport, Want,
 };
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +19,7 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// 2⁻⁴⁸ σ ≈ 3.6·10⁻¹⁵ σ, the resolution of a double at a few dozen σ, with room for ±32768 σ.
+    /// 2⁻⁴⁸ σ ≈ 3.6·10⁻¹⁵ σ, the resolution of a double at a few dozen σ, with room for ±4096 σ.
     fn default() -> Self {
         Self {
             grid_spacing: 2.0_f64.powi(-48),
@@ -54,8 +54,8 @@ type Cell = [i64; 3];
 /// Störmer–Verlet on a grid of spacing δ: x = δ·q with whole q.
 ///
 /// With D = q − q⁻ and A = round(h²a/δ), the next position is q + D + A, and the published velocity is
-/// the central one, δ·(2D + A)/(2h). Reversing that velocity and starting again finds q⁻ + A − … = the
-/// very q(t+h) just predicted, so the run retraces its steps exactly: rounding A is a function of the
+/// the central one, δ·(2D + A)/(2h). Reversing that velocity and starting again makes the very
+/// q(t+h) just predicted the new q⁻, so the run retraces its steps exactly: rounding A is a function of the
 /// positions alone and cancels between there and back. This needs forces that are a pure function of
 /// the positions, to the bit, which no neighbor list with a history gives by itself.
 ///
@@ -86,32 +86,18 @@ impl BitReversibleVerlet {
         &self.current
     }
 
-    fn off_the_grid(&self) -> StepError {
-        StepError::Unsuited {
-            method: SPEC.name,
-            reason: format!(
-                "a particle left the range of the position grid, ±{:e} σ",
-                LARGEST as f64 * self.spacing
-            ),
-        }
-    }
-
-    /// Whether all positions leave room for the next sums.
-    fn check_range(&self) -> Result<(), StepError> {
-        let outside: u64 = ordered_sum(self.current.len(), |range| {
-            self.current[range]
-                .iter()
-                .filter(|q| q.iter().any(|c| c.abs() > LARGEST))
-                .count() as u64
+    /// The first particle without room for the next sums, if there is one.
+    fn off_the_grid(&self) -> Option<usize> {
+        let outside = |q: &Cell| q.iter().any(|c| c.abs() > LARGEST);
+        let count: u64 = ordered_sum(self.current.len(), |range| {
+            self.current[range].iter().filter(|q| outside(q)).count() as u64
         });
-        if outside == 0 {
-            Ok(())
-        } else {
-            Err(self.off_the_grid())
-        }
+        (count > 0)
+            .then(|| self.current.iter().position(outside))
+            .flatten()
     }
 
-    /// A = round(h²a/δ) for one particle; saturates far outside the range that `check_range` allows.
+    /// A = round(h²a/δ) for one particle; saturates far outside the range of the grid.
     fn rounded_push(&self, dynamics: &Dynamics, forces: &[DVec3], i: usize) -> Cell {
         let dt = self.started_dt;
         to_grid(forces[i] * (dt * dt / (dynamics.masses.of(i) * self.spacing)))
@@ -205,7 +191,15 @@ impl Integrator for BitReversibleVerlet {
                 *x = to_position(*q, self.spacing);
             }
         }
-        self.check_range()?;
+        if let Some(particle) = self.off_the_grid() {
+            return Err(StepError::Unsuited {
+                method: SPEC.name,
+                reason: format!(
+                    "particle {particle} lies outside the position grid, ±{:e} σ",
+                    LARGEST as f64 * self.spacing
+                ),
+            });
+        }
         begin(&SPEC, dynamics, state, forces, dt, want)?;
         let to_steps = 2.0 * dt / self.spacing;
         self.previous = (0..state.len())
@@ -242,7 +236,10 @@ impl Integrator for BitReversibleVerlet {
             }
         });
         self.previous = std::mem::replace(&mut self.current, next);
-        self.check_range()?;
+        // Only a run-away gets here: it ends as one does in floating point.
+        if let Some(particle) = self.off_the_grid() {
+            return Err(ForceError::NonFinitePosition { particle }.into());
+        }
         tick(state, dt);
         evaluate(&SPEC, state, forces, want)?;
         self.publish_velocities(dynamics, state);

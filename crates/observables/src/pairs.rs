@@ -6,6 +6,9 @@ use rayon::prelude::*;
 /// Particles whose pairs one task counts. Counts are whole numbers, so that no result depends on it.
 const ROWS_A_TASK: usize = 64;
 
+/// Distances worked out before they are counted: the arithmetic runs in vector registers, the counting cannot.
+const BATCH: usize = 128;
+
 /// Cells along a side from which a grid of cells pays: with three, each cell would see all others.
 const FEWEST_CELLS: usize = 4;
 
@@ -19,74 +22,124 @@ pub(crate) fn count_distances(
 ) -> Vec<u64> {
     let histogram = Histogram {
         sides: cell.lengths(),
-        r2_max: r_max * r_max,
+        r_max,
         per_length: bins as f64 / r_max,
         bins,
     };
-    let wrapped: Vec<DVec3> = positions.iter().map(|r| cell.wrap(*r)).collect();
+    let wrapped = positions.iter().map(|r| cell.wrap(*r));
     let cells = (cell.lengths() / r_max).floor().as_usizevec3();
     if cells.min_element() < FEWEST_CELLS {
-        return histogram.all_pairs(&wrapped);
+        return histogram.all_pairs(&wrapped.collect());
     }
     // More cells than particles would only be walked in vain.
-    let most = (wrapped.len() as f64).cbrt().ceil() as usize;
+    let most = (positions.len() as f64).cbrt().ceil() as usize;
     let most = most.max(FEWEST_CELLS);
     let cells = [cells.x.min(most), cells.y.min(most), cells.z.min(most)];
-    histogram.pairs_in_cells(&wrapped, cells)
+    histogram.pairs_in_cells(wrapped, cells)
+}
+
+/// Coordinates by axis.
+#[derive(Default)]
+struct Points {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    z: Vec<f64>,
+}
+
+impl Points {
+    fn push(&mut self, r: DVec3) {
+        self.x.push(r.x);
+        self.y.push(r.y);
+        self.z.push(r.z);
+    }
+
+    fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    fn get(&self, i: usize) -> DVec3 {
+        DVec3::new(self.x[i], self.y[i], self.z[i])
+    }
+}
+
+impl FromIterator<DVec3> for Points {
+    fn from_iter<I: IntoIterator<Item = DVec3>>(positions: I) -> Self {
+        let mut points = Self::default();
+        positions.into_iter().for_each(|r| points.push(r));
+        points
+    }
 }
 
 struct Histogram {
     sides: DVec3,
-    r2_max: f64,
+    r_max: f64,
     per_length: f64,
     bins: usize,
 }
 
 impl Histogram {
-    /// Counts the distances from one particle to others.
-    fn count(&self, counts: &mut [u64], from: DVec3, to: &[DVec3]) {
-        for other in to {
-            // Both lie in the home box: the nearest image is the shorter way around.
-            let d = (from - *other).abs();
-            let r2 = d.min(self.sides - d).length_squared();
-            if r2 < self.r2_max {
-                let bin = (r2.sqrt() * self.per_length) as usize;
-                // Just below r_max the product can round up to `bins`.
-                counts[bin.min(self.bins - 1)] += 1;
+    /// Counts the distances from one point to those from `first` on; what lies beyond r_max goes to a bin of
+    /// its own behind the last.
+    fn count(&self, counts: &mut [u64], from: DVec3, to: &Points, first: usize) {
+        let mut bins = [0_u32; BATCH];
+        let last = self.bins as f64 - 1.0;
+        let beyond = self.bins as f64;
+        let batches = to.x[first..]
+            .chunks(BATCH)
+            .zip(to.y[first..].chunks(BATCH))
+            .zip(to.z[first..].chunks(BATCH));
+        for ((x, y), z) in batches {
+            for (((bin, x), y), z) in bins.iter_mut().zip(x).zip(y).zip(z) {
+                // Both lie in the home box: the nearest image is the shorter way around.
+                let d = (from - DVec3::new(*x, *y, *z)).abs();
+                let d = d.min(self.sides - d);
+                let r = d.length();
+                // Just below r_max the product can round up to the number of bins.
+                let place = (r * self.per_length).min(last);
+                *bin = if r < self.r_max { place } else { beyond } as u32;
+            }
+            for bin in &bins[..x.len()] {
+                counts[*bin as usize] += 1;
             }
         }
     }
 
     /// Adds up what the tasks count.
     fn over(&self, tasks: usize, count: impl Fn(usize, &mut [u64]) + Sync) -> Vec<u64> {
-        (0..tasks)
+        let mut counts = (0..tasks)
             .into_par_iter()
             .fold(
-                || vec![0_u64; self.bins],
+                || vec![0_u64; self.bins + 1],
                 |mut counts, task| {
                     count(task, &mut counts);
                     counts
                 },
             )
             .reduce(
-                || vec![0_u64; self.bins],
+                || vec![0_u64; self.bins + 1],
                 |mut a, b| {
                     a.iter_mut().zip(b).for_each(|(x, y)| *x += y);
                     a
                 },
-            )
+            );
+        counts.truncate(self.bins);
+        counts
     }
 
-    fn all_pairs(&self, r: &[DVec3]) -> Vec<u64> {
+    fn all_pairs(&self, r: &Points) -> Vec<u64> {
         self.over(r.len().div_ceil(ROWS_A_TASK), |task, counts| {
             for i in task * ROWS_A_TASK..((task + 1) * ROWS_A_TASK).min(r.len()) {
-                self.count(counts, r[i], &r[i + 1..]);
+                self.count(counts, r.get(i), r, i + 1);
             }
         })
     }
 
     /// Pairs within a cell and with half of the 26 cells around it.
-    fn pairs_in_cells(&self, r: &[DVec3], cells: [usize; 3]) -> Vec<u64> {
+    fn pairs_in_cells(
+        &self,
+        positions: impl Iterator<Item = DVec3>,
+        cells: [usize; 3],
+    ) -> Vec<u64> {
         let [nx, ny, nz] = cells;
         let scale = DVec3::new(nx as f64, ny as f64, nz as f64) / self.sides;
         let index = |x: usize, y: usize, z: usize| (x * ny + y) * nz + z;
@@ -94,9 +147,10 @@ impl Histogram {
             let s = (*r * scale).as_usizevec3();
             index(s.x.min(nx - 1), s.y.min(ny - 1), s.z.min(nz - 1))
         };
-        let mut members = vec![Vec::new(); nx * ny * nz];
-        for position in r {
-            members[home(position)].push(*position);
+        let mut members: Vec<Points> = Vec::new();
+        members.resize_with(nx * ny * nz, Points::default);
+        for position in positions {
+            members[home(&position)].push(position);
         }
         let forward: Vec<[usize; 3]> = (0..27)
             .map(|k| [k / 9, k / 3 % 3, k % 3])
@@ -104,8 +158,9 @@ impl Histogram {
             .collect();
         self.over(members.len(), |c, counts| {
             let (x, y, z) = (c / (ny * nz), c / nz % ny, c % nz);
-            for (i, from) in members[c].iter().enumerate() {
-                self.count(counts, *from, &members[c][i + 1..]);
+            for i in 0..members[c].len() {
+                let from = members[c].get(i);
+                self.count(counts, from, &members[c], i + 1);
                 // An offset of 0, 1, 2 stands for −1, 0, 1.
                 for [dx, dy, dz] in &forward {
                     let other = index(
@@ -113,7 +168,7 @@ impl Histogram {
                         (y + dy + ny - 1) % ny,
                         (z + dz + nz - 1) % nz,
                     );
-                    self.count(counts, *from, &members[other]);
+                    self.count(counts, from, &members[other], 0);
                 }
             }
         })

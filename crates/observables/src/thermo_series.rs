@@ -82,7 +82,7 @@ impl ThermoSeries {
             "thermodynamics against time, energies per particle; each row is the mean of {stride} samples"
         );
         columns.into_iter().fold(
-            Table::new("thermo", caption),
+            Table::new("measured", caption),
             |table, (name, unit, values)| table.with(name, unit, values.to_vec()),
         )
     }

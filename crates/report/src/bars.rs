@@ -1,9 +1,9 @@
 //! Horizontal bars: cost or speed of named things.
 
 use plotters::style::text_anchor::{HPos, VPos};
-use plotters::style::{Color, WHITE};
+use plotters::style::WHITE;
 
-use crate::canvas::{GREY, GRID, INK, Sheet, TEXT, WIDTH, color, dress, font, stroke, text_width};
+use crate::canvas::{GREY, GRID, INK, Sheet, TEXT, WIDTH, color, dress, font, text_width};
 use crate::number::significant;
 use crate::{Axis, Dash, ReportError};
 
@@ -114,7 +114,7 @@ impl BarFigure {
                     };
                     let end = place(value);
                     let (from, to) = (start.min(end), start.max(end));
-                    sheet.rectangle((from, y + 1.0), (to, y + BAR - 1.0), color(series.color).filled())?;
+                    sheet.filled_rectangle((from, y + 1.0), (to, y + BAR - 1.0), color(series.color))?;
                     let mut text_from = to;
                     if let Some(e) = error.filter(|e| *e > 0.0) {
                         let (a, b) = (place(value - e), place(value + e));
@@ -128,7 +128,7 @@ impl BarFigure {
             sheet.line(&[(start, TOP), (start, bottom)], Dash::Solid, GREY, 1.2)?;
             for (row, series) in self.series.iter().enumerate().take(legend_rows) {
                 let y = below + TEXT + 14.0 + 24.0 * row as f64;
-                sheet.rectangle((8.0, y), (28.0, y + 14.0), stroke(color(series.color), 1.0).filled())?;
+                sheet.filled_rectangle((8.0, y), (28.0, y + 14.0), color(series.color))?;
                 sheet.text(&series.name, (36.0, y + 7.0), font(TEXT, INK), HPos::Left, VPos::Center)?;
             }
             sheet.finish()?;

@@ -109,15 +109,27 @@ impl<'a> Sheet<'a> {
         self.text(text, at, style, HPos::Center, VPos::Top)
     }
 
-    pub(crate) fn rectangle(
+    pub(crate) fn filled_rectangle(
         &self,
         corner: Place,
         opposite: Place,
-        style: impl Into<ShapeStyle>,
+        color: RGBColor,
     ) -> Result<(), ReportError> {
         self.area
-            .draw(&Rectangle::new([fine(corner), fine(opposite)], style))
+            .draw(&Rectangle::new([fine(corner), fine(opposite)], color.filled()))
             .map_err(|e| self.failed(e))
+    }
+
+    /// The outline of a rectangle, as a closed line: the SVG back end gives rectangles no line width.
+    pub(crate) fn outline(
+        &self,
+        (x0, y0): Place,
+        (x1, y1): Place,
+        color: RGBColor,
+        width: f64,
+    ) -> Result<(), ReportError> {
+        let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)];
+        self.line(&corners, Dash::Solid, color, width)
     }
 
     pub(crate) fn line(
@@ -177,7 +189,7 @@ impl<'a> Sheet<'a> {
             Symbol::Square => fill(&[(-0.85, -0.85), (0.85, -0.85), (0.85, 0.85), (-0.85, 0.85)]),
             Symbol::Frame => {
                 let corners = around(&[(-0.9, -0.9), (0.9, 0.9)]);
-                self.rectangle(corners[0], corners[1], stroke(color, 1.6))
+                self.outline(corners[0], corners[1], color, 1.6)
             }
             Symbol::Triangle => fill(&[(0.0, -1.15), (1.0, 0.7), (-1.0, 0.7)]),
             Symbol::Wedge => fill(&[(0.0, 1.15), (1.0, -0.7), (-1.0, -0.7)]),

@@ -127,10 +127,11 @@ fn axes(sheet: &Sheet<'_>, figure: &Figure, frame: &Frame) -> Result<(), ReportE
         .set_all_tick_mark_size(5 * FINE)
         .draw()
         .map_err(|e| sheet.failed(e))?;
-    sheet.rectangle(
+    sheet.outline(
         (frame.left, frame.top),
         (frame.left + frame.width, frame.top + frame.height),
-        stroke(GREY, 1.0),
+        GREY,
+        1.0,
     )?;
     sheet.text(
         &figure.x.label,
@@ -164,7 +165,7 @@ fn draw_guide(sheet: &Sheet<'_>, frame: &Frame, guide: &Guide) -> Result<(), Rep
             } else {
                 (5.0, HPos::Left)
             };
-            (label, ends, (ends[1].0 + shift, ends[1].1 + 5.0), anchor)
+            (label, ends, (ends[0].0 + shift, ends[0].1 - 20.0), anchor)
         }
         Guide::Horizontal(y, label) => {
             let Some(f) = frame.y.fraction(*y).filter(|f| (0.0..=1.0).contains(f)) else {
@@ -326,7 +327,7 @@ impl<'a> Legend<'a> {
             .iter()
             .map(|s| text_width(&s.name, TEXT))
             .fold(0.0, f64::max);
-        let columns = ((WIDTH - 16.0) / (widest + SAMPLE + 20.0)).floor() as usize;
+        let columns = ((WIDTH - 16.0) / (widest + SAMPLE + 8.0)).floor() as usize;
         Self {
             columns: columns.clamp(1, entries.len().max(1)),
             entries,

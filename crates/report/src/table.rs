@@ -5,6 +5,9 @@ use lennard_core::Table;
 use crate::escape::inline_markup;
 use crate::number::plain_or_scientific;
 
+/// Characters from which a text counts as long.
+const LONG_TEXT: usize = 32;
+
 /// What a cell says beyond its text.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Tone {
@@ -110,6 +113,8 @@ impl PageTable {
             html.push_str("<tr>");
             for cell in row {
                 let class = match cell.tone {
+                    // A long text keeps a readable width: the table scrolls in its own box instead.
+                    Tone::Plain if cell.text.chars().count() > LONG_TEXT => " class=\"long\"",
                     Tone::Plain => "",
                     Tone::Number => " class=\"number\"",
                     Tone::Good => " class=\"good\"",

@@ -49,8 +49,8 @@ impl Scene {
             }
         }
         let cell = PeriodicBox::new(lengths).map_err(|_| refuse(f64::NAN))?;
-        let cells = cells(*lattice, *n_atoms, filled)
-            .map_err(|none| self.no_lattice(*n_atoms, &none))?;
+        let cells =
+            cells(*lattice, *n_atoms, filled).map_err(|none| self.no_lattice(*n_atoms, &none))?;
         Ok(Some(Placement {
             cell,
             corner: DVec3::new(0.0, 0.0, 0.5 * vacuum),
@@ -146,9 +146,17 @@ fn homogeneous(scene: &Scene, vacuum: f64) -> Result<(), SceneError> {
             true => "true",
             false => "true, the default with kind \"cut\"",
         };
+        let place = match scene.source.wrote(key) {
+            true => scene.source.place(key),
+            false => scene.source.place("system.vacuum"),
+        };
         return Err(scene
             .source
-            .refuse(key, "assumes a homogeneous fluid, and this one has surfaces")
+            .refuse(
+                key,
+                "assumes a homogeneous fluid, and this one has surfaces",
+            )
+            .at(place.cloned())
             .found(format!("{found}, with system.vacuum = {vacuum}"))
             .allowed("false where there is a vacuum"));
     }
@@ -166,8 +174,13 @@ fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneErr
         temperature: scene.system.temperature,
         dt,
     };
-    lennard_forcefield::check(&scene.force_field(), &conditions)
-        .map_err(|e| scene.source.refuse(e.key(), e.to_string()).found(e.found()).allowed(e.allowed()))?;
+    lennard_forcefield::check(&scene.force_field(), &conditions).map_err(|e| {
+        scene
+            .source
+            .refuse(e.key(), format!("does not fit: {e}"))
+            .found(e.found())
+            .allowed(e.allowed())
+    })?;
     for (i, table) in scene.observables.iter().enumerate() {
         let context = lennard_observables::BuildContext {
             cell,

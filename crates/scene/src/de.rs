@@ -122,10 +122,7 @@ impl<'de> Deserializer<'de> for &'de Node {
             Value::Number(number) => visitor.visit_f64(*number),
             Value::Text(text) => visitor.visit_borrowed_str(text),
             Value::Date(_) => Err(de::Error::invalid_type(Unexpected::Other("date"), &visitor)),
-            Value::Array(items) => visitor.visit_seq(Items {
-                items,
-                next: 0,
-            }),
+            Value::Array(items) => visitor.visit_seq(Items { items, next: 0 }),
             Value::Table(table) => visitor.visit_map(Entries {
                 entries: &table.0,
                 current: None,

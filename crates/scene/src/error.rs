@@ -213,7 +213,9 @@ impl Source {
         found: impl fmt::Display,
         allowed: impl fmt::Display,
     ) -> SceneError {
-        self.refuse(key, "does not fit").found(found).allowed(allowed)
+        self.refuse(key, "does not fit")
+            .found(found)
+            .allowed(allowed)
     }
 
     /// The error that a name is used twice, `first` being the key where it was before.

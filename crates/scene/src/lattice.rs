@@ -91,7 +91,10 @@ fn in_cube(lattice: Lattice, n_atoms: usize) -> Result<usize, NoLattice> {
         p => p.to_string(),
     };
     Err(NoLattice {
-        rule: format!("{factor}m³ for a whole number m: {} in a cube", lattice.name()),
+        rule: format!(
+            "{factor}m³ for a whole number m: {} in a cube",
+            lattice.name()
+        ),
         below: (below > 0).then(|| count(below)),
         above: Some(count(below + 1)),
     })
@@ -130,9 +133,14 @@ fn in_cuboid(lattice: Lattice, n_atoms: usize, sides: DVec3) -> Result<[usize; 3
     for short in range(axes[0]) {
         for middle in range(axes[1]) {
             // The longest count may make its edge a tenth shorter or longer than the other two, no more.
-            let edges = [sides[axes[0]] / short as f64, sides[axes[1]] / middle as f64];
+            let edges = [
+                sides[axes[0]] / short as f64,
+                sides[axes[1]] / middle as f64,
+            ];
             let (least, most) = (edges[0].min(edges[1]), edges[0].max(edges[1]));
-            let fewest = (sides[axes[2]] / (least * MOST_STRETCHED_CELL)).ceil().max(1.0) as usize;
+            let fewest = (sides[axes[2]] / (least * MOST_STRETCHED_CELL))
+                .ceil()
+                .max(1.0) as usize;
             let largest = (sides[axes[2]] * MOST_STRETCHED_CELL / most).floor() as usize;
             if fewest > largest {
                 continue;
@@ -183,7 +191,10 @@ mod tests {
         let largest = 4 * 629_usize.pow(3);
         assert_eq!(cells(Lattice::Fcc, largest, cube), Ok(Some([629; 3])));
         let wrong = cells(Lattice::Fcc, largest + 1, cube).unwrap_err();
-        assert_eq!((wrong.below, wrong.above), (Some(largest), Some(4 * 630_usize.pow(3))));
+        assert_eq!(
+            (wrong.below, wrong.above),
+            (Some(largest), Some(4 * 630_usize.pow(3)))
+        );
     }
 
     #[test]
@@ -216,10 +227,15 @@ mod tests {
                 assert_eq!((wrong.below, wrong.above), (None, None), "{sides:?}");
             }
         }
-        let plate = DVec3::new(1e6, 1e6, 40.0);
+        let plate = DVec3::new(1e6, 1e6, 60.0);
         let many = MOST_ATOMS as usize;
-        let n = cells(Lattice::Fcc, many, plate).unwrap_err().below.unwrap();
-        assert!(n > many / 2 && cells(Lattice::Fcc, n, plate).is_ok());
+        assert!(cells(Lattice::Fcc, many, plate).is_ok());
+        let wrong = cells(Lattice::Fcc, many - 1, plate).unwrap_err();
+        assert!(
+            wrong.below.is_some_and(|n| n < many && many - n < 100_000),
+            "{wrong:?}"
+        );
+        assert_eq!(wrong.above, Some(many));
     }
 
     #[test]

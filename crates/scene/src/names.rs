@@ -2,14 +2,17 @@
 
 /// The known name nearest to a mistyped one, where it is near enough to be meant.
 pub(crate) fn nearest<'a>(found: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
-    /// Jaro–Winkler similarity from which a name counts as meant: `n_atom` and `temprature` pass, and
-    /// no two names of the scene reference that have nothing in common do.
+    /// Similarity from which a name counts as meant: `n_atom`, `temprature` and `rfd` pass, names that
+    /// have nothing in common do not.
     const NEAR_ENOUGH: f64 = 0.75;
+    /// One slip in three letters (`rfd`) is as near as that.
+    const SLIPS_WEIGH: f64 = NEAR_ENOUGH * 1.5;
     let found = found.to_lowercase().replace('-', "_");
     known
         .map(|name| {
             let plain = name.to_lowercase().replace('-', "_");
-            (strsim::jaro_winkler(&found, &plain), name)
+            let slips = SLIPS_WEIGH * strsim::normalized_damerau_levenshtein(&found, &plain);
+            (strsim::jaro_winkler(&found, &plain).max(slips), name)
         })
         .filter(|(similarity, _)| *similarity >= NEAR_ENOUGH)
         .max_by(|a, b| a.0.total_cmp(&b.0))
@@ -24,11 +27,24 @@ struct Planned {
 
 const PLANNED: &[Planned] = &[
     Planned {
-        words: &["barostat", "pressure_control", "npt", "parrinello_rahman", "berendsen_barostat"],
+        words: &[
+            "barostat",
+            "pressure_control",
+            "npt",
+            "parrinello_rahman",
+            "berendsen_barostat",
+        ],
         feature: "barostats are",
     },
     Planned {
-        words: &["species", "mixture", "mixing", "component", "components", "mixing_rule"],
+        words: &[
+            "species",
+            "mixture",
+            "mixing",
+            "component",
+            "components",
+            "mixing_rule",
+        ],
         feature: "mixtures of several species are",
     },
     Planned {
@@ -64,4 +80,31 @@ pub(crate) fn not_yet(name: &str) -> Option<String> {
         .iter()
         .find(|planned| planned.words.contains(&name.as_str()))
         .map(|planned| format!("{} not available yet", planned.feature))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slips_of_the_pen_are_recognised_and_other_words_are_not() {
+        let known = [
+            "n_atoms",
+            "temperature",
+            "seed",
+            "density",
+            "rdf",
+            "msd",
+            "velocity-verlet",
+        ];
+        let meant = |found| nearest(found, known.into_iter());
+        assert_eq!(meant("n_atom").as_deref(), Some("n_atoms"));
+        assert_eq!(meant("temprature").as_deref(), Some("temperature"));
+        assert_eq!(meant("N-Atoms").as_deref(), Some("n_atoms"));
+        assert_eq!(meant("rfd").as_deref(), Some("rdf"));
+        assert_eq!(meant("velocity_verlet").as_deref(), Some("velocity-verlet"));
+        for other in ["", "x", "pressure", "wavelet", "фыва"] {
+            assert_eq!(meant(other), None, "{other}");
+        }
+    }
 }

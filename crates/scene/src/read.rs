@@ -25,7 +25,11 @@ impl Scene {
         })?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let good = error.utf8_error().valid_up_to();
-            let line = error.as_bytes()[..good].iter().filter(|b| **b == b'\n').count() + 1;
+            let line = error.as_bytes()[..good]
+                .iter()
+                .filter(|b| **b == b'\n')
+                .count()
+                + 1;
             SceneError::new(&file, "this is not text")
                 .at(Some(Place::Line(line)))
                 .found("bytes that are not UTF-8")
@@ -161,12 +165,14 @@ impl<'a> Reader<'a> {
 
     fn unknown_table(&self, entry: &Entry) -> SceneError {
         let key = &entry.key;
+        let known: Vec<&str> = TABLES.into_iter().chain(LISTS).chain(["name"]).collect();
         if let Some(message) = not_yet(key) {
             return self
                 .source
-                .refuse(key, format!("cannot be used: {message}"));
+                .refuse(key, format!("cannot be used: {message}"))
+                .found(format!("`{key}`"))
+                .allowed(known.join(", "));
         }
-        let known: Vec<&str> = TABLES.into_iter().chain(LISTS).chain(["name"]).collect();
         let what = match &entry.node.value {
             Value::Table(_) => "table",
             Value::Array(_) => "array",
@@ -191,7 +197,10 @@ impl<'a> Reader<'a> {
     }
 
     /// A table whose type has a default for every key.
-    pub fn plain<T: serde::de::DeserializeOwned>(&self, table: &'static str) -> Result<T, SceneError> {
+    pub fn plain<T: serde::de::DeserializeOwned>(
+        &self,
+        table: &'static str,
+    ) -> Result<T, SceneError> {
         self.section(table).read(self.node(table))
     }
 
@@ -208,14 +217,22 @@ impl<'a> Reader<'a> {
     fn name(&self, file: &str) -> Result<String, SceneError> {
         let rule = |name: &str| {
             name.starts_with(|c: char| c.is_ascii_alphanumeric())
-                && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c))
+                && name
+                    .chars()
+                    .all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c))
         };
         let Some(node) = self.root.get("name") else {
             let stem = Path::new(file).file_stem().unwrap_or_default();
             let plain: String = stem
                 .to_string_lossy()
                 .chars()
-                .map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' })
+                .map(|c| {
+                    if c.is_ascii_alphanumeric() || "-_.".contains(c) {
+                        c
+                    } else {
+                        '-'
+                    }
+                })
                 .collect();
             let plain = plain.trim_start_matches(|c: char| !c.is_ascii_alphanumeric());
             return Ok(if plain.is_empty() { "scene" } else { plain }.to_owned());
@@ -248,7 +265,6 @@ impl<'a> Reader<'a> {
     }
 }
 
-
 /// A table with a `kind` where it has none.
 pub(crate) fn with_kind(node: &Node, kind: &str) -> Node {
     let mut node = node.clone();
@@ -270,4 +286,3 @@ pub(crate) fn take(node: &mut Node, key: &str) -> Option<Entry> {
         _ => None,
     }
 }
-

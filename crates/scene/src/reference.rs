@@ -36,7 +36,7 @@ impl Allowed {
         match self {
             Self::Positive => "a finite number above 0".to_owned(),
             Self::NotNegative => "a finite number, 0 or more".to_owned(),
-            Self::Whole(from, i64::MAX) => format!("a whole number from {from}"),
+            Self::Whole(from, i64::MAX) => format!("a whole number, {from} or more"),
             Self::Whole(from, to) => format!("a whole number from {from} to {to}"),
             Self::Flag => "true or false".to_owned(),
             Self::Names(names) => quoted(&names()),
@@ -203,6 +203,18 @@ static KEYS: &[KeyDoc] = keys! {
         "kind": Names(|| lennard_integrators::integrators().iter().map(|i| i.spec.name).collect()), "`\"velocity-verlet\"`", "", "The method.";
         "dt": Positive, "`0.004`", "τ", "Time step.";
     }
+    "integrator" of "implicit-euler" {
+        "tolerance": Positive, "`1e-12`", "σ", "Largest error of a position in its equation.";
+        "max_iterations": Whole(1, 1_000_000), "`60`", "", "Newton iterations after which a step fails.";
+    }
+    "integrator" of "bit-reversible-verlet" {
+        "grid_spacing": Positive, "`3.552713678800501e-15`", "σ", "Spacing of the grid of positions, best a power of two; the default is 2⁻⁴⁸.";
+    }
+    "integrator" of "respa" {
+        "inner_steps": Whole(1, 1_000_000), "`4`", "", "Steps of the near force inside one step of the far force.";
+        "r_split": Positive, "`1.7`", "σ", "Where the near force ends; below `truncation.r_cut`.";
+        "split_width": Positive, "`0.4`", "σ", "Over which distance it ends; at most `r_split`.";
+    }
     "stage" of any {
         "name": Words("letters, digits, `-` and `_`, not digits alone, and unlike any other stage's"), "needed", "", "Its name, by which `--set stage.NAME.steps=…` finds it.";
         "steps": Whole(1, MOST_STEPS), "needed", "", "Number of steps.";
@@ -245,6 +257,11 @@ static KEYS: &[KeyDoc] = keys! {
         "window": Positive, "`4.0`", "τ", "Longest lag.";
         "origins": Whole(1, 10_000), "`16`", "", "Number of time origins followed at once.";
         "particles": Whole(1, i64::MAX), "`16384`", "", "Number of particles followed, evenly chosen.";
+    }
+    "observable" of "structure-factor" {
+        "k_max": Positive, "`15.0`", "σ⁻¹", "Largest wave number.";
+        "shells": Whole(1, 10_000), "`75`", "", "Number of shells of equal width between 0 and `k_max`.";
+        "directions": Whole(1, 10_000), "`24`", "", "Wave vectors tried in each shell.";
     }
     "output" of any {
         "trajectory_every": Whole(0, MOST_STEPS), "`0`", "steps", "Steps between two frames of `trajectory.xyz`; 0 for no trajectory.";

@@ -48,6 +48,10 @@ struct Integrator<'a> {
     #[serde(flatten)]
     method: &'a IntegratorOptions,
     dt: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    r_split: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    split_width: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -110,6 +114,8 @@ impl Scene {
             integrator: Integrator {
                 method: &self.integrator.method,
                 dt: self.integrator.dt,
+                r_split: self.integrator.split.map(|split| split.r_split),
+                split_width: self.integrator.split.map(|split| split.width),
             },
             stage: self.stages.iter().map(resolved_stage).collect(),
             observable: self

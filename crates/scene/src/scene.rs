@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use lennard_core::{DVec3, PeriodicBox};
 use lennard_forcefield::{
-    ForceFieldOptions, KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions,
+    ForceFieldOptions, KernelOptions, NeighborOptions, PotentialOptions, SplitOptions,
+    TruncationOptions,
 };
 use lennard_integrators::{IntegratorOptions, ThermostatOptions};
 use lennard_observables::ObservableOptions;
@@ -73,15 +74,20 @@ impl PartialEq for Scene {
 }
 
 impl Scene {
-    /// The options of the force field together.
+    /// The options of the force field together, with what the integrator needs of it: forces split by
+    /// distance for RESPA, and forces that are a pure function of the positions for the bit-reversible method.
     #[must_use]
     pub fn force_field(&self) -> ForceFieldOptions {
         ForceFieldOptions {
+            split: self.integrator.split,
+            canonical: matches!(
+                self.integrator.method,
+                IntegratorOptions::BitReversibleVerlet(_)
+            ),
             potential: self.potential,
             truncation: self.truncation,
             neighbor: self.neighbor,
             kernel: self.kernel,
-            ..ForceFieldOptions::default()
         }
     }
 
@@ -178,6 +184,8 @@ pub struct IntegratorTable {
     pub dt: f64,
     /// The method with its own keys.
     pub method: IntegratorOptions,
+    /// Where the pair force is split into a near and a far part, for a method that asks for them.
+    pub split: Option<SplitOptions>,
 }
 
 /// A table `[[stage]]`.

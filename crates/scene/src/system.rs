@@ -47,7 +47,10 @@ impl<'de> Deserialize<'de> for Sides {
                 Ok(Sides([side as f64; 3]))
             }
 
-            fn visit_seq<A: serde::de::SeqAccess<'de>>(self, mut seq: A) -> Result<Sides, A::Error> {
+            fn visit_seq<A: serde::de::SeqAccess<'de>>(
+                self,
+                mut seq: A,
+            ) -> Result<Sides, A::Error> {
                 let mut sides = [0.0; 3];
                 for (i, side) in sides.iter_mut().enumerate() {
                     *side = seq
@@ -133,14 +136,19 @@ impl Reader<'_> {
         let triclinic = match &sides.value {
             Value::Array(items) => {
                 TRICLINIC.contains(&items.len())
-                    || items.iter().any(|item| matches!(item.value, Value::Array(_)))
+                    || items
+                        .iter()
+                        .any(|item| matches!(item.value, Value::Array(_)))
             }
             _ => false,
         };
         if triclinic {
             return Err(self
                 .source
-                .refuse("system.box", "cannot be used: triclinic boxes are not available yet")
+                .refuse(
+                    "system.box",
+                    "cannot be used: triclinic boxes are not available yet",
+                )
                 .found(sides)
                 .allowed("one side, or three sides [Lx, Ly, Lz], of a box with right angles"));
         }
@@ -158,5 +166,4 @@ impl Reader<'_> {
         }
         Ok(())
     }
-
 }

@@ -1,17 +1,23 @@
 //! The tables after `[system]`: integrator, stages, observables, output, checkpoints.
 
-use lennard_integrators::{IntegratorOptions, ThermostatOptions};
+use lennard_forcefield::SplitOptions;
+use lennard_integrators::{IntegratorEntry, IntegratorOptions, OscillatorModel, ThermostatOptions};
 use lennard_observables::ObservableOptions;
 use serde::Deserialize;
 
 use crate::error::SceneError;
 use crate::read::{Reader, take, with_kind};
+use crate::reference::quoted;
 use crate::tree::{Node, Value};
 use crate::typed::Section;
 use crate::{Checkpoint, IntegratorTable, ObservableTable, Output, Stage, checks};
 
 /// The customary time step of Lennard-Jones fluids, τ.
 const DEFAULT_DT: f64 = 0.004;
+/// Where the near force of RESPA ends, σ: beyond the first shell of neighbors.
+const DEFAULT_R_SPLIT: f64 = 1.7;
+/// Over which distance it ends, σ.
+const DEFAULT_SPLIT_WIDTH: f64 = 0.4;
 const DEFAULT_THERMO_EVERY: u64 = 10;
 const DEFAULT_ELEMENT: &str = "Ar";
 
@@ -46,21 +52,50 @@ struct CheckpointTable {
 
 impl Reader<'_> {
     pub fn integrator(&self) -> Result<IntegratorTable, SceneError> {
-        let mut node = with_kind(
-            self.node("integrator"),
-            IntegratorOptions::default().name(),
-        );
-        let section = self.section("integrator").with(&["kind", "dt"]);
+        let default_kind = IntegratorOptions::default().name();
+        let mut node = with_kind(self.node("integrator"), default_kind);
+        let is_split = node.table().and_then(|t| t.get("kind")?.text()) == Some("respa");
+        let section = self.section("integrator").with(match is_split {
+            true => &["kind", "dt", "r_split", "split_width"],
+            false => &["kind", "dt"],
+        });
         let dt = take(&mut node, "dt");
-        let dt = match &dt {
-            Some(entry) => section.number(entry)?,
-            None => DEFAULT_DT,
-        };
+        let dt = dt.map_or(Ok(DEFAULT_DT), |entry| section.number(&entry))?;
+        let mut split = None;
+        if is_split {
+            let r_split = take(&mut node, "r_split");
+            let width = take(&mut node, "split_width");
+            split = Some(SplitOptions {
+                r_split: r_split.map_or(Ok(DEFAULT_R_SPLIT), |entry| section.number(&entry))?,
+                width: width.map_or(Ok(DEFAULT_SPLIT_WIDTH), |entry| section.number(&entry))?,
+            });
+        }
         let method: IntegratorOptions = section.read(&node)?;
         method
             .check()
             .map_err(|e| section.impossible(e.key, &e.found, e.allowed))?;
-        Ok(IntegratorTable { dt, method })
+        self.suits_a_fluid(&method)?;
+        Ok(IntegratorTable { dt, method, split })
+    }
+
+    /// Refuses methods that move nothing by pair forces.
+    fn suits_a_fluid(&self, method: &IntegratorOptions) -> Result<(), SceneError> {
+        let moves_fluids = |entry: &&IntegratorEntry| entry.oscillator == OscillatorModel::Force;
+        let fit = lennard_integrators::integrators()
+            .iter()
+            .filter(moves_fluids);
+        let names: Vec<&str> = fit.map(|entry| entry.spec.name).collect();
+        if names.contains(&method.name()) {
+            return Ok(());
+        }
+        Err(self
+            .source
+            .refuse(
+                "integrator.kind",
+                "cannot move a fluid: it works on the oscillator alone",
+            )
+            .found(format!("{:?}", method.name()))
+            .allowed(quoted(&names)))
     }
 
     pub fn stages(&self, temperature: f64) -> Result<Vec<Stage>, SceneError> {
@@ -93,7 +128,8 @@ impl Reader<'_> {
         let thermostat = take(&mut node, "thermostat");
         let table: StageTable = section.read(&node)?;
         let good_name = |name: &str| {
-            name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c))
+            name.chars()
+                .all(|c| c.is_ascii_alphanumeric() || "-_".contains(c))
                 && name.chars().any(|c| !c.is_ascii_digit())
         };
         if !good_name(&table.name) {
@@ -134,9 +170,7 @@ impl Reader<'_> {
         let named = match &node.value {
             Value::Table(_) => node.clone(),
             Value::Text(name) if name == "none" => return Ok(None),
-            Value::Text(name) if names.contains(&name.as_str()) => {
-                with_kind(&self.empty, name)
-            }
+            Value::Text(name) if names.contains(&name.as_str()) => with_kind(&self.empty, name),
             Value::Text(name) => {
                 let stage = Section::new(self.source, stage, "stage");
                 return Err(stage.unknown_name("thermostat", name, &names));
@@ -154,8 +188,7 @@ impl Reader<'_> {
         let mut observables: Vec<ObservableTable> = Vec::new();
         for (i, node) in self.list("observable")?.iter().enumerate() {
             let path = format!("observable.{i}");
-            let section =
-                Section::new(self.source, &path, "observable").with(&["kind", "every"]);
+            let section = Section::new(self.source, &path, "observable").with(&["kind", "every"]);
             let mut node = node.clone();
             let every = take(&mut node, "every");
             let options: ObservableOptions = section.read(&node)?;
@@ -168,7 +201,9 @@ impl Reader<'_> {
                 .position(|other| other.options.name() == options.name());
             if let Some(first) = twin {
                 let first = format!("observable.{first}.kind");
-                return Err(self.source.twice(&section.name("kind"), options.name(), &first));
+                return Err(self
+                    .source
+                    .twice(&section.name("kind"), options.name(), &first));
             }
             observables.push(ObservableTable { every, options });
         }
@@ -196,7 +231,10 @@ impl Reader<'_> {
             return Err(self
                 .source
                 .refuse(&key, "differs from `output.thermo_every`")
-                .found(format!("{} and {}", observables[i].every, output.thermo_every))
+                .found(format!(
+                    "{} and {}",
+                    observables[i].every, output.thermo_every
+                ))
                 .allowed("the same number, or one of them left out"));
         }
         Ok(())
@@ -229,5 +267,4 @@ impl Reader<'_> {
             every_seconds: table.every_seconds.filter(|every| *every > 0.0),
         })
     }
-
 }

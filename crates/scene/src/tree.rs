@@ -125,7 +125,11 @@ impl fmt::Display for Node {
                     let comma = if i == 0 { "" } else { ", " };
                     write!(f, "{comma}{item}")?;
                 }
-                let rest = if items.len() > LONGEST_ARRAY { ", …" } else { "" };
+                let rest = if items.len() > LONGEST_ARRAY {
+                    ", …"
+                } else {
+                    ""
+                };
                 write!(f, "{rest}]")
             }
             Value::Table(_) => write!(f, "a table"),

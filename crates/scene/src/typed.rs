@@ -112,7 +112,10 @@ impl<'a> Section<'a> {
     /// The error for a value that its method refuses.
     pub fn impossible(&self, key: &str, found: &str, allowed: &str) -> SceneError {
         let name = self.name(key);
-        self.source.refuse(&name, "is not allowed").found(found).allowed(allowed)
+        self.source
+            .refuse(&name, "is not allowed")
+            .found(found)
+            .allowed(allowed)
     }
 
     /// The scene error that a fault of the type amounts to.
@@ -145,10 +148,14 @@ impl<'a> Section<'a> {
 
     fn unknown_key(&self, found: &str, known: &[&str]) -> SceneError {
         let name = self.name(found);
-        if let Some(message) = not_yet(found) {
-            return self.source.refuse(&name, format!("cannot be used: {message}"));
-        }
         let known: Vec<&str> = known.iter().chain(self.also).copied().collect();
+        if let Some(message) = not_yet(found) {
+            return self
+                .source
+                .refuse(&name, format!("cannot be used: {message}"))
+                .found(format!("`{found}`"))
+                .allowed(known.join(", "));
+        }
         self.source
             .refuse(&name, "is not a known key")
             .found(format!("`{found}`"))
@@ -197,11 +204,16 @@ impl<'a> Section<'a> {
                 .refuse(self.path, "holds a value of the wrong type")
                 .allowed(in_words(expected));
         };
-        let allowed = reference::find(self.table, method, key).map(|doc| doc.allowed.text());
+        let allowed = reference::find(self.table, method, key).map(|doc| doc.allowed);
+        let message = match (&node.value, allowed) {
+            (Value::Number(_), Some(Allowed::Whole(..))) => "is not a whole number".to_owned(),
+            _ => format!("is {}", node.kind()),
+        };
+        let allowed = allowed.map_or_else(|| in_words(expected), |allowed| allowed.text());
         self.source
-            .refuse(&self.name(key), format!("is {}", node.kind()))
+            .refuse(&self.name(key), message)
             .found(node)
-            .allowed(allowed.unwrap_or_else(|| in_words(expected)))
+            .allowed(allowed)
     }
 }
 

@@ -32,8 +32,7 @@ fn good_scenes() -> Vec<PathBuf> {
 /// What a `.expected` file says: the lines, and whether the trouble shows only after the scene was read.
 fn expected(scene: &Path) -> (Vec<String>, bool) {
     let file = scene.with_extension("expected");
-    let text = std::fs::read_to_string(&file)
-        .unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+    let text = std::fs::read_to_string(&file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
     let later = text.starts_with("# Found after the scene itself has been read");
     let lines = text.lines().filter(|line| !line.starts_with('#'));
     (lines.map(str::to_owned).collect(), later)
@@ -42,7 +41,9 @@ fn expected(scene: &Path) -> (Vec<String>, bool) {
 /// The text after `# Expected: ` at the head of a bad scene.
 fn announced(scene: &Path) -> String {
     let text = std::fs::read_to_string(scene).unwrap();
-    let line = text.lines().find_map(|line| line.strip_prefix("# Expected: "));
+    let line = text
+        .lines()
+        .find_map(|line| line.strip_prefix("# Expected: "));
     line.unwrap_or_else(|| panic!("{} announces nothing", scene.display()))
         .to_owned()
 }
@@ -69,7 +70,10 @@ fn every_bad_scene_is_refused_in_the_words_beside_it() {
         let message = refusal(&path).to_string();
         assert_eq!(message, lines.join("\n"), "{}", path.display());
         let announced = announced(&path);
-        assert!(message.contains(&announced), "{message}\nannounced: {announced}");
+        assert!(
+            message.contains(&announced),
+            "{message}\nannounced: {announced}"
+        );
     }
 }
 
@@ -88,7 +92,9 @@ fn every_refusal_names_file_key_and_what_is_allowed() {
             "{error}"
         );
         // Text that is no TOML has no keys, and what is missing has no line.
-        let no_key = ["not TOML", "cannot be read"].iter().any(|m| error.message().contains(m));
+        let no_key = ["not TOML", "cannot be read"]
+            .iter()
+            .any(|m| error.message().contains(m));
         assert!(no_key || error.key_path().is_some(), "{error}");
         let missing = error.message() == "is missing" || path.ends_with("tail-with-vacuum.toml");
         assert!(missing || error.line().is_some(), "{error}");
@@ -126,10 +132,17 @@ fn every_scene_says_at_its_head_what_it_shows_and_how_to_run_it() {
     enter_root();
     for path in good_scenes().into_iter().chain(scenes_in("inputs/bad")) {
         let text = std::fs::read_to_string(&path).unwrap();
-        let head: Vec<&str> = text.lines().take_while(|line| line.starts_with('#')).collect();
+        let head: Vec<&str> = text
+            .lines()
+            .take_while(|line| line.starts_with('#'))
+            .collect();
         let command = format!("cargo run --release -- run {}", path.display());
         assert!(head.len() >= 3, "{}", path.display());
-        assert!(head.iter().any(|line| line.contains(&command)), "{}", path.display());
+        assert!(
+            head.iter().any(|line| line.contains(&command)),
+            "{}",
+            path.display()
+        );
     }
 }
 
@@ -177,5 +190,9 @@ fn write_reference() {
     enter_root();
     let readme = std::fs::read_to_string("inputs/README.md").unwrap();
     let (before, _) = readme.split_once(START).unwrap();
-    std::fs::write("inputs/README.md", format!("{before}{START}{}", reference::markdown())).unwrap();
+    std::fs::write(
+        "inputs/README.md",
+        format!("{before}{START}{}", reference::markdown()),
+    )
+    .unwrap();
 }

@@ -3,7 +3,9 @@
 //! A study is data first: it runs, keeps what it found with every number, and is then written as CSV,
 //! JSON, SVG and one self-contained page.
 
+pub mod claims;
 mod error;
+mod files;
 mod progress;
 pub mod stability;
 

@@ -22,7 +22,7 @@ pub enum Wanted {
 }
 
 /// Sums over one chunk; every pair is met from both of its ends, so each of these is twice its share.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct ChunkTotals {
     /// Σ U, ε.
     pub energy: f64,
@@ -34,6 +34,17 @@ pub struct ChunkTotals {
     pub pairs: u64,
     /// Whether a force that is not finite was met.
     pub broken: bool,
+}
+
+impl ChunkTotals {
+    /// No pair yet. (The default of a matrix is the identity, so there is no derived default.)
+    pub const NOTHING: Self = Self {
+        energy: 0.0,
+        virial: DMat3::ZERO,
+        laplacian: 0.0,
+        pairs: 0,
+        broken: false,
+    };
 }
 
 /// One evaluation, as the pair loop sees it.
@@ -95,9 +106,9 @@ pub unsafe fn run<L: Lanes, F: PairForm>(
     // SAFETY: the contract is passed on.
     unsafe {
         match (&chunk.entries, wanted) {
-            (Entries::Narrow(e), Wanted::Forces) => sweep::<L, F, u16, false>(job, chunk, e),
-            (Entries::Wide(e), Wanted::Forces) => sweep::<L, F, u32, false>(job, chunk, e),
+            (Entries::Narrow(e), Wanted::Forces) if !F::RARE => sweep::<L, F, u16, false>(job, chunk, e),
             (Entries::Narrow(e), _) => sweep::<L, F, u16, true>(job, chunk, e),
+            // Above a million particles in a cube: one instance does for all that may be wanted.
             (Entries::Wide(e), _) => sweep::<L, F, u32, true>(job, chunk, e),
         }
     }
@@ -125,7 +136,7 @@ unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
     let r_cut2 = L::splat(job.r_cut2);
     let scale = job.scale.map(L::splat);
     let zero = L::splat(0.0);
-    let mut totals = ChunkTotals::default();
+    let mut totals = ChunkTotals::NOTHING;
     let mut start = 0;
     // SAFETY: `PairJob::new` checked that every target of the list is a row; base plus entry is one.
     let rows = unsafe { job.rows.as_ptr().add(chunk.base as usize) };

@@ -61,6 +61,22 @@ pub fn estimate(series: &[f64]) -> Estimate {
 ///
 /// The standard error is σ √(g/(n−1)) with g from [`autocorrelation_time`] and n_eff = n/g; a constant
 /// series has error 0, a single sample error NaN, an empty series is NaN with n_eff = 0.
+///
+/// ```
+/// use lennard_core::random::Streams;
+/// use lennard_observables::statistics::estimate_stationary;
+/// use rand_distr::{Distribution, StandardNormal};
+///
+/// // Each value twice: g = 1 + 2·½ = 2, so 4000 samples are worth about 2000.
+/// let noise = Streams::new(1).noise("example");
+/// let series: Vec<f64> = (0..2000)
+///     .map(|i| StandardNormal.sample(&mut noise.at(i, 0)))
+///     .flat_map(|x: f64| [x, x])
+///     .collect();
+/// let found = estimate_stationary(&series);
+/// assert!((found.n_effective / 2000.0 - 1.0).abs() < 0.2);
+/// assert!((found.standard_error * 2000.0_f64.sqrt() - 1.0).abs() < 0.1);
+/// ```
 #[must_use]
 pub fn estimate_stationary(series: &[f64]) -> Estimate {
     estimate_after(series, 0)

@@ -81,26 +81,28 @@ fn step_error(entry: &IntegratorEntry, dt: f64) -> impl Fn(StepError) -> StudyEr
 
 /// Looks at every method of the groups.
 pub(crate) fn measure(groups: &[Group], quick: bool) -> Result<Vec<MethodMap>, StudyError> {
-    let methods: Vec<(usize, usize, &IntegratorEntry)> = groups
+    let methods: Vec<(usize, &IntegratorEntry)> = groups
         .iter()
         .enumerate()
-        .flat_map(|(g, group)| group.members.iter().enumerate().map(move |(m, e)| (g, m, *e)))
+        .flat_map(|(g, group)| group.members.iter().map(move |e| (g, *e)))
         .collect();
+    let shift = |i: usize| i as f64 / methods.len() as f64;
     methods
         .par_iter()
-        .map(|(group, member, entry)| method_map(*group, *member, entry, quick))
+        .enumerate()
+        .map(|(i, (group, entry))| method_map(*group, shift(i), entry, quick))
         .collect()
 }
 
 fn method_map(
     group: usize,
-    member: usize,
+    shift: f64,
     entry: &IntegratorEntry,
     quick: bool,
 ) -> Result<MethodMap, StudyError> {
-    // Methods with the same map are sampled at different places, so that their marks lie side by side.
-    let stride = if quick { 0.4 } else { 0.2 };
-    let first = 0.05 + 0.12 * stride * (member % 8) as f64;
+    // Each method is sampled at places of its own, so that equal marks lie side by side.
+    let stride = if quick { 0.8 } else { 0.4 };
+    let first = 0.05 + stride * shift;
     let mut points = Vec::new();
     let mut omega_h = first;
     while omega_h <= 4.0 {
@@ -145,7 +147,8 @@ fn bounded(entry: &IntegratorEntry, omega_h: f64, steps: u32) -> Result<bool, St
 /// The first ωh at which runs do not stay bounded: searched for by the measured one-step map, found by
 /// bisection over runs; 0 where even the smallest ωh is unstable.
 fn measured_limit(entry: &IntegratorEntry) -> Result<Option<f64>, StepError> {
-    let steady = |x| Ok(measured_map(entry, x, 1.0)?.radius() < 1.0 + RADIUS_ROUNDING);
+    let steady =
+        |x| Ok::<_, StepError>(measured_map(entry, x, 1.0)?.radius() < 1.0 + RADIUS_ROUNDING);
     let Some((good, bad)) = first_failure(steady)? else {
         return Ok(None);
     };

@@ -11,6 +11,9 @@ const SAME: f64 = 1e-12;
 /// Places at which maps are compared, as (ω, h).
 const PROBES: [(f64, f64); 3] = [(0.7, 1.0), (1.9, 0.5), (10.0, 0.13)];
 
+/// The method after whose family its group is called.
+const FAMILY: &str = "velocity-verlet";
+
 /// Methods with one map.
 #[derive(Debug, Clone, Serialize)]
 pub struct Group {
@@ -62,8 +65,10 @@ pub(crate) fn groups() -> Vec<Group> {
         let first = group.first().spec.name;
         group.name = match group.members.len() {
             1 => first.to_owned(),
-            2 => format!("{first}, {}", group.members[1].spec.name),
-            n => format!("{first} and {} with the same map", n - 1),
+            n if group.members.iter().any(|e| e.spec.name == FAMILY) => {
+                format!("Verlet family ({n})")
+            }
+            n => format!("{first} (+{})", n - 1),
         };
     }
     groups

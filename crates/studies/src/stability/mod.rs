@@ -1,41 +1,134 @@
-//! The stability study.
+//! `lennard stability`: where each integrator fails, on the oscillator and on the fluid, with theory and
+//! measurement in one picture and a verdict for each claim of the two documents behind the project.
+//!
+//! The oscillator part goes over the list of integrators: one that is added there is measured and charted
+//! here without a line of this crate being touched.
 
 pub mod amplification;
 pub mod discretisation;
 pub mod displacement;
+mod figures;
 mod fit;
 pub mod groups;
 pub mod infinite;
+mod judgement;
 mod map;
 pub mod orders;
+mod page;
 mod rig;
+mod tables;
 pub mod variable_step;
 
-#[cfg(test)]
-mod trial {
-    #[test]
-    fn look() {
-        let g = super::groups::groups();
-        let t = std::time::Instant::now();
-        for m in super::amplification::measure(&g, false).unwrap() {
-            println!("{} g{} diff {:e} decl {:?} theory {:?} measured {:?} {:?}", m.method, m.group, m.largest_radius_difference, m.declared_limit, m.theory_limit, m.measured_limit, m.bounded_at_1000);
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::claims::Claim;
+use crate::{Progress, StudyError};
+
+/// What to study and how it is named.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StabilityOptions {
+    /// Shorter runs on coarser grids, for tests.
+    pub quick: bool,
+    /// The command that is printed below figures and tables.
+    pub command: String,
+    /// Names and values for the footer of the page (machine, date), which the study itself does not look up.
+    pub provenance: Vec<(String, String)>,
+}
+
+impl Default for StabilityOptions {
+    fn default() -> Self {
+        Self {
+            quick: false,
+            command: "lennard stability".into(),
+            provenance: Vec::new(),
         }
-        println!("{:?}", t.elapsed());
-        let t = std::time::Instant::now();
-        for c in super::displacement::measure(&g, false).unwrap() {
-            println!("{} {}", c.title, c.omega_h);
-            for s in c.summaries { println!("   {s:?}"); }
-        }
-        println!("{:?}", t.elapsed());
-        let i = super::infinite::measure(false).unwrap();
-        println!("{:e}", i.deviation_from_linear);
-        for r in i.rigid { println!("{} {} {} {} {}", r.damping_steps, r.theory_radius, r.measured_radius, r.last_displacement, r.growth_of_halves); }
-        for r in i.stiff { println!("{} {} {}", r.omega_h, r.theory_amplitude, r.measured_amplitude); }
-        println!("{:?}", t.elapsed());
-        for d in super::discretisation::measure().unwrap() { println!("{} {} {} {}", d.wh, d.exact_start_coefficient*24., d.taylor_start_coefficient*24., d.taylor_start_offset*16.); }
-        let o = super::orders::measure(&g, false).unwrap();
-        for l in o.positions.iter().chain(&o.velocities).chain(&o.starts).chain(&o.velocity_estimates).chain(&o.local).chain([&o.energy]) { println!("{} {} {:?} {:.2e}", l.name, l.theory, l.measured, l.errors.last().unwrap().1); }
-        println!("{:e} {:e}", o.energy_drift_share, o.velocity_verlet_against_stormer);
-        println!("{:?}", t.elapsed());
     }
+}
+
+/// Everything found on the oscillator.
+#[derive(Debug, Clone, Serialize)]
+pub struct OscillatorStudy {
+    /// Methods that are the same map stand together.
+    pub groups: Vec<groups::Group>,
+    /// Amplification, phase and limits of each method.
+    pub methods: Vec<amplification::MethodMap>,
+    /// Displacement and energy at each finite stiffness.
+    pub cases: Vec<displacement::Case>,
+    /// k = ∞ and the way there.
+    pub infinite: infinite::Infinite,
+    /// The discretisation error on ẍ = w²x.
+    pub growth: Vec<discretisation::GrowthError>,
+    /// The three rules for a changing step.
+    pub step_rules: Vec<variable_step::StepRuleRun>,
+    /// Orders.
+    pub orders: orders::Orders,
+}
+
+/// Everything found.
+#[derive(Debug, Clone, Serialize)]
+pub struct StabilityStudy {
+    /// What was asked for.
+    pub options: StabilityOptions,
+    /// The oscillator.
+    pub oscillator: OscillatorStudy,
+    /// What the sources claim, and whether it holds.
+    pub claims: Vec<Claim>,
+}
+
+/// Share of the oscillator part in the time of the whole study.
+const OSCILLATOR_SHARE: f64 = 1.0;
+
+/// Runs the study.
+///
+/// # Errors
+/// [`StudyError`] where a method fails at a place where all must work; that a method becomes unstable or
+/// refuses is a result and no error.
+pub fn run(
+    options: &StabilityOptions,
+    progress: &mut dyn Progress,
+) -> Result<StabilityStudy, StudyError> {
+    let oscillator = oscillator(options.quick, progress)?;
+    let claims = judgement::claims(&oscillator)?;
+    progress.update("done", 1.0);
+    Ok(StabilityStudy {
+        options: options.clone(),
+        oscillator,
+        claims,
+    })
+}
+
+/// Runs the oscillator part.
+fn oscillator(quick: bool, progress: &mut dyn Progress) -> Result<OscillatorStudy, StudyError> {
+    let mut at = |label: &str, share: f64| progress.update(label, share * OSCILLATOR_SHARE);
+    at("amplification and limits", 0.0);
+    let groups = groups::groups();
+    let methods = amplification::measure(&groups, quick)?;
+    at("displacement and energy", 0.5);
+    let cases = displacement::measure(&groups, quick)?;
+    at("infinite stiffness", 0.8);
+    let infinite = infinite::measure(quick)?;
+    at("orders", 0.9);
+    Ok(OscillatorStudy {
+        methods,
+        cases,
+        infinite,
+        growth: discretisation::measure()?,
+        step_rules: variable_step::measure()?,
+        orders: orders::measure(&groups, quick)?,
+        groups,
+    })
+}
+
+/// Writes CSV tables, SVG figures (in `figures/`), `study.json` and `report.html` into `dir`.
+///
+/// # Errors
+/// [`StudyError`] where a figure cannot be drawn or a file cannot be written.
+pub fn write(study: &StabilityStudy, dir: &Path) -> Result<(), StudyError> {
+    let mut tables = tables::csv(&study.oscillator);
+    tables.push(tables::claims(&study.claims));
+    let layout = page::Layout::of(study);
+    let page = page::page(study, &layout)?.to_html();
+    crate::files::write_all(dir, &tables, &layout.all(), study, &page)
 }

@@ -1,0 +1,46 @@
+//! Running the program as a user does, from the root of the repository.
+#![allow(dead_code)] // each test file uses a part
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// The root of the repository.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
+}
+
+/// `lennard` with arguments, standing in the root of the repository.
+pub fn lennard(args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lennard"));
+    command.args(args).current_dir(root());
+    command
+}
+
+/// What it wrote on standard output.
+pub fn stdout(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// What it wrote on standard error.
+pub fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Runs it, wants success, and returns standard output.
+pub fn succeed(args: &[&str]) -> String {
+    let output = lennard(args).output().unwrap();
+    assert!(output.status.success(), "lennard {args:?}\n{}{}", stdout(&output), stderr(&output));
+    stdout(&output)
+}
+
+/// A short run of a small liquid: arguments for `run`, 108 particles, a few hundred steps.
+pub const SMALL: &[&str] = &[
+    "--set",
+    "system.n_atoms=256",
+    "--set",
+    "stage.melt.steps=100",
+    "--set",
+    "stage.equilibrate.steps=100",
+    "--set",
+    "stage.production.steps=400",
+];

@@ -1,0 +1,120 @@
+//! Lists against their brute-force twin, after the particles have moved.
+
+use std::collections::BTreeSet;
+
+use glam::DVec3;
+use lennard_core::PeriodicBox;
+use lennard_neighbor::{Images, NeighborList, ScalarScanner, brute_force_pairs};
+use proptest::prelude::*;
+
+/// Reproducible numbers in [0, 1): Weyl's sequence, one irrational an axis.
+fn scatter(n: usize, lengths: DVec3, seed: f64) -> Vec<DVec3> {
+    let step = DVec3::new(0.819_172_513, 0.671_043_607, 0.549_700_478);
+    (0..n)
+        .map(|i| ((i as f64 + 0.5 + seed) * step).fract() * lengths)
+        .collect()
+}
+
+fn pairs_of(list: &NeighborList) -> BTreeSet<(u32, u32)> {
+    let mut pairs = BTreeSet::new();
+    for (i, neighbors) in list.neighbors().iter().enumerate() {
+        for j in neighbors {
+            pairs.insert((i as u32, *j));
+        }
+    }
+    pairs
+}
+
+#[test]
+fn a_bad_position_is_named_and_does_not_hang() {
+    let cell = PeriodicBox::new(DVec3::splat(9.0)).unwrap();
+    for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY, 1e300] {
+        let mut positions = scatter(50, cell.lengths(), 0.0);
+        positions[17].z = bad;
+        let mut list = NeighborList::new(cell, 3.0, Images::Ghosts, 8);
+        let error = list.build(&positions, &ScalarScanner).unwrap_err();
+        assert!(error.to_string().contains("17"));
+    }
+}
+
+#[test]
+fn a_cluster_in_a_vacuum_does_not_pay_for_the_vacuum() {
+    let cell = PeriodicBox::new(DVec3::splat(3000.0)).unwrap();
+    let positions = scatter(200, DVec3::splat(8.0), 0.0);
+    let mut list = NeighborList::new(cell, 2.8, Images::Ghosts, 8);
+    list.build(&positions, &ScalarScanner).unwrap();
+    // A grid of cells as small as the list radius would have 1.2e9 of them.
+    assert!(list.bytes() < 2_000_000, "{}", list.bytes());
+    let wanted = brute_force_pairs(&cell, &positions, 2.8).len() as u64;
+    // The margin for rounding grows with the box: 4e-3 σ here, four parts in a thousand of the pairs.
+    let most = wanted + wanted / 100;
+    assert!((wanted..=most).contains(&list.pairs()), "{} {wanted}", list.pairs());
+}
+
+#[test]
+fn many_particles_get_wide_entries_only_where_narrow_ones_do_not_reach() {
+    let cell = PeriodicBox::new(DVec3::new(9.0, 9.0, 30_000.0)).unwrap();
+    let positions = scatter(60_000, cell.lengths(), 0.0);
+    let mut list = NeighborList::new(cell, 1.5, Images::Folded, 8);
+    list.build(&positions, &ScalarScanner).unwrap();
+    let narrow = list
+        .chunks()
+        .iter()
+        .filter(|c| matches!(c.entries, lennard_neighbor::Entries::Narrow(_)))
+        .count();
+    assert!(narrow > 0);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_pair_is_missed_after_moves_below_half_the_skin(
+        n in 1_usize..500,
+        sides in prop::array::uniform3(4.0_f64..25.0),
+        r_cut_share in 0.2_f64..=1.0,
+        skin_share in 0.0_f64..=1.0,
+        filling in 0.02_f64..=1.0,
+        seed in 0.0_f64..1000.0,
+        origin in -100.0_f64..100.0,
+        folded in any::<bool>(),
+    ) {
+        let cell = PeriodicBox::new(DVec3::from(sides)).unwrap();
+        let r_cut = r_cut_share * cell.largest_cutoff();
+        let skin = skin_share * (cell.largest_cutoff() - r_cut);
+        let start: Vec<DVec3> = scatter(n, cell.lengths() * filling, seed)
+            .into_iter()
+            .map(|r| r + DVec3::splat(origin))
+            .collect();
+        let images = if folded { Images::Folded } else { Images::Ghosts };
+        let mut list = NeighborList::new(cell, r_cut + skin, images, 8);
+        list.build(&start, &ScalarScanner).unwrap();
+
+        let listed = pairs_of(&list);
+        // A full list: both ends know of each other, nobody of himself (but for images at r_list = L/2).
+        for (i, j) in &listed {
+            prop_assert!(listed.contains(&(*j, *i)));
+        }
+        // No duplicates: at most one image lies within half a box, but for rounding at just half.
+        if r_cut + skin < 0.999 * cell.largest_cutoff() {
+            for (i, neighbors) in list.neighbors().iter().enumerate() {
+                prop_assert!(neighbors.windows(2).all(|w| w[0] < w[1]), "particle {}", i);
+                prop_assert!(!neighbors.contains(&(i as u32)));
+            }
+        }
+        // Nothing listed that is clearly too far.
+        for (i, j) in &listed {
+            let r = cell.minimum_image(start[*i as usize] - start[*j as usize]).length();
+            prop_assert!(r <= r_cut + skin + 1e-3);
+        }
+        // The worst move: all by just under half the skin, in many directions.
+        let moved: Vec<DVec3> = start
+            .iter()
+            .zip(scatter(n, DVec3::splat(2.0), seed + 0.3))
+            .map(|(r, s)| *r + (s - DVec3::ONE).normalize_or_zero() * (0.4999 * skin))
+            .collect();
+        for pair in brute_force_pairs(&cell, &moved, r_cut) {
+            prop_assert!(listed.contains(&pair), "{:?} of {}", pair, n);
+        }
+    }
+}

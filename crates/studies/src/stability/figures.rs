@@ -1,0 +1,395 @@
+//! The figures of the oscillator part.
+
+use lennard_report::{Axis, Dash, Figure, Guide, Look, Series, Symbol};
+
+use super::OscillatorStudy;
+use super::amplification::theory;
+use super::displacement::{Case, Run, STEP};
+use super::groups::Group;
+use super::map::StepMap;
+use super::orders::OrderLine;
+use super::variable_step::exact_path;
+use crate::files::Captioned;
+
+/// The largest spectral radius shown.
+const TALLEST: f64 = 3.0;
+/// |x| in m at which a line that leaves its figure is not followed any further.
+const OUT_OF_SIGHT: f64 = 1e3;
+/// Steps shown in the close view of a stiff case.
+const CLOSE_STEPS: usize = 24;
+
+fn dense(from: f64, to: f64, n: u32) -> impl Iterator<Item = f64> {
+    (0..=n).map(move |i| from + (to - from) * f64::from(i) / f64::from(n))
+}
+
+/// Theory as lines, one a group, and the measurement of every method as marks beside each other.
+pub(crate) fn amplification(study: &OscillatorStudy) -> Captioned {
+    let mut figure = Figure::new(
+        "amplification",
+        "Amplification of one step on the oscillator",
+        Axis::linear("ωh").from_to(0.0, 4.0),
+        Axis::linear("spectral radius of the one-step map").from_to(0.0, TALLEST),
+    )
+    .guided(Guide::Horizontal(1.0, String::new()))
+    .guided(Guide::Vertical(2.0, "ωh = 2".into()));
+    for (g, group) in study.groups.iter().enumerate() {
+        let line = dense(0.004, 4.0, 999)
+            .map(|x| (x, theory(group.first(), x).map_or(f64::NAN, StepMap::radius)));
+        figure = figure.with(Series::new(String::new(), Look::Line(Dash::cycle(g)), g, line));
+    }
+    for (g, group) in study.groups.iter().enumerate() {
+        let points: Vec<(f64, f64)> = study
+            .methods
+            .iter()
+            .filter(|m| m.group == g)
+            .flat_map(|m| m.points.iter().map(|p| (p.omega_h, p.measured_radius)))
+            .filter(|p| p.1 <= TALLEST)
+            .collect();
+        let look = Look::LineAndPoints(Dash::cycle(g), Symbol::cycle(g));
+        let marks = Series::new(String::new(), Look::Points(Symbol::cycle(g)), g, points);
+        figure = figure.with(marks).with(Series::new(group.name.clone(), look, g, []));
+    }
+    Captioned::new(
+        figure,
+        "Spectral radius of the one-step map on ẍ = −ω²x against ωh. Lines: the map that each method \
+         declares. Marks: the map that three consecutive states of a run show. Above 1 a run grows, below 1 \
+         it decays.",
+        "amplification.csv",
+    )
+}
+
+pub(crate) fn phase(study: &OscillatorStudy) -> Captioned {
+    let mut figure = Figure::new(
+        "phase-error",
+        "Phase error of one step on the oscillator",
+        Axis::logarithmic("ωh").from_to(0.05, 3.2),
+        Axis::logarithmic("|θ/(ωh) − 1|").from_to(1e-12, 2.0),
+    );
+    let error = |omega_h: f64, phase: f64| (phase / omega_h - 1.0).abs();
+    for (g, group) in study.groups.iter().enumerate() {
+        if group.first().spec.position_order == 0 {
+            // The exact solution has no phase error to show on a logarithmic axis.
+            continue;
+        }
+        let line = dense(0.05_f64.ln(), 3.2_f64.ln(), 400).map(f64::exp).map(|x| {
+            let phase = theory(group.first(), x).and_then(StepMap::phase);
+            (x, phase.map_or(f64::NAN, |p| error(x, p)))
+        });
+        figure = figure.with(Series::new(String::new(), Look::Line(Dash::cycle(g)), g, line));
+        let points: Vec<(f64, f64)> = study
+            .methods
+            .iter()
+            .filter(|m| m.group == g)
+            .flat_map(|m| &m.points)
+            .filter_map(|p| Some((p.omega_h, error(p.omega_h, p.measured_phase?))))
+            .collect();
+        let look = Look::LineAndPoints(Dash::cycle(g), Symbol::cycle(g));
+        let marks = Series::new(String::new(), Look::Points(Symbol::cycle(g)), g, points);
+        figure = figure.with(marks).with(Series::new(group.name.clone(), look, g, []));
+    }
+    Captioned::new(
+        figure,
+        "The angle θ by which a step turns the oscillator, against the true angle ωh. Lines: declared maps. \
+         Marks: measured. The slope is the order of the method in h; a line ends where its eigenvalues \
+         become real.",
+        "amplification.csv",
+    )
+}
+
+/// Displacement, its first steps, and energy, for one stiffness.
+pub(crate) fn case(case: &Case, groups: &[Group]) -> Vec<Captioned> {
+    let line = |run: &Run, values: &[f64], take: usize| {
+        let sight = run
+            .positions
+            .iter()
+            .position(|x| x.abs() > OUT_OF_SIGHT)
+            .map_or(values.len(), |n| n + 1);
+        let points = values.iter().take(take.min(sight)).enumerate();
+        let points = points.map(|(n, v)| (n as f64 * STEP, *v));
+        let series = Series::new("", Look::Line(Dash::cycle(run.group)), run.group, points);
+        // Where a method stopped by itself is marked.
+        match run.stopped {
+            Some(_) if run.positions.len() < take => {
+                series.with_failures(vec![(run.positions.len() - 1) as f64 * STEP])
+            }
+            _ => series,
+        }
+    };
+    let time = || Axis::linear("time / s");
+    let reach = if case.name == "k-inside" { 130.0 } else { 3.5 };
+    let data = format!("displacement-{}.csv", case.name);
+    // Large swings first: whatever stays small is drawn over them.
+    let mut runs: Vec<&Run> = case.runs.iter().collect();
+    let size = |r: &Run| {
+        r.positions.iter().fold(0.0_f64, |m, x| m.max(x.abs()))
+    };
+    runs.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    let end = runs.iter().map(|r| r.positions.len()).max().unwrap_or(1);
+    let mut displacement = Figure::new(
+        format!("displacement-{}", case.name),
+        format!("Displacement, {}", case.title),
+        time().from_to(0.0, (end - 1) as f64 * STEP),
+        Axis::linear("x / m").from_to(-reach, reach),
+    );
+    let mut close = Figure::new(
+        format!("first-steps-{}", case.name),
+        format!("The first {CLOSE_STEPS} steps, {}", case.title),
+        time().from_to(0.0, CLOSE_STEPS as f64 * STEP),
+        Axis::linear("x / m").from_to(-3.5, 3.5),
+    );
+    let mut energy = Figure::new(
+        format!("energy-{}", case.name),
+        format!("Energy, {}", case.title),
+        time().from_to(0.0, (end - 1) as f64 * STEP),
+        Axis::logarithmic("(½kx² + ½mv²) / E(0)").from_to(1e-4, 1e8),
+    );
+    for run in runs {
+        displacement = displacement.with(line(run, &run.positions, usize::MAX));
+        close = close.with(line(run, &run.positions, CLOSE_STEPS + 1));
+        let start = run.energies[0];
+        let relative: Vec<f64> = run.energies.iter().map(|e| e / start).collect();
+        energy = energy.with(line(run, &relative, usize::MAX));
+    }
+    for figure in [&mut displacement, &mut close, &mut energy] {
+        for (g, group) in groups.iter().enumerate() {
+            let look = Look::Line(Dash::cycle(g));
+            figure.series.push(Series::new(group.name.clone(), look, g, []));
+        }
+    }
+    let mut figures = vec![Captioned::new(
+        displacement,
+        format!(
+            "Displacement against time at {} (ωh = {:.6}), from 1 m at rest, h = {STEP} s; one line for \
+             each distinct one-step map.",
+            case.title, case.omega_h
+        ),
+        &data,
+    )];
+    if case.name != "k-100" {
+        figures.push(Captioned::new(
+            close,
+            "The same, close up: with so few steps in a period every line is a zigzag between its points.",
+            &data,
+        ));
+    }
+    figures.push(Captioned::new(
+        energy,
+        "Energy against time over the energy at the start, on a logarithmic axis: a straight rise is \
+         exponential growth.",
+        &data,
+    ));
+    figures
+}
+
+pub(crate) fn infinite(study: &OscillatorStudy) -> Captioned {
+    let found = &study.infinite;
+    let steps = || found.shown_steps.iter().map(|n| f64::from(*n));
+    let mut figure = Figure::new(
+        "infinite-stiffness",
+        "SPOOK as k → ∞",
+        Axis::logarithmic("step n"),
+        Axis::logarithmic("|x| / m").from_to(1e-6, 1e5),
+    );
+    for (i, run) in found.rigid.iter().enumerate() {
+        let name = if run.damping_steps == 0.0 {
+            "k = ∞, τ = 0".to_owned()
+        } else {
+            format!("k = ∞, τ = {} h", run.damping_steps)
+        };
+        let look = if i == 0 {
+            Look::Points(Symbol::Disc)
+        } else {
+            Look::Line(Dash::cycle(i))
+        };
+        let points = steps().zip(run.displacements.iter().copied());
+        figure = figure.with(Series::new(name, look, i, points));
+    }
+    for (i, run) in found.stiff.iter().enumerate().skip(1) {
+        let color = found.rigid.len() + i - 1;
+        let points: Vec<(f64, f64)> = envelope(steps().zip(run.displacements.iter().copied()));
+        let name = format!("ωh = {}, τ = 0", run.omega_h);
+        figure = figure.with(Series::new(name, Look::Line(Dash::Dashed), color, points));
+    }
+    let line = steps().map(|n| (n, 2.0 * n + 1.0));
+    figure = figure.with(Series::new("theory: 2n + 1", Look::Line(Dash::Dotted), 6, line));
+    Captioned::new(
+        figure,
+        "SPOOK with ε = 0 (k = ∞): without damping |x| grows as 2n + 1, with any damping it dies away. \
+         Dashed: large finite stiffnesses (envelope of |x|) follow the same line until their amplitude \
+         √(1 + ω²h²/4) is reached.",
+        "infinite-stiffness.csv",
+    )
+}
+
+/// The largest value so far.
+fn envelope(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
+    points
+        .scan(0.0_f64, |largest, (x, y)| {
+            *largest = largest.max(y);
+            Some((x, *largest))
+        })
+        .collect()
+}
+
+pub(crate) fn discretisation(study: &OscillatorStudy) -> Captioned {
+    let mut figure = Figure::new(
+        "exponential-error",
+        "Error of Störmer–Verlet on ẍ = w²x",
+        Axis::linear("wt"),
+        Axis::linear("|x/e^(wt) − 1| / (wh)²"),
+    );
+    let growth = &study.growth[1];
+    let scale = growth.wh * growth.wh;
+    let scaled = |errors: &[f64]| -> Vec<(f64, f64)> {
+        growth.times.iter().copied().zip(errors.iter().map(|e| e / scale)).collect()
+    };
+    let end = growth.times.last().copied().unwrap_or(1.0);
+    for (i, (name, errors)) in [
+        ("measured, x_1 = q₊", &growth.exact_start_errors),
+        ("measured, Taylor start", &growth.taylor_start_errors),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let points: Vec<(f64, f64)> = scaled(errors).into_iter().step_by(4).collect();
+        figure = figure.with(Series::new(name, Look::Points(Symbol::cycle(i)), i, points));
+    }
+    for (i, (name, offset)) in
+        [("theory: wt/24", 0.0), ("theory: wt/24 + 1/16", 1.0 / 16.0)].into_iter().enumerate()
+    {
+        let line = dense(0.0, end, 2).map(|t| (t, t / 24.0 + offset));
+        figure = figure.with(Series::new(name, Look::Line(Dash::cycle(7 * i)), i, line));
+    }
+    Captioned::new(
+        figure,
+        format!(
+            "Relative error in units of (wh)², at wh = {}. From the growing root the line starts at zero \
+             and its slope is 1/24; the Taylor start adds 1/16 once its decaying part is gone.",
+            growth.wh
+        ),
+        "exponential-error.csv",
+    )
+}
+
+pub(crate) fn variable_step(study: &OscillatorStudy) -> Vec<Captioned> {
+    let mut path = Figure::new(
+        "variable-step",
+        "A step that changes by a factor of two",
+        Axis::linear("time / s"),
+        Axis::linear("x / m"),
+    )
+    .with(Series::new("analytic", Look::Line(Dash::Solid), 6, exact_path()));
+    let mut errors = log_log("variable-step-error", "Error with a changing step", "largest error of x / m");
+    for (i, run) in study.step_rules.iter().enumerate() {
+        let look = Look::LineAndPoints(Dash::Dashed, Symbol::cycle(i));
+        path = path.with(Series::new(run.rule, look, i, run.path.iter().copied()));
+        let name = match run.order {
+            Some(order) => format!("{}: order {order:.2}", run.rule),
+            None => run.rule.to_owned(),
+        };
+        let look = Look::LineAndPoints(Dash::Solid, Symbol::cycle(i));
+        errors = errors.with(Series::new(name, look, i, run.errors.iter().copied()));
+    }
+    vec![
+        Captioned::new(
+            path,
+            "Four steps of h and four of h/2 by turns, h = 0.125 s, ω = 1/s: the plain rule takes each \
+             change of the step for a change of velocity.",
+            "variable-step.csv",
+        ),
+        Captioned::new(
+            errors,
+            "Largest error over 12 s against the long step.",
+            "orders.csv",
+        ),
+    ]
+}
+
+fn log_log(name: &str, title: &str, y: &str) -> Figure {
+    Figure::new(name, title, Axis::logarithmic("step h / s"), Axis::logarithmic(y))
+}
+
+fn with_lines<'a>(
+    mut figure: Figure,
+    lines: impl Iterator<Item = (usize, String, &'a OrderLine)>,
+) -> Figure {
+    for (i, name, line) in lines {
+        let order = line.measured.map_or("rounding".to_owned(), |p| format!("order {p:.2}"));
+        let look = Look::Points(Symbol::cycle(i));
+        // The theory line goes through the error at the middle step with the declared slope.
+        let (h, e) = line.errors[line.errors.len() / 2];
+        let (first, last) = (line.errors[0].0, line.errors[line.errors.len() - 1].0);
+        let theory = [first, last].map(|x| (x, e * (x / h).powf(line.theory)));
+        let marks = Series::new(format!("{name}: {order}"), look, i, line.errors.iter().copied());
+        if line.measured.is_some() {
+            figure = figure.with(Series::new(String::new(), Look::Line(Dash::cycle(i)), i, theory));
+        }
+        figure = figure.with(marks);
+    }
+    figure
+}
+
+pub(crate) fn orders(study: &OscillatorStudy) -> Vec<Captioned> {
+    let orders = &study.orders;
+    let of_groups = |lines: &'_ [OrderLine]| -> Vec<(usize, String, OrderLine)> {
+        study
+            .groups
+            .iter()
+            .enumerate()
+            .filter_map(|(g, group)| {
+                let first = group.first().spec.name;
+                let line = lines.iter().find(|l| l.name == first)?;
+                let name = match group.members.len() {
+                    1 => first.to_owned(),
+                    n => format!("{first} and {} more", n - 1),
+                };
+                Some((g, name, line.clone()))
+            })
+            .collect()
+    };
+    let global = |name: &str, title: &str, y: &str, lines: &[OrderLine]| {
+        let lines = of_groups(lines);
+        let figure = log_log(name, title, y);
+        let figure = Figure { y: figure.y.from_to(1e-15, 1.0), ..figure };
+        with_lines(figure, lines.iter().map(|(g, n, l)| (*g, n.clone(), l)))
+    };
+    let listed = |name: &str, title: &str, y: &str, lines: &[&OrderLine]| {
+        let lines = lines.iter().enumerate().map(|(i, l)| (i, l.name.clone(), *l));
+        with_lines(log_log(name, title, y), lines)
+    };
+    let caption = "Largest error over 2 s on the oscillator with ω = 1/s, against the step. Lines: the \
+                   declared order through the middle point. Marks that level off have reached rounding.";
+    vec![
+        Captioned::new(
+            global("order-positions", "Global error of positions", "largest error of x / m", &orders.positions),
+            caption,
+            "orders.csv",
+        ),
+        Captioned::new(
+            global("order-velocities", "Global error of velocities", "largest error of v / (m/s)", &orders.velocities),
+            caption,
+            "orders.csv",
+        ),
+        Captioned::new(
+            listed(
+                "order-estimates",
+                "Starts and velocity estimates of Störmer–Verlet",
+                "largest error",
+                &orders.starts.iter().chain(&orders.velocity_estimates).collect::<Vec<_>>(),
+            ),
+            "A2 and A5: the start with and without its acceleration term (error of x), and three velocities \
+             made from positions.",
+            "orders.csv",
+        ),
+        Captioned::new(
+            listed(
+                "order-local",
+                "Local errors and energy of the Verlet family",
+                "error",
+                &orders.local.iter().chain([&orders.energy]).collect::<Vec<_>>(),
+            ),
+            "A7: errors of a single step from exact values, and the bound of the energy's oscillation.",
+            "orders.csv",
+        ),
+    ]
+}

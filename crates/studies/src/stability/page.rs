@@ -1,0 +1,222 @@
+//! The page of the study.
+
+use lennard_report::{Block, Page, PageFigure, Section, significant};
+
+use super::StabilityStudy;
+use super::displacement::STEP;
+use super::{figures, tables};
+use crate::StudyError;
+use crate::claims::{self, Verdict};
+use crate::files::Captioned;
+
+/// Every figure of the study, in its place.
+pub(crate) struct Layout {
+    amplification: Vec<Captioned>,
+    cases: Vec<Vec<Captioned>>,
+    infinite: Captioned,
+    discretisation: Captioned,
+    variable_step: Vec<Captioned>,
+    orders: Vec<Captioned>,
+}
+
+impl Layout {
+    pub(crate) fn of(study: &StabilityStudy) -> Self {
+        let o = &study.oscillator;
+        Self {
+            amplification: vec![figures::amplification(o), figures::phase(o)],
+            cases: o.cases.iter().map(|c| figures::case(c, &o.groups)).collect(),
+            infinite: figures::infinite(o),
+            discretisation: figures::discretisation(o),
+            variable_step: figures::variable_step(o),
+            orders: figures::orders(o),
+        }
+    }
+
+    pub(crate) fn all(&self) -> Vec<Captioned> {
+        let mut all = self.amplification.clone();
+        all.extend(self.cases.iter().flatten().cloned());
+        all.extend([self.infinite.clone(), self.discretisation.clone()]);
+        all.extend(self.variable_step.iter().chain(&self.orders).cloned());
+        all
+    }
+}
+
+fn on_page(figures: &[Captioned], command: &str) -> Result<Block, StudyError> {
+    let figures: Result<Vec<PageFigure>, StudyError> =
+        figures.iter().map(|f| f.on_page(command)).collect();
+    Ok(Block::Figures(figures?))
+}
+
+/// The whole page.
+pub(crate) fn page(study: &StabilityStudy, layout: &Layout) -> Result<Page, StudyError> {
+    let command = study.options.command.as_str();
+    let failing = study.claims.iter().filter(|c| c.verdict == Verdict::DoesNotHold).count();
+    let differing = study.claims.iter().filter(|c| !c.theory_agrees).count();
+    let mut provenance = vec![
+        ("Command".to_owned(), format!("`{command}`")),
+        ("Version".to_owned(), format!("lennard {}", env!("CARGO_PKG_VERSION"))),
+        (
+            "Settings".to_owned(),
+            if study.options.quick { "quick: shorter runs" } else { "full" }.to_owned(),
+        ),
+    ];
+    provenance.extend(study.options.provenance.iter().cloned());
+    Ok(Page {
+        title: "Where each integrator fails".into(),
+        lead: format!(
+            "{} methods on an oscillator and on the Lennard-Jones fluid, run by the same code. Of {} claims \
+             of the sources, {} hold and {failing} {} not; theory and measurement differ in {differing}.",
+            study.oscillator.methods.len(),
+            study.claims.len(),
+            study.claims.len() - failing,
+            if failing == 1 { "does" } else { "do" },
+        ),
+        sections: vec![
+            amplification(study, layout, command)?,
+            cases(study, layout, command)?,
+            infinite(study, layout, command)?,
+            convergence(layout, command)?,
+            Section::new("Claims and verdicts").with(Block::Table(claims::table(
+                &study.claims,
+                "What each source claims beside what was measured. A verdict is computed: it says whether \
+                 the measured number meets the claim; “differs” in the column of the theory would say that \
+                 theory and measurement disagree by more than a stated cause explains (`claims.csv` has \
+                 tolerances and their causes).",
+                command,
+            ))),
+        ],
+        provenance,
+    })
+}
+
+fn amplification(
+    study: &StabilityStudy,
+    layout: &Layout,
+    command: &str,
+) -> Result<Section, StudyError> {
+    let mut groups = Vec::new();
+    for group in study.oscillator.groups.iter().filter(|g| g.members.len() > 1) {
+        let names: Vec<String> =
+            group.members.iter().map(|m| format!("`{}`", m.spec.name)).collect();
+        groups.push(format!("One map, one line: {}.", names.join(", ")));
+    }
+    Ok(Section::new("Amplification and stability limits")
+        .text(
+            "On ẍ = −ω²x every method is a 2×2 matrix on (x, v), the one-step map. Its spectral radius says \
+             by what factor a step makes a motion grow, the angle of its eigenvalues how far a step turns \
+             it. Both are functions of ωh alone.",
+        )
+        .with(on_page(&layout.amplification, command)?)
+        .with(Block::List(groups))
+        .with(Block::Table(tables::limits_on_page(&study.oscillator, command))))
+}
+
+fn cases(study: &StabilityStudy, layout: &Layout, command: &str) -> Result<Section, StudyError> {
+    let mut section = Section::new("Displacement and energy at each stiffness").text(format!(
+        "One oscillator, m = 1 kg, from x = 1 m at rest, with the step h = {STEP} s throughout; only the \
+         stiffness changes. A cross at the upper edge marks where a method stopped by itself, because its \
+         numbers left the range it can represent."
+    ));
+    for (case, figures) in study.oscillator.cases.iter().zip(&layout.cases) {
+        section = section
+            .with(Block::Heading(case.title.into()))
+            .text(case_in_words(case.name))
+            .with(on_page(figures, command)?)
+            .with(Block::Table(tables::case_on_page(case, command)));
+    }
+    Ok(section)
+}
+
+fn case_in_words(name: &str) -> &'static str {
+    match name {
+        "k-100" => {
+            "A soft spring. Explicit Euler multiplies its amplitude by √(1 + ω²h²) in every step, implicit \
+             Euler divides by it; all others keep within a bound."
+        }
+        "k-inside" => {
+            "Just inside the limit ωh = 2. Symplectic Euler starts with its velocity half a step off, and its \
+             amplitude is 1/√(1 − ω²h²/4) = 2/h: about 120 m from a start at 1 m. The Verlet family has the \
+             same limit and the same angle a step, but its whole-step velocities keep x within 1 m; the price \
+             is in its energy."
+        }
+        "k-outside" => {
+            "Just outside. Symplectic Euler and the Verlet family now have a real eigenvalue beyond −1 and \
+             diverge. SPOOK turns by θ = 2·arctan(ωh/2) in a step, which never reaches π: it stays bounded, \
+             with amplitude √(1 + ω²h²/4), and its period is too long by ωh/θ."
+        }
+        _ => {
+            "The period equals the step. The analytic solution is back at 1 m after every step, so that its \
+             samples stand still (aliasing); SPOOK swings with amplitude √(1 + π²) ≈ 3.3 m."
+        }
+    }
+}
+
+fn infinite(study: &StabilityStudy, layout: &Layout, command: &str) -> Result<Section, StudyError> {
+    let found = &study.oscillator.infinite;
+    let rigid = found.rigid.iter().find(|r| r.damping_steps == 0.0);
+    let last = rigid.map_or(f64::NAN, |r| r.last_displacement);
+    Ok(Section::new("Infinite stiffness: what is true")
+        .text(
+            "The manual says that SPOOK does not diverge at k = ∞, that is at ε = 0. With g(x) = x and \
+             γ = 1/(1 + 4τ/h) the scheme reads, for ε = 0 (Σ = 0):",
+        )
+        .with(Block::Equations(
+            [
+                "v′ = γ·v − (4γ/h)·x          from  G·v′ = −(4/h)·γ·g + γ·G·v",
+                "x′ = x + h·v′ = (1 − 4γ)·x + hγ·v",
+                "",
+                "on (x, h·v):   M = [ 1 − 4γ   γ ]      trace 1 − 3γ,  determinant γ",
+                "                   [  −4γ     γ ]      λ² − (1 − 3γ)·λ + γ = 0",
+                "",
+                "τ = 0, γ = 1:   λ = −1 twice, M + 1 ≠ 0, (M + 1)² = 0",
+                "                Mⁿ = (−1)ⁿ·(1 − n·(M + 1)),  so  xₙ = (−1)ⁿ·(x₀ + n·(2x₀ − h·v₀))",
+                "                |xₙ| = 2n + 1 from x₀ = 1, v₀ = 0:  linear growth without bound",
+                "",
+                "τ > 0, γ < 1:   discriminant (1 − 3γ)² − 4γ = (1 − γ)(1 − 9γ)",
+                "                1/9 < γ < 1:  complex pair, |λ| = √γ < 1",
+                "                γ ≤ 1/9:      two real roots in (0, 1)",
+                "                the motion dies away for every τ > 0",
+            ]
+            .map(str::to_owned)
+            .to_vec(),
+        ))
+        .text(format!(
+            "Measured with τ = 0 over {} steps: |x| = {} m at the end, within {} of 2n + 1 all along; the \
+             spectral radius is 1, so nothing grows exponentially, and yet nothing bounds it. Only a start \
+             that already meets 2x₀ = h·v₀ (at rest on the constraint, above all) stays where it is.",
+            found.steps,
+            significant(last, 7),
+            significant(found.deviation_from_linear, 1),
+        ))
+        .with(Block::Remark(
+            "**Verdict.** For every finite k the claim is true: the map is a rotation by 2·arctan(ωh/2), \
+             bounded by √(1 + ω²h²/4), which itself grows with √k. At k = ∞ **without damping it is not \
+             true**: a start off the constraint grows linearly, as 2n + 1. With any damping τ > 0 it is \
+             true, and the error shrinks by √γ or faster a step."
+                .into(),
+        ))
+        .with(on_page(std::slice::from_ref(&layout.infinite), command)?))
+}
+
+fn convergence(layout: &Layout, command: &str) -> Result<Section, StudyError> {
+    Ok(Section::new("Order of convergence")
+        .text(
+            "Errors against the step, each with the line that its theory gives; the orders in the legends \
+             are measured at the smallest steps above rounding.",
+        )
+        .with(on_page(&layout.orders, command)?)
+        .with(Block::Heading("The discretisation error of Störmer–Verlet".into()))
+        .text(
+            "On ẍ = w²x the recurrence is solved by powers of q₊ = e^{wh}·(1 − (wh)³/24 + …), so that x_n = \
+             e^{wt}·(1 − (wh)²/24·wt + …): an error of second order whose constant grows with time.",
+        )
+        .with(on_page(std::slice::from_ref(&layout.discretisation), command)?)
+        .with(Block::Heading("A step that changes".into()))
+        .text(
+            "The plain rule x₊ = 2x − x₋ + a·h² has the last step inside it: when h changes it takes the \
+             difference for a change of velocity, and refining the steps does not help (order 0). The \
+             time-corrected rule scales the difference and is of order 1; with ½(h + h₋)·h in place of h² it \
+             is of order 2. Velocity Verlet takes any step.",
+        )
+        .with(on_page(&layout.variable_step, command)?))
+}
