@@ -7,6 +7,7 @@ mod error;
 mod files;
 pub mod initial;
 mod plan;
+mod recall;
 mod record;
 mod run;
 mod simulation;

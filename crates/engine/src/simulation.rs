@@ -12,6 +12,7 @@ use lennard_observables::Thermodynamics;
 use lennard_scene::{Scene, Stage};
 
 use crate::initial;
+use crate::recall::Recall;
 use crate::timers::Timers;
 use crate::watchdog::{self, Circumstances, PhysicsFailure, Symptom};
 
@@ -142,7 +143,10 @@ impl Simulation {
         if let Some(heat) = heat {
             stage.heat += heat;
             if stage.method.spec().has_memory {
-                self.restart_method(want)?;
+                // The velocities that the method remembers are no longer those of the state; the forces are.
+                let mut recall = Recall::new(&self.state, self.forces.properties());
+                let started = stage.method.start(&self.dynamics, &mut self.state, &mut recall, stage.dt, want);
+                started.map_err(|error| self.failed(error))?;
             }
         }
         self.timers.step += clock.elapsed();
