@@ -2,7 +2,7 @@
 //!
 //! A scene is read in four moves: text to a tree in which every value knows its line
 //! ([`Scene::parse`]), overrides written over the tree, tables made typed by serde (each method's
-//! options type lives beside the method), and checks between tables. [`reference`] holds every table and
+//! options type lives beside the method), and checks between tables. [`mod@reference`] holds every table and
 //! key with default, unit and what is allowed; messages and `inputs/README.md` are made from it.
 
 mod checks;

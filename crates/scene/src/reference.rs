@@ -251,17 +251,17 @@ static KEYS: &[KeyDoc] = keys! {
         "fit_from": Positive, "where the slope stops changing", "τ", "Shortest lag of the straight-line fit for the diffusion coefficient.";
         "fit_to": Positive, "a twentieth of the run", "τ", "Longest lag of the fit.";
         "viscosity": Positive, "the reference table's, where it has one near", "ε τ/σ³", "Shear viscosity for the finite-size correction of Yeh and Hummer.";
-        "particles": Whole(1, i64::MAX), "`16384`", "", "Number of particles followed, evenly chosen.";
+        "particles": Whole(1, 10_000_000), "`16384`", "", "Number of particles followed, evenly chosen.";
     }
     "observable" of "vacf" {
         "window": Positive, "`4.0`", "τ", "Longest lag.";
         "origins": Whole(1, 10_000), "`16`", "", "Number of time origins followed at once.";
-        "particles": Whole(1, i64::MAX), "`16384`", "", "Number of particles followed, evenly chosen.";
+        "particles": Whole(1, 10_000_000), "`16384`", "", "Number of particles followed, evenly chosen.";
     }
     "observable" of "structure-factor" {
         "k_max": Positive, "`15.0`", "σ⁻¹", "Largest wave number.";
-        "shells": Whole(1, 10_000), "`75`", "", "Number of shells of equal width between 0 and `k_max`.";
-        "directions": Whole(1, 10_000), "`24`", "", "Wave vectors tried in each shell.";
+        "shells": Whole(1, 1000), "`75`", "", "Number of shells of equal width between 0 and `k_max`.";
+        "directions": Whole(1, 1000), "`24`", "", "Wave vectors tried in each shell.";
     }
     "output" of any {
         "trajectory_every": Whole(0, MOST_STEPS), "`0`", "steps", "Steps between two frames of `trajectory.xyz`; 0 for no trajectory.";

@@ -60,14 +60,16 @@ impl Reader<'_> {
             false => &["kind", "dt"],
         });
         let dt = take(&mut node, "dt");
-        let dt = dt.map_or(Ok(DEFAULT_DT), |entry| section.number(&entry))?;
+        let dt = dt.map_or(Ok(DEFAULT_DT), |entry| section.number(&entry, None))?;
         let mut split = None;
         if is_split {
-            let r_split = take(&mut node, "r_split");
-            let width = take(&mut node, "split_width");
+            let mut length = |key: &str, default| match take(&mut node, key) {
+                Some(entry) => section.number(&entry, Some("respa")),
+                None => Ok(default),
+            };
             split = Some(SplitOptions {
-                r_split: r_split.map_or(Ok(DEFAULT_R_SPLIT), |entry| section.number(&entry))?,
-                width: width.map_or(Ok(DEFAULT_SPLIT_WIDTH), |entry| section.number(&entry))?,
+                r_split: length("r_split", DEFAULT_R_SPLIT)?,
+                width: length("split_width", DEFAULT_SPLIT_WIDTH)?,
             });
         }
         let method: IntegratorOptions = section.read(&node)?;

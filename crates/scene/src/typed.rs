@@ -68,7 +68,7 @@ impl<'a> Section<'a> {
                 (Value::Whole(x), Some(Allowed::Positive)) => *x > 0,
                 // No key of a scene has a use for a negative number.
                 (Value::Number(x), _) => x.is_finite() && *x >= 0.0,
-                (Value::Whole(x), Some(Allowed::Whole(from, to))) => (from..=to).contains(&*x),
+                (Value::Whole(x), Some(Allowed::Whole(from, to))) => (from..=to).contains(x),
                 (Value::Whole(x), _) => *x >= 0,
                 _ => true,
             };
@@ -93,20 +93,24 @@ impl<'a> Section<'a> {
     }
 
     /// The value of a single entry that is read apart from its table.
-    pub fn number(&self, entry: &Entry) -> Result<f64, SceneError> {
-        self.single(entry)
+    pub fn number(&self, entry: &Entry, method: Option<&str>) -> Result<f64, SceneError> {
+        self.single(entry, method)
     }
 
     /// The value of a single entry that is read apart from its table.
     pub fn count(&self, entry: &Entry) -> Result<u64, SceneError> {
-        self.single(entry)
+        self.single(entry, None)
     }
 
-    fn single<T: DeserializeOwned>(&self, entry: &Entry) -> Result<T, SceneError> {
+    fn single<T: DeserializeOwned>(
+        &self,
+        entry: &Entry,
+        method: Option<&str>,
+    ) -> Result<T, SceneError> {
         let table = Table(vec![entry.clone()]);
-        self.check_numbers(&table, None)?;
+        self.check_numbers(&table, method)?;
         T::deserialize(&entry.node)
-            .map_err(|_| self.wrong_type(Some(&entry.key), "a value", &table, None))
+            .map_err(|_| self.wrong_type(Some(&entry.key), "a value", &table, method))
     }
 
     /// The error for a value that its method refuses.

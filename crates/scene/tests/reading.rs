@@ -1,0 +1,406 @@
+//! How scenes are read: overrides, defaults, places, and that the reference says what the code does.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use lennard_scene::{Geometry, Lattice, Scene, SceneError, Start, reference};
+
+const SMALL: &str = r#"[system]
+n_atoms = 500
+density = 0.8
+temperature = 1.0
+
+[[stage]]
+name = "heat"
+steps = 10
+thermostat = "bussi"
+
+[[stage]]
+name = "production"
+steps = 20
+
+[[observable]]
+kind = "rdf"
+"#;
+
+fn parse(text: &str) -> Result<Scene, SceneError> {
+    Scene::parse(text, "scene.toml", &[])
+}
+
+fn with(overrides: &[(&str, &str)]) -> Result<Scene, SceneError> {
+    let owned = |(key, value): &(&str, &str)| (key.to_string(), value.to_string());
+    let overrides: Vec<_> = overrides.iter().map(owned).collect();
+    Scene::parse(SMALL, "scene.toml", &overrides)
+}
+
+/// A scene with one method's table, at its defaults.
+fn with_method(table: &str, kind: &str) -> Scene {
+    let extra = match table {
+        "stage.thermostat" => return with(&[("stage.heat.thermostat", kind)]).unwrap(),
+        "observable" => format!("[[observable]]\nkind = \"{kind}\"\n"),
+        _ => format!("[{table}]\nkind = \"{kind}\"\n"),
+    };
+    let text = SMALL.replace("[[observable]]\nkind = \"rdf\"\n", &extra);
+    parse(&text).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+/// The kinds that a table may have, from the code's own list.
+fn kinds(table: &str) -> Vec<&'static str> {
+    let doc = |doc: &&reference::KeyDoc| doc.table == table && doc.key == "kind";
+    match reference::keys().iter().find(doc).map(|doc| doc.allowed) {
+        Some(reference::Allowed::Names(names)) => names(),
+        _ => vec![],
+    }
+}
+
+/// Methods that are refused in a fluid.
+const OSCILLATOR_ONLY: [&str; 2] = ["analytic", "spook"];
+
+fn methods() -> Vec<(&'static str, &'static str)> {
+    let tables = ["potential", "integrator", "stage.thermostat", "observable"];
+    tables
+        .into_iter()
+        .flat_map(|table| kinds(table).into_iter().map(move |kind| (table, kind)))
+        .filter(|(_, kind)| !OSCILLATOR_ONLY.contains(kind))
+        .collect()
+}
+
+#[test]
+fn overrides_reach_every_table_by_index_and_by_name() {
+    let scene = with(&[
+        ("system.seed", "42"),
+        ("stage.0.steps", "11"),
+        ("stage.production.steps", "2_000"),
+        ("stage.heat.thermostat", "langevin"),
+        ("observable.rdf.bins", "77"),
+        ("observable.0.every", "5"),
+        ("truncation.kind", "shift"),
+        ("truncation.r_cut", "3"),
+        ("output.velocities", "false"),
+        ("system.lattice", "\"fcc\""),
+    ])
+    .unwrap();
+    assert_eq!(scene.system.seed, 42);
+    assert_eq!((scene.stages[0].steps, scene.stages[1].steps), (11, 2000));
+    let bath = scene.stages[0].thermostat.as_ref().map(|t| t.name());
+    assert_eq!(bath, Some("langevin"));
+    assert_eq!(scene.observables[0].every, 5);
+    assert_eq!(scene.truncation.r_cut, 3.0);
+    assert!(!scene.truncation.tail_correction && !scene.output.velocities);
+    // Those written last win.
+    let twice = with(&[("system.seed", "1"), ("system.seed", "2")]).unwrap();
+    assert_eq!(twice.system.seed, 2);
+}
+
+#[test]
+fn an_override_of_density_takes_the_place_of_a_box() {
+    let boxed = SMALL.replace("density = 0.8", "box = 8.6");
+    let density = [("system.density".to_owned(), "0.5".to_owned())];
+    let scene = Scene::parse(&boxed, "scene.toml", &density).unwrap();
+    let Start::Lattice { geometry, .. } = scene.system.start else {
+        panic!("a lattice");
+    };
+    assert_eq!(geometry, Geometry::Density(0.5));
+    let scene = with(&[("system.box", "[8.0, 8.0, 8.0]")]).unwrap();
+    let Start::Lattice { geometry, .. } = scene.system.start else {
+        panic!("a lattice");
+    };
+    assert_eq!(geometry, Geometry::Box([8.0; 3]));
+}
+
+#[test]
+fn errors_of_overrides_name_the_override() {
+    let cases = [
+        (
+            "system.n_atom",
+            "864",
+            "scene.toml, override `system.n_atom=864`: `system.n_atom` is not a known key",
+        ),
+        (
+            "system.temperature",
+            "-1",
+            "scene.toml, override `system.temperature=-1`: `system.temperature` is negative",
+        ),
+        (
+            "system.temperature",
+            "warm",
+            "scene.toml, override `system.temperature=warm`: `system.temperature` is a text",
+        ),
+        (
+            "stage.melt.steps",
+            "5",
+            "scene.toml, override `stage.melt.steps=5`: `stage.melt` names no such entry",
+        ),
+        (
+            "stage.7.steps",
+            "5",
+            "scene.toml, override `stage.7.steps=5`: `stage.7` names no such entry",
+        ),
+        (
+            "system..seed",
+            "5",
+            "scene.toml, override `system..seed=5`: `system..seed` has an empty part",
+        ),
+        (
+            "system.seed.low",
+            "5",
+            "scene.toml, override `system.seed.low=5`: `system.seed` is a table",
+        ),
+        (
+            "potential.kind",
+            "wca2",
+            "scene.toml, override `potential.kind=wca2`: `potential.kind` is not a known name",
+        ),
+        (
+            "stage.heat.thermostat",
+            "nose",
+            "scene.toml, override `stage.heat.thermostat=nose`: `stage.0.thermostat` is not a known name",
+        ),
+        (
+            "truncation.r_cut",
+            "9",
+            "scene.toml, override `truncation.r_cut=9`: `truncation.r_cut` does not fit",
+        ),
+    ];
+    for (key, value, expected) in cases {
+        let error = with(&[(key, value)]).unwrap_err();
+        assert!(
+            error.to_string().starts_with(expected),
+            "{error}\nexpected: {expected}"
+        );
+        assert_eq!(error.line(), None);
+        assert!(error.overridden_by().is_some());
+    }
+}
+
+#[test]
+fn late_trouble_is_put_on_the_line_of_its_key() {
+    let scene = parse(SMALL).unwrap();
+    assert_eq!(scene.source.locate("system.density"), Some(3));
+    assert_eq!(scene.source.locate("stage.1.steps"), Some(13));
+    // A key that was not written is looked for in its table.
+    assert_eq!(scene.source.locate("system.seed"), Some(1));
+    assert_eq!(scene.source.locate("truncation.r_cut"), None);
+    let error = scene.source.invalid("system.density", 0.8, "less");
+    assert_eq!(
+        error.to_string(),
+        "scene.toml, line 3: `system.density` does not fit\n  found:   0.8\n  allowed: less"
+    );
+}
+
+#[test]
+fn a_slab_stands_in_the_middle_of_its_longer_box() {
+    let text = SMALL.replace("density = 0.8", "box = [8.0, 8.0, 8.0]\nvacuum = 12.0")
+        + "\n[truncation]\nkind = \"shift\"\n";
+    let placement = parse(&text).unwrap().placement().unwrap().unwrap();
+    assert_eq!(placement.cell.lengths().to_array(), [8.0, 8.0, 20.0]);
+    assert_eq!(placement.corner.to_array(), [0.0, 0.0, 6.0]);
+    assert_eq!(placement.filled.to_array(), [8.0; 3]);
+    assert_eq!(placement.cells, Some([5; 3]));
+}
+
+#[test]
+fn the_lattice_of_a_density_has_that_density() {
+    for (lattice, n) in [("fcc", 864), ("bcc", 1024), ("sc", 1000), ("random", 777)] {
+        let n_text = n.to_string();
+        let scene = with(&[("system.lattice", lattice), ("system.n_atoms", &n_text)]).unwrap();
+        let placement = scene.placement().unwrap().unwrap();
+        let density = n as f64 / placement.cell.volume();
+        assert!((density - 0.8).abs() < 1e-14, "{lattice}: {density}");
+        let Start::Lattice { lattice, .. } = scene.system.start else {
+            panic!("a lattice");
+        };
+        let sites = placement
+            .cells
+            .map(|c| lattice.basis().len() * c.iter().product::<usize>());
+        assert_eq!(sites, (lattice != Lattice::Random).then_some(n));
+    }
+}
+
+#[test]
+fn a_cutoff_of_exactly_half_the_box_is_legal() {
+    let boxed = |r_cut: &str| {
+        with(&[
+            ("system.box", "[10.0, 9.0, 8.0]"),
+            ("system.lattice", "random"),
+            ("truncation.r_cut", r_cut),
+        ])
+    };
+    assert!(boxed("4.0").is_ok());
+    assert!(boxed("4.000000000000001").is_err());
+}
+
+#[test]
+fn a_method_of_the_oscillator_is_refused_in_a_fluid() {
+    for kind in OSCILLATOR_ONLY {
+        let error = with(&[("integrator.kind", kind)]).unwrap_err();
+        assert!(error.message().contains("cannot move a fluid"), "{error}");
+    }
+}
+
+#[test]
+fn the_force_field_knows_what_the_integrator_needs() {
+    let plain = with(&[]).unwrap().force_field();
+    assert!(plain.split.is_none() && !plain.canonical);
+    let respa = with(&[("integrator.kind", "respa"), ("integrator.r_split", "1.6")]).unwrap();
+    assert_eq!(respa.force_field().split.map(|s| s.r_split), Some(1.6));
+    let exact = with(&[("integrator.kind", "bit-reversible-verlet")]).unwrap();
+    assert!(exact.force_field().canonical);
+    let wide = with(&[("integrator.kind", "respa"), ("integrator.r_split", "2.5")]).unwrap_err();
+    assert_eq!(wide.key_path(), Some("integrator.r_split"));
+}
+
+#[test]
+fn every_method_loads_at_its_defaults_and_loads_back() {
+    for (table, kind) in methods() {
+        let scene = with_method(table, kind);
+        let text = scene.resolved_toml();
+        let again = parse(&text).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        assert_eq!(scene, again, "{text}");
+    }
+}
+
+/// The keys that the code knows in a table, from its refusal of another one.
+fn known_keys(text: &str) -> BTreeSet<String> {
+    let error = parse(text).expect_err(text);
+    assert_eq!(error.message(), "is not a known key", "{error}\n{text}");
+    let allowed = error.what_is_allowed().unwrap();
+    allowed.split(", ").map(str::to_owned).collect()
+}
+
+fn documented_keys(table: &str, kind: Option<&str>) -> BTreeSet<String> {
+    reference::keys()
+        .iter()
+        .filter(|doc| doc.table == table && (doc.method.is_none() || doc.method == kind))
+        .map(|doc| doc.key.to_owned())
+        .collect()
+}
+
+#[test]
+fn the_reference_lists_exactly_the_keys_that_the_code_reads() {
+    for table in ["truncation", "neighbor", "kernel", "output", "checkpoint"] {
+        let text = format!("{SMALL}\n[{table}]\nzzz = 1\n");
+        assert_eq!(known_keys(&text), documented_keys(table, None), "[{table}]");
+    }
+    let system = SMALL.replace("[system]", "[system]\nzzz = 1");
+    assert_eq!(known_keys(&system), documented_keys("system", None));
+    let stage = SMALL.replace("steps = 20", "steps = 20\nzzz = 1");
+    assert_eq!(known_keys(&stage), documented_keys("stage", None));
+    for (table, kind) in methods() {
+        let text = match table {
+            "stage.thermostat" => SMALL.replace(
+                "thermostat = \"bussi\"",
+                &format!("thermostat = {{ kind = \"{kind}\", zzz = 1 }}"),
+            ),
+            "observable" => SMALL.replace("kind = \"rdf\"", &format!("kind = \"{kind}\"\nzzz = 1")),
+            _ => format!("{SMALL}\n[{table}]\nkind = \"{kind}\"\nzzz = 1\n"),
+        };
+        assert_eq!(
+            known_keys(&text),
+            documented_keys(table, Some(kind)),
+            "{table} {kind}"
+        );
+    }
+}
+
+#[test]
+fn the_reference_states_the_defaults_that_the_code_takes() {
+    let value_in = |scene: &Scene, table: &str, key: &str| -> Option<toml::Value> {
+        let resolved: toml::Table = scene.resolved_toml().parse().unwrap();
+        let mut at = &toml::Value::Table(resolved);
+        for step in table.split('.').filter(|step| !step.is_empty()) {
+            at = at.get(step)?;
+            if let Some(items) = at.as_array() {
+                at = items.first()?;
+            }
+        }
+        at.get(key).cloned()
+    };
+    let mut compared = 0;
+    for doc in reference::keys() {
+        let Some(stated) = doc
+            .default
+            .strip_prefix('`')
+            .and_then(|d| d.strip_suffix('`'))
+        else {
+            continue;
+        };
+        let Ok(stated) = format!("x = {stated}").parse::<toml::Table>() else {
+            continue;
+        };
+        // The first stage of the small scene states its thermostat; the others their defaults.
+        let scene = match (doc.method, doc.table, doc.key) {
+            (Some(kind), table, _) => with_method(table, kind),
+            (None, "stage", "thermostat") => {
+                let scene = parse(SMALL).unwrap();
+                assert_eq!(scene.stages[1].thermostat, None);
+                continue;
+            }
+            _ => parse(SMALL).unwrap(),
+        };
+        let taken = value_in(&scene, doc.table, doc.key);
+        assert_eq!(taken.as_ref(), stated.get("x"), "{}.{}", doc.table, doc.key);
+        compared += 1;
+    }
+    // Most keys have a default that can be written down.
+    assert!(compared > 30, "{compared}");
+}
+
+#[test]
+fn the_name_is_that_of_the_file_unless_the_scene_has_one() {
+    assert_eq!(parse(SMALL).unwrap().name, "scene");
+    let named = |file: &str| Scene::parse(SMALL, file, &[]).unwrap().name;
+    assert_eq!(named("inputs/my fluid (2).toml"), "my-fluid--2-");
+    assert_eq!(named("<>"), "scene");
+    assert_eq!(
+        parse(&format!("name = \"a.b\"\n{SMALL}")).unwrap().name,
+        "a.b"
+    );
+}
+
+#[test]
+fn a_configuration_is_looked_for_beside_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.toml");
+    let text = SMALL.replace(
+        "n_atoms = 500\ndensity = 0.8",
+        "configuration = \"start.xyz\"",
+    );
+    std::fs::write(&scene, text).unwrap();
+    let error = Scene::load(&scene, &[]).unwrap_err();
+    assert_eq!(error.key_path(), Some("system.configuration"));
+    assert_eq!(error.line(), Some(2));
+    std::fs::write(folder.path().join("start.xyz"), "").unwrap();
+    let loaded = Scene::load(&scene, &[]).unwrap();
+    // The resolved scene can stand anywhere.
+    let elsewhere = tempfile::tempdir().unwrap();
+    let copy = elsewhere.path().join("copy.toml");
+    std::fs::write(&copy, loaded.resolved_toml()).unwrap();
+    assert_eq!(Scene::load(&copy, &[]).unwrap(), loaded);
+}
+
+#[test]
+fn files_that_are_no_scenes_are_refused_with_their_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = folder.path().join("missing.toml");
+    let error = Scene::load(&missing, &[]).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("missing.toml: the scene file cannot be read")
+    );
+    let binary = folder.path().join("binary.toml");
+    std::fs::write(&binary, b"[system]\n\xff\xfe").unwrap();
+    let error = Scene::load(&binary, &[]).unwrap_err();
+    assert_eq!(
+        (error.line(), error.message()),
+        (Some(2), "this is not text")
+    );
+    let huge = "#".repeat(2 << 20);
+    assert_eq!(
+        parse(&huge).unwrap_err().message(),
+        "is too large for a scene"
+    );
+    let error = Scene::load(Path::new("/"), &[]).unwrap_err();
+    assert_eq!(error.message(), "the scene file cannot be read");
+}
