@@ -29,7 +29,7 @@ TRUNCATION = {
 
 
 def rows() -> list[dict]:
-    with open(REFERENCE / "nist_reference_calculations.csv", encoding="utf-8", newline="") as file:
+    with open(REFERENCE / "reference_calculations.csv", encoding="utf-8", newline="") as file:
         table = list(csv.DictReader(line for line in file if not line.startswith("#")))
     return [row for row in table if row["cell"] == "cuboid"]
 

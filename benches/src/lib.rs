@@ -156,7 +156,8 @@ impl Run {
             velocities: None,
             time: self.time,
         };
-        self.provider.evaluate(at, Part::All, want, &mut self.forces)
+        self.provider
+            .evaluate(at, Part::All, want, &mut self.forces)
     }
 
     /// Takes `steps` steps of velocity Verlet, the closing kick of one fused with the opening kick of the

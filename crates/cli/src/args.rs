@@ -1,6 +1,7 @@
 //! What can be typed.
 
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
@@ -35,6 +36,11 @@ pub enum Command {
         lennard run inputs/verlet-1967/triple-point.toml --set stage.production.steps=200000 --seed 7\n  \
         lennard run inputs/fluid/gas.toml --json --quiet > result.json")]
     Run(RunArgs),
+    /// Go on with a run that was stopped or killed, to the bit, or make a finished one longer.
+    #[command(after_help = "Examples:\n  \
+        lennard resume runs/triple-point-1\n  \
+        lennard resume runs/triple-point-1 --steps 100000 --max-walltime 2h")]
+    Resume(ResumeArgs),
     /// Say what a scene computes, what it leaves out and why, its memory, and about how long it takes.
     #[command(after_help = "Example:\n  lennard plan inputs/verlet-1967/triple-point.toml")]
     Plan(PlanArgs),
@@ -43,6 +49,9 @@ pub enum Command {
         lennard energy inputs/fluid/from-configuration.toml\n  \
         lennard energy inputs/fluid/from-configuration.toml --forces forces.xyz --json")]
     Energy(EnergyArgs),
+    /// Measure where each integrator fails, on the oscillator and on the fluid, beside theory.
+    #[command(after_help = "Examples:\n  lennard stability --out runs/stability\n  lennard stability --quick")]
+    Stability(StabilityArgs),
     /// List the methods that a scene can name.
     #[command(after_help = "Examples:\n  lennard list integrators\n  lennard list potentials --json")]
     List(ListArgs),
@@ -111,9 +120,53 @@ pub struct RunArgs {
     /// Replace an existing output folder.
     #[arg(long)]
     pub force: bool,
+    /// How long, and how loud.
+    #[command(flatten)]
+    pub control: ControlArgs,
+}
+
+/// How long a run may take, and what it shows meanwhile.
+#[derive(Debug, Args)]
+pub struct ControlArgs {
+    /// Stop after this time with a checkpoint and exit code 4: 90s, 10m, 2h, 1h30m.
+    #[arg(long, value_name = "TIME", value_parser = wall_time)]
+    pub max_walltime: Option<Duration>,
     /// No progress and no table; errors only.
     #[arg(long)]
     pub quiet: bool,
+}
+
+impl ControlArgs {
+    /// When to stop, for a program that started at `start`; none where the time is longer than clocks go.
+    pub fn deadline(&self, start: Instant) -> Option<Instant> {
+        start.checked_add(self.max_walltime?)
+    }
+}
+
+/// Arguments of `resume`.
+#[derive(Debug, Args)]
+pub struct ResumeArgs {
+    /// The output folder of the run.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Make the last stage N steps longer than it is.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub steps: Option<u64>,
+    /// Go on from the checkpoint before the newest.
+    #[arg(long)]
+    pub older: bool,
+    /// Threads; by default as many as pay for this run. The bits do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Go on with this instruction set; where it is not the recorded one, bits may differ, and run.json says so.
+    #[arg(long, value_name = "NAME")]
+    pub isa: Option<String>,
+    /// One JSON document on standard output, nothing else.
+    #[arg(long)]
+    pub json: bool,
+    /// How long, and how loud.
+    #[command(flatten)]
+    pub control: ControlArgs,
 }
 
 /// Arguments of `plan`.
@@ -133,6 +186,29 @@ pub struct EnergyArgs {
     /// Write the forces at full precision to this extended-XYZ file.
     #[arg(long, value_name = "FILE.xyz")]
     pub forces: Option<PathBuf>,
+}
+
+/// Arguments of `stability`.
+#[derive(Debug, Args)]
+pub struct StabilityArgs {
+    /// Output folder; by default runs/stability-<n> with the first free n.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace an existing output folder.
+    #[arg(long)]
+    pub force: bool,
+    /// Shorter runs on coarser grids.
+    #[arg(long)]
+    pub quick: bool,
+    /// Threads; by default all.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// One JSON document on standard output, nothing else.
+    #[arg(long)]
+    pub json: bool,
+    /// No progress and no table; errors only.
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 /// Arguments of `list`.
@@ -166,5 +242,13 @@ fn key_value(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((key, value)) if !key.trim().is_empty() => Ok((key.trim().to_owned(), value.trim().to_owned())),
         _ => Err("wanted KEY=VALUE, such as system.density=0.8".into()),
+    }
+}
+
+fn wall_time(text: &str) -> Result<Duration, String> {
+    match humantime::parse_duration(text) {
+        Ok(time) if time > Duration::ZERO => Ok(time),
+        Ok(_) => Err("wanted a time above zero, such as 90s, 10m, 2h or 1h30m".into()),
+        Err(e) => Err(format!("{e}; wanted a time such as 90s, 10m, 2h or 1h30m")),
     }
 }

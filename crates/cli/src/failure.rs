@@ -39,6 +39,7 @@ impl From<EngineError> for Failure {
             EngineError::Configuration(e) => Self::new("reading the start configuration", e, code),
             EngineError::Folder(e) => Self::new("making the output folder", e, code),
             EngineError::Write(e) => e.into(),
+            EngineError::Resume(e) => Self::new("going on with a run", e, code),
             EngineError::Physics(e) => Self { message: e.to_string(), code },
         }
     }

@@ -17,22 +17,47 @@ pub struct Display {
     started: Instant,
     last: Instant,
     silent: bool,
+    what: What,
 }
+
+/// What is counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum What {
+    /// Steps of a run.
+    Steps,
+    /// The share done of a study, in thousandths.
+    Share,
+}
+
+/// Parts of a whole that a study is counted in.
+const SHARES: u64 = 1000;
 
 impl Display {
     /// A bar where standard error is a terminal, lines where it is not, nothing where `quiet`.
     pub fn new(quiet: bool) -> Self {
+        Self::counting(What::Steps, quiet)
+    }
+
+    /// The same for a study, which tells a share and no steps.
+    pub fn of_study(quiet: bool) -> Self {
+        Self::counting(What::Share, quiet)
+    }
+
+    fn counting(what: What, quiet: bool) -> Self {
         let terminal = console::user_attended_stderr();
         let bar = (terminal && !quiet).then(|| {
             let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
-            let style = ProgressStyle::with_template(
-                "{msg:16} {bar:32.cyan/blue} {percent:>3}%  {human_pos} of {human_len} steps, {eta} left",
-            );
+            let style = ProgressStyle::with_template(match what {
+                What::Steps => {
+                    "{msg:16} {bar:32.cyan/blue} {percent:>3}%  {human_pos} of {human_len} steps, {eta} left"
+                }
+                What::Share => "{bar:32.cyan/blue} {percent:>3}%  {eta} left  {msg}",
+            });
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
             bar
         });
         let now = Instant::now();
-        Self { bar, label: String::new(), started: now, last: now, silent: quiet }
+        Self { bar, label: String::new(), started: now, last: now, silent: quiet, what }
     }
 }
 
@@ -72,9 +97,18 @@ impl Progress for Display {
                 } else {
                     format!(", {} left", HumanDuration(left))
                 };
-                eprintln!("{stage}: step {done} of {total} ({percent:.0} %){left}");
+                match self.what {
+                    What::Steps => eprintln!("{stage}: step {done} of {total} ({percent:.0} %){left}"),
+                    What::Share => eprintln!("{percent:.0} %{left}: {stage}"),
+                }
             }
         }
+    }
+}
+
+impl lennard_studies::Progress for Display {
+    fn update(&mut self, label: &str, done: f64) {
+        Progress::update(self, label, (done * SHARES as f64) as u64, SHARES);
     }
 }
 

@@ -6,6 +6,8 @@ use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{CellAlignment, ContentArrangement, Table};
 use lennard_engine::{EnergyReport, Plan, Simulation};
 use lennard_io::RunRecord;
+use lennard_studies::claims::Verdict;
+use lennard_studies::stability::StabilityStudy;
 
 use crate::commands::list::Entry;
 
@@ -176,6 +178,26 @@ pub fn plan(plan: &Plan) {
         duration(plan.seconds_per_step),
         plan.measured_steps
     );
+}
+
+/// The verdicts of the stability study, and the largest stable steps.
+pub fn stability(study: &StabilityStudy, folder: &Path) {
+    let mut claims = table(&["source", "claim", "measured", "theory", "verdict"], 2..4);
+    for claim in &study.claims {
+        let verdict = match claim.verdict {
+            Verdict::Holds => "holds",
+            Verdict::DoesNotHold => "does not hold",
+        };
+        claims.add_row([
+            claim.source.to_owned(),
+            claim.statement.clone(),
+            format!("{:.6}", claim.measured),
+            claim.theory.map_or_else(|| "–".into(), |t| format!("{t:.6}")),
+            verdict.to_owned(),
+        ]);
+    }
+    println!("{claims}");
+    println!("  page: {}", folder.join("report.html").display());
 }
 
 /// A list of methods.

@@ -55,8 +55,19 @@ pub fn begin(scene: &Scene) -> Result<Beginning, EngineError> {
             Ok(Beginning { cell, positions, velocities: None, relax: false })
         }
         Start::Configuration { path, geometry } => {
-            let read = lennard_io::read_configuration(path)?;
-            from_configuration(scene, path, read, geometry.as_ref())
+            let given = match geometry {
+                Some(Geometry::Box(sides)) => Some(
+                    PeriodicBox::new(DVec3::from_array(*sides))
+                        .map_err(|e| scene.source.invalid("system.box", e, "finite positive lengths"))?,
+                ),
+                Some(Geometry::Density(_)) | None => None,
+            };
+            // Read without the scene's box first: where both name one and they differ, the scene is to blame.
+            let read = match lennard_io::read_configuration(path) {
+                Err(_) if given.is_some() => lennard_io::read_configuration_in(path, given)?,
+                read => read?,
+            };
+            from_configuration(scene, path, read, given)
         }
     }
 }
@@ -65,11 +76,12 @@ fn from_configuration(
     scene: &Scene,
     path: &Path,
     read: StartConfiguration,
-    geometry: Option<&Geometry>,
+    given: Option<PeriodicBox>,
 ) -> Result<Beginning, EngineError> {
-    if let Some(Geometry::Box(sides)) = geometry
-        && DVec3::from_array(*sides) != read.cell.lengths()
+    if let Some(given) = given
+        && given != read.cell
     {
+        let sides = given.lengths().to_array();
         let found = format!("{sides:?}, where {} has {:?}", path.display(), read.cell.lengths().to_array());
         return Err(scene.source.invalid("system.box", found, "the box of the file, or no `box` at all").into());
     }
@@ -121,7 +133,12 @@ pub fn tail_correction(tail: Option<&Tail>) -> Option<TailCorrection> {
 /// # Errors
 /// [`EngineError`] for everything about the scene that can only be seen now.
 pub fn simulation(scene: Scene) -> Result<Simulation, EngineError> {
-    let mut beginning = begin(&scene)?;
+    let beginning = begin(&scene)?;
+    assembled(scene, beginning)
+}
+
+/// Builds the simulation around particles that have their places.
+pub(crate) fn assembled(scene: Scene, mut beginning: Beginning) -> Result<Simulation, EngineError> {
     let n = beginning.positions.len();
     let cell = beginning.cell;
     let (options, mut provider) = forces(&scene, cell, n)?;

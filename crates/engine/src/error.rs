@@ -4,6 +4,7 @@ use lennard_forcefield::ForceFieldError;
 use lennard_io::{FormatError, WriteError};
 use lennard_scene::{SceneError, Source};
 
+use crate::resume::ResumeError;
 use crate::watchdog::PhysicsFailure;
 
 /// Why a run did not start or did not end.
@@ -21,6 +22,9 @@ pub enum EngineError {
     /// A file cannot be written: exit code 1.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// A run cannot go on from its checkpoint: exit code 2.
+    #[error(transparent)]
+    Resume(#[from] ResumeError),
     /// Physics stopped the run: exit code 3.
     #[error(transparent)]
     Physics(Box<PhysicsFailure>),
@@ -31,7 +35,7 @@ impl EngineError {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Scene(_) | Self::Configuration(_) | Self::Folder(_) => 2,
+            Self::Scene(_) | Self::Configuration(_) | Self::Folder(_) | Self::Resume(_) => 2,
             Self::Physics(_) => 3,
             Self::Write(_) => 1,
         }

@@ -9,14 +9,26 @@
 //! | `topology.gro` | names and box for mdtraj, beside a trajectory |
 //! | `rdf.csv`, … | tables of the observables |
 //! | `final.xyz` | the last state, from which another run can start |
-//! | `failed.xyz` | the last state of a run that physics stopped |
+//! | `failed.xyz` | the state of a run at the step at which physics stopped it |
+//! | `before-failure.xyz` | the last state before that with which nothing was wrong |
+//! | `checkpoint-<step>.lennard` | everything for going on to the bit; the last two are kept |
 
 use std::path::{Path, PathBuf};
 
-use lennard_core::{Energetics, Table};
+use lennard_core::{Energetics, PeriodicBox, State, Table};
 use lennard_io::{Cell, FileMark, Frame, FrameStyle, RunRecord, TableWriter, TrajectoryWriter, WriteError};
 
-use crate::Simulation;
+use crate::resume::Claim;
+use crate::{EngineError, Simulation};
+
+/// The scene as resolved.
+pub(crate) const SCENE: &str = "scene.toml";
+/// Instantaneous values.
+pub(crate) const THERMO: &str = "thermo.csv";
+/// Frames.
+pub(crate) const TRAJECTORY: &str = "trajectory.xyz";
+/// Names and box for mdtraj.
+const TOPOLOGY: &str = "topology.gro";
 
 const THERMO_COLUMNS: &[(&str, &str)] = &[
     ("step", ""),
@@ -35,6 +47,7 @@ pub struct RunFiles {
     thermo: TableWriter,
     trajectory: Option<TrajectoryWriter>,
     style: FrameStyle,
+    _claim: Claim,
 }
 
 /// How far the growing files were at a checkpoint.
@@ -61,38 +74,45 @@ impl RunFiles {
     /// Starts the files of a fresh run in an existing, empty folder.
     ///
     /// # Errors
-    /// [`WriteError`] where a file cannot be written.
-    pub fn create(folder: &Path, simulation: &Simulation) -> Result<Self, WriteError> {
-        lennard_io::write_text_atomically(&folder.join("scene.toml"), &simulation.scene.resolved_toml())?;
+    /// [`EngineError`] where a file cannot be written or another process is at work there.
+    pub fn create(folder: &Path, simulation: &Simulation) -> Result<Self, EngineError> {
+        remove_half_written(folder);
+        write_descriptions(folder, simulation)?;
         let style = style(simulation);
-        let thermo = TableWriter::create(&folder.join("thermo.csv"), THERMO_COLUMNS)?;
-        let trajectory = match simulation.scene.output.trajectory_every {
-            None => None,
-            Some(_) => {
-                lennard_io::write_topology_gro(
-                    &folder.join("topology.gro"),
-                    simulation.state.len(),
-                    &simulation.cell,
-                    &style,
-                )?;
-                Some(TrajectoryWriter::create(&folder.join("trajectory.xyz"), &style)?)
-            }
-        };
-        Ok(Self { folder: folder.to_owned(), thermo, trajectory, style })
+        let thermo = TableWriter::create(&folder.join(THERMO), THERMO_COLUMNS)?;
+        let claim = Claim::on(folder)?;
+        let trajectory = simulation
+            .scene
+            .output
+            .trajectory_every
+            .map(|_| TrajectoryWriter::create(&folder.join(TRAJECTORY), &style))
+            .transpose()?;
+        Ok(Self { folder: folder.to_owned(), thermo, trajectory, style, _claim: claim })
     }
 
     /// Goes on with the files of an interrupted run, cut back to where its checkpoint was.
     ///
     /// # Errors
-    /// [`WriteError`] where a file is shorter than its mark or cannot be written.
-    pub fn resume(folder: &Path, simulation: &Simulation, marks: Marks) -> Result<Self, WriteError> {
+    /// [`EngineError`] where a file is shorter than its mark or cannot be written, or another process is at
+    /// work there.
+    pub fn resume(folder: &Path, simulation: &Simulation, marks: Marks) -> Result<Self, EngineError> {
+        let claim = Claim::on(folder)?;
         let style = style(simulation);
-        let thermo = TableWriter::resume_at(&folder.join("thermo.csv"), THERMO_COLUMNS, marks.thermo)?;
+        let thermo = TableWriter::resume_at(&folder.join(THERMO), THERMO_COLUMNS, marks.thermo)?;
         let trajectory = marks
             .trajectory
-            .map(|mark| TrajectoryWriter::resume_at(&folder.join("trajectory.xyz"), &style, mark))
+            .map(|mark| TrajectoryWriter::resume_at(&folder.join(TRAJECTORY), &style, mark))
             .transpose()?;
-        Ok(Self { folder: folder.to_owned(), thermo, trajectory, style })
+        Ok(Self { folder: folder.to_owned(), thermo, trajectory, style, _claim: claim })
+    }
+
+    /// Writes what describes the run anew and removes what a killed process left half written.
+    ///
+    /// # Errors
+    /// [`WriteError`] where a file cannot be written.
+    pub fn refresh(&self, simulation: &Simulation) -> Result<(), WriteError> {
+        remove_half_written(&self.folder);
+        write_descriptions(&self.folder, simulation)
     }
 
     /// The folder.
@@ -101,16 +121,22 @@ impl RunFiles {
         &self.folder
     }
 
+    /// How far the growing files are, on disk or on the way there.
+    #[must_use]
+    pub fn marks(&self) -> Marks {
+        Marks { thermo: self.thermo.mark(), trajectory: self.trajectory.as_ref().map(TrajectoryWriter::mark) }
+    }
+
     /// How far the growing files are, after making sure that they are on disk.
     ///
     /// # Errors
     /// [`WriteError`] where a file cannot be synced.
-    pub fn marks(&mut self) -> Result<Marks, WriteError> {
+    pub fn synced_marks(&mut self) -> Result<Marks, WriteError> {
         self.thermo.sync()?;
         if let Some(trajectory) = &mut self.trajectory {
             trajectory.sync()?;
         }
-        Ok(Marks { thermo: self.thermo.mark(), trajectory: self.trajectory.as_ref().map(TrajectoryWriter::mark) })
+        Ok(self.marks())
     }
 
     /// Writes the row of this step to `thermo.csv`.
@@ -161,6 +187,15 @@ impl RunFiles {
         lennard_io::write_frame(&self.folder.join(name), &style, &frame)
     }
 
+    /// Writes an earlier state into a file of its own, from which another run can start.
+    ///
+    /// # Errors
+    /// [`WriteError`] where it cannot be written.
+    pub fn write_earlier_state(&self, name: &str, cell: &PeriodicBox, state: &State) -> Result<(), WriteError> {
+        let style = FrameStyle { velocities: true, forces: false, length_scale: 1.0, ..self.style.clone() };
+        lennard_io::write_frame(&self.folder.join(name), &style, &Frame { cell, state, extra: &[] })
+    }
+
     /// Frames written so far, where there is a trajectory.
     #[must_use]
     pub fn frames(&self) -> Option<u64> {
@@ -185,6 +220,30 @@ impl RunFiles {
     pub fn write_record(&self, record: &RunRecord) -> Result<(), WriteError> {
         lennard_io::write_json_atomically(&self.folder.join("run.json"), record)
     }
+}
+
+/// Removes what a killed process left under hidden names.
+fn remove_half_written(folder: &Path) {
+    let ours = |name: &str| {
+        let inner = name.strip_prefix('.').and_then(|n| n.strip_suffix(".partial"));
+        inner.is_some_and(|n| ["csv", "xyz", "json", "toml", "gro", "lennard"].iter().any(|e| n.ends_with(e)))
+    };
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        if entry.file_name().to_str().is_some_and(ours) {
+            // One that cannot be removed does no harm: it is hidden, and no reader takes it.
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// The scene as resolved, and names and box beside a trajectory.
+fn write_descriptions(folder: &Path, simulation: &Simulation) -> Result<(), WriteError> {
+    lennard_io::write_text_atomically(&folder.join(SCENE), &simulation.scene.resolved_toml())?;
+    if simulation.scene.output.trajectory_every.is_some() {
+        let n = simulation.state.len();
+        lennard_io::write_topology_gro(&folder.join(TOPOLOGY), n, &simulation.cell, &style(simulation))?;
+    }
+    Ok(())
 }
 
 /// What the header line of a frame says besides time and step.

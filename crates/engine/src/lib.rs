@@ -1,6 +1,7 @@
 //! From a scene to results: initial conditions, the main loop, the watchdog, files and the run record.
 
 mod build;
+mod checkpointing;
 mod compare;
 mod energy;
 mod error;
@@ -9,6 +10,7 @@ pub mod initial;
 mod plan;
 mod recall;
 mod record;
+mod resume;
 mod run;
 mod simulation;
 mod timers;
@@ -20,6 +22,8 @@ pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
 pub use error::EngineError;
 pub use files::{Marks, RunFiles};
 pub use plan::{Plan, PlanItem, plan};
-pub use run::{Ending, Outcome, Progress, RunOptions, prepare, run};
+pub use checkpointing::Past;
+pub use resume::{ResumeError, ResumeOptions, Resumed, resume};
+pub use run::{Ending, Outcome, Progress, RunOptions, go_on, prepare, run};
 pub use simulation::{Follower, Nobody, Observer, Simulation, StageRun, Verdict};
 pub use timers::Timers;

@@ -11,11 +11,11 @@ use lennard_io::{
 
 use crate::{Simulation, compare};
 
-/// The record of a run that has not ended, or not well; `failure` says how it failed.
+/// The record of a run that has not ended, or not well; `remarks` say how it failed.
 #[must_use]
-pub fn unfinished(simulation: &Simulation, threads: usize, failure: Option<String>) -> RunRecord {
+pub fn unfinished(simulation: &Simulation, threads: usize, remarks: impl IntoIterator<Item = String>) -> RunRecord {
     let mut record = bare(simulation, threads);
-    record.remarks.extend(failure);
+    record.remarks.extend(remarks);
     record
 }
 

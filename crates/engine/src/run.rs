@@ -1,16 +1,23 @@
-//! One run from scene to finished folder.
+//! One run from scene to finished folder, in one go or in several.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use lennard_core::{Findings, Table, Want};
-use lennard_io::{RunRecord, WriteError};
+use lennard_core::{Findings, State, Table, Want};
+use lennard_io::RunRecord;
 use lennard_scene::Scene;
 
+use crate::checkpointing::{Checkpointer, Past};
 use crate::files::RunFiles;
+use crate::resume::Resumed;
 use crate::simulation::{Follower, Simulation, Verdict};
+use crate::watchdog::PhysicsFailure;
 use crate::{EngineError, build, record};
+
+/// Steps between two states set aside for the case that physics fails: a copy of 48 bytes a particle each
+/// hundred steps is far below 1 % of them.
+const SET_ASIDE_EVERY: u64 = 100;
 
 /// Told how far a run is, after every step.
 pub trait Progress: Send {
@@ -24,12 +31,14 @@ impl Progress for () {
 
 /// How to run.
 pub struct RunOptions<'a> {
-    /// The output folder, which exists and is empty.
+    /// The output folder, which exists; empty for a new run.
     pub folder: &'a Path,
     /// Threads in use, for the record.
     pub threads: usize,
     /// Set from outside to stop after the current step.
     pub stop: &'a AtomicBool,
+    /// When to stop by itself, after the step under way.
+    pub deadline: Option<Instant>,
     /// Told how far the run is.
     pub progress: &'a mut dyn Progress,
 }
@@ -39,8 +48,10 @@ pub struct RunOptions<'a> {
 pub enum Ending {
     /// All stages are done.
     Finished,
-    /// It was asked to stop.
+    /// It was asked to stop, and has written a checkpoint.
     Stopped,
+    /// Its time was up, and it has written a checkpoint.
+    OutOfTime,
 }
 
 /// What a run gives back.
@@ -49,7 +60,7 @@ pub struct Outcome {
     pub ending: Ending,
     /// The run record, as written to `run.json`.
     pub record: RunRecord,
-    /// The tables of the observables, as written.
+    /// The tables of the observables; written where the run is finished.
     pub tables: Vec<Table>,
 }
 
@@ -69,61 +80,158 @@ pub fn prepare(scene: Scene) -> Result<Simulation, EngineError> {
 pub fn run(simulation: &mut Simulation, options: RunOptions<'_>) -> Result<Outcome, EngineError> {
     let started = Instant::now();
     let files = RunFiles::create(options.folder, simulation)?;
-    files.write_record(&record::unfinished(simulation, options.threads, None))?;
-    let total = simulation.scene.total_steps();
-    let mut follower = Recorder { files, stop: options.stop, progress: options.progress, total };
-    let done = match simulation.run(&mut follower) {
-        Ok(done) => done,
-        Err(error) => {
-            // The record of a failed run is a courtesy: the error itself matters more than a second one.
-            let note = Some(error.to_string());
-            let _ = follower.files.write_record(&record::unfinished(simulation, options.threads, note));
-            if matches!(error, EngineError::Physics(_)) {
-                let _ = follower.files.write_state("failed.xyz", simulation);
-            }
-            return Err(error);
-        }
-    };
-    let findings: Vec<Findings> = simulation.findings();
-    let clock = Instant::now();
-    let tables: Vec<Table> = findings.iter().flat_map(|f| f.tables.iter().cloned()).collect();
-    follower.files.write_tables(&tables)?;
-    follower.files.write_state("final.xyz", simulation)?;
-    follower.files.marks()?;
-    simulation.timers.write += clock.elapsed();
-    let ending = if done { Ending::Finished } else { Ending::Stopped };
-    let record =
-        record::finished(
-            simulation,
-            &findings,
-            options.threads,
-            started.elapsed(),
-            follower.files.frames(),
-            ending == Ending::Finished,
-        );
-    follower.files.write_record(&record)?;
-    Ok(Outcome { ending, record, tables })
+    drive(simulation, files, Past::default(), options, started)
 }
 
-/// Writes rows and frames, shows progress, and listens for a request to stop.
+/// Goes on with a run that [`crate::resume()`] has brought back: its growing files are cut back to the
+/// checkpoint, so that they end up as if the run had never been interrupted.
+///
+/// # Errors
+/// As [`run`].
+pub fn go_on(resumed: &mut Resumed, options: RunOptions<'_>) -> Result<Outcome, EngineError> {
+    let started = Instant::now();
+    let Resumed { simulation, marks, past, .. } = resumed;
+    let files = RunFiles::resume(options.folder, simulation, *marks)?;
+    // First of all, since the scene in it may have more steps than before, or another instruction set.
+    Checkpointer::new(options.folder, &simulation.scene.checkpoint).write_unwatched(simulation, *marks, past)?;
+    files.refresh(simulation)?;
+    drive(simulation, files, past.clone(), options, started)
+}
+
+fn drive(
+    simulation: &mut Simulation,
+    files: RunFiles,
+    past: Past,
+    options: RunOptions<'_>,
+    started: Instant,
+) -> Result<Outcome, EngineError> {
+    let threads = options.threads;
+    files.write_record(&record::unfinished(simulation, threads, past.remarks.clone()))?;
+    let mut recorder = Recorder {
+        total: simulation.scene.total_steps(),
+        checkpoints: Checkpointer::new(options.folder, &simulation.scene.checkpoint),
+        before: simulation.state.clone(),
+        files,
+        past,
+        started,
+        options,
+        ending: Ending::Finished,
+    };
+    if let Err(mut error) = recorder.follow(simulation) {
+        if let EngineError::Physics(failure) = &mut error {
+            recorder.keep_evidence(simulation, failure);
+        }
+        // The record of a failed run is a courtesy: the error itself matters more than a second one.
+        let remarks = recorder.past.remarks.iter().cloned().chain([error.to_string()]);
+        let _ = recorder.files.write_record(&record::unfinished(simulation, threads, remarks));
+        return Err(error);
+    }
+    recorder.conclude(simulation)
+}
+
+/// Writes rows, frames and checkpoints, shows progress, and listens for a request to stop.
 struct Recorder<'a> {
     files: RunFiles,
-    stop: &'a AtomicBool,
-    progress: &'a mut dyn Progress,
+    checkpoints: Checkpointer,
+    past: Past,
+    started: Instant,
+    options: RunOptions<'a>,
     total: u64,
+    /// A state with which nothing was wrong.
+    before: State,
+    ending: Ending,
 }
 
 impl Recorder<'_> {
-    fn write(&mut self, simulation: &Simulation) -> Result<(), WriteError> {
+    /// Runs to the end, or to where it is told to stop, and leaves a checkpoint there.
+    fn follow(&mut self, simulation: &mut Simulation) -> Result<(), EngineError> {
+        if std::mem::take(&mut self.past.owes_output) {
+            self.write(simulation)?;
+        }
+        simulation.run(self)?;
+        self.checkpoint(simulation)
+    }
+
+    fn write(&mut self, simulation: &Simulation) -> Result<(), EngineError> {
         let step = simulation.state.step;
         let output = &simulation.scene.output;
+        let marks = self.files.marks();
+        let mut written = Ok(());
         if step.is_multiple_of(output.thermo_every) {
-            self.files.write_thermo(simulation)?;
+            written = self.files.write_thermo(simulation);
         }
         if simulation.current_stage().measure && output.trajectory_every.is_some_and(|e| step.is_multiple_of(e)) {
-            self.files.write_frame(simulation)?;
+            written = written.and_then(|()| self.files.write_frame(simulation));
         }
+        written.map_err(|error| {
+            // What cannot be written now is written when the run goes on: where there is room for a checkpoint,
+            // not a step is lost. Where there is none, the last one is as good as before.
+            let past = Past { owes_output: true, ..self.past_until_now() };
+            if simulation.watch_closely().is_ok() {
+                let _ = self.checkpoints.write_unwatched(simulation, marks, &past);
+            }
+            error.into()
+        })
+    }
+
+    fn past_until_now(&self) -> Past {
+        Past { wall: self.past.wall + self.started.elapsed(), ..self.past.clone() }
+    }
+
+    fn checkpoint(&mut self, simulation: &mut Simulation) -> Result<(), EngineError> {
+        let clock = Instant::now();
+        let marks = self.files.synced_marks()?;
+        let past = self.past_until_now();
+        self.checkpoints.write(simulation, marks, &past)?;
+        simulation.timers.write += clock.elapsed();
         Ok(())
+    }
+
+    /// Saves what shows how a run failed.
+    fn keep_evidence(&self, simulation: &Simulation, failure: &mut PhysicsFailure) {
+        let folder = self.files.folder();
+        // Each is a courtesy: a second error must not hide the first. Numbers that are not finite are never written.
+        if self.files.write_state("failed.xyz", simulation).is_ok() {
+            let path = folder.join("failed.xyz");
+            failure.kept.push(format!("saved: {} (step {})", path.display(), simulation.state.step));
+        }
+        if self.files.write_earlier_state("before-failure.xyz", &simulation.cell, &self.before).is_ok() {
+            let path = folder.join("before-failure.xyz");
+            failure.kept.push(format!("saved: {} (step {}, before it)", path.display(), self.before.step));
+        }
+        if let Ok(all) = lennard_io::CheckpointFolder::new(folder).list()
+            && let Some((_, newest)) = all.first()
+        {
+            failure.kept.push(format!("the last good checkpoint is untouched: {}", newest.display()));
+        }
+    }
+
+    /// Writes what comes at the end.
+    fn conclude(&mut self, simulation: &mut Simulation) -> Result<Outcome, EngineError> {
+        let clock = Instant::now();
+        let findings: Vec<Findings> = simulation.findings();
+        let tables: Vec<Table> = findings.iter().flat_map(|f| f.tables.iter().cloned()).collect();
+        let finished = self.ending == Ending::Finished;
+        // What looks like a result is written where the run is done; until then the checkpoint has it all.
+        if finished {
+            self.files.write_tables(&tables)?;
+            self.files.write_state("final.xyz", simulation)?;
+        }
+        simulation.timers.write += clock.elapsed();
+        let wall: Duration = self.past_until_now().wall;
+        let mut record =
+            record::finished(simulation, &findings, self.options.threads, wall, self.files.frames(), finished);
+        record.remarks.extend(self.past.remarks.iter().cloned());
+        self.files.write_record(&record)?;
+        Ok(Outcome { ending: self.ending, record, tables })
+    }
+
+    /// Whether and why to stop now.
+    fn told_to_stop(&self) -> Option<Ending> {
+        if self.options.stop.load(Ordering::Relaxed) {
+            return Some(Ending::Stopped);
+        }
+        self.options.deadline.is_some_and(|deadline| Instant::now() >= deadline).then_some(Ending::OutOfTime)
     }
 }
 
@@ -138,8 +246,30 @@ impl Follower for Recorder<'_> {
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
         let clock = Instant::now();
         self.write(simulation)?;
+        let step = simulation.state.step;
+        if step.is_multiple_of(SET_ASIDE_EVERY) {
+            set_aside(&simulation.state, &mut self.before);
+        }
         simulation.timers.write += clock.elapsed();
-        self.progress.update(&simulation.current_stage().name, simulation.state.step, self.total);
-        Ok(if self.stop.load(Ordering::Relaxed) { Verdict::Stop } else { Verdict::Continue })
+        self.options.progress.update(&simulation.current_stage().name, step, self.total);
+        // A request that comes with the last step changes nothing any more.
+        if step < self.total
+            && let Some(ending) = self.told_to_stop()
+        {
+            self.ending = ending;
+            return Ok(Verdict::Stop);
+        }
+        if self.checkpoints.is_due(step) {
+            self.checkpoint(simulation)?;
+        }
+        Ok(Verdict::Continue)
     }
+}
+
+/// Copies a state into the memory of another.
+fn set_aside(state: &State, to: &mut State) {
+    to.step = state.step;
+    to.time = state.time;
+    to.positions.clone_from(&state.positions);
+    to.velocities.clone_from(&state.velocities);
 }

@@ -201,7 +201,16 @@ impl Simulation {
         } else if !self.state.step.is_multiple_of(watchdog::EVERY) {
             return Ok(());
         }
+        if self.state.step.is_multiple_of(watchdog::LISTS_EVERY) {
+            return self.watch_closely();
+        }
         watchdog::check_speeds(&self.state, stage.dt).map_err(|s| self.diagnosed(s))
+    }
+
+    /// Looks at speeds and lists whatever the step: before a checkpoint and at the end.
+    pub(crate) fn watch_closely(&self) -> Result<(), crate::EngineError> {
+        watchdog::check_lists(self.forces.statistics().late_builds).map_err(|s| self.diagnosed(s))?;
+        watchdog::check_speeds(&self.state, self.stage_run().dt).map_err(|s| self.diagnosed(s))
     }
 
     /// (K + U_conserved − Σ heat)/N in ε, where the energy was asked for on this step.
@@ -330,6 +339,8 @@ impl Simulation {
             dt: stage.dt,
             dt_limit: spec.stability_limit.map(|limit| watchdog::rough_stable_dt(plan.temperature, limit)),
             steps_into_stage: stage.steps_done,
+            temperature: plan.temperature,
+            density: self.state.len() as f64 / self.cell.volume(),
         };
         let failure: PhysicsFailure = watchdog::diagnose(&self.state, &self.cell, at, symptom);
         crate::EngineError::Physics(Box::new(failure))

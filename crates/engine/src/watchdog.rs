@@ -1,8 +1,9 @@
 //! Stops a run that has gone wrong, and says what went wrong.
 //!
 //! Watching has two parts. The forces refuse numbers that are not finite at every evaluation. The
-//! watchdog looks at the speeds (at every [`EVERY`]th step and wherever something is sampled) and, on sampled
-//! steps, at the conserved energy.
+//! watchdog looks at the speeds (at every [`EVERY`]th step and wherever something is sampled), on sampled
+//! steps at the conserved energy, and at every [`LISTS_EVERY`]th step at the neighbor lists. A box too small for
+//! its cutoff is refused before the first step, and boxes do not change.
 
 use lennard_core::{DVec3, ForceError, PeriodicBox, State, StepError, parallel};
 
@@ -11,6 +12,9 @@ use crate::initial::{ClosePair, closest_pair};
 /// Steps between two looks at the speeds: at a displacement limit of a fifth of σ a step nothing can
 /// cross more than a few σ unseen, and the look costs far below 1 % of the steps between.
 pub const EVERY: u64 = 20;
+
+/// Steps between two looks at the neighbor lists; a multiple of [`EVERY`].
+pub const LISTS_EVERY: u64 = 100;
 
 /// The longest legal move of a particle in one step, σ. Thermal moves are √T·dt ≈ 0.005 σ; a fifth of σ in
 /// one step carries two particles from contact to deep overlap.
@@ -22,6 +26,12 @@ pub const LARGEST_ENERGY_CHANGE: f64 = 1.0;
 
 /// Pairs nearer than this (σ) are called overlapping: U(0.6 σ) is 1750 ε.
 const OVERLAP: f64 = 0.6;
+
+/// Number densities (σ⁻³) above this are named as a likely mistake: at T = 10 ε/k_B the fluid freezes near 1.6.
+const HIGHEST_USUAL_DENSITY: f64 = 1.6;
+
+/// Temperatures (ε/k_B) above this are named as a likely mistake: the critical one is 1.3.
+const HIGHEST_USUAL_TEMPERATURE: f64 = 20.0;
 
 /// What was found wrong.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +51,11 @@ pub enum Symptom {
         from: f64,
         /// Energy now.
         to: f64,
+    },
+    /// A neighbor list was built later than its skin allows: pairs may have been missed.
+    LateLists {
+        /// How many were.
+        builds: u64,
     },
     /// The method itself gave up (a solver did not converge).
     Method(StepError),
@@ -71,6 +86,12 @@ pub struct PhysicsFailure {
     pub fastest: Option<(usize, f64)>,
     /// Steps since the stage began.
     pub steps_into_stage: u64,
+    /// Temperature of the stage, ε/k_B.
+    pub temperature: f64,
+    /// Number density, σ⁻³.
+    pub density: f64,
+    /// What was kept, one line each: states saved, the last checkpoint. Filled in by whoever writes files.
+    pub kept: Vec<String>,
 }
 
 impl std::error::Error for PhysicsFailure {}
@@ -89,10 +110,14 @@ impl std::fmt::Display for PhysicsFailure {
                 f,
                 "the conserved energy ran from {from:.6} to {to:.6} ε per particle, by more than {LARGEST_ENERGY_CHANGE} ε"
             )?,
+            Symptom::LateLists { builds } => {
+                write!(f, "{builds} neighbor lists were built too late, so that pairs may have been missed")?;
+            }
             Symptom::Method(e) => write!(f, "{e}")?,
         }
         if let Some(pair) = self.closest {
-            write!(f, "\n  closest pair: particles {} and {} at {:.4} σ", pair.i, pair.j, pair.distance)?;
+            let overlap = if pair.distance < OVERLAP { ", an overlap" } else { "" };
+            write!(f, "\n  closest pair: particles {} and {} at {:.4} σ{overlap}", pair.i, pair.j, pair.distance)?;
         }
         if let Some((particle, speed)) = self.fastest {
             write!(f, "\n  fastest: particle {particle} at {speed:.4e} σ/τ")?;
@@ -100,7 +125,8 @@ impl std::fmt::Display for PhysicsFailure {
         if self.non_finite > 0 {
             write!(f, "\n  {} positions are not finite numbers", self.non_finite)?;
         }
-        write!(f, "\n  likely cause: {}", self.likely_cause())
+        write!(f, "\n  likely cause: {}", self.likely_cause())?;
+        self.kept.iter().try_for_each(|line| write!(f, "\n  {line}"))
     }
 }
 
@@ -108,6 +134,24 @@ impl PhysicsFailure {
     /// Which of the known causes fits, and what to change.
     #[must_use]
     pub fn likely_cause(&self) -> String {
+        if let Symptom::LateLists { .. } = self.symptom {
+            return "a skin too thin for the speeds: leave out `neighbor.skin`, or make it larger".into();
+        }
+        if self.density > HIGHEST_USUAL_DENSITY {
+            return format!(
+                "the density is ρ = {:.4} σ⁻³, where no fluid is known: check `system.density` or `system.box`",
+                self.density
+            );
+        }
+        if self.temperature > HIGHEST_USUAL_TEMPERATURE {
+            let limit = self.dt_limit.map_or_else(String::new, |limit| {
+                format!("; if it is meant, use a dt of at most {:.2e} τ", 0.25 * limit)
+            });
+            return format!(
+                "the temperature is T = {} ε/k_B, far above the critical 1.3: check `system.temperature`{limit}",
+                self.temperature
+            );
+        }
         let limit = self.dt_limit.filter(|limit| self.dt > 0.5 * limit);
         if let Some(limit) = limit {
             return format!(
@@ -138,6 +182,10 @@ pub struct Circumstances<'a> {
     pub dt_limit: Option<f64>,
     /// Steps since the stage began.
     pub steps_into_stage: u64,
+    /// Temperature of the stage, ε/k_B.
+    pub temperature: f64,
+    /// Number density, σ⁻³.
+    pub density: f64,
 }
 
 /// The largest squared speed, (σ/τ)², the same for any number of threads; NaN counts as infinite.
@@ -185,6 +233,14 @@ pub fn check_energy(from: f64, to: f64) -> Result<(), Symptom> {
     if (to - from).abs() <= LARGEST_ENERGY_CHANGE { Ok(()) } else { Err(Symptom::EnergyRunAway { from, to }) }
 }
 
+/// Fails where neighbor lists were built too late.
+///
+/// # Errors
+/// The symptom.
+pub fn check_lists(late_builds: u64) -> Result<(), Symptom> {
+    if late_builds == 0 { Ok(()) } else { Err(Symptom::LateLists { builds: late_builds }) }
+}
+
 fn fastest(state: &State) -> Option<(usize, f64)> {
     state
         .velocities
@@ -209,6 +265,9 @@ pub fn diagnose(state: &State, cell: &PeriodicBox, at: Circumstances<'_>, sympto
         non_finite: state.positions.iter().filter(|r| !r.is_finite()).count(),
         fastest: fastest(state),
         steps_into_stage: at.steps_into_stage,
+        temperature: at.temperature,
+        density: at.density,
+        kept: Vec::new(),
     }
 }
 
@@ -247,13 +306,32 @@ mod tests {
     #[test]
     fn the_cause_named_fits_what_happened() {
         let cell = PeriodicBox::new(DVec3::splat(10.0)).unwrap();
-        let at = Circumstances { stage: "s", method: "velocity-verlet", dt: 0.001, dt_limit: Some(0.03), steps_into_stage: 3 };
+        let at = Circumstances {
+            stage: "s",
+            method: "velocity-verlet",
+            dt: 0.001,
+            dt_limit: Some(0.03),
+            steps_into_stage: 3,
+            temperature: 0.7,
+            density: 0.8,
+        };
         let symptom = Symptom::TooFast { particle: 1, distance: 3.0 };
         let overlap = diagnose(&state(3e3), &cell, at, symptom.clone());
         assert!(overlap.likely_cause().contains("overlapped at the start"), "{overlap}");
-        assert!(overlap.to_string().contains("particles 0 and 1 at 0.5000 σ"), "{overlap}");
-        let large = diagnose(&state(3e3), &cell, Circumstances { dt: 0.05, ..at }, symptom);
-        assert!(large.likely_cause().contains("dt = 0.05 τ is too large"), "{large}");
+        assert!(overlap.to_string().contains("particles 0 and 1 at 0.5000 σ, an overlap"), "{overlap}");
+        let cause = |at| diagnose(&state(3e3), &cell, at, symptom.clone()).likely_cause();
+        let large = cause(Circumstances { dt: 0.05, ..at });
+        assert!(large.contains("dt = 0.05 τ is too large") && large.contains("stable below about 0.030 τ"), "{large}");
+        let hot = cause(Circumstances { temperature: 722.0, ..at });
+        assert!(hot.contains("T = 722") && hot.contains("`system.temperature`"), "{hot}");
+        let dense = cause(Circumstances { density: 8.442, ..at });
+        assert!(dense.contains("ρ = 8.4420") && dense.contains("`system.density`"), "{dense}");
+        let late = diagnose(&state(0.0), &cell, at, check_lists(2).unwrap_err());
+        assert!(late.to_string().contains("2 neighbor lists were built too late"), "{late}");
+        assert!(late.likely_cause().contains("`neighbor.skin`"), "{late}");
+        let later = diagnose(&state(3e3), &cell, Circumstances { steps_into_stage: 5000, dt: 0.01, ..at }, symptom.clone());
+        assert!(later.likely_cause().contains("try half the dt first"), "{later}");
+        assert!(check_lists(0).is_ok());
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod catalog;
 mod error;
 mod form;
 mod listed;
+pub mod measure;
 mod options;
 mod plan;
 mod potential;
@@ -43,9 +44,13 @@ pub fn check(o: &ForceFieldOptions, c: &Conditions) -> Result<(), ForceFieldErro
 /// Names of the instruction sets that this processor has, widest first; each can be forced with `kernel.isa`.
 #[must_use]
 pub fn available_isas() -> Vec<&'static str> {
-    [simd::Level::Avx512, simd::Level::Avx2, simd::Level::Portable]
-        .into_iter()
-        .filter(|level| level.is_available())
-        .map(simd::Level::name)
-        .collect()
+    [
+        simd::Level::Avx512,
+        simd::Level::Avx2,
+        simd::Level::Portable,
+    ]
+    .into_iter()
+    .filter(|level| level.is_available())
+    .map(simd::Level::name)
+    .collect()
 }

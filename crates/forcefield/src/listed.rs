@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use glam::DVec3;
+use lennard_core::parallel::for_each_chunk;
 use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWriter};
 use lennard_neighbor::{Criterion, GridError, Images, NeighborList, Verdict};
 use rayon::prelude::*;
@@ -14,9 +15,6 @@ use crate::simd::{
 };
 use crate::sums::Totals;
 use crate::truncation::PairForm;
-
-/// Places packed into fixed-point rows by one task.
-const PLACES_PER_TASK: usize = 2048;
 
 /// Seconds spent, for the run record.
 #[derive(Debug, Clone, Copy, Default)]
@@ -54,6 +52,7 @@ impl Listed {
     /// A list for `r_cut` and `skin` in σ; `pure` asks for the canonical loop.
     pub fn new(
         cell: PeriodicBox,
+        n_atoms: usize,
         r_cut: f64,
         skin: f64,
         level: Level,
@@ -69,12 +68,19 @@ impl Listed {
                 Images::Folded,
             ),
             Precision::Double => (Rows::Double(Vec::new()), Images::Ghosts),
-            Precision::Mixed => (Rows::Fixed(Vec::new()), Images::Folded),
+            // Wrap-around finds images, so ghosts would only cost; but where particles are more than 16 bits
+            // can number, ghosts keep the neighbors of a chunk close together.
+            Precision::Mixed if n_atoms <= usize::from(u16::MAX) + 1 => {
+                (Rows::Fixed(Vec::new()), Images::Folded)
+            }
+            Precision::Mixed => (Rows::Fixed(Vec::new()), Images::Ghosts),
         };
         // Distances in fixed point are off by about the unit of the longest side.
         let rounding = match precision {
-            Precision::Mixed => 4.0 * cell.lengths().max_element() * f64::from(f32::EPSILON) / 256.0
-                + 4.0 * r_cut * f64::from(f32::EPSILON),
+            Precision::Mixed => {
+                4.0 * cell.lengths().max_element() * f64::from(f32::EPSILON) / 256.0
+                    + 4.0 * r_cut * f64::from(f32::EPSILON)
+            }
             Precision::Double => 0.0,
         };
         let radius = r_cut + skin + rounding;
@@ -141,17 +147,19 @@ impl Listed {
     pub fn build(&mut self, positions: &[DVec3]) -> Result<(), ForceError> {
         // Half-built tables must not look valid.
         self.built.clear();
-        self.list
-            .build(positions, self.level.scanner())
-            .map_err(|GridError::BadPosition { particle }| ForceError::NonFinitePosition {
-                particle,
-            })?;
+        self.list.build(positions, self.level.scanner()).map_err(
+            |GridError::BadPosition { particle }| ForceError::NonFinitePosition { particle },
+        )?;
         let table = self.list.table();
-        self.built
-            .extend(table.particle.iter().map(|p| positions[*p as usize]));
+        self.built.resize(table.particle.len(), DVec3::ZERO);
+        for_each_chunk(&mut self.built, |first, chunk| {
+            for (built, particle) in chunk.iter_mut().zip(&table.particle[first..]) {
+                *built = positions[*particle as usize];
+            }
+        });
         match &mut self.rows {
             Rows::Double(rows) => rows.resize(table.rows(), DoubleRow::default()),
-            Rows::Fixed(rows) => rows.resize(table.particle.len(), FixedRow::default()),
+            Rows::Fixed(rows) => rows.resize(self.list.targets(), FixedRow::default()),
             Rows::Pure { lists, .. } => {
                 *lists = self.list.neighbors();
                 for list in lists {
@@ -169,20 +177,14 @@ impl Listed {
         let lengths = self.cell.lengths();
         match &mut self.rows {
             Rows::Double(rows) => simd::pack_double(table, positions, &self.built, lengths, rows),
-            Rows::Fixed(rows) => {
-                let units = FIXED_UNITS / lengths;
-                let task = |(t, rows): (usize, &mut [FixedRow])| {
-                    let first = t * PLACES_PER_TASK;
-                    simd::pack_fixed(table, positions, &self.built, units, first, rows)
-                };
-                if rows.len() <= PLACES_PER_TASK || rayon::current_num_threads() == 1 {
-                    return simd::pack_fixed(table, positions, &self.built, units, 0, rows);
-                }
-                rows.par_chunks_mut(PLACES_PER_TASK)
-                    .enumerate()
-                    .map(task)
-                    .reduce(|| Moved::NOTHING, Moved::and)
-            }
+            Rows::Fixed(rows) => simd::pack_fixed(
+                table,
+                self.list.images(),
+                positions,
+                &self.built,
+                lengths,
+                rows,
+            ),
             Rows::Pure { wrapped, .. } => {
                 pure::wrap(&self.cell, positions, wrapped);
                 let mut moved = Moved::NOTHING;
@@ -230,10 +232,7 @@ impl Listed {
                     nearby: Nearby::Listed(lists),
                 };
                 let chunks = job.run(forces, each);
-                (
-                    Totals::of_chunks(&chunks),
-                    chunks.iter().any(|c| c.broken),
-                )
+                (Totals::of_chunks(&chunks), chunks.iter().any(|c| c.broken))
             }
         };
         clock.force += start.elapsed().as_secs_f64();
@@ -259,7 +258,9 @@ impl Listed {
         let built = from.vec3("built_at")?;
         if !built.is_empty() {
             if built.len() != n {
-                return Err(from.misfit("built_at", format!("{} particles, wanted {n}", built.len())));
+                return Err(
+                    from.misfit("built_at", format!("{} particles, wanted {n}", built.len()))
+                );
             }
             self.build(built)
                 .map_err(|e| from.misfit("built_at", e.to_string()))?;
@@ -295,10 +296,7 @@ fn sum_chunks(
     } else {
         (0..chunks).into_par_iter().map(|c| run(c)).collect()
     };
-    (
-        Totals::of_chunks(&totals),
-        totals.iter().any(|c| c.broken),
-    )
+    (Totals::of_chunks(&totals), totals.iter().any(|c| c.broken))
 }
 
 /// The error that names the first particle whose position is not finite.

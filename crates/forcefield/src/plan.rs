@@ -95,10 +95,7 @@ pub(crate) struct Decision {
     pub plan: ForcePlan,
 }
 
-pub(crate) fn decide(
-    o: &ForceFieldOptions,
-    c: &Conditions,
-) -> Result<Decision, ForceFieldError> {
+pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, ForceFieldError> {
     let model = Model::new(&o.potential, &o.truncation)?;
     if c.n_atoms == 0 {
         return Err(ForceFieldError::NoParticles);

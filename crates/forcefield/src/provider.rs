@@ -55,6 +55,7 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions) -> Result<PairForces, ForceF
     let listed = |r_cut| {
         Box::new(Listed::new(
             c.cell,
+            c.n_atoms,
             r_cut,
             plan.skin,
             decision.level,
@@ -90,6 +91,26 @@ impl PairForces {
     #[must_use]
     pub fn plan(&self) -> &ForcePlan {
         &self.plan
+    }
+
+    /// Builds the list at these positions whether it is due or not; gives whether there is one.
+    pub(crate) fn rebuild(&mut self, positions: &[DVec3]) -> Result<bool, ForceError> {
+        match &mut self.strategy {
+            Strategy::Verlet(listed) => listed.build(positions).map(|()| true),
+            Strategy::Reference | Strategy::Direct { .. } => Ok(false),
+        }
+    }
+
+    /// Lanes computed in one evaluation.
+    pub(crate) fn lanes(&self) -> u64 {
+        match &self.strategy {
+            Strategy::Verlet(listed) => {
+                let chunks = listed.list().chunks().iter();
+                chunks.map(|c| c.entries.len() as u64).sum()
+            }
+            Strategy::Direct { .. } => 2 * all_pairs(self.n_atoms),
+            Strategy::Reference => all_pairs(self.n_atoms),
+        }
     }
 
     fn run<F: PairForm>(
@@ -189,7 +210,11 @@ impl ForceProvider for PairForces {
             Some(weights) => self.run(weights.of(form), near, positions, wanted, forces, slot),
         })?;
         // The far part carries the whole jump at the cutoff: the near part is zero there.
-        let jump = if near { 0.0 } else { self.model.energy_at_cutoff };
+        let jump = if near {
+            0.0
+        } else {
+            self.model.energy_at_cutoff
+        };
         Ok(totals.deliver(want, jump, each))
     }
 

@@ -106,16 +106,14 @@ impl Smoothstep {
             .max(R::splat(0.0))
             .min(R::splat(1.0));
         let x2 = x * x;
-        let polynomial = x.mul_add(
-            x.mul_add(R::splat(6.0), R::splat(-15.0)),
-            R::splat(10.0),
-        );
+        let polynomial = x.mul_add(x.mul_add(R::splat(6.0), R::splat(-15.0)), R::splat(10.0));
         // 1 − x, exact to the last bit near x = 1, keeps the derivatives' double zero there.
         let rest = R::splat(1.0) - x;
         Step {
             value: -(x2 * x).mul_add(polynomial, R::splat(-1.0)),
             first: x2 * (rest * rest) * (R::splat(-30.0) * inv_width),
-            second: x * rest
+            second: x
+                * rest
                 * x.mul_add(R::splat(2.0), R::splat(-1.0))
                 * (R::splat(60.0) * inv_width * inv_width),
         }

@@ -46,10 +46,17 @@ fn forces_and_curvatures_are_derivatives_of_the_energy() {
             let h = f64::EPSILON.cbrt() * r;
             let scale = 1.0 + model.eval(r * r).curvature.abs() * 20.0;
             let du = (u(r + h) - u(r - h)) / (2.0 * h);
-            assert!((du - slope(r)).abs() < 1e-9 * scale, "{options:?} at {r}: {du} {}", slope(r));
+            assert!(
+                (du - slope(r)).abs() < 1e-9 * scale,
+                "{options:?} at {r}: {du} {}",
+                slope(r)
+            );
             let d2u = (slope(r + h) - slope(r - h)) / (2.0 * h);
             let curvature = model.eval(r * r).curvature;
-            assert!((d2u - curvature).abs() < 1e-8 * scale, "{options:?} at {r}: {d2u} {curvature}");
+            assert!(
+                (d2u - curvature).abs() < 1e-8 * scale,
+                "{options:?} at {r}: {d2u} {curvature}"
+            );
         }
     }
 }
@@ -68,7 +75,11 @@ fn lennard_jones_crosses_zero_at_sigma_and_has_its_minimum_at_minus_epsilon() {
 fn truncations_are_as_smooth_at_the_cutoff_as_they_claim() {
     for (options, model) in models() {
         let end = model.eval(model.r_cut * model.r_cut);
-        let plain = Model::new(&options.potential, &TruncationOptions::new(TruncationKind::Cut, 2.5)).unwrap();
+        let plain = Model::new(
+            &options.potential,
+            &TruncationOptions::new(TruncationKind::Cut, 2.5),
+        )
+        .unwrap();
         let jump = plain.eval(2.5_f64 * 2.5).energy;
         match (options.potential, options.truncation.kind) {
             (PotentialOptions::Wca {}, _) => {
@@ -95,13 +106,25 @@ fn truncations_are_as_smooth_at_the_cutoff_as_they_claim() {
 fn the_switch_serialises_with_its_default_start_left_out_and_comes_back() {
     for (options, _) in models() {
         let text = toml::to_string(&options).unwrap();
-        assert_eq!(toml::from_str::<ForceFieldOptions>(&text).unwrap(), options, "{text}");
+        assert_eq!(
+            toml::from_str::<ForceFieldOptions>(&text).unwrap(),
+            options,
+            "{text}"
+        );
     }
     let bare: ForceFieldOptions = toml::from_str("[truncation]\nkind = \"shift\"\n").unwrap();
-    assert_eq!(bare.truncation, TruncationOptions::new(TruncationKind::Shift, 2.5));
+    assert_eq!(
+        bare.truncation,
+        TruncationOptions::new(TruncationKind::Shift, 2.5)
+    );
     let soft: ForceFieldOptions = toml::from_str("[potential]\nkind = \"soft-sphere\"\n").unwrap();
-    assert_eq!(soft.potential, PotentialOptions::SoftSphere { exponent: 12 });
-    assert!(toml::from_str::<ForceFieldOptions>("[potential]\nkind = \"wca\"\nexponent = 3\n").is_err());
+    assert_eq!(
+        soft.potential,
+        PotentialOptions::SoftSphere { exponent: 12 }
+    );
+    assert!(
+        toml::from_str::<ForceFieldOptions>("[potential]\nkind = \"wca\"\nexponent = 3\n").is_err()
+    );
     assert!(toml::from_str::<ForceFieldOptions>("[truncation]\nrcut = 3.0\n").is_err());
 }
 
@@ -127,11 +150,17 @@ fn tail_pressure_is_minus_the_volume_derivative_of_the_tail_energy() {
         let model = Model::new(&potential, &options.truncation).unwrap();
         let r_cut = model.r_cut;
         let rho = n as f64 / v;
-        let surface = 2.0 / 3.0 * std::f64::consts::PI * rho * rho
-            * r_cut.powi(3) * model.eval(r_cut * r_cut).energy;
+        let surface = 2.0 / 3.0
+            * std::f64::consts::PI
+            * rho
+            * rho
+            * r_cut.powi(3)
+            * model.eval(r_cut * r_cut).energy;
         assert!((-slope - (tail.pressure - surface)).abs() < 1e-9 * tail.pressure.abs());
         assert!((tail.virial - 3.0 * v * tail.pressure).abs() < 1e-12 * tail.virial.abs());
-        assert!((tail.energy_per_particle * n as f64 - tail.energy).abs() < 1e-12 * tail.energy.abs());
+        assert!(
+            (tail.energy_per_particle * n as f64 - tail.energy).abs() < 1e-12 * tail.energy.abs()
+        );
     }
 }
 
@@ -158,7 +187,8 @@ fn tail_integrals_are_those_of_the_potential() {
                 k if k == steps => 1.0,
                 k if k % 2 == 1 => 4.0,
                 _ => 2.0,
-            } * h / 3.0;
+            } * h
+                / 3.0;
             let pair = model.eval(r * r);
             energy += weight * r.powi(3) * pair.energy;
             virial += weight * r.powi(5) * pair.force;
@@ -188,24 +218,38 @@ fn what_cannot_be_is_refused_with_the_key_it_is_about() {
         match build(&options, &at) {
             Ok(_) => panic!("{options:?} was accepted"),
             Err(e) => {
-                assert!(!e.found().is_empty() && !e.allowed().is_empty() && !e.to_string().is_empty());
+                assert!(
+                    !e.found().is_empty() && !e.allowed().is_empty() && !e.to_string().is_empty()
+                );
                 e.key()
             }
         }
     };
-    assert_eq!(with(&|o| o.truncation.r_cut = 4.000_001), "truncation.r_cut");
+    assert_eq!(
+        with(&|o| o.truncation.r_cut = 4.000_001),
+        "truncation.r_cut"
+    );
     assert_eq!(with(&|o| o.truncation.r_cut = f64::NAN), "truncation.r_cut");
     assert_eq!(with(&|o| o.truncation.r_cut = -1.0), "truncation.r_cut");
     assert_eq!(with(&|o| o.neighbor.skin = Some(1.6)), "neighbor.skin");
     assert_eq!(with(&|o| o.neighbor.skin = Some(-0.1)), "neighbor.skin");
-    assert_eq!(with(&|o| o.truncation.kind = TruncationKind::Shift), "truncation.tail_correction");
-    assert_eq!(with(&|o| o.truncation.switch_from = Some(2.0)), "truncation.switch_from");
+    assert_eq!(
+        with(&|o| o.truncation.kind = TruncationKind::Shift),
+        "truncation.tail_correction"
+    );
+    assert_eq!(
+        with(&|o| o.truncation.switch_from = Some(2.0)),
+        "truncation.switch_from"
+    );
     assert_eq!(
         with(&|o| o.potential = PotentialOptions::SoftSphere { exponent: 3 }),
         "potential.exponent"
     );
     assert_eq!(
-        with(&|o| o.split = Some(SplitOptions { r_split: 3.0, width: 0.2 })),
+        with(&|o| o.split = Some(SplitOptions {
+            r_split: 3.0,
+            width: 0.2
+        })),
         "integrator.r_split"
     );
     // Half the box is legal, and a skin that the program chooses is clamped or done without.

@@ -32,7 +32,10 @@ fn configuration(number: &str) -> (PeriodicBox, Vec<DVec3>) {
 
 fn close(found: f64, wanted: f64, what: &str) {
     let error = (found - wanted).abs() / wanted.abs().max(f64::MIN_POSITIVE);
-    assert!(error <= TOLERANCE, "{what}: {found:e} against {wanted:e}, relative error {error:e}");
+    assert!(
+        error <= TOLERANCE,
+        "{what}: {found:e} against {wanted:e}, relative error {error:e}"
+    );
 }
 
 #[test]
@@ -89,7 +92,13 @@ fn nist_energies_and_virials_are_met_by_every_loop() {
             let found = forces
                 .evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut f)
                 .unwrap();
-            let what = format!("configuration {}, {} {}, {:?}", cell[0], cell[4], cell[5], forces.plan());
+            let what = format!(
+                "configuration {}, {} {}, {:?}",
+                cell[0],
+                cell[4],
+                cell[5],
+                forces.plan()
+            );
             assert_eq!(found.pairs, Some(number(6) as u64), "{what}");
             close(found.potential_energy.unwrap(), number(10), &what);
             close(found.scalar_virial().unwrap(), number(11), &what);

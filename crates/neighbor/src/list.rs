@@ -5,7 +5,7 @@ use lennard_core::PeriodicBox;
 use rayon::prelude::*;
 use std::ops::Range;
 
-use crate::grid::{GridError, RowTable};
+use crate::grid::{GridError, Near, RowTable};
 use crate::scan::{Candidates, RowScanner};
 
 /// Particles a chunk of the list: a constant, so that sums over chunks have one order. Small, so that
@@ -123,6 +123,12 @@ impl NeighborList {
         &self.chunks
     }
 
+    /// What entries name.
+    #[must_use]
+    pub fn images(&self) -> Images {
+        self.images
+    }
+
     /// The list radius r_list, σ.
     #[must_use]
     pub fn radius(&self) -> f64 {
@@ -171,10 +177,16 @@ impl NeighborList {
         self.chunks
             .resize_with(n.div_ceil(ATOMS_PER_CHUNK), ListChunk::default);
         let table = &self.table;
-        let (images, lanes) = (self.images, self.lanes);
+        let filler = Filler {
+            table,
+            radius2,
+            images: self.images,
+            lanes: self.lanes,
+            scanner,
+        };
         let fill = |scratch: &mut Scratch, (c, chunk): (usize, &mut ListChunk)| {
             let places = c * ATOMS_PER_CHUNK..((c + 1) * ATOMS_PER_CHUNK).min(n);
-            fill_chunk(table, places, radius2, images, lanes, scanner, scratch, chunk);
+            filler.fill(places, scratch, chunk);
         };
         if rayon::current_num_threads() == 1 {
             let mut scratch = Scratch::default();
@@ -243,74 +255,113 @@ impl NeighborList {
 /// What one thread needs while it fills chunks.
 #[derive(Default)]
 struct Scratch {
-    runs: Vec<Range<u32>>,
+    near: Near,
     found: Vec<u32>,
-    targets: Vec<u32>,
 }
 
-#[allow(clippy::too_many_arguments)]
-fn fill_chunk(
-    table: &RowTable,
-    places: Range<usize>,
+/// An entry of either width.
+trait Offset: Copy {
+    fn of(target: u32, base: u32) -> Self;
+}
+
+impl Offset for u16 {
+    #[inline(always)]
+    fn of(target: u32, base: u32) -> Self {
+        (target - base) as u16
+    }
+}
+
+impl Offset for u32 {
+    #[inline(always)]
+    fn of(target: u32, base: u32) -> Self {
+        target - base
+    }
+}
+
+/// What all chunks have in common.
+struct Filler<'a> {
+    table: &'a RowTable,
     radius2: f32,
     images: Images,
     lanes: usize,
-    scanner: &dyn RowScanner,
-    scratch: &mut Scratch,
-    chunk: &mut ListChunk,
-) {
-    chunk.first_place = places.start as u32;
-    chunk.counts.clear();
-    scratch.targets.clear();
-    for place in places {
-        let candidates = table.runs_near(place, radius2, &mut scratch.runs) + Candidates::PADDING;
-        if scratch.found.len() < candidates {
-            scratch.found.resize(candidates, 0);
-        }
-        let own = table.row[place];
-        let count = scanner.scan(
-            &table.candidates,
-            own,
-            &scratch.runs,
-            radius2,
-            &mut scratch.found,
-        );
-        let found = &scratch.found[..count];
-        let own = match images {
-            Images::Ghosts => {
-                scratch.targets.extend_from_slice(found);
-                own
-            }
-            Images::Folded => {
-                let folded = found.iter().map(|row| table.place[*row as usize]);
-                scratch.targets.extend(folded);
-                place as u32
-            }
-        };
-        chunk.counts.push(count as u32);
-        let padded = count.next_multiple_of(lanes) - count;
-        scratch.targets.extend(std::iter::repeat_n(own, padded));
-    }
-    store(&scratch.targets, chunk);
+    scanner: &'a dyn RowScanner,
 }
 
-/// Stores targets as offsets, in 16 bits where they reach.
-fn store(targets: &[u32], chunk: &mut ListChunk) {
-    let (low, high) = targets
-        .iter()
-        .fold((u32::MAX, 0), |(low, high), t| (low.min(*t), high.max(*t)));
-    chunk.base = if targets.is_empty() { 0 } else { low };
-    let base = chunk.base;
-    if high.saturating_sub(base) <= u32::from(u16::MAX) {
-        let mut narrow = match std::mem::replace(&mut chunk.entries, Entries::Wide(Vec::new())) {
-            Entries::Narrow(v) => v,
-            Entries::Wide(_) => Vec::new(),
+impl Filler<'_> {
+    fn fill(&self, places: Range<usize>, scratch: &mut Scratch, chunk: &mut ListChunk) {
+        chunk.first_place = places.start as u32;
+        chunk.counts.clear();
+        scratch.near.reset();
+        let targets = match self.images {
+            Images::Ghosts => self.table.rows_near(&places),
+            Images::Folded => 0..self.table.particle.len() as u32,
         };
-        narrow.clear();
-        narrow.extend(targets.iter().map(|t| (t - base) as u16));
-        chunk.entries = Entries::Narrow(narrow);
-    } else {
-        let wide = targets.iter().map(|t| t - base).collect();
-        chunk.entries = Entries::Wide(wide);
+        chunk.base = targets.start;
+        let narrow = targets.end - targets.start <= u32::from(u16::MAX) + 1;
+        let counts = &mut chunk.counts;
+        let old = std::mem::replace(&mut chunk.entries, Entries::Wide(Vec::new()));
+        chunk.entries = match (old, narrow) {
+            (Entries::Narrow(mut entries), true) => {
+                entries.clear();
+                self.write(places, chunk.base, scratch, counts, &mut entries);
+                Entries::Narrow(entries)
+            }
+            (Entries::Wide(mut entries), false) => {
+                entries.clear();
+                self.write(places, chunk.base, scratch, counts, &mut entries);
+                Entries::Wide(entries)
+            }
+            (_, true) => {
+                let mut entries = Vec::new();
+                self.write(places, chunk.base, scratch, counts, &mut entries);
+                Entries::Narrow(entries)
+            }
+            (_, false) => {
+                let mut entries = Vec::new();
+                self.write(places, chunk.base, scratch, counts, &mut entries);
+                Entries::Wide(entries)
+            }
+        };
+    }
+
+    fn write<E: Offset>(
+        &self,
+        places: Range<usize>,
+        base: u32,
+        scratch: &mut Scratch,
+        counts: &mut Vec<u32>,
+        entries: &mut Vec<E>,
+    ) {
+        let table = self.table;
+        for place in places {
+            table.columns_near(place, &mut scratch.near);
+            let candidates = scratch.near.columns.rows + Candidates::PADDING;
+            if scratch.found.len() < candidates {
+                scratch.found.resize(candidates, 0);
+            }
+            let row = table.row[place];
+            let count = self.scanner.scan(
+                &table.candidates,
+                row,
+                &scratch.near.columns,
+                self.radius2,
+                &mut scratch.found,
+            );
+            let found = &scratch.found[..count];
+            let own = match self.images {
+                Images::Ghosts => {
+                    entries.extend(found.iter().map(|row| E::of(*row, base)));
+                    row
+                }
+                Images::Folded => {
+                    let places = &table.place;
+                    entries.extend(found.iter().map(|row| E::of(places[*row as usize], base)));
+                    place as u32
+                }
+            };
+            counts.push(count as u32);
+            let padded = count.next_multiple_of(self.lanes) - count;
+            entries.extend(std::iter::repeat_n(E::of(own, base), padded));
+        }
     }
 }

@@ -32,18 +32,48 @@ impl Candidates {
     }
 }
 
+/// The columns of cells around one particle.
+#[derive(Debug, Default, Clone)]
+pub struct Columns {
+    /// The rows of each column, those of one x after another; ascending and disjoint.
+    pub runs: Vec<Range<u32>>,
+    /// Squared distance along x from the particle to the columns of each x, σ².
+    pub gaps_x: Vec<f32>,
+    /// Squared distance along y from the particle to the columns of each y, σ².
+    pub gaps_y: Vec<f32>,
+    /// Rows in all columns together.
+    pub rows: usize,
+}
+
+impl Columns {
+    /// Calls `visit` for each run whose column comes within the root of `radius2` of
+    /// the particle, in ascending order.
+    #[inline(always)]
+    pub fn each_within(&self, radius2: f32, mut visit: impl FnMut(&Range<u32>)) {
+        let width = self.gaps_y.len().max(1);
+        for (gx, runs) in self.gaps_x.iter().zip(self.runs.chunks_exact(width)) {
+            let left = radius2 - gx;
+            for (gy, run) in self.gaps_y.iter().zip(runs) {
+                if *gy <= left {
+                    visit(run);
+                }
+            }
+        }
+    }
+}
+
 /// Finds rows near a point. One call handles one particle, so that implementations for an
 /// instruction set cost one call and not one for each run of cells.
 pub trait RowScanner: Sync {
-    /// Writes to `found` the rows of `runs` (ascending, disjoint ranges of rows) whose distance to row
-    /// `own` is at most the root of `radius2` σ², without `own` itself, and returns how many they are.
+    /// Writes to `found` the rows of `columns` whose distance to row `own` is at most the root of
+    /// `radius2` σ², without `own` itself, and returns how many they are.
     ///
     /// `found` is at least as long as all runs together plus [`Candidates::PADDING`].
     fn scan(
         &self,
         candidates: &Candidates,
         own: u32,
-        runs: &[Range<u32>],
+        columns: &Columns,
         radius2: f32,
         found: &mut [u32],
     ) -> usize;
@@ -58,14 +88,14 @@ impl RowScanner for ScalarScanner {
         &self,
         candidates: &Candidates,
         own: u32,
-        runs: &[Range<u32>],
+        columns: &Columns,
         radius2: f32,
         found: &mut [u32],
     ) -> usize {
         let i = own as usize;
         let (x, y, z) = (candidates.x[i], candidates.y[i], candidates.z[i]);
         let mut count = 0;
-        for run in runs {
+        columns.each_within(radius2, |run| {
             let range = run.start as usize..run.end as usize;
             let rows = candidates.x[range.clone()]
                 .iter()
@@ -77,7 +107,7 @@ impl RowScanner for ScalarScanner {
                 found[count] = row;
                 count += usize::from((dx * dx + dy * dy + dz * dz <= radius2) & (row != own));
             }
-        }
+        });
         count
     }
 }

@@ -1,7 +1,8 @@
 //! The skin near the cheapest, from a model of the costs: a function of the scene, never of a clock.
 
-/// Cost of building the list over cost of one force loop with it. The optimum is flat in it.
-const BUILD_OVER_FORCE: f64 = 1.6;
+/// Cost of building the list over cost of one force loop with it, as `benches/NOTES.md` records it. The
+/// optimum is flat in it.
+const BUILD_OVER_FORCE: f64 = 3.5;
 /// Smallest skin that is ever chosen, σ: below it a list lasts a step or two.
 const SMALLEST_SKIN: f64 = 0.05;
 /// Largest skin that is ever chosen, σ.

@@ -21,6 +21,9 @@ pub enum StudyError {
     /// The list of integrators lacks a method that the study is about.
     #[error("the list of integrators has no `{0}`")]
     NoSuchMethod(&'static str),
+    /// The box of a study's own fluid cannot be made.
+    #[error("the fluid of the study: {0}")]
+    Box(#[from] lennard_core::BoxError),
     /// The forces of a study's own fluid cannot be built.
     #[error("the fluid of the study: {0}")]
     ForceField(#[from] ForceFieldError),

@@ -6,6 +6,8 @@
 pub mod claims;
 mod error;
 mod files;
+pub mod fluid_stability;
+mod jobs;
 mod progress;
 pub mod stability;
 

@@ -2,7 +2,9 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)] // a command-line tool speaks on both
 
 mod counts;
+mod fuzz;
 mod python;
+mod soak;
 mod tidy;
 mod tiers;
 mod workspace;
@@ -23,6 +25,9 @@ Commands:
            independent seeds, Rust tests marked as ignored
   tidy     Paths and commands named in README.md exist, crates depend as designed, no machine
            path, registry host or large file is tracked
+  soak     Kill runs at random times, go on with them, and compare every byte with an undisturbed
+           run; --quick for 10 kills in place of 200, --long for ten million steps
+  fuzz     Seeded mutations of fuzz/corpus through every reader; --runs N, --target NAME, --seed N
   python   Make the virtual environment .venv from validation/requirements.txt
   help     This text
 
@@ -47,6 +52,12 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match words.as_slice() {
+        ["soak", rest @ ..] => return soak::build_and_run(&workspace, rest),
+        ["fuzz", rest @ ..] => return fuzz::run(&workspace, rest),
+        _ => {}
+    }
     match command {
         "test" => tiers::run_all(
             &workspace,

@@ -86,6 +86,10 @@ const RELEASE_BUILD: Tier = Tier {
         ))
     },
 };
+const SOAK: Tier = Tier {
+    name: "soak",
+    run: |w| crate::soak::quick(w).map(|()| ONE_PASSED),
+};
 const TIDINESS: Tier = Tier {
     name: "tidiness",
     run: |w| {
@@ -129,6 +133,7 @@ pub fn test() -> Vec<Tier> {
         DOCUMENTATION,
         RUST_TESTS,
         RELEASE_BUILD,
+        SOAK,
         TIDINESS,
         PYTHON,
         VALIDATION,

@@ -3,12 +3,17 @@
 pub mod energy;
 pub mod list;
 pub mod plan;
+pub mod resume;
 pub mod run;
+pub mod stability;
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::CommandFactory;
 use clap_complete::Shell;
+use lennard_engine::EngineError;
+use lennard_io::Existing;
 use lennard_scene::Scene;
 use serde::Serialize;
 
@@ -33,8 +38,20 @@ pub fn on_threads<T: Send>(
 }
 
 /// As many threads as asked for, or as pay for so many particles.
-pub fn threads(args: &SceneArgs, n_atoms: usize) -> usize {
-    args.threads.map_or_else(|| lennard_engine::recommended_threads(n_atoms), usize::from)
+pub fn threads(asked: Option<u16>, n_atoms: usize) -> usize {
+    asked.map_or_else(|| lennard_engine::recommended_threads(n_atoms), usize::from)
+}
+
+/// Makes an output folder: the one named, or `runs/<stem>-<n>` with the first free n.
+pub fn output_folder(named: Option<&Path>, force: bool, stem: &str) -> Result<PathBuf, Failure> {
+    let made = match named {
+        Some(folder) => {
+            let existing = if force { Existing::Replace } else { Existing::Refuse };
+            lennard_io::create_named_folder(folder, existing).map(|()| folder.to_owned())
+        }
+        None => lennard_io::create_numbered_folder("runs".as_ref(), stem),
+    };
+    made.map_err(|e| EngineError::Folder(e).into())
 }
 
 /// Prints one JSON document.
@@ -46,7 +63,9 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
 
 /// `lennard completions`.
 pub fn completions(shell: Shell) -> Result<ExitCode, Failure> {
-    clap_complete::generate(shell, &mut Cli::command(), "lennard", &mut std::io::stdout());
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "lennard", &mut script);
+    crate::out::text(&String::from_utf8_lossy(&script));
     Ok(ExitCode::SUCCESS)
 }
 

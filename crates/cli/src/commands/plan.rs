@@ -11,7 +11,7 @@ use crate::show;
 pub fn plan(args: &PlanArgs) -> Result<ExitCode, Failure> {
     let scene = load(&args.scene)?;
     let mut simulation = lennard_engine::prepare(scene)?;
-    let threads = threads(&args.scene, simulation.state.len());
+    let threads = threads(args.scene.threads, simulation.state.len());
     let plan = on_threads(threads, || Ok(lennard_engine::plan(&mut simulation, threads)?))?;
     if args.scene.json {
         print_json(&plan)?;

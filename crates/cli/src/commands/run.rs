@@ -1,58 +1,61 @@
 //! `lennard run`: a scene from start to finished folder.
 
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::ExitCode;
-use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
-use lennard_engine::{EngineError, Ending, RunOptions};
-use lennard_io::Existing;
+use lennard_engine::{Ending, Outcome, RunOptions};
 
 use crate::args::RunArgs;
-use crate::commands::{load, on_threads, print_json, threads};
+use crate::commands::{load, on_threads, output_folder, print_json, threads};
 use crate::failure::Failure;
 use crate::progress::Display;
-use crate::show;
+use crate::{show, signals};
 
 /// Exit code of a run that was asked to stop and can be resumed.
 const STOPPED: u8 = 4;
 
 /// Runs a scene and prints the table of its results.
 pub fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
+    let deadline = args.control.deadline(Instant::now());
+    let stop = signals::stop_flag()?;
     let scene = load(&args.scene)?;
-    let quiet = args.quiet || args.scene.json;
+    let quiet = args.control.quiet || args.scene.json;
     // Everything that can be wrong with the scene shows before anything is written.
     let mut simulation = lennard_engine::prepare(scene)?;
-    let threads = threads(&args.scene, simulation.state.len());
-    let folder = folder(args, &simulation.scene.name)?;
+    let threads = threads(args.scene.threads, simulation.state.len());
+    let folder = output_folder(args.out.as_deref(), args.force, &simulation.scene.name)?;
     if !quiet {
         show::header(&simulation, threads, &folder);
     }
-    let stop = AtomicBool::new(false);
-    let mut display = Display::new(args.quiet);
+    let mut display = Display::new(args.control.quiet);
     let outcome = on_threads(threads, || {
-        let options = RunOptions { folder: &folder, threads, stop: &stop, progress: &mut display };
+        let options = RunOptions { folder: &folder, threads, stop: &stop, deadline, progress: &mut display };
         Ok(lennard_engine::run(&mut simulation, options)?)
     })?;
     drop(display);
-    if args.scene.json {
-        print_json(&outcome.record)?;
-    } else if !quiet {
-        show::results(&outcome.record, &folder);
-    }
-    Ok(match outcome.ending {
-        Ending::Finished => ExitCode::SUCCESS,
-        Ending::Stopped => ExitCode::from(STOPPED),
-    })
+    tell(&outcome, &folder, simulation.scene.total_steps(), args.scene.json, quiet)
 }
 
-/// Makes the output folder: the one named, or the first free number.
-fn folder(args: &RunArgs, scene: &str) -> Result<PathBuf, Failure> {
-    let made = match &args.out {
-        Some(folder) => {
-            let existing = if args.force { Existing::Replace } else { Existing::Refuse };
-            lennard_io::create_named_folder(folder, existing).map(|()| folder.clone())
+/// Prints what a run found, or where it stopped.
+pub fn tell(outcome: &Outcome, folder: &Path, total: u64, json: bool, quiet: bool) -> Result<ExitCode, Failure> {
+    if json {
+        print_json(&outcome.record)?;
+    }
+    let why = match outcome.ending {
+        Ending::Finished => {
+            if !quiet {
+                show::results(&outcome.record, folder);
+            }
+            return Ok(ExitCode::SUCCESS);
         }
-        None => lennard_io::create_numbered_folder("runs".as_ref(), scene),
+        Ending::Stopped => "stopped on request",
+        Ending::OutOfTime => "stopped by --max-walltime",
     };
-    made.map_err(|e| EngineError::Folder(e).into())
+    eprintln!(
+        "{why} after step {} of {total}, with a checkpoint\n  to go on: lennard resume {}",
+        outcome.record.steps,
+        folder.display()
+    );
+    Ok(ExitCode::from(STOPPED))
 }

@@ -1,14 +1,17 @@
 //! Lanes of AVX-512: eight doubles or sixteen singles.
 
 use std::arch::x86_64::*;
-use std::ops::{Add, Mul, Neg, Range, Sub};
+use std::ops::{Add, Mul, Neg, Sub};
+
+use glam::DVec3;
 
 use super::lanes::{Entry, Lanes};
-use super::pair_loop::{ChunkTotals, PairJob, Wanted, run};
+use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
 use super::{DoubleRow, FixedRow};
+use crate::options::Precision;
 use crate::real::Real;
 use crate::truncation::PairForm;
-use lennard_neighbor::Candidates;
+use lennard_neighbor::{Candidates, Columns};
 
 /// Eight doubles. Values of this type exist only inside functions that enable AVX-512.
 #[derive(Clone, Copy)]
@@ -55,8 +58,20 @@ macro_rules! operators {
     };
 }
 
-operators!(F64x8, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_set1_pd);
-operators!(F32x16, _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps, _mm512_set1_ps);
+operators!(
+    F64x8,
+    _mm512_add_pd,
+    _mm512_sub_pd,
+    _mm512_mul_pd,
+    _mm512_set1_pd
+);
+operators!(
+    F32x16,
+    _mm512_add_ps,
+    _mm512_sub_ps,
+    _mm512_mul_ps,
+    _mm512_set1_ps
+);
 
 impl Real for F64x8 {
     #[inline(always)]
@@ -160,6 +175,26 @@ impl Lanes for F64x8 {
         // SAFETY: as above.
         unsafe { _mm512_reduce_add_pd(self.0) }
     }
+
+    #[inline(always)]
+    fn sum3(x: Self, y: Self, z: Self) -> DVec3 {
+        // SAFETY: as above.
+        unsafe {
+            let none = _mm512_setzero_pd();
+            let xy = _mm512_add_pd(_mm512_unpacklo_pd(x.0, y.0), _mm512_unpackhi_pd(x.0, y.0));
+            let z = _mm512_add_pd(_mm512_unpacklo_pd(z.0, none), _mm512_unpackhi_pd(z.0, none));
+            // xy: x y x y x y x y, z: z 0 z 0 z 0 z 0; to x y z 0 by quarters.
+            let low = _mm512_shuffle_f64x2::<0b01_00_01_00>(xy, z);
+            let high = _mm512_shuffle_f64x2::<0b11_10_11_10>(xy, z);
+            let halves = _mm512_add_pd(low, high);
+            let xy = _mm512_castpd512_pd256(halves);
+            let z = _mm512_extractf64x4_pd::<1>(halves);
+            let xy = _mm_add_pd(_mm256_castpd256_pd128(xy), _mm256_extractf128_pd::<1>(xy));
+            let z = _mm_add_pd(_mm256_castpd256_pd128(z), _mm256_extractf128_pd::<1>(z));
+            let y = _mm_unpackhi_pd(xy, xy);
+            DVec3::new(_mm_cvtsd_f64(xy), _mm_cvtsd_f64(y), _mm_cvtsd_f64(z))
+        }
+    }
 }
 
 impl Real for F32x16 {
@@ -209,7 +244,13 @@ impl Lanes for F32x16 {
     #[inline(always)]
     unsafe fn spread(row: &FixedRow) -> Self::Own {
         // SAFETY: AVX-512 is there by contract.
-        [0, 1, 2].map(|axis| unsafe { _mm512_set1_epi32(row.0[axis]) })
+        unsafe {
+            [
+                _mm512_set1_epi32(row.0[0]),
+                _mm512_set1_epi32(row.0[1]),
+                _mm512_set1_epi32(row.0[2]),
+            ]
+        }
     }
 
     #[inline(always)]
@@ -273,6 +314,34 @@ impl Lanes for F32x16 {
             _mm512_reduce_add_pd(_mm512_add_pd(low, high))
         }
     }
+
+    #[inline(always)]
+    fn sum3(x: Self, y: Self, z: Self) -> DVec3 {
+        // SAFETY: as above.
+        unsafe {
+            // Two levels in single precision, where each lane holds a handful of pairs, the rest in double.
+            let none = _mm512_setzero_ps();
+            let xy = _mm512_add_ps(_mm512_unpacklo_ps(x.0, y.0), _mm512_unpackhi_ps(x.0, y.0));
+            let z = _mm512_add_ps(_mm512_unpacklo_ps(z.0, none), _mm512_unpackhi_ps(z.0, none));
+            // xy: x y x y, z: z 0 z 0 in each quarter; to x y z 0.
+            let (xy, z) = (_mm512_castps_pd(xy), _mm512_castps_pd(z));
+            let quarters = _mm512_add_ps(
+                _mm512_castpd_ps(_mm512_unpacklo_pd(xy, z)),
+                _mm512_castpd_ps(_mm512_unpackhi_pd(xy, z)),
+            );
+            let low = _mm512_cvtps_pd(_mm512_castps512_ps256(quarters));
+            let high = _mm512_cvtps_pd(_mm512_extractf32x8_ps::<1>(quarters));
+            let both = _mm512_add_pd(low, high);
+            let xyz = _mm256_add_pd(
+                _mm512_castpd512_pd256(both),
+                _mm512_extractf64x4_pd::<1>(both),
+            );
+            let xy = _mm256_castpd256_pd128(xyz);
+            let z = _mm256_extractf128_pd::<1>(xyz);
+            let y = _mm_unpackhi_pd(xy, xy);
+            DVec3::new(_mm_cvtsd_f64(xy), _mm_cvtsd_f64(y), _mm_cvtsd_f64(z))
+        }
+    }
 }
 
 /// The pair loop in double precision.
@@ -297,19 +366,29 @@ pub fn run_mixed<F: PairForm>(
     unsafe { run::<F32x16, F>(job, chunk, wanted) }
 }
 
+/// The arithmetic alone, of a number of rounds in a precision.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
+pub fn limit<F: PairForm>(form: &F, r_cut: f64, rounds: u64, precision: Precision) -> (u64, f64) {
+    // SAFETY: this function enables the instruction set.
+    unsafe {
+        match precision {
+            Precision::Double => arithmetic::<F64x8, F>(form, r_cut, rounds),
+            Precision::Mixed => arithmetic::<F32x16, F>(form, r_cut, rounds),
+        }
+    }
+}
+
 /// The scanner of list building: sixteen rows at a time, indices of near ones packed together.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
 pub fn scan(
     candidates: &Candidates,
     own: u32,
-    runs: &[Range<u32>],
+    columns: &Columns,
     radius2: f32,
     found: &mut [u32],
 ) -> usize {
     let rows = candidates.rows();
-    let total: usize = runs.iter().map(Range::len).sum();
-    assert!(found.len() >= total + Candidates::PADDING, "room for all that may be found");
-    assert!(runs.iter().all(|r| r.start <= r.end && r.end as usize <= rows), "runs of rows");
+    let room = found.len() - Candidates::PADDING;
     let i = own as usize;
     let x = _mm512_set1_ps(candidates.x[i]);
     let y = _mm512_set1_ps(candidates.y[i]);
@@ -323,30 +402,45 @@ pub fn scan(
         candidates.z.as_ptr(),
     );
     let mut count = 0_usize;
-    for run in runs {
-        let mut row = run.start;
-        while row < run.end {
-            let left = run.end - row;
-            let valid: __mmask16 = if left >= 16 { u16::MAX } else { (1 << left) - 1 };
-            let at = row as usize;
-            // SAFETY: `at < rows`, and the arrays are padded by a register beyond their rows.
-            let (dx, dy, dz) = unsafe {
-                (
-                    _mm512_sub_ps(x, _mm512_loadu_ps(px.add(at))),
-                    _mm512_sub_ps(y, _mm512_loadu_ps(py.add(at))),
-                    _mm512_sub_ps(z, _mm512_loadu_ps(pz.add(at))),
-                )
-            };
-            let r2 = _mm512_fmadd_ps(dz, dz, _mm512_fmadd_ps(dy, dy, _mm512_mul_ps(dx, dx)));
-            let index = _mm512_add_epi32(_mm512_set1_epi32(row as i32), ramp);
-            let near = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(valid, r2, limit);
-            let near = _mm512_mask_cmpneq_epi32_mask(near, index, me);
-            let packed = _mm512_maskz_compress_epi32(near, index);
-            // SAFETY: `count` is at most the rows looked at so far, and `found` is longer than all runs
-            // by a register.
-            unsafe { _mm512_storeu_si512(found.as_mut_ptr().add(count).cast(), packed) };
-            count += near.count_ones() as usize;
-            row += 16;
+    let width = columns.gaps_y.len().max(1);
+    // Plain loops: a closure would be compiled for the processor that the program was built for.
+    for (gx, runs) in columns.gaps_x.iter().zip(columns.runs.chunks_exact(width)) {
+        let left_over = radius2 - gx;
+        for (gy, run) in columns.gaps_y.iter().zip(runs) {
+            if *gy > left_over {
+                continue;
+            }
+            assert!(run.end as usize <= rows, "a run of rows");
+            // What was found so far and all of this run fit, with a register to spare.
+            assert!(count + run.len() <= room, "room for all that may be found");
+            let mut row = run.start;
+            while row < run.end {
+                let left = run.end - row;
+                let valid: __mmask16 = if left >= 16 {
+                    u16::MAX
+                } else {
+                    (1 << left) - 1
+                };
+                let at = row as usize;
+                // SAFETY: `at < rows`, and the arrays are padded by a register beyond their rows.
+                let (dx, dy, dz) = unsafe {
+                    (
+                        _mm512_sub_ps(x, _mm512_loadu_ps(px.add(at))),
+                        _mm512_sub_ps(y, _mm512_loadu_ps(py.add(at))),
+                        _mm512_sub_ps(z, _mm512_loadu_ps(pz.add(at))),
+                    )
+                };
+                let r2 = _mm512_fmadd_ps(dz, dz, _mm512_fmadd_ps(dy, dy, _mm512_mul_ps(dx, dx)));
+                let index = _mm512_add_epi32(_mm512_set1_epi32(row as i32), ramp);
+                let near = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(valid, r2, limit);
+                let near = _mm512_mask_cmpneq_epi32_mask(near, index, me);
+                let packed = _mm512_maskz_compress_epi32(near, index);
+                // SAFETY: `count` is at most the rows looked at so far, and `found` is longer
+                // by a register.
+                unsafe { _mm512_storeu_si512(found.as_mut_ptr().add(count).cast(), packed) };
+                count += near.count_ones() as usize;
+                row += 16;
+            }
         }
     }
     count

@@ -1,5 +1,7 @@
 //! What a register of lanes must do for the pair loop.
 
+use glam::DVec3;
+
 use crate::real::Real;
 
 /// The width of a list entry.
@@ -62,4 +64,9 @@ pub trait Lanes: Real {
     fn keep(self, mask: Self::Mask) -> Self;
     /// The sum over all lanes, in double precision and a fixed order.
     fn sum(self) -> f64;
+    /// The sums over all lanes of three values at once, which costs less than three sums.
+    #[inline(always)]
+    fn sum3(x: Self, y: Self, z: Self) -> DVec3 {
+        DVec3::new(x.sum(), y.sum(), z.sum())
+    }
 }

@@ -5,24 +5,24 @@
 //! physics is in the formulas that are passed in, none of which names an instruction set.
 #![allow(unsafe_code)]
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod lanes;
 mod packing;
 mod pair_loop;
 mod portable;
 mod scatter;
-#[cfg(target_arch = "x86_64")]
-mod avx2;
-#[cfg(target_arch = "x86_64")]
-mod avx512;
 
-pub use packing::{FIXED_UNITS, Moved, pack_fixed};
+pub use packing::{FIXED_UNITS, Moved};
 pub use pair_loop::{ChunkTotals, PairJob, PerParticle, Wanted};
 pub use scatter::Scatter;
 
 use crate::options::{Isa, Precision};
 use crate::truncation::PairForm;
-use lennard_neighbor::{Candidates, RowScanner, RowTable, ScalarScanner};
 use glam::DVec3;
+use lennard_neighbor::{Candidates, Columns, Images, RowScanner, RowTable, ScalarScanner};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -114,6 +114,8 @@ impl Level {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => &Avx512Scanner,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => &Avx2Scanner,
             _ => &ScalarScanner,
         }
     }
@@ -128,12 +130,30 @@ impl RowScanner for Avx512Scanner {
         &self,
         candidates: &Candidates,
         own: u32,
-        runs: &[Range<u32>],
+        columns: &Columns,
         radius2: f32,
         found: &mut [u32],
     ) -> usize {
         // SAFETY: this scanner is handed out by `Level::scanner` of a level that is available.
-        unsafe { avx512::scan(candidates, own, runs, radius2, found) }
+        unsafe { avx512::scan(candidates, own, columns, radius2, found) }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+struct Avx2Scanner;
+
+#[cfg(target_arch = "x86_64")]
+impl RowScanner for Avx2Scanner {
+    fn scan(
+        &self,
+        candidates: &Candidates,
+        own: u32,
+        columns: &Columns,
+        radius2: f32,
+        found: &mut [u32],
+    ) -> usize {
+        // SAFETY: this scanner is handed out by `Level::scanner` of a level that is available.
+        unsafe { avx2::scan(candidates, own, columns, radius2, found) }
     }
 }
 
@@ -173,6 +193,25 @@ pub fn run_mixed<F: PairForm>(
     }
 }
 
+/// The arithmetic of pairs with everything in registers; see [`pair_loop::arithmetic`].
+pub fn limit<F: PairForm>(
+    level: Level,
+    precision: Precision,
+    form: &F,
+    r_cut: f64,
+    rounds: u64,
+) -> (u64, f64) {
+    match level {
+        // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 => unsafe { avx512::limit(form, r_cut, rounds, precision) },
+        // SAFETY: as above.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 => unsafe { avx2::limit(form, r_cut, rounds, precision) },
+        _ => portable::limit(form, r_cut, rounds, precision),
+    }
+}
+
 /// Places or ghosts packed by one task: a constant, though nothing depends on it but speed.
 const PACKED_PER_TASK: usize = 2048;
 
@@ -195,6 +234,30 @@ pub fn pack_double(
         packing::pack_ghosts(table, lengths, ghosts, &rows);
         Moved::NOTHING
     });
+    moved
+}
+
+/// Writes all rows in fixed point, ghosts included where there are any; as [`pack_double`].
+pub fn pack_fixed(
+    table: &RowTable,
+    images: Images,
+    positions: &[DVec3],
+    built: &[DVec3],
+    lengths: DVec3,
+    rows: &mut [FixedRow],
+) -> Moved {
+    let rows = Scatter::new(rows);
+    // SAFETY: tasks have disjoint places, and places have distinct rows.
+    let moved = in_tasks(table.particle.len(), |places| unsafe {
+        packing::pack_fixed(table, images, positions, built, lengths, places, &rows)
+    });
+    if images == Images::Ghosts {
+        // SAFETY: tasks have disjoint ghosts, and all other rows are at rest.
+        in_tasks(table.ghosts.len(), |ghosts| unsafe {
+            packing::copy_ghosts(table, ghosts, &rows);
+            Moved::NOTHING
+        });
+    }
     moved
 }
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use lennard_neighbor::RowTable;
+use lennard_neighbor::{Images, RowTable};
 
 use super::{DoubleRow, FixedRow, Scatter};
 
@@ -38,7 +38,11 @@ impl Moved {
     pub fn include(&mut self, displacement: DVec3) {
         let d2 = displacement.length_squared();
         self.finite &= d2 < f64::INFINITY;
-        self.largest2 = if d2 > self.largest2 { d2 } else { self.largest2 };
+        self.largest2 = if d2 > self.largest2 {
+            d2
+        } else {
+            self.largest2
+        };
     }
 }
 
@@ -96,22 +100,54 @@ pub unsafe fn pack_ghosts(
     }
 }
 
-/// Writes the rows of some places in fixed point: whole boxes drop out by wrap-around.
-pub fn pack_fixed(
+/// 1.5·2⁵²: added to a number below 2⁵¹, it leaves the nearest integer in the lowest bits.
+const ROUNDING: f64 = 6_755_399_441_055_744.0;
+
+/// Writes the rows of some places in fixed point; `built` holds the positions of the build by place, and
+/// rows are numbered as list entries are.
+///
+/// # Safety
+/// No other thread writes the rows of these places.
+pub unsafe fn pack_fixed(
     table: &RowTable,
+    images: Images,
     positions: &[DVec3],
     built: &[DVec3],
-    units: DVec3,
-    first: usize,
-    rows: &mut [FixedRow],
+    lengths: DVec3,
+    places: Range<usize>,
+    rows: &Scatter<'_, FixedRow>,
 ) -> Moved {
+    let units = FIXED_UNITS / lengths;
     let mut moved = Moved::NOTHING;
-    let places = table.particle[first..].iter().zip(&built[first..]);
-    for (row, (particle, built)) in rows.iter_mut().zip(places) {
+    let particles = table.particle[places.clone()]
+        .iter()
+        .zip(&table.image[places.clone()])
+        .zip(&built[places.clone()]);
+    for (place, ((particle, image), built)) in places.zip(particles) {
         let r = positions[*particle as usize];
         moved.include(r - *built);
-        let scaled = (r * units).round();
-        *row = FixedRow([scaled.x, scaled.y, scaled.z, 0.0].map(|u| u as i64 as i32));
+        // Whole boxes would drop out by wrap-around; without them the number is small enough for the
+        // rounding below, which spares a call of `round`.
+        let scaled = (r - image.as_dvec3() * lengths) * units + ROUNDING;
+        let nearest = |s: f64| s.to_bits() as u32 as i32;
+        let row = match images {
+            Images::Folded => place,
+            Images::Ghosts => table.row[place] as usize,
+        };
+        let fixed = FixedRow([nearest(scaled.x), nearest(scaled.y), nearest(scaled.z), 0]);
+        // SAFETY: rows of places are distinct, and these places are this thread's.
+        unsafe { rows.write(row, fixed) };
     }
     moved
+}
+
+/// Refreshes some ghosts: in fixed point they are copies.
+///
+/// # Safety
+/// No other thread writes these ghosts, and none writes a row that is not a ghost.
+pub unsafe fn copy_ghosts(table: &RowTable, ghosts: Range<usize>, rows: &Scatter<'_, FixedRow>) {
+    for ghost in &table.ghosts[ghosts] {
+        // SAFETY: the source is no ghost, so nobody writes it now; each ghost has a row of its own.
+        unsafe { rows.write(ghost.row as usize, rows.read(ghost.source as usize)) };
+    }
 }

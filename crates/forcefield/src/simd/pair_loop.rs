@@ -74,7 +74,10 @@ impl<'a, Row, F: PairForm> PairJob<'a, Row, F> {
         each: Option<&'a mut [PerParticle]>,
     ) -> Self {
         let n = list.table().particle.len();
-        assert!(rows.len() >= list.targets(), "a row for each target of the list");
+        assert!(
+            rows.len() >= list.targets(),
+            "a row for each target of the list"
+        );
         assert_eq!(forces.len(), n, "a force for each particle");
         if let Some(each) = &each {
             assert_eq!(each.len(), n, "an entry for each particle");
@@ -102,11 +105,17 @@ pub unsafe fn run<L: Lanes, F: PairForm>(
     wanted: Wanted,
 ) -> ChunkTotals {
     let chunk = &job.list.chunks()[chunk];
-    assert_eq!(job.list.lanes() % L::WIDTH, 0, "entries fill whole registers");
+    assert_eq!(
+        job.list.lanes() % L::WIDTH,
+        0,
+        "entries fill whole registers"
+    );
     // SAFETY: the contract is passed on.
     unsafe {
         match (&chunk.entries, wanted) {
-            (Entries::Narrow(e), Wanted::Forces) if !F::RARE => sweep::<L, F, u16, false>(job, chunk, e),
+            (Entries::Narrow(e), Wanted::Forces) if !F::RARE => {
+                sweep::<L, F, u16, false>(job, chunk, e)
+            }
             (Entries::Narrow(e), _) => sweep::<L, F, u16, true>(job, chunk, e),
             // Above a million particles in a cube: one instance does for all that may be wanted.
             (Entries::Wide(e), _) => sweep::<L, F, u32, true>(job, chunk, e),
@@ -134,7 +143,9 @@ unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
     entries: &[E],
 ) -> ChunkTotals {
     let r_cut2 = L::splat(job.r_cut2);
-    let scale = job.scale.map(L::splat);
+    // No `array::map` over lanes anywhere here: it is a call, and a call leaves the instruction set behind.
+    let [sx, sy, sz] = job.scale;
+    let scale = [L::splat(sx), L::splat(sy), L::splat(sz)];
     let zero = L::splat(0.0);
     let mut totals = ChunkTotals::NOTHING;
     let mut start = 0;
@@ -164,7 +175,16 @@ unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
             // SAFETY: `WIDTH` entries lie at this place of `mine`, and each names a row (see above).
             unsafe {
                 let at = mine.as_ptr().add(block * L::WIDTH);
-                add::<L, F, E, TOTALS>(&job.form, own, scale, rows, at, r_cut2, L::WIDTH, &mut sums);
+                add::<L, F, E, TOTALS>(
+                    &job.form,
+                    own,
+                    scale,
+                    rows,
+                    at,
+                    r_cut2,
+                    L::WIDTH,
+                    &mut sums,
+                );
             }
         }
         let rest = count % L::WIDTH;
@@ -176,14 +196,17 @@ unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
             }
         }
 
-        let force = DVec3::from(sums.force.map(L::sum));
+        let [fx, fy, fz] = sums.force;
+        let force = L::sum3(fx, fy, fz);
         totals.broken |= !force.is_finite();
         // SAFETY: each particle stands at one place, and each place in one chunk.
         unsafe { job.forces.write(particle, force) };
         if TOTALS {
             let energy = sums.energy.sum();
-            let [xx, yy, zz, xy, xz, yz] = sums.virial.map(L::sum);
-            let virial = DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
+            let [xx, yy, zz, xy, xz, yz] = sums.virial;
+            let (xy, xz, yz) = (xy.sum(), xz.sum(), yz.sum());
+            let virial =
+                DMat3::from_cols_array(&[xx.sum(), xy, xz, xy, yy.sum(), yz, xz, yz, zz.sum()]);
             totals.energy += energy;
             totals.virial += virial;
             totals.laplacian += sums.laplacian.sum();
@@ -239,4 +262,39 @@ unsafe fn add<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
         *xz = dx.mul_add(fz, *xz);
         *yz = dy.mul_add(fz, *yz);
     }
+}
+
+/// Registers' worth of independent pairs that [`arithmetic`] keeps in flight.
+const IN_FLIGHT: usize = 4;
+
+/// The arithmetic of `rounds·IN_FLIGHT` registers of pairs with everything in registers: differences,
+/// formula, comparison and three sums, no list and no memory. Returns the pairs computed and a number
+/// that keeps the work from being optimised away.
+///
+/// # Safety
+/// The processor has the instruction set of `L`.
+#[inline(always)]
+pub unsafe fn arithmetic<L: Lanes, F: PairForm>(form: &F, r_cut: f64, rounds: u64) -> (u64, f64) {
+    let r_cut2 = L::splat(r_cut * r_cut);
+    let zero = L::splat(0.0);
+    let mut force = [[zero; 3]; IN_FLIGHT];
+    // A distance that creeps, so that no round can be taken for another.
+    let mut at = [1.1, 1.3, 1.7, 2.1].map(|x| x * 0.577);
+    for _ in 0..rounds {
+        for k in 0..IN_FLIGHT {
+            at[k] += 1e-12;
+            let x = L::splat(at[k]);
+            let (dx, dy, dz) = (x - zero, x - force[k][0] * zero, x - force[k][1] * zero);
+            let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx));
+            let f = form.eval(r2).force.keep(r2.at_most(r_cut2));
+            force[k][0] = dx.mul_add(f, force[k][0]);
+            force[k][1] = dy.mul_add(f, force[k][1]);
+            force[k][2] = dz.mul_add(f, force[k][2]);
+        }
+    }
+    let mut sum = 0.0;
+    for [x, y, z] in force {
+        sum += x.sum() + y.sum() + z.sum();
+    }
+    (rounds * (IN_FLIGHT * L::WIDTH) as u64, sum)
 }

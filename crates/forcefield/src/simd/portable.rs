@@ -5,8 +5,9 @@ use std::array::from_fn;
 use std::ops::{Add, Mul, Neg, Sub};
 
 use super::lanes::{Entry, Lanes};
-use super::pair_loop::{ChunkTotals, PairJob, Wanted, run};
+use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
 use super::{DoubleRow, FixedRow};
+use crate::options::Precision;
 use crate::real::Real;
 use crate::truncation::PairForm;
 
@@ -64,11 +65,23 @@ macro_rules! group {
             }
             #[inline(always)]
             fn min(self, o: Self) -> Self {
-                Self(from_fn(|k| if self.0[k] < o.0[k] { self.0[k] } else { o.0[k] }))
+                Self(from_fn(|k| {
+                    if self.0[k] < o.0[k] {
+                        self.0[k]
+                    } else {
+                        o.0[k]
+                    }
+                }))
             }
             #[inline(always)]
             fn max(self, o: Self) -> Self {
-                Self(from_fn(|k| if self.0[k] > o.0[k] { self.0[k] } else { o.0[k] }))
+                Self(from_fn(|k| {
+                    if self.0[k] > o.0[k] {
+                        self.0[k]
+                    } else {
+                        o.0[k]
+                    }
+                }))
             }
         }
     };
@@ -176,4 +189,15 @@ pub fn run_mixed<F: PairForm>(
 ) -> ChunkTotals {
     // SAFETY: as above.
     unsafe { run::<Group<f32, 8>, F>(job, chunk, wanted) }
+}
+
+/// The arithmetic alone, of a number of rounds in a precision.
+pub fn limit<F: PairForm>(form: &F, r_cut: f64, rounds: u64, precision: Precision) -> (u64, f64) {
+    // SAFETY: no instruction set is needed.
+    unsafe {
+        match precision {
+            Precision::Double => arithmetic::<Group<f64, 4>, F>(form, r_cut, rounds),
+            Precision::Mixed => arithmetic::<Group<f32, 8>, F>(form, r_cut, rounds),
+        }
+    }
 }

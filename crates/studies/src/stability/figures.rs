@@ -14,7 +14,7 @@ use crate::files::Captioned;
 /// The largest spectral radius shown.
 const TALLEST: f64 = 3.0;
 /// |x| in m at which a line that leaves its figure is not followed any further.
-const OUT_OF_SIGHT: f64 = 1e3;
+const OUT_OF_SIGHT: f64 = 2e4;
 /// Steps shown in the close view of a stiff case.
 const CLOSE_STEPS: usize = 24;
 
@@ -339,11 +339,7 @@ pub(crate) fn orders(study: &OscillatorStudy) -> Vec<Captioned> {
             .filter_map(|(g, group)| {
                 let first = group.first().spec.name;
                 let line = lines.iter().find(|l| l.name == first)?;
-                let name = match group.members.len() {
-                    1 => first.to_owned(),
-                    n => format!("{first} and {} more", n - 1),
-                };
-                Some((g, name, line.clone()))
+                Some((g, group.name.clone(), line.clone()))
             })
             .collect()
     };

@@ -8,7 +8,7 @@ pub mod amplification;
 pub mod discretisation;
 pub mod displacement;
 mod figures;
-mod fit;
+pub(crate) mod fit;
 pub mod groups;
 pub mod infinite;
 mod judgement;
@@ -24,6 +24,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::claims::Claim;
+use crate::fluid_stability::{self, FluidStudy};
 use crate::{Progress, StudyError};
 
 /// What to study and how it is named.
@@ -73,12 +74,23 @@ pub struct StabilityStudy {
     pub options: StabilityOptions,
     /// The oscillator.
     pub oscillator: OscillatorStudy,
+    /// The fluid.
+    pub fluid: FluidStudy,
     /// What the sources claim, and whether it holds.
     pub claims: Vec<Claim>,
 }
 
 /// Share of the oscillator part in the time of the whole study.
-const OSCILLATOR_SHARE: f64 = 1.0;
+const OSCILLATOR_SHARE: f64 = 0.03;
+
+/// Tells the progress of a part as a share of the whole.
+struct Rest<'a>(&'a mut dyn Progress);
+
+impl Progress for Rest<'_> {
+    fn update(&mut self, label: &str, done: f64) {
+        self.0.update(label, OSCILLATOR_SHARE + (1.0 - OSCILLATOR_SHARE) * done);
+    }
+}
 
 /// Runs the study.
 ///
@@ -91,10 +103,12 @@ pub fn run(
 ) -> Result<StabilityStudy, StudyError> {
     let oscillator = oscillator(options.quick, progress)?;
     let claims = judgement::claims(&oscillator)?;
+    let fluid = fluid_stability::measure(options.quick, &mut Rest(progress))?;
     progress.update("done", 1.0);
     Ok(StabilityStudy {
         options: options.clone(),
         oscillator,
+        fluid,
         claims,
     })
 }
@@ -106,7 +120,7 @@ fn oscillator(quick: bool, progress: &mut dyn Progress) -> Result<OscillatorStud
     let groups = groups::groups();
     let methods = amplification::measure(&groups, quick)?;
     at("displacement and energy", 0.5);
-    let cases = displacement::measure(&groups, quick)?;
+    let cases = displacement::measure(&groups)?;
     at("infinite stiffness", 0.8);
     let infinite = infinite::measure(quick)?;
     at("orders", 0.9);
@@ -127,6 +141,7 @@ fn oscillator(quick: bool, progress: &mut dyn Progress) -> Result<OscillatorStud
 /// [`StudyError`] where a figure cannot be drawn or a file cannot be written.
 pub fn write(study: &StabilityStudy, dir: &Path) -> Result<(), StudyError> {
     let mut tables = tables::csv(&study.oscillator);
+    tables.extend(fluid_stability::csv(&study.fluid));
     tables.push(tables::claims(&study.claims));
     let layout = page::Layout::of(study);
     let page = page::page(study, &layout)?.to_html();

@@ -8,6 +8,7 @@ use super::{figures, tables};
 use crate::StudyError;
 use crate::claims::{self, Verdict};
 use crate::files::Captioned;
+use crate::fluid_stability::{self, FluidFigures};
 
 /// Every figure of the study, in its place.
 pub(crate) struct Layout {
@@ -17,6 +18,7 @@ pub(crate) struct Layout {
     discretisation: Captioned,
     variable_step: Vec<Captioned>,
     orders: Vec<Captioned>,
+    fluid: FluidFigures,
 }
 
 impl Layout {
@@ -29,6 +31,7 @@ impl Layout {
             discretisation: figures::discretisation(o),
             variable_step: figures::variable_step(o),
             orders: figures::orders(o),
+            fluid: fluid_stability::figures(&study.fluid),
         }
     }
 
@@ -37,6 +40,7 @@ impl Layout {
         all.extend(self.cases.iter().flatten().cloned());
         all.extend([self.infinite.clone(), self.discretisation.clone()]);
         all.extend(self.variable_step.iter().chain(&self.orders).cloned());
+        all.extend(self.fluid.all());
         all
     }
 }
@@ -61,6 +65,21 @@ pub(crate) fn page(study: &StabilityStudy, layout: &Layout) -> Result<Page, Stud
         ),
     ];
     provenance.extend(study.options.provenance.iter().cloned());
+    let mut sections = vec![
+            amplification(study, layout, command)?,
+            cases(study, layout, command)?,
+            infinite(study, layout, command)?,
+            convergence(layout, command)?,
+    ];
+    sections.extend(fluid_stability::sections(&study.fluid, &layout.fluid, command)?);
+    sections.push(Section::new("Claims and verdicts").with(Block::Table(claims::table(
+                &study.claims,
+                "What each source claims beside what was measured. A verdict is computed: it says whether \
+                 the measured number meets the claim; “differs” in the column of the theory would say that \
+                 theory and measurement disagree by more than a stated cause explains (`claims.csv` has \
+                 tolerances and their causes).",
+                command,
+            ))));
     Ok(Page {
         title: "Where each integrator fails".into(),
         lead: format!(
@@ -71,20 +90,7 @@ pub(crate) fn page(study: &StabilityStudy, layout: &Layout) -> Result<Page, Stud
             study.claims.len() - failing,
             if failing == 1 { "does" } else { "do" },
         ),
-        sections: vec![
-            amplification(study, layout, command)?,
-            cases(study, layout, command)?,
-            infinite(study, layout, command)?,
-            convergence(layout, command)?,
-            Section::new("Claims and verdicts").with(Block::Table(claims::table(
-                &study.claims,
-                "What each source claims beside what was measured. A verdict is computed: it says whether \
-                 the measured number meets the claim; “differs” in the column of the theory would say that \
-                 theory and measurement disagree by more than a stated cause explains (`claims.csv` has \
-                 tolerances and their causes).",
-                command,
-            ))),
-        ],
+        sections,
         provenance,
     })
 }

@@ -31,6 +31,7 @@ const TABLE: &[(&str, May)] = &[
     ("cli", May::UseAllAbove),
     ("xtask", May::Use(&[])),
     ("benches", May::UseAnything),
+    ("fuzz", May::UseAnything),
 ];
 
 const PREFIX: &str = "lennard-";

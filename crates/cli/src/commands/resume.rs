@@ -1,0 +1,41 @@
+//! `lennard resume`: a run goes on from its checkpoint, to the bit.
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use lennard_engine::{ResumeOptions, RunOptions};
+
+use crate::args::ResumeArgs;
+use crate::commands::run::tell;
+use crate::commands::{on_threads, threads};
+use crate::failure::Failure;
+use crate::progress::Display;
+use crate::{show, signals};
+
+/// Goes on with a run and prints the table of its results.
+pub fn resume(args: &ResumeArgs) -> Result<ExitCode, Failure> {
+    let deadline = args.control.deadline(Instant::now());
+    let stop = signals::stop_flag()?;
+    let options =
+        ResumeOptions { more_steps: args.steps.unwrap_or(0), isa: args.isa.clone(), older: args.older };
+    let mut resumed = lennard_engine::resume(&args.folder, &options)?;
+    let quiet = args.control.quiet || args.json;
+    let simulation = &resumed.simulation;
+    let threads = threads(args.threads, simulation.state.len());
+    let (step, total) = (simulation.state.step, simulation.scene.total_steps());
+    if !quiet {
+        show::header(simulation, threads, &args.folder);
+        println!("  goes on after step {step} of {total}, from {}", resumed.checkpoint.display());
+        if step == total {
+            println!("  all steps were done already; --steps N goes on for N more");
+        }
+    }
+    let mut display = Display::new(args.control.quiet);
+    let outcome = on_threads(threads, || {
+        let options =
+            RunOptions { folder: &args.folder, threads, stop: &stop, deadline, progress: &mut display };
+        Ok(lennard_engine::go_on(&mut resumed, options)?)
+    })?;
+    drop(display);
+    tell(&outcome, &args.folder, total, args.json, quiet)
+}

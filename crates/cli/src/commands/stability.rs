@@ -1,0 +1,51 @@
+//! `lennard stability`: where each integrator fails, theory and measurement in one picture.
+
+use std::process::ExitCode;
+
+use lennard_studies::StudyError;
+use lennard_studies::stability::{self, StabilityOptions};
+
+use crate::args::StabilityArgs;
+use crate::commands::{on_threads, output_folder, print_json};
+use crate::failure::{Failure, INPUT, OTHER};
+use crate::progress::Display;
+use crate::show;
+
+/// Runs the study, writes its folder and prints its verdicts.
+pub fn stability(args: &StabilityArgs) -> Result<ExitCode, Failure> {
+    let folder = output_folder(args.out.as_deref(), args.force, "stability")?;
+    let command = if args.quick { "lennard stability --quick" } else { "lennard stability" };
+    let threads = args.threads.map_or_else(
+        || std::thread::available_parallelism().map_or(1, usize::from),
+        usize::from,
+    );
+    let options = StabilityOptions {
+        quick: args.quick,
+        command: command.to_owned(),
+        provenance: vec![
+            ("version".into(), env!("CARGO_PKG_VERSION").into()),
+            ("processor".into(), lennard_io::cpu_name()),
+            ("threads".into(), threads.to_string()),
+        ],
+    };
+    let mut progress = Display::of_study(args.quiet);
+    let study = on_threads(threads, || {
+        let study = stability::run(&options, &mut progress)?;
+        stability::write(&study, &folder)?;
+        Ok(study)
+    })?;
+    drop(progress);
+    if args.json {
+        print_json(&study)?;
+    } else if !args.quiet {
+        show::stability(&study, &folder);
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Self {
+        let code = if matches!(error, StudyError::Folder { .. }) { INPUT } else { OTHER };
+        Self::new("the stability study", error, code)
+    }
+}

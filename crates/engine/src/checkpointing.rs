@@ -1,0 +1,161 @@
+//! Checkpoints of a run: what goes into them besides the simulation, and when they are written.
+//!
+//! The clock and the signals decide when a checkpoint is written, never what a step computes: a run has
+//! the same bits with any number of checkpoints, and with none.
+
+use std::time::{Duration, Instant};
+
+use lennard_core::{Array, DMat3, DVec3, Energetics, Persist, StateArchive, StateReader};
+use lennard_forcefield::Precision;
+use lennard_io::{Checkpoint, CheckpointFolder, CheckpointMetadata, WriteError};
+
+use crate::files::{Marks, THERMO, TRAJECTORY};
+use crate::timers::Timers;
+use crate::{EngineError, Simulation};
+
+/// What a run that went on from a checkpoint brings along.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Past {
+    /// Wall time up to the checkpoint.
+    pub wall: Duration,
+    /// Remarks for the run record that belong to the whole run, one a line.
+    pub remarks: Vec<String>,
+    /// Whether the rows and frames of the checkpoint's own step are still to be written: so after a
+    /// write that failed.
+    pub owes_output: bool,
+}
+
+/// Everything that is needed to go on from here.
+pub(crate) fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint {
+    let mut archive = StateArchive::default();
+    let mut writer = archive.writer();
+    simulation.save(&mut writer);
+    let mut run = writer.section("run");
+    run.put_vec3("cell", &[simulation.cell.lengths()]);
+    save_energetics(&simulation.state.energetics, &mut run);
+    let Timers { step, observe, write } = simulation.timers;
+    run.put_f64("seconds", &[past.wall, step, observe, write].map(|d| d.as_secs_f64()));
+    run.put_u64("owes_output", &[u64::from(past.owes_output)]);
+    let text = past.remarks.join("\n");
+    run.put_u64("remarks", &text.bytes().map(u64::from).collect::<Vec<_>>());
+    let trajectory = marks.trajectory.map(|mark| (TRAJECTORY.to_owned(), mark));
+    Checkpoint {
+        metadata: CheckpointMetadata {
+            program_version: env!("CARGO_PKG_VERSION").to_owned(),
+            scene_name: simulation.scene.name.clone(),
+            isa: simulation.isa.clone(),
+            precision: precision_name(simulation.scene.kernel.precision).to_owned(),
+            step: simulation.state.step,
+            files: [(THERMO.to_owned(), marks.thermo)].into_iter().chain(trajectory).collect(),
+        },
+        scene: simulation.scene.resolved_toml(),
+        archive,
+    }
+}
+
+/// The other half of [`capture`]: the simulation was built from the scene of the checkpoint.
+pub(crate) fn reinstate(
+    simulation: &mut Simulation,
+    archive: &StateArchive,
+) -> Result<Past, lennard_core::RestoreError> {
+    let reader = archive.reader();
+    simulation.restore(&reader)?;
+    let run = reader.section("run");
+    simulation.state.energetics = restored_energetics(&run)?;
+    let seconds = run.f64s::<4>("seconds")?;
+    let [wall, step, observe, write] = seconds.map(|s| Duration::try_from_secs_f64(s).unwrap_or_default());
+    simulation.timers = Timers { step, observe, write };
+    let [owed] = run.u64s("owes_output")?;
+    let bytes: Vec<u8> = run.u64("remarks")?.iter().filter_map(|&b| u8::try_from(b).ok()).collect();
+    let remarks = String::from_utf8_lossy(&bytes).lines().map(str::to_owned).collect();
+    Ok(Past { wall, remarks, owes_output: owed != 0 })
+}
+
+/// The box of a saved run.
+pub(crate) fn saved_cell(archive: &StateArchive) -> Result<DVec3, lennard_core::RestoreError> {
+    let reader = archive.reader().section("run");
+    match reader.vec3("cell")? {
+        [sides] => Ok(*sides),
+        others => Err(reader.misfit("cell", format!("{} boxes, wanted 1", others.len()))),
+    }
+}
+
+/// The totals of the checkpoint's step: the last frame and the rows owed show them.
+fn save_energetics(energetics: &Energetics, to: &mut lennard_core::StateWriter<'_>) {
+    // Laplacian, pairs and the energies of single particles are used up by observables within the step.
+    let Energetics { potential_energy, conserved_potential, virial, laplacian: _, pairs: _, per_particle: _ } = energetics;
+    let one = |value: &Option<f64>| Array::F64(value.iter().copied().collect());
+    to.put("potential_energy", one(potential_energy));
+    to.put("conserved_potential", one(conserved_potential));
+    let columns = virial.iter().flat_map(|w| [w.x_axis, w.y_axis, w.z_axis]);
+    to.put("virial", Array::Vec3(columns.collect()));
+}
+
+fn restored_energetics(from: &StateReader<'_>) -> Result<Energetics, lennard_core::RestoreError> {
+    Ok(Energetics {
+        potential_energy: from.f64("potential_energy")?.first().copied(),
+        conserved_potential: from.f64("conserved_potential")?.first().copied(),
+        virial: match from.vec3("virial")? {
+            [x, y, z] => Some(DMat3::from_cols(*x, *y, *z)),
+            _ => None,
+        },
+        ..Energetics::default()
+    })
+}
+
+fn precision_name(precision: Precision) -> &'static str {
+    match precision {
+        Precision::Double => "double",
+        Precision::Mixed => "mixed",
+    }
+}
+
+/// Writes checkpoints when they are due.
+pub(crate) struct Checkpointer {
+    folder: CheckpointFolder,
+    every_steps: Option<u64>,
+    every: Option<Duration>,
+    last_written: Instant,
+    last_step: Option<u64>,
+}
+
+impl Checkpointer {
+    pub(crate) fn new(folder: &std::path::Path, plan: &lennard_scene::Checkpoint) -> Self {
+        Self {
+            folder: CheckpointFolder::new(folder),
+            every_steps: plan.every_steps,
+            every: plan.every_seconds.and_then(|s| Duration::try_from_secs_f64(s).ok()),
+            last_written: Instant::now(),
+            last_step: None,
+        }
+    }
+
+    /// Whether the scene wants one after this step.
+    pub(crate) fn is_due(&self, step: u64) -> bool {
+        self.every_steps.is_some_and(|every| step.is_multiple_of(every))
+            || self.every.is_some_and(|every| self.last_written.elapsed() >= every)
+    }
+
+    /// Writes one, unless this step has one already. A state that the watchdog does not like is never written.
+    pub(crate) fn write(&mut self, simulation: &Simulation, marks: Marks, past: &Past) -> Result<(), EngineError> {
+        if self.last_step == Some(simulation.state.step) {
+            return Ok(());
+        }
+        simulation.watch_closely()?;
+        self.write_unwatched(simulation, marks, past)?;
+        Ok(())
+    }
+
+    /// Writes one without looking again, and in place of any of the same step.
+    pub(crate) fn write_unwatched(
+        &mut self,
+        simulation: &Simulation,
+        marks: Marks,
+        past: &Past,
+    ) -> Result<(), WriteError> {
+        self.folder.write(&capture(simulation, marks, past))?;
+        self.last_written = Instant::now();
+        self.last_step = Some(simulation.state.step);
+        Ok(())
+    }
+}

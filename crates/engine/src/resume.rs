@@ -1,0 +1,308 @@
+//! Going on from a checkpoint.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use lennard_core::{DVec3, PeriodicBox};
+use lennard_io::{Checkpoint, CheckpointError, CheckpointFolder, CheckpointProblem};
+use lennard_scene::Scene;
+
+use crate::build::{self, Beginning};
+use crate::checkpointing::{self, Past};
+use crate::files::{Marks, SCENE, THERMO, TRAJECTORY};
+use crate::{EngineError, Simulation};
+
+/// What may be different from the run as it was.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ResumeOptions {
+    /// Steps of the last stage beyond those of the scene.
+    pub more_steps: u64,
+    /// Another instruction set, by its name in scenes; the bits may then differ.
+    pub isa: Option<String>,
+    /// Go on from the checkpoint before the newest.
+    pub older: bool,
+}
+
+/// A run brought back from its checkpoint.
+pub struct Resumed {
+    /// The simulation, as it was to the bit.
+    pub simulation: Simulation,
+    /// How far the growing files were.
+    pub marks: Marks,
+    /// What it brings along.
+    pub past: Past,
+    /// The checkpoint that it comes from.
+    pub checkpoint: PathBuf,
+}
+
+/// Why a run cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum ResumeError {
+    /// The folder holds no run.
+    #[error("{} holds no run: it has no {SCENE} and no checkpoint\n  allowed: the output folder of a run, such as runs/gas-1", .0.display())]
+    NoRun(PathBuf),
+    /// There is nothing to go on from.
+    #[error("{0} holds no checkpoint: the run ended before its first one, so there is nothing to go on from\n  to start again: lennard run {0}/{SCENE} --out {0} --force", folder.display())]
+    NoCheckpoint {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The newest checkpoint is refused.
+    #[error("{source}{}", older_command(folder, source))]
+    Refused {
+        /// The folder.
+        folder: PathBuf,
+        /// Why.
+        source: CheckpointError,
+    },
+    /// There is no second checkpoint.
+    #[error("{} holds one checkpoint only: there is no older one to go on from", .0.display())]
+    NoOlder(PathBuf),
+    /// Another version of the program wrote it.
+    #[error("{}: it was written by version {found} of this program; this is version {}, whose steps may have other bits\n  go on with version {found}, or start a new run from the state in it", checkpoint.display(), env!("CARGO_PKG_VERSION"))]
+    OtherProgram {
+        /// The checkpoint.
+        checkpoint: PathBuf,
+        /// The version that wrote it.
+        found: String,
+    },
+    /// The folder's scene is another one.
+    #[error("{}: it belongs to another scene than {}: {difference}\n  put the scene file back as the run wrote it, or start a new run from the changed scene", checkpoint.display(), scene.display())]
+    OtherScene {
+        /// The checkpoint.
+        checkpoint: PathBuf,
+        /// The scene file.
+        scene: PathBuf,
+        /// Where they differ.
+        difference: String,
+    },
+    /// Another instruction set would be used.
+    #[error("{}: it was made with the instruction set {recorded}; {here}, which gives other bits\n  {advice}", checkpoint.display())]
+    OtherIsa {
+        /// The checkpoint.
+        checkpoint: PathBuf,
+        /// The set that was used.
+        recorded: String,
+        /// What is so on this machine.
+        here: String,
+        /// What to do.
+        advice: String,
+    },
+    /// It is whole and does not fit this program: a bug, or a file made by hand.
+    #[error("{}: it does not fit its own scene: {reason}", checkpoint.display())]
+    DoesNotFit {
+        /// The checkpoint.
+        checkpoint: PathBuf,
+        /// What does not fit.
+        reason: String,
+    },
+    /// Somebody else is at work there.
+    #[error("{}: another process is running in this folder\n  wait for it, or stop it first", .0.display())]
+    Busy(PathBuf),
+}
+
+fn older_command(folder: &Path, error: &CheckpointError) -> String {
+    if error.older.is_some() {
+        format!("\n  to go on from that one: lennard resume {} --older", folder.display())
+    } else {
+        format!(
+            "\n  no older one is whole; to start again: lennard run {0}/{SCENE} --out {0} --force",
+            folder.display()
+        )
+    }
+}
+
+/// Brings a run back from the newest checkpoint of its output folder.
+///
+/// Nothing in the folder is changed; [`crate::go_on`] does that.
+///
+/// # Errors
+/// [`EngineError::Resume`] where there is no checkpoint or it is refused, [`EngineError::Scene`] where
+/// `options` do not fit its scene.
+pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineError> {
+    let (path, checkpoint) = load(folder, options.older)?;
+    let metadata = &checkpoint.metadata;
+    if metadata.program_version != env!("CARGO_PKG_VERSION") {
+        return Err(ResumeError::OtherProgram { checkpoint: path, found: metadata.program_version.clone() }.into());
+    }
+    let misfit = |reason: String| ResumeError::DoesNotFit { checkpoint: path.clone(), reason };
+    let name = path.display().to_string();
+    let scene = Scene::parse(&checkpoint.scene, &name, &[]).map_err(|e| misfit(e.to_string()))?;
+    same_scene(&folder.join(SCENE), &scene, &path)?;
+    let mark = |file: &str| metadata.files.get(file).copied();
+    let marks = Marks {
+        thermo: mark(THERMO).ok_or_else(|| misfit(format!("it does not say how long {THERMO} was")))?,
+        trajectory: mark(TRAJECTORY),
+    };
+    if scene.output.trajectory_every.is_some() != marks.trajectory.is_some() {
+        return Err(misfit(format!("scene and checkpoint disagree whether there is a {TRAJECTORY}")).into());
+    }
+    let mut overrides = Vec::new();
+    if options.more_steps > 0 {
+        let last = scene.stages.len() - 1;
+        let steps = scene.stages[last].steps.saturating_add(options.more_steps);
+        overrides.push((format!("stage.{last}.steps"), steps.to_string()));
+    }
+    let (mut simulation, remark) = with_isa(&checkpoint, overrides, options.isa.as_deref(), &path)?;
+    let mut past =
+        checkpointing::reinstate(&mut simulation, &checkpoint.archive).map_err(|e| misfit(e.to_string()))?;
+    if simulation.state.step != metadata.step || !simulation.state.positions.iter().all(|r| r.is_finite()) {
+        return Err(misfit("its state is not that of its step".into()).into());
+    }
+    past.remarks.extend(remark);
+    Ok(Resumed { simulation, marks, past, checkpoint: path })
+}
+
+fn load(folder: &Path, older: bool) -> Result<(PathBuf, Checkpoint), EngineError> {
+    let checkpoints = CheckpointFolder::new(folder);
+    let owned = || folder.to_owned();
+    if older {
+        let all = checkpoints.list().unwrap_or_default();
+        let [_, (_, path), ..] = all.as_slice() else {
+            return Err(ResumeError::NoOlder(owned()).into());
+        };
+        let checkpoint = lennard_io::read_checkpoint(path)
+            .map_err(|source| ResumeError::Refused { folder: owned(), source })?;
+        return Ok((path.clone(), checkpoint));
+    }
+    checkpoints.load_newest().map_err(|source| {
+        match &source.problem {
+            CheckpointProblem::None if folder.join(SCENE).exists() => ResumeError::NoCheckpoint { folder: owned() },
+            CheckpointProblem::None => ResumeError::NoRun(owned()),
+            CheckpointProblem::Io(e) if !folder.is_dir() && e.kind() == io::ErrorKind::NotFound => {
+                ResumeError::NoRun(owned())
+            }
+            _ => ResumeError::Refused { folder: owned(), source },
+        }
+        .into()
+    })
+}
+
+/// Refuses a checkpoint that was put beside the scene of another run. The number of steps of the last stage
+/// and the instruction set may differ: a resumed run may have changed them after the scene was written.
+fn same_scene(file: &Path, of_checkpoint: &Scene, checkpoint: &Path) -> Result<(), EngineError> {
+    let other = |difference: String| {
+        ResumeError::OtherScene { checkpoint: checkpoint.to_owned(), scene: file.to_owned(), difference }
+    };
+    let text = match std::fs::read_to_string(file) {
+        Ok(text) => text,
+        // The checkpoint holds the whole scene; the file is written anew.
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(e) => return Err(other(format!("the file cannot be read: {e}")).into()),
+    };
+    let mut there = Scene::parse(&text, &file.display().to_string(), &[]).map_err(|e| other(e.to_string()))?;
+    there.kernel.isa = of_checkpoint.kernel.isa;
+    if let (Some(a), Some(b)) = (there.stages.last_mut(), of_checkpoint.stages.last()) {
+        a.steps = b.steps;
+    }
+    if there == *of_checkpoint {
+        return Ok(());
+    }
+    let (a, b) = (there.resolved_toml(), of_checkpoint.resolved_toml());
+    let difference = a.lines().zip(b.lines()).find(|(a, b)| a != b).map_or_else(
+        || "one has more tables".to_owned(),
+        |(a, b)| format!("`{a}` in the scene file, `{b}` in the checkpoint"),
+    );
+    Err(other(difference).into())
+}
+
+/// Builds the simulation for the instruction set that was used, or for the one that was asked for; in the
+/// second case with a remark that the bits may differ.
+fn with_isa(
+    checkpoint: &Checkpoint,
+    overrides: Vec<(String, String)>,
+    wanted: Option<&str>,
+    path: &Path,
+) -> Result<(Simulation, Option<String>), EngineError> {
+    let recorded = &checkpoint.metadata.isa;
+    let step = checkpoint.metadata.step;
+    let as_it_was = build_for(checkpoint, &overrides, path);
+    match (&as_it_was, wanted) {
+        (Ok(s), None) if s.isa == *recorded => return as_it_was.map(|s| (s, None)),
+        (Ok(s), Some(wanted)) if s.isa == *recorded && wanted == recorded => {
+            return as_it_was.map(|s| (s, None));
+        }
+        (Err(e), None) if !is_about_isa(e) => return as_it_was.map(|s| (s, None)),
+        (was, None) => {
+            let available = lennard_forcefield::available_isas();
+            let here = match was {
+                Ok(s) => format!("this machine would go on with {}", s.isa),
+                Err(_) => "this processor does not have it".to_owned(),
+            };
+            let advice = if available.contains(&recorded.as_str()) {
+                format!("to go on to the bit: --isa {recorded}")
+            } else {
+                format!(
+                    "to go on with bits that may differ: --isa {}",
+                    available.first().copied().unwrap_or("portable")
+                )
+            };
+            return Err(ResumeError::OtherIsa {
+                checkpoint: path.to_owned(),
+                recorded: recorded.clone(),
+                here,
+                advice,
+            }
+            .into());
+        }
+        (_, Some(_)) => {}
+    }
+    let isa = [("kernel.isa".to_owned(), wanted.unwrap_or_default().to_owned())];
+    let overrides: Vec<_> = overrides.into_iter().chain(isa).collect();
+    let simulation = build_for(checkpoint, &overrides, path)?;
+    let remark = (simulation.isa != *recorded).then(|| {
+        format!(
+            "from step {step} on with the instruction set {} in place of {recorded}: bits may differ from a run on one",
+            simulation.isa
+        )
+    });
+    Ok((simulation, remark))
+}
+
+fn is_about_isa(error: &EngineError) -> bool {
+    matches!(error, EngineError::Scene(e) if e.to_string().contains("isa"))
+}
+
+/// A simulation for the scene and the box of a checkpoint, its particles not yet in place: neither a start
+/// configuration nor a relaxation is needed for what comes from the checkpoint.
+fn build_for(
+    checkpoint: &Checkpoint,
+    overrides: &[(String, String)],
+    path: &Path,
+) -> Result<Simulation, EngineError> {
+    let misfit = |reason: String| ResumeError::DoesNotFit { checkpoint: path.to_owned(), reason };
+    let scene = Scene::parse(&checkpoint.scene, &path.display().to_string(), overrides)?;
+    let sides = checkpointing::saved_cell(&checkpoint.archive).map_err(|e| misfit(e.to_string()))?;
+    let cell = PeriodicBox::new(sides).map_err(|e| misfit(e.to_string()))?;
+    let state = checkpoint.archive.reader().section("state");
+    let n = state.vec3("positions").map_err(|e| misfit(e.to_string()))?.len();
+    if n == 0 {
+        return Err(misfit("it has no particles".into()).into());
+    }
+    let beginning =
+        Beginning { cell, positions: vec![DVec3::ZERO; n], velocities: Some(vec![DVec3::ZERO; n]), relax: false };
+    build::assembled(scene, beginning)
+}
+
+/// Holds a run's folder for one process; let go when dropped, however the process ends.
+#[derive(Debug)]
+pub(crate) struct Claim {
+    _file: Option<File>,
+}
+
+impl Claim {
+    /// Claims the folder by a lock on its `thermo.csv`, which keeps its place on the disk all through a run.
+    pub(crate) fn on(folder: &Path) -> Result<Self, ResumeError> {
+        // A file that is not there is reported by whoever needs it.
+        let Ok(file) = File::open(folder.join(THERMO)) else {
+            return Ok(Self { _file: None });
+        };
+        match file.try_lock() {
+            Err(std::fs::TryLockError::WouldBlock) => Err(ResumeError::Busy(folder.to_owned())),
+            // File systems without locks must not keep a run from going on.
+            Err(std::fs::TryLockError::Error(_)) => Ok(Self { _file: None }),
+            Ok(()) => Ok(Self { _file: Some(file) }),
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! What a benchmark asks of the force field: parts of a step on their own, and what the processor could do.
+//!
+//! Nothing here decides anything about a run.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use glam::DVec3;
+use lennard_core::{Configuration, ForceError, ForceProvider, Part, Want};
+
+use crate::form::Model;
+use crate::options::{Isa, Precision, TruncationOptions};
+use crate::potential::LennardJones;
+use crate::provider::PairForces;
+use crate::simd::{Level, limit};
+use crate::truncation::Plain;
+
+/// Best times of the parts of a step, in seconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PartTimes {
+    /// One evaluation of the forces alone with a list that is valid: packing, check and pair loop.
+    pub forces: f64,
+    /// The same with energy, virial and Laplacian.
+    pub totals: f64,
+    /// One build of the list; 0 where there is none.
+    pub build: f64,
+}
+
+/// How many pairs the loop computes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Work {
+    /// Lanes computed in one evaluation, padding included; a full list meets each pair twice.
+    pub lanes: u64,
+    /// Pairs with r ≤ r_cut, each counted once.
+    pub pairs: u64,
+}
+
+/// Times the parts of a step at these positions: the best of `rounds`.
+///
+/// # Errors
+/// [`ForceError`] where a position or a force is not finite.
+pub fn part_times(
+    forces: &mut PairForces,
+    positions: &[DVec3],
+    rounds: usize,
+) -> Result<PartTimes, ForceError> {
+    let at = Configuration {
+        positions,
+        velocities: None,
+        time: 0.0,
+    };
+    let mut out = vec![DVec3::ZERO; positions.len()];
+    forces.rebuild(positions)?;
+    let mut best = PartTimes {
+        forces: f64::INFINITY,
+        totals: f64::INFINITY,
+        build: f64::INFINITY,
+    };
+    for _ in 0..rounds.max(1) {
+        let start = Instant::now();
+        forces.evaluate(at, Part::All, Want::NOTHING, &mut out)?;
+        best.forces = best.forces.min(start.elapsed().as_secs_f64());
+        let start = Instant::now();
+        black_box(forces.evaluate(at, Part::All, Want::TOTALS, &mut out)?);
+        best.totals = best.totals.min(start.elapsed().as_secs_f64());
+        let start = Instant::now();
+        let built = forces.rebuild(positions)?;
+        let seconds = start.elapsed().as_secs_f64();
+        best.build = best.build.min(if built { seconds } else { 0.0 });
+    }
+    Ok(best)
+}
+
+/// Counts the pairs computed and the pairs that count at these positions.
+///
+/// # Errors
+/// [`ForceError`] where a position or a force is not finite.
+pub fn work(forces: &mut PairForces, positions: &[DVec3]) -> Result<Work, ForceError> {
+    let at = Configuration {
+        positions,
+        velocities: None,
+        time: 0.0,
+    };
+    let mut out = vec![DVec3::ZERO; positions.len()];
+    let totals = forces.evaluate(at, Part::All, Want::ENERGY, &mut out)?;
+    Ok(Work {
+        lanes: forces.lanes(),
+        pairs: totals.pairs.unwrap_or_default(),
+    })
+}
+
+/// The pairs a second that one thread computes with everything in registers: the Lennard-Jones force with
+/// the instructions of the pair loop, no list and no memory. The best of a few short runs; `None` where
+/// this processor lacks the instruction set.
+#[must_use]
+pub fn arithmetic_limit(isa: Isa, precision: Precision) -> Option<f64> {
+    /// Rounds of one run, a few milliseconds.
+    const ROUNDS: u64 = 100_000;
+    /// Runs.
+    const RUNS: usize = 9;
+    let level = Level::choose(isa)?;
+    let r_cut = TruncationOptions::default().r_cut;
+    let form = Plain {
+        potential: LennardJones,
+        shift: 0.0,
+    };
+    let best = (0..RUNS)
+        .map(|_| {
+            let start = Instant::now();
+            let (pairs, sum) = limit(level, precision, &form, r_cut, ROUNDS);
+            black_box(sum);
+            pairs as f64 / start.elapsed().as_secs_f64()
+        })
+        .fold(0.0, f64::max);
+    Some(best)
+}
+
+/// The mean number of pairs a particle that lie within the cutoff of a model in a structureless fluid of
+/// this density (σ⁻³), each counted once: (2π/3)·ρ·r_cut³.
+#[must_use]
+pub fn expected_pairs(model: &Model, density: f64) -> f64 {
+    2.0 / 3.0 * std::f64::consts::PI * density * model.r_cut.powi(3)
+}

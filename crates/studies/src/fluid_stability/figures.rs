@@ -1,0 +1,240 @@
+//! The figures of the fluid part.
+
+use lennard_report::{Axis, Dash, Figure, Guide, Look, Point, Series, Symbol};
+
+use super::fluid::{STATES, TRUNCATIONS};
+use super::run::FluidRun;
+use super::{FluidStudy, SHOWN_TRUNCATION};
+use crate::files::Captioned;
+
+/// All figures of the fluid part, by section.
+#[derive(Debug, Clone)]
+pub(crate) struct FluidFigures {
+    pub(crate) energy: Vec<Captioned>,
+    pub(crate) truncations: Vec<Captioned>,
+    pub(crate) limits: Vec<Captioned>,
+    pub(crate) floors: Vec<Captioned>,
+}
+
+impl FluidFigures {
+    pub(crate) fn all(&self) -> Vec<Captioned> {
+        [&self.energy, &self.truncations, &self.limits, &self.floors]
+            .into_iter()
+            .flatten()
+            .cloned()
+            .collect()
+    }
+}
+
+/// Steps common to the energy figures, τ.
+const DT_RANGE: (f64, f64) = (0.0008, 0.03);
+
+fn dt_axis() -> Axis {
+    Axis::logarithmic("dt / τ").from_to(DT_RANGE.0, DT_RANGE.1)
+}
+
+/// Makes all of them.
+pub(crate) fn figures(study: &FluidStudy) -> FluidFigures {
+    let states = |make: &dyn Fn(usize) -> Option<Captioned>| -> Vec<Captioned> {
+        (0..STATES.len()).filter_map(make).collect()
+    };
+    let mut energy = states(&|s| fluctuation(study, s));
+    energy.extend(states(&|s| drift(study, s)));
+    energy.extend(states(&|s| temperature(study, s)));
+    FluidFigures {
+        energy,
+        truncations: states(&|s| truncations(study, s)),
+        limits: limits(study).into_iter().collect(),
+        floors: floors(study).into_iter().collect(),
+    }
+}
+
+/// Runs of each method at one state point under the truncation that is shown, in the order of the list.
+fn by_method(study: &FluidStudy, state: usize) -> Vec<(&'static str, Vec<&FluidRun>)> {
+    let mut methods: Vec<(&'static str, Vec<&FluidRun>)> = Vec::new();
+    let truncation = TRUNCATIONS[SHOWN_TRUNCATION].1;
+    for run in &study.runs {
+        if run.state != STATES[state].name || run.truncation != truncation {
+            continue;
+        }
+        match methods.iter_mut().find(|(name, _)| *name == run.method) {
+            Some((_, runs)) => runs.push(run),
+            None => methods.push((run.method, vec![run])),
+        }
+    }
+    for (_, runs) in &mut methods {
+        runs.sort_by(|a, b| a.dt.total_cmp(&b.dt));
+    }
+    let position = |name: &str| {
+        lennard_integrators::integrators().iter().position(|e| e.spec.name == name)
+    };
+    methods.sort_by_key(|(name, _)| position(name));
+    methods
+}
+
+fn series(
+    name: &str,
+    index: usize,
+    runs: &[&FluidRun],
+    value: impl Fn(&FluidRun) -> Option<(f64, Option<f64>)>,
+) -> Series {
+    let mut points = Vec::new();
+    let mut failures = Vec::new();
+    for run in runs {
+        match value(run) {
+            Some((y, error)) if run.completed() => points.push(Point {
+                x: run.dt,
+                y,
+                error,
+                note: Some(format!("{}, dt = {}", run.method, run.dt)),
+            }),
+            _ => failures.push(run.dt),
+        }
+    }
+    let look = Look::LineAndPoints(Dash::cycle(index), Symbol::cycle(index));
+    Series::from_points(name, look, index, points).with_failures(failures)
+}
+
+fn file_stem(kind: &str, state: usize) -> String {
+    format!("fluid-{kind}-{}", ["triple-point", "t-1.5", "t-5"][state])
+}
+
+fn per_method(
+    study: &FluidStudy,
+    state: usize,
+    kind: &str,
+    title: &str,
+    y: Axis,
+    value: impl Fn(&FluidRun) -> Option<(f64, Option<f64>)>,
+) -> Option<Figure> {
+    let methods = by_method(study, state);
+    if methods.is_empty() {
+        return None;
+    }
+    let title = format!("{title}, {}", STATES[state].name);
+    let mut figure = Figure::new(file_stem(kind, state), title, dt_axis(), y);
+    for (i, (name, runs)) in methods.iter().enumerate() {
+        figure = figure.with(series(name, i, runs, &value));
+    }
+    Some(figure)
+}
+
+fn fluctuation(study: &FluidStudy, state: usize) -> Option<Captioned> {
+    let y = Axis::logarithmic("RMS of the energy / ε per atom");
+    let figure = per_method(study, state, "fluctuation", "Energy fluctuation", y, |r| {
+        Some((r.fluctuation?, None))
+    })?;
+    let caption = "RMS of the total energy around its own straight line against dt, force-shifted at \
+                   2.5 σ. Methods of order p fall as dt^p until something else than dt decides. Crosses: \
+                   the run did not reach its end.";
+    Some(Captioned::new(figure, caption, "fluid.csv"))
+}
+
+fn drift(study: &FluidStudy, state: usize) -> Option<Captioned> {
+    let y = Axis::logarithmic("|drift| / ε/τ per atom");
+    let figure = per_method(study, state, "drift", "Energy drift", y, |r| {
+        Some((r.drift?.abs(), r.drift_error))
+    })?;
+    let caption = "Size of the slope of the total energy against dt, with its standard error: where the \
+                   bar reaches the lower edge no drift was found in so short a run.";
+    Some(Captioned::new(figure, caption, "fluid.csv"))
+}
+
+fn temperature(study: &FluidStudy, state: usize) -> Option<Captioned> {
+    let y = Axis::linear("(T_kin − T_conf)/T").from_to(-0.15, 0.15);
+    let figure = per_method(study, state, "temperature", "Temperature error", y, |r| {
+        Some((r.temperature_error?, r.temperature_error_error))
+    })?
+    .guided(Guide::Horizontal(0.0, String::new()));
+    let caption = "Kinetic less configurational temperature, Σ⟨F²⟩/⟨∇²U⟩, as a share of T*. In a correct \
+                   ensemble both are equal; a finite step pulls them apart, and so does a method that \
+                   heats or cools. Arrows at the edges lie beyond them.";
+    Some(Captioned::new(figure, caption, "fluid.csv"))
+}
+
+fn truncations(study: &FluidStudy, state: usize) -> Option<Captioned> {
+    let title = format!("Truncation and energy, velocity Verlet, {}", STATES[state].name);
+    let y = Axis::logarithmic("RMS of the energy / ε per atom");
+    let mut figure = Figure::new(file_stem("truncation", state), title, dt_axis(), y);
+    for (i, (_, name)) in TRUNCATIONS.iter().enumerate() {
+        let mut runs: Vec<&FluidRun> = study
+            .runs
+            .iter()
+            .filter(|r| r.method == "velocity-verlet" && r.state == STATES[state].name)
+            .filter(|r| r.truncation == *name)
+            .collect();
+        runs.sort_by(|a, b| a.dt.total_cmp(&b.dt));
+        figure = figure.with(series(name, i, &runs, |r| Some((r.fluctuation?, None))));
+    }
+    if figure.series.iter().all(|s| s.points.is_empty()) {
+        return None;
+    }
+    let caption = "The same for the four ways to end the potential at 2.5 σ. The plain cutoff and the \
+                   shifted one have the same forces, and both are judged by the energy that these conserve; \
+                   their force jumps at the cutoff, which leaves a floor that falling dt does not remove.";
+    Some(Captioned::new(figure, caption, "fluid.csv"))
+}
+
+/// The largest stable steps as marks over the methods would hide their sizes: they are a bar figure in
+/// all but name, drawn as marks against the temperature.
+fn limits(study: &FluidStudy) -> Option<Captioned> {
+    let truncation = TRUNCATIONS[SHOWN_TRUNCATION].1;
+    let mut figure = Figure::new(
+        "fluid-limits",
+        "Largest stable step on the fluid",
+        Axis::logarithmic("T*").from_to(0.6, 6.5),
+        Axis::logarithmic("largest stable dt / τ"),
+    );
+    let mut names: Vec<&'static str> = Vec::new();
+    for limit in study.limits.iter().filter(|l| l.truncation == truncation) {
+        if !names.contains(&limit.method) {
+            names.push(limit.method);
+        }
+    }
+    for (i, name) in names.iter().enumerate() {
+        let points = STATES.iter().filter_map(|s| {
+            let place = |l: &&super::FluidLimit| {
+                l.method == *name && l.state == s.name && l.truncation == truncation
+            };
+            let middle = study.limits.iter().find(place)?.middle()?;
+            Some((s.temperature, middle))
+        });
+        let look = Look::LineAndPoints(Dash::cycle(i), Symbol::cycle(i));
+        figure = figure.with(Series::new(*name, look, i, points.collect::<Vec<_>>()));
+    }
+    if figure.series.iter().all(|s| s.points.is_empty()) {
+        return None;
+    }
+    let caption = "Largest stable step of every method against the temperature, force-shifted. A hotter \
+                   fluid meets steeper parts of the core and bears smaller steps.";
+    Some(Captioned::new(figure, caption, "fluid-limits.csv"))
+}
+
+fn floors(study: &FluidStudy) -> Option<Captioned> {
+    if study.double.is_empty() {
+        return None;
+    }
+    let mut figure = Figure::new(
+        "fluid-precision",
+        "Small steps in double and in mixed precision",
+        Axis::logarithmic("dt / τ"),
+        Axis::logarithmic("RMS of the energy / ε per atom"),
+    );
+    for (i, (name, runs)) in
+        [("double precision", &study.double), ("mixed precision (pairs in f32)", &study.mixed)]
+            .into_iter()
+            .enumerate()
+    {
+        let runs: Vec<&FluidRun> = runs.iter().collect();
+        figure = figure.with(series(name, i, &runs, |r| Some((r.fluctuation?, None))));
+    }
+    if let Some(last) = study.double.last().and_then(|r| Some((r.dt, r.fluctuation?))) {
+        let first = study.double[0].dt;
+        let law = [first, last.0].map(|dt| (dt, last.1 * (dt / last.0).powi(2)));
+        figure = figure.with(Series::new("dt² law", Look::Line(Dash::Dotted), 6, law));
+    }
+    let caption = "Velocity Verlet near the triple point: the RMS of the energy falls as dt² until rounding \
+                   of the pair forces takes over. Where the marks leave the line is the floor of that \
+                   precision.";
+    Some(Captioned::new(figure, caption, "fluid-precision.csv"))
+}

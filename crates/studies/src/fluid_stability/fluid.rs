@@ -1,0 +1,196 @@
+//! The fluid of the study: state points, truncations, and equilibrated starts.
+
+use glam::DVec3;
+use lennard_core::random::Streams;
+use lennard_core::{Dynamics, PeriodicBox, State, Want};
+use lennard_forcefield::{
+    Conditions, ForceFieldOptions, KernelOptions, PairForces, Precision, SplitOptions,
+    TruncationKind, TruncationOptions, build,
+};
+use lennard_integrators::IntegratorOptions;
+use rand_distr::{Distribution, StandardNormal};
+use serde::Serialize;
+
+use crate::StudyError;
+
+/// Density of all state points, σ⁻³: that of the liquid near its triple point.
+pub const DENSITY: f64 = 0.8442;
+/// Cutoff, σ.
+pub const R_CUT: f64 = 2.5;
+/// fcc cells along each side; four atoms each.
+const CELLS: usize = 4;
+/// Atoms.
+pub const ATOMS: usize = 4 * CELLS * CELLS * CELLS;
+/// Seed of the velocities at the start.
+const SEED: u64 = 1967;
+/// Steps of the equilibration.
+const EQUILIBRATION_STEPS: u32 = 4000;
+/// Step of the equilibration, τ: small enough for the hottest state.
+const EQUILIBRATION_DT: f64 = 0.002;
+/// Steps between two scalings of the velocities to the temperature.
+const RESCALE_EVERY: u32 = 20;
+/// Where the near part of the force ends for methods that split it, and over which distance, σ.
+const SPLIT: SplitOptions = SplitOptions {
+    r_split: 1.7,
+    width: 0.3,
+};
+
+/// A state point.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct StatePoint {
+    /// Name for files and legends.
+    pub name: &'static str,
+    /// T*, ε/k_B.
+    pub temperature: f64,
+}
+
+/// The liquid near its triple point, and the same density at T* = 1.5 and 5.
+pub const STATES: [StatePoint; 3] = [
+    StatePoint {
+        name: "T* = 0.722",
+        temperature: 0.722,
+    },
+    StatePoint {
+        name: "T* = 1.5",
+        temperature: 1.5,
+    },
+    StatePoint {
+        name: "T* = 5",
+        temperature: 5.0,
+    },
+];
+
+/// The truncations, with their names.
+pub const TRUNCATIONS: [(TruncationKind, &str); 4] = [
+    (TruncationKind::Cut, "cut"),
+    (TruncationKind::Shift, "shift"),
+    (TruncationKind::ForceShift, "force-shift"),
+    (TruncationKind::Switch, "switch"),
+];
+
+/// An equilibrated state of one state point under one truncation.
+#[derive(Debug, Clone)]
+pub(crate) struct Start {
+    pub(crate) state_point: usize,
+    pub(crate) truncation: usize,
+    cell: PeriodicBox,
+    positions: Vec<DVec3>,
+    velocities: Vec<DVec3>,
+}
+
+/// Forces, masses and a state, ready for a method.
+pub(crate) struct System {
+    pub(crate) dynamics: Dynamics,
+    pub(crate) forces: PairForces,
+    pub(crate) state: State,
+}
+
+impl Start {
+    /// Melts an fcc lattice and brings it to the temperature.
+    pub(crate) fn equilibrate(
+        state_point: usize,
+        truncation: usize,
+        quick: bool,
+    ) -> Result<Self, StudyError> {
+        let temperature = STATES[state_point].temperature;
+        let side = (ATOMS as f64 / DENSITY).cbrt();
+        let cell = PeriodicBox::new(DVec3::splat(side))?;
+        let mut start = Self {
+            state_point,
+            truncation,
+            cell,
+            positions: lattice(side),
+            velocities: velocities(temperature),
+        };
+        let mut system = start.system(
+            EQUILIBRATION_DT,
+            &IntegratorOptions::default(),
+            Precision::Double,
+        )?;
+        let mut method = lennard_integrators::build(&IntegratorOptions::default());
+        let failed = |source| StudyError::Step {
+            method: "velocity-verlet",
+            dt: EQUILIBRATION_DT,
+            source,
+        };
+        let System { dynamics, forces, state } = &mut system;
+        method
+            .start(dynamics, state, forces, EQUILIBRATION_DT, Want::NOTHING)
+            .map_err(failed)?;
+        let steps = if quick { EQUILIBRATION_STEPS / 8 } else { EQUILIBRATION_STEPS };
+        for n in 1..=steps {
+            method
+                .step(dynamics, state, forces, EQUILIBRATION_DT, Want::NOTHING)
+                .map_err(failed)?;
+            if n % RESCALE_EVERY == 0 {
+                let factor = (temperature / dynamics.temperature(&state.velocities)).sqrt();
+                for v in &mut state.velocities {
+                    *v *= factor;
+                }
+            }
+        }
+        start.positions = std::mem::take(&mut state.positions);
+        start.velocities = std::mem::take(&mut state.velocities);
+        Ok(start)
+    }
+
+    /// The system at this start, with forces as the method wants them.
+    pub(crate) fn system(
+        &self,
+        dt: f64,
+        method: &IntegratorOptions,
+        precision: Precision,
+    ) -> Result<System, StudyError> {
+        let options = ForceFieldOptions {
+            truncation: TruncationOptions::new(TRUNCATIONS[self.truncation].0, R_CUT),
+            kernel: KernelOptions {
+                precision,
+                ..KernelOptions::default()
+            },
+            split: matches!(method, IntegratorOptions::Respa(_)).then_some(SPLIT),
+            ..ForceFieldOptions::default()
+        };
+        let conditions = Conditions {
+            cell: self.cell,
+            n_atoms: self.positions.len(),
+            temperature: STATES[self.state_point].temperature,
+            dt,
+        };
+        Ok(System {
+            dynamics: Dynamics::fluid(self.positions.len()),
+            forces: build(&options, &conditions)?,
+            state: State::new(self.positions.clone(), self.velocities.clone()),
+        })
+    }
+}
+
+/// An fcc lattice that fills the box.
+fn lattice(side: f64) -> Vec<DVec3> {
+    let a = side / CELLS as f64;
+    let basis = [
+        DVec3::new(0.25, 0.25, 0.25),
+        DVec3::new(0.75, 0.75, 0.25),
+        DVec3::new(0.75, 0.25, 0.75),
+        DVec3::new(0.25, 0.75, 0.75),
+    ];
+    (0..CELLS.pow(3))
+        .flat_map(|c| {
+            let corner = [c % CELLS, c / CELLS % CELLS, c / CELLS.pow(2)].map(|i| i as f64);
+            basis.map(|b| a * (DVec3::from_array(corner) + b))
+        })
+        .collect()
+}
+
+/// Normal velocities without total momentum, scaled to the temperature.
+fn velocities(temperature: f64) -> Vec<DVec3> {
+    let mut random = Streams::new(SEED).sequential("stability-velocities");
+    let mut velocities: Vec<DVec3> = (0..ATOMS)
+        .map(|_| DVec3::from_array(std::array::from_fn(|_| StandardNormal.sample(&mut random))))
+        .collect();
+    let mean = velocities.iter().sum::<DVec3>() / ATOMS as f64;
+    for v in &mut velocities {
+        *v -= mean;
+    }
+    let factor = (temperature / Dynamics::fluid(ATOMS).temperature(&velocities)).sqrt();
+    velocities.into_iter().map(|v| v * factor).collect()
+}

@@ -1,0 +1,225 @@
+//! The same question for the fluid: which step does each method bear on a Lennard-Jones liquid, and what
+//! does it do to the energy there.
+
+pub mod fluid;
+mod figures;
+pub mod limit;
+mod page;
+pub mod run;
+mod tables;
+
+use lennard_forcefield::Precision;
+use lennard_integrators::{IntegratorEntry, OscillatorModel, integrators};
+use serde::Serialize;
+
+use crate::jobs::side_by_side;
+use crate::stability::groups::entry;
+use crate::{Progress, StudyError};
+use fluid::{STATES, Start, TRUNCATIONS};
+use limit::FluidLimit;
+use run::{FluidRun, Plan};
+
+pub(crate) use figures::{FluidFigures, figures};
+pub(crate) use page::sections;
+pub(crate) use tables::csv;
+
+/// Steps of the drift and fluctuation runs, τ.
+const STEPS: [f64; 8] = [0.001, 0.002, 0.004, 0.006, 0.008, 0.012, 0.016, 0.024];
+/// Those of the quick study.
+const QUICK_STEPS: [f64; 3] = [0.002, 0.006, 0.016];
+/// Steps of implicit Euler, each of which costs a nonlinear solve.
+const IMPLICIT_STEPS: [f64; 4] = [0.002, 0.004, 0.008, 0.016];
+/// Length of the runs, τ.
+const TIME: f64 = 4.0;
+/// Length of implicit Euler's runs, τ.
+const IMPLICIT_TIME: f64 = 0.5;
+/// Steps of the runs in double and mixed precision, τ.
+const SMALL_STEPS: [f64; 6] = [0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.004];
+/// Length of those, τ.
+const SMALL_STEP_TIME: f64 = 1.0;
+/// Steps past the limit, as multiples of it.
+const PAST_LIMIT: [f64; 4] = [1.05, 1.2, 1.5, 2.0];
+
+/// Everything found on the fluid.
+#[derive(Debug, Clone, Serialize)]
+pub struct FluidStudy {
+    /// Methods that cannot run a fluid, with the reason.
+    pub left_out: Vec<(&'static str, String)>,
+    /// Drift, fluctuation and temperature error.
+    pub runs: Vec<FluidRun>,
+    /// The largest stable steps.
+    pub limits: Vec<FluidLimit>,
+    /// Velocity Verlet with the switched potential at small steps in double precision.
+    pub double: Vec<FluidRun>,
+    /// The same in mixed precision.
+    pub mixed: Vec<FluidRun>,
+    /// Each method at 1.05 to 2 times its limit.
+    pub past_limit: Vec<(f64, FluidRun)>,
+}
+
+/// What a method needs in the study.
+struct Method {
+    entry: &'static IntegratorEntry,
+    costly: bool,
+}
+
+fn methods() -> (Vec<Method>, Vec<(&'static str, String)>) {
+    let mut left_out = Vec::new();
+    let mut methods = Vec::new();
+    for entry in integrators() {
+        match entry.oscillator {
+            OscillatorModel::ExactSolution => {
+                left_out.push((entry.spec.name, "no exact solution of a fluid is known".to_owned()));
+            }
+            OscillatorModel::Constraint => {
+                let reason = "without constraints it is `symplectic-euler`, which is here";
+                left_out.push((entry.spec.name, reason.to_owned()));
+            }
+            OscillatorModel::Force => methods.push(Method {
+                entry,
+                // A method that does not declare how many evaluations a step takes iterates.
+                costly: entry.spec.force_evaluations == 0,
+            }),
+        }
+    }
+    (methods, left_out)
+}
+
+/// Index of the truncation that stands for all where only one can be shown: energy and force are
+/// continuous, so that the errors are those of the methods.
+pub(crate) const SHOWN_TRUNCATION: usize = 2;
+
+/// Share of each part in the time of the fluid study.
+const SHARES: [f64; 4] = [0.06, 0.5, 0.94, 1.0];
+
+/// Runs the fluid part; `progress` hears shares of it.
+pub(crate) fn measure(quick: bool, progress: &mut dyn Progress) -> Result<FluidStudy, StudyError> {
+    let (methods, left_out) = methods();
+    let states = if quick { 1 } else { STATES.len() };
+    let truncations: Vec<usize> =
+        if quick { vec![SHOWN_TRUNCATION] } else { (0..TRUNCATIONS.len()).collect() };
+    let places: Vec<(usize, usize)> = (0..states)
+        .flat_map(|s| truncations.iter().map(move |t| (s, *t)))
+        .collect();
+    let starts = side_by_side(
+        &places,
+        |(s, t)| Start::equilibrate(*s, *t, quick),
+        |share| progress.update("fluid: equilibration", SHARES[0] * share),
+    );
+    let starts: Vec<Start> = starts.into_iter().collect::<Result<_, _>>()?;
+
+    let mut between = |part: usize, label: &str, share: f64| {
+        progress.update(label, SHARES[part - 1] + (SHARES[part] - SHARES[part - 1]) * share);
+    };
+    let plans = plans(&methods, &starts, quick);
+    let runs = side_by_side(&plans, |p| {let t=std::time::Instant::now(); let r=run::run(p); eprintln!("RUN {} {} {} dt {} {:.2}", p.entry.spec.name, p.start.state_point, p.start.truncation, p.dt, t.elapsed().as_secs_f64()); r}, |s| between(1, "fluid: drift and fluctuation", s));
+    let runs: Vec<FluidRun> = runs.into_iter().collect::<Result<_, _>>()?;
+
+    let searches: Vec<(&Method, &Start)> = starts
+        .iter()
+        .flat_map(|start| methods.iter().map(move |m| (m, start)))
+        .filter(|(m, start)| !m.costly || start.truncation == SHOWN_TRUNCATION)
+        .filter(|(m, _)| !(quick && m.costly))
+        .collect();
+    let limits = side_by_side(
+        &searches,
+        |(m, start)| {let t=std::time::Instant::now(); let r=limit::find(m.entry, start); eprintln!("LIM {} {} {} {:.2} {:?}", m.entry.spec.name, start.state_point, start.truncation, t.elapsed().as_secs_f64(), r.as_ref().ok().map(|l| (l.stable,l.unstable))); r},
+        |s| between(2, "fluid: largest stable steps", s),
+    );
+    let limits: Vec<FluidLimit> = limits.into_iter().collect::<Result<_, _>>()?;
+
+    let (double, mixed, past_limit) =
+        edges(&methods, &starts, &limits, quick, |s| between(3, "fluid: floors and edges", s))?;
+    Ok(FluidStudy {
+        left_out,
+        runs,
+        limits,
+        double,
+        mixed,
+        past_limit,
+    })
+}
+
+fn plans<'a>(methods: &[Method], starts: &'a [Start], quick: bool) -> Vec<Plan<'a>> {
+    let time = if quick { 0.25 * TIME } else { TIME };
+    let steps: &[f64] = if quick { &QUICK_STEPS } else { &STEPS };
+    let mut plans = Vec::new();
+    for start in starts {
+        for method in methods {
+            let (steps, time) = match (method.costly, quick) {
+                (true, true) => (&IMPLICIT_STEPS[1..2], 0.1 * IMPLICIT_TIME),
+                (true, false) => (&IMPLICIT_STEPS[..], IMPLICIT_TIME),
+                (false, _) => (steps, time),
+            };
+            plans.extend(steps.iter().map(|dt| Plan {
+                entry: method.entry,
+                start,
+                dt: *dt,
+                steps: (time / dt).round() as u64,
+                precision: Precision::Double,
+            }));
+        }
+    }
+    // The dearest first: whoever comes last would else keep one thread waiting.
+    plans.sort_by_key(|p| {
+        std::cmp::Reverse(p.steps * u64::from(p.entry.spec.force_evaluations.max(1)))
+    });
+    plans.sort_by_key(|p| p.entry.spec.force_evaluations != 0);
+    plans
+}
+
+type Edges = (Vec<FluidRun>, Vec<FluidRun>, Vec<(f64, FluidRun)>);
+
+/// The floors of double and mixed precision, and what happens past the limit.
+fn edges(
+    methods: &[Method],
+    starts: &[Start],
+    limits: &[FluidLimit],
+    quick: bool,
+    done: impl FnMut(f64),
+) -> Result<Edges, StudyError> {
+    let verlet = entry("velocity-verlet")?;
+    let smooth = starts.iter().find(|s| s.state_point == 0 && s.truncation == TRUNCATIONS.len() - 1);
+    let shown = starts.iter().find(|s| s.state_point == 0 && s.truncation == SHOWN_TRUNCATION);
+    let mut plans: Vec<(Option<f64>, Plan<'_>)> = Vec::new();
+    if let Some(start) = smooth.or(shown) {
+        let time = if quick { 0.1 * SMALL_STEP_TIME } else { SMALL_STEP_TIME };
+        for precision in [Precision::Double, Precision::Mixed] {
+            plans.extend(SMALL_STEPS.iter().map(|dt| {
+                let steps = (time / dt).round() as u64;
+                (None, Plan { entry: verlet, start, dt: *dt, steps, precision })
+            }));
+        }
+    }
+    if let Some(start) = shown {
+        let limit_of = |name: &str| {
+            let place = |l: &&FluidLimit| {
+                l.method == name && l.state == STATES[0].name && l.truncation == TRUNCATIONS[SHOWN_TRUNCATION].1
+            };
+            limits.iter().find(place).and_then(FluidLimit::middle)
+        };
+        for method in methods.iter().filter(|m| !m.costly && m.entry.spec.symplectic) {
+            let Some(limit) = limit_of(method.entry.spec.name) else { continue };
+            plans.extend(PAST_LIMIT.iter().map(|factor| {
+                let plan = Plan {
+                    entry: method.entry,
+                    start,
+                    dt: factor * limit,
+                    steps: limit::LEAST_STEPS * 4,
+                    precision: Precision::Double,
+                };
+                (Some(*factor), plan)
+            }));
+        }
+    }
+    let found = side_by_side(&plans, |(_, plan)| run::run(plan), done);
+    let (mut double, mut mixed, mut past) = (Vec::new(), Vec::new(), Vec::new());
+    for ((factor, plan), run) in plans.iter().zip(found) {
+        match (factor, plan.precision) {
+            (Some(factor), _) => past.push((*factor, run?)),
+            (None, Precision::Double) => double.push(run?),
+            (None, Precision::Mixed) => mixed.push(run?),
+        }
+    }
+    Ok((double, mixed, past))
+}

@@ -1,0 +1,73 @@
+//! Independent jobs side by side, one thread each, with progress told from the calling thread.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+/// Runs `work` on every item, on as many threads as there are in the present pool, and returns the results
+/// in the order of the items. `done` is called on this thread after each with the share finished.
+///
+/// Each job sees a pool of a single thread: a small system is slower on two, and jobs must not wait for
+/// each other. Which thread does which item changes nothing in the results.
+pub(crate) fn side_by_side<I: Sync, R: Send>(
+    items: &[I],
+    work: impl Fn(&I) -> R + Sync,
+    mut done: impl FnMut(f64),
+) -> Vec<R> {
+    let next = AtomicUsize::new(0);
+    let results: Vec<Mutex<Option<R>>> = items.iter().map(|_| Mutex::new(None)).collect();
+    let threads = rayon::current_num_threads().clamp(1, items.len().max(1));
+    let (tell, told) = mpsc::channel();
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            let tell = tell.clone();
+            let (next, results, work) = (&next, &results, &work);
+            scope.spawn(move || {
+                let run = || {
+                    while let Some((i, item)) = {
+                        let i = next.fetch_add(1, Ordering::Relaxed);
+                        items.get(i).map(|item| (i, item))
+                    } {
+                        let result = work(item);
+                        if let Ok(mut slot) = results[i].lock() {
+                            *slot = Some(result);
+                        }
+                        // The receiver lives until every sender is gone.
+                        let _ = tell.send(());
+                    }
+                };
+                match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+                    Ok(pool) => pool.install(run),
+                    // Without a pool of its own the job runs as well, only on more threads.
+                    Err(_) => run(),
+                }
+            });
+        }
+        drop(tell);
+        for finished in 1..=items.len() {
+            if told.recv().is_err() {
+                break;
+            }
+            done(finished as f64 / items.len() as f64);
+        }
+    });
+    results
+        .into_iter()
+        .filter_map(|slot| slot.into_inner().ok().flatten())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_keep_the_order_and_progress_reaches_the_end() {
+        let items: Vec<u64> = (0..50).collect();
+        let mut last = 0.0;
+        let squares = side_by_side(&items, |i| i * i, |share| last = share);
+        assert_eq!(squares, items.iter().map(|i| i * i).collect::<Vec<_>>());
+        assert_eq!(last, 1.0);
+        assert!(side_by_side(&[] as &[u64], |i| *i, |_| {}).is_empty());
+    }
+}

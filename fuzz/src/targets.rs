@@ -1,0 +1,152 @@
+//! The readers, each with what must hold for any bytes.
+
+use lennard_core::Array;
+use lennard_io::{read_checkpoint_bytes, read_configuration_bytes, read_trajectory_bytes};
+use lennard_scene::Scene;
+
+/// An error longer than this (bytes) has taken over what it was given.
+const LONGEST_MESSAGE: usize = 4000;
+
+/// A reader with its corpus.
+pub struct Target {
+    /// Its name, and that of its folder in `fuzz/corpus`.
+    pub name: &'static str,
+    /// Takes any bytes; says whether they were accepted; panics where something is wrong.
+    pub body: fn(&[u8]) -> bool,
+    /// Makes mutated bytes worth reading on: without a right checksum nothing behind it would ever be reached.
+    pub repair: Option<fn(&mut Vec<u8>)>,
+    /// Words that mean something in this format.
+    pub words: &'static [&'static str],
+}
+
+/// Every reader.
+pub const TARGETS: &[Target] = &[
+    Target { name: "scene", body: scene, repair: None, words: SCENE_WORDS },
+    Target { name: "extended-xyz", body: extended_xyz, repair: None, words: XYZ_WORDS },
+    Target { name: "nist", body: nist, repair: None, words: XYZ_WORDS },
+    Target { name: "checkpoint", body: checkpoint, repair: Some(seal), words: CHECKPOINT_WORDS },
+];
+
+const SCENE_WORDS: &[&str] = &[
+    "[[stage]]\n", "[system]\n", "[[", "]]", "steps = 18446744073709551615", "n_atoms = 1000000000000",
+    "n_atoms = -1", "density = 1e-300", "density = 1e300", "box = [1.0, 2.0, 3.0]", "box = 1e308", "nan", "inf",
+    "-0.0", "1e999", "r_cut = 1e-310", "kind = \"respa\"", "kind = \"\"", "thermostat = { kind = \"bussi\" }",
+    "every = 0", "bins = 4294967296", "\"\"\"", "'''", "\\u0000", "1979-05-27T07:32:00Z", "= {", "}", "#", "\r",
+    "a.b.c.d = 1\n", "[a]\n[a]\n", "skin = 1e300", "dt = 5e-324", "seed = 0xffffffffffffffff",
+];
+
+const XYZ_WORDS: &[&str] = &[
+    "18446744073709551615", "18446744073709551616", "9999999999", "4294967296", "-1", "0", "nan", "inf", "1e999",
+    "-1e308", "1e-320", "Properties=", "pos:R:3", "species:S:1:pos:R:3:", "map_shift:I:3", "velo:R:3", "forces:R:3",
+    "Lattice=\"1 0 0 0 1 0 0 0 1\"", "Lattice=\"", "pbc=\"T T F\"", "length_scale=1e-300", "\r\n", "\n\n\n", "2147483648",
+    "\u{feff}", "R:99999999999999999999", "Time=1e400", "1.0E+00", "1d0", "\t",
+];
+
+const CHECKPOINT_WORDS: &[&str] = &[
+    "\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}", "\u{1}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}",
+    "\u{5}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}", "\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{7f}", "LENNARD\u{1a}", "{", "}", "\"",
+    "\"step\":18446744073709551616", "state/positions", "null", "[[[[[[[[",
+];
+
+/// A scene: an error with a message of reasonable length, or a scene that reads back equal from its own text.
+pub fn scene(bytes: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(bytes);
+    match Scene::parse(&text, "hostile.toml", &[]) {
+        Ok(scene) => {
+            let resolved = scene.resolved_toml();
+            let again = Scene::parse(&resolved, "resolved.toml", &[]);
+            assert_eq!(again.as_ref().ok(), Some(&scene), "{again:?}\n{resolved}");
+            true
+        }
+        Err(error) => {
+            assert_short(&error.to_string());
+            false
+        }
+    }
+}
+
+/// Extended XYZ: whole frames of finite numbers, or an error that names a line.
+pub fn extended_xyz(bytes: &[u8]) -> bool {
+    let _ = read_configuration_bytes(bytes);
+    match read_trajectory_bytes(bytes) {
+        Ok(frames) => {
+            for frame in &frames {
+                let n = frame.positions.len();
+                assert!(n > 0);
+                let optional = frame.velocities.iter().chain(&frame.forces);
+                assert!(optional.clone().all(|v| v.len() == n));
+                assert!(frame.positions.iter().chain(optional.flatten()).all(|r| r.is_finite()));
+                // Every particle takes at least a letter and three digits with their blanks and line end.
+                assert!(8 * n <= bytes.len() + 8);
+            }
+            true
+        }
+        Err(error) => {
+            assert!(error.line().is_some_and(|line| line >= 1));
+            assert_short(&error.to_string());
+            false
+        }
+    }
+}
+
+/// A start configuration in the NIST columns (or whatever else the bytes look like).
+pub fn nist(bytes: &[u8]) -> bool {
+    match read_configuration_bytes(bytes) {
+        Ok(start) => {
+            assert!(!start.positions.is_empty() && start.positions.iter().all(|r| r.is_finite()));
+            assert!(start.cell.volume() > 0.0 && start.cell.volume().is_finite());
+            assert!(start.velocities.is_none_or(|v| v.len() == start.positions.len()));
+            true
+        }
+        Err(error) => {
+            assert_short(&error.to_string());
+            false
+        }
+    }
+}
+
+/// A checkpoint: arrays no larger than the bytes that they came from, or an error.
+pub fn checkpoint(bytes: &[u8]) -> bool {
+    match read_checkpoint_bytes(bytes) {
+        Ok(checkpoint) => {
+            let total: usize = checkpoint.archive.arrays.values().map(words).sum();
+            assert!(8 * total <= bytes.len());
+            assert!(checkpoint.scene.len() <= bytes.len());
+            true
+        }
+        Err(error) => {
+            assert_short(&error.to_string());
+            false
+        }
+    }
+}
+
+fn words(array: &Array) -> usize {
+    match array {
+        Array::F64(v) => v.len(),
+        Array::I64(v) => v.len(),
+        Array::U64(v) => v.len(),
+        Array::Vec3(v) => 3 * v.len(),
+    }
+}
+
+fn assert_short(message: &str) {
+    assert!(!message.is_empty() && message.len() < LONGEST_MESSAGE, "{message}");
+}
+
+/// Bytes of the prefix of a checkpoint, and where its length stands in it.
+const PREFIX: usize = 24;
+const LENGTH: std::ops::Range<usize> = 16..24;
+const CHECKSUM: usize = 4;
+
+/// Writes the right length and checksum into what may be a checkpoint.
+fn seal(bytes: &mut Vec<u8>) {
+    if bytes.len() < PREFIX + CHECKSUM {
+        return;
+    }
+    let length = (bytes.len() as u64).to_le_bytes();
+    bytes[LENGTH].copy_from_slice(&length);
+    let body = bytes.len() - CHECKSUM;
+    let sum = crc32fast::hash(&bytes[..body]).to_le_bytes();
+    bytes[body..].copy_from_slice(&sum);
+}
