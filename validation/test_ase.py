@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from numbers import Integral
+
 import ase.io
 import numpy as np
 import pytest
@@ -27,7 +29,7 @@ def test_every_frame_is_there_with_its_step_and_time(every_step):
     frames = lv.load_frames(every_step.folder)
     steps = [frame.info["Step"] for frame in frames]
     assert steps == list(range(801, 841))
-    assert all(isinstance(step, int) for step in steps)
+    assert all(isinstance(step, Integral) for step in steps)
     times = np.array([frame.info["Time"] for frame in frames])
     np.testing.assert_allclose(times, np.array(steps) * 0.004, rtol=1e-13)
     assert every_step.record["trajectory_frames"] == len(frames)
@@ -55,19 +57,54 @@ def test_last_frame_is_the_final_state(every_step):
     np.testing.assert_array_equal(final.arrays["velo"], last.arrays["velo"])
 
 
+def verlet_residuals(frames, dt: float) -> np.ndarray:
+    """How far each frame is from the velocity-Verlet step out of the one before it: the largest
+    difference of a position and of a velocity, [frames - 1, 2]."""
+    residuals = []
+    for now, after in zip(frames, frames[1:], strict=False):
+        moved = dt * now.arrays["velo"] + 0.5 * dt**2 * now.get_forces()
+        kicked = 0.5 * dt * (now.get_forces() + after.get_forces())
+        residuals.append(
+            [
+                np.abs(unwrapped(after) - unwrapped(now) - moved).max(),
+                np.abs(after.arrays["velo"] - now.arrays["velo"] - kicked).max(),
+            ]
+        )
+    return np.array(residuals)
+
+
 def test_consecutive_frames_are_steps_of_velocity_verlet(every_step):
     """Positions, image flags, velocities, forces and time belong to the same states: with x, v, F of
-    one frame the next one follows. A velocity of another time, a lost image or a force of another
-    frame would show."""
+    one frame the next one follows."""
     frames = lv.load_frames(every_step.folder)
-    dt = 0.004
-    for now, after in zip(frames, frames[1:], strict=False):
-        force, next_force = now.get_forces(), after.get_forces()
-        moved = dt * now.arrays["velo"] + 0.5 * dt**2 * force
-        assert np.abs(unwrapped(after) - unwrapped(now) - moved).max() < EXACT
-        kicked = 0.5 * dt * (force + next_force)
-        assert np.abs(after.arrays["velo"] - now.arrays["velo"] - kicked).max() < EXACT
+    assert (verlet_residuals(frames, 0.004) < EXACT).all()
     assert any((frame.arrays["map_shift"] != 0).any() for frame in frames), "nobody crossed a face"
+
+
+def test_a_wrong_velocity_image_force_or_frame_would_be_seen(every_step):
+    def broken(change) -> np.ndarray:
+        frames = lv.load_frames(every_step.folder)
+        change(frames)
+        return verlet_residuals(frames, 0.004).max(axis=0)
+
+    def velocity_of_another_time(frames):
+        frames[5].arrays["velo"] += 0.5 * 0.004 * frames[5].get_forces()
+
+    def lost_image(frames):
+        frames[5].arrays["map_shift"][7, 2] += 1
+
+    def other_force(frames):
+        frames[5].calc.results["forces"] = frames[6].get_forces()
+
+    def missing_frame(frames):
+        del frames[5]
+
+    assert (broken(velocity_of_another_time) > 1e-5).all()
+    assert broken(lost_image)[0] > 1.0
+    assert (broken(other_force) > 1e-9).all()
+    assert (broken(missing_frame) > 1e-5).all()
+    with pytest.raises(AssertionError):
+        assert (verlet_residuals(lv.load_frames(every_step.folder), 0.0040001) < EXACT).all()
 
 
 def test_energies_of_the_header_are_those_of_the_frame(every_step):

@@ -1,7 +1,9 @@
 //! What a command ends with when it fails: what it was doing, what went wrong, and an exit code.
 
+use std::path::Path;
+
 use lennard_engine::EngineError;
-use lennard_io::WriteError;
+use lennard_io::{CheckpointFolder, WriteError};
 use lennard_scene::SceneError;
 
 /// Exit code for wrong input.
@@ -22,6 +24,20 @@ impl Failure {
     /// A failure while `doing` something.
     pub fn new(doing: &str, error: impl std::fmt::Display, code: u8) -> Self {
         Self { message: format!("{doing}: {error}"), code }
+    }
+}
+
+impl Failure {
+    /// A failure of a run under way in `folder`: where a file cannot be written, with the way to go on.
+    pub fn of_run(error: EngineError, folder: &Path) -> Self {
+        let unwritten = matches!(error, EngineError::Write(_));
+        let mut failure = Self::from(error);
+        let checkpoints = CheckpointFolder::new(folder).list().unwrap_or_default();
+        if unwritten && let Some((step, _)) = checkpoints.first() {
+            failure.message +=
+                &format!("\n  whole up to step {step}; to go on from there: lennard resume {}", folder.display());
+        }
+        failure
     }
 }
 

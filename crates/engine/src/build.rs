@@ -208,7 +208,18 @@ fn observers(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(Thermo
     let mut thermodynamics =
         thermodynamics.unwrap_or_else(|| Thermodynamics::new(&context(scene.output.thermo_every)));
     thermodynamics.set_force_jump(force_jump(scene)?);
+    thermodynamics.set_ensemble(measured.and_then(|stage| ensemble(scene, stage)));
     Ok((thermodynamics, observers))
+}
+
+/// The ensemble that a stage samples; `None` where its dynamics sample none that is known.
+fn ensemble(scene: &Scene, stage: &Stage) -> Option<Ensemble> {
+    match &stage.thermostat {
+        Some(ThermostatOptions::Bussi(_) | ThermostatOptions::Langevin(_)) => Some(Ensemble::Canonical),
+        Some(ThermostatOptions::Rescale(_)) => None,
+        // A method that loses energy stays at no energy.
+        None => lennard_integrators::build(&scene.integrator.method).spec().symplectic.then_some(Ensemble::Microcanonical),
+    }
 }
 
 /// U′(r_cut) just inside the cutoff, where the force drops to zero with a jump (plain and shifted

@@ -120,7 +120,7 @@ impl std::fmt::Display for PhysicsFailure {
             write!(f, "\n  closest pair: particles {} and {} at {:.4} σ{overlap}", pair.i, pair.j, pair.distance)?;
         }
         if let Some((particle, speed)) = self.fastest {
-            write!(f, "\n  fastest: particle {particle} at {speed:.4e} σ/τ")?;
+            write!(f, "\n  fastest: particle {particle} at {speed:.4e} σ/τ (particles are counted from 0)")?;
         }
         if self.non_finite > 0 {
             write!(f, "\n  {} positions are not finite numbers", self.non_finite)?;
@@ -148,7 +148,7 @@ impl PhysicsFailure {
                 format!("; if it is meant, use a dt of at most {:.2e} τ", 0.25 * limit)
             });
             return format!(
-                "the temperature is T = {} ε/k_B, far above the critical 1.3: check `system.temperature`{limit}",
+                "the temperature is T = {} ε/k_B, far above the critical 1.3: check `system.temperature` and that of the stage{limit}",
                 self.temperature
             );
         }

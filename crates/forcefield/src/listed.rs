@@ -294,7 +294,7 @@ fn sum_chunks(
     let totals: Vec<ChunkTotals> = if serial {
         (0..chunks).map(run).collect()
     } else {
-        (0..chunks).into_par_iter().map(|c| run(c)).collect()
+        (0..chunks).into_par_iter().map(&run).collect()
     };
     (Totals::of_chunks(&totals), totals.iter().any(|c| c.broken))
 }

@@ -109,6 +109,10 @@ catalog! {
     Vacf => crate::VacfOptions,
     /// The static structure factor S(k).
     StructureFactor => crate::StructureFactorOptions,
+    /// The shear viscosity.
+    ShearViscosity => crate::ShearViscosityOptions,
+    /// The thermal conductivity.
+    ThermalConductivity => crate::ThermalConductivityOptions,
 }
 
 impl ObservableOptions {

@@ -96,13 +96,32 @@ impl Correlator {
         }
     }
 
+    /// The running integral of each block of the run, up to the lag with index `last` of
+    /// [`Correlator::correlation`]; what the errors of numbers made from the integral come from.
+    #[must_use]
+    pub fn integral_blocks(&self, last: usize) -> Vec<Vec<f64>> {
+        let (lags, quantities) = self.reached();
+        let end = last.min(quantities.len().saturating_sub(1));
+        let times: Vec<f64> = lags.iter().take(end + 1).map(|lag| lag * self.interval).collect();
+        self.products
+            .complete_rows(&quantities[..times.len()])
+            .iter()
+            .map(|row| running_integral(&times, row))
+            .collect()
+    }
+
+    /// The lags that were reached, in samples, and where their sums are.
+    fn reached(&self) -> (Vec<f64>, Vec<usize>) {
+        (0..self.levels.len())
+            .flat_map(|l| (first_lag(l)..POINTS).map(move |k| ((k << l) as f64, l * POINTS + k)))
+            .filter(|(_, q)| self.products.total(*q).1 > 0)
+            .unzip()
+    }
+
     /// What was found so far, at the lags that were reached.
     #[must_use]
     pub fn correlation(&self) -> Correlation {
-        let (lags, quantities): (Vec<f64>, Vec<usize>) = (0..self.levels.len())
-            .flat_map(|l| (first_lag(l)..POINTS).map(move |k| ((k << l) as f64, l * POINTS + k)))
-            .filter(|(_, q)| self.products.total(*q).1 > 0)
-            .unzip();
+        let (lags, quantities) = self.reached();
         let times: Vec<f64> = lags.iter().map(|lag| lag * self.interval).collect();
         let values: Vec<f64> = quantities
             .iter()

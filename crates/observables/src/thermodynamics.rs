@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::series::Series;
 use crate::statistics::{self, RunningLine};
 use crate::thermo_series::ThermoSeries;
-use crate::{BuildContext, ObservableError, Recipe};
+use crate::{BuildContext, Ensemble, ObservableError, Recipe, heat_capacity};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "thermodynamics",
@@ -91,6 +91,8 @@ pub struct Thermodynamics {
     energy_line: RunningLine,
     largest_momentum: f64,
     force_jump: f64,
+    ensemble: Option<Ensemble>,
+    n_dof: f64,
 }
 
 impl Thermodynamics {
@@ -110,6 +112,8 @@ impl Thermodynamics {
             energy_line: RunningLine::default(),
             largest_momentum: 0.0,
             force_jump: 0.0,
+            ensemble: None,
+            n_dof: f64::NAN,
         }
     }
 
@@ -118,6 +122,12 @@ impl Thermodynamics {
     /// whose force is continuous.
     pub fn set_force_jump(&mut self, derivative_at_cutoff: f64) {
         self.force_jump = derivative_at_cutoff;
+    }
+
+    /// Tells the ensemble that the measured stages sample, from whose fluctuations c_v is then taken;
+    /// `None`, the default, where the dynamics sample none that is known (velocity scaling).
+    pub fn set_ensemble(&mut self, ensemble: Option<Ensemble>) {
+        self.ensemble = ensemble;
     }
 
     /// The time series so far.
@@ -235,6 +245,7 @@ impl Observable for Thermodynamics {
         };
         let momentum: DVec3 = view.dynamics.momentum(&state.velocities) / n;
         let total = kinetic + potential + tail.energy_per_particle;
+        self.n_dof = view.dynamics.n_dof;
         self.energy_line.push(state.time, conserved_energy);
         self.largest_momentum = self.largest_momentum.max(momentum.length());
         self.series.push(&[
@@ -305,7 +316,12 @@ impl Observable for Thermodynamics {
             "ε/σ³",
             of(&rows.pressure_without_tail),
         );
+        if let Some(ensemble) = self.ensemble {
+            let found = heat_capacity::estimate(ensemble, rows, cut, self.context.n_atoms, self.n_dof);
+            add("heat_capacity", "k_B a particle", found);
+        }
         findings.remarks = self.remarks(cut);
+        findings.remarks.extend(self.ensemble.map(|e| e.remark(self.n_dof)));
         findings.tables.push(rows.table(self.series.stride()));
         for (name, column) in [
             ("potential_energy", &rows.potential_energy),
@@ -361,12 +377,14 @@ impl Persist for Thermodynamics {
         self.series.save(&mut to.section("series"));
         self.energy_line.save(&mut to.section("energy"));
         to.put_f64("largest_momentum", &[self.largest_momentum]);
+        to.put_f64("n_dof", &[self.n_dof]);
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         self.series.restore(&from.section("series"))?;
         self.energy_line.restore(&from.section("energy"))?;
         [self.largest_momentum] = from.f64s("largest_momentum")?;
+        [self.n_dof] = from.f64s("n_dof")?;
         Ok(())
     }
 }

@@ -263,6 +263,12 @@ static KEYS: &[KeyDoc] = keys! {
         "shells": Whole(1, 1000), "`75`", "", "Number of shells of equal width between 0 and `k_max`.";
         "directions": Whole(1, 1000), "`24`", "", "Wave vectors tried in each shell.";
     }
+    "observable" of "shear-viscosity" {
+        "window": Positive, "`10.0`", "τ", "Longest lag of the correlation of the pressure tensor.";
+    }
+    "observable" of "thermal-conductivity" {
+        "window": Positive, "`10.0`", "τ", "Longest lag of the correlation of the heat flux.";
+    }
     "output" of any {
         "trajectory_every": Whole(0, MOST_STEPS), "`0`", "steps", "Steps between two frames of `trajectory.xyz`; 0 for no trajectory.";
         "thermo_every": Whole(1, MOST_STEPS), "`10`", "steps", "Steps between two samples of the thermodynamics, each a line of `thermo.csv`; the `every` of a `thermodynamics` observable is the same number.";

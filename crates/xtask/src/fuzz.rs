@@ -7,7 +7,14 @@ use crate::workspace::{Workspace, cargo};
 /// Builds the package that holds the readers' bodies, optimised, and hands the arguments on.
 pub fn run(workspace: &Workspace, arguments: &[&str]) -> ExitCode {
     let mut command = workspace.command(cargo());
-    command.args(["run", "--quiet", "--release", "--package", "lennard-fuzz", "--"]);
+    command.args([
+        "run",
+        "--quiet",
+        "--release",
+        "--package",
+        "lennard-fuzz",
+        "--",
+    ]);
     command.args(arguments);
     match command.status() {
         Ok(status) => ExitCode::from(u8::try_from(status.code().unwrap_or(1)).unwrap_or(1)),

@@ -64,6 +64,9 @@ fn main() -> ExitCode {
             &tiers::test(),
             &[
                 "physics: U and P at eight state points, error bars over ten seeds (cargo xtask physics)",
+                "soak: runs killed at random times and resumed (cargo xtask soak)",
+                "fuzz: mutated files through every reader (cargo xtask fuzz)",
+                "bench: speed (cargo bench)",
             ],
         ),
         "physics" => tiers::run_all(&workspace, &tiers::physics(), &[]),

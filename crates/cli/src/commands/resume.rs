@@ -34,7 +34,7 @@ pub fn resume(args: &ResumeArgs) -> Result<ExitCode, Failure> {
     let outcome = on_threads(threads, || {
         let options =
             RunOptions { folder: &args.folder, threads, stop: &stop, deadline, progress: &mut display };
-        Ok(lennard_engine::go_on(&mut resumed, options)?)
+        lennard_engine::go_on(&mut resumed, options).map_err(|e| Failure::of_run(e, &args.folder))
     })?;
     drop(display);
     tell(&outcome, &args.folder, total, args.json, quiet)

@@ -31,7 +31,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let mut display = Display::new(args.control.quiet);
     let outcome = on_threads(threads, || {
         let options = RunOptions { folder: &folder, threads, stop: &stop, deadline, progress: &mut display };
-        Ok(lennard_engine::run(&mut simulation, options)?)
+        lennard_engine::run(&mut simulation, options).map_err(|e| Failure::of_run(e, &folder))
     })?;
     drop(display);
     tell(&outcome, &folder, simulation.scene.total_steps(), args.scene.json, quiet)

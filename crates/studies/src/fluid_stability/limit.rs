@@ -11,7 +11,7 @@ use crate::StudyError;
 /// A step is stable if the energy has changed by less than this share of the kinetic energy 3/2·T …
 pub const ALLOWED_CHANGE: f64 = 0.05;
 /// … after at least this time, τ …
-pub const LEAST_TIME: f64 = 1.0;
+pub const LEAST_TIME: f64 = 0.5;
 /// … and at least this many steps.
 pub const LEAST_STEPS: u64 = 500;
 /// The search starts here, τ, and goes up or down from it.

@@ -30,7 +30,7 @@ const QUICK_STEPS: [f64; 3] = [0.002, 0.006, 0.016];
 /// Steps of implicit Euler, each of which costs a nonlinear solve.
 const IMPLICIT_STEPS: [f64; 4] = [0.002, 0.004, 0.008, 0.016];
 /// Length of the runs, τ.
-const TIME: f64 = 4.0;
+const TIME: f64 = 3.0;
 /// Length of implicit Euler's runs, τ.
 const IMPLICIT_TIME: f64 = 0.5;
 /// Steps of the runs in double and mixed precision, τ.
@@ -112,7 +112,7 @@ pub(crate) fn measure(quick: bool, progress: &mut dyn Progress) -> Result<FluidS
         progress.update(label, SHARES[part - 1] + (SHARES[part] - SHARES[part - 1]) * share);
     };
     let plans = plans(&methods, &starts, quick);
-    let runs = side_by_side(&plans, |p| {let t=std::time::Instant::now(); let r=run::run(p); eprintln!("RUN {} {} {} dt {} {:.2}", p.entry.spec.name, p.start.state_point, p.start.truncation, p.dt, t.elapsed().as_secs_f64()); r}, |s| between(1, "fluid: drift and fluctuation", s));
+    let runs = side_by_side(&plans, run::run, |s| between(1, "fluid: drift and fluctuation", s));
     let runs: Vec<FluidRun> = runs.into_iter().collect::<Result<_, _>>()?;
 
     let searches: Vec<(&Method, &Start)> = starts
@@ -123,7 +123,7 @@ pub(crate) fn measure(quick: bool, progress: &mut dyn Progress) -> Result<FluidS
         .collect();
     let limits = side_by_side(
         &searches,
-        |(m, start)| {let t=std::time::Instant::now(); let r=limit::find(m.entry, start); eprintln!("LIM {} {} {} {:.2} {:?}", m.entry.spec.name, start.state_point, start.truncation, t.elapsed().as_secs_f64(), r.as_ref().ok().map(|l| (l.stable,l.unstable))); r},
+        |(m, start)| limit::find(m.entry, start),
         |s| between(2, "fluid: largest stable steps", s),
     );
     let limits: Vec<FluidLimit> = limits.into_iter().collect::<Result<_, _>>()?;

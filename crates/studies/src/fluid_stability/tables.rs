@@ -131,7 +131,7 @@ pub(crate) fn limits_on_page(study: &FluidStudy, command: &str) -> PageTable {
     let mut header = vec!["Method".to_owned()];
     header.extend(columns.iter().map(|(s, t)| format!("{s}, {t}")));
     PageTable {
-        caption: "Largest stable dt in τ, ρ* = 0.8442, 500 atoms, cutoff 2.5 σ (`fluid-limits.csv` has both \
+        caption: "Largest stable dt in τ, ρ* = 0.8442, 256 atoms, cutoff 2.5 σ (`fluid-limits.csv` has both \
                   ends of each bracket and how the run beyond it failed). The steps of methods with several \
                   force evaluations a step are not comparable without that number."
             .into(),

@@ -156,7 +156,9 @@ fn kills(workspace: &Workspace, extent: &Extent, seed: u64) -> Result<(), Box<dy
     let mut rig = Rig::new(workspace.binary(), seed)?;
     let mut sum = Tally::default();
     let mut chains = 0;
-    println!("seed {seed}; kills are SIGKILL at random times; threads change from 1 to 4 at random");
+    println!(
+        "seed {seed}; kills are SIGKILL at random times; threads change from 1 to 4 at random"
+    );
     let first = Plan {
         name: "the long chain: velocity Verlet",
         overrides: &[],

@@ -184,10 +184,7 @@ impl Rig {
         let mut arguments = beginning.clone();
         let mut tally = Tally::default();
         loop {
-            let mut process = self
-                .command(&arguments)
-                .stderr(Stdio::piped())
-                .spawn()?;
+            let mut process = self.command(&arguments).stderr(Stdio::piped()).spawn()?;
             let kill = tally.kills < kills;
             if kill {
                 std::thread::sleep(longest.mul_f64(self.random.random_range(0.0..1.0)));
@@ -271,7 +268,8 @@ impl Rig {
         // A box of 108 liquid particles has a side of 5.04 σ: the cutoff must be below half of it.
         let overrides = [
             "system.n_atoms=108",
-            "truncation.r_cut=2.4",
+            "neighbor.mode=verlet",
+            "truncation.r_cut=2.2",
             "integrator.dt=0.004",
             "observable=[]",
             "output.trajectory_every=0",

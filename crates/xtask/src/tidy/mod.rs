@@ -19,7 +19,8 @@ pub fn all(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {
     )];
     findings.push((
         "README.md names what exists",
-        readme::faults_in_file(workspace)?,
+        // A README that cannot be read is a fault like others: the rest is checked all the same.
+        readme::faults_in_file(workspace).unwrap_or_else(|error| vec![error.to_string()]),
     ));
     findings.extend(tracked::findings(workspace)?);
     Ok(findings)

@@ -1,0 +1,218 @@
+//! A run in two goes leaves the same bytes as a run in one, for everything that a scene can name.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use lennard_engine::{Ending, Outcome, Progress, ResumeOptions, RunOptions, Simulation, go_on, prepare, resume, run};
+use lennard_scene::Scene;
+
+/// A small liquid; short, since there are many of it.
+const LIQUID: &str = r#"
+    [system]
+    n_atoms = 108
+    density = 0.8442
+    temperature = 1.2
+    seed = 11
+    [truncation]
+    kind = "switch"
+    r_cut = 2.2
+    [neighbor]
+    mode = "verlet"
+    [integrator]
+    dt = 0.002
+    [[stage]]
+    name = "melt"
+    steps = 60
+    thermostat = "bussi"
+    [[stage]]
+    name = "production"
+    steps = 140
+    [output]
+    thermo_every = 10
+    trajectory_every = 20
+"#;
+
+const ALL_OBSERVABLES: &str =
+    r#"[{kind="rdf", every=10}, {kind="msd", every=5}, {kind="vacf", every=5}, {kind="pressure-tensor", every=2}]"#;
+
+fn scene(overrides: &[(&str, &str)]) -> Option<Simulation> {
+    let overrides: Vec<_> = overrides.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
+    let scene = Scene::parse(LIQUID, "liquid.toml", &overrides).ok()?;
+    prepare(scene).ok()
+}
+
+/// Asks to stop after a step.
+struct StopAt<'a>(u64, &'a AtomicBool);
+
+impl Progress for StopAt<'_> {
+    fn update(&mut self, _stage: &str, done: u64, _total: u64) {
+        if done == self.0 {
+            self.1.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// Runs, or goes on, until a step.
+fn until(folder: &Path, step: u64, simulation: Option<&mut Simulation>, options: &ResumeOptions) -> Outcome {
+    let stop = AtomicBool::new(false);
+    let progress = &mut StopAt(step, &stop);
+    let run_options = RunOptions { folder, threads: 1, stop: &stop, deadline: None, progress };
+    match simulation {
+        Some(simulation) => run(simulation, run_options),
+        None => go_on(&mut resume(folder, options).unwrap_or_else(|e| panic!("{e}")), run_options),
+    }
+    .unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// All files, run.json without what depends on the clock; checkpoints by their names alone.
+fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entry = |entry: fs::DirEntry| {
+        let name = entry.file_name().into_string().unwrap();
+        let mut bytes = fs::read(entry.path()).unwrap();
+        if name == "run.json" {
+            let mut record: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
+            for key in ["wall_s", "performance", "host"] {
+                record.as_object_mut().unwrap().remove(key).unwrap();
+            }
+            bytes = record.to_string().into_bytes();
+        } else if name.ends_with(".lennard") {
+            bytes.clear();
+        }
+        (name, bytes)
+    };
+    fs::read_dir(folder).unwrap().map(|e| entry(e.unwrap())).collect()
+}
+
+fn same(whole: &Path, parts: &Path, what: &str) {
+    let (mut whole, mut parts) = (contents(whole), contents(parts));
+    // The last checkpoint must be there; the one before it is where the run was stopped, or nowhere.
+    let checkpoints = |files: &mut BTreeMap<String, Vec<u8>>| {
+        let names: Vec<String> = files.keys().filter(|n| n.ends_with(".lennard")).cloned().collect();
+        names.iter().for_each(|n| drop(files.remove(n)));
+        names.last().cloned()
+    };
+    assert_eq!(checkpoints(&mut whole), checkpoints(&mut parts), "{what}");
+    let names = |files: &BTreeMap<String, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(&whole), names(&parts), "{what}");
+    for (name, bytes) in &whole {
+        assert!(*bytes == parts[name], "{what}: {name} differs");
+    }
+}
+
+/// Stops in both stages, at a stage's end, and beside every interval; wants the bytes of one go.
+fn in_parts(overrides: &[(&str, &str)]) -> bool {
+    let root = tempfile::tempdir().unwrap();
+    let (whole, parts) = (root.path().join("whole"), root.path().join("parts"));
+    let Some(mut first) = scene(overrides) else { return false };
+    for folder in [&whole, &parts] {
+        fs::create_dir(folder).unwrap();
+    }
+    let never = ResumeOptions::default();
+    let stop = AtomicBool::new(false);
+    let options = RunOptions { folder: &whole, threads: 1, stop: &stop, deadline: None, progress: &mut () };
+    if run(&mut first, options).is_err() {
+        // Some methods cannot run a fluid at all, which other tests are about.
+        return false;
+    }
+    let mut again = scene(overrides).unwrap();
+    assert_eq!(until(&parts, 37, Some(&mut again), &never).ending, Ending::Stopped);
+    for step in [60, 61, 133] {
+        assert_eq!(until(&parts, step, None, &never).ending, Ending::Stopped);
+        assert!(!parts.join("final.xyz").exists(), "nothing looks finished");
+    }
+    assert_eq!(until(&parts, 0, None, &never).ending, Ending::Finished);
+    same(&whole, &parts, &format!("{overrides:?}"));
+    // Going on with a finished run changes nothing.
+    assert_eq!(until(&parts, 0, None, &never).ending, Ending::Finished);
+    same(&whole, &parts, &format!("{overrides:?} once more"));
+    true
+}
+
+#[test]
+fn every_integrator_with_every_bath_goes_on_to_the_bit() {
+    let mut ran = Vec::new();
+    for entry in lennard_integrators::integrators() {
+        let name = entry.spec.name;
+        let method = ("integrator.kind", name);
+        if in_parts(&[method]) {
+            ran.push(name);
+        }
+        for bath in lennard_integrators::thermostats() {
+            in_parts(&[method, ("stage.production.thermostat", bath.name)]);
+        }
+    }
+    for wanted in ["velocity-verlet", "stormer-verlet", "leapfrog", "respa", "pefrl", "bit-reversible-verlet"] {
+        assert!(ran.contains(&wanted), "{wanted} did not run: {ran:?}");
+    }
+}
+
+#[test]
+fn every_observable_list_state_and_precision_goes_on_to_the_bit() {
+    assert!(in_parts(&[("observable", ALL_OBSERVABLES)]));
+    assert!(in_parts(&[("neighbor.mode", "direct")]));
+    assert!(in_parts(&[("kernel.precision", "mixed")]));
+    assert!(in_parts(&[("kernel.isa", "portable")]));
+    assert!(in_parts(&[("system.lattice", "random")]));
+    assert!(in_parts(&[("output.velocities", "true"), ("output.forces", "true"), ("output.unwrapped", "true")]));
+    // A list that is rebuilt often, and measured stages that begin at once.
+    assert!(in_parts(&[("neighbor.skin", "0.05"), ("stage.melt.measure", "false"), ("stage.melt.steps", "1")]));
+    for observable in lennard_observables::observables() {
+        let one = format!("[{{kind=\"{}\"}}]", observable.name);
+        in_parts(&[("observable", &one)]);
+    }
+}
+
+#[test]
+fn checkpoints_on_the_way_change_no_bit() {
+    let root = tempfile::tempdir().unwrap();
+    let mut folders = Vec::new();
+    for every in ["0", "1", "7"] {
+        let folder = root.path().join(every);
+        fs::create_dir(&folder).unwrap();
+        let mut simulation = scene(&[("checkpoint.every_steps", every)]).unwrap();
+        until(&folder, 0, Some(&mut simulation), &ResumeOptions::default());
+        let mut files = contents(&folder);
+        files.retain(|name, _| !name.ends_with(".lennard") && name != "scene.toml" && name != "run.json");
+        folders.push(files);
+    }
+    assert!(folders.windows(2).all(|pair| pair[0] == pair[1]));
+}
+
+#[test]
+fn a_run_made_longer_is_the_longer_run() {
+    let root = tempfile::tempdir().unwrap();
+    let (whole, parts) = (root.path().join("whole"), root.path().join("parts"));
+    for folder in [&whole, &parts] {
+        fs::create_dir(folder).unwrap();
+    }
+    let more = [("observable", ALL_OBSERVABLES)];
+    let longer = [more[0], ("stage.production.steps", "340")];
+    until(&whole, 0, scene(&longer).as_mut(), &ResumeOptions::default());
+    until(&parts, 0, scene(&more).as_mut(), &ResumeOptions::default());
+    let options = ResumeOptions { more_steps: 200, ..ResumeOptions::default() };
+    // Stopped on the way: the longer scene is in the checkpoint by then.
+    assert_eq!(until(&parts, 250, None, &options).ending, Ending::Stopped);
+    assert_eq!(until(&parts, 0, None, &ResumeOptions::default()).ending, Ending::Finished);
+    same(&whole, &parts, "140 + 200 production steps against 340");
+}
+
+#[test]
+fn a_run_goes_on_without_its_start_configuration() {
+    let root = tempfile::tempdir().unwrap();
+    let (first, second) = (root.path().join("first"), root.path().join("second"));
+    for folder in [&first, &second] {
+        fs::create_dir(folder).unwrap();
+    }
+    until(&first, 0, scene(&[]).as_mut(), &ResumeOptions::default());
+    let start = root.path().join("start.xyz");
+    fs::rename(first.join("final.xyz"), &start).unwrap();
+    let text = LIQUID
+        .replace("n_atoms = 108", &format!("configuration = \"{}\"", start.display()))
+        .replace("density = 0.8442", "");
+    let mut simulation = prepare(Scene::parse(&text, "next.toml", &[]).unwrap()).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(until(&second, 50, Some(&mut simulation), &ResumeOptions::default()).ending, Ending::Stopped);
+    fs::remove_file(&start).unwrap();
+    assert_eq!(until(&second, 0, None, &ResumeOptions::default()).ending, Ending::Finished);
+}

@@ -1,0 +1,166 @@
+//! The heat capacity from fluctuations, in the ensemble that the run samples.
+
+use lennard_core::Estimate;
+
+use crate::ThermoSeries;
+use crate::statistics::{estimate_after, mean};
+
+/// The ensemble that a run samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ensemble {
+    /// Constant energy: no thermostat.
+    Microcanonical,
+    /// Constant temperature, by a thermostat that is known to sample it.
+    Canonical,
+}
+
+impl Ensemble {
+    /// Which formula was used, with the degrees of freedom.
+    pub(crate) fn remark(self, n_dof: f64) -> String {
+        match self {
+            Self::Microcanonical => format!(
+                "heat_capacity: from the fluctuations of the kinetic energy at constant energy (Lebowitz, Percus and Verlet 1967), n_dof = {n_dof}"
+            ),
+            Self::Canonical => format!(
+                "heat_capacity: from the fluctuations of the total energy at constant temperature, n_dof = {n_dof}"
+            ),
+        }
+    }
+}
+
+/// The isochoric heat capacity c_v per particle in k_B, with the kinetic part of the thermodynamic limit, 3/2.
+///
+/// With f degrees of freedom and per-particle energies k and e = k + u:
+///
+/// - constant energy: C_V = (f/2)/(1 − x), x = f ⟨δk²⟩/(2 ⟨k⟩²), from ⟨δK²⟩ = f T²/2 · (1 − f/(2C_V)) with
+///   ⟨K⟩ = f T/2 (J. L. Lebowitz, J. K. Percus and L. Verlet, "Ensemble dependence of fluctuations with
+///   application to machine computations", Phys. Rev. 153, 250 (1967), equation 3.7, where f = 3N);
+/// - constant temperature: C_V = N² ⟨δe²⟩/T².
+///
+/// C_V has the kinetic part f/2 of the system; c_v = (C_V − f/2)/N + 3/2 replaces it by 3/2 a particle.
+///
+/// The error is that of the mean of the linearised formula, correlation included; the bias of the square of a
+/// mean, of the order of one over the independent samples, is not corrected.
+pub(crate) fn estimate(ensemble: Ensemble, rows: &ThermoSeries, cut: usize, n_atoms: usize, n_dof: f64) -> Estimate {
+    let n = n_atoms as f64;
+    let from = cut.min(rows.time.len());
+    let kinetic = &rows.kinetic_energy[from..];
+    let (value, terms): (f64, Vec<f64>) = match ensemble {
+        Ensemble::Microcanonical => {
+            let k = mean(kinetic);
+            let squares = centred_squares(kinetic, &rows.kinetic_energy_squared[from..], k);
+            let v = mean(&squares);
+            let x = n_dof * v / (2.0 * k * k);
+            let slope = 0.5 * n_dof / (1.0 - x).powi(2);
+            let terms = squares
+                .iter()
+                .zip(kinetic)
+                .map(|(s, ki)| slope * (n_dof / (2.0 * k * k) * (s - v) - 2.0 * x / k * (ki - k)))
+                .collect();
+            (0.5 * n_dof / (1.0 - x), terms)
+        }
+        Ensemble::Canonical => {
+            let total: Vec<f64> = kinetic.iter().zip(&rows.potential_energy[from..]).map(|(k, u)| k + u).collect();
+            let temperature = mean(&rows.temperature[from..]);
+            let squares = centred_squares(&total, &rows.total_energy_squared[from..], mean(&total));
+            let capacity = n * n * mean(&squares) / temperature.powi(2);
+            let terms = squares
+                .iter()
+                .zip(&rows.temperature[from..])
+                .map(|(s, t)| {
+                    n * n * s / temperature.powi(2) - capacity - 2.0 * capacity * (t - temperature) / temperature
+                })
+                .collect();
+            (capacity, terms)
+        }
+    };
+    let error = estimate_after(&terms, 0);
+    Estimate {
+        mean: (value - 0.5 * n_dof) / n + 1.5,
+        standard_error: error.standard_error / n,
+        n_effective: error.n_effective,
+        equilibration_cut: from as u64,
+    }
+}
+
+/// ⟨(x − m)²⟩ of each row from the row means of x² and x.
+fn centred_squares(values: &[f64], squares: &[f64], m: f64) -> Vec<f64> {
+    values.iter().zip(squares).map(|(x, xx)| xx - 2.0 * m * x + m * m).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lennard_core::random::Streams;
+    use rand_distr::{ChiSquared, Distribution};
+
+    /// Energies of N particles with f kinetic and g harmonic degrees of freedom: canonical at T, or (`total`
+    /// given) at that energy, by scaling.
+    fn series(n: f64, f: f64, g: f64, t: f64, total: Option<f64>, seed: u64) -> ThermoSeries {
+        let noise = Streams::new(seed).noise("heat capacity");
+        let mut rows = ThermoSeries::default();
+        for s in 0..20_000 {
+            let mut rng = noise.at(s, 0);
+            let mut draw = |dof: f64| 0.5 * t * ChiSquared::new(dof).unwrap().sample(&mut rng);
+            let (mut k, mut u) = (draw(f), draw(g));
+            if let Some(total) = total {
+                let scale = total / (k + u);
+                (k, u) = (k * scale, u * scale);
+            }
+            rows.time.push(s as f64);
+            rows.temperature.push(2.0 * k / f);
+            rows.kinetic_energy.push(k / n);
+            rows.potential_energy.push(u / n);
+            rows.kinetic_energy_squared.push((k / n).powi(2));
+            rows.total_energy_squared.push(((k + u) / n).powi(2));
+        }
+        rows
+    }
+
+    #[test]
+    fn harmonic_degrees_of_freedom_have_their_exact_heat_capacity_in_both_ensembles() {
+        let (n, t) = (100.0, 0.8);
+        let (f, g) = (297.0, 200.0);
+        // Canonical: C_V = (f + g)/2 exactly.
+        let found = estimate(Ensemble::Canonical, &series(n, f, g, t, None, 1), 0, 100, f);
+        let exact = 0.5 * g / n + 1.5;
+        assert!((found.mean - exact).abs() < 4.0 * found.standard_error, "{found:?} {exact}");
+        assert!(found.standard_error < 0.02 * exact);
+        // Constant energy: K/E follows a beta distribution of variance 2fg/((f + g)²(f + g + 2)), so that
+        // x = g/(f + g + 2) exactly.
+        let found = estimate(Ensemble::Microcanonical, &series(n, f, g, t, Some(0.5 * (f + g) * t), 2), 0, 100, f);
+        let exact = (0.5 * f / (1.0 - g / (f + g + 2.0)) - 0.5 * f) / n + 1.5;
+        assert!((found.mean - exact).abs() < 4.0 * found.standard_error, "{found:?} {exact}");
+        assert!(found.standard_error < 0.02 * exact);
+    }
+
+    #[test]
+    fn the_error_covers_the_scatter_over_seeds() {
+        let (n, f, g) = (100.0, 297.0, 200.0);
+        let found: Vec<Estimate> = (0..30)
+            .map(|seed| {
+                let mut rows = series(n, f, g, 1.0, Some(0.5 * (f + g)), 100 + seed);
+                // Shorter runs, to be quick about it.
+                for column in [&mut rows.time, &mut rows.temperature, &mut rows.kinetic_energy, &mut rows.kinetic_energy_squared] {
+                    column.truncate(2000);
+                }
+                estimate(Ensemble::Microcanonical, &rows, 0, 100, f)
+            })
+            .collect();
+        let values: Vec<f64> = found.iter().map(|e| e.mean).collect();
+        let squares: Vec<f64> = found.iter().map(|e| e.standard_error.powi(2)).collect();
+        let ratio = (crate::statistics::variance(&values) * 30.0 / 29.0 / mean(&squares)).sqrt();
+        // 30 seeds know their spread to 13 %: three of these.
+        assert!((ratio - 1.0).abs() < 0.4, "{ratio}");
+    }
+
+    #[test]
+    fn an_ideal_gas_at_constant_energy_has_three_halves() {
+        let mut rows = series(50.0, 147.0, 10.0, 1.0, None, 3);
+        rows.kinetic_energy.fill(1.47);
+        rows.kinetic_energy_squared.fill(1.47 * 1.47);
+        let found = estimate(Ensemble::Microcanonical, &rows, 0, 50, 147.0);
+        // Rounding of the square.
+        assert!((found.mean - 1.5).abs() < 1e-10);
+    }
+}

@@ -1,0 +1,229 @@
+//! What all Green–Kubo coefficients share: correlation, plateau, cross-check.
+
+use lennard_core::{Average, Estimate, Findings, Persist, RestoreError, StateReader, StateWriter, Table};
+
+use super::helfand::Helfand;
+use crate::rdf::estimate_of_blocks;
+use crate::{Correlation, Correlator};
+
+/// Successive lags at which the correlation must be lost in its error before it counts as decayed: one or two
+/// can be so by chance.
+const LAGS_IN_NOISE: usize = 3;
+
+/// The integral may still change by so many of its standard errors over the plateau.
+const STILL_FLAT: f64 = 2.0;
+
+/// Fewer blocks than this make an error bar uncertain by more than a fifth (1/√(2·16)).
+const FEW_BLOCKS: f64 = 16.0;
+
+/// Names and units of what comes out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Words {
+    /// Name of the average (`shear_viscosity`), and of the table.
+    pub(crate) name: &'static str,
+    /// In a sentence (`shear viscosity`).
+    pub(crate) plain: &'static str,
+    /// Unit of the coefficient.
+    pub(crate) unit: &'static str,
+    /// Unit of the correlation function.
+    pub(crate) correlation_unit: &'static str,
+}
+
+/// A transport coefficient κ = A ∫₀^∞ ⟨j(0) j(t)⟩ dt of a flux with several equivalent components.
+///
+/// **Plateau.** The correlation counts as decayed at t_d, the first of three successive lags at which it is
+/// below two of its standard errors. The coefficient is the mean of the running integral from t_d to 2 t_d, its
+/// error that of the same mean over blocks of the run. Where the integral still changes by more than two of its
+/// errors over that stretch, or t_d is not reached within half the window, this is said.
+///
+/// **Cross-check.** Half the slope of ⟨(G(t) − G(0))²⟩, G = ∫ j dt, over the same stretch of lags is the same
+/// number by the road of Einstein and Helfand.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct GreenKubo {
+    correlator: Correlator,
+    helfand: Helfand,
+    window: f64,
+    /// Samples, and the sum of their temperatures.
+    temperature: [f64; 2],
+}
+
+/// Where the running integral is flat.
+struct Plateau {
+    from: usize,
+    to: usize,
+}
+
+impl GreenKubo {
+    pub(crate) fn new(channels: usize, interval: f64, window: f64) -> Self {
+        Self {
+            correlator: Correlator::new(channels, interval, window),
+            helfand: Helfand::new(channels, interval, window),
+            window,
+            temperature: [0.0; 2],
+        }
+    }
+
+    pub(crate) fn push(&mut self, flux: &[f64], temperature: f64) {
+        self.correlator.push(flux);
+        self.helfand.push(flux);
+        self.temperature[0] += 1.0;
+        self.temperature[1] += temperature;
+    }
+
+    /// The mean temperature of the samples.
+    pub(crate) fn mean_temperature(&self) -> f64 {
+        self.temperature[1] / self.temperature[0]
+    }
+
+    /// Everything found, with `prefactor` A.
+    pub(crate) fn findings(&self, prefactor: f64, words: Words) -> Findings {
+        let correlation = self.correlator.correlation();
+        let mut findings = Findings::default();
+        let Some(plateau) = plateau(&correlation, self.window) else {
+            findings.remarks.push(format!(
+                "no {}: its correlation function does not decay into its noise within half the window of {} τ; \
+                 a longer run or a longer `window` may help",
+                words.plain, self.window
+            ));
+            findings.tables.extend(self.table(&correlation, prefactor, words));
+            return findings;
+        };
+        let (from, to) = (correlation.times[plateau.from], correlation.times[plateau.to]);
+        let stretch = plateau.from..=plateau.to;
+        let mean = |integral: &[f64]| integral.iter().sum::<f64>() / integral.len() as f64;
+        let value = prefactor * mean(&correlation.integral[stretch]);
+        let rows = self.correlator.integral_blocks(plateau.to);
+        let blocks: Vec<f64> = rows.iter().map(|row| prefactor * mean(&row[plateau.from..])).collect();
+        let estimate = estimate_of_blocks(value, &blocks);
+        findings.averages.push(average(words.name.into(), words.unit, estimate));
+        if let Some((slope, blocks)) = self.helfand.half_slope(from, to) {
+            let blocks: Vec<f64> = blocks.iter().map(|b| prefactor * b).collect();
+            let name = format!("{}_einstein_helfand", words.name);
+            findings.averages.push(average(name, words.unit, estimate_of_blocks(prefactor * slope, &blocks)));
+        }
+        findings.remarks.push(format!(
+            "{}: plateau of the Green–Kubo integral from {from:.2} to {to:.2} τ; the Einstein–Helfand value is the slope over the same lags",
+            words.plain
+        ));
+        let rise = correlation.integral[plateau.to] - correlation.integral[plateau.from];
+        let noise: Vec<f64> = rows.iter().map(|row| row[plateau.to] - row[plateau.from]).collect();
+        let noise = estimate_of_blocks(rise, &noise).standard_error;
+        if rise.abs() > STILL_FLAT * noise {
+            findings.remarks.push(format!(
+                "{}: the integral still changes by {:.1} of its standard errors over its plateau, {:.3} {}",
+                words.plain,
+                rise.abs() / noise,
+                prefactor * rise,
+                words.unit
+            ));
+        }
+        if estimate.n_effective < FEW_BLOCKS {
+            findings.remarks.push(format!(
+                "{}: only {:.0} independent stretches of the run: its error is itself uncertain",
+                words.plain, estimate.n_effective
+            ));
+        }
+        findings.tables.extend(self.table(&correlation, prefactor, words));
+        findings
+    }
+
+    fn table(&self, c: &Correlation, prefactor: f64, words: Words) -> Option<Table> {
+        let scaled = |column: &[f64]| column.iter().map(|x| prefactor * x).collect();
+        let within = c.times.partition_point(|t| *t <= self.window);
+        (within > 0).then(|| {
+            Table::new(
+                words.name,
+                format!(
+                    "correlation of the flux of the {} against lag, and its running Green–Kubo integral",
+                    words.plain
+                ),
+            )
+            .with("time", "τ", c.times[..within].to_vec())
+            .with("correlation", words.correlation_unit, scaled(&c.values[..within]))
+            .with("standard_error", words.correlation_unit, scaled(&c.errors[..within]))
+            .with("integral", words.unit, scaled(&c.integral[..within]))
+            .with("integral_standard_error", words.unit, scaled(&c.integral_errors[..within]))
+        })
+    }
+}
+
+fn average(name: String, unit: &str, estimate: Estimate) -> Average {
+    Average { name, unit: unit.into(), estimate }
+}
+
+/// Where the correlation is lost in its noise, and twice that lag.
+fn plateau(c: &Correlation, window: f64) -> Option<Plateau> {
+    let lost = |k: usize| c.values[k].abs() < 2.0 * c.errors[k];
+    let last = c.times.len();
+    let from = (1..last.saturating_sub(LAGS_IN_NOISE)).find(|&k| (k..k + LAGS_IN_NOISE).all(lost))?;
+    let end = 2.0 * c.times[from];
+    let to = c.times.partition_point(|t| *t <= end).checked_sub(1)?;
+    (end <= window && to > from && c.times[last - 1] >= end).then_some(Plateau { from, to })
+}
+
+impl Persist for GreenKubo {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.correlator.save(&mut to.section("correlator"));
+        self.helfand.save(&mut to.section("helfand"));
+        to.put_f64("temperature", &self.temperature);
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.correlator.restore(&from.section("correlator"))?;
+        self.helfand.restore(&from.section("helfand"))?;
+        self.temperature = from.f64s("temperature")?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::{mean, synthetic::Ar1, variance};
+
+    const WORDS: Words = Words { name: "x", plain: "x", unit: "", correlation_unit: "" };
+
+    /// Three channels with correlation φ^k and unit variance.
+    fn found(phi: f64, interval: f64, n: usize, seed: u64) -> Findings {
+        let series: Vec<Vec<f64>> = (0..3).map(|c| Ar1::new(phi, 3 * seed + c).series(n)).collect();
+        let mut both = GreenKubo::new(3, interval, 4.0);
+        for i in 0..n {
+            both.push(&[series[0][i], series[1][i], series[2][i]], 1.0);
+        }
+        both.findings(2.0, WORDS)
+    }
+
+    #[test]
+    fn both_roads_lead_to_the_integral_of_an_exponential_correlation_and_the_errors_cover_it() {
+        let (phi, interval) = (0.9, 0.02);
+        // Trapezoidal sum of φ^k: ½(1 + φ)/(1 − φ) intervals, times the prefactor.
+        let exact = 2.0 * interval * 0.5 * (1.0 + phi) / (1.0 - phi);
+        for name in ["x", "x_einstein_helfand"] {
+            let estimates: Vec<Estimate> = (0..24)
+                .map(|seed| {
+                    let findings = found(phi, interval, 40_000, seed);
+                    findings.averages.iter().find(|a| a.name == name).expect("it decays").estimate
+                })
+                .collect();
+            let values: Vec<f64> = estimates.iter().map(|e| e.mean).collect();
+            let squares: Vec<f64> = estimates.iter().map(|e| e.standard_error.powi(2)).collect();
+            let printed = mean(&squares).sqrt();
+            let spread = (variance(&values) * 24.0 / 23.0).sqrt();
+            // What is left of the exponential beyond the lag at which it drops below two errors (about 2 %).
+            let cut = 0.04 * exact;
+            let off = (mean(&values) - exact).abs();
+            assert!(off < 4.0 * printed / 24.0_f64.sqrt() + cut, "{name}: {} {exact}", mean(&values));
+            // 24 seeds know their spread to 15 %; the end of the plateau is chosen anew in each.
+            assert!((spread / printed - 1.0).abs() < 0.6, "{name}: {spread} {printed}");
+            assert!(printed < 0.1 * exact);
+        }
+    }
+
+    #[test]
+    fn a_correlation_that_does_not_decay_gives_no_number() {
+        let mut both = GreenKubo::new(1, 0.02, 4.0);
+        (0..4000).for_each(|i| both.push(&[2.0 + f64::from(i % 2)], 1.0));
+        let findings = both.findings(1.0, WORDS);
+        assert!(findings.averages.is_empty() && findings.remarks.len() == 1 && findings.tables.len() == 1);
+    }
+}
