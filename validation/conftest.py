@@ -9,8 +9,13 @@ import pytest
 
 import lennard_validation as lv
 
-#: Verlet's time step, 0.032 sqrt(m sigma^2/(48 epsilon)).
-DT = 0.0046188
+#: Lines of results, printed at the end of a session.
+RESULTS: list[str] = []
+
+
+def pytest_terminal_summary(terminalreporter) -> None:
+    for line in RESULTS:
+        terminalreporter.write_line(line)
 
 
 @dataclass

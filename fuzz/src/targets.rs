@@ -14,38 +14,122 @@ pub struct Target {
     /// Takes any bytes; says whether they were accepted; panics where something is wrong.
     pub body: fn(&[u8]) -> bool,
     /// Makes mutated bytes worth reading on: without a right checksum nothing behind it would ever be reached.
-    pub repair: Option<fn(&mut Vec<u8>)>,
+    pub repair: Option<fn(&mut [u8])>,
     /// Words that mean something in this format.
     pub words: &'static [&'static str],
 }
 
 /// Every reader.
 pub const TARGETS: &[Target] = &[
-    Target { name: "scene", body: scene, repair: None, words: SCENE_WORDS },
-    Target { name: "extended-xyz", body: extended_xyz, repair: None, words: XYZ_WORDS },
-    Target { name: "nist", body: nist, repair: None, words: XYZ_WORDS },
-    Target { name: "checkpoint", body: checkpoint, repair: Some(seal), words: CHECKPOINT_WORDS },
+    Target {
+        name: "scene",
+        body: scene,
+        repair: None,
+        words: SCENE_WORDS,
+    },
+    Target {
+        name: "extended-xyz",
+        body: extended_xyz,
+        repair: None,
+        words: XYZ_WORDS,
+    },
+    Target {
+        name: "nist",
+        body: nist,
+        repair: None,
+        words: XYZ_WORDS,
+    },
+    Target {
+        name: "checkpoint",
+        body: checkpoint,
+        repair: Some(seal),
+        words: CHECKPOINT_WORDS,
+    },
 ];
 
 const SCENE_WORDS: &[&str] = &[
-    "[[stage]]\n", "[system]\n", "[[", "]]", "steps = 18446744073709551615", "n_atoms = 1000000000000",
-    "n_atoms = -1", "density = 1e-300", "density = 1e300", "box = [1.0, 2.0, 3.0]", "box = 1e308", "nan", "inf",
-    "-0.0", "1e999", "r_cut = 1e-310", "kind = \"respa\"", "kind = \"\"", "thermostat = { kind = \"bussi\" }",
-    "every = 0", "bins = 4294967296", "\"\"\"", "'''", "\\u0000", "1979-05-27T07:32:00Z", "= {", "}", "#", "\r",
-    "a.b.c.d = 1\n", "[a]\n[a]\n", "skin = 1e300", "dt = 5e-324", "seed = 0xffffffffffffffff",
+    "[[stage]]\n",
+    "[system]\n",
+    "[[",
+    "]]",
+    "steps = 18446744073709551615",
+    "n_atoms = 1000000000000",
+    "n_atoms = -1",
+    "density = 1e-300",
+    "density = 1e300",
+    "box = [1.0, 2.0, 3.0]",
+    "box = 1e308",
+    "nan",
+    "inf",
+    "-0.0",
+    "1e999",
+    "r_cut = 1e-310",
+    "kind = \"respa\"",
+    "kind = \"\"",
+    "thermostat = { kind = \"bussi\" }",
+    "every = 0",
+    "bins = 4294967296",
+    "\"\"\"",
+    "'''",
+    "\\u0000",
+    "1979-05-27T07:32:00Z",
+    "= {",
+    "}",
+    "#",
+    "\r",
+    "a.b.c.d = 1\n",
+    "[a]\n[a]\n",
+    "skin = 1e300",
+    "dt = 5e-324",
+    "seed = 0xffffffffffffffff",
 ];
 
 const XYZ_WORDS: &[&str] = &[
-    "18446744073709551615", "18446744073709551616", "9999999999", "4294967296", "-1", "0", "nan", "inf", "1e999",
-    "-1e308", "1e-320", "Properties=", "pos:R:3", "species:S:1:pos:R:3:", "map_shift:I:3", "velo:R:3", "forces:R:3",
-    "Lattice=\"1 0 0 0 1 0 0 0 1\"", "Lattice=\"", "pbc=\"T T F\"", "length_scale=1e-300", "\r\n", "\n\n\n", "2147483648",
-    "\u{feff}", "R:99999999999999999999", "Time=1e400", "1.0E+00", "1d0", "\t",
+    "18446744073709551615",
+    "18446744073709551616",
+    "9999999999",
+    "4294967296",
+    "-1",
+    "0",
+    "nan",
+    "inf",
+    "1e999",
+    "-1e308",
+    "1e-320",
+    "Properties=",
+    "pos:R:3",
+    "species:S:1:pos:R:3:",
+    "map_shift:I:3",
+    "velo:R:3",
+    "forces:R:3",
+    "Lattice=\"1 0 0 0 1 0 0 0 1\"",
+    "Lattice=\"",
+    "pbc=\"T T F\"",
+    "length_scale=1e-300",
+    "\r\n",
+    "\n\n\n",
+    "2147483648",
+    "\u{feff}",
+    "R:99999999999999999999",
+    "Time=1e400",
+    "1.0E+00",
+    "1d0",
+    "\t",
 ];
 
 const CHECKPOINT_WORDS: &[&str] = &[
-    "\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}", "\u{1}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}",
-    "\u{5}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}", "\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{7f}", "LENNARD\u{1a}", "{", "}", "\"",
-    "\"step\":18446744073709551616", "state/positions", "null", "[[[[[[[[",
+    "\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}",
+    "\u{1}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}",
+    "\u{5}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}",
+    "\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{7f}",
+    "LENNARD\u{1a}",
+    "{",
+    "}",
+    "\"",
+    "\"step\":18446744073709551616",
+    "state/positions",
+    "null",
+    "[[[[[[[[",
 ];
 
 /// A scene: an error with a message of reasonable length, or a scene that reads back equal from its own text.
@@ -75,7 +159,13 @@ pub fn extended_xyz(bytes: &[u8]) -> bool {
                 assert!(n > 0);
                 let optional = frame.velocities.iter().chain(&frame.forces);
                 assert!(optional.clone().all(|v| v.len() == n));
-                assert!(frame.positions.iter().chain(optional.flatten()).all(|r| r.is_finite()));
+                assert!(
+                    frame
+                        .positions
+                        .iter()
+                        .chain(optional.flatten())
+                        .all(|r| r.is_finite())
+                );
                 // Every particle takes at least a letter and three digits with their blanks and line end.
                 assert!(8 * n <= bytes.len() + 8);
             }
@@ -95,7 +185,11 @@ pub fn nist(bytes: &[u8]) -> bool {
         Ok(start) => {
             assert!(!start.positions.is_empty() && start.positions.iter().all(|r| r.is_finite()));
             assert!(start.cell.volume() > 0.0 && start.cell.volume().is_finite());
-            assert!(start.velocities.is_none_or(|v| v.len() == start.positions.len()));
+            assert!(
+                start
+                    .velocities
+                    .is_none_or(|v| v.len() == start.positions.len())
+            );
             true
         }
         Err(error) => {
@@ -131,7 +225,10 @@ fn words(array: &Array) -> usize {
 }
 
 fn assert_short(message: &str) {
-    assert!(!message.is_empty() && message.len() < LONGEST_MESSAGE, "{message}");
+    assert!(
+        !message.is_empty() && message.len() < LONGEST_MESSAGE,
+        "{message}"
+    );
 }
 
 /// Bytes of the prefix of a checkpoint, and where its length stands in it.
@@ -140,7 +237,7 @@ const LENGTH: std::ops::Range<usize> = 16..24;
 const CHECKSUM: usize = 4;
 
 /// Writes the right length and checksum into what may be a checkpoint.
-fn seal(bytes: &mut Vec<u8>) {
+fn seal(bytes: &mut [u8]) {
     if bytes.len() < PREFIX + CHECKSUM {
         return;
     }

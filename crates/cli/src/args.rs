@@ -52,6 +52,17 @@ pub enum Command {
     /// Measure where each integrator fails, on the oscillator and on the fluid, beside theory.
     #[command(after_help = "Examples:\n  lennard stability --out runs/stability\n  lennard stability --quick")]
     Stability(StabilityArgs),
+    /// Run many state points side by side; finished ones are not run again.
+    #[command(after_help = "Examples:\n  \
+        lennard sweep inputs/sweep/isotherm.toml\n  \
+        lennard sweep inputs/verlet-1967/table.toml --out runs/verlet-2.5\n  \
+        lennard sweep inputs/verlet-1967/table.toml --out runs/verlet-4 --set truncation.r_cut=4")]
+    Sweep(SweepArgs),
+    /// Put finished runs beside the literature: every quantity with its difference in standard errors.
+    #[command(after_help = "Examples:\n  \
+        lennard compare runs/triple-point-1\n  \
+        lennard compare runs/transport/*/ --json")]
+    Compare(CompareArgs),
     /// List the methods that a scene can name.
     #[command(after_help = "Examples:\n  lennard list integrators\n  lennard list potentials --json")]
     List(ListArgs),
@@ -129,8 +140,11 @@ pub struct RunArgs {
 #[derive(Debug, Args)]
 pub struct ControlArgs {
     /// Stop after this time with a checkpoint and exit code 4: 90s, 10m, 2h, 1h30m.
-    #[arg(long, value_name = "TIME", value_parser = wall_time)]
+    #[arg(long, value_name = "TIME", value_parser = wall_time, allow_hyphen_values = true)]
     pub max_walltime: Option<Duration>,
+    /// Write no report.html.
+    #[arg(long)]
+    pub no_report: bool,
     /// No progress and no table; errors only.
     #[arg(long)]
     pub quiet: bool,
@@ -209,6 +223,46 @@ pub struct StabilityArgs {
     /// No progress and no table; errors only.
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// Arguments of `sweep`.
+#[derive(Debug, Args)]
+pub struct SweepArgs {
+    /// The sweep file: a base scene and [[point]] tables or a [grid] (see inputs/README.md).
+    pub sweep: PathBuf,
+    /// Override a key of every point's scene, such as `truncation.r_cut=4`; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub set: Vec<(String, String)>,
+    /// Output folder, with a folder for each point; finished points in it are kept. By default runs/<sweep>-<n> with
+    /// the first free n.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace runs of the same points with another scene.
+    #[arg(long)]
+    pub force: bool,
+    /// Points at work at once, one thread each; by default as many as there are processors.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Write no report.html for the single points.
+    #[arg(long)]
+    pub no_report: bool,
+    /// One JSON document on standard output, nothing else.
+    #[arg(long)]
+    pub json: bool,
+    /// No progress and no table; errors only.
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// Arguments of `compare`.
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// Output folders of finished runs.
+    #[arg(required = true, value_name = "RUN")]
+    pub runs: Vec<PathBuf>,
+    /// One JSON document on standard output, nothing else.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `list`.

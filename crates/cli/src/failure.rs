@@ -23,7 +23,10 @@ pub struct Failure {
 impl Failure {
     /// A failure while `doing` something.
     pub fn new(doing: &str, error: impl std::fmt::Display, code: u8) -> Self {
-        Self { message: format!("{doing}: {error}"), code }
+        Self {
+            message: format!("{doing}: {error}"),
+            code,
+        }
     }
 }
 
@@ -34,8 +37,10 @@ impl Failure {
         let mut failure = Self::from(error);
         let checkpoints = CheckpointFolder::new(folder).list().unwrap_or_default();
         if unwritten && let Some((step, _)) = checkpoints.first() {
-            failure.message +=
-                &format!("\n  whole up to step {step}; to go on from there: lennard resume {}", folder.display());
+            failure.message += &format!(
+                "\n  whole up to step {step}; to go on from there: lennard resume {}",
+                folder.display()
+            );
         }
         failure
     }
@@ -56,7 +61,10 @@ impl From<EngineError> for Failure {
             EngineError::Folder(e) => Self::new("making the output folder", e, code),
             EngineError::Write(e) => e.into(),
             EngineError::Resume(e) => Self::new("going on with a run", e, code),
-            EngineError::Physics(e) => Self { message: e.to_string(), code },
+            EngineError::Physics(e) => Self {
+                message: e.to_string(),
+                code,
+            },
         }
     }
 }

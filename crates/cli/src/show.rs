@@ -1,5 +1,9 @@
 //! What a person reads: headers and tables.
 
+mod literature;
+
+pub use literature::{compared, sweep, sweep_header};
+
 use std::path::Path;
 
 use comfy_table::presets::UTF8_FULL_CONDENSED;
@@ -75,10 +79,25 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
     println!("  {threads} thread{}, output in {}", if threads == 1 { "" } else { "s" }, folder.display());
 }
 
+/// The averages that people look for first; the others follow by name.
+const FIRST: &[&str] = &[
+    "temperature",
+    "configurational_temperature",
+    "potential_energy",
+    "pressure",
+    "diffusion_coefficient",
+    "total_energy",
+    "kinetic_energy",
+    "potential_energy_without_tail",
+    "pressure_without_tail",
+];
+
 /// What a run found.
 pub fn results(record: &RunRecord, folder: &Path) {
     let mut means = table(&["average", "mean", "standard error", "n_eff", "unit"], 1..4);
-    for (name, average) in &record.averages {
+    let mut averages: Vec<_> = record.averages.iter().collect();
+    averages.sort_by_key(|(name, _)| FIRST.iter().position(|f| f == name).unwrap_or(FIRST.len()));
+    for (name, average) in averages {
         let (mean, error) = with_error(average.mean, average.standard_error);
         means.add_row([name.replace('_', " "), mean, error, count(average.n_effective), average.unit.clone()]);
     }

@@ -17,7 +17,8 @@ pub fn stop_flag() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     let failed = |e| Failure::new("listening for signals", e, OTHER);
     // In this order: the first SIGINT must not find the flag set by itself.
-    flag::register_conditional_shutdown(SIGINT, ENDED_BY_SIGINT, Arc::clone(&stop)).map_err(failed)?;
+    flag::register_conditional_shutdown(SIGINT, ENDED_BY_SIGINT, Arc::clone(&stop))
+        .map_err(failed)?;
     for signal in signals() {
         flag::register(signal, Arc::clone(&stop)).map_err(failed)?;
     }

@@ -5,9 +5,10 @@ use std::path::Path;
 use lennard_core::random::Streams;
 use lennard_core::{DVec3, Dynamics, ForceProvider, PeriodicBox, State, TailCorrection};
 use lennard_forcefield::{Conditions, ForceFieldOptions, Model, PairForces, Tail};
+use lennard_integrators::ThermostatOptions;
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
-use lennard_observables::{BuildContext, ObservableOptions, Thermodynamics};
+use lennard_observables::{BuildContext, Ensemble, ObservableOptions, Thermodynamics};
 use lennard_scene::{Geometry, Lattice, Scene, Stage, Start};
 
 use crate::error::misfit;

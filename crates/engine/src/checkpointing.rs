@@ -33,8 +33,15 @@ pub(crate) fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Che
     let mut run = writer.section("run");
     run.put_vec3("cell", &[simulation.cell.lengths()]);
     save_energetics(&simulation.state.energetics, &mut run);
-    let Timers { step, observe, write } = simulation.timers;
-    run.put_f64("seconds", &[past.wall, step, observe, write].map(|d| d.as_secs_f64()));
+    let Timers {
+        step,
+        observe,
+        write,
+    } = simulation.timers;
+    run.put_f64(
+        "seconds",
+        &[past.wall, step, observe, write].map(|d| d.as_secs_f64()),
+    );
     run.put_u64("owes_output", &[u64::from(past.owes_output)]);
     let text = past.remarks.join("\n");
     run.put_u64("remarks", &text.bytes().map(u64::from).collect::<Vec<_>>());
@@ -46,7 +53,10 @@ pub(crate) fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Che
             isa: simulation.isa.clone(),
             precision: precision_name(simulation.scene.kernel.precision).to_owned(),
             step: simulation.state.step,
-            files: [(THERMO.to_owned(), marks.thermo)].into_iter().chain(trajectory).collect(),
+            files: [(THERMO.to_owned(), marks.thermo)]
+                .into_iter()
+                .chain(trajectory)
+                .collect(),
         },
         scene: simulation.scene.resolved_toml(),
         archive,
@@ -63,12 +73,28 @@ pub(crate) fn reinstate(
     let run = reader.section("run");
     simulation.state.energetics = restored_energetics(&run)?;
     let seconds = run.f64s::<4>("seconds")?;
-    let [wall, step, observe, write] = seconds.map(|s| Duration::try_from_secs_f64(s).unwrap_or_default());
-    simulation.timers = Timers { step, observe, write };
+    let [wall, step, observe, write] =
+        seconds.map(|s| Duration::try_from_secs_f64(s).unwrap_or_default());
+    simulation.timers = Timers {
+        step,
+        observe,
+        write,
+    };
     let [owed] = run.u64s("owes_output")?;
-    let bytes: Vec<u8> = run.u64("remarks")?.iter().filter_map(|&b| u8::try_from(b).ok()).collect();
-    let remarks = String::from_utf8_lossy(&bytes).lines().map(str::to_owned).collect();
-    Ok(Past { wall, remarks, owes_output: owed != 0 })
+    let bytes: Vec<u8> = run
+        .u64("remarks")?
+        .iter()
+        .filter_map(|&b| u8::try_from(b).ok())
+        .collect();
+    let remarks = String::from_utf8_lossy(&bytes)
+        .lines()
+        .map(str::to_owned)
+        .collect();
+    Ok(Past {
+        wall,
+        remarks,
+        owes_output: owed != 0,
+    })
 }
 
 /// The box of a saved run.
@@ -83,7 +109,14 @@ pub(crate) fn saved_cell(archive: &StateArchive) -> Result<DVec3, lennard_core::
 /// The totals of the checkpoint's step: the last frame and the rows owed show them.
 fn save_energetics(energetics: &Energetics, to: &mut lennard_core::StateWriter<'_>) {
     // Laplacian, pairs and the energies of single particles are used up by observables within the step.
-    let Energetics { potential_energy, conserved_potential, virial, laplacian: _, pairs: _, per_particle: _ } = energetics;
+    let Energetics {
+        potential_energy,
+        conserved_potential,
+        virial,
+        laplacian: _,
+        pairs: _,
+        per_particle: _,
+    } = energetics;
     let one = |value: &Option<f64>| Array::F64(value.iter().copied().collect());
     to.put("potential_energy", one(potential_energy));
     to.put("conserved_potential", one(conserved_potential));
@@ -124,7 +157,9 @@ impl Checkpointer {
         Self {
             folder: CheckpointFolder::new(folder),
             every_steps: plan.every_steps,
-            every: plan.every_seconds.and_then(|s| Duration::try_from_secs_f64(s).ok()),
+            every: plan
+                .every_seconds
+                .and_then(|s| Duration::try_from_secs_f64(s).ok()),
             last_written: Instant::now(),
             last_step: None,
         }
@@ -132,12 +167,20 @@ impl Checkpointer {
 
     /// Whether the scene wants one after this step.
     pub(crate) fn is_due(&self, step: u64) -> bool {
-        self.every_steps.is_some_and(|every| step.is_multiple_of(every))
-            || self.every.is_some_and(|every| self.last_written.elapsed() >= every)
+        self.every_steps
+            .is_some_and(|every| step.is_multiple_of(every))
+            || self
+                .every
+                .is_some_and(|every| self.last_written.elapsed() >= every)
     }
 
     /// Writes one, unless this step has one already. A state that the watchdog does not like is never written.
-    pub(crate) fn write(&mut self, simulation: &Simulation, marks: Marks, past: &Past) -> Result<(), EngineError> {
+    pub(crate) fn write(
+        &mut self,
+        simulation: &Simulation,
+        marks: Marks,
+        past: &Past,
+    ) -> Result<(), EngineError> {
         if self.last_step == Some(simulation.state.step) {
             return Ok(());
         }

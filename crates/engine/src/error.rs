@@ -45,5 +45,7 @@ impl EngineError {
 /// A force field that does not fit, put on the line of the scene that it is about.
 #[must_use]
 pub fn misfit(source: &Source, error: &ForceFieldError) -> EngineError {
-    source.invalid(error.key(), error.found(), error.allowed()).into()
+    source
+        .invalid(error.key(), error.found(), error.allowed())
+        .into()
 }

@@ -16,7 +16,9 @@
 use std::path::{Path, PathBuf};
 
 use lennard_core::{Energetics, PeriodicBox, State, Table};
-use lennard_io::{Cell, FileMark, Frame, FrameStyle, RunRecord, TableWriter, TrajectoryWriter, WriteError};
+use lennard_io::{
+    Cell, FileMark, Frame, FrameStyle, RunRecord, TableWriter, TrajectoryWriter, WriteError,
+};
 
 use crate::resume::Claim;
 use crate::{EngineError, Simulation};
@@ -87,7 +89,13 @@ impl RunFiles {
             .trajectory_every
             .map(|_| TrajectoryWriter::create(&folder.join(TRAJECTORY), &style))
             .transpose()?;
-        Ok(Self { folder: folder.to_owned(), thermo, trajectory, style, _claim: claim })
+        Ok(Self {
+            folder: folder.to_owned(),
+            thermo,
+            trajectory,
+            style,
+            _claim: claim,
+        })
     }
 
     /// Goes on with the files of an interrupted run, cut back to where its checkpoint was.
@@ -95,7 +103,11 @@ impl RunFiles {
     /// # Errors
     /// [`EngineError`] where a file is shorter than its mark or cannot be written, or another process is at
     /// work there.
-    pub fn resume(folder: &Path, simulation: &Simulation, marks: Marks) -> Result<Self, EngineError> {
+    pub fn resume(
+        folder: &Path,
+        simulation: &Simulation,
+        marks: Marks,
+    ) -> Result<Self, EngineError> {
         let claim = Claim::on(folder)?;
         let style = style(simulation);
         let thermo = TableWriter::resume_at(&folder.join(THERMO), THERMO_COLUMNS, marks.thermo)?;
@@ -103,7 +115,13 @@ impl RunFiles {
             .trajectory
             .map(|mark| TrajectoryWriter::resume_at(&folder.join(TRAJECTORY), &style, mark))
             .transpose()?;
-        Ok(Self { folder: folder.to_owned(), thermo, trajectory, style, _claim: claim })
+        Ok(Self {
+            folder: folder.to_owned(),
+            thermo,
+            trajectory,
+            style,
+            _claim: claim,
+        })
     }
 
     /// Writes what describes the run anew and removes what a killed process left half written.
@@ -124,7 +142,10 @@ impl RunFiles {
     /// How far the growing files are, on disk or on the way there.
     #[must_use]
     pub fn marks(&self) -> Marks {
-        Marks { thermo: self.thermo.mark(), trajectory: self.trajectory.as_ref().map(TrajectoryWriter::mark) }
+        Marks {
+            thermo: self.thermo.mark(),
+            trajectory: self.trajectory.as_ref().map(TrajectoryWriter::mark),
+        }
     }
 
     /// How far the growing files are, after making sure that they are on disk.
@@ -145,10 +166,16 @@ impl RunFiles {
     /// [`WriteError`] where the row cannot be written.
     pub fn write_thermo(&mut self, simulation: &Simulation) -> Result<(), WriteError> {
         let n = simulation.state.len() as f64;
-        let temperature = simulation.dynamics.temperature(&simulation.state.velocities);
-        let potential = simulation.potential_energy_per_particle().unwrap_or(f64::NAN);
+        let temperature = simulation
+            .dynamics
+            .temperature(&simulation.state.velocities);
+        let potential = simulation
+            .potential_energy_per_particle()
+            .unwrap_or(f64::NAN);
         let pressure = simulation.pressure().unwrap_or(f64::NAN);
-        let conserved = simulation.conserved_energy_per_particle().unwrap_or(f64::NAN);
+        let conserved = simulation
+            .conserved_energy_per_particle()
+            .unwrap_or(f64::NAN);
         let heat = simulation.stage_run().heat / n;
         self.thermo.write(&[
             Cell::Integer(simulation.state.step),
@@ -171,7 +198,11 @@ impl RunFiles {
             None => Ok(()),
             Some(trajectory) => {
                 let extra = header(simulation);
-                trajectory.write(&Frame { cell: &simulation.cell, state: &simulation.state, extra: &extra })
+                trajectory.write(&Frame {
+                    cell: &simulation.cell,
+                    state: &simulation.state,
+                    extra: &extra,
+                })
             }
         }
     }
@@ -182,8 +213,16 @@ impl RunFiles {
     /// [`WriteError`] where it cannot be written.
     pub fn write_state(&self, name: &str, simulation: &Simulation) -> Result<(), WriteError> {
         // A start configuration needs velocities and reduced units whatever the trajectory has.
-        let style = FrameStyle { velocities: true, length_scale: 1.0, ..self.style.clone() };
-        let frame = Frame { cell: &simulation.cell, state: &simulation.state, extra: &header(simulation) };
+        let style = FrameStyle {
+            velocities: true,
+            length_scale: 1.0,
+            ..self.style.clone()
+        };
+        let frame = Frame {
+            cell: &simulation.cell,
+            state: &simulation.state,
+            extra: &header(simulation),
+        };
         lennard_io::write_frame(&self.folder.join(name), &style, &frame)
     }
 
@@ -191,9 +230,27 @@ impl RunFiles {
     ///
     /// # Errors
     /// [`WriteError`] where it cannot be written.
-    pub fn write_earlier_state(&self, name: &str, cell: &PeriodicBox, state: &State) -> Result<(), WriteError> {
-        let style = FrameStyle { velocities: true, forces: false, length_scale: 1.0, ..self.style.clone() };
-        lennard_io::write_frame(&self.folder.join(name), &style, &Frame { cell, state, extra: &[] })
+    pub fn write_earlier_state(
+        &self,
+        name: &str,
+        cell: &PeriodicBox,
+        state: &State,
+    ) -> Result<(), WriteError> {
+        let style = FrameStyle {
+            velocities: true,
+            forces: false,
+            length_scale: 1.0,
+            ..self.style.clone()
+        };
+        lennard_io::write_frame(
+            &self.folder.join(name),
+            &style,
+            &Frame {
+                cell,
+                state,
+                extra: &[],
+            },
+        )
     }
 
     /// Frames written so far, where there is a trajectory.
@@ -206,7 +263,10 @@ impl RunFiles {
     ///
     /// # Errors
     /// [`WriteError`] where one cannot be written.
-    pub fn write_tables<'a>(&self, tables: impl IntoIterator<Item = &'a Table>) -> Result<(), WriteError> {
+    pub fn write_tables<'a>(
+        &self,
+        tables: impl IntoIterator<Item = &'a Table>,
+    ) -> Result<(), WriteError> {
         for table in tables {
             lennard_io::write_table_csv(&self.folder.join(format!("{}.csv", table.name)), table)?;
         }
@@ -225,8 +285,14 @@ impl RunFiles {
 /// Removes what a killed process left under hidden names.
 fn remove_half_written(folder: &Path) {
     let ours = |name: &str| {
-        let inner = name.strip_prefix('.').and_then(|n| n.strip_suffix(".partial"));
-        inner.is_some_and(|n| ["csv", "xyz", "json", "toml", "gro", "lennard"].iter().any(|e| n.ends_with(e)))
+        let inner = name
+            .strip_prefix('.')
+            .and_then(|n| n.strip_suffix(".partial"));
+        inner.is_some_and(|n| {
+            ["csv", "xyz", "json", "toml", "gro", "lennard"]
+                .iter()
+                .any(|e| n.ends_with(e))
+        })
     };
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         if entry.file_name().to_str().is_some_and(ours) {
@@ -241,18 +307,38 @@ fn write_descriptions(folder: &Path, simulation: &Simulation) -> Result<(), Writ
     lennard_io::write_text_atomically(&folder.join(SCENE), &simulation.scene.resolved_toml())?;
     if simulation.scene.output.trajectory_every.is_some() {
         let n = simulation.state.len();
-        lennard_io::write_topology_gro(&folder.join(TOPOLOGY), n, &simulation.cell, &style(simulation))?;
+        lennard_io::write_topology_gro(
+            &folder.join(TOPOLOGY),
+            n,
+            &simulation.cell,
+            &style(simulation),
+        )?;
     }
     Ok(())
 }
 
 /// What the header line of a frame says besides time and step.
 fn header(simulation: &Simulation) -> Vec<(&'static str, f64)> {
-    let mut extra = vec![("temperature", simulation.dynamics.temperature(&simulation.state.velocities))];
-    let Energetics { potential_energy, .. } = simulation.state.energetics;
+    let mut extra = vec![(
+        "temperature",
+        simulation
+            .dynamics
+            .temperature(&simulation.state.velocities),
+    )];
+    let Energetics {
+        potential_energy, ..
+    } = simulation.state.energetics;
     if let Some(energy) = potential_energy {
         extra.insert(0, ("potential_energy", energy));
-        extra.insert(1, ("kinetic_energy", simulation.dynamics.kinetic_energy(&simulation.state.velocities)));
+        extra.insert(
+            1,
+            (
+                "kinetic_energy",
+                simulation
+                    .dynamics
+                    .kinetic_energy(&simulation.state.velocities),
+            ),
+        );
     }
     if let Some(pressure) = simulation.pressure() {
         extra.push(("pressure", pressure));

@@ -23,7 +23,7 @@ pub use error::EngineError;
 pub use files::{Marks, RunFiles};
 pub use plan::{Plan, PlanItem, plan};
 pub use checkpointing::Past;
-pub use resume::{ResumeError, ResumeOptions, Resumed, resume};
+pub use resume::{ResumeError, ResumeOptions, Resumed, refuse_if_busy, resume};
 pub use run::{Ending, Outcome, Progress, RunOptions, go_on, prepare, run};
 pub use simulation::{Follower, Nobody, Observer, Simulation, StageRun, Verdict};
 pub use timers::Timers;

@@ -5,15 +5,19 @@ use std::time::Duration;
 
 use lennard_core::Findings;
 use lennard_io::{
-    AverageRecord, Conservation, Host, NeighborRecord, Performance, RUN_SCHEMA, RunRecord, StageSeconds,
-    ThermostatRecord,
+    AverageRecord, Conservation, Host, NeighborRecord, Performance, RUN_SCHEMA, RunRecord,
+    StageSeconds, ThermostatRecord,
 };
 
 use crate::{Simulation, compare};
 
 /// The record of a run that has not ended, or not well; `remarks` say how it failed.
 #[must_use]
-pub fn unfinished(simulation: &Simulation, threads: usize, remarks: impl IntoIterator<Item = String>) -> RunRecord {
+pub fn unfinished(
+    simulation: &Simulation,
+    threads: usize,
+    remarks: impl IntoIterator<Item = String>,
+) -> RunRecord {
     let mut record = bare(simulation, threads);
     record.remarks.extend(remarks);
     record
@@ -30,7 +34,8 @@ pub fn finished(
     finished: bool,
 ) -> RunRecord {
     let density = simulation.state.len() as f64 / simulation.cell.volume();
-    let compared = compare::with_equation_of_state(&simulation.scene, density, &simulation.thermodynamics);
+    let compared =
+        compare::with_equation_of_state(&simulation.scene, density, &simulation.thermodynamics);
     let conservation = simulation.thermodynamics.conservation();
     let wall_s = wall.as_secs_f64();
     let atom_steps = simulation.state.len() as f64 * simulation.state.step as f64;
@@ -55,7 +60,11 @@ pub fn finished(
             momentum_per_atom: conservation.momentum_per_atom,
         },
         comparison: compared.entries,
-        remarks: findings.iter().flat_map(|f| f.remarks.iter().cloned()).chain(compared.remarks).collect(),
+        remarks: findings
+            .iter()
+            .flat_map(|f| f.remarks.iter().cloned())
+            .chain(compared.remarks)
+            .collect(),
         trajectory_frames,
         ..bare(simulation, threads)
     }
@@ -66,7 +75,12 @@ fn bare(simulation: &Simulation, threads: usize) -> RunRecord {
     let scene = &simulation.scene;
     let statistics = simulation.forces.statistics();
     let stage = simulation.stage.as_ref();
-    let bath = stage.and_then(|s| scene.stages[s.index].thermostat.as_ref().map(|t| (t, s.heat)));
+    let bath = stage.and_then(|s| {
+        scene.stages[s.index]
+            .thermostat
+            .as_ref()
+            .map(|t| (t, s.heat))
+    });
     RunRecord {
         schema: RUN_SCHEMA.to_owned(),
         finished: false,
@@ -76,7 +90,11 @@ fn bare(simulation: &Simulation, threads: usize) -> RunRecord {
         model: lennard_forcefield::model_name(&scene.force_field()),
         seed: scene.system.seed,
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        host: Host { cpu: lennard_io::cpu_name(), isa: simulation.isa.clone(), threads: threads as u64 },
+        host: Host {
+            cpu: lennard_io::cpu_name(),
+            isa: simulation.isa.clone(),
+            threads: threads as u64,
+        },
         steps: simulation.state.step,
         atoms: simulation.state.len() as u64,
         n_dof: simulation.dynamics.n_dof as u64,
@@ -112,7 +130,10 @@ fn stages(simulation: &Simulation) -> StageSeconds {
     StageSeconds {
         force: statistics.force_seconds,
         neighbor: statistics.neighbor_seconds,
-        integrate: (timers.step.as_secs_f64() - statistics.force_seconds - statistics.neighbor_seconds).max(0.0),
+        integrate: (timers.step.as_secs_f64()
+            - statistics.force_seconds
+            - statistics.neighbor_seconds)
+            .max(0.0),
         observe: timers.observe.as_secs_f64(),
         write: timers.write.as_secs_f64(),
     }

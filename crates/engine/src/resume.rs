@@ -104,7 +104,10 @@ pub enum ResumeError {
 
 fn older_command(folder: &Path, error: &CheckpointError) -> String {
     if error.older.is_some() {
-        format!("\n  to go on from that one: lennard resume {} --older", folder.display())
+        format!(
+            "\n  to go on from that one: lennard resume {} --older",
+            folder.display()
+        )
     } else {
         format!(
             "\n  no older one is whole; to start again: lennard run {0}/{SCENE} --out {0} --force",
@@ -124,19 +127,30 @@ pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineE
     let (path, checkpoint) = load(folder, options.older)?;
     let metadata = &checkpoint.metadata;
     if metadata.program_version != env!("CARGO_PKG_VERSION") {
-        return Err(ResumeError::OtherProgram { checkpoint: path, found: metadata.program_version.clone() }.into());
+        return Err(ResumeError::OtherProgram {
+            checkpoint: path,
+            found: metadata.program_version.clone(),
+        }
+        .into());
     }
-    let misfit = |reason: String| ResumeError::DoesNotFit { checkpoint: path.clone(), reason };
+    let misfit = |reason: String| ResumeError::DoesNotFit {
+        checkpoint: path.clone(),
+        reason,
+    };
     let name = path.display().to_string();
     let scene = Scene::parse(&checkpoint.scene, &name, &[]).map_err(|e| misfit(e.to_string()))?;
     same_scene(&folder.join(SCENE), &scene, &path)?;
     let mark = |file: &str| metadata.files.get(file).copied();
     let marks = Marks {
-        thermo: mark(THERMO).ok_or_else(|| misfit(format!("it does not say how long {THERMO} was")))?,
+        thermo: mark(THERMO)
+            .ok_or_else(|| misfit(format!("it does not say how long {THERMO} was")))?,
         trajectory: mark(TRAJECTORY),
     };
     if scene.output.trajectory_every.is_some() != marks.trajectory.is_some() {
-        return Err(misfit(format!("scene and checkpoint disagree whether there is a {TRAJECTORY}")).into());
+        return Err(misfit(format!(
+            "scene and checkpoint disagree whether there is a {TRAJECTORY}"
+        ))
+        .into());
     }
     let mut overrides = Vec::new();
     if options.more_steps > 0 {
@@ -145,13 +159,20 @@ pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineE
         overrides.push((format!("stage.{last}.steps"), steps.to_string()));
     }
     let (mut simulation, remark) = with_isa(&checkpoint, overrides, options.isa.as_deref(), &path)?;
-    let mut past =
-        checkpointing::reinstate(&mut simulation, &checkpoint.archive).map_err(|e| misfit(e.to_string()))?;
-    if simulation.state.step != metadata.step || !simulation.state.positions.iter().all(|r| r.is_finite()) {
+    let mut past = checkpointing::reinstate(&mut simulation, &checkpoint.archive)
+        .map_err(|e| misfit(e.to_string()))?;
+    if simulation.state.step != metadata.step
+        || !simulation.state.positions.iter().all(|r| r.is_finite())
+    {
         return Err(misfit("its state is not that of its step".into()).into());
     }
     past.remarks.extend(remark);
-    Ok(Resumed { simulation, marks, past, checkpoint: path })
+    Ok(Resumed {
+        simulation,
+        marks,
+        past,
+        checkpoint: path,
+    })
 }
 
 fn load(folder: &Path, older: bool) -> Result<(PathBuf, Checkpoint), EngineError> {
@@ -162,18 +183,26 @@ fn load(folder: &Path, older: bool) -> Result<(PathBuf, Checkpoint), EngineError
         let [_, (_, path), ..] = all.as_slice() else {
             return Err(ResumeError::NoOlder(owned()).into());
         };
-        let checkpoint = lennard_io::read_checkpoint(path)
-            .map_err(|source| ResumeError::Refused { folder: owned(), source })?;
+        let checkpoint =
+            lennard_io::read_checkpoint(path).map_err(|source| ResumeError::Refused {
+                folder: owned(),
+                source,
+            })?;
         return Ok((path.clone(), checkpoint));
     }
     checkpoints.load_newest().map_err(|source| {
         match &source.problem {
-            CheckpointProblem::None if folder.join(SCENE).exists() => ResumeError::NoCheckpoint { folder: owned() },
+            CheckpointProblem::None if folder.join(SCENE).exists() => {
+                ResumeError::NoCheckpoint { folder: owned() }
+            }
             CheckpointProblem::None => ResumeError::NoRun(owned()),
             CheckpointProblem::Io(e) if !folder.is_dir() && e.kind() == io::ErrorKind::NotFound => {
                 ResumeError::NoRun(owned())
             }
-            _ => ResumeError::Refused { folder: owned(), source },
+            _ => ResumeError::Refused {
+                folder: owned(),
+                source,
+            },
         }
         .into()
     })
@@ -182,8 +211,10 @@ fn load(folder: &Path, older: bool) -> Result<(PathBuf, Checkpoint), EngineError
 /// Refuses a checkpoint that was put beside the scene of another run. The number of steps of the last stage
 /// and the instruction set may differ: a resumed run may have changed them after the scene was written.
 fn same_scene(file: &Path, of_checkpoint: &Scene, checkpoint: &Path) -> Result<(), EngineError> {
-    let other = |difference: String| {
-        ResumeError::OtherScene { checkpoint: checkpoint.to_owned(), scene: file.to_owned(), difference }
+    let other = |difference: String| ResumeError::OtherScene {
+        checkpoint: checkpoint.to_owned(),
+        scene: file.to_owned(),
+        difference,
     };
     let text = match std::fs::read_to_string(file) {
         Ok(text) => text,
@@ -191,7 +222,8 @@ fn same_scene(file: &Path, of_checkpoint: &Scene, checkpoint: &Path) -> Result<(
         Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
         Err(e) => return Err(other(format!("the file cannot be read: {e}")).into()),
     };
-    let mut there = Scene::parse(&text, &file.display().to_string(), &[]).map_err(|e| other(e.to_string()))?;
+    let mut there =
+        Scene::parse(&text, &file.display().to_string(), &[]).map_err(|e| other(e.to_string()))?;
     there.kernel.isa = of_checkpoint.kernel.isa;
     if let (Some(a), Some(b)) = (there.stages.last_mut(), of_checkpoint.stages.last()) {
         a.steps = b.steps;
@@ -248,7 +280,10 @@ fn with_isa(
         }
         (_, Some(_)) => {}
     }
-    let isa = [("kernel.isa".to_owned(), wanted.unwrap_or_default().to_owned())];
+    let isa = [(
+        "kernel.isa".to_owned(),
+        wanted.unwrap_or_default().to_owned(),
+    )];
     let overrides: Vec<_> = overrides.into_iter().chain(isa).collect();
     let simulation = build_for(checkpoint, &overrides, path)?;
     let remark = (simulation.isa != *recorded).then(|| {
@@ -271,18 +306,37 @@ fn build_for(
     overrides: &[(String, String)],
     path: &Path,
 ) -> Result<Simulation, EngineError> {
-    let misfit = |reason: String| ResumeError::DoesNotFit { checkpoint: path.to_owned(), reason };
+    let misfit = |reason: String| ResumeError::DoesNotFit {
+        checkpoint: path.to_owned(),
+        reason,
+    };
     let scene = Scene::parse(&checkpoint.scene, &path.display().to_string(), overrides)?;
-    let sides = checkpointing::saved_cell(&checkpoint.archive).map_err(|e| misfit(e.to_string()))?;
+    let sides =
+        checkpointing::saved_cell(&checkpoint.archive).map_err(|e| misfit(e.to_string()))?;
     let cell = PeriodicBox::new(sides).map_err(|e| misfit(e.to_string()))?;
     let state = checkpoint.archive.reader().section("state");
-    let n = state.vec3("positions").map_err(|e| misfit(e.to_string()))?.len();
+    let n = state
+        .vec3("positions")
+        .map_err(|e| misfit(e.to_string()))?
+        .len();
     if n == 0 {
         return Err(misfit("it has no particles".into()).into());
     }
-    let beginning =
-        Beginning { cell, positions: vec![DVec3::ZERO; n], velocities: Some(vec![DVec3::ZERO; n]), relax: false };
+    let beginning = Beginning {
+        cell,
+        positions: vec![DVec3::ZERO; n],
+        velocities: Some(vec![DVec3::ZERO; n]),
+        relax: false,
+    };
     build::assembled(scene, beginning)
+}
+
+/// Fails where another process is running in a folder, so that nothing of it is taken away.
+///
+/// # Errors
+/// [`ResumeError::Busy`].
+pub fn refuse_if_busy(folder: &Path) -> Result<(), EngineError> {
+    Ok(Claim::on(folder).map(drop)?)
 }
 
 /// Holds a run's folder for one process; let go when dropped, however the process ends.

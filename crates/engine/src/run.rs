@@ -90,10 +90,16 @@ pub fn run(simulation: &mut Simulation, options: RunOptions<'_>) -> Result<Outco
 /// As [`run`].
 pub fn go_on(resumed: &mut Resumed, options: RunOptions<'_>) -> Result<Outcome, EngineError> {
     let started = Instant::now();
-    let Resumed { simulation, marks, past, .. } = resumed;
+    let Resumed {
+        simulation,
+        marks,
+        past,
+        ..
+    } = resumed;
     let files = RunFiles::resume(options.folder, simulation, *marks)?;
     // First of all, since the scene in it may have more steps than before, or another instruction set.
-    Checkpointer::new(options.folder, &simulation.scene.checkpoint).write_unwatched(simulation, *marks, past)?;
+    Checkpointer::new(options.folder, &simulation.scene.checkpoint)
+        .write_unwatched(simulation, *marks, past)?;
     files.refresh(simulation)?;
     drive(simulation, files, past.clone(), options, started)
 }
@@ -106,7 +112,11 @@ fn drive(
     started: Instant,
 ) -> Result<Outcome, EngineError> {
     let threads = options.threads;
-    files.write_record(&record::unfinished(simulation, threads, past.remarks.clone()))?;
+    files.write_record(&record::unfinished(
+        simulation,
+        threads,
+        past.remarks.clone(),
+    ))?;
     let mut recorder = Recorder {
         total: simulation.scene.total_steps(),
         checkpoints: Checkpointer::new(options.folder, &simulation.scene.checkpoint),
@@ -122,8 +132,15 @@ fn drive(
             recorder.keep_evidence(simulation, failure);
         }
         // The record of a failed run is a courtesy: the error itself matters more than a second one.
-        let remarks = recorder.past.remarks.iter().cloned().chain([error.to_string()]);
-        let _ = recorder.files.write_record(&record::unfinished(simulation, threads, remarks));
+        let remarks = recorder
+            .past
+            .remarks
+            .iter()
+            .cloned()
+            .chain([error.to_string()]);
+        let _ = recorder
+            .files
+            .write_record(&record::unfinished(simulation, threads, remarks));
         return Err(error);
     }
     recorder.conclude(simulation)
@@ -160,13 +177,20 @@ impl Recorder<'_> {
         if step.is_multiple_of(output.thermo_every) {
             written = self.files.write_thermo(simulation);
         }
-        if simulation.current_stage().measure && output.trajectory_every.is_some_and(|e| step.is_multiple_of(e)) {
+        if simulation.current_stage().measure
+            && output
+                .trajectory_every
+                .is_some_and(|e| step.is_multiple_of(e))
+        {
             written = written.and_then(|()| self.files.write_frame(simulation));
         }
         written.map_err(|error| {
             // What cannot be written now is written when the run goes on: where there is room for a checkpoint,
             // not a step is lost. Where there is none, the last one is as good as before.
-            let past = Past { owes_output: true, ..self.past_until_now() };
+            let past = Past {
+                owes_output: true,
+                ..self.past_until_now()
+            };
             if simulation.watch_closely().is_ok() {
                 let _ = self.checkpoints.write_unwatched(simulation, marks, &past);
             }
@@ -175,7 +199,10 @@ impl Recorder<'_> {
     }
 
     fn past_until_now(&self) -> Past {
-        Past { wall: self.past.wall + self.started.elapsed(), ..self.past.clone() }
+        Past {
+            wall: self.past.wall + self.started.elapsed(),
+            ..self.past.clone()
+        }
     }
 
     fn checkpoint(&mut self, simulation: &mut Simulation) -> Result<(), EngineError> {
@@ -193,16 +220,31 @@ impl Recorder<'_> {
         // Each is a courtesy: a second error must not hide the first. Numbers that are not finite are never written.
         if self.files.write_state("failed.xyz", simulation).is_ok() {
             let path = folder.join("failed.xyz");
-            failure.kept.push(format!("saved: {} (step {})", path.display(), simulation.state.step));
+            failure.kept.push(format!(
+                "saved: {} (step {})",
+                path.display(),
+                simulation.state.step
+            ));
         }
-        if self.files.write_earlier_state("before-failure.xyz", &simulation.cell, &self.before).is_ok() {
+        if self
+            .files
+            .write_earlier_state("before-failure.xyz", &simulation.cell, &self.before)
+            .is_ok()
+        {
             let path = folder.join("before-failure.xyz");
-            failure.kept.push(format!("saved: {} (step {}, before it)", path.display(), self.before.step));
+            failure.kept.push(format!(
+                "saved: {} (step {}, before it)",
+                path.display(),
+                self.before.step
+            ));
         }
         if let Ok(all) = lennard_io::CheckpointFolder::new(folder).list()
             && let Some((_, newest)) = all.first()
         {
-            failure.kept.push(format!("the last good checkpoint is untouched: {}", newest.display()));
+            failure.kept.push(format!(
+                "the last good checkpoint is untouched: {}",
+                newest.display()
+            ));
         }
     }
 
@@ -210,7 +252,10 @@ impl Recorder<'_> {
     fn conclude(&mut self, simulation: &mut Simulation) -> Result<Outcome, EngineError> {
         let clock = Instant::now();
         let findings: Vec<Findings> = simulation.findings();
-        let tables: Vec<Table> = findings.iter().flat_map(|f| f.tables.iter().cloned()).collect();
+        let tables: Vec<Table> = findings
+            .iter()
+            .flat_map(|f| f.tables.iter().cloned())
+            .collect();
         let finished = self.ending == Ending::Finished;
         // What looks like a result is written where the run is done; until then the checkpoint has it all.
         if finished {
@@ -219,11 +264,21 @@ impl Recorder<'_> {
         }
         simulation.timers.write += clock.elapsed();
         let wall: Duration = self.past_until_now().wall;
-        let mut record =
-            record::finished(simulation, &findings, self.options.threads, wall, self.files.frames(), finished);
+        let mut record = record::finished(
+            simulation,
+            &findings,
+            self.options.threads,
+            wall,
+            self.files.frames(),
+            finished,
+        );
         record.remarks.extend(self.past.remarks.iter().cloned());
         self.files.write_record(&record)?;
-        Ok(Outcome { ending: self.ending, record, tables })
+        Ok(Outcome {
+            ending: self.ending,
+            record,
+            tables,
+        })
     }
 
     /// Whether and why to stop now.
@@ -231,7 +286,10 @@ impl Recorder<'_> {
         if self.options.stop.load(Ordering::Relaxed) {
             return Some(Ending::Stopped);
         }
-        self.options.deadline.is_some_and(|deadline| Instant::now() >= deadline).then_some(Ending::OutOfTime)
+        self.options
+            .deadline
+            .is_some_and(|deadline| Instant::now() >= deadline)
+            .then_some(Ending::OutOfTime)
     }
 }
 
@@ -239,8 +297,15 @@ impl Follower for Recorder<'_> {
     fn want(&self, scene: &Scene, step: u64, measured: bool) -> Want {
         let output = &scene.output;
         let row = step.is_multiple_of(output.thermo_every);
-        let frame = measured && output.trajectory_every.is_some_and(|e| step.is_multiple_of(e));
-        if row || frame { Want::ENERGY_AND_VIRIAL } else { Want::NOTHING }
+        let frame = measured
+            && output
+                .trajectory_every
+                .is_some_and(|e| step.is_multiple_of(e));
+        if row || frame {
+            Want::ENERGY_AND_VIRIAL
+        } else {
+            Want::NOTHING
+        }
     }
 
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
@@ -251,7 +316,9 @@ impl Follower for Recorder<'_> {
             set_aside(&simulation.state, &mut self.before);
         }
         simulation.timers.write += clock.elapsed();
-        self.options.progress.update(&simulation.current_stage().name, step, self.total);
+        self.options
+            .progress
+            .update(&simulation.current_stage().name, step, self.total);
         // A request that comes with the last step changes nothing any more.
         if step < self.total
             && let Some(ending) = self.told_to_stop()

@@ -98,8 +98,18 @@ impl std::error::Error for PhysicsFailure {}
 
 impl std::fmt::Display for PhysicsFailure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { step, time, stage, method, dt, .. } = self;
-        write!(f, "the run failed at step {step} (t = {time:.4} τ, stage `{stage}`, {method} with dt = {dt} τ): ")?;
+        let Self {
+            step,
+            time,
+            stage,
+            method,
+            dt,
+            ..
+        } = self;
+        write!(
+            f,
+            "the run failed at step {step} (t = {time:.4} τ, stage `{stage}`, {method} with dt = {dt} τ): "
+        )?;
         match &self.symptom {
             Symptom::NonFinite(e) => write!(f, "{e}")?,
             Symptom::TooFast { particle, distance } => write!(
@@ -111,22 +121,42 @@ impl std::fmt::Display for PhysicsFailure {
                 "the conserved energy ran from {from:.6} to {to:.6} ε per particle, by more than {LARGEST_ENERGY_CHANGE} ε"
             )?,
             Symptom::LateLists { builds } => {
-                write!(f, "{builds} neighbor lists were built too late, so that pairs may have been missed")?;
+                write!(
+                    f,
+                    "{builds} neighbor lists were built too late, so that pairs may have been missed"
+                )?;
             }
             Symptom::Method(e) => write!(f, "{e}")?,
         }
         if let Some(pair) = self.closest {
-            let overlap = if pair.distance < OVERLAP { ", an overlap" } else { "" };
-            write!(f, "\n  closest pair: particles {} and {} at {:.4} σ{overlap}", pair.i, pair.j, pair.distance)?;
+            let overlap = if pair.distance < OVERLAP {
+                ", an overlap"
+            } else {
+                ""
+            };
+            write!(
+                f,
+                "\n  closest pair: particles {} and {} at {:.4} σ{overlap}",
+                pair.i, pair.j, pair.distance
+            )?;
         }
         if let Some((particle, speed)) = self.fastest {
-            write!(f, "\n  fastest: particle {particle} at {speed:.4e} σ/τ (particles are counted from 0)")?;
+            write!(
+                f,
+                "\n  fastest: particle {particle} at {speed:.4e} σ/τ (particles are counted from 0)"
+            )?;
         }
         if self.non_finite > 0 {
-            write!(f, "\n  {} positions are not finite numbers", self.non_finite)?;
+            write!(
+                f,
+                "\n  {} positions are not finite numbers",
+                self.non_finite
+            )?;
         }
         write!(f, "\n  likely cause: {}", self.likely_cause())?;
-        self.kept.iter().try_for_each(|line| write!(f, "\n  {line}"))
+        self.kept
+            .iter()
+            .try_for_each(|line| write!(f, "\n  {line}"))
     }
 }
 
@@ -135,7 +165,8 @@ impl PhysicsFailure {
     #[must_use]
     pub fn likely_cause(&self) -> String {
         if let Symptom::LateLists { .. } = self.symptom {
-            return "a skin too thin for the speeds: leave out `neighbor.skin`, or make it larger".into();
+            return "a skin too thin for the speeds: leave out `neighbor.skin`, or make it larger"
+                .into();
         }
         if self.density > HIGHEST_USUAL_DENSITY {
             return format!(
@@ -145,7 +176,10 @@ impl PhysicsFailure {
         }
         if self.temperature > HIGHEST_USUAL_TEMPERATURE {
             let limit = self.dt_limit.map_or_else(String::new, |limit| {
-                format!("; if it is meant, use a dt of at most {:.2e} τ", 0.25 * limit)
+                format!(
+                    "; if it is meant, use a dt of at most {:.2e} τ",
+                    0.25 * limit
+                )
             });
             return format!(
                 "the temperature is T = {} ε/k_B, far above the critical 1.3: check `system.temperature` and that of the stage{limit}",
@@ -222,7 +256,10 @@ pub fn check_speeds(state: &State, dt: f64) -> Result<(), Symptom> {
         return Ok(());
     }
     let (particle, speed) = fastest(state).unwrap_or((0, f64::INFINITY));
-    Err(Symptom::TooFast { particle, distance: speed * dt })
+    Err(Symptom::TooFast {
+        particle,
+        distance: speed * dt,
+    })
 }
 
 /// Fails where the conserved energy per particle has left its start by more than [`LARGEST_ENERGY_CHANGE`].
@@ -230,7 +267,11 @@ pub fn check_speeds(state: &State, dt: f64) -> Result<(), Symptom> {
 /// # Errors
 /// The symptom.
 pub fn check_energy(from: f64, to: f64) -> Result<(), Symptom> {
-    if (to - from).abs() <= LARGEST_ENERGY_CHANGE { Ok(()) } else { Err(Symptom::EnergyRunAway { from, to }) }
+    if (to - from).abs() <= LARGEST_ENERGY_CHANGE {
+        Ok(())
+    } else {
+        Err(Symptom::EnergyRunAway { from, to })
+    }
 }
 
 /// Fails where neighbor lists were built too late.
@@ -238,21 +279,38 @@ pub fn check_energy(from: f64, to: f64) -> Result<(), Symptom> {
 /// # Errors
 /// The symptom.
 pub fn check_lists(late_builds: u64) -> Result<(), Symptom> {
-    if late_builds == 0 { Ok(()) } else { Err(Symptom::LateLists { builds: late_builds }) }
+    if late_builds == 0 {
+        Ok(())
+    } else {
+        Err(Symptom::LateLists {
+            builds: late_builds,
+        })
+    }
 }
 
 fn fastest(state: &State) -> Option<(usize, f64)> {
     state
         .velocities
         .iter()
-        .map(|v| if v.is_finite() { v.length() } else { f64::INFINITY })
+        .map(|v| {
+            if v.is_finite() {
+                v.length()
+            } else {
+                f64::INFINITY
+            }
+        })
         .enumerate()
         .max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Puts together what is known of a failure.
 #[must_use]
-pub fn diagnose(state: &State, cell: &PeriodicBox, at: Circumstances<'_>, symptom: Symptom) -> PhysicsFailure {
+pub fn diagnose(
+    state: &State,
+    cell: &PeriodicBox,
+    at: Circumstances<'_>,
+    symptom: Symptom,
+) -> PhysicsFailure {
     PhysicsFailure {
         step: state.step,
         time: state.time,
@@ -288,7 +346,10 @@ mod tests {
     use super::*;
 
     fn state(speed: f64) -> State {
-        let mut s = State::new(vec![DVec3::ZERO, DVec3::new(0.5, 0.0, 0.0)], vec![DVec3::ZERO; 2]);
+        let mut s = State::new(
+            vec![DVec3::ZERO, DVec3::new(0.5, 0.0, 0.0)],
+            vec![DVec3::ZERO; 2],
+        );
         s.velocities[1].y = speed;
         s
     }
@@ -298,7 +359,10 @@ mod tests {
         let dt = 0.01;
         assert!(check_speeds(&state(0.999 * LARGEST_MOVE / dt), dt).is_ok());
         let found = check_speeds(&state(1.001 * LARGEST_MOVE / dt), dt);
-        assert!(matches!(found, Err(Symptom::TooFast { particle: 1, .. })), "{found:?}");
+        assert!(
+            matches!(found, Err(Symptom::TooFast { particle: 1, .. })),
+            "{found:?}"
+        );
         assert!(check_speeds(&state(f64::NAN), dt).is_err());
         assert!(check_energy(-4.0, f64::NAN).is_err());
     }
@@ -315,22 +379,65 @@ mod tests {
             temperature: 0.7,
             density: 0.8,
         };
-        let symptom = Symptom::TooFast { particle: 1, distance: 3.0 };
+        let symptom = Symptom::TooFast {
+            particle: 1,
+            distance: 3.0,
+        };
         let overlap = diagnose(&state(3e3), &cell, at, symptom.clone());
-        assert!(overlap.likely_cause().contains("overlapped at the start"), "{overlap}");
-        assert!(overlap.to_string().contains("particles 0 and 1 at 0.5000 σ, an overlap"), "{overlap}");
+        assert!(
+            overlap.likely_cause().contains("overlapped at the start"),
+            "{overlap}"
+        );
+        assert!(
+            overlap
+                .to_string()
+                .contains("particles 0 and 1 at 0.5000 σ, an overlap"),
+            "{overlap}"
+        );
         let cause = |at| diagnose(&state(3e3), &cell, at, symptom.clone()).likely_cause();
         let large = cause(Circumstances { dt: 0.05, ..at });
-        assert!(large.contains("dt = 0.05 τ is too large") && large.contains("stable below about 0.030 τ"), "{large}");
-        let hot = cause(Circumstances { temperature: 722.0, ..at });
-        assert!(hot.contains("T = 722") && hot.contains("`system.temperature`"), "{hot}");
-        let dense = cause(Circumstances { density: 8.442, ..at });
-        assert!(dense.contains("ρ = 8.4420") && dense.contains("`system.density`"), "{dense}");
+        assert!(
+            large.contains("dt = 0.05 τ is too large")
+                && large.contains("stable below about 0.030 τ"),
+            "{large}"
+        );
+        let hot = cause(Circumstances {
+            temperature: 722.0,
+            ..at
+        });
+        assert!(
+            hot.contains("T = 722") && hot.contains("`system.temperature`"),
+            "{hot}"
+        );
+        let dense = cause(Circumstances {
+            density: 8.442,
+            ..at
+        });
+        assert!(
+            dense.contains("ρ = 8.4420") && dense.contains("`system.density`"),
+            "{dense}"
+        );
         let late = diagnose(&state(0.0), &cell, at, check_lists(2).unwrap_err());
-        assert!(late.to_string().contains("2 neighbor lists were built too late"), "{late}");
+        assert!(
+            late.to_string()
+                .contains("2 neighbor lists were built too late"),
+            "{late}"
+        );
         assert!(late.likely_cause().contains("`neighbor.skin`"), "{late}");
-        let later = diagnose(&state(3e3), &cell, Circumstances { steps_into_stage: 5000, dt: 0.01, ..at }, symptom.clone());
-        assert!(later.likely_cause().contains("try half the dt first"), "{later}");
+        let later = diagnose(
+            &state(3e3),
+            &cell,
+            Circumstances {
+                steps_into_stage: 5000,
+                dt: 0.01,
+                ..at
+            },
+            symptom.clone(),
+        );
+        assert!(
+            later.likely_cause().contains("try half the dt first"),
+            "{later}"
+        );
         assert!(check_lists(0).is_ok());
     }
 

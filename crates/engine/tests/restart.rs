@@ -5,7 +5,9 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use lennard_engine::{Ending, Outcome, Progress, ResumeOptions, RunOptions, Simulation, go_on, prepare, resume, run};
+use lennard_engine::{
+    Ending, Outcome, Progress, ResumeOptions, RunOptions, Simulation, go_on, prepare, resume, run,
+};
 use lennard_scene::Scene;
 
 /// A small liquid; short, since there are many of it.
@@ -34,11 +36,13 @@ const LIQUID: &str = r#"
     trajectory_every = 20
 "#;
 
-const ALL_OBSERVABLES: &str =
-    r#"[{kind="rdf", every=10}, {kind="msd", every=5}, {kind="vacf", every=5}, {kind="pressure-tensor", every=2}]"#;
+const ALL_OBSERVABLES: &str = r#"[{kind="rdf", every=10}, {kind="msd", every=5}, {kind="vacf", every=5}, {kind="pressure-tensor", every=2}]"#;
 
 fn scene(overrides: &[(&str, &str)]) -> Option<Simulation> {
-    let overrides: Vec<_> = overrides.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
+    let overrides: Vec<_> = overrides
+        .iter()
+        .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
+        .collect();
     let scene = Scene::parse(LIQUID, "liquid.toml", &overrides).ok()?;
     prepare(scene).ok()
 }
@@ -55,13 +59,27 @@ impl Progress for StopAt<'_> {
 }
 
 /// Runs, or goes on, until a step.
-fn until(folder: &Path, step: u64, simulation: Option<&mut Simulation>, options: &ResumeOptions) -> Outcome {
+fn until(
+    folder: &Path,
+    step: u64,
+    simulation: Option<&mut Simulation>,
+    options: &ResumeOptions,
+) -> Outcome {
     let stop = AtomicBool::new(false);
     let progress = &mut StopAt(step, &stop);
-    let run_options = RunOptions { folder, threads: 1, stop: &stop, deadline: None, progress };
+    let run_options = RunOptions {
+        folder,
+        threads: 1,
+        stop: &stop,
+        deadline: None,
+        progress,
+    };
     match simulation {
         Some(simulation) => run(simulation, run_options),
-        None => go_on(&mut resume(folder, options).unwrap_or_else(|e| panic!("{e}")), run_options),
+        None => go_on(
+            &mut resume(folder, options).unwrap_or_else(|e| panic!("{e}")),
+            run_options,
+        ),
     }
     .unwrap_or_else(|e| panic!("{e}"))
 }
@@ -82,14 +100,21 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         }
         (name, bytes)
     };
-    fs::read_dir(folder).unwrap().map(|e| entry(e.unwrap())).collect()
+    fs::read_dir(folder)
+        .unwrap()
+        .map(|e| entry(e.unwrap()))
+        .collect()
 }
 
 fn same(whole: &Path, parts: &Path, what: &str) {
     let (mut whole, mut parts) = (contents(whole), contents(parts));
     // The last checkpoint must be there; the one before it is where the run was stopped, or nowhere.
     let checkpoints = |files: &mut BTreeMap<String, Vec<u8>>| {
-        let names: Vec<String> = files.keys().filter(|n| n.ends_with(".lennard")).cloned().collect();
+        let names: Vec<String> = files
+            .keys()
+            .filter(|n| n.ends_with(".lennard"))
+            .cloned()
+            .collect();
         names.iter().for_each(|n| drop(files.remove(n)));
         names.last().cloned()
     };
@@ -105,19 +130,30 @@ fn same(whole: &Path, parts: &Path, what: &str) {
 fn in_parts(overrides: &[(&str, &str)]) -> bool {
     let root = tempfile::tempdir().unwrap();
     let (whole, parts) = (root.path().join("whole"), root.path().join("parts"));
-    let Some(mut first) = scene(overrides) else { return false };
+    let Some(mut first) = scene(overrides) else {
+        return false;
+    };
     for folder in [&whole, &parts] {
         fs::create_dir(folder).unwrap();
     }
     let never = ResumeOptions::default();
     let stop = AtomicBool::new(false);
-    let options = RunOptions { folder: &whole, threads: 1, stop: &stop, deadline: None, progress: &mut () };
+    let options = RunOptions {
+        folder: &whole,
+        threads: 1,
+        stop: &stop,
+        deadline: None,
+        progress: &mut (),
+    };
     if run(&mut first, options).is_err() {
         // Some methods cannot run a fluid at all, which other tests are about.
         return false;
     }
     let mut again = scene(overrides).unwrap();
-    assert_eq!(until(&parts, 37, Some(&mut again), &never).ending, Ending::Stopped);
+    assert_eq!(
+        until(&parts, 37, Some(&mut again), &never).ending,
+        Ending::Stopped
+    );
     for step in [60, 61, 133] {
         assert_eq!(until(&parts, step, None, &never).ending, Ending::Stopped);
         assert!(!parts.join("final.xyz").exists(), "nothing looks finished");
@@ -143,7 +179,14 @@ fn every_integrator_with_every_bath_goes_on_to_the_bit() {
             in_parts(&[method, ("stage.production.thermostat", bath.name)]);
         }
     }
-    for wanted in ["velocity-verlet", "stormer-verlet", "leapfrog", "respa", "pefrl", "bit-reversible-verlet"] {
+    for wanted in [
+        "velocity-verlet",
+        "stormer-verlet",
+        "leapfrog",
+        "respa",
+        "pefrl",
+        "bit-reversible-verlet",
+    ] {
         assert!(ran.contains(&wanted), "{wanted} did not run: {ran:?}");
     }
 }
@@ -155,9 +198,17 @@ fn every_observable_list_state_and_precision_goes_on_to_the_bit() {
     assert!(in_parts(&[("kernel.precision", "mixed")]));
     assert!(in_parts(&[("kernel.isa", "portable")]));
     assert!(in_parts(&[("system.lattice", "random")]));
-    assert!(in_parts(&[("output.velocities", "true"), ("output.forces", "true"), ("output.unwrapped", "true")]));
+    assert!(in_parts(&[
+        ("output.velocities", "true"),
+        ("output.forces", "true"),
+        ("output.unwrapped", "true")
+    ]));
     // A list that is rebuilt often, and measured stages that begin at once.
-    assert!(in_parts(&[("neighbor.skin", "0.05"), ("stage.melt.measure", "false"), ("stage.melt.steps", "1")]));
+    assert!(in_parts(&[
+        ("neighbor.skin", "0.05"),
+        ("stage.melt.measure", "false"),
+        ("stage.melt.steps", "1")
+    ]));
     for observable in lennard_observables::observables() {
         let one = format!("[{{kind=\"{}\"}}]", observable.name);
         in_parts(&[("observable", &one)]);
@@ -174,7 +225,9 @@ fn checkpoints_on_the_way_change_no_bit() {
         let mut simulation = scene(&[("checkpoint.every_steps", every)]).unwrap();
         until(&folder, 0, Some(&mut simulation), &ResumeOptions::default());
         let mut files = contents(&folder);
-        files.retain(|name, _| !name.ends_with(".lennard") && name != "scene.toml" && name != "run.json");
+        files.retain(|name, _| {
+            !name.ends_with(".lennard") && name != "scene.toml" && name != "run.json"
+        });
         folders.push(files);
     }
     assert!(folders.windows(2).all(|pair| pair[0] == pair[1]));
@@ -189,12 +242,23 @@ fn a_run_made_longer_is_the_longer_run() {
     }
     let more = [("observable", ALL_OBSERVABLES)];
     let longer = [more[0], ("stage.production.steps", "340")];
-    until(&whole, 0, scene(&longer).as_mut(), &ResumeOptions::default());
+    until(
+        &whole,
+        0,
+        scene(&longer).as_mut(),
+        &ResumeOptions::default(),
+    );
     until(&parts, 0, scene(&more).as_mut(), &ResumeOptions::default());
-    let options = ResumeOptions { more_steps: 200, ..ResumeOptions::default() };
+    let options = ResumeOptions {
+        more_steps: 200,
+        ..ResumeOptions::default()
+    };
     // Stopped on the way: the longer scene is in the checkpoint by then.
     assert_eq!(until(&parts, 250, None, &options).ending, Ending::Stopped);
-    assert_eq!(until(&parts, 0, None, &ResumeOptions::default()).ending, Ending::Finished);
+    assert_eq!(
+        until(&parts, 0, None, &ResumeOptions::default()).ending,
+        Ending::Finished
+    );
     same(&whole, &parts, "140 + 200 production steps against 340");
 }
 
@@ -209,10 +273,26 @@ fn a_run_goes_on_without_its_start_configuration() {
     let start = root.path().join("start.xyz");
     fs::rename(first.join("final.xyz"), &start).unwrap();
     let text = LIQUID
-        .replace("n_atoms = 108", &format!("configuration = \"{}\"", start.display()))
+        .replace(
+            "n_atoms = 108",
+            &format!("configuration = \"{}\"", start.display()),
+        )
         .replace("density = 0.8442", "");
-    let mut simulation = prepare(Scene::parse(&text, "next.toml", &[]).unwrap()).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(until(&second, 50, Some(&mut simulation), &ResumeOptions::default()).ending, Ending::Stopped);
+    let mut simulation =
+        prepare(Scene::parse(&text, "next.toml", &[]).unwrap()).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(
+        until(
+            &second,
+            50,
+            Some(&mut simulation),
+            &ResumeOptions::default()
+        )
+        .ending,
+        Ending::Stopped
+    );
     fs::remove_file(&start).unwrap();
-    assert_eq!(until(&second, 0, None, &ResumeOptions::default()).ending, Ending::Finished);
+    assert_eq!(
+        until(&second, 0, None, &ResumeOptions::default()).ending,
+        Ending::Finished
+    );
 }

@@ -92,7 +92,7 @@ pub fn list() -> [&'static dyn EquationOfState; 3] {
 const THOL_2015_CUTOFF: f64 = 2.5;
 
 /// The cutoff in σ from which the tail's assumption g(r) = 1 is good enough for comparison to the
-/// equation's own accuracy: at 2.5 it biases p of the dense liquid by about −0.02.
+/// equation's own accuracy: at 2.5 it biases p of the dense liquid by about −0.03.
 pub const GOOD_TAIL_CUTOFF: f64 = 4.0;
 
 /// The equation of state by which a run of this model may be judged.
@@ -146,7 +146,7 @@ pub fn remark_for(model: ModelKind) -> Option<String> {
     match model {
         ModelKind::CutWithTail { r_cut } if r_cut < GOOD_TAIL_CUTOFF => Some(format!(
             "the tail correction takes g(r) = 1 beyond {r_cut} σ; in a dense liquid that biases P, \
-             by about −0.02 at 2.5 σ: judge P at r_cut ≥ {GOOD_TAIL_CUTOFF} σ"
+             by about −0.03 at 2.5 σ: judge P at r_cut ≥ {GOOD_TAIL_CUTOFF} σ"
         )),
         _ => None,
     }

@@ -1,15 +1,19 @@
-//! Studies: stability of every integrator, on the oscillator and on the fluid.
+//! Studies: stability of every integrator, on the oscillator and on the fluid; sweeps over state points; finished runs beside the
+//! literature, and the page of a run.
 //!
 //! A study is data first: it runs, keeps what it found with every number, and is then written as CSV,
 //! JSON, SVG and one self-contained page.
 
 pub mod claims;
+pub mod compare;
 mod error;
 mod files;
 pub mod fluid_stability;
 mod jobs;
 mod progress;
+pub mod run_page;
 pub mod stability;
+pub mod sweep;
 
 pub use error::StudyError;
 pub use progress::{Progress, Silent};

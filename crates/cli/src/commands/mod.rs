@@ -1,11 +1,13 @@
 //! One file a command.
 
+pub mod compare;
 pub mod energy;
 pub mod list;
 pub mod plan;
 pub mod resume;
 pub mod run;
 pub mod stability;
+pub mod sweep;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -46,12 +48,25 @@ pub fn threads(asked: Option<u16>, n_atoms: usize) -> usize {
 pub fn output_folder(named: Option<&Path>, force: bool, stem: &str) -> Result<PathBuf, Failure> {
     let made = match named {
         Some(folder) => {
+            lennard_engine::refuse_if_busy(folder)?;
             let existing = if force { Existing::Replace } else { Existing::Refuse };
             lennard_io::create_named_folder(folder, existing).map(|()| folder.to_owned())
         }
         None => lennard_io::create_numbered_folder("runs".as_ref(), stem),
     };
     made.map_err(|e| EngineError::Folder(e).into())
+}
+
+/// Writes the page of a finished run.
+pub fn write_report(
+    outcome: &lennard_engine::Outcome,
+    folder: &Path,
+    control: &crate::args::ControlArgs,
+) -> Result<(), Failure> {
+    if outcome.ending == lennard_engine::Ending::Finished && !control.no_report {
+        lennard_studies::run_page::write(folder)?;
+    }
+    Ok(())
 }
 
 /// Prints one JSON document.

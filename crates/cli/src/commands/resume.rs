@@ -7,7 +7,7 @@ use lennard_engine::{ResumeOptions, RunOptions};
 
 use crate::args::ResumeArgs;
 use crate::commands::run::tell;
-use crate::commands::{on_threads, threads};
+use crate::commands::{on_threads, threads, write_report};
 use crate::failure::Failure;
 use crate::progress::Display;
 use crate::{show, signals};
@@ -16,8 +16,11 @@ use crate::{show, signals};
 pub fn resume(args: &ResumeArgs) -> Result<ExitCode, Failure> {
     let deadline = args.control.deadline(Instant::now());
     let stop = signals::stop_flag()?;
-    let options =
-        ResumeOptions { more_steps: args.steps.unwrap_or(0), isa: args.isa.clone(), older: args.older };
+    let options = ResumeOptions {
+        more_steps: args.steps.unwrap_or(0),
+        isa: args.isa.clone(),
+        older: args.older,
+    };
     let mut resumed = lennard_engine::resume(&args.folder, &options)?;
     let quiet = args.control.quiet || args.json;
     let simulation = &resumed.simulation;
@@ -25,17 +28,26 @@ pub fn resume(args: &ResumeArgs) -> Result<ExitCode, Failure> {
     let (step, total) = (simulation.state.step, simulation.scene.total_steps());
     if !quiet {
         show::header(simulation, threads, &args.folder);
-        println!("  goes on after step {step} of {total}, from {}", resumed.checkpoint.display());
+        println!(
+            "  goes on after step {step} of {total}, from {}",
+            resumed.checkpoint.display()
+        );
         if step == total {
             println!("  all steps were done already; --steps N goes on for N more");
         }
     }
     let mut display = Display::new(args.control.quiet);
     let outcome = on_threads(threads, || {
-        let options =
-            RunOptions { folder: &args.folder, threads, stop: &stop, deadline, progress: &mut display };
+        let options = RunOptions {
+            folder: &args.folder,
+            threads,
+            stop: &stop,
+            deadline,
+            progress: &mut display,
+        };
         lennard_engine::go_on(&mut resumed, options).map_err(|e| Failure::of_run(e, &args.folder))
     })?;
     drop(display);
+    write_report(&outcome, &args.folder, &args.control)?;
     tell(&outcome, &args.folder, total, args.json, quiet)
 }

@@ -7,7 +7,7 @@ use std::time::Instant;
 use lennard_engine::{Ending, Outcome, RunOptions};
 
 use crate::args::RunArgs;
-use crate::commands::{load, on_threads, output_folder, print_json, threads};
+use crate::commands::{load, on_threads, output_folder, print_json, threads, write_report};
 use crate::failure::Failure;
 use crate::progress::Display;
 use crate::{show, signals};
@@ -30,15 +30,34 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     }
     let mut display = Display::new(args.control.quiet);
     let outcome = on_threads(threads, || {
-        let options = RunOptions { folder: &folder, threads, stop: &stop, deadline, progress: &mut display };
+        let options = RunOptions {
+            folder: &folder,
+            threads,
+            stop: &stop,
+            deadline,
+            progress: &mut display,
+        };
         lennard_engine::run(&mut simulation, options).map_err(|e| Failure::of_run(e, &folder))
     })?;
     drop(display);
-    tell(&outcome, &folder, simulation.scene.total_steps(), args.scene.json, quiet)
+    write_report(&outcome, &folder, &args.control)?;
+    tell(
+        &outcome,
+        &folder,
+        simulation.scene.total_steps(),
+        args.scene.json,
+        quiet,
+    )
 }
 
 /// Prints what a run found, or where it stopped.
-pub fn tell(outcome: &Outcome, folder: &Path, total: u64, json: bool, quiet: bool) -> Result<ExitCode, Failure> {
+pub fn tell(
+    outcome: &Outcome,
+    folder: &Path,
+    total: u64,
+    json: bool,
+    quiet: bool,
+) -> Result<ExitCode, Failure> {
     if json {
         print_json(&outcome.record)?;
     }

@@ -6,7 +6,10 @@ use std::process::{Command, Output};
 
 /// The root of the repository.
 pub fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../..")
+        .canonicalize()
+        .unwrap()
 }
 
 /// `lennard` with arguments, standing in the root of the repository.
@@ -29,7 +32,12 @@ pub fn stderr(output: &Output) -> String {
 /// Runs it, wants success, and returns standard output.
 pub fn succeed(args: &[&str]) -> String {
     let output = lennard(args).output().unwrap();
-    assert!(output.status.success(), "lennard {args:?}\n{}{}", stdout(&output), stderr(&output));
+    assert!(
+        output.status.success(),
+        "lennard {args:?}\n{}{}",
+        stdout(&output),
+        stderr(&output)
+    );
     stdout(&output)
 }
 

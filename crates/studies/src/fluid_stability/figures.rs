@@ -6,6 +6,7 @@ use super::fluid::{STATES, TRUNCATIONS};
 use super::run::FluidRun;
 use super::{FluidStudy, SHOWN_TRUNCATION};
 use crate::files::Captioned;
+use crate::stability::groups::groups;
 
 /// All figures of the fluid part, by section.
 #[derive(Debug, Clone)]
@@ -27,7 +28,7 @@ impl FluidFigures {
 }
 
 /// Steps common to the energy figures, τ.
-const DT_RANGE: (f64, f64) = (0.0008, 0.03);
+const DT_RANGE: (f64, f64) = (0.00091, 0.027);
 
 fn dt_axis() -> Axis {
     Axis::logarithmic("dt / τ").from_to(DT_RANGE.0, DT_RANGE.1)
@@ -49,27 +50,22 @@ pub(crate) fn figures(study: &FluidStudy) -> FluidFigures {
     }
 }
 
-/// Runs of each method at one state point under the truncation that is shown, in the order of the list.
-fn by_method(study: &FluidStudy, state: usize) -> Vec<(&'static str, Vec<&FluidRun>)> {
-    let mut methods: Vec<(&'static str, Vec<&FluidRun>)> = Vec::new();
+/// The methods that are drawn: name in the legend, method, index of colour and symbol.
+fn drawn() -> Vec<(String, &'static str, usize)> {
+    groups()
+        .iter()
+        .enumerate()
+        .map(|(g, group)| (group.name.clone(), group.representative().spec.name, g))
+        .collect()
+}
+
+/// Runs of a method at one state point under the truncation that is shown, by falling dt.
+fn runs_of<'a>(study: &'a FluidStudy, state: usize, method: &str) -> Vec<&'a FluidRun> {
     let truncation = TRUNCATIONS[SHOWN_TRUNCATION].1;
-    for run in &study.runs {
-        if run.state != STATES[state].name || run.truncation != truncation {
-            continue;
-        }
-        match methods.iter_mut().find(|(name, _)| *name == run.method) {
-            Some((_, runs)) => runs.push(run),
-            None => methods.push((run.method, vec![run])),
-        }
-    }
-    for (_, runs) in &mut methods {
-        runs.sort_by(|a, b| a.dt.total_cmp(&b.dt));
-    }
-    let position = |name: &str| {
-        lennard_integrators::integrators().iter().position(|e| e.spec.name == name)
+    let here = |r: &&FluidRun| {
+        r.method == method && r.state == STATES[state].name && r.truncation == truncation
     };
-    methods.sort_by_key(|(name, _)| position(name));
-    methods
+    study.runs.iter().filter(here).collect()
 }
 
 fn series(
@@ -107,16 +103,15 @@ fn per_method(
     y: Axis,
     value: impl Fn(&FluidRun) -> Option<(f64, Option<f64>)>,
 ) -> Option<Figure> {
-    let methods = by_method(study, state);
-    if methods.is_empty() {
-        return None;
-    }
     let title = format!("{title}, {}", STATES[state].name);
     let mut figure = Figure::new(file_stem(kind, state), title, dt_axis(), y);
-    for (i, (name, runs)) in methods.iter().enumerate() {
-        figure = figure.with(series(name, i, runs, &value));
+    for (name, method, i) in drawn() {
+        let runs = runs_of(study, state, method);
+        if !runs.is_empty() {
+            figure = figure.with(series(&name, i, &runs, &value));
+        }
     }
-    Some(figure)
+    (!figure.series.is_empty()).then_some(figure)
 }
 
 fn fluctuation(study: &FluidStudy, state: usize) -> Option<Captioned> {
@@ -125,8 +120,8 @@ fn fluctuation(study: &FluidStudy, state: usize) -> Option<Captioned> {
         Some((r.fluctuation?, None))
     })?;
     let caption = "RMS of the total energy around its own straight line against dt, force-shifted at \
-                   2.5 σ. Methods of order p fall as dt^p until something else than dt decides. Crosses: \
-                   the run did not reach its end.";
+                   2.5 σ. The slope is the order of the method until something else than dt decides. \
+                   Crosses: the run did not reach its end.";
     Some(Captioned::new(figure, caption, "fluid.csv"))
 }
 
@@ -148,7 +143,8 @@ fn temperature(study: &FluidStudy, state: usize) -> Option<Captioned> {
     .guided(Guide::Horizontal(0.0, String::new()));
     let caption = "Kinetic less configurational temperature, Σ⟨F²⟩/⟨∇²U⟩, as a share of T*. In a correct \
                    ensemble both are equal; a finite step pulls them apart, and so does a method that \
-                   heats or cools. Arrows at the edges lie beyond them.";
+                   heats or cools. All runs begin alike, so that they share part of the noise of one short run. \
+                   Arrows at the edges lie beyond them.";
     Some(Captioned::new(figure, caption, "fluid.csv"))
 }
 
@@ -175,8 +171,7 @@ fn truncations(study: &FluidStudy, state: usize) -> Option<Captioned> {
     Some(Captioned::new(figure, caption, "fluid.csv"))
 }
 
-/// The largest stable steps as marks over the methods would hide their sizes: they are a bar figure in
-/// all but name, drawn as marks against the temperature.
+/// The largest stable steps against the temperature.
 fn limits(study: &FluidStudy) -> Option<Captioned> {
     let truncation = TRUNCATIONS[SHOWN_TRUNCATION].1;
     let mut figure = Figure::new(
@@ -185,22 +180,20 @@ fn limits(study: &FluidStudy) -> Option<Captioned> {
         Axis::logarithmic("T*").from_to(0.6, 6.5),
         Axis::logarithmic("largest stable dt / τ"),
     );
-    let mut names: Vec<&'static str> = Vec::new();
-    for limit in study.limits.iter().filter(|l| l.truncation == truncation) {
-        if !names.contains(&limit.method) {
-            names.push(limit.method);
+    for (name, method, i) in drawn() {
+        let points: Vec<(f64, f64)> = STATES
+            .iter()
+            .filter_map(|s| {
+                let place = |l: &&super::FluidLimit| {
+                    l.method == method && l.state == s.name && l.truncation == truncation
+                };
+                Some((s.temperature, study.limits.iter().find(place)?.middle()?))
+            })
+            .collect();
+        if !points.is_empty() {
+            let look = Look::LineAndPoints(Dash::cycle(i), Symbol::cycle(i));
+            figure = figure.with(Series::new(name, look, i, points));
         }
-    }
-    for (i, name) in names.iter().enumerate() {
-        let points = STATES.iter().filter_map(|s| {
-            let place = |l: &&super::FluidLimit| {
-                l.method == *name && l.state == s.name && l.truncation == truncation
-            };
-            let middle = study.limits.iter().find(place)?.middle()?;
-            Some((s.temperature, middle))
-        });
-        let look = Look::LineAndPoints(Dash::cycle(i), Symbol::cycle(i));
-        figure = figure.with(Series::new(*name, look, i, points.collect::<Vec<_>>()));
     }
     if figure.series.iter().all(|s| s.points.is_empty()) {
         return None;

@@ -29,7 +29,9 @@ pub(crate) fn sections(
         Section::new("The fluid: energy and temperature against dt")
             .text(format!(
                 "The same methods on the Lennard-Jones fluid: {} atoms at ρ* = {}, cutoff {} σ, from one \
-                 equilibrated configuration for each state point and truncation, at constant energy.",
+                 equilibrated configuration for each state point and truncation, at constant energy. Methods \
+                 that are one map on the oscillator run alike here too, and one of them is drawn for all; \
+                 `fluid.csv` has every run.",
                 fluid::ATOMS,
                 fluid::DENSITY,
                 fluid::R_CUT

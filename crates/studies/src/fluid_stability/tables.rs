@@ -148,12 +148,11 @@ pub(crate) fn cost_on_page(study: &FluidStudy, command: &str) -> PageTable {
     let rows = study
         .runs
         .iter()
-        .filter(|r| r.truncation == shown && r.dt == at || r.dt == 0.002 && study.runs.iter().all(|o| o.dt != at))
-        .filter(|r| r.truncation == shown)
+        .filter(|r| r.truncation == shown && r.dt == at)
         .map(|r| {
             vec![
                 Cell::text(format!("`{}`", r.method)),
-                Cell::text(r.state),
+                Cell::number(r.state),
                 Cell::number(significant(r.dt, 2)),
                 Cell::number(significant(r.evaluations_per_step, 3)),
                 Cell::number(r.fluctuation.map_or("–".into(), |v| significant(v, 2))),
@@ -183,21 +182,17 @@ pub(crate) fn past_on_page(study: &FluidStudy, command: &str) -> PageTable {
         .past_limit
         .iter()
         .map(|(factor, r)| {
-            let (text, tone) = match &r.outcome {
-                Outcome::Completed => (
-                    format!(
-                        "completed, energy changed by {} ε an atom",
-                        r.change.map_or("–".into(), |c| significant(c, 2))
-                    ),
-                    Tone::Careful,
-                ),
-                outcome => (in_words(outcome), Tone::Plain),
+            let text = match (&r.outcome, r.change) {
+                (Outcome::Completed, Some(change)) => {
+                    format!("completed, energy changed by {} ε an atom", significant(change, 2))
+                }
+                (outcome, _) => in_words(outcome),
             };
             vec![
                 Cell::text(format!("`{}`", r.method)),
                 Cell::number(significant(*factor, 3)),
                 Cell::number(significant(r.dt, 2)),
-                Cell { text, tone: if tone == Tone::Careful { Tone::Plain } else { tone } },
+                Cell::text(text),
             ]
         })
         .collect();

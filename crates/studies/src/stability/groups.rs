@@ -39,6 +39,15 @@ impl Group {
     }
 }
 
+impl Group {
+    /// The method that is drawn where all of them would lie on top of each other.
+    #[must_use]
+    pub fn representative(&self) -> &'static IntegratorEntry {
+        let known = self.members.iter().find(|e| e.spec.name == FAMILY);
+        known.copied().unwrap_or(self.members[0])
+    }
+}
+
 fn same_map(a: &IntegratorSpec, b: &IntegratorSpec) -> bool {
     let (Some(a), Some(b)) = (a.oscillator_map, b.oscillator_map) else {
         return false;

@@ -5,6 +5,7 @@ use super::groups::entry;
 use super::{OscillatorStudy, displacement::Case, displacement::Summary, orders::OrderLine};
 use crate::StudyError;
 use crate::claims::{Claim, Demand};
+use crate::fluid_stability::FluidStudy;
 
 const ARTICLE: &str = "article on Verlet integration";
 const MANUAL: &str = "manual of the SPOOK integrator";
@@ -23,6 +24,11 @@ const GROWTH_TOLERANCE: f64 = 1e-10;
 const AMPLITUDE_TOLERANCE: f64 = 1e-6;
 /// Largest growth between the halves of a long run that still counts as none.
 const NO_GROWTH: f64 = 1.001;
+
+/// Rounding of the sum of 256 momenta over some thousand steps.
+const MOMENTUM_TOLERANCE: f64 = 1e-13;
+/// Two runs of one τ see different parts of the phase space once they have parted.
+const FLUID_ORDER_TOLERANCE: f64 = 0.2;
 
 fn case<'a>(study: &'a OscillatorStudy, name: &'static str) -> Result<&'a Case, StudyError> {
     study
@@ -72,7 +78,7 @@ fn article(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> {
         let near = Demand::Near { value: 1.0 / 24.0, within: 0.01 / 24.0 };
         Claim::judge(
             ARTICLE,
-            format!("on ẍ = w²x, x_n = e^{{wt}}·(1 − (wh)²/24·wt + …), {what}"),
+            format!("on ẍ = w²x, xₙ = exp(wt)·(1 − (wh)²/24·wt + …), {what}"),
             format!("coefficient at wh = {}", growth.wh),
             near,
             measured,
@@ -89,7 +95,7 @@ fn article(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> {
     Ok(vec![
         order(ARTICLE, "A2: the Taylor start keeps Störmer–Verlet of order 2", &orders.starts[0]),
         order(ARTICLE, "A2: a start without the acceleration drops it to 1", &orders.starts[1]),
-        coefficient("A3: started with x_1 = q₊", growth.exact_start_coefficient),
+        coefficient("A3: started with x₁ = q₊", growth.exact_start_coefficient),
         coefficient("A3: slope with the Taylor start", growth.taylor_start_coefficient),
         Claim::judge(
             ARTICLE,
@@ -184,6 +190,45 @@ fn manual(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> {
         amplitude(summary(aliasing, "spook")?, Demand::Above(1.5), "k = 4π²m/h²: SPOOK's amplitude grows"),
         bounded(summary(aliasing, "spook")?, "k = 4π²m/h²: but stays bounded"),
     ])
+}
+
+/// Claims about a conservative system of many particles, judged on the fluid.
+pub(crate) fn on_the_fluid(study: &FluidStudy) -> Vec<Claim> {
+    let completed = |name: &'static str| {
+        study.runs.iter().filter(move |r| r.method == name && r.completed())
+    };
+    let mut claims = Vec::new();
+    for name in ["velocity-verlet", "stormer-verlet", "leapfrog"] {
+        let momentum = completed(name).filter_map(|r| r.momentum).fold(f64::NAN, f64::max);
+        claims.push(
+            Claim::judge(
+                ARTICLE,
+                format!("A7: `{name}` conserves linear momentum"),
+                "largest |Σ m·v| an atom over all runs of the fluid",
+                Demand::Below(MOMENTUM_TOLERANCE),
+                momentum,
+            )
+            .with_theory(0.0, MOMENTUM_TOLERANCE, ROUNDING_REASON),
+        );
+    }
+    let last = study.double.len().saturating_sub(2);
+    if let [coarse, fine] = &study.double[last..]
+        && let (Some(a), Some(b)) = (coarse.fluctuation, fine.fluctuation)
+    {
+        let measured = (b / a).ln() / (fine.dt / coarse.dt).ln();
+        let near = Demand::Near { value: 2.0, within: FLUID_ORDER_TOLERANCE };
+        claims.push(
+            Claim::judge(
+                ARTICLE,
+                "A7: on the fluid, too, the bound of the energy's oscillation falls as h²",
+                format!("order of the energy RMS of `velocity-verlet` between dt = {} and {}", coarse.dt, fine.dt),
+                near,
+                measured,
+            )
+            .with_theory(2.0, FLUID_ORDER_TOLERANCE, "two short runs that part company after a while"),
+        );
+    }
+    claims
 }
 
 fn rigid(study: &OscillatorStudy) -> Vec<Claim> {

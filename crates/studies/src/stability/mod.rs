@@ -102,8 +102,9 @@ pub fn run(
     progress: &mut dyn Progress,
 ) -> Result<StabilityStudy, StudyError> {
     let oscillator = oscillator(options.quick, progress)?;
-    let claims = judgement::claims(&oscillator)?;
     let fluid = fluid_stability::measure(options.quick, &mut Rest(progress))?;
+    let mut claims = judgement::claims(&oscillator)?;
+    claims.extend(judgement::on_the_fluid(&fluid));
     progress.update("done", 1.0);
     Ok(StabilityStudy {
         options: options.clone(),
@@ -147,3 +148,6 @@ pub fn write(study: &StabilityStudy, dir: &Path) -> Result<(), StudyError> {
     let page = page::page(study, &layout)?.to_html();
     crate::files::write_all(dir, &tables, &layout.all(), study, &page)
 }
+
+#[cfg(test)]
+mod tests;

@@ -145,8 +145,8 @@ fn starts() -> Result<Vec<OrderLine>, StudyError> {
         Ok(largest(run.iter().enumerate().map(|(i, z)| z.0 - exact(i as f64 * h).0)))
     };
     Ok(vec![
-        line("x_0 + v_0·h + ½a_0·h²", 2.0, |n, h| run(n, h, true))?,
-        line("x_0 + v_0·h", 1.0, |n, h| run(n, h, false))?,
+        line("x₀ + v₀h + ½a₀h²", 2.0, |n, h| run(n, h, true))?,
+        line("x₀ + v₀h", 1.0, |n, h| run(n, h, false))?,
     ])
 }
 
@@ -206,7 +206,7 @@ fn energy(quick: bool) -> Result<(OrderLine, f64), StudyError> {
     let verlet = entry("velocity-verlet")?;
     let of = |z: &(f64, f64)| 0.5 * (z.0 * z.0 + z.1 * z.1);
     let swing = |run: &[(f64, f64)]| largest(run.iter().map(|z| of(z) - of(&START)));
-    let order = line("|E − E_0| of velocity Verlet", 2.0, |n, _| {
+    let order = line("|E − E₀| of velocity Verlet", 2.0, |n, _| {
         Ok(swing(&path(verlet, START, n)?))
     })?;
     // The same method with ω = 1 and a long way to go: a step of 0.05 s.

@@ -58,7 +58,6 @@ pub(crate) fn page(study: &StabilityStudy, layout: &Layout) -> Result<Page, Stud
     let differing = study.claims.iter().filter(|c| !c.theory_agrees).count();
     let mut provenance = vec![
         ("Command".to_owned(), format!("`{command}`")),
-        ("Version".to_owned(), format!("lennard {}", env!("CARGO_PKG_VERSION"))),
         (
             "Settings".to_owned(),
             if study.options.quick { "quick: shorter runs" } else { "full" }.to_owned(),
@@ -213,8 +212,8 @@ fn convergence(layout: &Layout, command: &str) -> Result<Section, StudyError> {
         .with(on_page(&layout.orders, command)?)
         .with(Block::Heading("The discretisation error of Störmer–Verlet".into()))
         .text(
-            "On ẍ = w²x the recurrence is solved by powers of q₊ = e^{wh}·(1 − (wh)³/24 + …), so that x_n = \
-             e^{wt}·(1 − (wh)²/24·wt + …): an error of second order whose constant grows with time.",
+            "On ẍ = w²x the recurrence is solved by powers of q₊ = exp(wh)·(1 − (wh)³/24 + …), so that xₙ = \
+             exp(wt)·(1 − (wh)²/24·wt + …): an error of second order whose constant grows with time.",
         )
         .with(on_page(std::slice::from_ref(&layout.discretisation), command)?)
         .with(Block::Heading("A step that changes".into()))

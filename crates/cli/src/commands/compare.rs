@@ -1,0 +1,47 @@
+//! `lennard compare`: finished runs beside the literature.
+
+use std::process::ExitCode;
+
+use lennard_studies::compare::{ComparedRun, ReadError, RunFolder};
+use lennard_studies::run_page::PageError;
+use serde::Serialize;
+
+use crate::args::CompareArgs;
+use crate::commands::print_json;
+use crate::failure::{Failure, INPUT, OTHER};
+use crate::show;
+
+/// Prints every quantity of every run beside its reference.
+pub fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
+    // Nothing is printed before every run was read: a table without one of them could be taken for all.
+    let compared: Vec<ComparedRun> = args
+        .runs
+        .iter()
+        .map(|folder| Ok(lennard_studies::compare::compare(&RunFolder::open(folder)?)))
+        .collect::<Result<_, ReadError>>()?;
+    if args.json {
+        #[derive(Serialize)]
+        struct Document<'a> {
+            schema: &'static str,
+            runs: &'a [ComparedRun],
+        }
+        print_json(&Document { schema: "lennard-compare/1", runs: &compared })?;
+    } else {
+        for run in &compared {
+            show::compared(run);
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+impl From<ReadError> for Failure {
+    fn from(error: ReadError) -> Self {
+        Self::new("reading a run", error, INPUT)
+    }
+}
+
+impl From<PageError> for Failure {
+    fn from(error: PageError) -> Self {
+        Self::new("writing the report", error, OTHER)
+    }
+}

@@ -1,0 +1,80 @@
+//! `lennard sweep`: many state points from one file.
+
+use std::process::ExitCode;
+
+use lennard_studies::sweep::{self, Ending, SweepError, SweepOptions};
+
+use crate::args::SweepArgs;
+use crate::commands::{output_folder, print_json};
+use crate::failure::{Failure, INPUT, OTHER};
+use crate::progress::Display;
+use crate::{show, signals};
+
+/// Exit code where physics stopped a point.
+const PHYSICS: u8 = 3;
+/// Exit code of a sweep that was asked to stop; the same command goes on.
+const STOPPED: u8 = 4;
+
+/// Runs the points that are not finished yet, and prints their table.
+pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
+    let stop = signals::stop_flag()?;
+    let sweep = sweep::load(&args.sweep, &args.set)?;
+    let folder = match &args.out {
+        // What an earlier sweep has left there is looked at point by point.
+        Some(folder) => {
+            std::fs::create_dir_all(folder)
+                .map_err(|e| Failure::new("making the output folder", format!("{}: {e}", folder.display()), INPUT))?;
+            folder.clone()
+        }
+        None => output_folder(None, false, &sweep.name)?,
+    };
+    let threads = args
+        .threads
+        .map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from)
+        .min(sweep.points.len());
+    let quiet = args.quiet || args.json;
+    let again = format!("lennard sweep {} --out {}", args.sweep.display(), folder.display());
+    let command = args.set.iter().fold(again, |line, (key, value)| format!("{line} --set {key}={value}"));
+    if !quiet {
+        show::sweep_header(&sweep, threads, &folder);
+    }
+    let mut display = Display::of_study(args.quiet);
+    let options = SweepOptions {
+        folder: &folder,
+        threads,
+        replace: args.force,
+        reports: !args.no_report,
+        stop: &stop,
+        command: command.clone(),
+    };
+    let record = sweep::run(&sweep, &options, &mut display)?;
+    drop(display);
+    if args.json {
+        print_json(&record)?;
+    } else if !args.quiet {
+        show::sweep(&record, &folder);
+    }
+    match record.ending {
+        Ending::Finished => Ok(ExitCode::SUCCESS),
+        Ending::Failed => {
+            for point in record.points.iter().filter(|p| p.failure.is_some()) {
+                eprintln!("{}: {}", point.name, point.failure.as_deref().unwrap_or_default());
+            }
+            Ok(ExitCode::from(PHYSICS))
+        }
+        Ending::Stopped => {
+            eprintln!("stopped on request; the points at work have checkpoints\n  to go on: {command}");
+            Ok(ExitCode::from(STOPPED))
+        }
+    }
+}
+
+impl From<SweepError> for Failure {
+    fn from(error: SweepError) -> Self {
+        let code = match &error {
+            SweepError::Write(_) | SweepError::Report(_) => OTHER,
+            _ => INPUT,
+        };
+        Self::new("the sweep", error, code)
+    }
+}

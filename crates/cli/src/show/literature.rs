@@ -1,0 +1,157 @@
+//! Sweeps and comparisons for people.
+
+use std::path::Path;
+
+use lennard_report::significant;
+use lennard_studies::compare::{ComparedRun, Row, StateOfMatter};
+use lennard_studies::sweep::{Sweep, SweepRecord, SweptPoint};
+
+use super::{table, with_error};
+
+/// What is about to run, with the points that are no single stable phase.
+pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) {
+    println!("{}", console::style(&sweep.name).bold());
+    println!(
+        "  {} points, {threads} at a time, output in {}",
+        sweep.points.len(),
+        folder.display()
+    );
+    for point in &sweep.points {
+        let state = planned(point);
+        if !state.is_single_stable_phase() {
+            println!("  {}: {}; it is run and not judged", point.name, state.words);
+        }
+    }
+}
+
+fn planned(point: &lennard_studies::sweep::Point) -> StateOfMatter {
+    let density = match &point.scene.system.start {
+        lennard_scene::Start::Lattice { n_atoms, .. } => match point.scene.placement() {
+            Ok(Some(placement)) => *n_atoms as f64 / placement.cell.volume(),
+            _ => f64::NAN,
+        },
+        lennard_scene::Start::Configuration { .. } => f64::NAN,
+    };
+    let model = lennard_engine::model_kind(&point.scene);
+    let equation = lennard_literature::equation_of_state_for(model).ok();
+    StateOfMatter::new(density, point.scene.system.temperature, equation)
+}
+
+fn row<'a>(point: &'a SweptPoint, quantity: &str) -> Option<&'a Row> {
+    point.compared.as_ref()?.rows.iter().find(|r| r.quantity == quantity)
+}
+
+/// The table of a sweep.
+pub fn sweep(record: &SweepRecord, folder: &Path) {
+    let mut points = table(
+        &["point", "T", "U", "U − equation", "P", "P − equation", "c_v", "verdicts U, P, c_v"],
+        1..7,
+    );
+    for point in &record.points {
+        let Some(compared) = &point.compared else {
+            let why = if point.failure.is_some() { "failed" } else { "not finished" };
+            points.add_row([point.name.as_str(), "", "", "", "", "", "", why]);
+            continue;
+        };
+        let mut cells = vec![point.name.clone(), format!("{:.4}", compared.state.temperature)];
+        let mut verdicts = Vec::new();
+        for quantity in ["potential_energy", "pressure", "heat_capacity"] {
+            let Some(r) = row(point, quantity) else {
+                cells.push("–".into());
+                continue;
+            };
+            cells.push(pair(r.measured, r.standard_error));
+            if quantity != "heat_capacity" {
+                let difference = r.difference.zip(r.combined_error);
+                cells.push(difference.map_or("–".into(), |(d, e)| pair(d, e)));
+            }
+            verdicts.push(r.verdict.words());
+        }
+        cells.push(if compared.state.is_single_stable_phase() {
+            verdicts.join(", ")
+        } else {
+            compared.state.words.clone()
+        });
+        points.add_row(cells);
+    }
+    println!("\n{points}");
+    if !record.agreement.is_empty() {
+        let mut all = table(
+            &["all single-phase points", "points", "agree", "mean difference", "largest", "largest error", "p", "p with the equation's own uncertainty"],
+            1..8,
+        );
+        for a in &record.agreement {
+            all.add_row([
+                a.quantity.replace('_', " "),
+                a.points.to_string(),
+                a.agree.to_string(),
+                significant(a.mean_difference, 3),
+                significant(a.largest_difference, 3),
+                significant(a.largest_standard_error, 2),
+                significant(a.p_value, 2),
+                significant(a.p_value_with_reference, 2),
+            ]);
+        }
+        println!("\n{all}");
+    }
+    let mut remarks: Vec<&String> =
+        record.points.iter().filter_map(|p| p.compared.as_ref()).flat_map(|c| &c.remarks).collect();
+    remarks.sort();
+    remarks.dedup();
+    // Which points are no single phase stands in the table.
+    for remark in remarks.into_iter().filter(|r| !r.starts_with("by ")) {
+        println!("  note: {remark}");
+    }
+    let kept = record.points.iter().filter(|p| p.kept).count();
+    if kept > 0 {
+        println!("  {kept} points had been finished before and were not run again");
+    }
+    println!("\n  page: {}", folder.join("report.html").display());
+}
+
+/// One run beside the literature.
+pub fn compared(run: &ComparedRun) {
+    println!("{}", console::style(&run.run).bold());
+    println!(
+        "  {}; {} particles, {} measured steps, ρ = {:.4}, T = {:.4}: {}",
+        run.model, run.atoms, run.measured_steps, run.state.density, run.state.temperature, run.state.words
+    );
+    let mut rows = table(
+        &["quantity", "measured", "reference", "difference", "in errors", "verdict"],
+        1..5,
+    );
+    for r in &run.rows {
+        let reference = match (r.reference, r.reference_error) {
+            (Some(x), Some(e)) => pair(x, e),
+            (Some(x), None) => significant(x, 5),
+            (None, _) => "–".into(),
+        };
+        let difference = match (r.difference, r.combined_error) {
+            (Some(d), Some(e)) => pair(d, e),
+            (Some(d), None) => significant(d, 3),
+            (None, _) => "–".into(),
+        };
+        rows.add_row([
+            r.quantity.replace('_', " "),
+            pair(r.measured, r.standard_error),
+            reference,
+            difference,
+            r.in_standard_errors.map_or("–".into(), |z| format!("{z:+.1}")),
+            r.verdict.words().to_owned(),
+        ]);
+    }
+    println!("{rows}");
+    for r in run.rows.iter().filter(|r| !r.source.is_empty() || !r.remark.is_empty()) {
+        let notes: Vec<&str> = [r.source.as_str(), r.remark.as_str()].into_iter().filter(|t| !t.is_empty()).collect();
+        println!("  {}: {}", r.quantity.replace('_', " "), notes.join("; "));
+    }
+    for remark in &run.remarks {
+        println!("  note: {remark}");
+    }
+    println!();
+}
+
+fn pair(value: f64, error: f64) -> String {
+    let (value, error) = with_error(value, error);
+    format!("{value} ± {error}")
+}

@@ -1,0 +1,117 @@
+//! The output folder of a run, read back.
+
+use std::path::{Path, PathBuf};
+
+use lennard_core::Table;
+use lennard_io::{AverageRecord, FormatError, RunRecord};
+use lennard_scene::{Scene, SceneError};
+
+/// Why a run cannot be compared or shown.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The folder holds no run.
+    #[error("{} holds no run: it has no run.json\n  allowed: the output folder of a run, such as runs/triple-point-1", .0.display())]
+    NoRun(PathBuf),
+    /// The run has not come to its end.
+    #[error("{}: the run did not finish (it has {steps} of {total} steps), and nothing in it is a result{why}\n  to go on: lennard resume {}", folder.display(), folder.display())]
+    Unfinished {
+        /// The folder.
+        folder: PathBuf,
+        /// Steps done.
+        steps: u64,
+        /// Steps of the scene.
+        total: u64,
+        /// What the record says of it, as text to append.
+        why: String,
+    },
+    /// A file cannot be read.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// The scene cannot be read.
+    #[error("{0}")]
+    Scene(#[from] SceneError),
+    /// The state of the run cannot be told.
+    #[error("{}: the box of the run cannot be told: {reason}", folder.display())]
+    Box {
+        /// The folder.
+        folder: PathBuf,
+        /// Why.
+        reason: String,
+    },
+}
+
+/// A finished run with what its folder says.
+#[derive(Debug, Clone)]
+pub struct RunFolder {
+    /// The folder.
+    pub folder: PathBuf,
+    /// The scene as resolved.
+    pub scene: Scene,
+    /// The run record.
+    pub record: RunRecord,
+    /// Number density in σ⁻³.
+    pub density: f64,
+    /// Shortest side of the box in σ.
+    pub shortest_side: f64,
+}
+
+impl RunFolder {
+    /// Reads the folder of a finished run.
+    ///
+    /// # Errors
+    /// [`ReadError`] where there is no run, it did not finish, or a file of it cannot be read.
+    pub fn open(folder: &Path) -> Result<Self, ReadError> {
+        let run = Self::open_any(folder)?;
+        if run.record.finished {
+            return Ok(run);
+        }
+        let why = run.record.remarks.first().map(|r| format!(": {r}")).unwrap_or_default();
+        Err(ReadError::Unfinished {
+            folder: folder.to_owned(),
+            steps: run.record.steps,
+            total: run.scene.total_steps(),
+            why,
+        })
+    }
+
+    /// Reads the folder of a run, finished or not.
+    ///
+    /// # Errors
+    /// As [`RunFolder::open`], but for runs that did not finish.
+    pub fn open_any(folder: &Path) -> Result<Self, ReadError> {
+        let path = folder.join("run.json");
+        if !path.exists() {
+            return Err(ReadError::NoRun(folder.to_owned()));
+        }
+        let record = lennard_io::read_run_record(&path)?;
+        let scene = Scene::load(&folder.join("scene.toml"), &[])?;
+        let cell = match scene.placement()? {
+            Some(placement) => placement.cell,
+            None => {
+                let last = folder.join("final.xyz");
+                lennard_io::read_configuration(&last)
+                    .map_err(|e| ReadError::Box { folder: folder.to_owned(), reason: e.to_string() })?
+                    .cell
+            }
+        };
+        Ok(Self {
+            folder: folder.to_owned(),
+            density: record.atoms as f64 / cell.volume(),
+            shortest_side: cell.lengths().min_element(),
+            scene,
+            record,
+        })
+    }
+
+    /// A mean of the run record.
+    #[must_use]
+    pub fn average(&self, name: &str) -> Option<&AverageRecord> {
+        self.record.averages.get(name)
+    }
+
+    /// A table of the folder; `None` where the run has none of that name.
+    #[must_use]
+    pub fn table(&self, name: &str) -> Option<Table> {
+        lennard_io::read_table_csv(&self.folder.join(format!("{name}.csv"))).ok()
+    }
+}

@@ -1,0 +1,191 @@
+//! Quantity by quantity: what it is compared with, and how far off it may be.
+
+use lennard_literature::{
+    EquationOfState, GOOD_TAIL_CUTOFF, ModelKind, TransportProperty, equation_of_state_for, transport_near,
+};
+
+use super::verdict::Tolerance;
+use super::{Row, RunFolder, StateOfMatter, Verdict};
+
+/// Energy and pressure: what the equation of state may itself be off by.
+const ENERGY: Tolerance = Tolerance { errors: 4.0, absolute: 0.003, relative: 0.0 };
+const PRESSURE: Tolerance = Tolerance { errors: 4.0, absolute: 0.005, relative: 0.0 };
+/// Heat capacity and transport coefficients.
+const HEAT_CAPACITY: Tolerance = Tolerance { errors: 2.0, absolute: 0.0, relative: 0.02 };
+const TRANSPORT: Tolerance = Tolerance { errors: 2.0, absolute: 0.0, relative: 0.03 };
+/// Configurational against kinetic temperature: the finite step heats one against the other by some 0.1 %, and the
+/// jump of the force at the cutoff is counted with g(r_cut) = 1.
+const TEMPERATURES: Tolerance = Tolerance { errors: 4.0, absolute: 0.0, relative: 0.005 };
+
+/// Height of the main peak of S(k) at freezing.
+const HANSEN_VERLET: f64 = 2.85;
+const HANSEN_VERLET_SOURCE: &str = "J.-P. Hansen and L. Verlet, Phys. Rev. 184, 151 (1969), doi:10.1103/PhysRev.184.151";
+
+/// All rows of a run, in the order of a table.
+pub(super) fn all(run: &RunFolder, state: &StateOfMatter, model: ModelKind) -> Vec<Row> {
+    let equation = equation_of_state_for(model).ok();
+    let mut rows = Vec::new();
+    rows.extend(energy_or_pressure(run, "potential_energy", ENERGY, model));
+    rows.extend(energy_or_pressure(run, "pressure", PRESSURE, model));
+    rows.extend(heat_capacity(run, state, equation));
+    rows.extend(configurational_temperature(run));
+    rows.extend(diffusion(run, state, model));
+    for (name, property) in [
+        ("shear_viscosity", TransportProperty::ShearViscosity),
+        ("thermal_conductivity", TransportProperty::ThermalConductivity),
+    ] {
+        rows.extend(transport(run, state, model, name, property));
+        rows.extend(cross_check(run, name));
+    }
+    rows.extend(structure(run));
+    if !state.is_single_stable_phase() {
+        for row in rows.iter_mut().filter(|r| r.quantity != "configurational_temperature") {
+            if matches!(row.verdict, Verdict::Agrees | Verdict::Differs | Verdict::Biased) {
+                row.verdict = Verdict::NotJudged;
+                *row = row.clone().noted(format!("the state is {}", state.words));
+            }
+        }
+    }
+    rows
+}
+
+fn measured(run: &RunFolder, name: &str) -> Option<Row> {
+    let average = run.average(name)?;
+    Some(Row::measured(name, &average.unit, average.mean, average.standard_error))
+}
+
+/// U or P, as the run itself has compared it: the error of the difference needs the whole series.
+fn energy_or_pressure(run: &RunFolder, name: &str, tolerance: Tolerance, model: ModelKind) -> Option<Row> {
+    let row = measured(run, name)?;
+    let Some(compared) = run.record.comparison.iter().find(|c| c.quantity == name) else {
+        return Some(row);
+    };
+    let mut row = row.against(compared.reference, None, compared.standard_error, tolerance, &compared.source);
+    row.reference_error = compared.reference_uncertainty;
+    if let ModelKind::CutWithTail { r_cut } = model
+        && r_cut < GOOD_TAIL_CUTOFF
+        && row.verdict == Verdict::Differs
+    {
+        row.verdict = Verdict::Biased;
+        row = row.noted(format!("judge at r_cut ≥ {GOOD_TAIL_CUTOFF} σ"));
+    }
+    Some(row)
+}
+
+fn heat_capacity(run: &RunFolder, state: &StateOfMatter, equation: Option<&dyn EquationOfState>) -> Option<Row> {
+    let row = measured(run, "heat_capacity")?;
+    let how = run.record.remarks.iter().find_map(|r| r.strip_prefix("heat_capacity: ")).unwrap_or_default();
+    let row = row.noted(how);
+    let Some(equation) = equation.filter(|e| e.check(state.density, state.temperature).is_ok()) else {
+        return Some(row);
+    };
+    let reference = equation.heat_capacity_volume(state.density, state.temperature);
+    let error = row.standard_error;
+    Some(row.against(reference, None, error, HEAT_CAPACITY, &source(equation)))
+}
+
+fn source(equation: &dyn EquationOfState) -> String {
+    format!("{}, doi:{}", equation.spec().name, equation.spec().doi)
+}
+
+fn configurational_temperature(run: &RunFolder) -> Option<Row> {
+    let kinetic = run.average("temperature")?;
+    let row = measured(run, "configurational_temperature")?;
+    let error = row.standard_error;
+    Some(row.against(
+        kinetic.mean,
+        Some(kinetic.standard_error),
+        error,
+        TEMPERATURES,
+        "the kinetic temperature of the same run",
+    ))
+}
+
+/// The tables of transport coefficients are those of the full potential: for which models they are a reference, and
+/// why not for others.
+fn full_potential(model: ModelKind) -> Result<(), String> {
+    match model {
+        ModelKind::CutWithTail { .. } | ModelKind::CutWithoutTail { .. } => Ok(()),
+        _ => Err("the tables of transport coefficients are for the full Lennard-Jones potential, this model is another: not compared".into()),
+    }
+}
+
+fn diffusion(run: &RunFolder, state: &StateOfMatter, model: ModelKind) -> Option<Row> {
+    let corrected = run.average("diffusion_coefficient")?;
+    let plain = run.average("diffusion_coefficient_uncorrected");
+    let row = measured(run, "diffusion_coefficient")?;
+    let row = match plain {
+        Some(plain) => row.noted(format!(
+            "corrected for finite size after Yeh and Hummer by +{:.4}, {:.4} before",
+            corrected.mean - plain.mean,
+            plain.mean
+        )),
+        None => row.noted("not corrected for finite size"),
+    };
+    if let Err(why) = full_potential(model) {
+        return Some(row.noted(why));
+    }
+    let Some(value) = transport_near(TransportProperty::SelfDiffusion, state.density, state.temperature) else {
+        return Some(row.noted("no tabulated state is near"));
+    };
+    let error = row.standard_error;
+    let mut row = row
+        .against(value.value, value.uncertainty, error, TRANSPORT, &value.source)
+        .noted(format!("tabulated at ρ = {}, T = {}", value.rho, value.temperature));
+    if let Some(plain) = plain {
+        // A source that does not say whether it corrected for finite size lies between the two.
+        let tolerance = row.tolerance.unwrap_or(0.0);
+        if row.verdict == Verdict::Differs
+            && (plain.mean - tolerance..=corrected.mean + tolerance).contains(&value.value)
+        {
+            row.verdict = Verdict::Agrees;
+        }
+        row = row.noted("the source does not say that it is corrected: agreement means between the uncorrected and the corrected value");
+    }
+    Some(row)
+}
+
+fn transport(
+    run: &RunFolder,
+    state: &StateOfMatter,
+    model: ModelKind,
+    name: &str,
+    property: TransportProperty,
+) -> Option<Row> {
+    let row = measured(run, name)?;
+    if let Err(why) = full_potential(model) {
+        return Some(row.noted(why));
+    }
+    let Some(value) = transport_near(property, state.density, state.temperature) else {
+        return Some(row.noted("no tabulated state is near"));
+    };
+    let error = row.standard_error;
+    Some(
+        row.against(value.value, value.uncertainty, error, TRANSPORT, &value.source)
+            .noted(format!("tabulated at ρ = {}, T = {}", value.rho, value.temperature)),
+    )
+}
+
+/// Einstein–Helfand beside Green–Kubo: the same fluctuations by another road, so that their errors do not add up.
+fn cross_check(run: &RunFolder, name: &str) -> Option<Row> {
+    let green_kubo = run.average(name)?;
+    let row = measured(run, &format!("{name}_einstein_helfand"))?;
+    let error = row.standard_error.max(green_kubo.standard_error);
+    Some(row.against(green_kubo.mean, None, error, TRANSPORT, "Green–Kubo from the same run"))
+}
+
+fn structure(run: &RunFolder) -> Vec<Row> {
+    let mut rows = Vec::new();
+    rows.extend(measured(run, "rdf_first_peak"));
+    rows.extend(measured(run, "coordination_number"));
+    if let Some(row) = measured(run, "structure_factor_first_peak") {
+        let mut row = row;
+        row.reference = Some(HANSEN_VERLET);
+        row.difference = Some(row.measured - HANSEN_VERLET);
+        row.verdict = Verdict::NotJudged;
+        row.source = HANSEN_VERLET_SOURCE.into();
+        let side = if row.measured < HANSEN_VERLET { "below" } else { "above" };
+        rows.push(row.noted(format!("{side} the height at which the fluid freezes")));
+    }
+    rows
+}

@@ -1,0 +1,190 @@
+//! The numbers of the study: each against theory, with a tolerance that its cause explains.
+
+use std::sync::LazyLock;
+
+use super::groups::entry;
+use super::map::StepMap;
+use super::rig::{Spring, excursion, measured_map};
+use super::*;
+use crate::Silent;
+use crate::claims::Verdict;
+
+/// The quick oscillator part, run once for all tests.
+static QUICK: LazyLock<OscillatorStudy> =
+    LazyLock::new(|| oscillator(true, &mut Silent).expect("every method runs on the oscillator"));
+
+fn limit(method: &str) -> Option<f64> {
+    let found = QUICK.methods.iter().find(|m| m.method == method);
+    found.expect("the method is on the list").measured_limit
+}
+
+#[test]
+fn the_verlet_family_and_symplectic_euler_are_stable_up_to_two() {
+    // What 50 000 steps can see of a growth rate √(8δ): δ ≈ 10⁻⁸, and 10⁻⁶ is asked for.
+    for method in [
+        "velocity-verlet",
+        "velocity-verlet-short",
+        "leapfrog",
+        "stormer-verlet",
+        "stormer-verlet-time-corrected",
+        "stormer-verlet-variable",
+        "bit-reversible-verlet",
+        "symplectic-euler",
+    ] {
+        let measured = limit(method).expect("it has a limit");
+        assert!((measured / 2.0 - 1.0).abs() < 1e-6, "{method}: {measured}");
+    }
+}
+
+#[test]
+fn every_method_has_the_limit_of_its_declared_map() {
+    for m in &QUICK.methods {
+        match (m.measured_limit, m.theory_limit) {
+            // The window of `blanes-moan` opens so slowly that its edge is seen 6·10⁻⁶ late.
+            (Some(measured), Some(theory)) => {
+                assert!((measured - theory).abs() <= 1e-5 * theory, "{}: {measured} {theory}", m.method);
+            }
+            (None, None) => assert_eq!(m.bounded_at_1000, Some(true), "{}", m.method),
+            other => panic!("{}: {other:?}", m.method),
+        }
+        // The largest radii are those of runs that grow a thousandfold a step, from a start on a grid.
+        assert!(m.largest_radius_difference < 1e-9, "{}", m.method);
+    }
+    assert_eq!(limit("explicit-euler"), Some(0.0));
+    assert_eq!(limit("implicit-euler"), None);
+    assert_eq!(limit("spook"), None);
+}
+
+#[test]
+fn explicit_euler_grows_and_implicit_euler_decays_by_the_root_of_one_plus_the_square() {
+    for omega_h in [0.05, 0.167, 0.5, 1.0] {
+        let factor = 1.0_f64.hypot(omega_h);
+        let explicit = amplification::mean_growth(entry("explicit-euler").unwrap(), omega_h).unwrap();
+        let implicit = amplification::mean_growth(entry("implicit-euler").unwrap(), omega_h).unwrap();
+        assert!((explicit - factor).abs() < 1e-10, "{explicit}");
+        assert!((implicit - 1.0 / factor).abs() < 1e-10, "{implicit}");
+    }
+}
+
+#[test]
+fn spook_turns_by_twice_the_arctangent_and_swings_by_the_root_at_every_finite_stiffness() {
+    let spook = entry("spook").unwrap();
+    // Not at ωh = 2, where a step is a quarter of a turn and no sample comes near a crest.
+    for omega_h in [0.01, 0.1, 1.0, 2.1, 6.283, 50.0, 1000.0] {
+        let map = measured_map(spook, omega_h, 1.0).unwrap();
+        let theta = map.phase().expect("never real");
+        // Near its ends the arc cosine behind an angle loses half the digits.
+        let tolerance = 1e-13 * (1.0 / omega_h + omega_h).powi(2);
+        assert!((theta - 2.0 * (0.5 * omega_h).atan()).abs() < tolerance, "ωh = {omega_h}");
+        assert!((map.radius() - 1.0).abs() < 1e-12 * (1.0 + omega_h));
+        let far = excursion(spook, Spring::Stiffness(omega_h * omega_h), 1.0, 100_000, f64::INFINITY);
+        let amplitude = 1.0_f64.hypot(0.5 * omega_h);
+        // The samples come within 10⁻³ of a crest in phase.
+        assert!((far.unwrap().largest() / amplitude - 1.0).abs() < 1e-6, "ωh = {omega_h}");
+    }
+}
+
+#[test]
+fn just_inside_the_limit_symplectic_euler_swings_by_two_over_h() {
+    let case = QUICK.cases.iter().find(|c| c.name == "k-inside").unwrap();
+    let symplectic = case.summaries.iter().find(|s| s.method == "symplectic-euler").unwrap();
+    let amplitude = 2.0 / displacement::STEP;
+    assert!(amplitude > 100.0);
+    // The one-step map gives 2/h exactly; its trace is within 3·10⁻⁴ of −2, which magnifies rounding.
+    assert!((symplectic.theory_amplitude.unwrap() / amplitude - 1.0).abs() < 1e-10);
+    assert!((symplectic.measured_amplitude.unwrap() / amplitude - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn declared_maps_and_long_runs_agree_on_every_fate() {
+    for case in &QUICK.cases {
+        for s in &case.summaries {
+            let bounded = s.growth_of_halves.is_some();
+            assert_eq!(bounded, s.theory_radius < 1.0 + 1e-9, "{}, {}", case.title, s.method);
+            if let (Some(theory), Some(measured)) = (s.theory_amplitude, s.measured_amplitude) {
+                assert!((measured / theory - 1.0).abs() < 1e-5, "{}, {}", case.title, s.method);
+            }
+        }
+    }
+}
+
+#[test]
+fn at_infinite_stiffness_spook_grows_as_two_n_plus_one_without_damping_and_decays_with_it() {
+    let found = &QUICK.infinite;
+    // Rounding splits the double eigenvalue −1 by some 10⁻⁸: (n·10⁻⁸)² over 20 000 steps.
+    assert!(found.deviation_from_linear < 1e-6, "{}", found.deviation_from_linear);
+    for run in &found.rigid {
+        if run.damping_steps == 0.0 {
+            assert!((run.growth_of_halves - 2.0).abs() < 1e-3);
+        } else {
+            assert!(run.theory_radius < 1.0);
+            // The critical damping has a double eigenvalue: √ε is 10⁻⁸.
+            assert!((run.measured_radius - run.theory_radius).abs() < 1e-7);
+            assert!(run.last_displacement < 1e-100);
+        }
+    }
+    for run in &found.stiff {
+        // The crest is sampled within half the angle that a beat advances, 2/(ωh)² of it.
+        let tolerance = 2.0 / run.omega_h.powi(2) + 1e-7;
+        assert!((run.measured_amplitude / run.theory_amplitude - 1.0).abs() < tolerance, "{}", run.omega_h);
+    }
+}
+
+#[test]
+fn the_discretisation_error_has_the_coefficient_one_over_twenty_four() {
+    for growth in QUICK.growth.iter().filter(|g| g.wh < 0.15) {
+        assert!((24.0 * growth.exact_start_coefficient - 1.0).abs() < 0.01);
+        assert!((24.0 * growth.taylor_start_coefficient - 1.0).abs() < 0.01);
+        assert!((16.0 * growth.taylor_start_offset + 1.0).abs() < 0.01);
+    }
+}
+
+#[test]
+fn measured_orders_are_the_declared_ones() {
+    let o = &QUICK.orders;
+    let lines = o
+        .positions
+        .iter()
+        .chain(&o.velocities)
+        .chain(&o.starts)
+        .chain(&o.velocity_estimates)
+        .chain(&o.local)
+        .chain([&o.energy]);
+    for line in lines {
+        match line.measured {
+            Some(order) => assert!((order - line.theory).abs() < 0.05, "{}: {order}", line.name),
+            None => assert_eq!(line.theory, 0.0, "{} has no measurable order", line.name),
+        }
+    }
+}
+
+#[test]
+fn the_energy_of_velocity_verlet_does_not_drift_and_it_equals_stormer_verlet() {
+    assert!(QUICK.orders.energy_drift_share < 1e-2);
+    assert!(QUICK.orders.velocity_verlet_against_stormer < 1e-12);
+}
+
+#[test]
+fn the_one_claim_that_fails_is_the_undamped_rigid_constraint() {
+    let claims = judgement::claims(&QUICK).unwrap();
+    let failing: Vec<&str> = claims
+        .iter()
+        .filter(|c| c.verdict == Verdict::DoesNotHold)
+        .map(|c| c.statement.as_str())
+        .collect();
+    assert_eq!(failing, ["k = ∞, τ = 0: SPOOK does not diverge"]);
+    for claim in &claims {
+        assert!(claim.theory_agrees, "{claim:?}");
+    }
+}
+
+#[test]
+fn a_wrong_map_would_be_noticed() {
+    // The comparison behind every figure must be able to fail: symplectic Euler against the map of
+    // velocity Verlet has the same radius, and another amplitude.
+    let symplectic = measured_map(entry("symplectic-euler").unwrap(), 1.0, 1.0).unwrap();
+    let verlet = amplification::theory(entry("velocity-verlet").unwrap(), 1.0).unwrap();
+    assert!((symplectic.radius() - verlet.radius()).abs() < 1e-12);
+    assert!((symplectic.amplitude(1.0, 0.0).unwrap() - verlet.amplitude(1.0, 0.0).unwrap()).abs() > 0.1);
+    assert!(StepMap::phase(verlet).is_some());
+}

@@ -1,0 +1,22 @@
+//! Many state points from one file, side by side, and what they say together.
+
+mod agreement;
+mod file;
+mod page;
+mod points;
+mod run;
+
+pub use agreement::{Agreement, agreement};
+pub use file::{SweepError, load};
+pub(crate) use page::verdict_cell;
+pub use points::Point;
+pub use run::{Ending, SweepOptions, SweepRecord, SweptPoint, run};
+
+/// A sweep, read and checked.
+#[derive(Debug, Clone)]
+pub struct Sweep {
+    /// Its name; the file's stem unless the file gives another.
+    pub name: String,
+    /// Its points, in the order of the file.
+    pub points: Vec<Point>,
+}

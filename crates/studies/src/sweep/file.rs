@@ -1,0 +1,132 @@
+//! The sweep file.
+
+use std::path::{Path, PathBuf};
+
+use lennard_scene::SceneError;
+use serde::Deserialize;
+
+use super::{Sweep, points};
+
+/// Why a sweep cannot be run.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// The file cannot be read.
+    #[error("{}: cannot be read: {source}", file.display())]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The file is no sweep.
+    #[error("{}: {message}", file.display())]
+    Malformed {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong and where.
+        message: String,
+    },
+    /// A value is not allowed.
+    #[error("{}: `{key}` is not allowed\n  found:   {found}\n  allowed: {allowed}", file.display())]
+    Value {
+        /// The file.
+        file: PathBuf,
+        /// Which key.
+        key: String,
+        /// What it says.
+        found: String,
+        /// What it may say.
+        allowed: String,
+    },
+    /// The scene of a point is wrong.
+    #[error("point {point}: {source}")]
+    Scene {
+        /// Name of the point.
+        point: String,
+        /// What is wrong.
+        source: SceneError,
+    },
+    /// A folder of a point holds something else.
+    #[error("{}: {found}\n  allowed: an empty folder, or what this sweep wrote there; give another --out, or --force to replace the runs of this sweep", folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// What it holds.
+        found: String,
+    },
+    /// A file cannot be written.
+    #[error(transparent)]
+    Write(#[from] lennard_io::WriteError),
+    /// A figure cannot be drawn.
+    #[error(transparent)]
+    Report(#[from] lennard_report::ReportError),
+}
+
+/// A value or a list of values.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged)]
+pub(super) enum OneOrMany<T> {
+    One(T),
+    Many(Vec<T>),
+}
+
+impl<T: Clone> OneOrMany<T> {
+    pub(super) fn values(&self) -> Vec<T> {
+        match self {
+            Self::One(value) => vec![value.clone()],
+            Self::Many(values) => values.clone(),
+        }
+    }
+}
+
+/// What can change from point to point.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Axes {
+    pub(super) density: Option<OneOrMany<f64>>,
+    pub(super) temperature: Option<OneOrMany<f64>>,
+    pub(super) n_atoms: Option<OneOrMany<u64>>,
+    pub(super) r_cut: Option<OneOrMany<f64>>,
+    pub(super) seed: Option<OneOrMany<u64>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    name: Option<String>,
+    base: PathBuf,
+    #[serde(default)]
+    set: toml::Table,
+    #[serde(default)]
+    point: Vec<Axes>,
+    grid: Option<Axes>,
+}
+
+/// Reads a sweep file with overrides for every point, and checks the scene of each.
+///
+/// # Errors
+/// [`SweepError`] where the file or the scene of a point is wrong.
+pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Sweep, SweepError> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|source| SweepError::Unreadable { file: path.to_owned(), source })?;
+    let file: File = toml::from_str(&text)
+        .map_err(|e| SweepError::Malformed { file: path.to_owned(), message: e.to_string().trim_end().to_owned() })?;
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let base = path.parent().unwrap_or(Path::new("")).join(&file.base);
+    let mut common: Vec<(String, String)> = Vec::new();
+    flatten(&file.set, "", &mut common);
+    common.extend(overrides.iter().cloned());
+    let points = points::expand(path, &base, &common, &file.point, file.grid.as_ref())?;
+    Ok(Sweep { name: file.name.unwrap_or(stem), points })
+}
+
+/// Tables inside `[set]` and dotted keys in quotes mean the same.
+fn flatten(table: &toml::Table, prefix: &str, into: &mut Vec<(String, String)>) {
+    for (key, value) in table {
+        let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+        match value {
+            toml::Value::Table(inner) => flatten(inner, &key, into),
+            other => into.push((key, other.to_string())),
+        }
+    }
+}
