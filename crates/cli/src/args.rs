@@ -125,7 +125,7 @@ pub struct RunArgs {
     /// Scene, overrides, threads.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Output folder; by default runs/<scene>-<n> with the first free n.
+    /// Output folder; by default `runs/<scene>-<n>` with the first free n.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace an existing output folder.
@@ -205,7 +205,7 @@ pub struct EnergyArgs {
 /// Arguments of `stability`.
 #[derive(Debug, Args)]
 pub struct StabilityArgs {
-    /// Output folder; by default runs/stability-<n> with the first free n.
+    /// Output folder; by default `runs/stability-<n>` with the first free n.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace an existing output folder.
@@ -228,12 +228,12 @@ pub struct StabilityArgs {
 /// Arguments of `sweep`.
 #[derive(Debug, Args)]
 pub struct SweepArgs {
-    /// The sweep file: a base scene and [[point]] tables or a [grid] (see inputs/README.md).
+    /// The sweep file: a base scene and `[[point]]` tables or a `[grid]` (see inputs/README.md).
     pub sweep: PathBuf,
     /// Override a key of every point's scene, such as `truncation.r_cut=4`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub set: Vec<(String, String)>,
-    /// Output folder, with a folder for each point; finished points in it are kept. By default runs/<sweep>-<n> with
+    /// Output folder, with a folder for each point; finished points in it are kept. By default `runs/<sweep>-<n>` with
     /// the first free n.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

@@ -186,9 +186,7 @@ impl Span {
     pub(crate) fn label(&self, value: f64) -> String {
         let largest = self.low.abs().max(self.high.abs());
         match self.scale {
-            Scale::Logarithmic if self.low >= 0.9e-3 && self.high <= 1.1e4 => {
-                significant(value, 1)
-            }
+            Scale::Logarithmic if self.low >= 0.9e-3 && self.high <= 1.1e4 => significant(value, 1),
             Scale::Logarithmic => {
                 let exponent = value.log10().floor() as i32;
                 match (value / 10f64.powi(exponent)).round() as i32 {
@@ -229,9 +227,7 @@ fn linear_ticks(low: f64, high: f64) -> (f64, Vec<f64>, Vec<f64>) {
 fn logarithmic_ticks(low: f64, high: f64) -> (f64, Vec<f64>, Vec<f64>) {
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let inside = |v: &f64| (low * (1.0 - 1e-12)..=high * (1.0 + 1e-12)).contains(v);
-    let powers: Vec<i32> = (first..=last)
-        .filter(|e| inside(&10f64.powi(*e)))
-        .collect();
+    let powers: Vec<i32> = (first..=last).filter(|e| inside(&10f64.powi(*e))).collect();
     let with_multiples = |multiples: &[f64]| -> Vec<f64> {
         (first..=last)
             .flat_map(|e| multiples.iter().map(move |m| m * 10f64.powi(e)))
@@ -334,7 +330,10 @@ mod tests {
                 Err(ReportError::BadRange { .. })
             ));
         }
-        let span = log.from_to(1.0, 100.0).span("f", std::iter::empty()).unwrap();
+        let span = log
+            .from_to(1.0, 100.0)
+            .span("f", std::iter::empty())
+            .unwrap();
         assert_eq!(span.fraction(10.0), Some(0.5));
         assert_eq!(span.fraction(0.0), None);
     }

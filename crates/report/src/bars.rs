@@ -1,7 +1,7 @@
 //! Horizontal bars: cost or speed of named things.
 
-use plotters::style::text_anchor::{HPos, VPos};
 use plotters::style::WHITE;
+use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::canvas::{GREY, GRID, INK, Sheet, TEXT, WIDTH, color, dress, font, text_width};
 use crate::number::significant;
@@ -74,11 +74,14 @@ impl BarFigure {
         let (left, right) = (names + 16.0, WIDTH - 90.0);
         let group_height = BAR * self.series.len() as f64 + GAP;
         let bottom = TOP + group_height * self.groups.len() as f64;
-        let legend_rows = if self.series.len() > 1 { self.series.len() } else { 0 };
-        let height = bottom + 2.0 * TEXT + 34.0 + 24.0 * legend_rows as f64;
-        let place = |v: f64| {
-            left + span.fraction(v).unwrap_or(0.0).clamp(0.0, 1.0) * (right - left)
+        let legend_rows = if self.series.len() > 1 {
+            self.series.len()
+        } else {
+            0
         };
+        let height = bottom + 2.0 * TEXT + 34.0 + 24.0 * legend_rows as f64;
+        let place =
+            |v: f64| left + span.fraction(v).unwrap_or(0.0).clamp(0.0, 1.0) * (right - left);
         let start = if self.axis.scale == crate::Scale::Linear {
             place(0.0)
         } else {
@@ -94,27 +97,55 @@ impl BarFigure {
                 let x = place(*tick);
                 sheet.line(&[(x, TOP), (x, bottom)], Dash::Solid, GRID, 1.0)?;
                 let label = span.label(*tick);
-                sheet.text(&label, (x, bottom + 6.0), font(TEXT, INK), HPos::Center, VPos::Top)?;
+                sheet.text(
+                    &label,
+                    (x, bottom + 6.0),
+                    font(TEXT, INK),
+                    HPos::Center,
+                    VPos::Top,
+                )?;
             }
             let middle = 0.5 * (left + right);
             let below = bottom + TEXT + 14.0;
-            sheet.text(&self.axis.label, (middle, below), font(TEXT, INK), HPos::Center, VPos::Top)?;
+            sheet.text(
+                &self.axis.label,
+                (middle, below),
+                font(TEXT, INK),
+                HPos::Center,
+                VPos::Top,
+            )?;
             for (g, group) in self.groups.iter().enumerate() {
                 let top = TOP + 0.5 * GAP + g as f64 * group_height;
                 let centre = top + 0.5 * (group_height - GAP);
                 let size = TEXT * (names / text_width(group, TEXT)).min(1.0);
-                sheet.text(group, (left - 8.0, centre), font(size, INK), HPos::Right, VPos::Center)?;
+                sheet.text(
+                    group,
+                    (left - 8.0, centre),
+                    font(size, INK),
+                    HPos::Right,
+                    VPos::Center,
+                )?;
                 for (s, series) in self.series.iter().enumerate() {
                     let y = top + s as f64 * BAR;
                     let at = |x: f64| (x, y + 0.5 * BAR);
                     let Some((value, error)) = series.values[g] else {
                         sheet.failure(at(start + 8.0), 5.0, color(series.color))?;
-                        sheet.text("failed", at(start + 20.0), font(TEXT, GREY), HPos::Left, VPos::Center)?;
+                        sheet.text(
+                            "failed",
+                            at(start + 20.0),
+                            font(TEXT, GREY),
+                            HPos::Left,
+                            VPos::Center,
+                        )?;
                         continue;
                     };
                     let end = place(value);
                     let (from, to) = (start.min(end), start.max(end));
-                    sheet.filled_rectangle((from, y + 1.0), (to, y + BAR - 1.0), color(series.color))?;
+                    sheet.filled_rectangle(
+                        (from, y + 1.0),
+                        (to, y + BAR - 1.0),
+                        color(series.color),
+                    )?;
                     let mut text_from = to;
                     if let Some(e) = error.filter(|e| *e > 0.0) {
                         let (a, b) = (place(value - e), place(value + e));
@@ -122,14 +153,26 @@ impl BarFigure {
                         text_from = text_from.max(b);
                     }
                     let label = significant(value, 3);
-                    sheet.text(&label, at(text_from + 5.0), font(0.94 * TEXT, INK), HPos::Left, VPos::Center)?;
+                    sheet.text(
+                        &label,
+                        at(text_from + 5.0),
+                        font(0.94 * TEXT, INK),
+                        HPos::Left,
+                        VPos::Center,
+                    )?;
                 }
             }
             sheet.line(&[(start, TOP), (start, bottom)], Dash::Solid, GREY, 1.2)?;
             for (row, series) in self.series.iter().enumerate().take(legend_rows) {
                 let y = below + TEXT + 14.0 + 24.0 * row as f64;
                 sheet.filled_rectangle((8.0, y), (28.0, y + 14.0), color(series.color))?;
-                sheet.text(&series.name, (36.0, y + 7.0), font(TEXT, INK), HPos::Left, VPos::Center)?;
+                sheet.text(
+                    &series.name,
+                    (36.0, y + 7.0),
+                    font(TEXT, INK),
+                    HPos::Left,
+                    VPos::Center,
+                )?;
             }
             sheet.finish()?;
         }
@@ -168,6 +211,13 @@ mod tests {
     fn a_bar_too_few_is_an_error() {
         let mut wrong = example();
         wrong.series[0].values.pop();
-        assert!(matches!(wrong.to_svg(), Err(ReportError::BarCount { found: 1, wanted: 2, .. })));
+        assert!(matches!(
+            wrong.to_svg(),
+            Err(ReportError::BarCount {
+                found: 1,
+                wanted: 2,
+                ..
+            })
+        ));
     }
 }

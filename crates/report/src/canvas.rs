@@ -116,7 +116,10 @@ impl<'a> Sheet<'a> {
         color: RGBColor,
     ) -> Result<(), ReportError> {
         self.area
-            .draw(&Rectangle::new([fine(corner), fine(opposite)], color.filled()))
+            .draw(&Rectangle::new(
+                [fine(corner), fine(opposite)],
+                color.filled(),
+            ))
             .map_err(|e| self.failed(e))
     }
 
@@ -147,12 +150,14 @@ impl<'a> Sheet<'a> {
         let style = stroke(color, width);
         let done = match dash {
             Dash::Solid => self.area.draw(&PathElement::new(path, style)),
-            Dash::Dashed => self
-                .area
-                .draw(&DashedPathElement::new(path, 9 * FINE, 5 * FINE, style)),
-            Dash::Dotted => self
-                .area
-                .draw(&DashedPathElement::new(path, 3 * FINE, 4 * FINE, style)),
+            Dash::Dashed => {
+                self.area
+                    .draw(&DashedPathElement::new(path, 9 * FINE, 5 * FINE, style))
+            }
+            Dash::Dotted => {
+                self.area
+                    .draw(&DashedPathElement::new(path, 3 * FINE, 4 * FINE, style))
+            }
         };
         done.map_err(|e| self.failed(e))
     }
@@ -204,7 +209,12 @@ impl<'a> Sheet<'a> {
     }
 
     /// The cross of a failed run.
-    pub(crate) fn failure(&self, at: Place, radius: f64, color: RGBColor) -> Result<(), ReportError> {
+    pub(crate) fn failure(
+        &self,
+        at: Place,
+        radius: f64,
+        color: RGBColor,
+    ) -> Result<(), ReportError> {
         for (x, y) in [(1.0, 1.0), (1.0, -1.0)] {
             let (dx, dy) = (radius * x, radius * y);
             let ends = [(at.0 - dx, at.1 - dy), (at.0 + dx, at.1 + dy)];

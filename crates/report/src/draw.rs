@@ -1,14 +1,15 @@
 //! Draws a [`Figure`] with the plotting library.
 
 use plotters::prelude::ChartBuilder;
-use plotters::style::text_anchor::{HPos, VPos};
 use plotters::style::WHITE;
+use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::axis::Span;
 use crate::canvas::{
     FAINT_GRID, FINE, GREY, GRID, Hint, INK, Place, Sheet, TEXT, WIDTH, color, dress, fine, font,
     stroke, text_width,
 };
+use crate::legend::Legend;
 use crate::{Figure, Guide, Look, Point, ReportError, Series, Symbol};
 
 /// Height of the plotting area of every figure, design units.
@@ -18,13 +19,9 @@ const TOP: f64 = 38.0;
 /// Room at the right, for half a tick label, design units.
 const RIGHT: f64 = 22.0;
 /// Radius of marks, design units.
-const MARK: f64 = 4.2;
+pub(crate) const MARK: f64 = 4.2;
 /// Width of lines, design units.
-const LINE: f64 = 2.0;
-/// Height of a line of the legend, design units.
-const LEGEND_ROW: f64 = 24.0;
-/// Width of the sample in the legend, design units.
-const SAMPLE: f64 = 34.0;
+pub(crate) const LINE: f64 = 2.0;
 
 /// The plotting area on the sheet and the two axes: from values to places.
 struct Frame {
@@ -106,10 +103,13 @@ fn axes(sheet: &Sheet<'_>, figure: &Figure, frame: &Frame) -> Result<(), ReportE
     let (x0, y0) = fine((frame.left, frame.top));
     let (x1, y1) = fine((frame.left + frame.width, frame.top + frame.height));
     let tick_room = TEXT + 12.0;
-    let area = sheet
-        .area
-        .clone()
-        .shrink((0, y0), (x1 as u32, (y1 - y0) as u32 + (tick_room * f64::from(FINE)) as u32));
+    let area = sheet.area.clone().shrink(
+        (0, y0),
+        (
+            x1 as u32,
+            (y1 - y0) as u32 + (tick_room * f64::from(FINE)) as u32,
+        ),
+    );
     let mut chart = ChartBuilder::on(&area)
         .set_label_area_size(plotters::prelude::LabelAreaPosition::Left, x0)
         .set_label_area_size(
@@ -228,7 +228,11 @@ fn draw_point(
     color_index: usize,
 ) -> Result<(), ReportError> {
     let paint = color(color_index);
-    let Some(fx) = frame.x.fraction(point.x).filter(|f| (-1e-9..=1.0 + 1e-9).contains(f)) else {
+    let Some(fx) = frame
+        .x
+        .fraction(point.x)
+        .filter(|f| (-1e-9..=1.0 + 1e-9).contains(f))
+    else {
         return Ok(());
     };
     if point.y.is_nan() {
@@ -255,7 +259,12 @@ fn draw_point(
         );
         sheet.line(&[low, high], crate::Dash::Solid, paint, 1.4)?;
         for (x, y) in [low, high] {
-            sheet.line(&[(x - 3.0, y), (x + 3.0, y)], crate::Dash::Solid, paint, 1.4)?;
+            sheet.line(
+                &[(x - 3.0, y), (x + 3.0, y)],
+                crate::Dash::Solid,
+                paint,
+                1.4,
+            )?;
         }
     }
     sheet.symbol(symbol, frame.at(fx, fy), MARK, paint)
@@ -309,100 +318,39 @@ fn clip(a: Fractions, b: Fractions) -> Option<(Fractions, Fractions, bool, bool)
     Some((at(enter), at(leave), enter == 0.0, leave == 1.0))
 }
 
-/// The legend below the plot, in as many columns as the names allow.
-struct Legend<'a> {
-    entries: Vec<&'a Series>,
-    columns: usize,
-    failures: bool,
-}
-
-impl<'a> Legend<'a> {
-    fn of(figure: &'a Figure) -> Self {
-        let entries: Vec<&Series> = figure
-            .series
-            .iter()
-            .filter(|s| !s.name.is_empty())
-            .collect();
-        let widest = entries
-            .iter()
-            .map(|s| text_width(&s.name, TEXT))
-            .fold(0.0, f64::max);
-        let columns = ((WIDTH - 16.0) / (widest + SAMPLE + 8.0)).floor() as usize;
-        Self {
-            columns: columns.clamp(1, entries.len().max(1)),
-            entries,
-            failures: figure.series.iter().any(|s| !s.failures.is_empty()),
-        }
-    }
-
-    fn rows(&self) -> usize {
-        self.entries.len().div_ceil(self.columns)
-    }
-
-    fn height(&self) -> f64 {
-        (self.rows() + usize::from(self.failures)) as f64 * LEGEND_ROW
-    }
-
-    fn draw(&self, sheet: &Sheet<'_>, top: f64) -> Result<(), ReportError> {
-        let column_width = (WIDTH - 16.0) / self.columns as f64;
-        for (i, series) in self.entries.iter().enumerate() {
-            let (column, row) = (i / self.rows(), i % self.rows());
-            let x = 8.0 + column as f64 * column_width;
-            let y = top + (row as f64 + 0.5) * LEGEND_ROW;
-            let middle = x + 0.5 * SAMPLE;
-            let paint = color(series.color);
-            if let Look::Line(dash) | Look::LineAndPoints(dash, _) = series.look {
-                sheet.line(&[(x, y), (x + SAMPLE - 6.0, y)], dash, paint, LINE)?;
-            }
-            if let Look::Points(symbol) | Look::LineAndPoints(_, symbol) = series.look {
-                sheet.symbol(symbol, (middle - 3.0, y), MARK, paint)?;
-            }
-            let room = column_width - SAMPLE - 4.0;
-            let height = TEXT * (room / text_width(&series.name, TEXT)).min(1.0);
-            sheet.text(
-                &series.name,
-                (x + SAMPLE, y),
-                font(height, INK),
-                HPos::Left,
-                VPos::Center,
-            )?;
-        }
-        if self.failures {
-            let y = top + (self.rows() as f64 + 0.5) * LEGEND_ROW;
-            sheet.failure((8.0 + 0.5 * SAMPLE - 3.0, y), MARK, INK)?;
-            sheet.text(
-                "failed: no value",
-                (8.0 + SAMPLE, y),
-                font(TEXT, INK),
-                HPos::Left,
-                VPos::Center,
-            )?;
-        }
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{Axis, Dash};
 
     fn example() -> Figure {
-        Figure::new("test", "Growth & <decay>", Axis::linear("ωh"), Axis::logarithmic("error / ε"))
-            .with(Series::new(
-                "theory",
-                Look::Line(Dash::Dashed),
-                0,
-                (1..50).map(|i| (f64::from(i), f64::from(i).powi(2))),
-            ))
-            .with(Series::from_points(
+        Figure::new(
+            "test",
+            "Growth & <decay>",
+            Axis::linear("ωh"),
+            Axis::logarithmic("error / ε"),
+        )
+        .with(Series::new(
+            "theory",
+            Look::Line(Dash::Dashed),
+            0,
+            (1..50).map(|i| (f64::from(i), f64::from(i).powi(2))),
+        ))
+        .with(
+            Series::from_points(
                 "measured",
                 Look::Points(Symbol::Disc),
                 1,
-                vec![Point { x: 3.0, y: 9.0, error: Some(20.0), note: Some("n < 3".into()) }],
+                vec![Point {
+                    x: 3.0,
+                    y: 9.0,
+                    error: Some(20.0),
+                    note: Some("n < 3".into()),
+                }],
             )
-            .with_failures(vec![10.0, 20.0]))
-            .guided(Guide::Vertical(2.0, "limit".into()))
+            .with_failures(vec![10.0, 20.0]),
+        )
+        .guided(Guide::Vertical(2.0, "limit".into()))
     }
 
     #[test]
@@ -415,7 +363,13 @@ mod tests {
         assert!(svg.contains("<title>n &lt; 3</title>"));
         assert!(!svg.contains("<decay>"));
         // Text stays text, and the legend says what a cross means.
-        for word in ["theory", "measured", "failed: no value", "limit", "error / ε"] {
+        for word in [
+            "theory",
+            "measured",
+            "failed: no value",
+            "limit",
+            "error / ε",
+        ] {
             assert!(svg.contains(word), "{word}");
         }
     }
@@ -432,16 +386,29 @@ mod tests {
             top: 0.0,
             width: 100.0,
             height: 100.0,
-            x: Axis::linear("x").from_to(0.0, 4.0).span("f", [].into_iter()).unwrap(),
-            y: Axis::linear("y").from_to(0.0, 1.0).span("f", [].into_iter()).unwrap(),
+            x: Axis::linear("x")
+                .from_to(0.0, 4.0)
+                .span("f", [].into_iter())
+                .unwrap(),
+            y: Axis::linear("y")
+                .from_to(0.0, 1.0)
+                .span("f", [].into_iter())
+                .unwrap(),
         };
         let points: Vec<Point> = [0.5, 0.5, f64::NAN, 0.5, 0.5]
             .iter()
             .enumerate()
-            .map(|(i, y)| Point { x: i as f64, y: *y, ..Point::default() })
+            .map(|(i, y)| Point {
+                x: i as f64,
+                y: *y,
+                ..Point::default()
+            })
             .collect();
         let pieces = visible_pieces(&frame, &points);
-        assert_eq!(pieces, [[(0.0, 50.0), (25.0, 50.0)], [(75.0, 50.0), (100.0, 50.0)]]);
+        assert_eq!(
+            pieces,
+            [[(0.0, 50.0), (25.0, 50.0)], [(75.0, 50.0), (100.0, 50.0)]]
+        );
     }
 
     #[test]
@@ -456,6 +423,9 @@ mod tests {
     #[test]
     fn a_figure_without_values_is_an_error() {
         let empty = Figure::new("empty", "Empty", Axis::linear("x"), Axis::linear("y"));
-        assert!(matches!(empty.to_svg(), Err(ReportError::NothingToDraw { .. })));
+        assert!(matches!(
+            empty.to_svg(),
+            Err(ReportError::NothingToDraw { .. })
+        ));
     }
 }

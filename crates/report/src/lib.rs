@@ -10,6 +10,7 @@ mod canvas;
 mod draw;
 mod escape;
 mod figure;
+mod legend;
 mod number;
 mod page;
 mod palette;

@@ -238,9 +238,20 @@ mod tests {
             assert!(!html.contains(outside), "{outside}");
         }
         // Every tag that opens is closed.
-        for tag in ["section", "figure", "table", "div", "main", "ul", "tr", "td", "figcaption"] {
+        for tag in [
+            "section",
+            "figure",
+            "table",
+            "div",
+            "main",
+            "ul",
+            "tr",
+            "td",
+            "figcaption",
+        ] {
             assert_eq!(
-                html.matches(&format!("<{tag}>")).count() + html.matches(&format!("<{tag} ")).count(),
+                html.matches(&format!("<{tag}>")).count()
+                    + html.matches(&format!("<{tag} ")).count(),
                 html.matches(&format!("</{tag}>")).count(),
                 "{tag}"
             );

@@ -73,7 +73,12 @@ impl PageTable {
     /// A table of numbers as it stands in the CSV file, shortened for reading.
     #[must_use]
     pub fn from_table(table: &Table) -> Self {
-        let rows = table.columns.iter().map(|c| c.values.len()).max().unwrap_or(0);
+        let rows = table
+            .columns
+            .iter()
+            .map(|c| c.values.len())
+            .max()
+            .unwrap_or(0);
         Self {
             caption: table.caption.clone(),
             command: None,
@@ -104,9 +109,14 @@ impl PageTable {
     }
 
     pub(crate) fn to_html(&self) -> String {
-        let mut html = String::from("<figure class=\"table\">\n<div class=\"scroll\" tabindex=\"0\"><table>\n<thead><tr>");
+        let mut html = String::from(
+            "<figure class=\"table\">\n<div class=\"scroll\" tabindex=\"0\"><table>\n<thead><tr>",
+        );
         for heading in &self.header {
-            html.push_str(&format!("<th scope=\"col\">{}</th>", inline_markup(heading)));
+            html.push_str(&format!(
+                "<th scope=\"col\">{}</th>",
+                inline_markup(heading)
+            ));
         }
         html.push_str("</tr></thead>\n<tbody>\n");
         for row in &self.rows {

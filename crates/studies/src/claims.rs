@@ -147,9 +147,17 @@ pub fn table(claims: &[Claim], caption: impl Into<String>, command: &str) -> Pag
     PageTable {
         caption: caption.into(),
         command: Some(command.to_owned()),
-        header: ["Source", "Claim", "Judged by", "Wanted", "Theory", "Measured", "Verdict"]
-            .map(str::to_owned)
-            .to_vec(),
+        header: [
+            "Source",
+            "Claim",
+            "Judged by",
+            "Wanted",
+            "Theory",
+            "Measured",
+            "Verdict",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
         rows,
     }
 }
@@ -164,7 +172,10 @@ mod tests {
         assert_eq!(judge(Demand::Above(1.0), 1.1), Verdict::Holds);
         assert_eq!(judge(Demand::Above(1.0), 1.0), Verdict::DoesNotHold);
         assert_eq!(judge(Demand::Below(1.0), f64::NAN), Verdict::DoesNotHold);
-        let near = Demand::Near { value: 2.0, within: 0.05 };
+        let near = Demand::Near {
+            value: 2.0,
+            within: 0.05,
+        };
         assert_eq!(judge(near, 2.04), Verdict::Holds);
         assert_eq!(judge(near, 1.9), Verdict::DoesNotHold);
         let off = Claim::judge("s", "c", "q", near, 2.0).with_theory(2.1, 0.01, "rounding");

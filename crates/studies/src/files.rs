@@ -33,11 +33,18 @@ impl TextTable {
     }
 
     fn to_csv(&self) -> Result<String, StudyError> {
-        let failed = |reason: String| StudyError::Csv { name: self.name, reason };
+        let failed = |reason: String| StudyError::Csv {
+            name: self.name,
+            reason,
+        };
         let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(&self.header).map_err(|e| failed(e.to_string()))?;
+        writer
+            .write_record(&self.header)
+            .map_err(|e| failed(e.to_string()))?;
         for row in &self.rows {
-            writer.write_record(row).map_err(|e| failed(e.to_string()))?;
+            writer
+                .write_record(row)
+                .map_err(|e| failed(e.to_string()))?;
         }
         let bytes = writer.into_inner().map_err(|e| failed(e.to_string()))?;
         String::from_utf8(bytes).map_err(|e| failed(e.to_string()))

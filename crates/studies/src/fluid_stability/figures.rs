@@ -149,7 +149,10 @@ fn temperature(study: &FluidStudy, state: usize) -> Option<Captioned> {
 }
 
 fn truncations(study: &FluidStudy, state: usize) -> Option<Captioned> {
-    let title = format!("Truncation and energy, velocity Verlet, {}", STATES[state].name);
+    let title = format!(
+        "Truncation and energy, velocity Verlet, {}",
+        STATES[state].name
+    );
     let y = Axis::logarithmic("RMS of the energy / ε per atom");
     let mut figure = Figure::new(file_stem("truncation", state), title, dt_axis(), y);
     for (i, (_, name)) in TRUNCATIONS.iter().enumerate() {
@@ -166,8 +169,9 @@ fn truncations(study: &FluidStudy, state: usize) -> Option<Captioned> {
         return None;
     }
     let caption = "The same for the four ways to end the potential at 2.5 σ. The plain cutoff and the \
-                   shifted one have the same forces, and both are judged by the energy that these conserve; \
-                   their force jumps at the cutoff, which leaves a floor that falling dt does not remove.";
+                   shifted one have the same forces, and both are judged by the energy that these conserve. \
+                   Their force jumps at the cutoff, and each crossing leaves an error that falls more slowly \
+                   than dt²: it shows where the smallest steps leave the line of the smooth ones.";
     Some(Captioned::new(figure, caption, "fluid.csv"))
 }
 
@@ -213,15 +217,21 @@ fn floors(study: &FluidStudy) -> Option<Captioned> {
         Axis::logarithmic("dt / τ"),
         Axis::logarithmic("RMS of the energy / ε per atom"),
     );
-    for (i, (name, runs)) in
-        [("double precision", &study.double), ("mixed precision (pairs in f32)", &study.mixed)]
-            .into_iter()
-            .enumerate()
+    for (i, (name, runs)) in [
+        ("double precision", &study.double),
+        ("mixed precision (pairs in f32)", &study.mixed),
+    ]
+    .into_iter()
+    .enumerate()
     {
         let runs: Vec<&FluidRun> = runs.iter().collect();
         figure = figure.with(series(name, i, &runs, |r| Some((r.fluctuation?, None))));
     }
-    if let Some(last) = study.double.last().and_then(|r| Some((r.dt, r.fluctuation?))) {
+    if let Some(last) = study
+        .double
+        .last()
+        .and_then(|r| Some((r.dt, r.fluctuation?)))
+    {
         let first = study.double[0].dt;
         let law = [first, last.0].map(|dt| (dt, last.1 * (dt / last.0).powi(2)));
         figure = figure.with(Series::new("dt² law", Look::Line(Dash::Dotted), 6, law));

@@ -113,11 +113,19 @@ impl Start {
             dt: EQUILIBRATION_DT,
             source,
         };
-        let System { dynamics, forces, state } = &mut system;
+        let System {
+            dynamics,
+            forces,
+            state,
+        } = &mut system;
         method
             .start(dynamics, state, forces, EQUILIBRATION_DT, Want::NOTHING)
             .map_err(failed)?;
-        let steps = if quick { EQUILIBRATION_STEPS / 8 } else { EQUILIBRATION_STEPS };
+        let steps = if quick {
+            EQUILIBRATION_STEPS / 8
+        } else {
+            EQUILIBRATION_STEPS
+        };
         for n in 1..=steps {
             method
                 .step(dynamics, state, forces, EQUILIBRATION_DT, Want::NOTHING)

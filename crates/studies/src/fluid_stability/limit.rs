@@ -53,7 +53,9 @@ impl FluidLimit {
 
 fn stable(run: &FluidRun, temperature: f64) -> bool {
     run.completed()
-        && run.change.is_some_and(|c| c.abs() < ALLOWED_CHANGE * 1.5 * temperature)
+        && run
+            .change
+            .is_some_and(|c| c.abs() < ALLOWED_CHANGE * 1.5 * temperature)
 }
 
 /// Searches and bisects.

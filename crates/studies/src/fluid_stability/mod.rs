@@ -1,8 +1,8 @@
 //! The same question for the fluid: which step does each method bear on a Lennard-Jones liquid, and what
 //! does it do to the energy there.
 
-pub mod fluid;
 mod figures;
+pub mod fluid;
 pub mod limit;
 mod page;
 pub mod run;
@@ -69,7 +69,10 @@ fn methods() -> (Vec<Method>, Vec<(&'static str, String)>) {
     for entry in integrators() {
         match entry.oscillator {
             OscillatorModel::ExactSolution => {
-                left_out.push((entry.spec.name, "no exact solution of a fluid is known".to_owned()));
+                left_out.push((
+                    entry.spec.name,
+                    "no exact solution of a fluid is known".to_owned(),
+                ));
             }
             OscillatorModel::Constraint => {
                 let reason = "without constraints it is `symplectic-euler`, which is here";
@@ -93,7 +96,9 @@ pub(crate) const SHOWN_TRUNCATION: usize = 2;
 /// rounding, the best known one stands for all.
 pub(crate) fn stands_for_itself(method: &str) -> bool {
     let groups = groups();
-    let group = groups.iter().find(|g| g.members.iter().any(|e| e.spec.name == method));
+    let group = groups
+        .iter()
+        .find(|g| g.members.iter().any(|e| e.spec.name == method));
     group.is_none_or(|g| g.representative().spec.name == method)
 }
 
@@ -104,8 +109,11 @@ const SHARES: [f64; 4] = [0.06, 0.5, 0.94, 1.0];
 pub(crate) fn measure(quick: bool, progress: &mut dyn Progress) -> Result<FluidStudy, StudyError> {
     let (methods, left_out) = methods();
     let states = if quick { 1 } else { STATES.len() };
-    let truncations: Vec<usize> =
-        if quick { vec![SHOWN_TRUNCATION] } else { (0..TRUNCATIONS.len()).collect() };
+    let truncations: Vec<usize> = if quick {
+        vec![SHOWN_TRUNCATION]
+    } else {
+        (0..TRUNCATIONS.len()).collect()
+    };
     let places: Vec<(usize, usize)> = (0..states)
         .flat_map(|s| truncations.iter().map(move |t| (s, *t)))
         .collect();
@@ -117,10 +125,15 @@ pub(crate) fn measure(quick: bool, progress: &mut dyn Progress) -> Result<FluidS
     let starts: Vec<Start> = starts.into_iter().collect::<Result<_, _>>()?;
 
     let mut between = |part: usize, label: &str, share: f64| {
-        progress.update(label, SHARES[part - 1] + (SHARES[part] - SHARES[part - 1]) * share);
+        progress.update(
+            label,
+            SHARES[part - 1] + (SHARES[part] - SHARES[part - 1]) * share,
+        );
     };
     let plans = plans(&methods, &starts, quick);
-    let runs = side_by_side(&plans, run::run, |s| between(1, "fluid: drift and fluctuation", s));
+    let runs = side_by_side(&plans, run::run, |s| {
+        between(1, "fluid: drift and fluctuation", s)
+    });
     let mut runs: Vec<FluidRun> = runs.into_iter().collect::<Result<_, _>>()?;
     let listed = |name: &str| integrators().iter().position(|e| e.spec.name == name);
     let state = |name: &str| STATES.iter().position(|s| s.name == name);
@@ -133,7 +146,7 @@ pub(crate) fn measure(quick: bool, progress: &mut dyn Progress) -> Result<FluidS
         .iter()
         .flat_map(|start| methods.iter().map(move |m| (m, start)))
         .filter(|(m, start)| !m.costly || start.truncation == SHOWN_TRUNCATION)
-        .filter(|(m, _)| !(quick && m.costly))
+        .filter(|(m, _)| !quick || !m.costly && stands_for_itself(m.entry.spec.name))
         .collect();
     // The dearest first: whoever comes last would else keep one thread waiting.
     searches.sort_by_key(|(m, _)| (!m.costly, m.entry.spec.symplectic));
@@ -145,8 +158,9 @@ pub(crate) fn measure(quick: bool, progress: &mut dyn Progress) -> Result<FluidS
     let mut limits: Vec<FluidLimit> = limits.into_iter().collect::<Result<_, _>>()?;
     limits.sort_by_key(|l| listed(l.method));
 
-    let (double, mixed, past_limit) =
-        edges(&methods, &starts, &limits, quick, |s| between(3, "fluid: floors and edges", s))?;
+    let (double, mixed, past_limit) = edges(&methods, &starts, &limits, quick, |s| {
+        between(3, "fluid: floors and edges", s)
+    })?;
     Ok(FluidStudy {
         left_out,
         runs,
@@ -196,27 +210,51 @@ fn edges(
     done: impl FnMut(f64),
 ) -> Result<Edges, StudyError> {
     let verlet = entry("velocity-verlet")?;
-    let smooth = starts.iter().find(|s| s.state_point == 0 && s.truncation == TRUNCATIONS.len() - 1);
-    let shown = starts.iter().find(|s| s.state_point == 0 && s.truncation == SHOWN_TRUNCATION);
+    let smooth = starts
+        .iter()
+        .find(|s| s.state_point == 0 && s.truncation == TRUNCATIONS.len() - 1);
+    let shown = starts
+        .iter()
+        .find(|s| s.state_point == 0 && s.truncation == SHOWN_TRUNCATION);
     let mut plans: Vec<(Option<f64>, Plan<'_>)> = Vec::new();
     if let Some(start) = smooth.or(shown) {
-        let time = if quick { 0.5 * SMALL_STEP_TIME } else { SMALL_STEP_TIME };
+        let time = if quick {
+            0.5 * SMALL_STEP_TIME
+        } else {
+            SMALL_STEP_TIME
+        };
         for precision in [Precision::Double, Precision::Mixed] {
             plans.extend(SMALL_STEPS.iter().map(|dt| {
                 let steps = (time / dt).round() as u64;
-                (None, Plan { entry: verlet, start, dt: *dt, steps, precision })
+                (
+                    None,
+                    Plan {
+                        entry: verlet,
+                        start,
+                        dt: *dt,
+                        steps,
+                        precision,
+                    },
+                )
             }));
         }
     }
     if let Some(start) = shown {
         let limit_of = |name: &str| {
             let place = |l: &&FluidLimit| {
-                l.method == name && l.state == STATES[0].name && l.truncation == TRUNCATIONS[SHOWN_TRUNCATION].1
+                l.method == name
+                    && l.state == STATES[0].name
+                    && l.truncation == TRUNCATIONS[SHOWN_TRUNCATION].1
             };
             limits.iter().find(place).and_then(FluidLimit::middle)
         };
-        for method in methods.iter().filter(|m| m.entry.spec.symplectic && stands_for_itself(m.entry.spec.name)) {
-            let Some(limit) = limit_of(method.entry.spec.name) else { continue };
+        for method in methods
+            .iter()
+            .filter(|m| m.entry.spec.symplectic && stands_for_itself(m.entry.spec.name))
+        {
+            let Some(limit) = limit_of(method.entry.spec.name) else {
+                continue;
+            };
             plans.extend(PAST_LIMIT.iter().map(|factor| {
                 let plan = Plan {
                     entry: method.entry,

@@ -190,7 +190,10 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
 fn summarise(result: &mut FluidRun, samples: &[Sample], plan: &Plan<'_>) {
     let energies: Vec<(f64, f64)> = samples.iter().map(|s| (s.time, s.energy)).collect();
     let (offset, slope) = fit::line(&energies);
-    let squares: f64 = energies.iter().map(|(t, e)| (e - offset - slope * t).powi(2)).sum();
+    let squares: f64 = energies
+        .iter()
+        .map(|(t, e)| (e - offset - slope * t).powi(2))
+        .sum();
     result.fluctuation = Some((squares / energies.len() as f64).sqrt());
     result.drift = Some(slope);
     result.change = Some(samples[samples.len() - 1].energy - samples[0].energy);

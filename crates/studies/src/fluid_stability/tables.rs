@@ -12,7 +12,10 @@ pub(crate) fn in_words(outcome: &Outcome) -> String {
     match outcome {
         Outcome::Completed => "completed".to_owned(),
         Outcome::Stopped { step, time, reason } => {
-            format!("stopped at step {step} (t = {}): {reason}", significant(*time, 3))
+            format!(
+                "stopped at step {step} (t = {}): {reason}",
+                significant(*time, 3)
+            )
         }
         Outcome::RanAway { step, time, change } => format!(
             "ran away: {} ε an atom by step {step} (t = {})",
@@ -24,9 +27,20 @@ pub(crate) fn in_words(outcome: &Outcome) -> String {
 
 fn runs(name: &'static str, runs: &[FluidRun]) -> TextTable {
     let header = [
-        "method", "state", "truncation", "dt [tau]", "steps", "outcome", "drift [epsilon/tau/atom]", "drift error",
-        "energy rms [epsilon/atom]", "energy change [epsilon/atom]", "temperature error / T", "its error",
-        "momentum per atom", "force evaluations a step",
+        "method",
+        "state",
+        "truncation",
+        "dt [tau]",
+        "steps",
+        "outcome",
+        "drift [epsilon/tau/atom]",
+        "drift error",
+        "energy rms [epsilon/atom]",
+        "energy change [epsilon/atom]",
+        "temperature error / T",
+        "its error",
+        "momentum per atom",
+        "force evaluations a step",
     ];
     let mut table = TextTable::new(name, &header);
     for r in runs {
@@ -52,7 +66,14 @@ fn runs(name: &'static str, runs: &[FluidRun]) -> TextTable {
 
 /// All CSV tables of the fluid part.
 pub(crate) fn csv(study: &FluidStudy) -> Vec<TextTable> {
-    let header = ["method", "state", "truncation", "stable dt [tau]", "unstable dt [tau]", "at the unstable dt"];
+    let header = [
+        "method",
+        "state",
+        "truncation",
+        "stable dt [tau]",
+        "unstable dt [tau]",
+        "at the unstable dt",
+    ];
     let mut limits = TextTable::new("fluid-limits", &header);
     for l in &study.limits {
         limits.push([
@@ -68,7 +89,11 @@ pub(crate) fn csv(study: &FluidStudy) -> Vec<TextTable> {
     let mut both = runs("fluid-precision", &precision);
     both.header.insert(0, "precision".to_owned());
     for (i, row) in both.rows.iter_mut().enumerate() {
-        let precision = if i < study.double.len() { "double" } else { "mixed" };
+        let precision = if i < study.double.len() {
+            "double"
+        } else {
+            "mixed"
+        };
         row.insert(0, precision.to_owned());
     }
     let past: Vec<FluidRun> = study.past_limit.iter().map(|p| p.1.clone()).collect();
@@ -103,9 +128,16 @@ pub(crate) fn limits_on_page(study: &FluidStudy, command: &str) -> PageTable {
         .flat_map(|s| {
             let shown = TRUNCATIONS[SHOWN_TRUNCATION].1;
             let others = TRUNCATIONS.iter().map(|t| t.1).filter(move |t| *t != shown);
-            std::iter::once(shown).chain(others).map(move |t| (s.name, t))
+            std::iter::once(shown)
+                .chain(others)
+                .map(move |t| (s.name, t))
         })
-        .filter(|(s, t)| study.limits.iter().any(|l| l.state == *s && l.truncation == *t))
+        .filter(|(s, t)| {
+            study
+                .limits
+                .iter()
+                .any(|l| l.state == *s && l.truncation == *t)
+        })
         .collect();
     let rows = methods
         .iter()
@@ -120,7 +152,9 @@ pub(crate) fn limits_on_page(study: &FluidStudy, command: &str) -> PageTable {
                     None => Cell::number("–"),
                     Some(l) => match (l.middle(), l.stable) {
                         (Some(m), _) => Cell::number(significant(m, 2)),
-                        (None, Some(stable)) => Cell::number(format!("> {}", significant(stable, 2))),
+                        (None, Some(stable)) => {
+                            Cell::number(format!("> {}", significant(stable, 2)))
+                        }
                         (None, None) => Cell::toned("none", Tone::Bad),
                     },
                 }
@@ -184,7 +218,10 @@ pub(crate) fn past_on_page(study: &FluidStudy, command: &str) -> PageTable {
         .map(|(factor, r)| {
             let text = match (&r.outcome, r.change) {
                 (Outcome::Completed, Some(change)) => {
-                    format!("completed, energy changed by {} ε an atom", significant(change, 2))
+                    format!(
+                        "completed, energy changed by {} ε an atom",
+                        significant(change, 2)
+                    )
                 }
                 (outcome, _) => in_words(outcome),
             };
@@ -199,12 +236,14 @@ pub(crate) fn past_on_page(study: &FluidStudy, command: &str) -> PageTable {
     PageTable {
         caption: format!(
             "What happens past the limit: {} steps near the triple point at multiples of the largest stable \
-             step. A run ends with a message that names the step and the particle, or is stopped because its \
-             energy ran away; no file gets a number that is not finite.",
+             step. A run is stopped as soon as its energy has run away, or by the message of the method or of the \
+             forces where a number would not be finite; no file gets such a number.",
             super::limit::LEAST_STEPS * 4
         ),
         command: Some(command.to_owned()),
-        header: ["Method", "dt / limit", "dt / τ", "What happens"].map(str::to_owned).to_vec(),
+        header: ["Method", "dt / limit", "dt / τ", "What happens"]
+            .map(str::to_owned)
+            .to_vec(),
         rows,
     }
 }

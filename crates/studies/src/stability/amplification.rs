@@ -71,7 +71,10 @@ pub struct MethodMap {
 /// The map that a method declares; every method on the list declares one, and one that does not is
 /// measured without a theory line.
 pub(crate) fn theory(entry: &IntegratorEntry, omega_h: f64) -> Option<StepMap> {
-    entry.spec.oscillator_map.map(|map| StepMap(map(omega_h, 1.0)))
+    entry
+        .spec
+        .oscillator_map
+        .map(|map| StepMap(map(omega_h, 1.0)))
 }
 
 fn step_error(entry: &IntegratorEntry, dt: f64) -> impl Fn(StepError) -> StudyError {
@@ -106,8 +109,7 @@ fn method_map(
     let mut points = Vec::new();
     let mut omega_h = first;
     while omega_h <= 4.0 {
-        let measured =
-            measured_map(entry, omega_h, 1.0).map_err(step_error(entry, 1.0))?;
+        let measured = measured_map(entry, omega_h, 1.0).map_err(step_error(entry, 1.0))?;
         let theory = theory(entry, omega_h);
         points.push(MapPoint {
             omega_h,
@@ -204,8 +206,7 @@ pub(crate) fn mean_growth(entry: &IntegratorEntry, omega_h: f64) -> Result<f64, 
     let error = step_error(entry, 1.0);
     let size = |z: glam::DVec2| z.x.hypot(z.y / omega_h);
     let spring = Spring::Stiffness(omega_h * omega_h);
-    let mut rig =
-        super::rig::Rig::start(entry, spring, (1.0, 0.0), 1.0).map_err(&error)?;
+    let mut rig = super::rig::Rig::start(entry, spring, (1.0, 0.0), 1.0).map_err(&error)?;
     for _ in 0..GROWTH_STEPS {
         rig.step(1.0).map_err(&error)?;
     }

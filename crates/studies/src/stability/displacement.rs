@@ -101,8 +101,10 @@ pub(crate) fn measure(groups: &[Group]) -> Result<Vec<Case>, StudyError> {
                 .enumerate()
                 .map(|(g, group)| short_run(g, group.first(), stiffness, steps))
                 .collect::<Result<_, _>>()?;
-            let entries: Vec<&IntegratorEntry> =
-                groups.iter().flat_map(|g| g.members.iter().copied()).collect();
+            let entries: Vec<&IntegratorEntry> = groups
+                .iter()
+                .flat_map(|g| g.members.iter().copied())
+                .collect();
             let summaries = entries
                 .par_iter()
                 .map(|entry| summarise(entry, stiffness, omega_h, LONG_RUN))
@@ -126,8 +128,14 @@ fn short_run(
     steps: u32,
 ) -> Result<Run, StudyError> {
     let method = entry.spec.name;
-    let mut rig = Rig::start(entry, Spring::Stiffness(stiffness), (START, 0.0), STEP)
-        .map_err(|source| StudyError::Step { method, dt: STEP, source })?;
+    let mut rig =
+        Rig::start(entry, Spring::Stiffness(stiffness), (START, 0.0), STEP).map_err(|source| {
+            StudyError::Step {
+                method,
+                dt: STEP,
+                source,
+            }
+        })?;
     let energy = |x: f64, v: f64| 0.5 * stiffness * x * x + 0.5 * MASS * v * v;
     let mut run = Run {
         method,
@@ -158,7 +166,11 @@ fn summarise(
     steps: u32,
 ) -> Result<Summary, StudyError> {
     let method = entry.spec.name;
-    let failed = |source| StudyError::Step { method, dt: STEP, source };
+    let failed = |source| StudyError::Step {
+        method,
+        dt: STEP,
+        source,
+    };
     let spring = Spring::Stiffness(stiffness);
     let far = excursion(entry, spring, STEP, steps, DIVERGED).map_err(failed)?;
     let measured = measured_map(entry, omega_h / STEP, STEP).map_err(failed)?;

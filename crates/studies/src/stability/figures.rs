@@ -7,8 +7,6 @@ use super::amplification::theory;
 use super::displacement::{Case, Run, STEP};
 use super::groups::Group;
 use super::map::StepMap;
-use super::orders::OrderLine;
-use super::variable_step::exact_path;
 use crate::files::Captioned;
 
 /// The largest spectral radius shown.
@@ -18,7 +16,7 @@ const OUT_OF_SIGHT: f64 = 2e4;
 /// Steps shown in the close view of a stiff case.
 const CLOSE_STEPS: usize = 24;
 
-fn dense(from: f64, to: f64, n: u32) -> impl Iterator<Item = f64> {
+pub(crate) fn dense(from: f64, to: f64, n: u32) -> impl Iterator<Item = f64> {
     (0..=n).map(move |i| from + (to - from) * f64::from(i) / f64::from(n))
 }
 
@@ -33,9 +31,18 @@ pub(crate) fn amplification(study: &OscillatorStudy) -> Captioned {
     .guided(Guide::Horizontal(1.0, String::new()))
     .guided(Guide::Vertical(2.0, "ωh = 2".into()));
     for (g, group) in study.groups.iter().enumerate() {
-        let line = dense(0.004, 4.0, 999)
-            .map(|x| (x, theory(group.first(), x).map_or(f64::NAN, StepMap::radius)));
-        figure = figure.with(Series::new(String::new(), Look::Line(Dash::cycle(g)), g, line));
+        let line = dense(0.004, 4.0, 999).map(|x| {
+            (
+                x,
+                theory(group.first(), x).map_or(f64::NAN, StepMap::radius),
+            )
+        });
+        figure = figure.with(Series::new(
+            String::new(),
+            Look::Line(Dash::cycle(g)),
+            g,
+            line,
+        ));
     }
     for (g, group) in study.groups.iter().enumerate() {
         let points: Vec<(f64, f64)> = study
@@ -47,7 +54,9 @@ pub(crate) fn amplification(study: &OscillatorStudy) -> Captioned {
             .collect();
         let look = Look::LineAndPoints(Dash::cycle(g), Symbol::cycle(g));
         let marks = Series::new(String::new(), Look::Points(Symbol::cycle(g)), g, points);
-        figure = figure.with(marks).with(Series::new(group.name.clone(), look, g, []));
+        figure = figure
+            .with(marks)
+            .with(Series::new(group.name.clone(), look, g, []));
     }
     Captioned::new(
         figure,
@@ -71,11 +80,18 @@ pub(crate) fn phase(study: &OscillatorStudy) -> Captioned {
             // The exact solution has no phase error to show on a logarithmic axis.
             continue;
         }
-        let line = dense(0.05_f64.ln(), 3.2_f64.ln(), 400).map(f64::exp).map(|x| {
-            let phase = theory(group.first(), x).and_then(StepMap::phase);
-            (x, phase.map_or(f64::NAN, |p| error(x, p)))
-        });
-        figure = figure.with(Series::new(String::new(), Look::Line(Dash::cycle(g)), g, line));
+        let line = dense(0.05_f64.ln(), 3.2_f64.ln(), 400)
+            .map(f64::exp)
+            .map(|x| {
+                let phase = theory(group.first(), x).and_then(StepMap::phase);
+                (x, phase.map_or(f64::NAN, |p| error(x, p)))
+            });
+        figure = figure.with(Series::new(
+            String::new(),
+            Look::Line(Dash::cycle(g)),
+            g,
+            line,
+        ));
         let points: Vec<(f64, f64)> = study
             .methods
             .iter()
@@ -85,7 +101,9 @@ pub(crate) fn phase(study: &OscillatorStudy) -> Captioned {
             .collect();
         let look = Look::LineAndPoints(Dash::cycle(g), Symbol::cycle(g));
         let marks = Series::new(String::new(), Look::Points(Symbol::cycle(g)), g, points);
-        figure = figure.with(marks).with(Series::new(group.name.clone(), look, g, []));
+        figure = figure
+            .with(marks)
+            .with(Series::new(group.name.clone(), look, g, []));
     }
     Captioned::new(
         figure,
@@ -120,9 +138,7 @@ pub(crate) fn case(case: &Case, groups: &[Group]) -> Vec<Captioned> {
     let data = format!("displacement-{}.csv", case.name);
     // Large swings first: whatever stays small is drawn over them.
     let mut runs: Vec<&Run> = case.runs.iter().collect();
-    let size = |r: &Run| {
-        r.positions.iter().fold(0.0_f64, |m, x| m.max(x.abs()))
-    };
+    let size = |r: &Run| r.positions.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     runs.sort_by(|a, b| size(b).total_cmp(&size(a)));
     let end = runs.iter().map(|r| r.positions.len()).max().unwrap_or(1);
     let mut displacement = Figure::new(
@@ -153,7 +169,9 @@ pub(crate) fn case(case: &Case, groups: &[Group]) -> Vec<Captioned> {
     for figure in [&mut displacement, &mut close, &mut energy] {
         for (g, group) in groups.iter().enumerate() {
             let look = Look::Line(Dash::cycle(g));
-            figure.series.push(Series::new(group.name.clone(), look, g, []));
+            figure
+                .series
+                .push(Series::new(group.name.clone(), look, g, []));
         }
     }
     let mut figures = vec![Captioned::new(
@@ -211,7 +229,12 @@ pub(crate) fn infinite(study: &OscillatorStudy) -> Captioned {
         figure = figure.with(Series::new(name, Look::Line(Dash::Dashed), color, points));
     }
     let line = steps().map(|n| (n, 2.0 * n + 1.0));
-    figure = figure.with(Series::new("theory: 2n + 1", Look::Line(Dash::Dotted), 6, line));
+    figure = figure.with(Series::new(
+        "theory: 2n + 1",
+        Look::Line(Dash::Dotted),
+        6,
+        line,
+    ));
     Captioned::new(
         figure,
         "SPOOK with ε = 0 (k = ∞): without damping |x| grows as 2n + 1, with any damping it dies away. \
@@ -229,170 +252,4 @@ fn envelope(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
             Some((x, *largest))
         })
         .collect()
-}
-
-pub(crate) fn discretisation(study: &OscillatorStudy) -> Captioned {
-    let mut figure = Figure::new(
-        "exponential-error",
-        "Error of Störmer–Verlet on ẍ = w²x",
-        Axis::linear("wt"),
-        Axis::linear("|x/exp(wt) − 1| / (wh)²"),
-    );
-    let growth = &study.growth[1];
-    let scale = growth.wh * growth.wh;
-    let scaled = |errors: &[f64]| -> Vec<(f64, f64)> {
-        growth.times.iter().copied().zip(errors.iter().map(|e| e / scale)).collect()
-    };
-    let end = growth.times.last().copied().unwrap_or(1.0);
-    for (i, (name, errors)) in [
-        ("measured, x₁ = q₊", &growth.exact_start_errors),
-        ("measured, Taylor start", &growth.taylor_start_errors),
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        let points: Vec<(f64, f64)> = scaled(errors).into_iter().step_by(4).collect();
-        figure = figure.with(Series::new(name, Look::Points(Symbol::cycle(i)), i, points));
-    }
-    for (i, (name, offset)) in
-        [("theory: wt/24", 0.0), ("theory: wt/24 + 1/16", 1.0 / 16.0)].into_iter().enumerate()
-    {
-        let line = dense(0.0, end, 2).map(|t| (t, t / 24.0 + offset));
-        figure = figure.with(Series::new(name, Look::Line(Dash::cycle(7 * i)), i, line));
-    }
-    Captioned::new(
-        figure,
-        format!(
-            "Relative error in units of (wh)², at wh = {}. From the growing root the line starts at zero \
-             and its slope is 1/24; the Taylor start adds 1/16 once its decaying part is gone.",
-            growth.wh
-        ),
-        "exponential-error.csv",
-    )
-}
-
-pub(crate) fn variable_step(study: &OscillatorStudy) -> Vec<Captioned> {
-    let mut path = Figure::new(
-        "variable-step",
-        "A step that changes by a factor of two",
-        Axis::linear("time / s"),
-        Axis::linear("x / m"),
-    )
-    .with(Series::new("analytic", Look::Line(Dash::Solid), 6, exact_path()));
-    let mut errors = log_log("variable-step-error", "Error with a changing step", "largest error of x / m");
-    for (i, run) in study.step_rules.iter().enumerate() {
-        // Three of four lie on the analytic line: each shows every third point, beside the others'.
-        let (look, first, every) = if run.method.is_none() {
-            (Look::LineAndPoints(Dash::Dashed, Symbol::cycle(i)), 0, 1)
-        } else {
-            (Look::Points(Symbol::cycle(i)), i, 3)
-        };
-        let points = run.path.iter().skip(first).step_by(every).copied();
-        path = path.with(Series::new(run.rule, look, i, points));
-        let name = match run.order {
-            // Adding zero turns −0.00 into 0.00.
-            Some(order) => format!("{}: order {:.2}", run.rule, (100.0 * order).round() / 100.0 + 0.0),
-            None => run.rule.to_owned(),
-        };
-        let look = Look::LineAndPoints(Dash::Solid, Symbol::cycle(i));
-        errors = errors.with(Series::new(name, look, i, run.errors.iter().copied()));
-    }
-    vec![
-        Captioned::new(
-            path,
-            "Four steps of h and four of h/2 by turns, h = 0.125 s, ω = 1/s: the plain rule takes each \
-             change of the step for a change of velocity.",
-            "variable-step.csv",
-        ),
-        Captioned::new(
-            errors,
-            "Largest error over 12 s against the long step.",
-            "orders.csv",
-        ),
-    ]
-}
-
-fn log_log(name: &str, title: &str, y: &str) -> Figure {
-    Figure::new(name, title, Axis::logarithmic("step h / s"), Axis::logarithmic(y))
-}
-
-fn with_lines<'a>(
-    mut figure: Figure,
-    lines: impl Iterator<Item = (usize, String, &'a OrderLine)>,
-) -> Figure {
-    for (i, name, line) in lines {
-        let order = line.measured.map_or("rounding".to_owned(), |p| format!("order {p:.2}"));
-        let look = Look::Points(Symbol::cycle(i));
-        // The theory line goes through the error at the middle step with the declared slope.
-        let (h, e) = line.errors[line.errors.len() / 2];
-        let (first, last) = (line.errors[0].0, line.errors[line.errors.len() - 1].0);
-        let theory = [first, last].map(|x| (x, e * (x / h).powf(line.theory)));
-        let marks = Series::new(format!("{name}: {order}"), look, i, line.errors.iter().copied());
-        if line.measured.is_some() {
-            figure = figure.with(Series::new(String::new(), Look::Line(Dash::cycle(i)), i, theory));
-        }
-        figure = figure.with(marks);
-    }
-    figure
-}
-
-pub(crate) fn orders(study: &OscillatorStudy) -> Vec<Captioned> {
-    let orders = &study.orders;
-    let of_groups = |lines: &'_ [OrderLine]| -> Vec<(usize, String, OrderLine)> {
-        study
-            .groups
-            .iter()
-            .enumerate()
-            .filter_map(|(g, group)| {
-                let first = group.first().spec.name;
-                let line = lines.iter().find(|l| l.name == first)?;
-                Some((g, group.name.clone(), line.clone()))
-            })
-            .collect()
-    };
-    let global = |name: &str, title: &str, y: &str, lines: &[OrderLine]| {
-        let lines = of_groups(lines);
-        let figure = log_log(name, title, y);
-        let figure = Figure { y: figure.y.from_to(1e-15, 1.0), ..figure };
-        with_lines(figure, lines.iter().map(|(g, n, l)| (*g, n.clone(), l)))
-    };
-    let listed = |name: &str, title: &str, y: &str, lines: &[&OrderLine]| {
-        let lines = lines.iter().enumerate().map(|(i, l)| (i, l.name.clone(), *l));
-        with_lines(log_log(name, title, y), lines)
-    };
-    let caption = "Largest error over 2 s on the oscillator with ω = 1/s, against the step. Lines: the \
-                   declared order through the middle point. Marks that level off have reached rounding.";
-    vec![
-        Captioned::new(
-            global("order-positions", "Global error of positions", "largest error of x / m", &orders.positions),
-            caption,
-            "orders.csv",
-        ),
-        Captioned::new(
-            global("order-velocities", "Global error of velocities", "largest error of v / (m/s)", &orders.velocities),
-            caption,
-            "orders.csv",
-        ),
-        Captioned::new(
-            listed(
-                "order-estimates",
-                "Starts and velocity estimates of Störmer–Verlet",
-                "largest error",
-                &orders.starts.iter().chain(&orders.velocity_estimates).collect::<Vec<_>>(),
-            ),
-            "A2 and A5: the start with and without its acceleration term (error of x), and three velocities \
-             made from positions.",
-            "orders.csv",
-        ),
-        Captioned::new(
-            listed(
-                "order-local",
-                "Local errors and energy of the Verlet family",
-                "error",
-                &orders.local.iter().chain([&orders.energy]).collect::<Vec<_>>(),
-            ),
-            "A7: errors of a single step from exact values, and the bound of the energy's oscillation.",
-            "orders.csv",
-        ),
-    ]
 }

@@ -62,7 +62,10 @@ fn same_map(a: &IntegratorSpec, b: &IntegratorSpec) -> bool {
 pub(crate) fn groups() -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for entry in integrators() {
-        match groups.iter_mut().find(|g| same_map(g.first().spec, entry.spec)) {
+        match groups
+            .iter_mut()
+            .find(|g| same_map(g.first().spec, entry.spec))
+        {
             Some(group) => group.members.push(entry),
             None => groups.push(Group {
                 name: String::new(),

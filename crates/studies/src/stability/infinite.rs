@@ -87,13 +87,19 @@ fn shown_steps() -> Vec<u32> {
 /// Measures everything.
 pub(crate) fn measure(quick: bool) -> Result<Infinite, StudyError> {
     let spook = entry("spook")?;
-    let failed = |source| StudyError::Step { method: "spook", dt: STEP, source };
+    let failed = |source| StudyError::Step {
+        method: "spook",
+        dt: STEP,
+        source,
+    };
     let steps = if quick { STEPS / 5 } else { STEPS };
     let shown = shown_steps();
     let mut deviation_from_linear = 0.0_f64;
     let mut rigid = Vec::new();
     for damping_steps in DAMPING_STEPS {
-        let spring = Spring::Rigid { damping_time: damping_steps * STEP };
+        let spring = Spring::Rigid {
+            damping_time: damping_steps * STEP,
+        };
         let gamma = 1.0 / (1.0 + 4.0 * damping_steps);
         let far = excursion(spook, spring, STEP, steps, f64::INFINITY).map_err(failed)?;
         let mut rig = Rig::start(spook, spring, (1.0, 0.0), STEP).map_err(failed)?;

@@ -1,57 +1,30 @@
-//! What the two documents claim of these methods, beside what was measured.
+//! What the article and our own list claim of these methods, beside what was measured.
 
-use super::amplification::{mean_growth, theory};
-use super::groups::entry;
-use super::{OscillatorStudy, displacement::Case, displacement::Summary, orders::OrderLine};
+use super::manual_judgement::{self, or_infinity};
+use super::{OscillatorStudy, orders::OrderLine};
 use crate::StudyError;
 use crate::claims::{Claim, Demand};
 use crate::fluid_stability::FluidStudy;
 
 const ARTICLE: &str = "article on Verlet integration";
-const MANUAL: &str = "manual of the SPOOK integrator";
 const OURS: &str = "list of integrators";
 
 const ORDER_REASON: &str = "next term of the error expansion at the smallest step";
-const ROUNDING_REASON: &str = "rounding";
-const SAMPLING_REASON: &str = "the largest of many samples of a cosine misses its crest by less";
+pub(crate) const ROUNDING_REASON: &str = "rounding";
 
 /// Tolerance of a measured order.
 const ORDER_TOLERANCE: f64 = 0.05;
-/// A growth factor a step averaged over 1000 steps.
-const GROWTH_TOLERANCE: f64 = 1e-10;
-/// max |x| over a long run: the phases sampled fill the circle to 10⁻³, and the crest is missed by half
-/// its square.
-const AMPLITUDE_TOLERANCE: f64 = 1e-6;
-/// Largest growth between the halves of a long run that still counts as none.
-const NO_GROWTH: f64 = 1.001;
-
-/// Rounding of the sum of 256 momenta over some thousand steps.
-const MOMENTUM_TOLERANCE: f64 = 1e-13;
+/// A position of a few σ is rounded by 10⁻¹⁵; a velocity made from positions divides that by dt ≥ 10⁻³, and
+/// some thousand steps add up at random.
+const MOMENTUM_TOLERANCE: f64 = 1e-11;
 /// Two runs of one τ see different parts of the phase space once they have parted.
 const FLUID_ORDER_TOLERANCE: f64 = 0.2;
 
-fn case<'a>(study: &'a OscillatorStudy, name: &'static str) -> Result<&'a Case, StudyError> {
-    study
-        .cases
-        .iter()
-        .find(|c| c.name == name)
-        .ok_or(StudyError::NoSuchMethod(name))
-}
-
-fn summary<'a>(case: &'a Case, method: &'static str) -> Result<&'a Summary, StudyError> {
-    case.summaries
-        .iter()
-        .find(|s| s.method == method)
-        .ok_or(StudyError::NoSuchMethod(method))
-}
-
-/// A number that a diverged run does not have.
-fn or_infinity(value: Option<f64>) -> f64 {
-    value.unwrap_or(f64::INFINITY)
-}
-
 fn order(source: &'static str, statement: impl Into<String>, line: &OrderLine) -> Claim {
-    let near = Demand::Near { value: line.theory, within: ORDER_TOLERANCE };
+    let near = Demand::Near {
+        value: line.theory,
+        within: ORDER_TOLERANCE,
+    };
     Claim::judge(
         source,
         statement,
@@ -65,8 +38,8 @@ fn order(source: &'static str, statement: impl Into<String>, line: &OrderLine) -
 /// All claims about the oscillator.
 pub(crate) fn claims(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> {
     let mut claims = article(study)?;
-    claims.extend(manual(study)?);
-    claims.extend(rigid(study));
+    claims.extend(manual_judgement::manual(study)?);
+    claims.extend(manual_judgement::rigid(study));
     claims.extend(limits(study));
     Ok(claims)
 }
@@ -75,7 +48,10 @@ fn article(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> {
     let orders = &study.orders;
     let growth = &study.growth[study.growth.len() / 2];
     let coefficient = |what: &str, measured: f64| {
-        let near = Demand::Near { value: 1.0 / 24.0, within: 0.01 / 24.0 };
+        let near = Demand::Near {
+            value: 1.0 / 24.0,
+            within: 0.01 / 24.0,
+        };
         Claim::judge(
             ARTICLE,
             format!("on ẍ = w²x, xₙ = exp(wt)·(1 − (wh)²/24·wt + …), {what}"),
@@ -87,30 +63,69 @@ fn article(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> {
     };
     let rule = |i: usize, order: f64, statement: &str| {
         let run = &study.step_rules[i];
-        let near = Demand::Near { value: order, within: ORDER_TOLERANCE };
+        let near = Demand::Near {
+            value: order,
+            within: ORDER_TOLERANCE,
+        };
         let measured = run.order.unwrap_or(f64::NAN);
-        Claim::judge(ARTICLE, statement, format!("order of the {} form", run.rule), near, measured)
-            .with_theory(order, ORDER_TOLERANCE, ORDER_REASON)
+        Claim::judge(
+            ARTICLE,
+            statement,
+            format!("order of the {} form", run.rule),
+            near,
+            measured,
+        )
+        .with_theory(order, ORDER_TOLERANCE, ORDER_REASON)
     };
     Ok(vec![
-        order(ARTICLE, "A2: the Taylor start keeps Störmer–Verlet of order 2", &orders.starts[0]),
-        order(ARTICLE, "A2: a start without the acceleration drops it to 1", &orders.starts[1]),
+        order(
+            ARTICLE,
+            "A2: the Taylor start keeps Störmer–Verlet of order 2",
+            &orders.starts[0],
+        ),
+        order(
+            ARTICLE,
+            "A2: a start without the acceleration drops it to 1",
+            &orders.starts[1],
+        ),
         coefficient("A3: started with x₁ = q₊", growth.exact_start_coefficient),
-        coefficient("A3: slope with the Taylor start", growth.taylor_start_coefficient),
+        coefficient(
+            "A3: slope with the Taylor start",
+            growth.taylor_start_coefficient,
+        ),
         Claim::judge(
             ARTICLE,
             "A3: the Taylor start adds an offset near −(wh)²/16",
             "offset over (wh)²",
-            Demand::Near { value: -1.0 / 16.0, within: 0.01 / 16.0 },
+            Demand::Near {
+                value: -1.0 / 16.0,
+                within: 0.01 / 16.0,
+            },
             growth.taylor_start_offset,
         )
         .with_theory(-1.0 / 16.0, 0.01 / 16.0, "next term, of the order (wh)²"),
-        rule(0, 0.0, "A4: with the plain rule a changing step breaks the method"),
+        rule(
+            0,
+            0.0,
+            "A4: with the plain rule a changing step breaks the method",
+        ),
         rule(1, 1.0, "A4: the time-corrected rule converges"),
         rule(2, 2.0, "A4: the more exact rule keeps order 2"),
-        order(ARTICLE, "A5: the central velocity is of order 2", &orders.velocity_estimates[0]),
-        order(ARTICLE, "A5: the half-step velocity is of order 2", &orders.velocity_estimates[1]),
-        order(ARTICLE, "A5: the early velocity is of order 1", &orders.velocity_estimates[2]),
+        order(
+            ARTICLE,
+            "A5: the central velocity is of order 2",
+            &orders.velocity_estimates[0],
+        ),
+        order(
+            ARTICLE,
+            "A5: the half-step velocity is of order 2",
+            &orders.velocity_estimates[1],
+        ),
+        order(
+            ARTICLE,
+            "A5: the early velocity is of order 1",
+            &orders.velocity_estimates[2],
+        ),
         Claim::judge(
             ARTICLE,
             "A6: velocity Verlet equals Störmer–Verlet with central velocities",
@@ -119,11 +134,31 @@ fn article(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> {
             orders.velocity_verlet_against_stormer,
         )
         .with_theory(0.0, 1e-12, ROUNDING_REASON),
-        order(ARTICLE, "A7: local error O(h⁴) in the position of the recurrence", &orders.local[0]),
-        order(ARTICLE, "A7: local error O(h²) in the central velocity", &orders.local[1]),
-        order(ARTICLE, "A7: one velocity-Verlet step errs by O(h³) in x", &orders.local[2]),
-        order(ARTICLE, "A7: one velocity-Verlet step errs by O(h³) in v", &orders.local[3]),
-        order(ARTICLE, "A7: the energy oscillates within a bound that falls as h²", &orders.energy),
+        order(
+            ARTICLE,
+            "A7: local error O(h⁴) in the position of the recurrence",
+            &orders.local[0],
+        ),
+        order(
+            ARTICLE,
+            "A7: local error O(h²) in the central velocity",
+            &orders.local[1],
+        ),
+        order(
+            ARTICLE,
+            "A7: one velocity-Verlet step errs by O(h³) in x",
+            &orders.local[2],
+        ),
+        order(
+            ARTICLE,
+            "A7: one velocity-Verlet step errs by O(h³) in v",
+            &orders.local[3],
+        ),
+        order(
+            ARTICLE,
+            "A7: the energy oscillates within a bound that falls as h²",
+            &orders.energy,
+        ),
         Claim::judge(
             ARTICLE,
             "A7: the energy of velocity Verlet does not drift",
@@ -134,72 +169,19 @@ fn article(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> {
     ])
 }
 
-fn manual(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> {
-    let soft = case(study, "k-100")?;
-    let mean = |name: &'static str, case: &Case| -> Result<(f64, f64), StudyError> {
-        let method = entry(name)?;
-        let radius = theory(method, case.omega_h).map_or(f64::NAN, |m| m.radius());
-        Ok((mean_growth(method, case.omega_h)?, radius))
-    };
-    let grows = |s: &Summary| or_infinity(s.growth_of_halves);
-    let amplitude = |s: &Summary, demand: Demand, statement: &str| {
-        let theory = s.theory_amplitude.unwrap_or(f64::NAN);
-        Claim::judge(MANUAL, statement, "max |x| / m over the long run", demand, or_infinity(s.measured_amplitude))
-            .with_theory(theory, AMPLITUDE_TOLERANCE * theory, SAMPLING_REASON)
-    };
-    let period = |s: &Summary, demand: Demand, statement: &str| {
-        let theory = s.theory_period_ratio.unwrap_or(f64::NAN);
-        let measured = s.measured_period_ratio.unwrap_or(f64::NAN);
-        Claim::judge(MANUAL, statement, "period over the true period", demand, measured)
-            .with_theory(theory, GROWTH_TOLERANCE, ROUNDING_REASON)
-    };
-    let bounded = |s: &Summary, statement: &str| {
-        let what = "max |x|, second half of the long run over the first";
-        Claim::judge(MANUAL, statement, what, Demand::Below(NO_GROWTH), grows(s))
-            .with_theory(1.0, NO_GROWTH - 1.0, SAMPLING_REASON)
-    };
-    let (explicit, explicit_theory) = mean("explicit-euler", soft)?;
-    let (implicit, implicit_theory) = mean("implicit-euler", soft)?;
-    let factor = |statement: &str, demand, measured, theory| {
-        Claim::judge(MANUAL, statement, "growth a step over 1000 steps", demand, measured)
-            .with_theory(theory, GROWTH_TOLERANCE, ROUNDING_REASON)
-    };
-    let (inside, outside, aliasing) =
-        (case(study, "k-inside")?, case(study, "k-outside")?, case(study, "k-aliasing")?);
-    let near = Demand::Near { value: 1.0, within: 0.01 };
-    let outside_symplectic = summary(outside, "symplectic-euler")?;
-    Ok(vec![
-        factor("k = 100: explicit Euler diverges, by √(1 + ω²h²) a step", Demand::Above(1.0), explicit, explicit_theory),
-        factor("k = 100: implicit Euler decays, by 1/√(1 + ω²h²) a step", Demand::Below(1.0), implicit, implicit_theory),
-        period(summary(soft, "spook")?, near, "k = 100: SPOOK follows the analytic solution (1 % in the period)"),
-        period(summary(soft, "symplectic-euler")?, near, "k = 100: semi-implicit Euler follows it (1 %)"),
-        bounded(summary(soft, "spook")?, "k = 100: SPOOK stays within a bound"),
-        bounded(summary(soft, "symplectic-euler")?, "k = 100: semi-implicit Euler stays within a bound"),
-        bounded(summary(inside, "symplectic-euler")?, "k = 4m/h² − 1: semi-implicit Euler is bounded"),
-        amplitude(summary(inside, "symplectic-euler")?, Demand::Above(100.0), "k = 4m/h² − 1: its amplitude is over 100 m"),
-        Claim::judge(
-            MANUAL,
-            "k = 4m/h² + 1: semi-implicit Euler diverges",
-            "max |x| / m over the long run",
-            Demand::Above(1e9),
-            or_infinity(outside_symplectic.measured_amplitude),
-        ),
-        bounded(summary(outside, "spook")?, "k = 4m/h² + 1: SPOOK stays bounded"),
-        amplitude(summary(outside, "spook")?, Demand::Below(10.0), "k = 4m/h² + 1: with amplitude √(1 + ω²h²/4)"),
-        period(summary(outside, "spook")?, Demand::Above(1.01), "k = 4m/h² + 1: SPOOK has the wrong period"),
-        amplitude(summary(aliasing, "spook")?, Demand::Above(1.5), "k = 4π²m/h²: SPOOK's amplitude grows"),
-        bounded(summary(aliasing, "spook")?, "k = 4π²m/h²: but stays bounded"),
-    ])
-}
-
 /// Claims about a conservative system of many particles, judged on the fluid.
 pub(crate) fn on_the_fluid(study: &FluidStudy) -> Vec<Claim> {
     let completed = |name: &'static str| {
-        study.runs.iter().filter(move |r| r.method == name && r.completed())
+        study
+            .runs
+            .iter()
+            .filter(move |r| r.method == name && r.completed())
     };
     let mut claims = Vec::new();
     for name in ["velocity-verlet", "stormer-verlet", "leapfrog"] {
-        let momentum = completed(name).filter_map(|r| r.momentum).fold(f64::NAN, f64::max);
+        let momentum = completed(name)
+            .filter_map(|r| r.momentum)
+            .fold(f64::NAN, f64::max);
         claims.push(
             Claim::judge(
                 ARTICLE,
@@ -208,7 +190,7 @@ pub(crate) fn on_the_fluid(study: &FluidStudy) -> Vec<Claim> {
                 Demand::Below(MOMENTUM_TOLERANCE),
                 momentum,
             )
-            .with_theory(0.0, MOMENTUM_TOLERANCE, ROUNDING_REASON),
+            .with_theory(0.0, MOMENTUM_TOLERANCE, "rounding of positions, over dt"),
         );
     }
     let last = study.double.len().saturating_sub(2);
@@ -216,46 +198,29 @@ pub(crate) fn on_the_fluid(study: &FluidStudy) -> Vec<Claim> {
         && let (Some(a), Some(b)) = (coarse.fluctuation, fine.fluctuation)
     {
         let measured = (b / a).ln() / (fine.dt / coarse.dt).ln();
-        let near = Demand::Near { value: 2.0, within: FLUID_ORDER_TOLERANCE };
+        let near = Demand::Near {
+            value: 2.0,
+            within: FLUID_ORDER_TOLERANCE,
+        };
         claims.push(
             Claim::judge(
                 ARTICLE,
                 "A7: on the fluid, too, the bound of the energy's oscillation falls as h²",
-                format!("order of the energy RMS of `velocity-verlet` between dt = {} and {}", coarse.dt, fine.dt),
+                format!(
+                    "order of the energy RMS of `velocity-verlet` between dt = {} and {}",
+                    coarse.dt, fine.dt
+                ),
                 near,
                 measured,
             )
-            .with_theory(2.0, FLUID_ORDER_TOLERANCE, "two short runs that part company after a while"),
+            .with_theory(
+                2.0,
+                FLUID_ORDER_TOLERANCE,
+                "two short runs that part company after a while",
+            ),
         );
     }
     claims
-}
-
-fn rigid(study: &OscillatorStudy) -> Vec<Claim> {
-    study
-        .infinite
-        .rigid
-        .iter()
-        .map(|run| {
-            if run.damping_steps == 0.0 {
-                let n = f64::from(study.infinite.steps);
-                Claim::judge(
-                    MANUAL,
-                    "k = ∞, τ = 0: SPOOK does not diverge",
-                    "max |x|, second half of the long run over the first",
-                    Demand::Below(NO_GROWTH),
-                    run.growth_of_halves,
-                )
-                .with_theory((2.0 * n + 1.0) / (n + 1.0), 1e-3, "rounding splits the double eigenvalue")
-            } else {
-                let statement =
-                    format!("k = ∞, τ = {} h: SPOOK does not diverge", run.damping_steps);
-                let what = "spectral radius of the measured one-step map";
-                Claim::judge(MANUAL, statement, what, Demand::Below(1.0), run.measured_radius)
-                    .with_theory(run.theory_radius, 2e-8, "rounding of a double eigenvalue at γ = 1/9")
-            }
-        })
-        .collect()
 }
 
 fn limits(study: &OscillatorStudy) -> Vec<Claim> {
@@ -272,19 +237,32 @@ fn limits(study: &OscillatorStudy) -> Vec<Claim> {
                     let (relative, reason) = if narrow {
                         (1e-5, "growth inside a narrow window of instability is slow")
                     } else {
-                        (1e-6, "growth just past the limit is seen after 50 000 steps")
+                        (
+                            1e-6,
+                            "growth just past the limit is seen after 50 000 steps",
+                        )
                     };
-                    let near = Demand::Near { value: declared, within: relative * declared };
+                    let near = Demand::Near {
+                        value: declared,
+                        within: relative * declared,
+                    };
                     let statement = format!("`{}` is stable below ωh = {declared}", m.method);
-                    Claim::judge(OURS, statement, what, near, or_infinity(measured))
-                        .with_theory(theory, relative * theory, reason)
+                    Claim::judge(OURS, statement, what, near, or_infinity(measured)).with_theory(
+                        theory,
+                        relative * theory,
+                        reason,
+                    )
                 }
                 (None, measured) => Claim::judge(
                     OURS,
                     format!("`{}` is stable at every ωh", m.method),
                     what,
                     Demand::Above(super::amplification::LARGEST_OMEGA_H),
-                    if m.bounded_at_1000 == Some(false) { 1000.0 } else { or_infinity(measured) },
+                    if m.bounded_at_1000 == Some(false) {
+                        1000.0
+                    } else {
+                        or_infinity(measured)
+                    },
                 ),
             }
         })

@@ -64,7 +64,12 @@ mod tests {
         // For a pure rotation of (x, v) the amplitude is the length of the start.
         assert!((map.amplitude(3.0, 4.0).unwrap() - 5.0).abs() < 1e-14);
         let states = [0, 1, 2].map(|n| (0..n).fold(DVec2::new(1.0, 2.0), |z, _| map.0 * z));
-        assert!((StepMap::from_states(states).0 - map.0).to_cols_array().iter().all(|d| d.abs() < 1e-14));
+        assert!(
+            (StepMap::from_states(states).0 - map.0)
+                .to_cols_array()
+                .iter()
+                .all(|d| d.abs() < 1e-14)
+        );
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! here without a line of this crate being touched.
 
 pub mod amplification;
+mod convergence_figures;
 pub mod discretisation;
 pub mod displacement;
 mod figures;
@@ -12,6 +13,7 @@ pub(crate) mod fit;
 pub mod groups;
 pub mod infinite;
 mod judgement;
+mod manual_judgement;
 mod map;
 pub mod orders;
 mod page;
@@ -88,7 +90,8 @@ struct Rest<'a>(&'a mut dyn Progress);
 
 impl Progress for Rest<'_> {
     fn update(&mut self, label: &str, done: f64) {
-        self.0.update(label, OSCILLATOR_SHARE + (1.0 - OSCILLATOR_SHARE) * done);
+        self.0
+            .update(label, OSCILLATOR_SHARE + (1.0 - OSCILLATOR_SHARE) * done);
     }
 }
 

@@ -60,9 +60,17 @@ fn exact(t: f64) -> (f64, f64) {
 }
 
 /// (x, v) from time 0, one a step, to the end.
-fn path(entry: &IntegratorEntry, start: (f64, f64), steps: u32) -> Result<Vec<(f64, f64)>, StudyError> {
+fn path(
+    entry: &IntegratorEntry,
+    start: (f64, f64),
+    steps: u32,
+) -> Result<Vec<(f64, f64)>, StudyError> {
     let dt = END / f64::from(steps);
-    let failed = |source| StudyError::Step { method: entry.spec.name, dt, source };
+    let failed = |source| StudyError::Step {
+        method: entry.spec.name,
+        dt,
+        source,
+    };
     let mut rig = Rig::start(entry, Spring::Stiffness(1.0), start, dt).map_err(failed)?;
     let mut path = vec![start];
     for _ in 0..steps {
@@ -102,8 +110,10 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Measures all orders.
 pub(crate) fn measure(groups: &[Group], quick: bool) -> Result<Orders, StudyError> {
-    let entries: Vec<&IntegratorEntry> =
-        groups.iter().flat_map(|g| g.members.iter().copied()).collect();
+    let entries: Vec<&IntegratorEntry> = groups
+        .iter()
+        .flat_map(|g| g.members.iter().copied())
+        .collect();
     let both: Vec<(OrderLine, OrderLine)> = entries
         .par_iter()
         .map(|e| {
@@ -115,8 +125,12 @@ pub(crate) fn measure(groups: &[Group], quick: bool) -> Result<Orders, StudyErro
                     pick(*z) - pick(truth)
                 })))
             };
-            let x = line(e.spec.name, f64::from(e.spec.position_order), |n, _| at_end(n, |z| z.0))?;
-            let v = line(e.spec.name, f64::from(e.spec.velocity_order), |n, _| at_end(n, |z| z.1))?;
+            let x = line(e.spec.name, f64::from(e.spec.position_order), |n, _| {
+                at_end(n, |z| z.0)
+            })?;
+            let v = line(e.spec.name, f64::from(e.spec.velocity_order), |n, _| {
+                at_end(n, |z| z.1)
+            })?;
             Ok((x, v))
         })
         .collect::<Result<_, StudyError>>()?;
@@ -142,7 +156,11 @@ fn starts() -> Result<Vec<OrderLine>, StudyError> {
         let (x, v) = START;
         let start = (x, if with_term { v } else { v + 0.5 * h * x });
         let run = path(stormer, start, n)?;
-        Ok(largest(run.iter().enumerate().map(|(i, z)| z.0 - exact(i as f64 * h).0)))
+        Ok(largest(
+            run.iter()
+                .enumerate()
+                .map(|(i, z)| z.0 - exact(i as f64 * h).0),
+        ))
     };
     Ok(vec![
         line("x₀ + v₀h + ½a₀h²", 2.0, |n, h| run(n, h, true))?,
@@ -188,13 +206,21 @@ fn local() -> Result<Vec<OrderLine>, StudyError> {
         line("v of the central difference", 2.0, |_, h| {
             Ok(((exact(h).0 - exact(-h).0) / (2.0 * h) - START.1).abs())
         })?,
-        line("x of one velocity-Verlet step", 3.0, |_, h| one_step(h, |z| z.0))?,
-        line("v of one velocity-Verlet step", 3.0, |_, h| one_step(h, |z| z.1))?,
+        line("x of one velocity-Verlet step", 3.0, |_, h| {
+            one_step(h, |z| z.0)
+        })?,
+        line("v of one velocity-Verlet step", 3.0, |_, h| {
+            one_step(h, |z| z.1)
+        })?,
     ])
 }
 
 fn one_step_of(entry: &IntegratorEntry, dt: f64) -> Result<(f64, f64), StudyError> {
-    let failed = |source| StudyError::Step { method: entry.spec.name, dt, source };
+    let failed = |source| StudyError::Step {
+        method: entry.spec.name,
+        dt,
+        source,
+    };
     let mut rig = Rig::start(entry, Spring::Stiffness(1.0), START, dt).map_err(failed)?;
     let z = rig.step(dt).map_err(failed)?;
     Ok((z.x, z.y))
@@ -212,7 +238,11 @@ fn energy(quick: bool) -> Result<(OrderLine, f64), StudyError> {
     // The same method with ω = 1 and a long way to go: a step of 0.05 s.
     let dt = 0.05;
     let steps = if quick { 20_000 } else { 200_000 };
-    let failed = |source| StudyError::Step { method: "velocity-verlet", dt, source };
+    let failed = |source| StudyError::Step {
+        method: "velocity-verlet",
+        dt,
+        source,
+    };
     let mut rig = Rig::start(verlet, Spring::Stiffness(1.0), START, dt).map_err(failed)?;
     let mut energies = Vec::with_capacity(steps);
     for n in 0..steps {
@@ -222,7 +252,9 @@ fn energy(quick: bool) -> Result<(OrderLine, f64), StudyError> {
     let (_, slope) = fit::line(&energies);
     let (low, high) = energies
         .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), e| (a.min(e.1), b.max(e.1)));
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), e| {
+            (a.min(e.1), b.max(e.1))
+        });
     Ok((order, (slope * steps as f64).abs() / (high - low)))
 }
 
@@ -231,5 +263,7 @@ fn equivalence() -> Result<f64, StudyError> {
     let steps = COARSEST << 3;
     let a = path(entry("velocity-verlet")?, START, steps)?;
     let b = path(entry("stormer-verlet")?, START, steps)?;
-    Ok(largest(a.iter().zip(&b).flat_map(|(a, b)| [a.0 - b.0, a.1 - b.1])))
+    Ok(largest(
+        a.iter().zip(&b).flat_map(|(a, b)| [a.0 - b.0, a.1 - b.1]),
+    ))
 }

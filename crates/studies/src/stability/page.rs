@@ -4,7 +4,7 @@ use lennard_report::{Block, Page, PageFigure, Section, significant};
 
 use super::StabilityStudy;
 use super::displacement::STEP;
-use super::{figures, tables};
+use super::{convergence_figures, figures, tables};
 use crate::StudyError;
 use crate::claims::{self, Verdict};
 use crate::files::Captioned;
@@ -26,11 +26,15 @@ impl Layout {
         let o = &study.oscillator;
         Self {
             amplification: vec![figures::amplification(o), figures::phase(o)],
-            cases: o.cases.iter().map(|c| figures::case(c, &o.groups)).collect(),
+            cases: o
+                .cases
+                .iter()
+                .map(|c| figures::case(c, &o.groups))
+                .collect(),
             infinite: figures::infinite(o),
-            discretisation: figures::discretisation(o),
-            variable_step: figures::variable_step(o),
-            orders: figures::orders(o),
+            discretisation: convergence_figures::discretisation(o),
+            variable_step: convergence_figures::variable_step(o),
+            orders: convergence_figures::orders(o),
             fluid: fluid_stability::figures(&study.fluid),
         }
     }
@@ -54,23 +58,36 @@ fn on_page(figures: &[Captioned], command: &str) -> Result<Block, StudyError> {
 /// The whole page.
 pub(crate) fn page(study: &StabilityStudy, layout: &Layout) -> Result<Page, StudyError> {
     let command = study.options.command.as_str();
-    let failing = study.claims.iter().filter(|c| c.verdict == Verdict::DoesNotHold).count();
+    let failing = study
+        .claims
+        .iter()
+        .filter(|c| c.verdict == Verdict::DoesNotHold)
+        .count();
     let differing = study.claims.iter().filter(|c| !c.theory_agrees).count();
     let mut provenance = vec![
         ("Command".to_owned(), format!("`{command}`")),
         (
             "Settings".to_owned(),
-            if study.options.quick { "quick: shorter runs" } else { "full" }.to_owned(),
+            if study.options.quick {
+                "quick: shorter runs"
+            } else {
+                "full"
+            }
+            .to_owned(),
         ),
     ];
     provenance.extend(study.options.provenance.iter().cloned());
     let mut sections = vec![
-            amplification(study, layout, command)?,
-            cases(study, layout, command)?,
-            infinite(study, layout, command)?,
-            convergence(layout, command)?,
+        amplification(study, layout, command)?,
+        cases(study, layout, command)?,
+        infinite(study, layout, command)?,
+        convergence(layout, command)?,
     ];
-    sections.extend(fluid_stability::sections(&study.fluid, &layout.fluid, command)?);
+    sections.extend(fluid_stability::sections(
+        &study.fluid,
+        &layout.fluid,
+        command,
+    )?);
     sections.push(Section::new("Claims and verdicts").with(Block::Table(claims::table(
                 &study.claims,
                 "What each source claims beside what was measured. A verdict is computed: it says whether \
@@ -100,9 +117,17 @@ fn amplification(
     command: &str,
 ) -> Result<Section, StudyError> {
     let mut groups = Vec::new();
-    for group in study.oscillator.groups.iter().filter(|g| g.members.len() > 1) {
-        let names: Vec<String> =
-            group.members.iter().map(|m| format!("`{}`", m.spec.name)).collect();
+    for group in study
+        .oscillator
+        .groups
+        .iter()
+        .filter(|g| g.members.len() > 1)
+    {
+        let names: Vec<String> = group
+            .members
+            .iter()
+            .map(|m| format!("`{}`", m.spec.name))
+            .collect();
         groups.push(format!("One map, one line: {}.", names.join(", ")));
     }
     Ok(Section::new("Amplification and stability limits")

@@ -55,7 +55,13 @@ impl Rig {
             forces: HarmonicForces::new(stiffness),
             state: State::new(vec![DVec3::new(x, 0.0, 0.0)], vec![DVec3::new(v, 0.0, 0.0)]),
         };
-        rig.integrator.start(&rig.dynamics, &mut rig.state, &mut rig.forces, dt, Want::NOTHING)?;
+        rig.integrator.start(
+            &rig.dynamics,
+            &mut rig.state,
+            &mut rig.forces,
+            dt,
+            Want::NOTHING,
+        )?;
         Ok(rig)
     }
 

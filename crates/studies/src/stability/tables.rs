@@ -10,7 +10,13 @@ use crate::files::{TextTable, exact, exact_or_empty};
 
 /// All CSV tables of the oscillator part.
 pub(crate) fn csv(study: &OscillatorStudy) -> Vec<TextTable> {
-    let mut tables = vec![amplification(study), limits(study), orders(study), growth(study), infinite(study)];
+    let mut tables = vec![
+        amplification(study),
+        limits(study),
+        orders(study),
+        growth(study),
+        infinite(study),
+    ];
     tables.extend(study.cases.iter().map(|c| displacement(study, c)));
     tables.push(summaries(study));
     let mut paths = TextTable::new("variable-step", &["rule", "time [s]", "x [m]"]);
@@ -26,7 +32,15 @@ pub(crate) fn csv(study: &OscillatorStudy) -> Vec<TextTable> {
 /// The claims as CSV.
 pub(crate) fn claims(claims: &[Claim]) -> TextTable {
     let header = [
-        "source", "claim", "judged by", "theory", "measured", "tolerance", "tolerance from", "theory agrees", "verdict",
+        "source",
+        "claim",
+        "judged by",
+        "theory",
+        "measured",
+        "tolerance",
+        "tolerance from",
+        "theory agrees",
+        "verdict",
     ];
     let mut table = TextTable::new("claims", &header);
     for c in claims {
@@ -50,7 +64,12 @@ pub(crate) fn claims(claims: &[Claim]) -> TextTable {
 
 fn amplification(study: &OscillatorStudy) -> TextTable {
     let header = [
-        "method", "omega h", "radius by theory", "radius measured", "phase by theory", "phase measured",
+        "method",
+        "omega h",
+        "radius by theory",
+        "radius measured",
+        "phase by theory",
+        "phase measured",
     ];
     let mut table = TextTable::new("amplification", &header);
     for m in &study.methods {
@@ -69,7 +88,13 @@ fn amplification(study: &OscillatorStudy) -> TextTable {
 }
 
 fn limits(study: &OscillatorStudy) -> TextTable {
-    let header = ["method", "limit declared", "limit by theory", "limit measured", "bounded at omega h = 1000"];
+    let header = [
+        "method",
+        "limit declared",
+        "limit by theory",
+        "limit measured",
+        "bounded at omega h = 1000",
+    ];
     let mut table = TextTable::new("limits", &header);
     for m in &study.methods {
         table.push([
@@ -84,7 +109,17 @@ fn limits(study: &OscillatorStudy) -> TextTable {
 }
 
 fn orders(study: &OscillatorStudy) -> TextTable {
-    let mut table = TextTable::new("orders", &["kind", "name", "order by theory", "order measured", "h [s]", "error"]);
+    let mut table = TextTable::new(
+        "orders",
+        &[
+            "kind",
+            "name",
+            "order by theory",
+            "order measured",
+            "h [s]",
+            "error",
+        ],
+    );
     let o = &study.orders;
     let kinds: [(&str, Vec<&OrderLine>); 6] = [
         ("global position", o.positions.iter().collect()),
@@ -124,10 +159,20 @@ fn orders(study: &OscillatorStudy) -> TextTable {
 }
 
 fn growth(study: &OscillatorStudy) -> TextTable {
-    let header = ["wh", "wt", "relative error from the growing root", "relative error from the Taylor start"];
+    let header = [
+        "wh",
+        "wt",
+        "relative error from the growing root",
+        "relative error from the Taylor start",
+    ];
     let mut table = TextTable::new("exponential-error", &header);
     for g in &study.growth {
-        for ((t, a), b) in g.times.iter().zip(&g.exact_start_errors).zip(&g.taylor_start_errors) {
+        for ((t, a), b) in g
+            .times
+            .iter()
+            .zip(&g.exact_start_errors)
+            .zip(&g.taylor_start_errors)
+        {
             table.push([g.wh, *t, *a, *b].map(exact));
         }
     }
@@ -140,8 +185,18 @@ fn infinite(study: &OscillatorStudy) -> TextTable {
     let named = found
         .rigid
         .iter()
-        .map(|r| (format!("k = inf, tau/h = {}", r.damping_steps), &r.displacements))
-        .chain(found.stiff.iter().map(|r| (format!("omega h = {}", r.omega_h), &r.displacements)));
+        .map(|r| {
+            (
+                format!("k = inf, tau/h = {}", r.damping_steps),
+                &r.displacements,
+            )
+        })
+        .chain(
+            found
+                .stiff
+                .iter()
+                .map(|r| (format!("omega h = {}", r.omega_h), &r.displacements)),
+        );
     for (name, displacements) in named {
         for (n, x) in found.shown_steps.iter().zip(displacements) {
             table.push([name.clone(), n.to_string(), exact(*x)]);
@@ -164,7 +219,12 @@ fn displacement(study: &OscillatorStudy, case: &Case) -> TextTable {
         table.header.push(format!("{label}: x [m]"));
         table.header.push(format!("{label}: energy [J]"));
     }
-    let steps = case.runs.iter().map(|r| r.positions.len()).max().unwrap_or(0);
+    let steps = case
+        .runs
+        .iter()
+        .map(|r| r.positions.len())
+        .max()
+        .unwrap_or(0);
     for n in 0..steps {
         let mut row = vec![exact(n as f64 * STEP)];
         for run in &case.runs {
@@ -178,8 +238,15 @@ fn displacement(study: &OscillatorStudy, case: &Case) -> TextTable {
 
 fn summaries(study: &OscillatorStudy) -> TextTable {
     let header = [
-        "k [N/m]", "omega h", "method", "radius by theory", "amplitude by theory [m]", "amplitude measured [m]",
-        "growth of halves", "period ratio by theory", "period ratio measured",
+        "k [N/m]",
+        "omega h",
+        "method",
+        "radius by theory",
+        "amplitude by theory [m]",
+        "amplitude measured [m]",
+        "growth of halves",
+        "period ratio by theory",
+        "period ratio measured",
     ];
     let mut table = TextTable::new("stiffnesses", &header);
     for case in &study.cases {
@@ -201,7 +268,9 @@ fn summaries(study: &OscillatorStudy) -> TextTable {
 }
 
 fn number(value: Option<f64>, digits: usize, missing: &str) -> Cell {
-    value.map_or(Cell::number(missing), |v| Cell::number(significant(v, digits)))
+    value.map_or(Cell::number(missing), |v| {
+        Cell::number(significant(v, digits))
+    })
 }
 
 /// The largest stable ωh of every method.
@@ -210,7 +279,11 @@ pub(crate) fn limits_on_page(study: &OscillatorStudy, command: &str) -> PageTabl
         .methods
         .iter()
         .map(|m| {
-            let none = if m.bounded_at_1000 == Some(true) { "none (bounded at 1000)" } else { "none" };
+            let none = if m.bounded_at_1000 == Some(true) {
+                "none (bounded at 1000)"
+            } else {
+                "none"
+            };
             vec![
                 Cell::text(format!("`{}`", m.method)),
                 number(m.declared_limit, 8, "none"),
@@ -266,7 +339,13 @@ pub(crate) fn case_on_page(case: &Case, command: &str) -> PageTable {
         ),
         command: Some(command.to_owned()),
         header: [
-            "Method", "Fate", "Growth a step", "Amplitude / m, theory", "measured", "Period / true, theory", "measured",
+            "Method",
+            "Fate",
+            "Growth a step",
+            "Amplitude / m, theory",
+            "measured",
+            "Period / true, theory",
+            "measured",
         ]
         .map(str::to_owned)
         .to_vec(),

@@ -42,7 +42,11 @@ fn every_method_has_the_limit_of_its_declared_map() {
         match (m.measured_limit, m.theory_limit) {
             // The window of `blanes-moan` opens so slowly that its edge is seen 6·10⁻⁶ late.
             (Some(measured), Some(theory)) => {
-                assert!((measured - theory).abs() <= 1e-5 * theory, "{}: {measured} {theory}", m.method);
+                assert!(
+                    (measured - theory).abs() <= 1e-5 * theory,
+                    "{}: {measured} {theory}",
+                    m.method
+                );
             }
             (None, None) => assert_eq!(m.bounded_at_1000, Some(true), "{}", m.method),
             other => panic!("{}: {other:?}", m.method),
@@ -59,8 +63,10 @@ fn every_method_has_the_limit_of_its_declared_map() {
 fn explicit_euler_grows_and_implicit_euler_decays_by_the_root_of_one_plus_the_square() {
     for omega_h in [0.05, 0.167, 0.5, 1.0] {
         let factor = 1.0_f64.hypot(omega_h);
-        let explicit = amplification::mean_growth(entry("explicit-euler").unwrap(), omega_h).unwrap();
-        let implicit = amplification::mean_growth(entry("implicit-euler").unwrap(), omega_h).unwrap();
+        let explicit =
+            amplification::mean_growth(entry("explicit-euler").unwrap(), omega_h).unwrap();
+        let implicit =
+            amplification::mean_growth(entry("implicit-euler").unwrap(), omega_h).unwrap();
         assert!((explicit - factor).abs() < 1e-10, "{explicit}");
         assert!((implicit - 1.0 / factor).abs() < 1e-10, "{implicit}");
     }
@@ -70,24 +76,40 @@ fn explicit_euler_grows_and_implicit_euler_decays_by_the_root_of_one_plus_the_sq
 fn spook_turns_by_twice_the_arctangent_and_swings_by_the_root_at_every_finite_stiffness() {
     let spook = entry("spook").unwrap();
     // Not at ωh = 2, where a step is a quarter of a turn and no sample comes near a crest.
-    for omega_h in [0.01, 0.1, 1.0, 2.1, 6.283, 50.0, 1000.0] {
+    for omega_h in [0.01, 0.1, 1.0, 2.1, 6.3, 50.0, 1000.0] {
         let map = measured_map(spook, omega_h, 1.0).unwrap();
         let theta = map.phase().expect("never real");
         // Near its ends the arc cosine behind an angle loses half the digits.
         let tolerance = 1e-13 * (1.0 / omega_h + omega_h).powi(2);
-        assert!((theta - 2.0 * (0.5 * omega_h).atan()).abs() < tolerance, "ωh = {omega_h}");
+        assert!(
+            (theta - 2.0 * (0.5 * omega_h).atan()).abs() < tolerance,
+            "ωh = {omega_h}"
+        );
         assert!((map.radius() - 1.0).abs() < 1e-12 * (1.0 + omega_h));
-        let far = excursion(spook, Spring::Stiffness(omega_h * omega_h), 1.0, 100_000, f64::INFINITY);
+        let far = excursion(
+            spook,
+            Spring::Stiffness(omega_h * omega_h),
+            1.0,
+            100_000,
+            f64::INFINITY,
+        );
         let amplitude = 1.0_f64.hypot(0.5 * omega_h);
         // The samples come within 10⁻³ of a crest in phase.
-        assert!((far.unwrap().largest() / amplitude - 1.0).abs() < 1e-6, "ωh = {omega_h}");
+        assert!(
+            (far.unwrap().largest() / amplitude - 1.0).abs() < 1e-6,
+            "ωh = {omega_h}"
+        );
     }
 }
 
 #[test]
 fn just_inside_the_limit_symplectic_euler_swings_by_two_over_h() {
     let case = QUICK.cases.iter().find(|c| c.name == "k-inside").unwrap();
-    let symplectic = case.summaries.iter().find(|s| s.method == "symplectic-euler").unwrap();
+    let symplectic = case
+        .summaries
+        .iter()
+        .find(|s| s.method == "symplectic-euler")
+        .unwrap();
     let amplitude = 2.0 / displacement::STEP;
     assert!(amplitude > 100.0);
     // The one-step map gives 2/h exactly; its trace is within 3·10⁻⁴ of −2, which magnifies rounding.
@@ -100,9 +122,20 @@ fn declared_maps_and_long_runs_agree_on_every_fate() {
     for case in &QUICK.cases {
         for s in &case.summaries {
             let bounded = s.growth_of_halves.is_some();
-            assert_eq!(bounded, s.theory_radius < 1.0 + 1e-9, "{}, {}", case.title, s.method);
+            assert_eq!(
+                bounded,
+                s.theory_radius < 1.0 + 1e-9,
+                "{}, {}",
+                case.title,
+                s.method
+            );
             if let (Some(theory), Some(measured)) = (s.theory_amplitude, s.measured_amplitude) {
-                assert!((measured / theory - 1.0).abs() < 1e-5, "{}, {}", case.title, s.method);
+                assert!(
+                    (measured / theory - 1.0).abs() < 1e-5,
+                    "{}, {}",
+                    case.title,
+                    s.method
+                );
             }
         }
     }
@@ -112,7 +145,11 @@ fn declared_maps_and_long_runs_agree_on_every_fate() {
 fn at_infinite_stiffness_spook_grows_as_two_n_plus_one_without_damping_and_decays_with_it() {
     let found = &QUICK.infinite;
     // Rounding splits the double eigenvalue −1 by some 10⁻⁸: (n·10⁻⁸)² over 20 000 steps.
-    assert!(found.deviation_from_linear < 1e-6, "{}", found.deviation_from_linear);
+    assert!(
+        found.deviation_from_linear < 1e-6,
+        "{}",
+        found.deviation_from_linear
+    );
     for run in &found.rigid {
         if run.damping_steps == 0.0 {
             assert!((run.growth_of_halves - 2.0).abs() < 1e-3);
@@ -126,7 +163,11 @@ fn at_infinite_stiffness_spook_grows_as_two_n_plus_one_without_damping_and_decay
     for run in &found.stiff {
         // The crest is sampled within half the angle that a beat advances, 2/(ωh)² of it.
         let tolerance = 2.0 / run.omega_h.powi(2) + 1e-7;
-        assert!((run.measured_amplitude / run.theory_amplitude - 1.0).abs() < tolerance, "{}", run.omega_h);
+        assert!(
+            (run.measured_amplitude / run.theory_amplitude - 1.0).abs() < tolerance,
+            "{}",
+            run.omega_h
+        );
     }
 }
 
@@ -185,6 +226,8 @@ fn a_wrong_map_would_be_noticed() {
     let symplectic = measured_map(entry("symplectic-euler").unwrap(), 1.0, 1.0).unwrap();
     let verlet = amplification::theory(entry("velocity-verlet").unwrap(), 1.0).unwrap();
     assert!((symplectic.radius() - verlet.radius()).abs() < 1e-12);
-    assert!((symplectic.amplitude(1.0, 0.0).unwrap() - verlet.amplitude(1.0, 0.0).unwrap()).abs() > 0.1);
+    assert!(
+        (symplectic.amplitude(1.0, 0.0).unwrap() - verlet.amplitude(1.0, 0.0).unwrap()).abs() > 0.1
+    );
     assert!(StepMap::phase(verlet).is_some());
 }

@@ -69,7 +69,11 @@ fn plain_path(steps: &[f64]) -> Vec<(f64, f64)> {
 }
 
 fn path(method: &'static str, steps: &[f64]) -> Result<Vec<(f64, f64)>, StudyError> {
-    let failed = |source| StudyError::Step { method, dt: steps[0], source };
+    let failed = |source| StudyError::Step {
+        method,
+        dt: steps[0],
+        source,
+    };
     let spring = Spring::Stiffness(1.0);
     let mut rig = Rig::start(entry(method)?, spring, START, steps[0]).map_err(failed)?;
     let mut path = vec![(0.0, START.0)];
@@ -117,7 +121,10 @@ pub(crate) fn measure() -> Result<Vec<StepRuleRun>, StudyError> {
 
 /// The exact solution on the figure's times.
 pub(crate) fn exact_path() -> Vec<(f64, f64)> {
-    (0..=240).map(|i| END * f64::from(i) / 240.0).map(|t| (t, exact(t))).collect()
+    (0..=240)
+        .map(|i| END * f64::from(i) / 240.0)
+        .map(|t| (t, exact(t)))
+        .collect()
 }
 
 #[cfg(test)]
@@ -136,9 +143,21 @@ mod tests {
     fn only_the_corrected_rules_converge() {
         let runs = measure().unwrap();
         let order = |i: usize| runs[i].order.unwrap();
-        assert!(order(0).abs() < 0.05, "the plain rule has order {}", order(0));
-        assert!((order(1) - 1.0).abs() < 0.05, "time-corrected: {}", order(1));
+        assert!(
+            order(0).abs() < 0.05,
+            "the plain rule has order {}",
+            order(0)
+        );
+        assert!(
+            (order(1) - 1.0).abs() < 0.05,
+            "time-corrected: {}",
+            order(1)
+        );
         assert!((order(2) - 2.0).abs() < 0.05, "more exact: {}", order(2));
-        assert!((order(3) - 2.0).abs() < 0.05, "velocity Verlet: {}", order(3));
+        assert!(
+            (order(3) - 2.0).abs() < 0.05,
+            "velocity Verlet: {}",
+            order(3)
+        );
     }
 }
