@@ -50,7 +50,9 @@ pub enum Command {
         lennard energy inputs/fluid/from-configuration.toml --forces forces.xyz --json")]
     Energy(EnergyArgs),
     /// Measure where each integrator fails, on the oscillator and on the fluid, beside theory.
-    #[command(after_help = "Examples:\n  lennard stability --out runs/stability\n  lennard stability --quick")]
+    #[command(
+        after_help = "Examples:\n  lennard stability --out runs/stability\n  lennard stability --quick"
+    )]
     Stability(StabilityArgs),
     /// Run many state points side by side; finished ones are not run again.
     #[command(after_help = "Examples:\n  \
@@ -64,10 +66,14 @@ pub enum Command {
         lennard compare runs/transport/*/ --json")]
     Compare(CompareArgs),
     /// List the methods that a scene can name.
-    #[command(after_help = "Examples:\n  lennard list integrators\n  lennard list potentials --json")]
+    #[command(
+        after_help = "Examples:\n  lennard list integrators\n  lennard list potentials --json"
+    )]
     List(ListArgs),
     /// Print a completion script for a shell.
-    #[command(after_help = "Example:\n  lennard completions bash > ~/.local/share/bash-completion/completions/lennard")]
+    #[command(
+        after_help = "Example:\n  lennard completions bash > ~/.local/share/bash-completion/completions/lennard"
+    )]
     Completions {
         /// The shell.
         shell: Shell,
@@ -114,7 +120,11 @@ impl SceneArgs {
             ("kernel.isa", self.isa.clone()),
             ("kernel.precision", self.precision.clone()),
         ];
-        all.extend(short.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))));
+        all.extend(
+            short
+                .into_iter()
+                .filter_map(|(key, value)| Some((key.to_owned(), value?))),
+        );
         all
     }
 }
@@ -294,7 +304,9 @@ pub enum Listed {
 
 fn key_value(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
-        Some((key, value)) if !key.trim().is_empty() => Ok((key.trim().to_owned(), value.trim().to_owned())),
+        Some((key, value)) if !key.trim().is_empty() => {
+            Ok((key.trim().to_owned(), value.trim().to_owned()))
+        }
         _ => Err("wanted KEY=VALUE, such as system.density=0.8".into()),
     }
 }

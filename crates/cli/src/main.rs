@@ -35,7 +35,10 @@ fn main() -> ExitCode {
     match done.and_then(|code| out::finish().map(|()| code)) {
         Ok(code) => code,
         Err(Failure { message, code }) => {
-            eprintln!("{} {message}", console::style("error:").for_stderr().red().bold());
+            eprintln!(
+                "{} {message}",
+                console::style("error:").for_stderr().red().bold()
+            );
             ExitCode::from(code)
         }
     }

@@ -57,7 +57,14 @@ impl Display {
             bar
         });
         let now = Instant::now();
-        Self { bar, label: String::new(), started: now, last: now, silent: quiet, what }
+        Self {
+            bar,
+            label: String::new(),
+            started: now,
+            last: now,
+            silent: quiet,
+            what,
+        }
     }
 }
 
@@ -68,7 +75,11 @@ impl Progress for Display {
         }
         let changed = self.label != stage;
         let now = Instant::now();
-        let interval = if self.bar.is_some() { BAR_INTERVAL } else { LINE_INTERVAL };
+        let interval = if self.bar.is_some() {
+            BAR_INTERVAL
+        } else {
+            LINE_INTERVAL
+        };
         if !changed && done < total && now.duration_since(self.last) < interval {
             return;
         }
@@ -98,7 +109,9 @@ impl Progress for Display {
                     format!(", {} left", HumanDuration(left))
                 };
                 match self.what {
-                    What::Steps => eprintln!("{stage}: step {done} of {total} ({percent:.0} %){left}"),
+                    What::Steps => {
+                        eprintln!("{stage}: step {done} of {total} ({percent:.0} %){left}")
+                    }
                     What::Share => eprintln!("{percent:.0} %{left}: {stage}"),
                 }
             }

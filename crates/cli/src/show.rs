@@ -43,7 +43,11 @@ pub fn with_error(mean: f64, error: f64) -> (String, String) {
 }
 
 fn count(n: f64) -> String {
-    if n.is_finite() { format!("{n:.0}") } else { "–".into() }
+    if n.is_finite() {
+        format!("{n:.0}")
+    } else {
+        "–".into()
+    }
 }
 
 /// Wall time in words.
@@ -75,8 +79,18 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
     println!("{}", console::style(&scene.name).bold());
     println!("  {n} particles, density {density:.4}, box {x:.4} × {y:.4} × {z:.4} σ");
     println!("  {}", lennard_forcefield::model_name(&scene.force_field()));
-    println!("  {}, dt = {} τ, {} steps in {} stages", scene.integrator.method.name(), scene.integrator.dt, scene.total_steps(), scene.stages.len());
-    println!("  {threads} thread{}, output in {}", if threads == 1 { "" } else { "s" }, folder.display());
+    println!(
+        "  {}, dt = {} τ, {} steps in {} stages",
+        scene.integrator.method.name(),
+        scene.integrator.dt,
+        scene.total_steps(),
+        scene.stages.len()
+    );
+    println!(
+        "  {threads} thread{}, output in {}",
+        if threads == 1 { "" } else { "s" },
+        folder.display()
+    );
 }
 
 /// The averages that people look for first; the others follow by name.
@@ -94,12 +108,21 @@ const FIRST: &[&str] = &[
 
 /// What a run found.
 pub fn results(record: &RunRecord, folder: &Path) {
-    let mut means = table(&["average", "mean", "standard error", "n_eff", "unit"], 1..4);
+    let mut means = table(
+        &["average", "mean", "standard error", "n_eff", "unit"],
+        1..4,
+    );
     let mut averages: Vec<_> = record.averages.iter().collect();
     averages.sort_by_key(|(name, _)| FIRST.iter().position(|f| f == name).unwrap_or(FIRST.len()));
     for (name, average) in averages {
         let (mean, error) = with_error(average.mean, average.standard_error);
-        means.add_row([name.replace('_', " "), mean, error, count(average.n_effective), average.unit.clone()]);
+        means.add_row([
+            name.replace('_', " "),
+            mean,
+            error,
+            count(average.n_effective),
+            average.unit.clone(),
+        ]);
     }
     println!("\n{means}");
     println!("  U and P are those of: {}", record.model);
@@ -109,11 +132,23 @@ pub fn results(record: &RunRecord, folder: &Path) {
         "\n  conserved energy: drift {:+.2e} ± {:.1e} ε per particle per τ, fluctuation {:.2e} ε per particle (RMS)",
         c.energy_drift_per_atom_per_tau, c.energy_drift_standard_error, c.energy_rms_per_atom
     );
-    println!("  largest momentum: {:.1e} σ/τ per particle", c.momentum_per_atom);
+    println!(
+        "  largest momentum: {:.1e} σ/τ per particle",
+        c.momentum_per_atom
+    );
 
     if !record.comparison.is_empty() {
-        let mut compared =
-            table(&["compared", "measured", "reference", "difference", "standard error", "in errors"], 1..6);
+        let mut compared = table(
+            &[
+                "compared",
+                "measured",
+                "reference",
+                "difference",
+                "standard error",
+                "in errors",
+            ],
+            1..6,
+        );
         for entry in &record.comparison {
             let (difference, error) = with_error(entry.difference, entry.standard_error);
             compared.add_row([
@@ -128,7 +163,10 @@ pub fn results(record: &RunRecord, folder: &Path) {
         let first = &record.comparison[0];
         println!("\n{compared}");
         println!("  reference: {} ({})", first.source, first.remark);
-        println!("  at the measured T = {:.4} and ρ = {:.4}", first.at.temperature, first.at.density);
+        println!(
+            "  at the measured T = {:.4} and ρ = {:.4}",
+            first.at.temperature, first.at.density
+        );
     }
     for remark in &record.remarks {
         println!("  note: {remark}");
@@ -142,7 +180,12 @@ pub fn results(record: &RunRecord, folder: &Path) {
         p.ns_per_atom_step
     );
     let s = &p.stages;
-    let share = |seconds: f64| format!("{:.0} %", 100.0 * seconds / record.wall_s.max(f64::MIN_POSITIVE));
+    let share = |seconds: f64| {
+        format!(
+            "{:.0} %",
+            100.0 * seconds / record.wall_s.max(f64::MIN_POSITIVE)
+        )
+    };
     println!(
         "  force {}, neighbor list {}, integrate {}, observe {}, write {}; {} list builds, {} late, skin {:.3} σ",
         share(s.force),
@@ -161,9 +204,14 @@ pub fn results(record: &RunRecord, folder: &Path) {
 pub fn energy(report: &EnergyReport) {
     let from = match report.temperature_from {
         lennard_engine::KineticSource::Velocities => "from the velocities of the file",
-        lennard_engine::KineticSource::SceneTemperature => "from the scene's temperature; the start has no velocities",
+        lennard_engine::KineticSource::SceneTemperature => {
+            "from the scene's temperature; the start has no velocities"
+        }
     };
-    println!("{} particles, {} pairs within the cutoff, {}", report.atoms, report.pairs, report.model);
+    println!(
+        "{} particles, {} pairs within the cutoff, {}",
+        report.atoms, report.pairs, report.model
+    );
     let mut t = table(&["quantity", "value", "unit"], 1..2);
     for (name, value, unit) in [
         ("U, pairs", report.potential_energy, "ε"),
@@ -181,14 +229,25 @@ pub fn energy(report: &EnergyReport) {
 
 /// What a scene computes.
 pub fn plan(plan: &Plan) {
-    println!("{}: {} particles at density {:.4}, {} steps", plan.scene, plan.atoms, plan.density, plan.steps);
+    println!(
+        "{}: {} particles at density {:.4}, {} steps",
+        plan.scene, plan.atoms, plan.density, plan.steps
+    );
     println!("  {}", plan.model);
     let mut t = table(&["part", "", "how, or why not"], 0..0);
     for item in &plan.items {
-        t.add_row([item.part.as_str(), if item.on { "on" } else { "off" }, item.why.as_str()]);
+        t.add_row([
+            item.part.as_str(),
+            if item.on { "on" } else { "off" },
+            item.why.as_str(),
+        ]);
     }
     println!("{t}");
-    println!("  memory: about {} ({:.0} bytes a particle)", bytes(plan.bytes), plan.bytes as f64 / plan.atoms as f64);
+    println!(
+        "  memory: about {} ({:.0} bytes a particle)",
+        bytes(plan.bytes),
+        plan.bytes as f64 / plan.atoms as f64
+    );
     println!(
         "  time: about {} on {} thread{} ({} a step, median of {} measured steps; the start may differ from the rest)",
         duration(plan.estimated_seconds),
@@ -211,7 +270,9 @@ pub fn stability(study: &StabilityStudy, folder: &Path) {
             claim.source.to_owned(),
             claim.statement.clone(),
             format!("{:.6}", claim.measured),
-            claim.theory.map_or_else(|| "–".into(), |t| format!("{t:.6}")),
+            claim
+                .theory
+                .map_or_else(|| "–".into(), |t| format!("{t:.6}")),
             verdict.to_owned(),
         ]);
     }
@@ -246,7 +307,10 @@ mod tests {
 
     #[test]
     fn a_mean_is_shown_to_the_second_digit_of_its_error() {
-        assert_eq!(with_error(-6.081_234, 0.001_94), ("-6.0812".into(), "0.0019".into()));
+        assert_eq!(
+            with_error(-6.081_234, 0.001_94),
+            ("-6.0812".into(), "0.0019".into())
+        );
         assert_eq!(with_error(0.164_9, 0.032), ("0.165".into(), "0.032".into()));
         assert_eq!(with_error(108.9, 12.0), ("109".into(), "12".into()));
         assert_eq!(with_error(1.0, f64::NAN), ("1.000000".into(), "–".into()));

@@ -15,14 +15,22 @@ fn every_bad_scene_ends_with_exit_code_2_and_its_message_and_writes_nothing() {
             continue;
         }
         seen += 1;
-        let named = format!("inputs/bad/{}", scene.file_name().unwrap().to_string_lossy());
-        let output = lennard(&["run", &named, "--out", out.to_str().unwrap()]).output().unwrap();
+        let named = format!(
+            "inputs/bad/{}",
+            scene.file_name().unwrap().to_string_lossy()
+        );
+        let output = lennard(&["run", &named, "--out", out.to_str().unwrap()])
+            .output()
+            .unwrap();
         let message = stderr(&output);
         assert_eq!(output.status.code(), Some(2), "{named}: {message}");
         assert_eq!(stdout(&output), "", "{named}");
         let expected = std::fs::read_to_string(scene.with_extension("expected")).unwrap();
         for line in expected.lines().filter(|l| !l.starts_with('#')) {
-            assert!(message.contains(line), "{named}: wanted `{line}` in\n{message}");
+            assert!(
+                message.contains(line),
+                "{named}: wanted `{line}` in\n{message}"
+            );
         }
         assert!(!out.exists(), "{named} left an output folder");
     }
@@ -35,7 +43,13 @@ fn an_existing_folder_is_refused_unless_forced() {
     let out = temporary.path().to_str().unwrap();
     std::fs::write(temporary.path().join("precious.txt"), "keep me").unwrap();
     let run = |more: &[&str]| {
-        let mut args = vec!["run", "inputs/verlet-1967/triple-point.toml", "--out", out, "--quiet"];
+        let mut args = vec![
+            "run",
+            "inputs/verlet-1967/triple-point.toml",
+            "--out",
+            out,
+            "--quiet",
+        ];
         args.extend(common::SMALL);
         args.extend(more);
         lennard(&args).output().unwrap()
@@ -45,7 +59,10 @@ fn an_existing_folder_is_refused_unless_forced() {
     assert!(stderr(&refused).contains("--force"), "{}", stderr(&refused));
     let forced = run(&["--force"]);
     assert!(forced.status.success(), "{}", stderr(&forced));
-    assert_eq!(std::fs::read_to_string(temporary.path().join("precious.txt")).unwrap(), "keep me");
+    assert_eq!(
+        std::fs::read_to_string(temporary.path().join("precious.txt")).unwrap(),
+        "keep me"
+    );
 }
 
 #[test]
@@ -54,10 +71,19 @@ fn a_folder_that_cannot_be_made_is_refused() {
     let file = temporary.path().join("file");
     std::fs::write(&file, "").unwrap();
     let below = file.join("out");
-    let args = ["run", "inputs/verlet-1967/triple-point.toml", "--out", below.to_str().unwrap()];
+    let args = [
+        "run",
+        "inputs/verlet-1967/triple-point.toml",
+        "--out",
+        below.to_str().unwrap(),
+    ];
     let output = lennard(&args).output().unwrap();
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains(below.to_str().unwrap()), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains(below.to_str().unwrap()),
+        "{}",
+        stderr(&output)
+    );
 }
 
 #[test]
@@ -68,10 +94,15 @@ fn overrides_that_fit_nothing_name_the_override() {
         ("stage.productoin.steps=5", "production"),
         ("integrator.kind=velocity-verlt", "nearest: velocity-verlet"),
     ] {
-        let output =
-            lennard(&["plan", "inputs/verlet-1967/triple-point.toml", "--set", set]).output().unwrap();
+        let output = lennard(&["plan", "inputs/verlet-1967/triple-point.toml", "--set", set])
+            .output()
+            .unwrap();
         assert_eq!(output.status.code(), Some(2), "{set}: {}", stderr(&output));
-        assert!(stderr(&output).contains(wanted), "{set}: {}", stderr(&output));
+        assert!(
+            stderr(&output).contains(wanted),
+            "{set}: {}",
+            stderr(&output)
+        );
     }
 }
 
@@ -81,7 +112,13 @@ fn overrides_that_fit_nothing_name_the_override() {
 fn a_full_disk_stops_the_run_and_leaves_nothing_that_looks_finished() {
     let temporary = tempfile::tempdir().unwrap();
     let out = temporary.path().join("out");
-    let mut args = vec!["run", "inputs/verlet-1967/triple-point.toml", "--quiet", "--set", "output.trajectory_every=10"];
+    let mut args = vec![
+        "run",
+        "inputs/verlet-1967/triple-point.toml",
+        "--quiet",
+        "--set",
+        "output.trajectory_every=10",
+    ];
     args.extend(common::SMALL);
     // 100 kB: enough for the scene and the record, too little for the trajectory. The signal that comes with
     // the limit is ignored, so that the write itself reports the failure.
@@ -91,8 +128,11 @@ fn a_full_disk_stops_the_run_and_leaves_nothing_that_looks_finished() {
         args.join(" "),
         out.display()
     );
-    let output =
-        std::process::Command::new("sh").args(["-c", &script]).current_dir(root()).output().unwrap();
+    let output = std::process::Command::new("sh")
+        .args(["-c", &script])
+        .current_dir(root())
+        .output()
+        .unwrap();
     let message = stderr(&output);
     assert_eq!(output.status.code(), Some(1), "{message}");
     assert!(message.contains("trajectory.xyz"), "{message}");

@@ -38,29 +38,53 @@ pub struct Beginning {
 /// [`EngineError`] where a configuration cannot be read, does not fit the box, or overlaps.
 pub fn begin(scene: &Scene) -> Result<Beginning, EngineError> {
     match &scene.system.start {
-        Start::Lattice { lattice, n_atoms, .. } => {
+        Start::Lattice {
+            lattice, n_atoms, ..
+        } => {
             let placement = scene.placement()?.expect("a lattice start has a placement");
             let cell = placement.cell;
             if *lattice == Lattice::Random {
-                let filled = PeriodicBox::new(placement.filled)
-                    .map_err(|e| scene.source.invalid("system.box", e, "finite positive lengths"))?;
-                let streams = Streams::new(scene.system.seed);
-                let points = initial::random_points(&filled, *n_atoms, streams).ok_or_else(|| {
-                    scene.source.invalid("system.density", "points that do not fit at random", "a lower density")
+                let filled = PeriodicBox::new(placement.filled).map_err(|e| {
+                    scene
+                        .source
+                        .invalid("system.box", e, "finite positive lengths")
                 })?;
+                let streams = Streams::new(scene.system.seed);
+                let points =
+                    initial::random_points(&filled, *n_atoms, streams).ok_or_else(|| {
+                        scene.source.invalid(
+                            "system.density",
+                            "points that do not fit at random",
+                            "a lower density",
+                        )
+                    })?;
                 let positions = points.into_iter().map(|r| r + placement.corner).collect();
-                return Ok(Beginning { cell, positions, velocities: None, relax: true });
+                return Ok(Beginning {
+                    cell,
+                    positions,
+                    velocities: None,
+                    relax: true,
+                });
             }
             let cells = placement.cells.expect("a lattice has cells");
-            let positions = initial::lattice_sites(placement.corner, placement.filled, cells, lattice.basis());
-            Ok(Beginning { cell, positions, velocities: None, relax: false })
+            let positions =
+                initial::lattice_sites(placement.corner, placement.filled, cells, lattice.basis());
+            Ok(Beginning {
+                cell,
+                positions,
+                velocities: None,
+                relax: false,
+            })
         }
         Start::Configuration { path, geometry } => {
             let given = match geometry {
-                Some(Geometry::Box(sides)) => Some(
-                    PeriodicBox::new(DVec3::from_array(*sides))
-                        .map_err(|e| scene.source.invalid("system.box", e, "finite positive lengths"))?,
-                ),
+                Some(Geometry::Box(sides)) => {
+                    Some(PeriodicBox::new(DVec3::from_array(*sides)).map_err(|e| {
+                        scene
+                            .source
+                            .invalid("system.box", e, "finite positive lengths")
+                    })?)
+                }
                 Some(Geometry::Density(_)) | None => None,
             };
             // Read without the scene's box first: where both name one and they differ, the scene is to blame.
@@ -83,8 +107,19 @@ fn from_configuration(
         && given != read.cell
     {
         let sides = given.lengths().to_array();
-        let found = format!("{sides:?}, where {} has {:?}", path.display(), read.cell.lengths().to_array());
-        return Err(scene.source.invalid("system.box", found, "the box of the file, or no `box` at all").into());
+        let found = format!(
+            "{sides:?}, where {} has {:?}",
+            path.display(),
+            read.cell.lengths().to_array()
+        );
+        return Err(scene
+            .source
+            .invalid(
+                "system.box",
+                found,
+                "the box of the file, or no `box` at all",
+            )
+            .into());
     }
     if let Some(pair) = closest_pair(&read.cell, &read.positions, SMALLEST_START_DISTANCE) {
         let found = format!(
@@ -95,9 +130,17 @@ fn from_configuration(
             pair.distance
         );
         let allowed = format!("no pair nearer than {SMALLEST_START_DISTANCE} σ");
-        return Err(scene.source.invalid("system.configuration", found, allowed).into());
+        return Err(scene
+            .source
+            .invalid("system.configuration", found, allowed)
+            .into());
     }
-    Ok(Beginning { cell: read.cell, positions: read.positions, velocities: read.velocities, relax: false })
+    Ok(Beginning {
+        cell: read.cell,
+        positions: read.positions,
+        velocities: read.velocities,
+        relax: false,
+    })
 }
 
 /// The temperature and step for which the list is laid out: the hottest of all stages and the largest
@@ -105,17 +148,30 @@ fn from_configuration(
 #[must_use]
 pub fn conditions(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Conditions {
     let measured: Vec<&Stage> = scene.stages.iter().filter(|s| s.measure).collect();
-    let stages: Vec<&Stage> = if measured.is_empty() { scene.stages.iter().collect() } else { measured };
+    let stages: Vec<&Stage> = if measured.is_empty() {
+        scene.stages.iter().collect()
+    } else {
+        measured
+    };
     let temperature = stages.iter().map(|s| s.temperature).fold(0.0, f64::max);
     let dt = stages.iter().map(|s| scene.stage_dt(s)).fold(0.0, f64::max);
-    Conditions { cell, n_atoms, temperature, dt }
+    Conditions {
+        cell,
+        n_atoms,
+        temperature,
+        dt,
+    }
 }
 
 /// The force field of a scene for a box.
 ///
 /// # Errors
 /// [`EngineError::Scene`] where cutoff or skin do not fit the box.
-pub fn forces(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(ForceFieldOptions, PairForces), EngineError> {
+pub fn forces(
+    scene: &Scene,
+    cell: PeriodicBox,
+    n_atoms: usize,
+) -> Result<(ForceFieldOptions, PairForces), EngineError> {
     let options = scene.force_field();
     let built = lennard_forcefield::build(&options, &conditions(scene, cell, n_atoms))
         .map_err(|e| misfit(&scene.source, &e))?;
@@ -125,7 +181,10 @@ pub fn forces(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(Force
 /// The tail correction per particle, as observables use it.
 #[must_use]
 pub fn tail_correction(tail: Option<&Tail>) -> Option<TailCorrection> {
-    tail.map(|t| TailCorrection { energy_per_particle: t.energy_per_particle, pressure: t.pressure })
+    tail.map(|t| TailCorrection {
+        energy_per_particle: t.energy_per_particle,
+        pressure: t.pressure,
+    })
 }
 
 /// Builds the simulation: particles placed, relaxed where the start is random, velocities drawn
@@ -155,7 +214,8 @@ pub(crate) fn assembled(scene: Scene, mut beginning: Beginning) -> Result<Simula
         }
         None => initial::thermal_velocities(&dynamics, n, scene.system.temperature, streams),
     };
-    let tail = tail_correction(lennard_forcefield::tail_correction(&options, n, cell.volume()).as_ref());
+    let tail =
+        tail_correction(lennard_forcefield::tail_correction(&options, n, cell.volume()).as_ref());
     let (thermodynamics, observers) = observers(&scene, cell, n)?;
     let isa = provider.plan().isa.to_string();
     Ok(Simulation {
@@ -176,24 +236,55 @@ pub(crate) fn assembled(scene: Scene, mut beginning: Beginning) -> Result<Simula
 }
 
 /// Relaxes a random start until nothing overlaps.
-fn relax(scene: &Scene, positions: &mut [DVec3], provider: &mut dyn ForceProvider) -> Result<(), EngineError> {
-    fire::relax(positions, provider, &FireOptions::default()).map(|_| ()).map_err(|e| {
-        scene.source.invalid("system.lattice", format!("`random`, which could not be relaxed: {e}"), "a lattice, or a lower density").into()
-    })
+fn relax(
+    scene: &Scene,
+    positions: &mut [DVec3],
+    provider: &mut dyn ForceProvider,
+) -> Result<(), EngineError> {
+    fire::relax(positions, provider, &FireOptions::default())
+        .map(|_| ())
+        .map_err(|e| {
+            scene
+                .source
+                .invalid(
+                    "system.lattice",
+                    format!("`random`, which could not be relaxed: {e}"),
+                    "a lattice, or a lower density",
+                )
+                .into()
+        })
 }
 
 /// Thermodynamics, which every run has, and the others that the scene names.
-fn observers(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(Thermodynamics, Vec<Observer>), EngineError> {
-    let measured = scene.stages.iter().rev().find(|s| s.measure).or(scene.stages.last());
+fn observers(
+    scene: &Scene,
+    cell: PeriodicBox,
+    n_atoms: usize,
+) -> Result<(Thermodynamics, Vec<Observer>), EngineError> {
+    let measured = scene
+        .stages
+        .iter()
+        .rev()
+        .find(|s| s.measure)
+        .or(scene.stages.last());
     let dt = measured.map_or(scene.integrator.dt, |s| scene.stage_dt(s));
-    let context = |every| BuildContext { cell, n_atoms, dt, every, r_cut: scene.truncation.r_cut };
+    let context = |every| BuildContext {
+        cell,
+        n_atoms,
+        dt,
+        every,
+        r_cut: scene.truncation.r_cut,
+    };
     let mut observers = Vec::new();
     let mut thermodynamics = None;
     for (index, table) in scene.observables.iter().enumerate() {
         let mut options = table.options.clone();
         match &mut options {
             ObservableOptions::Thermodynamics(o) => {
-                thermodynamics = Some(Thermodynamics::with_options(o, &context(scene.output.thermo_every)));
+                thermodynamics = Some(Thermodynamics::with_options(
+                    o,
+                    &context(scene.output.thermo_every),
+                ));
                 continue;
             }
             ObservableOptions::Msd(o) if o.viscosity.is_none() => {
@@ -201,10 +292,18 @@ fn observers(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(Thermo
             }
             _ => {}
         }
-        let observable = lennard_observables::build(&options, &context(table.every)).map_err(|e| {
-            scene.source.invalid(&format!("observable.{index}.{}", e.key()), e.found(), e.allowed())
-        })?;
-        observers.push(Observer { every: table.every, observable });
+        let observable =
+            lennard_observables::build(&options, &context(table.every)).map_err(|e| {
+                scene.source.invalid(
+                    &format!("observable.{index}.{}", e.key()),
+                    e.found(),
+                    e.allowed(),
+                )
+            })?;
+        observers.push(Observer {
+            every: table.every,
+            observable,
+        });
     }
     let mut thermodynamics =
         thermodynamics.unwrap_or_else(|| Thermodynamics::new(&context(scene.output.thermo_every)));
@@ -216,17 +315,23 @@ fn observers(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(Thermo
 /// The ensemble that a stage samples; `None` where its dynamics sample none that is known.
 fn ensemble(scene: &Scene, stage: &Stage) -> Option<Ensemble> {
     match &stage.thermostat {
-        Some(ThermostatOptions::Bussi(_) | ThermostatOptions::Langevin(_)) => Some(Ensemble::Canonical),
+        Some(ThermostatOptions::Bussi(_) | ThermostatOptions::Langevin(_)) => {
+            Some(Ensemble::Canonical)
+        }
         Some(ThermostatOptions::Rescale(_)) => None,
         // A method that loses energy stays at no energy.
-        None => lennard_integrators::build(&scene.integrator.method).spec().symplectic.then_some(Ensemble::Microcanonical),
+        None => lennard_integrators::build(&scene.integrator.method)
+            .spec()
+            .symplectic
+            .then_some(Ensemble::Microcanonical),
     }
 }
 
 /// U′(r_cut) just inside the cutoff, where the force drops to zero with a jump (plain and shifted
 /// cutoffs); zero where the force is continuous.
 fn force_jump(scene: &Scene) -> Result<f64, EngineError> {
-    let model = Model::new(&scene.potential, &scene.truncation).map_err(|e| misfit(&scene.source, &e))?;
+    let model =
+        Model::new(&scene.potential, &scene.truncation).map_err(|e| misfit(&scene.source, &e))?;
     let pair = model.eval(model.r_cut * model.r_cut);
     Ok(-pair.force * model.r_cut)
 }

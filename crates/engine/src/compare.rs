@@ -21,15 +21,25 @@ pub struct Comparison {
 pub fn model_kind(scene: &Scene) -> ModelKind {
     let r_cut = scene.truncation.r_cut;
     match (&scene.potential, scene.truncation.kind) {
-        (PotentialOptions::LennardJones {}, TruncationKind::Cut) if scene.truncation.tail_correction => {
+        (PotentialOptions::LennardJones {}, TruncationKind::Cut)
+            if scene.truncation.tail_correction =>
+        {
             ModelKind::CutWithTail { r_cut }
         }
-        (PotentialOptions::LennardJones {}, TruncationKind::Cut) => ModelKind::CutWithoutTail { r_cut },
+        (PotentialOptions::LennardJones {}, TruncationKind::Cut) => {
+            ModelKind::CutWithoutTail { r_cut }
+        }
         (PotentialOptions::LennardJones {}, TruncationKind::Shift) => ModelKind::Shifted { r_cut },
-        (PotentialOptions::LennardJones {}, TruncationKind::ForceShift) => ModelKind::ForceShifted { r_cut },
-        (PotentialOptions::LennardJones {}, TruncationKind::Switch) => ModelKind::Switched { r_cut },
+        (PotentialOptions::LennardJones {}, TruncationKind::ForceShift) => {
+            ModelKind::ForceShifted { r_cut }
+        }
+        (PotentialOptions::LennardJones {}, TruncationKind::Switch) => {
+            ModelKind::Switched { r_cut }
+        }
         (PotentialOptions::Wca {}, _) => ModelKind::Other { potential: "WCA" },
-        (PotentialOptions::SoftSphere { .. }, _) => ModelKind::Other { potential: "soft sphere" },
+        (PotentialOptions::SoftSphere { .. }, _) => ModelKind::Other {
+            potential: "soft sphere",
+        },
     }
 }
 
@@ -49,7 +59,11 @@ pub fn viscosity_for(scene: &Scene, density: f64) -> Option<f64> {
 /// The error of each difference is that of the series X_b − [X_EOS(T̄) + (T_b − T̄)·∂X_EOS/∂T], which
 /// carries the correlation of X and T.
 #[must_use]
-pub fn with_equation_of_state(scene: &Scene, density: f64, thermodynamics: &Thermodynamics) -> Comparison {
+pub fn with_equation_of_state(
+    scene: &Scene,
+    density: f64,
+    thermodynamics: &Thermodynamics,
+) -> Comparison {
     let mut comparison = Comparison::default();
     let model = model_kind(scene);
     let equation = match lennard_literature::equation_of_state_for(model) {
@@ -60,9 +74,13 @@ pub fn with_equation_of_state(scene: &Scene, density: f64, thermodynamics: &Ther
         }
     };
     let series = thermodynamics.series();
-    let temperatures = &series.temperature[thermodynamics.equilibration_cut().min(series.temperature.len())..];
+    let temperatures = &series.temperature[thermodynamics
+        .equilibration_cut()
+        .min(series.temperature.len())..];
     if temperatures.len() < 2 {
-        comparison.remarks.push("too few samples to compare with an equation of state".into());
+        comparison
+            .remarks
+            .push("too few samples to compare with an equation of state".into());
         return comparison;
     }
     let mean_temperature = temperatures.iter().sum::<f64>() / temperatures.len() as f64;
@@ -88,10 +106,17 @@ pub fn with_equation_of_state(scene: &Scene, density: f64, thermodynamics: &Ther
             thermodynamics.potential_energy_against(state.du_dt),
             own.map(|u| u.potential_energy),
         ),
-        ("pressure", state.pressure, thermodynamics.pressure_against(state.dp_dt), own.map(|u| u.pressure)),
+        (
+            "pressure",
+            state.pressure,
+            thermodynamics.pressure_against(state.dp_dt),
+            own.map(|u| u.pressure),
+        ),
     ];
     for (name, reference, against, reference_uncertainty) in quantities {
-        let Some(average) = averages.iter().find(|a| a.name == name) else { continue };
+        let Some(average) = averages.iter().find(|a| a.name == name) else {
+            continue;
+        };
         let difference = average.estimate.mean - reference;
         comparison.entries.push(lennard_io::Comparison {
             quantity: name.to_owned(),
@@ -102,11 +127,16 @@ pub fn with_equation_of_state(scene: &Scene, density: f64, thermodynamics: &Ther
             difference,
             standard_error: against.standard_error,
             in_standard_errors: difference / against.standard_error,
-            at: StatePoint { temperature: mean_temperature, density },
+            at: StatePoint {
+                temperature: mean_temperature,
+                density,
+            },
             source: format!("{}, doi:{}", equation.spec().name, equation.spec().doi),
             remark: equation.spec().model.clone(),
         });
     }
-    comparison.remarks.extend(lennard_literature::remark_for(model));
+    comparison
+        .remarks
+        .extend(lennard_literature::remark_for(model));
     comparison
 }

@@ -68,12 +68,23 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
     let has_velocities = beginning.velocities.is_some();
     let velocities = beginning.velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]);
     let mut state = State::new(beginning.positions, velocities);
-    let at = Configuration { positions: &state.positions, velocities: None, time: 0.0 };
+    let at = Configuration {
+        positions: &state.positions,
+        velocities: None,
+        time: 0.0,
+    };
     let energetics = provider
         .evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut state.forces)
-        .map_err(|e| scene.source.invalid("system", e, "a start configuration with finite forces"))?;
+        .map_err(|e| {
+            scene
+                .source
+                .invalid("system", e, "a start configuration with finite forces")
+        })?;
     let (temperature, temperature_from) = if has_velocities {
-        (Dynamics::fluid(n).temperature(&state.velocities), KineticSource::Velocities)
+        (
+            Dynamics::fluid(n).temperature(&state.velocities),
+            KineticSource::Velocities,
+        )
     } else {
         (scene.system.temperature, KineticSource::SceneTemperature)
     };
@@ -96,5 +107,9 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
         pairs: energetics.pairs.unwrap_or(0),
     };
     state.energetics = energetics;
-    Ok(Evaluated { report, cell, state })
+    Ok(Evaluated {
+        report,
+        cell,
+        state,
+    })
 }

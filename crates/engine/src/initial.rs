@@ -18,7 +18,12 @@ const RANDOM_SPACING: f64 = 0.7;
 ///
 /// The lattice starts at a quarter of a cell so that no site lies on the face of the box.
 #[must_use]
-pub fn lattice_sites(origin: DVec3, extent: DVec3, cells: [usize; 3], basis: &[[f64; 3]]) -> Vec<DVec3> {
+pub fn lattice_sites(
+    origin: DVec3,
+    extent: DVec3,
+    cells: [usize; 3],
+    basis: &[[f64; 3]],
+) -> Vec<DVec3> {
     let step = extent / DVec3::new(cells[0] as f64, cells[1] as f64, cells[2] as f64);
     let mut sites = Vec::with_capacity(cells.iter().product::<usize>() * basis.len());
     for ix in 0..cells[0] {
@@ -47,7 +52,9 @@ pub fn random_points(cell: &PeriodicBox, n: usize, streams: Streams) -> Option<V
     for _ in 0..n {
         let point = (0..TRIALS_PER_PARTICLE).find_map(|_| {
             let r = cell.lengths() * DVec3::new(rng.random(), rng.random(), rng.random());
-            bins.nearest(&points, r).is_none_or(|(_, d)| d >= spacing).then_some(r)
+            bins.nearest(&points, r)
+                .is_none_or(|(_, d)| d >= spacing)
+                .then_some(r)
         })?;
         bins.insert(points.len() as u32, point);
         points.push(point);
@@ -58,7 +65,12 @@ pub fn random_points(cell: &PeriodicBox, n: usize, streams: Streams) -> Option<V
 /// Velocities from the Maxwell–Boltzmann distribution, with zero total momentum (more than one
 /// particle) and scaled to 2K/n_dof = `temperature` exactly.
 #[must_use]
-pub fn thermal_velocities(dynamics: &Dynamics, n: usize, temperature: f64, streams: Streams) -> Vec<DVec3> {
+pub fn thermal_velocities(
+    dynamics: &Dynamics,
+    n: usize,
+    temperature: f64,
+    streams: Streams,
+) -> Vec<DVec3> {
     let mut rng = streams.sequential("velocities");
     let mut velocities: Vec<DVec3> = (0..n)
         .map(|i| {
@@ -137,8 +149,14 @@ struct Bins<'a> {
 impl<'a> Bins<'a> {
     fn new(cell: &'a PeriodicBox, smallest: f64) -> Self {
         // 2²⁰ bins an axis are plenty, and keep the index in range for any box.
-        let counts = (cell.lengths() / smallest).floor().clamp(DVec3::ONE, DVec3::splat(1_048_576.0));
-        Self { cell, counts: counts.as_ivec3().to_array(), members: HashMap::new() }
+        let counts = (cell.lengths() / smallest)
+            .floor()
+            .clamp(DVec3::ONE, DVec3::splat(1_048_576.0));
+        Self {
+            cell,
+            counts: counts.as_ivec3().to_array(),
+            members: HashMap::new(),
+        }
     }
 
     fn bin_of(&self, r: DVec3) -> [i32; 3] {
@@ -158,7 +176,9 @@ impl<'a> Bins<'a> {
         let mut best: Option<(usize, f64)> = None;
         let around = |axis: usize| -> Vec<i32> {
             let count = self.counts[axis];
-            let mut bins: Vec<i32> = (-1..=1).map(|d| (home[axis] + d).rem_euclid(count)).collect();
+            let mut bins: Vec<i32> = (-1..=1)
+                .map(|d| (home[axis] + d).rem_euclid(count))
+                .collect();
             bins.sort_unstable();
             bins.dedup();
             bins
@@ -187,15 +207,19 @@ mod tests {
     #[test]
     fn an_fcc_crystal_has_twelve_nearest_neighbors_at_the_right_distance() {
         let cell = PeriodicBox::cubic_for_density(256, 0.8442).unwrap();
-        let fcc = [[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
+        let fcc = [
+            [0.0, 0.0, 0.0],
+            [0.5, 0.5, 0.0],
+            [0.5, 0.0, 0.5],
+            [0.0, 0.5, 0.5],
+        ];
         let sites = lattice_sites(DVec3::ZERO, cell.lengths(), [4; 3], &fcc);
         assert_eq!(sites.len(), 256);
         let nearest = cell.lengths().x / 4.0 / 2.0_f64.sqrt();
         for (i, a) in sites.iter().enumerate() {
-            let shell = sites
-                .iter()
-                .enumerate()
-                .filter(|(j, b)| *j != i && (cell.minimum_image(*a - **b).length() - nearest).abs() < 1e-12);
+            let shell = sites.iter().enumerate().filter(|(j, b)| {
+                *j != i && (cell.minimum_image(*a - **b).length() - nearest).abs() < 1e-12
+            });
             assert_eq!(shell.count(), 12);
         }
     }
@@ -228,7 +252,11 @@ mod tests {
     #[test]
     fn the_closest_pair_is_found_across_the_face_of_the_box() {
         let cell = PeriodicBox::new(DVec3::new(10.0, 1e6, 10.0)).unwrap();
-        let points = [DVec3::new(0.1, 5.0, 5.0), DVec3::new(9.8, 5.0, 5.0), DVec3::new(5.0, 5.0, f64::NAN)];
+        let points = [
+            DVec3::new(0.1, 5.0, 5.0),
+            DVec3::new(9.8, 5.0, 5.0),
+            DVec3::new(5.0, 5.0, f64::NAN),
+        ];
         let pair = closest_pair(&cell, &points, 0.5).unwrap();
         assert_eq!((pair.i, pair.j), (0, 1));
         assert!((pair.distance - 0.3).abs() < 1e-12);

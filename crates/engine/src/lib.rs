@@ -16,13 +16,16 @@ mod simulation;
 mod timers;
 pub mod watchdog;
 
-pub use build::{SMALLEST_START_DISTANCE, begin, conditions, forces, recommended_threads, simulation, tail_correction};
+pub use build::{
+    SMALLEST_START_DISTANCE, begin, conditions, forces, recommended_threads, simulation,
+    tail_correction,
+};
+pub use checkpointing::Past;
 pub use compare::{Comparison, model_kind, with_equation_of_state};
 pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
 pub use error::EngineError;
 pub use files::{Marks, RunFiles};
 pub use plan::{Plan, PlanItem, plan};
-pub use checkpointing::Past;
 pub use resume::{ResumeError, ResumeOptions, Resumed, refuse_if_busy, resume};
 pub use run::{Ending, Outcome, Progress, RunOptions, go_on, prepare, run};
 pub use simulation::{Follower, Nobody, Observer, Simulation, StageRun, Verdict};

@@ -69,7 +69,11 @@ impl Follower for ForAWhile {
         let now = Instant::now();
         self.steps.push((now - self.last).as_secs_f64());
         self.last = now;
-        Ok(if now >= self.end { Verdict::Stop } else { Verdict::Continue })
+        Ok(if now >= self.end {
+            Verdict::Stop
+        } else {
+            Verdict::Continue
+        })
     }
 }
 
@@ -82,11 +86,17 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
     let (options, provider) = build::forces(&scene, simulation.cell, simulation.state.len())?;
     let items = items(&scene, simulation, provider.plan());
     let now = Instant::now();
-    let mut follower = ForAWhile { end: now + MEASURE_FOR, last: now, steps: Vec::new() };
+    let mut follower = ForAWhile {
+        end: now + MEASURE_FOR,
+        last: now,
+        steps: Vec::new(),
+    };
     simulation.run(&mut follower)?;
     let n = simulation.state.len();
     // The first step also builds the list and warms the caches.
-    let mut times = follower.steps.split_off(1.min(follower.steps.len().saturating_sub(1)));
+    let mut times = follower
+        .steps
+        .split_off(1.min(follower.steps.len().saturating_sub(1)));
     times.sort_by(f64::total_cmp);
     let mean = times.iter().sum::<f64>() / times.len() as f64;
     let vectors_a_particle = 3;
@@ -108,18 +118,29 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
 }
 
 fn item(part: &str, on: bool, why: impl Into<String>) -> PlanItem {
-    PlanItem { part: part.to_owned(), on, why: why.into() }
+    PlanItem {
+        part: part.to_owned(),
+        on,
+        why: why.into(),
+    }
 }
 
 fn neighbor_in_words(forces: &lennard_forcefield::ForcePlan) -> String {
     if forces.search == Search::Verlet {
-        format!("list radius {:.3} σ (skin {:.3} σ): {}", forces.r_list, forces.skin, forces.reason)
+        format!(
+            "list radius {:.3} σ (skin {:.3} σ): {}",
+            forces.r_list, forces.skin, forces.reason
+        )
     } else {
         forces.reason.clone()
     }
 }
 
-fn items(scene: &Scene, simulation: &Simulation, forces: &lennard_forcefield::ForcePlan) -> Vec<PlanItem> {
+fn items(
+    scene: &Scene,
+    simulation: &Simulation,
+    forces: &lennard_forcefield::ForcePlan,
+) -> Vec<PlanItem> {
     let output = &scene.output;
     let spec = scene.integrator.method.spec();
     let mut items = vec![
@@ -128,14 +149,28 @@ fn items(scene: &Scene, simulation: &Simulation, forces: &lennard_forcefield::Fo
                 Precision::Double => "double",
                 Precision::Mixed => "mixed",
             };
-            format!("every step, `{}` loop, {} in {precision} precision", forces.kernel, forces.isa)
+            format!(
+                "every step, `{}` loop, {} in {precision} precision",
+                forces.kernel, forces.isa
+            )
         }),
-        item("neighbor list", forces.search == Search::Verlet, neighbor_in_words(forces)),
-        item("integrator", true, format!("{}, dt = {} τ", spec.name, scene.integrator.dt)),
+        item(
+            "neighbor list",
+            forces.search == Search::Verlet,
+            neighbor_in_words(forces),
+        ),
+        item(
+            "integrator",
+            true,
+            format!("{}, dt = {} τ", spec.name, scene.integrator.dt),
+        ),
         item(
             "energy and virial",
             true,
-            format!("on every {}th step, for thermo.csv and the averages; not between", output.thermo_every),
+            format!(
+                "on every {}th step, for thermo.csv and the averages; not between",
+                output.thermo_every
+            ),
         ),
     ];
     let want = simulation.thermodynamics.want();
@@ -143,39 +178,74 @@ fn items(scene: &Scene, simulation: &Simulation, forces: &lennard_forcefield::Fo
         item(
             "configurational temperature",
             true,
-            format!("Laplacian on every {}th step of measured stages", output.thermo_every),
+            format!(
+                "Laplacian on every {}th step of measured stages",
+                output.thermo_every
+            ),
         )
     } else {
-        item("configurational temperature", false, "switched off in the scene")
+        item(
+            "configurational temperature",
+            false,
+            "switched off in the scene",
+        )
     });
     items.push(match simulation.tail {
         Some(tail) => item(
             "tail correction",
             true,
-            format!("computed once: {:.4} ε a particle, {:.4} ε/σ³", tail.energy_per_particle, tail.pressure),
+            format!(
+                "computed once: {:.4} ε a particle, {:.4} ε/σ³",
+                tail.energy_per_particle, tail.pressure
+            ),
         ),
-        None if scene.truncation.tail_correction => item("tail correction", false, "the potential has none"),
-        None => item("tail correction", false, "not asked for, or not a plain cutoff"),
+        None if scene.truncation.tail_correction => {
+            item("tail correction", false, "the potential has none")
+        }
+        None => item(
+            "tail correction",
+            false,
+            "not asked for, or not a plain cutoff",
+        ),
     });
     for stage in &scene.stages {
         let bath = match &stage.thermostat {
             Some(t) => format!("{} at T = {}", t.name(), stage.temperature),
             None => "constant energy, no thermostat".into(),
         };
-        let measured = if stage.measure { ", measured" } else { ", not measured: no observable runs" };
-        items.push(item(&format!("stage {}", stage.name), true, format!("{} steps, {bath}{measured}", stage.steps)));
+        let measured = if stage.measure {
+            ", measured"
+        } else {
+            ", not measured: no observable runs"
+        };
+        items.push(item(
+            &format!("stage {}", stage.name),
+            true,
+            format!("{} steps, {bath}{measured}", stage.steps),
+        ));
     }
     for table in &scene.observables {
-        items.push(item(table.options.name(), true, format!("every {} steps", table.every)));
+        items.push(item(
+            table.options.name(),
+            true,
+            format!("every {} steps", table.every),
+        ));
     }
     for spec in lennard_observables::observables() {
-        let named = scene.observables.iter().any(|o| o.options.name() == spec.name);
+        let named = scene
+            .observables
+            .iter()
+            .any(|o| o.options.name() == spec.name);
         if !named && spec.name != "thermodynamics" {
             items.push(item(spec.name, false, "not in the scene"));
         }
     }
     items.push(match output.trajectory_every {
-        Some(every) => item("trajectory", true, format!("a frame every {every} steps of measured stages")),
+        Some(every) => item(
+            "trajectory",
+            true,
+            format!("a frame every {every} steps of measured stages"),
+        ),
         None => item("trajectory", false, "no `trajectory_every` in [output]"),
     });
     items.push(item(

@@ -1,8 +1,8 @@
 //! The forces that a state already has, for starting a method anew without evaluating them again.
 
 use lennard_core::{
-    Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceProvider, Part, Persist, RestoreError, State,
-    StateReader, StateWriter, Want,
+    Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceProvider, Part, Persist,
+    RestoreError, State, StateReader, StateWriter, Want,
 };
 
 /// Gives back the forces and energetics of a state: right as long as nothing but velocities has changed.
@@ -15,7 +15,11 @@ pub struct Recall {
 impl Recall {
     /// The forces of `state`, which come from a provider with these properties.
     pub fn new(state: &State, properties: ForceProperties) -> Self {
-        Self { forces: state.forces.clone(), energetics: state.energetics.clone(), properties }
+        Self {
+            forces: state.forces.clone(),
+            energetics: state.energetics.clone(),
+            properties,
+        }
     }
 }
 

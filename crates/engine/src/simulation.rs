@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    Dynamics, Findings, ForceProvider, Integrator, Observable, PeriodicBox, Persist, RestoreError, State, StateReader,
-    StateWriter, StepError, TailCorrection, Thermostat, View, Want,
+    Dynamics, Findings, ForceProvider, Integrator, Observable, PeriodicBox, Persist, RestoreError,
+    State, StateReader, StateWriter, StepError, TailCorrection, Thermostat, View, Want,
 };
 use lennard_integrators::Coupling;
 use lennard_observables::Thermodynamics;
@@ -125,12 +125,19 @@ impl Simulation {
     /// One step: advance, couple to the bath, watch, sample.
     fn step(&mut self, follower: &dyn Follower) -> Result<(), crate::EngineError> {
         let next = self.state.step + 1;
-        let want = self.wanted_at(next) | follower.want(&self.scene, next, self.current_stage().measure);
+        let want =
+            self.wanted_at(next) | follower.want(&self.scene, next, self.current_stage().measure);
         let stage = self.stage.as_mut().expect("a stage has been entered");
         let clock = Instant::now();
         let report = stage
             .method
-            .step(&self.dynamics, &mut self.state, self.forces.as_mut(), stage.dt, want)
+            .step(
+                &self.dynamics,
+                &mut self.state,
+                self.forces.as_mut(),
+                stage.dt,
+                want,
+            )
             .map_err(|error| self.failed(error))?;
         let stage = self.stage.as_mut().expect("a stage has been entered");
         stage.steps_done += 1;
@@ -145,7 +152,13 @@ impl Simulation {
             if stage.method.spec().has_memory {
                 // The velocities that the method remembers are no longer those of the state; the forces are.
                 let mut recall = Recall::new(&self.state, self.forces.properties());
-                let started = stage.method.start(&self.dynamics, &mut self.state, &mut recall, stage.dt, want);
+                let started = stage.method.start(
+                    &self.dynamics,
+                    &mut self.state,
+                    &mut recall,
+                    stage.dt,
+                    want,
+                );
                 started.map_err(|error| self.failed(error))?;
             }
         }
@@ -164,7 +177,11 @@ impl Simulation {
         if step.is_multiple_of(self.scene.output.thermo_every) {
             want |= self.thermodynamics.want();
         }
-        for observer in self.observers.iter().filter(|o| step.is_multiple_of(o.every)) {
+        for observer in self
+            .observers
+            .iter()
+            .filter(|o| step.is_multiple_of(o.every))
+        {
             want |= observer.observable.want();
         }
         want
@@ -187,7 +204,11 @@ impl Simulation {
         if step.is_multiple_of(self.scene.output.thermo_every) {
             self.thermodynamics.sample(&view);
         }
-        for observer in self.observers.iter_mut().filter(|o| step.is_multiple_of(o.every)) {
+        for observer in self
+            .observers
+            .iter_mut()
+            .filter(|o| step.is_multiple_of(o.every))
+        {
             observer.observable.sample(&view);
         }
         self.timers.observe += clock.elapsed();
@@ -209,7 +230,8 @@ impl Simulation {
 
     /// Looks at speeds and lists whatever the step: before a checkpoint and at the end.
     pub(crate) fn watch_closely(&self) -> Result<(), crate::EngineError> {
-        watchdog::check_lists(self.forces.statistics().late_builds).map_err(|s| self.diagnosed(s))?;
+        watchdog::check_lists(self.forces.statistics().late_builds)
+            .map_err(|s| self.diagnosed(s))?;
         watchdog::check_speeds(&self.state, self.stage_run().dt).map_err(|s| self.diagnosed(s))
     }
 
@@ -218,7 +240,10 @@ impl Simulation {
     pub fn conserved_energy_per_particle(&self) -> Option<f64> {
         let potential = self.state.energetics.conserved_potential?;
         let heat = self.stage.as_ref().map_or(0.0, |s| s.heat);
-        Some((self.dynamics.kinetic_energy(&self.state.velocities) + potential - heat) / self.state.len() as f64)
+        Some(
+            (self.dynamics.kinetic_energy(&self.state.velocities) + potential - heat)
+                / self.state.len() as f64,
+        )
     }
 
     /// Potential energy per particle in ε, with the tail where the scene has one, if asked for on this step.
@@ -242,13 +267,18 @@ impl Simulation {
     fn enter_next_stage(&mut self) -> Result<bool, crate::EngineError> {
         let index = match &self.stage {
             None => 0,
-            Some(stage) if stage.steps_done < self.scene.stages[stage.index].steps => return Ok(true),
+            Some(stage) if stage.steps_done < self.scene.stages[stage.index].steps => {
+                return Ok(true);
+            }
             Some(stage) => stage.index + 1,
         };
         if index >= self.scene.stages.len() {
             return Ok(false);
         }
-        let was_noisy = self.stage.as_ref().is_some_and(|s| !s.method.spec().conserves_momentum);
+        let was_noisy = self
+            .stage
+            .as_ref()
+            .is_some_and(|s| !s.method.spec().conserves_momentum);
         self.stage = Some(self.stage_run_for(index));
         let stage = self.stage_run();
         let conserves = stage.method.spec().conserves_momentum;
@@ -270,12 +300,16 @@ impl Simulation {
         let plan = &self.scene.stages[index];
         let noise = self.streams.noise("thermostat");
         let (method, thermostat) = match &plan.thermostat {
-            None => (lennard_integrators::build(&self.scene.integrator.method), None),
+            None => (
+                lennard_integrators::build(&self.scene.integrator.method),
+                None,
+            ),
             Some(options) => match lennard_integrators::couple(options, plan.temperature, noise) {
                 Coupling::Integrator(method) => (method, None),
-                Coupling::Thermostat(bath) => {
-                    (lennard_integrators::build(&self.scene.integrator.method), Some(bath))
-                }
+                Coupling::Thermostat(bath) => (
+                    lennard_integrators::build(&self.scene.integrator.method),
+                    Some(bath),
+                ),
             },
         };
         StageRun {
@@ -294,7 +328,13 @@ impl Simulation {
         let stage = self.stage.as_mut().expect("a stage has been entered");
         stage
             .method
-            .start(&self.dynamics, &mut self.state, self.forces.as_mut(), stage.dt, want)
+            .start(
+                &self.dynamics,
+                &mut self.state,
+                self.forces.as_mut(),
+                stage.dt,
+                want,
+            )
             .map_err(|error| self.failed(error))
     }
 
@@ -302,7 +342,9 @@ impl Simulation {
     #[must_use]
     pub fn findings(&self) -> Vec<Findings> {
         let first = std::iter::once(self.thermodynamics.finish());
-        first.chain(self.observers.iter().map(|o| o.observable.finish())).collect()
+        first
+            .chain(self.observers.iter().map(|o| o.observable.finish()))
+            .collect()
     }
 
     /// The stage under way.
@@ -325,7 +367,11 @@ impl Simulation {
             StepError::Force(e) => self.diagnosed(Symptom::NonFinite(e)),
             StepError::NotConverged { .. } => self.diagnosed(Symptom::Method(error)),
             // Everything else is a combination that the scene should not ask for.
-            other => self.scene.source.invalid("integrator.kind", other, "a method that suits the forces").into(),
+            other => self
+                .scene
+                .source
+                .invalid("integrator.kind", other, "a method that suits the forces")
+                .into(),
         }
     }
 
@@ -337,7 +383,9 @@ impl Simulation {
             stage: &plan.name,
             method: spec.name,
             dt: stage.dt,
-            dt_limit: spec.stability_limit.map(|limit| watchdog::rough_stable_dt(plan.temperature, limit)),
+            dt_limit: spec
+                .stability_limit
+                .map(|limit| watchdog::rough_stable_dt(plan.temperature, limit)),
             steps_into_stage: stage.steps_done,
             temperature: plan.temperature,
             density: self.state.len() as f64 / self.cell.volume(),
@@ -353,7 +401,9 @@ impl Persist for Simulation {
         self.forces.save(&mut to.section("forces"));
         self.thermodynamics.save(&mut to.section("thermodynamics"));
         for (i, observer) in self.observers.iter().enumerate() {
-            observer.observable.save(&mut to.section(&format!("observer-{i}")));
+            observer
+                .observable
+                .save(&mut to.section(&format!("observer-{i}")));
         }
         to.put_u64("measured_steps", &[self.measured_steps]);
         to.put_f64("n_dof", &[self.dynamics.n_dof]);
@@ -370,15 +420,21 @@ impl Persist for Simulation {
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         self.state.restore(&from.section("state"))?;
         self.forces.restore(&from.section("forces"))?;
-        self.thermodynamics.restore(&from.section("thermodynamics"))?;
+        self.thermodynamics
+            .restore(&from.section("thermodynamics"))?;
         for (i, observer) in self.observers.iter_mut().enumerate() {
-            observer.observable.restore(&from.section(&format!("observer-{i}")))?;
+            observer
+                .observable
+                .restore(&from.section(&format!("observer-{i}")))?;
         }
         [self.measured_steps] = from.u64s("measured_steps")?;
         [self.dynamics.n_dof] = from.f64s("n_dof")?;
         let [index, steps_done] = from.u64s("stage")?;
         if index as usize >= self.scene.stages.len() {
-            return Err(from.misfit("stage", format!("stage {index} of {}", self.scene.stages.len())));
+            return Err(from.misfit(
+                "stage",
+                format!("stage {index} of {}", self.scene.stages.len()),
+            ));
         }
         let mut stage = self.stage_run_for(index as usize);
         stage.steps_done = steps_done;

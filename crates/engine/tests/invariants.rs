@@ -26,7 +26,10 @@ const LIQUID: &str = r#"
 "#;
 
 fn scene(overrides: &[(&str, &str)]) -> Scene {
-    let overrides: Vec<_> = overrides.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
+    let overrides: Vec<_> = overrides
+        .iter()
+        .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
+        .collect();
     Scene::parse(LIQUID, "liquid.toml", &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -48,7 +51,10 @@ fn differing(a: &Simulation, b: &Simulation) -> Vec<String> {
     // Compared as text: it tells every finite number from every other, and NaN equals itself.
     let text = |archive: &StateArchive, name: &String| format!("{:?}", archive.arrays.get(name));
     // Wall time is carried along for the run record; it is the one thing that differs.
-    names.filter(|name| *name != "forces/seconds" && text(&a, name) != text(&b, name)).cloned().collect()
+    names
+        .filter(|name| *name != "forces/seconds" && text(&a, name) != text(&b, name))
+        .cloned()
+        .collect()
 }
 
 /// Positions, velocities and forces as bits.
@@ -66,12 +72,20 @@ impl Follower for StopAt {
         Want::NOTHING
     }
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        Ok(if simulation.state.step == self.0 { Verdict::Stop } else { Verdict::Continue })
+        Ok(if simulation.state.step == self.0 {
+            Verdict::Stop
+        } else {
+            Verdict::Continue
+        })
     }
 }
 
 fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap()
+        .install(work)
 }
 
 #[test]
@@ -95,21 +109,39 @@ fn the_bits_are_the_same_for_any_number_of_threads() {
 /// Runs `steps` at once, and `first` then the rest through a saved state: all bits must agree.
 fn split_and_compare(overrides: &[(&str, &str)], first: u64, what: &str) {
     let mut whole = build(overrides);
-    assert!(whole.run(&mut Nobody).unwrap_or_else(|e| panic!("{what}: {e}")));
+    assert!(
+        whole
+            .run(&mut Nobody)
+            .unwrap_or_else(|e| panic!("{what}: {e}"))
+    );
     let steps = whole.state.step;
 
     let mut begun = build(overrides);
-    assert!(!begun.run(&mut StopAt(first)).unwrap_or_else(|e| panic!("{what}: {e}")));
+    assert!(
+        !begun
+            .run(&mut StopAt(first))
+            .unwrap_or_else(|e| panic!("{what}: {e}"))
+    );
     let saved = archive(&begun);
     let mut resumed = build(overrides);
-    resumed.restore(&saved.reader()).unwrap_or_else(|e| panic!("{what}: {e}"));
-    assert!(resumed.run(&mut Nobody).unwrap_or_else(|e| panic!("{what}: {e}")));
+    resumed
+        .restore(&saved.reader())
+        .unwrap_or_else(|e| panic!("{what}: {e}"));
+    assert!(
+        resumed
+            .run(&mut Nobody)
+            .unwrap_or_else(|e| panic!("{what}: {e}"))
+    );
 
     assert_eq!(resumed.state.step, steps);
     assert!(bits(&resumed) == bits(&whole), "{what}");
     assert_eq!(differing(&resumed, &whole), Vec::<String>::new(), "{what}");
     // Going on in the same simulation is the same again.
-    assert!(begun.run(&mut Nobody).unwrap_or_else(|e| panic!("{what}: {e}")));
+    assert!(
+        begun
+            .run(&mut Nobody)
+            .unwrap_or_else(|e| panic!("{what}: {e}"))
+    );
     assert!(bits(&begun) == bits(&whole), "{what}");
 }
 
@@ -130,12 +162,18 @@ fn every_method_goes_on_from_a_saved_state_to_the_bit() {
         let method = entry.spec.name;
         // These two move the oscillator alone: a scene that names one is refused.
         if ["analytic", "spook"].contains(&method) {
-            assert!(Scene::parse(LIQUID, "l", &[("integrator.kind".into(), method.into())]).is_err());
+            assert!(
+                Scene::parse(LIQUID, "l", &[("integrator.kind".into(), method.into())]).is_err()
+            );
             continue;
         }
         // Small enough for explicit Euler, whose energy grows at any step.
-        let overrides =
-            [("integrator.kind", method), ("integrator.dt", "0.0005"), ("stage.0.steps", "100"), ("observable", OBSERVABLES)];
+        let overrides = [
+            ("integrator.kind", method),
+            ("integrator.dt", "0.0005"),
+            ("stage.0.steps", "100"),
+            ("observable", OBSERVABLES),
+        ];
         split_and_compare(&overrides, 37, method);
         if entry.spec.has_memory {
             let mut with_bath = overrides.to_vec();
@@ -168,22 +206,35 @@ fn momentum_is_conserved_and_the_temperature_is_the_one_asked_for_at_the_start()
 #[test]
 fn the_energy_fluctuation_falls_as_the_square_of_dt() {
     let rms = |dt: &str, steps: &str| {
-        let melt = ["[{name=\"melt\", steps=2000, thermostat=\"bussi\", temperature=0.8, dt=0.004}, {name=\"production\", steps=", steps, "}]"];
+        let melt = [
+            "[{name=\"melt\", steps=2000, thermostat=\"bussi\", temperature=0.8, dt=0.004}, {name=\"production\", steps=",
+            steps,
+            "}]",
+        ];
         let stages = melt.concat();
-        let mut s = build(&[("integrator.dt", dt), ("stage", &stages), ("output.thermo_every", "1")]);
+        let mut s = build(&[
+            ("integrator.dt", dt),
+            ("stage", &stages),
+            ("output.thermo_every", "1"),
+        ]);
         s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
         s.thermodynamics.conservation().energy_rms_per_atom
     };
     // The same 8 τ of the same liquid at both steps.
     let (coarse, fine) = (rms("0.008", "1000"), rms("0.002", "4000"));
     let exponent = (coarse / fine).ln() / 4.0_f64.ln();
-    assert!((exponent - 2.0).abs() < 0.1, "RMS {coarse:e} at dt = 0.008, {fine:e} at 0.002: exponent {exponent}");
+    assert!(
+        (exponent - 2.0).abs() < 0.1,
+        "RMS {coarse:e} at dt = 0.008, {fine:e} at 0.002: exponent {exponent}"
+    );
 }
 
 #[test]
 fn a_step_far_too_large_stops_the_run_and_says_why() {
     let mut s = build(&[("integrator.dt", "0.08")]);
-    let error = s.run(&mut Nobody).expect_err("dt = 0.08 is far past the limit of stability");
+    let error = s
+        .run(&mut Nobody)
+        .expect_err("dt = 0.08 is far past the limit of stability");
     assert_eq!(error.exit_code(), 3);
     let text = error.to_string();
     assert!(text.contains("dt = 0.08 τ is too large"), "{text}");
@@ -202,7 +253,11 @@ fn no_list_is_ever_late() {
 #[test]
 fn a_heat_bath_costs_a_method_with_memory_no_second_force_evaluation() {
     for method in ["leapfrog", "stormer-verlet", "velocity-verlet"] {
-        let mut s = build(&[("integrator.kind", method), ("stage.0.thermostat", "bussi"), ("stage.0.steps", "50")]);
+        let mut s = build(&[
+            ("integrator.kind", method),
+            ("stage.0.thermostat", "bussi"),
+            ("stage.0.steps", "50"),
+        ]);
         s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(s.forces.statistics().evaluations, 51, "{method}");
     }
@@ -224,7 +279,10 @@ fn a_bath_holds_its_temperature_with_every_method_and_its_heat_is_accounted_for(
             let mean = late.iter().sum::<f64>() / late.len() as f64;
             // Canonical: σ_T = T·√(2/3N) = 0.05 for one sample; several tens of independent ones leave 0.01.
             assert!((mean - 1.0).abs() < 0.04, "{method} {bath}: {mean}");
-            let drift = s.thermodynamics.conservation().energy_drift_per_atom_per_tau;
+            let drift = s
+                .thermodynamics
+                .conservation()
+                .energy_drift_per_atom_per_tau;
             // The bath moves some 0.1 ε a particle; what is left after its heat is taken off is the method's own error.
             assert!(drift.abs() < 1e-4, "{method} {bath}: {drift:e}");
         }
@@ -235,10 +293,17 @@ fn a_bath_holds_its_temperature_with_every_method_and_its_heat_is_accounted_for(
 #[ignore = "a minute: run by `cargo xtask physics`"]
 fn the_energy_of_the_triple_point_does_not_drift_in_a_hundred_thousand_steps() {
     let stages = r#"[{name="melt", steps=3000, thermostat="bussi", temperature=1.5}, {name="equilibrate", steps=7000, thermostat="bussi", temperature=0.722}, {name="production", steps=100000}]"#;
-    let mut s = build(&[("system.n_atoms", "864"), ("integrator.dt", "0.004618802153517006"), ("stage", stages)]);
+    let mut s = build(&[
+        ("system.n_atoms", "864"),
+        ("integrator.dt", "0.004618802153517006"),
+        ("stage", stages),
+    ]);
     s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
     let found = s.thermodynamics.conservation();
-    let (drift, error) = (found.energy_drift_per_atom_per_tau, found.energy_drift_standard_error);
+    let (drift, error) = (
+        found.energy_drift_per_atom_per_tau,
+        found.energy_drift_standard_error,
+    );
     // The 95 % interval lies inside ±5e-7 ε per particle per τ.
     assert!(drift.abs() + 1.96 * error < 5e-7, "{drift:e} ± {error:e}");
 }
@@ -263,8 +328,13 @@ impl Follower for TurnBack {
             }
             let stage = simulation.stage.as_mut().expect("in a stage");
             let forces = simulation.forces.as_mut();
-            let started =
-                stage.method.start(&simulation.dynamics, &mut simulation.state, forces, stage.dt, Want::NOTHING);
+            let started = stage.method.start(
+                &simulation.dynamics,
+                &mut simulation.state,
+                forces,
+                stage.dt,
+                Want::NOTHING,
+            );
             started.unwrap_or_else(|e| panic!("{e}"));
         }
         Ok(Verdict::Continue)
@@ -275,10 +345,22 @@ impl Follower for TurnBack {
 fn return_distance(method: &str, n: &str, steps: u64, threads: usize) -> f64 {
     let stages = format!("[{{name=\"there and back\", steps={}}}]", 2 * steps - 1);
     on_threads(threads, || {
-        let mut s = build(&[("integrator.kind", method), ("system.n_atoms", n), ("stage", &stages)]);
-        let mut turn = TurnBack { turn: steps, first: Vec::new() };
+        let mut s = build(&[
+            ("integrator.kind", method),
+            ("system.n_atoms", n),
+            ("stage", &stages),
+        ]);
+        let mut turn = TurnBack {
+            turn: steps,
+            first: Vec::new(),
+        };
         assert!(s.run(&mut turn).unwrap_or_else(|e| panic!("{e}")));
-        let moved = s.state.positions.iter().zip(&turn.first).map(|(a, b)| (*a - *b).length());
+        let moved = s
+            .state
+            .positions
+            .iter()
+            .zip(&turn.first)
+            .map(|(a, b)| (*a - *b).length());
         moved.fold(0.0, f64::max)
     })
 }
@@ -286,15 +368,26 @@ fn return_distance(method: &str, n: &str, steps: u64, threads: usize) -> f64 {
 #[test]
 fn the_bit_reversible_method_returns_to_its_start_exactly_and_velocity_verlet_does_not() {
     for threads in [1, 3] {
-        assert_eq!(return_distance("bit-reversible-verlet", "256", 1500, threads), 0.0, "{threads} threads");
+        assert_eq!(
+            return_distance("bit-reversible-verlet", "256", 1500, threads),
+            0.0,
+            "{threads} threads"
+        );
     }
-    assert!(return_distance("velocity-verlet", "256", 1500, 1) > 1e-9, "the test can tell");
+    assert!(
+        return_distance("velocity-verlet", "256", 1500, 1) > 1e-9,
+        "the test can tell"
+    );
 }
 
 #[test]
 #[ignore = "minutes: run by `cargo xtask physics`"]
 fn a_hundred_thousand_bit_reversible_steps_of_864_particles_lead_back_to_the_last_bit() {
     for threads in [1, 2] {
-        assert_eq!(return_distance("bit-reversible-verlet", "864", 100_000, threads), 0.0, "{threads} threads");
+        assert_eq!(
+            return_distance("bit-reversible-verlet", "864", 100_000, threads),
+            0.0,
+            "{threads} threads"
+        );
     }
 }

@@ -11,12 +11,13 @@ use crate::simd::Level;
 
 /// The largest number of particles: rows, ghosts included, are numbered in 32 bits.
 pub const LARGEST_N: usize = 500_000_000;
-/// Up to this many particles all pairs cost no more than a list.
-const DIRECT_UP_TO: usize = 128;
+/// Up to this many particles all pairs cost no more than a list: at 32 a step takes 5.0 µs by all pairs and
+/// 2.2 µs by a list, at 108 it is 94 and 7 µs (supercritical fluid, one thread; benches/NOTES.md).
+const DIRECT_UP_TO: usize = 16;
 /// A list with a skin below this, σ, is rebuilt at almost every step.
 const USELESS_SKIN: f64 = 0.05;
 /// Up to this many particles all pairs are still better than a list with a useless skin.
-const DIRECT_OVER_USELESS_SKIN: usize = 1024;
+const DIRECT_OVER_USELESS_SKIN: usize = 32;
 /// Share of the box side by which r_cut must stay below half of it for ghosts to be unambiguous: at
 /// exactly half, two images of one particle are equally near.
 const TIE_MARGIN: f64 = 1e-9;

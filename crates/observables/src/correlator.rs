@@ -102,7 +102,11 @@ impl Correlator {
     pub fn integral_blocks(&self, last: usize) -> Vec<Vec<f64>> {
         let (lags, quantities) = self.reached();
         let end = last.min(quantities.len().saturating_sub(1));
-        let times: Vec<f64> = lags.iter().take(end + 1).map(|lag| lag * self.interval).collect();
+        let times: Vec<f64> = lags
+            .iter()
+            .take(end + 1)
+            .map(|lag| lag * self.interval)
+            .collect();
         self.products
             .complete_rows(&quantities[..times.len()])
             .iter()

@@ -39,9 +39,15 @@ impl Ensemble {
 ///
 /// C_V has the kinetic part f/2 of the system; c_v = (C_V − f/2)/N + 3/2 replaces it by 3/2 a particle.
 ///
-/// The error is that of the mean of the linearised formula, correlation included; the bias of the square of a
-/// mean, of the order of one over the independent samples, is not corrected.
-pub(crate) fn estimate(ensemble: Ensemble, rows: &ThermoSeries, cut: usize, n_atoms: usize, n_dof: f64) -> Estimate {
+/// The variance about the mean of the same samples is too small by one part in the independent samples, for which it
+/// is corrected. The error is that of the mean of the linearised formula, correlation included.
+pub(crate) fn estimate(
+    ensemble: Ensemble,
+    rows: &ThermoSeries,
+    cut: usize,
+    n_atoms: usize,
+    n_dof: f64,
+) -> Estimate {
     let n = n_atoms as f64;
     let from = cut.min(rows.time.len());
     let kinetic = &rows.kinetic_energy[from..];
@@ -49,7 +55,7 @@ pub(crate) fn estimate(ensemble: Ensemble, rows: &ThermoSeries, cut: usize, n_at
         Ensemble::Microcanonical => {
             let k = mean(kinetic);
             let squares = centred_squares(kinetic, &rows.kinetic_energy_squared[from..], k);
-            let v = mean(&squares);
+            let v = unbiased(mean(&squares), kinetic);
             let x = n_dof * v / (2.0 * k * k);
             let slope = 0.5 * n_dof / (1.0 - x).powi(2);
             let terms = squares
@@ -60,15 +66,21 @@ pub(crate) fn estimate(ensemble: Ensemble, rows: &ThermoSeries, cut: usize, n_at
             (0.5 * n_dof / (1.0 - x), terms)
         }
         Ensemble::Canonical => {
-            let total: Vec<f64> = kinetic.iter().zip(&rows.potential_energy[from..]).map(|(k, u)| k + u).collect();
+            let total: Vec<f64> = kinetic
+                .iter()
+                .zip(&rows.potential_energy[from..])
+                .map(|(k, u)| k + u)
+                .collect();
             let temperature = mean(&rows.temperature[from..]);
             let squares = centred_squares(&total, &rows.total_energy_squared[from..], mean(&total));
-            let capacity = n * n * mean(&squares) / temperature.powi(2);
+            let capacity = n * n * unbiased(mean(&squares), &total) / temperature.powi(2);
             let terms = squares
                 .iter()
                 .zip(&rows.temperature[from..])
                 .map(|(s, t)| {
-                    n * n * s / temperature.powi(2) - capacity - 2.0 * capacity * (t - temperature) / temperature
+                    n * n * s / temperature.powi(2)
+                        - capacity
+                        - 2.0 * capacity * (t - temperature) / temperature
                 })
                 .collect();
             (capacity, terms)
@@ -83,9 +95,19 @@ pub(crate) fn estimate(ensemble: Ensemble, rows: &ThermoSeries, cut: usize, n_at
     }
 }
 
+/// A variance about the mean of the same `series`, corrected for what that mean takes away.
+fn unbiased(variance: f64, series: &[f64]) -> f64 {
+    let independent = estimate_after(series, 0).n_effective.max(2.0);
+    variance / (1.0 - 1.0 / independent)
+}
+
 /// ⟨(x − m)²⟩ of each row from the row means of x² and x.
 fn centred_squares(values: &[f64], squares: &[f64], m: f64) -> Vec<f64> {
-    values.iter().zip(squares).map(|(x, xx)| xx - 2.0 * m * x + m * m).collect()
+    values
+        .iter()
+        .zip(squares)
+        .map(|(x, xx)| xx - 2.0 * m * x + m * m)
+        .collect()
 }
 
 #[cfg(test)]
@@ -124,13 +146,25 @@ mod tests {
         // Canonical: C_V = (f + g)/2 exactly.
         let found = estimate(Ensemble::Canonical, &series(n, f, g, t, None, 1), 0, 100, f);
         let exact = 0.5 * g / n + 1.5;
-        assert!((found.mean - exact).abs() < 4.0 * found.standard_error, "{found:?} {exact}");
+        assert!(
+            (found.mean - exact).abs() < 4.0 * found.standard_error,
+            "{found:?} {exact}"
+        );
         assert!(found.standard_error < 0.02 * exact);
         // Constant energy: K/E follows a beta distribution of variance 2fg/((f + g)²(f + g + 2)), so that
         // x = g/(f + g + 2) exactly.
-        let found = estimate(Ensemble::Microcanonical, &series(n, f, g, t, Some(0.5 * (f + g) * t), 2), 0, 100, f);
+        let found = estimate(
+            Ensemble::Microcanonical,
+            &series(n, f, g, t, Some(0.5 * (f + g) * t), 2),
+            0,
+            100,
+            f,
+        );
         let exact = (0.5 * f / (1.0 - g / (f + g + 2.0)) - 0.5 * f) / n + 1.5;
-        assert!((found.mean - exact).abs() < 4.0 * found.standard_error, "{found:?} {exact}");
+        assert!(
+            (found.mean - exact).abs() < 4.0 * found.standard_error,
+            "{found:?} {exact}"
+        );
         assert!(found.standard_error < 0.02 * exact);
     }
 
@@ -141,7 +175,12 @@ mod tests {
             .map(|seed| {
                 let mut rows = series(n, f, g, 1.0, Some(0.5 * (f + g)), 100 + seed);
                 // Shorter runs, to be quick about it.
-                for column in [&mut rows.time, &mut rows.temperature, &mut rows.kinetic_energy, &mut rows.kinetic_energy_squared] {
+                for column in [
+                    &mut rows.time,
+                    &mut rows.temperature,
+                    &mut rows.kinetic_energy,
+                    &mut rows.kinetic_energy_squared,
+                ] {
                     column.truncate(2000);
                 }
                 estimate(Ensemble::Microcanonical, &rows, 0, 100, f)

@@ -44,5 +44,7 @@ pub use series::{Columns, Series};
 pub use structure_factor::{StructureFactor, StructureFactorOptions};
 pub use thermo_series::ThermoSeries;
 pub use thermodynamics::{Conservation, Thermodynamics, ThermodynamicsOptions};
-pub use transport::{ShearViscosity, ShearViscosityOptions, ThermalConductivity, ThermalConductivityOptions};
+pub use transport::{
+    ShearViscosity, ShearViscosityOptions, ThermalConductivity, ThermalConductivityOptions,
+};
 pub use vacf::{VacfOptions, VelocityAutocorrelation};

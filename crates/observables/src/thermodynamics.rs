@@ -317,11 +317,14 @@ impl Observable for Thermodynamics {
             of(&rows.pressure_without_tail),
         );
         if let Some(ensemble) = self.ensemble {
-            let found = heat_capacity::estimate(ensemble, rows, cut, self.context.n_atoms, self.n_dof);
+            let found =
+                heat_capacity::estimate(ensemble, rows, cut, self.context.n_atoms, self.n_dof);
             add("heat_capacity", "k_B a particle", found);
         }
         findings.remarks = self.remarks(cut);
-        findings.remarks.extend(self.ensemble.map(|e| e.remark(self.n_dof)));
+        findings
+            .remarks
+            .extend(self.ensemble.map(|e| e.remark(self.n_dof)));
         findings.tables.push(rows.table(self.series.stride()));
         for (name, column) in [
             ("potential_energy", &rows.potential_energy),

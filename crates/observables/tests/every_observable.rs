@@ -54,7 +54,11 @@ fn walk_of(n: usize, samples: u64, mut look: impl FnMut(u64, &View<'_>)) {
             virial: Some(DMat3::from_diagonal(w) * 100.0),
             laplacian: Some(300.0 * n as f64 + w.y),
             pairs: Some(1),
-            per_particle: Some((0..n).map(|i| (-5.0 + 0.1 * w.z * i as f64, DMat3::from_diagonal(w))).collect()),
+            per_particle: Some(
+                (0..n)
+                    .map(|i| (-5.0 + 0.1 * w.z * i as f64, DMat3::from_diagonal(w)))
+                    .collect(),
+            ),
         };
         look(
             s,

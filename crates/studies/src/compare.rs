@@ -55,13 +55,22 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
         }
     }
     remarks.extend(remark_for(model));
-    let measured = run.scene.stages.iter().filter(|s| s.measure).map(|s| s.steps).sum();
+    let measured = run
+        .scene
+        .stages
+        .iter()
+        .filter(|s| s.measure)
+        .map(|s| s.steps)
+        .sum();
     ComparedRun {
         run: run.folder.display().to_string(),
         model: run.record.model.clone(),
         atoms: run.record.atoms,
         measured_steps: measured,
-        equation: equation.as_ref().ok().map(|e| format!("{}, doi:{}", e.spec().name, e.spec().doi)),
+        equation: equation
+            .as_ref()
+            .ok()
+            .map(|e| format!("{}, doi:{}", e.spec().name, e.spec().doi)),
         rows: rows::all(run, &state, model),
         state,
         remarks,

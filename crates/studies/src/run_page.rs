@@ -40,28 +40,53 @@ pub fn write(folder: &Path) -> Result<(), PageError> {
 pub fn page(run: &RunFolder) -> Result<Page, ReportError> {
     let compared = compare(run);
     let record = &run.record;
-    let judged = compared.rows.iter().filter(|r| r.tolerance.is_some()).count();
-    let agree = compared.rows.iter().filter(|r| r.verdict == crate::compare::Verdict::Agrees).count();
+    let judged = compared
+        .rows
+        .iter()
+        .filter(|r| r.tolerance.is_some())
+        .count();
+    let agree = compared
+        .rows
+        .iter()
+        .filter(|r| r.verdict == crate::compare::Verdict::Agrees)
+        .count();
     let lead = format!(
         "{} particles, {}: {} at ρ = {:.4}, T = {:.4}. {agree} of {judged} quantities that have a reference agree with it. Reduced units \
          throughout (ε = σ = m = k_B = 1).",
-        record.atoms, compared.model, compared.state.words, compared.state.density, compared.state.temperature,
+        record.atoms,
+        compared.model,
+        compared.state.words,
+        compared.state.density,
+        compared.state.temperature,
     );
     let mut sections = vec![
         Section::new("Beside the literature").with(Block::Table(tables::comparison(&compared))),
-        Section::new("What was run, and what was left out").with(Block::Table(tables::stages(run))).with(Block::List(tables::left_out(run))),
+        Section::new("What was run, and what was left out")
+            .with(Block::Table(tables::stages(run)))
+            .with(Block::List(tables::left_out(run))),
         Section::new("Averages").with(Block::Table(tables::averages(record))),
     ];
-    if !compared.remarks.is_empty() {
-        sections[0] = sections[0].clone().with(Block::List(compared.remarks.clone()));
-    }
+    sections[0] = sections[0]
+        .clone()
+        .with(Block::List(tables::sources(&compared)));
     for (title, text, figures) in [
-        ("Time series", figures::TIME_SERIES, figures::time_series(run)),
+        (
+            "Time series",
+            figures::TIME_SERIES,
+            figures::time_series(run),
+        ),
         ("Error bars", figures::ERROR_BARS, figures::blocking(run)),
         ("Structure", figures::STRUCTURE, figures::structure(run)),
-        ("Motion and transport", figures::MOTION, figures::motion(run)),
+        (
+            "Motion and transport",
+            figures::MOTION,
+            figures::motion(run),
+        ),
     ] {
-        let drawn: Vec<PageFigure> = figures.into_iter().map(figures::Captioned::on_page).collect::<Result<_, _>>()?;
+        let drawn: Vec<PageFigure> = figures
+            .into_iter()
+            .map(figures::Captioned::on_page)
+            .collect::<Result<_, _>>()?;
         if !drawn.is_empty() {
             sections.push(Section::new(title).text(text).with(Block::Figures(drawn)));
         }
@@ -75,13 +100,22 @@ pub fn page(run: &RunFolder) -> Result<Page, ReportError> {
         lead,
         sections,
         provenance: vec![
-            ("scene".into(), "`scene.toml` beside this page, every default written out".into()),
+            (
+                "scene".into(),
+                "`scene.toml` beside this page, every default written out".into(),
+            ),
             ("seed".into(), record.seed.to_string()),
             ("version".into(), record.version.clone()),
             ("processor".into(), record.host.cpu.clone()),
-            ("instruction set of the pair kernel".into(), record.host.isa.clone()),
+            (
+                "instruction set of the pair kernel".into(),
+                record.host.isa.clone(),
+            ),
             ("threads".into(), record.host.threads.to_string()),
-            ("numbers".into(), "`run.json` and the CSV files beside this page".into()),
+            (
+                "numbers".into(),
+                "`run.json` and the CSV files beside this page".into(),
+            ),
         ],
     })
 }

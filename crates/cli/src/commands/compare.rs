@@ -25,7 +25,10 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
             schema: &'static str,
             runs: &'a [ComparedRun],
         }
-        print_json(&Document { schema: "lennard-compare/1", runs: &compared })?;
+        print_json(&Document {
+            schema: "lennard-compare/1",
+            runs: &compared,
+        })?;
     } else {
         for run in &compared {
             show::compared(run);

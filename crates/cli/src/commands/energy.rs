@@ -16,10 +16,27 @@ pub fn energy(args: &EnergyArgs) -> Result<ExitCode, Failure> {
     let threads = args.scene.threads.map_or(1, usize::from);
     let evaluated = on_threads(threads, || Ok(lennard_engine::evaluate_energy(&scene)?))?;
     if let Some(path) = &args.forces {
-        let Evaluated { report, cell, state } = &evaluated;
-        let style = FrameStyle { forces: true, wrapped: false, element: scene.output.element.clone(), ..Default::default() };
+        let Evaluated {
+            report,
+            cell,
+            state,
+        } = &evaluated;
+        let style = FrameStyle {
+            forces: true,
+            wrapped: false,
+            element: scene.output.element.clone(),
+            ..Default::default()
+        };
         let extra = [("potential_energy", report.potential_energy)];
-        lennard_io::write_frame(path, &style, &Frame { cell, state, extra: &extra })?;
+        lennard_io::write_frame(
+            path,
+            &style,
+            &Frame {
+                cell,
+                state,
+                extra: &extra,
+            },
+        )?;
     }
     if args.scene.json {
         print_json(&evaluated.report)?;

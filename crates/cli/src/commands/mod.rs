@@ -49,7 +49,11 @@ pub fn output_folder(named: Option<&Path>, force: bool, stem: &str) -> Result<Pa
     let made = match named {
         Some(folder) => {
             lennard_engine::refuse_if_busy(folder)?;
-            let existing = if force { Existing::Replace } else { Existing::Refuse };
+            let existing = if force {
+                Existing::Replace
+            } else {
+                Existing::Refuse
+            };
             lennard_io::create_named_folder(folder, existing).map(|()| folder.to_owned())
         }
         None => lennard_io::create_numbered_folder("runs".as_ref(), stem),
@@ -71,7 +75,8 @@ pub fn write_report(
 
 /// Prints one JSON document.
 pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
-    let text = serde_json::to_string_pretty(value).map_err(|e| Failure::new("writing JSON", e, OTHER))?;
+    let text =
+        serde_json::to_string_pretty(value).map_err(|e| Failure::new("writing JSON", e, OTHER))?;
     println!("{text}");
     Ok(())
 }
@@ -104,7 +109,10 @@ pub fn version(json: bool) -> Result<ExitCode, Failure> {
     } else {
         println!("lennard {}", version.version);
         println!("processor: {}, {} threads", version.cpu, version.threads);
-        println!("instruction sets of the pair kernel: {}", version.isa.join(", "));
+        println!(
+            "instruction sets of the pair kernel: {}",
+            version.isa.join(", ")
+        );
     }
     Ok(ExitCode::SUCCESS)
 }

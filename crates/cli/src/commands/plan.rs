@@ -12,7 +12,9 @@ pub fn plan(args: &PlanArgs) -> Result<ExitCode, Failure> {
     let scene = load(&args.scene)?;
     let mut simulation = lennard_engine::prepare(scene)?;
     let threads = threads(args.scene.threads, simulation.state.len());
-    let plan = on_threads(threads, || Ok(lennard_engine::plan(&mut simulation, threads)?))?;
+    let plan = on_threads(threads, || {
+        Ok(lennard_engine::plan(&mut simulation, threads)?)
+    })?;
     if args.scene.json {
         print_json(&plan)?;
     } else {

@@ -14,7 +14,11 @@ use crate::show;
 /// Runs the study, writes its folder and prints its verdicts.
 pub fn stability(args: &StabilityArgs) -> Result<ExitCode, Failure> {
     let folder = output_folder(args.out.as_deref(), args.force, "stability")?;
-    let command = if args.quick { "lennard stability --quick" } else { "lennard stability" };
+    let command = if args.quick {
+        "lennard stability --quick"
+    } else {
+        "lennard stability"
+    };
     let threads = args.threads.map_or_else(
         || std::thread::available_parallelism().map_or(1, usize::from),
         usize::from,
@@ -45,7 +49,11 @@ pub fn stability(args: &StabilityArgs) -> Result<ExitCode, Failure> {
 
 impl From<StudyError> for Failure {
     fn from(error: StudyError) -> Self {
-        let code = if matches!(error, StudyError::Folder { .. }) { INPUT } else { OTHER };
+        let code = if matches!(error, StudyError::Folder { .. }) {
+            INPUT
+        } else {
+            OTHER
+        };
         Self::new("the stability study", error, code)
     }
 }

@@ -22,19 +22,33 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let folder = match &args.out {
         // What an earlier sweep has left there is looked at point by point.
         Some(folder) => {
-            std::fs::create_dir_all(folder)
-                .map_err(|e| Failure::new("making the output folder", format!("{}: {e}", folder.display()), INPUT))?;
+            std::fs::create_dir_all(folder).map_err(|e| {
+                Failure::new(
+                    "making the output folder",
+                    format!("{}: {e}", folder.display()),
+                    INPUT,
+                )
+            })?;
             folder.clone()
         }
         None => output_folder(None, false, &sweep.name)?,
     };
     let threads = args
         .threads
-        .map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from)
+        .map_or_else(
+            || std::thread::available_parallelism().map_or(1, usize::from),
+            usize::from,
+        )
         .min(sweep.points.len());
     let quiet = args.quiet || args.json;
-    let again = format!("lennard sweep {} --out {}", args.sweep.display(), folder.display());
-    let command = args.set.iter().fold(again, |line, (key, value)| format!("{line} --set {key}={value}"));
+    let again = format!(
+        "lennard sweep {} --out {}",
+        args.sweep.display(),
+        folder.display()
+    );
+    let command = args.set.iter().fold(again, |line, (key, value)| {
+        format!("{line} --set {key}={value}")
+    });
     if !quiet {
         show::sweep_header(&sweep, threads, &folder);
     }
@@ -58,12 +72,18 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         Ending::Finished => Ok(ExitCode::SUCCESS),
         Ending::Failed => {
             for point in record.points.iter().filter(|p| p.failure.is_some()) {
-                eprintln!("{}: {}", point.name, point.failure.as_deref().unwrap_or_default());
+                eprintln!(
+                    "{}: {}",
+                    point.name,
+                    point.failure.as_deref().unwrap_or_default()
+                );
             }
             Ok(ExitCode::from(PHYSICS))
         }
         Ending::Stopped => {
-            eprintln!("stopped on request; the points at work have checkpoints\n  to go on: {command}");
+            eprintln!(
+                "stopped on request; the points at work have checkpoints\n  to go on: {command}"
+            );
             Ok(ExitCode::from(STOPPED))
         }
     }

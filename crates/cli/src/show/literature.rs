@@ -19,7 +19,10 @@ pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) {
     for point in &sweep.points {
         let state = planned(point);
         if !state.is_single_stable_phase() {
-            println!("  {}: {}; it is run and not judged", point.name, state.words);
+            println!(
+                "  {}: {}; it is run and not judged",
+                point.name, state.words
+            );
         }
     }
 }
@@ -38,22 +41,43 @@ fn planned(point: &lennard_studies::sweep::Point) -> StateOfMatter {
 }
 
 fn row<'a>(point: &'a SweptPoint, quantity: &str) -> Option<&'a Row> {
-    point.compared.as_ref()?.rows.iter().find(|r| r.quantity == quantity)
+    point
+        .compared
+        .as_ref()?
+        .rows
+        .iter()
+        .find(|r| r.quantity == quantity)
 }
 
 /// The table of a sweep.
 pub fn sweep(record: &SweepRecord, folder: &Path) {
     let mut points = table(
-        &["point", "T", "U", "U − equation", "P", "P − equation", "c_v", "verdicts U, P, c_v"],
+        &[
+            "point",
+            "T",
+            "U",
+            "U − equation",
+            "P",
+            "P − equation",
+            "c_v",
+            "verdicts U, P, c_v",
+        ],
         1..7,
     );
     for point in &record.points {
         let Some(compared) = &point.compared else {
-            let why = if point.failure.is_some() { "failed" } else { "not finished" };
+            let why = if point.failure.is_some() {
+                "failed"
+            } else {
+                "not finished"
+            };
             points.add_row([point.name.as_str(), "", "", "", "", "", "", why]);
             continue;
         };
-        let mut cells = vec![point.name.clone(), format!("{:.4}", compared.state.temperature)];
+        let mut cells = vec![
+            point.name.clone(),
+            format!("{:.4}", compared.state.temperature),
+        ];
         let mut verdicts = Vec::new();
         for quantity in ["potential_energy", "pressure", "heat_capacity"] {
             let Some(r) = row(point, quantity) else {
@@ -77,7 +101,16 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
     println!("\n{points}");
     if !record.agreement.is_empty() {
         let mut all = table(
-            &["all single-phase points", "points", "agree", "mean difference", "largest", "largest error", "p", "p with the equation's own uncertainty"],
+            &[
+                "all single-phase points",
+                "points",
+                "agree",
+                "mean difference",
+                "largest",
+                "largest error",
+                "p",
+                "p with the equation's own uncertainty",
+            ],
             1..8,
         );
         for a in &record.agreement {
@@ -94,8 +127,12 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
         }
         println!("\n{all}");
     }
-    let mut remarks: Vec<&String> =
-        record.points.iter().filter_map(|p| p.compared.as_ref()).flat_map(|c| &c.remarks).collect();
+    let mut remarks: Vec<&String> = record
+        .points
+        .iter()
+        .filter_map(|p| p.compared.as_ref())
+        .flat_map(|c| &c.remarks)
+        .collect();
     remarks.sort();
     remarks.dedup();
     // Which points are no single phase stands in the table.
@@ -114,10 +151,22 @@ pub fn compared(run: &ComparedRun) {
     println!("{}", console::style(&run.run).bold());
     println!(
         "  {}; {} particles, {} measured steps, ρ = {:.4}, T = {:.4}: {}",
-        run.model, run.atoms, run.measured_steps, run.state.density, run.state.temperature, run.state.words
+        run.model,
+        run.atoms,
+        run.measured_steps,
+        run.state.density,
+        run.state.temperature,
+        run.state.words
     );
     let mut rows = table(
-        &["quantity", "measured", "reference", "difference", "in errors", "verdict"],
+        &[
+            "quantity",
+            "measured",
+            "reference",
+            "difference",
+            "in errors",
+            "verdict",
+        ],
         1..5,
     );
     for r in &run.rows {
@@ -136,13 +185,21 @@ pub fn compared(run: &ComparedRun) {
             pair(r.measured, r.standard_error),
             reference,
             difference,
-            r.in_standard_errors.map_or("–".into(), |z| format!("{z:+.1}")),
+            r.in_standard_errors
+                .map_or("–".into(), |z| format!("{z:+.1}")),
             r.verdict.words().to_owned(),
         ]);
     }
     println!("{rows}");
-    for r in run.rows.iter().filter(|r| !r.source.is_empty() || !r.remark.is_empty()) {
-        let notes: Vec<&str> = [r.source.as_str(), r.remark.as_str()].into_iter().filter(|t| !t.is_empty()).collect();
+    for r in run
+        .rows
+        .iter()
+        .filter(|r| !r.source.is_empty() || !r.remark.is_empty())
+    {
+        let notes: Vec<&str> = [r.source.as_str(), r.remark.as_str()]
+            .into_iter()
+            .filter(|t| !t.is_empty())
+            .collect();
         println!("  {}: {}", r.quantity.replace('_', " "), notes.join("; "));
     }
     for remark in &run.remarks {

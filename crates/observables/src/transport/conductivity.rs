@@ -1,7 +1,8 @@
 //! The thermal conductivity.
 
 use lennard_core::{
-    DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter, View, Want, parallel,
+    DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
+    View, Want, parallel,
 };
 use serde::{Deserialize, Serialize};
 
@@ -34,7 +35,9 @@ pub struct ThermalConductivityOptions {
 
 impl Default for ThermalConductivityOptions {
     fn default() -> Self {
-        Self { window: DEFAULT_WINDOW }
+        Self {
+            window: DEFAULT_WINDOW,
+        }
     }
 }
 
@@ -71,7 +74,10 @@ impl ThermalConductivity {
     ///
     /// # Errors
     /// [`ObservableError`] where the window is no positive number or shorter than 32 samples.
-    pub fn new(options: &ThermalConductivityOptions, context: &BuildContext) -> Result<Self, ObservableError> {
+    pub fn new(
+        options: &ThermalConductivityOptions,
+        context: &BuildContext,
+    ) -> Result<Self, ObservableError> {
         let interval = checked_interval(options.window, context)?;
         Ok(Self {
             volume: context.cell.volume(),
@@ -109,19 +115,24 @@ impl Observable for ThermalConductivity {
     }
 
     fn want(&self) -> Want {
-        Want { per_particle: true, ..Want::NOTHING }
+        Want {
+            per_particle: true,
+            ..Want::NOTHING
+        }
     }
 
     /// # Panics
     /// Where the state lacks what [`Observable::want`] asks for: that is a bug of the caller.
     fn sample(&mut self, view: &View<'_>) {
-        let flux = Self::heat_flux(view).expect("the force evaluation gives what the observable wants");
+        let flux =
+            Self::heat_flux(view).expect("the force evaluation gives what the observable wants");
         let temperature = view.dynamics.temperature(&view.state.velocities);
         self.flux.push(&flux.to_array(), temperature);
     }
 
     fn finish(&self) -> Findings {
-        self.flux.findings(self.volume / self.flux.mean_temperature().powi(2), WORDS)
+        self.flux
+            .findings(self.volume / self.flux.mean_temperature().powi(2), WORDS)
     }
 }
 
@@ -144,11 +155,20 @@ mod tests {
     fn flux(velocities: Vec<DVec3>, each: Vec<(f64, DMat3)>) -> DVec3 {
         let n = velocities.len();
         let mut state = State::new(vec![DVec3::ZERO; n], velocities);
-        state.energetics = Energetics { per_particle: Some(each), ..Energetics::default() };
+        state.energetics = Energetics {
+            per_particle: Some(each),
+            ..Energetics::default()
+        };
         let context = context(2.0, n);
         let (dynamics, cell) = (Dynamics::fluid(n), context.cell);
-        ThermalConductivity::heat_flux(&View { state: &state, dynamics: &dynamics, cell: &cell, tail: None, heat: 0.0 })
-            .unwrap()
+        ThermalConductivity::heat_flux(&View {
+            state: &state,
+            dynamics: &dynamics,
+            cell: &cell,
+            tail: None,
+            heat: 0.0,
+        })
+        .unwrap()
             * cell.volume()
     }
 
@@ -158,8 +178,13 @@ mod tests {
         let (n, temperature, draws) = (200, 0.9_f64, 3000);
         let mut sum = 0.0;
         for s in 0..draws {
-            let still: Vec<DVec3> = (0..n).map(|i| temperature.sqrt() * normal(5, s, i)).collect();
-            let moving: Vec<DVec3> = still.iter().map(|v| *v + DVec3::new(3.0, -1.0, 0.5)).collect();
+            let still: Vec<DVec3> = (0..n)
+                .map(|i| temperature.sqrt() * normal(5, s, i))
+                .collect();
+            let moving: Vec<DVec3> = still
+                .iter()
+                .map(|v| *v + DVec3::new(3.0, -1.0, 0.5))
+                .collect();
             let nothing = || vec![(0.0, DMat3::ZERO); n];
             let (a, b) = (flux(still, nothing()), flux(moving, nothing()));
             // Roundings of sums of 200 numbers up to some ten.
@@ -168,7 +193,11 @@ mod tests {
         }
         let exact = 2.5 * n as f64 * temperature.powi(3);
         // 9000 nearly normal components know a variance to 1.5 %, and the centre of mass takes 1/N.
-        assert!((sum / draws as f64 / exact - 1.0).abs() < 0.06, "{} {exact}", sum / draws as f64);
+        assert!(
+            (sum / draws as f64 / exact - 1.0).abs() < 0.06,
+            "{} {exact}",
+            sum / draws as f64
+        );
     }
 
     #[test]
@@ -178,7 +207,8 @@ mod tests {
         let half = DMat3::from_cols(DVec3::X * (0.5 * f), DVec3::ZERO, DVec3::ZERO);
         let found = flux(vec![v1, v2], vec![(0.3, half), (0.7, half)]);
         let kinetic = 0.5 * v1.length_squared();
-        let exact = (kinetic + 0.3) * v1 + (kinetic + 0.7) * v2 + 0.5 * f * DVec3::X * (v1.x + v2.x);
+        let exact =
+            (kinetic + 0.3) * v1 + (kinetic + 0.7) * v2 + 0.5 * f * DVec3::X * (v1.x + v2.x);
         assert!((found - exact).length() < 1e-15);
         // An asymmetric share of the work shows in the direction of r_ij, not in that of the velocity.
         let tilted = DMat3::from_cols(DVec3::ZERO, DVec3::X, DVec3::ZERO);

@@ -1,6 +1,8 @@
 //! What all Green–Kubo coefficients share: correlation, plateau, cross-check.
 
-use lennard_core::{Average, Estimate, Findings, Persist, RestoreError, StateReader, StateWriter, Table};
+use lennard_core::{
+    Average, Estimate, Findings, Persist, RestoreError, StateReader, StateWriter, Table,
+};
 
 use super::helfand::Helfand;
 use crate::rdf::estimate_of_blocks;
@@ -12,6 +14,9 @@ const LAGS_IN_NOISE: usize = 3;
 
 /// The integral may still change by so many of its standard errors over the plateau.
 const STILL_FLAT: f64 = 2.0;
+
+/// A run of fewer windows than this is short: its correlation is lost in noise before it has decayed.
+const LONG_ENOUGH: f64 = 20.0;
 
 /// Fewer blocks than this make an error bar uncertain by more than a fifth (1/√(2·16)).
 const FEW_BLOCKS: f64 = 16.0;
@@ -85,28 +90,45 @@ impl GreenKubo {
                  a longer run or a longer `window` may help",
                 words.plain, self.window
             ));
-            findings.tables.extend(self.table(&correlation, prefactor, words));
+            findings
+                .tables
+                .extend(self.table(&correlation, prefactor, words));
             return findings;
         };
-        let (from, to) = (correlation.times[plateau.from], correlation.times[plateau.to]);
+        let (from, to) = (
+            correlation.times[plateau.from],
+            correlation.times[plateau.to],
+        );
         let stretch = plateau.from..=plateau.to;
         let mean = |integral: &[f64]| integral.iter().sum::<f64>() / integral.len() as f64;
         let value = prefactor * mean(&correlation.integral[stretch]);
         let rows = self.correlator.integral_blocks(plateau.to);
-        let blocks: Vec<f64> = rows.iter().map(|row| prefactor * mean(&row[plateau.from..])).collect();
+        let blocks: Vec<f64> = rows
+            .iter()
+            .map(|row| prefactor * mean(&row[plateau.from..]))
+            .collect();
         let estimate = estimate_of_blocks(value, &blocks);
-        findings.averages.push(average(words.name.into(), words.unit, estimate));
+        findings
+            .averages
+            .push(average(words.name.into(), words.unit, estimate));
         if let Some((slope, blocks)) = self.helfand.half_slope(from, to) {
             let blocks: Vec<f64> = blocks.iter().map(|b| prefactor * b).collect();
             let name = format!("{}_einstein_helfand", words.name);
-            findings.averages.push(average(name, words.unit, estimate_of_blocks(prefactor * slope, &blocks)));
+            findings.averages.push(average(
+                name,
+                words.unit,
+                estimate_of_blocks(prefactor * slope, &blocks),
+            ));
         }
         findings.remarks.push(format!(
             "{}: plateau of the Green–Kubo integral from {from:.2} to {to:.2} τ; the Einstein–Helfand value is the slope over the same lags",
             words.plain
         ));
         let rise = correlation.integral[plateau.to] - correlation.integral[plateau.from];
-        let noise: Vec<f64> = rows.iter().map(|row| row[plateau.to] - row[plateau.from]).collect();
+        let noise: Vec<f64> = rows
+            .iter()
+            .map(|row| row[plateau.to] - row[plateau.from])
+            .collect();
         let noise = estimate_of_blocks(rise, &noise).standard_error;
         if rise.abs() > STILL_FLAT * noise {
             findings.remarks.push(format!(
@@ -117,13 +139,26 @@ impl GreenKubo {
                 words.unit
             ));
         }
+        // The lags lie one interval apart at first.
+        let length = self.temperature[0] * correlation.times[1];
+        if length < LONG_ENOUGH * self.window {
+            findings.remarks.push(format!(
+                "{}: the run is only {:.1} times as long as the window of {} τ: noise can end the plateau search early, \
+                 and the error is a lower bound",
+                words.plain,
+                length / self.window,
+                self.window
+            ));
+        }
         if estimate.n_effective < FEW_BLOCKS {
             findings.remarks.push(format!(
                 "{}: only {:.0} independent stretches of the run: its error is itself uncertain",
                 words.plain, estimate.n_effective
             ));
         }
-        findings.tables.extend(self.table(&correlation, prefactor, words));
+        findings
+            .tables
+            .extend(self.table(&correlation, prefactor, words));
         findings
     }
 
@@ -148,14 +183,19 @@ impl GreenKubo {
 }
 
 fn average(name: String, unit: &str, estimate: Estimate) -> Average {
-    Average { name, unit: unit.into(), estimate }
+    Average {
+        name,
+        unit: unit.into(),
+        estimate,
+    }
 }
 
 /// Where the correlation is lost in its noise, and twice that lag.
 fn plateau(c: &Correlation, window: f64) -> Option<Plateau> {
     let lost = |k: usize| c.values[k].abs() < 2.0 * c.errors[k];
     let last = c.times.len();
-    let from = (1..last.saturating_sub(LAGS_IN_NOISE)).find(|&k| (k..k + LAGS_IN_NOISE).all(lost))?;
+    let from =
+        (1..last.saturating_sub(LAGS_IN_NOISE)).find(|&k| (k..k + LAGS_IN_NOISE).all(lost))?;
     let end = 2.0 * c.times[from];
     let to = c.times.partition_point(|t| *t <= end).checked_sub(1)?;
     (end <= window && to > from && c.times[last - 1] >= end).then_some(Plateau { from, to })
@@ -181,14 +221,21 @@ mod tests {
     use super::*;
     use crate::statistics::{mean, synthetic::Ar1, variance};
 
-    const WORDS: Words = Words { name: "x", plain: "x", unit: "", correlation_unit: "" };
+    const WORDS: Words = Words {
+        name: "x",
+        plain: "x",
+        unit: "",
+        correlation_unit: "",
+    };
 
     /// Three channels with correlation φ^k and unit variance.
     fn found(phi: f64, interval: f64, n: usize, seed: u64) -> Findings {
-        let series: Vec<Vec<f64>> = (0..3).map(|c| Ar1::new(phi, 3 * seed + c).series(n)).collect();
+        let series: Vec<Vec<f64>> = (0..3)
+            .map(|c| Ar1::new(phi, 3 * seed + c).series(n))
+            .collect();
         let mut both = GreenKubo::new(3, interval, 4.0);
-        for i in 0..n {
-            both.push(&[series[0][i], series[1][i], series[2][i]], 1.0);
+        for ((a, b), c) in series[0].iter().zip(&series[1]).zip(&series[2]) {
+            both.push(&[*a, *b, *c], 1.0);
         }
         both.findings(2.0, WORDS)
     }
@@ -202,7 +249,12 @@ mod tests {
             let estimates: Vec<Estimate> = (0..24)
                 .map(|seed| {
                     let findings = found(phi, interval, 40_000, seed);
-                    findings.averages.iter().find(|a| a.name == name).expect("it decays").estimate
+                    findings
+                        .averages
+                        .iter()
+                        .find(|a| a.name == name)
+                        .expect("it decays")
+                        .estimate
                 })
                 .collect();
             let values: Vec<f64> = estimates.iter().map(|e| e.mean).collect();
@@ -212,9 +264,16 @@ mod tests {
             // What is left of the exponential beyond the lag at which it drops below two errors (about 2 %).
             let cut = 0.04 * exact;
             let off = (mean(&values) - exact).abs();
-            assert!(off < 4.0 * printed / 24.0_f64.sqrt() + cut, "{name}: {} {exact}", mean(&values));
+            assert!(
+                off < 4.0 * printed / 24.0_f64.sqrt() + cut,
+                "{name}: {} {exact}",
+                mean(&values)
+            );
             // 24 seeds know their spread to 15 %; the end of the plateau is chosen anew in each.
-            assert!((spread / printed - 1.0).abs() < 0.6, "{name}: {spread} {printed}");
+            assert!(
+                (spread / printed - 1.0).abs() < 0.6,
+                "{name}: {spread} {printed}"
+            );
             assert!(printed < 0.1 * exact);
         }
     }
@@ -224,6 +283,10 @@ mod tests {
         let mut both = GreenKubo::new(1, 0.02, 4.0);
         (0..4000).for_each(|i| both.push(&[2.0 + f64::from(i % 2)], 1.0));
         let findings = both.findings(1.0, WORDS);
-        assert!(findings.averages.is_empty() && findings.remarks.len() == 1 && findings.tables.len() == 1);
+        assert!(
+            findings.averages.is_empty()
+                && findings.remarks.len() == 1
+                && findings.tables.len() == 1
+        );
     }
 }

@@ -60,8 +60,14 @@ impl Helfand {
             history.truncate(POINTS - 1);
             history.push_front(self.integral.clone());
             for (lag, then) in history.iter().enumerate().skip(first_lag(l)) {
-                let sum: f64 = self.integral.iter().zip(then).map(|(a, b)| (a - b).powi(2)).sum();
-                self.squares.add(l * POINTS + lag, sum / self.channels as f64, 1);
+                let sum: f64 = self
+                    .integral
+                    .iter()
+                    .zip(then)
+                    .map(|(a, b)| (a - b).powi(2))
+                    .sum();
+                self.squares
+                    .add(l * POINTS + lag, sum / self.channels as f64, 1);
             }
         }
         self.samples += 1;
@@ -70,7 +76,10 @@ impl Helfand {
     /// Lags in τ with the place of their sums, rising.
     fn lags(&self) -> Vec<(f64, usize)> {
         (0..self.levels.len())
-            .flat_map(|l| (first_lag(l)..POINTS).map(move |k| ((k << l) as f64 * self.interval, l * POINTS + k)))
+            .flat_map(|l| {
+                (first_lag(l)..POINTS)
+                    .map(move |k| ((k << l) as f64 * self.interval, l * POINTS + k))
+            })
             .filter(|(_, q)| self.squares.total(*q).1 > 0)
             .collect()
     }
@@ -78,14 +87,25 @@ impl Helfand {
     /// Half the slope of the mean square change from lag `from` to lag `to` (τ), and the same for each block;
     /// `None` where no two lags lie there.
     pub(crate) fn half_slope(&self, from: f64, to: f64) -> Option<(f64, Vec<f64>)> {
-        let inside: Vec<(f64, usize)> = self.lags().into_iter().filter(|(t, _)| (from..=to).contains(t)).collect();
+        let inside: Vec<(f64, usize)> = self
+            .lags()
+            .into_iter()
+            .filter(|(t, _)| (from..=to).contains(t))
+            .collect();
         let (&(early, a), &(late, b)) = (inside.first()?, inside.last()?);
         if early >= late {
             return None;
         }
-        let half = |early_square: f64, late_square: f64| 0.5 * (late_square - early_square) / (late - early);
+        let half = |early_square: f64, late_square: f64| {
+            0.5 * (late_square - early_square) / (late - early)
+        };
         let value = half(self.squares.mean(a)?, self.squares.mean(b)?);
-        let blocks = self.squares.complete_rows(&[a, b]).iter().map(|row| half(row[0], row[1])).collect();
+        let blocks = self
+            .squares
+            .complete_rows(&[a, b])
+            .iter()
+            .map(|row| half(row[0], row[1]))
+            .collect();
         Some((value, blocks))
     }
 }

@@ -26,7 +26,9 @@ fn checked_interval(window: f64, context: &BuildContext) -> Result<f64, Observab
         return Err(ObservableError::new(
             "window",
             window,
-            format!("at least {FEWEST_LAGS} sampling intervals of {interval} τ (change `window` or `every`)"),
+            format!(
+                "at least {FEWEST_LAGS} sampling intervals of {interval} τ (change `window` or `every`)"
+            ),
         ));
     }
     Ok(interval)

@@ -1,7 +1,8 @@
 //! The shear viscosity.
 
 use lennard_core::{
-    DMat3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter, View, Want,
+    DMat3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
+    View, Want,
 };
 use serde::{Deserialize, Serialize};
 
@@ -35,7 +36,9 @@ pub struct ShearViscosityOptions {
 
 impl Default for ShearViscosityOptions {
     fn default() -> Self {
-        Self { window: DEFAULT_WINDOW }
+        Self {
+            window: DEFAULT_WINDOW,
+        }
     }
 }
 
@@ -68,7 +71,10 @@ impl ShearViscosity {
     ///
     /// # Errors
     /// [`ObservableError`] where the window is no positive number or shorter than 32 samples.
-    pub fn new(options: &ShearViscosityOptions, context: &BuildContext) -> Result<Self, ObservableError> {
+    pub fn new(
+        options: &ShearViscosityOptions,
+        context: &BuildContext,
+    ) -> Result<Self, ObservableError> {
         let interval = checked_interval(options.window, context)?;
         Ok(Self {
             volume: context.cell.volume(),
@@ -95,19 +101,24 @@ impl Observable for ShearViscosity {
     }
 
     fn want(&self) -> Want {
-        Want { virial: true, ..Want::NOTHING }
+        Want {
+            virial: true,
+            ..Want::NOTHING
+        }
     }
 
     /// # Panics
     /// Where the state lacks what [`Observable::want`] asks for: that is a bug of the caller.
     fn sample(&mut self, view: &View<'_>) {
-        let p = PressureTensor::of(view).expect("the force evaluation gives what the observable wants");
+        let p =
+            PressureTensor::of(view).expect("the force evaluation gives what the observable wants");
         let temperature = view.dynamics.temperature(&view.state.velocities);
         self.flux.push(&shear_components(&p), temperature);
     }
 
     fn finish(&self) -> Findings {
-        self.flux.findings(self.volume / self.flux.mean_temperature(), WORDS)
+        self.flux
+            .findings(self.volume / self.flux.mean_temperature(), WORDS)
     }
 }
 
@@ -134,8 +145,12 @@ mod tests {
         let mut sums = [0.0; 5];
         let draws = 4000;
         for s in 0..draws {
-            let velocities: Vec<DVec3> = (0..n).map(|i| temperature.sqrt() * normal(3, s, i)).collect();
-            let p = velocities.iter().fold(DMat3::ZERO, |m, v| m + DMat3::from_cols(*v * v.x, *v * v.y, *v * v.z));
+            let velocities: Vec<DVec3> = (0..n)
+                .map(|i| temperature.sqrt() * normal(3, s, i))
+                .collect();
+            let p = velocities.iter().fold(DMat3::ZERO, |m, v| {
+                m + DMat3::from_cols(*v * v.x, *v * v.y, *v * v.z)
+            });
             for (sum, c) in sums.iter_mut().zip(shear_components(&p)) {
                 *sum += c * c;
             }
@@ -159,7 +174,10 @@ mod tests {
     #[test]
     fn stress_with_a_known_correlation_gives_its_viscosity() {
         // The virial of an artificial state follows an autoregressive process of variance s² V² per component.
-        let context = BuildContext { dt: 0.02, ..context(5.0, 2) };
+        let context = BuildContext {
+            dt: 0.02,
+            ..context(5.0, 2)
+        };
         let (volume, phi) = (125.0, 0.9_f64);
         let options = ShearViscosityOptions { window: 4.0 };
         let mut viscosity = ShearViscosity::new(&options, &context).unwrap();
@@ -172,24 +190,37 @@ mod tests {
             let (a, b, c) = (shear.x * volume, shear.y * volume, shear.z * volume);
             let diagonal = normal(9, s, 0) * 1e-9;
             state.energetics = Energetics {
-                virial: Some(DMat3::from_cols_array(&[diagonal.x, a, b, a, diagonal.y, c, b, c, diagonal.z])),
+                virial: Some(DMat3::from_cols_array(&[
+                    diagonal.x, a, b, a, diagonal.y, c, b, c, diagonal.z,
+                ])),
                 ..Energetics::default()
             };
-            viscosity.sample(&View { state: &state, dynamics: &dynamics, cell: &context.cell, tail: None, heat: 0.0 });
+            viscosity.sample(&View {
+                state: &state,
+                dynamics: &dynamics,
+                cell: &context.cell,
+                tail: None,
+                heat: 0.0,
+            });
         }
         let estimate = viscosity.finish().averages[0].estimate;
         // Three of the five components are alive, and the trapezoidal sum of φ^k is ½(1 + φ)/(1 − φ) steps. The
         // constant kinetic difference P_xx − P_yy of two particles that never turn is small against both.
         let exact = 0.6 * volume / temperature * 0.02 * 0.5 * 1.9 / 0.1;
         let off = (estimate.mean - exact).abs();
-        assert!(off < 4.0 * estimate.standard_error + 0.04 * exact, "{} {exact}", estimate.mean);
+        assert!(
+            off < 4.0 * estimate.standard_error + 0.04 * exact,
+            "{} {exact}",
+            estimate.mean
+        );
         assert!(estimate.standard_error < 0.1 * exact);
     }
 
     #[test]
     fn a_window_of_a_few_samples_is_refused() {
         for window in [0.1, -1.0, f64::NAN] {
-            let error = ShearViscosity::new(&ShearViscosityOptions { window }, &context(10.0, 5)).unwrap_err();
+            let error = ShearViscosity::new(&ShearViscosityOptions { window }, &context(10.0, 5))
+                .unwrap_err();
             assert_eq!(error.key(), "window");
         }
     }

@@ -27,10 +27,18 @@ impl StateOfMatter {
             None => "unknown: there is no equation of state for this model".into(),
             Some(Phase::OutsideRange) => equation
                 .and_then(|e| e.check(density, temperature).err())
-                .map_or_else(|| Phase::OutsideRange.describe().to_owned(), |e| e.to_string()),
+                .map_or_else(
+                    || Phase::OutsideRange.describe().to_owned(),
+                    |e| e.to_string(),
+                ),
             Some(phase) => phase.describe().to_owned(),
         };
-        Self { density, temperature, phase, words }
+        Self {
+            density,
+            temperature,
+            phase,
+            words,
+        }
     }
 
     /// Whether a run there may be judged by the equation of state.

@@ -65,7 +65,12 @@ impl RunFolder {
         if run.record.finished {
             return Ok(run);
         }
-        let why = run.record.remarks.first().map(|r| format!(": {r}")).unwrap_or_default();
+        let why = run
+            .record
+            .remarks
+            .first()
+            .map(|r| format!(": {r}"))
+            .unwrap_or_default();
         Err(ReadError::Unfinished {
             folder: folder.to_owned(),
             steps: run.record.steps,
@@ -90,7 +95,10 @@ impl RunFolder {
             None => {
                 let last = folder.join("final.xyz");
                 lennard_io::read_configuration(&last)
-                    .map_err(|e| ReadError::Box { folder: folder.to_owned(), reason: e.to_string() })?
+                    .map_err(|e| ReadError::Box {
+                        folder: folder.to_owned(),
+                        reason: e.to_string(),
+                    })?
                     .cell
             }
         };

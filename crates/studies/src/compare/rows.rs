@@ -1,25 +1,51 @@
 //! Quantity by quantity: what it is compared with, and how far off it may be.
 
 use lennard_literature::{
-    EquationOfState, GOOD_TAIL_CUTOFF, ModelKind, TransportProperty, equation_of_state_for, transport_near,
+    EquationOfState, GOOD_TAIL_CUTOFF, ModelKind, TransportProperty, equation_of_state_for,
+    transport_near,
 };
 
 use super::verdict::Tolerance;
 use super::{Row, RunFolder, StateOfMatter, Verdict};
 
 /// Energy and pressure: what the equation of state may itself be off by.
-const ENERGY: Tolerance = Tolerance { errors: 4.0, absolute: 0.003, relative: 0.0 };
-const PRESSURE: Tolerance = Tolerance { errors: 4.0, absolute: 0.005, relative: 0.0 };
+const ENERGY: Tolerance = Tolerance {
+    errors: 4.0,
+    absolute: 0.003,
+    relative: 0.0,
+};
+const PRESSURE: Tolerance = Tolerance {
+    errors: 4.0,
+    absolute: 0.005,
+    relative: 0.0,
+};
 /// Heat capacity and transport coefficients.
-const HEAT_CAPACITY: Tolerance = Tolerance { errors: 2.0, absolute: 0.0, relative: 0.02 };
-const TRANSPORT: Tolerance = Tolerance { errors: 2.0, absolute: 0.0, relative: 0.03 };
+const HEAT_CAPACITY: Tolerance = Tolerance {
+    errors: 2.0,
+    absolute: 0.0,
+    relative: 0.02,
+};
+const TRANSPORT: Tolerance = Tolerance {
+    errors: 2.0,
+    absolute: 0.0,
+    relative: 0.03,
+};
 /// Configurational against kinetic temperature: the finite step heats one against the other by some 0.1 %, and the
 /// jump of the force at the cutoff is counted with g(r_cut) = 1.
-const TEMPERATURES: Tolerance = Tolerance { errors: 4.0, absolute: 0.0, relative: 0.005 };
+const TEMPERATURES: Tolerance = Tolerance {
+    errors: 4.0,
+    absolute: 0.0,
+    relative: 0.005,
+};
+
+/// A variance from fewer independent samples than this has an error bar that is itself unsure by a fifth and
+/// more, and is skewed.
+const FEW_FLUCTUATIONS: f64 = 100.0;
 
 /// Height of the main peak of S(k) at freezing.
 const HANSEN_VERLET: f64 = 2.85;
-const HANSEN_VERLET_SOURCE: &str = "J.-P. Hansen and L. Verlet, Phys. Rev. 184, 151 (1969), doi:10.1103/PhysRev.184.151";
+const HANSEN_VERLET_SOURCE: &str =
+    "J.-P. Hansen and L. Verlet, Phys. Rev. 184, 151 (1969), doi:10.1103/PhysRev.184.151";
 
 /// All rows of a run, in the order of a table.
 pub(super) fn all(run: &RunFolder, state: &StateOfMatter, model: ModelKind) -> Vec<Row> {
@@ -32,15 +58,24 @@ pub(super) fn all(run: &RunFolder, state: &StateOfMatter, model: ModelKind) -> V
     rows.extend(diffusion(run, state, model));
     for (name, property) in [
         ("shear_viscosity", TransportProperty::ShearViscosity),
-        ("thermal_conductivity", TransportProperty::ThermalConductivity),
+        (
+            "thermal_conductivity",
+            TransportProperty::ThermalConductivity,
+        ),
     ] {
         rows.extend(transport(run, state, model, name, property));
         rows.extend(cross_check(run, name));
     }
     rows.extend(structure(run));
     if !state.is_single_stable_phase() {
-        for row in rows.iter_mut().filter(|r| r.quantity != "configurational_temperature") {
-            if matches!(row.verdict, Verdict::Agrees | Verdict::Differs | Verdict::Biased) {
+        for row in rows
+            .iter_mut()
+            .filter(|r| r.quantity != "configurational_temperature")
+        {
+            if matches!(
+                row.verdict,
+                Verdict::Agrees | Verdict::Differs | Verdict::Biased
+            ) {
                 row.verdict = Verdict::NotJudged;
                 *row = row.clone().noted(format!("the state is {}", state.words));
             }
@@ -51,16 +86,32 @@ pub(super) fn all(run: &RunFolder, state: &StateOfMatter, model: ModelKind) -> V
 
 fn measured(run: &RunFolder, name: &str) -> Option<Row> {
     let average = run.average(name)?;
-    Some(Row::measured(name, &average.unit, average.mean, average.standard_error))
+    Some(Row::measured(
+        name,
+        &average.unit,
+        average.mean,
+        average.standard_error,
+    ))
 }
 
 /// U or P, as the run itself has compared it: the error of the difference needs the whole series.
-fn energy_or_pressure(run: &RunFolder, name: &str, tolerance: Tolerance, model: ModelKind) -> Option<Row> {
+fn energy_or_pressure(
+    run: &RunFolder,
+    name: &str,
+    tolerance: Tolerance,
+    model: ModelKind,
+) -> Option<Row> {
     let row = measured(run, name)?;
     let Some(compared) = run.record.comparison.iter().find(|c| c.quantity == name) else {
         return Some(row);
     };
-    let mut row = row.against(compared.reference, None, compared.standard_error, tolerance, &compared.source);
+    let mut row = row.against(
+        compared.reference,
+        None,
+        compared.standard_error,
+        tolerance,
+        &compared.source,
+    );
     row.reference_error = compared.reference_uncertainty;
     if let ModelKind::CutWithTail { r_cut } = model
         && r_cut < GOOD_TAIL_CUTOFF
@@ -72,16 +123,34 @@ fn energy_or_pressure(run: &RunFolder, name: &str, tolerance: Tolerance, model: 
     Some(row)
 }
 
-fn heat_capacity(run: &RunFolder, state: &StateOfMatter, equation: Option<&dyn EquationOfState>) -> Option<Row> {
+fn heat_capacity(
+    run: &RunFolder,
+    state: &StateOfMatter,
+    equation: Option<&dyn EquationOfState>,
+) -> Option<Row> {
     let row = measured(run, "heat_capacity")?;
-    let how = run.record.remarks.iter().find_map(|r| r.strip_prefix("heat_capacity: ")).unwrap_or_default();
+    let how = run
+        .record
+        .remarks
+        .iter()
+        .find_map(|r| r.strip_prefix("heat_capacity: "))
+        .unwrap_or_default();
     let row = row.noted(how);
-    let Some(equation) = equation.filter(|e| e.check(state.density, state.temperature).is_ok()) else {
+    let Some(equation) = equation.filter(|e| e.check(state.density, state.temperature).is_ok())
+    else {
         return Some(row);
     };
     let reference = equation.heat_capacity_volume(state.density, state.temperature);
     let error = row.standard_error;
-    Some(row.against(reference, None, error, HEAT_CAPACITY, &source(equation)))
+    let mut row = row.against(reference, None, error, HEAT_CAPACITY, &source(equation));
+    let independent = run.average("heat_capacity").map_or(0.0, |a| a.n_effective);
+    if independent < FEW_FLUCTUATIONS {
+        row.verdict = Verdict::NotJudged;
+        row = row.noted(format!(
+            "only {independent:.0} independent samples of the fluctuations: too few to judge"
+        ));
+    }
+    Some(row)
 }
 
 fn source(equation: &dyn EquationOfState) -> String {
@@ -110,6 +179,19 @@ fn full_potential(model: ModelKind) -> Result<(), String> {
     }
 }
 
+/// The finite-size correction ξT/(6πηL) of D in a cubic box, ξ = 2.837297, with the viscosity of the run itself, in σ²/τ
+/// (I.-C. Yeh and G. Hummer, J. Phys. Chem. B 108, 15873 (2004), equation 12); `None` where the run has no viscosity
+/// or the box is no cube.
+fn own_correction(run: &RunFolder, state: &StateOfMatter) -> Option<f64> {
+    const XI: f64 = 2.837_297;
+    let side = run.shortest_side;
+    let volume = run.record.atoms as f64 / run.density;
+    // Roundings of the cube of a length.
+    let is_cube = (side.powi(3) / volume - 1.0).abs() < 1e-9;
+    let viscosity = run.average("shear_viscosity")?.mean;
+    is_cube.then(|| XI * state.temperature / (6.0 * std::f64::consts::PI * viscosity * side))
+}
+
 fn diffusion(run: &RunFolder, state: &StateOfMatter, model: ModelKind) -> Option<Row> {
     let corrected = run.average("diffusion_coefficient")?;
     let plain = run.average("diffusion_coefficient_uncorrected");
@@ -125,22 +207,41 @@ fn diffusion(run: &RunFolder, state: &StateOfMatter, model: ModelKind) -> Option
     if let Err(why) = full_potential(model) {
         return Some(row.noted(why));
     }
-    let Some(value) = transport_near(TransportProperty::SelfDiffusion, state.density, state.temperature) else {
+    let Some(value) = transport_near(
+        TransportProperty::SelfDiffusion,
+        state.density,
+        state.temperature,
+    ) else {
         return Some(row.noted("no tabulated state is near"));
     };
     let error = row.standard_error;
     let mut row = row
-        .against(value.value, value.uncertainty, error, TRANSPORT, &value.source)
-        .noted(format!("tabulated at ρ = {}, T = {}", value.rho, value.temperature));
-    if let Some(plain) = plain {
-        // A source that does not say whether it corrected for finite size lies between the two.
+        .against(
+            value.value,
+            value.uncertainty,
+            error,
+            TRANSPORT,
+            &value.source,
+        )
+        .noted(format!(
+            "tabulated at ρ = {}, T = {}",
+            value.rho, value.temperature
+        ));
+    // A source that does not say whether it corrected for finite size lies between the two.
+    let between = match plain {
+        Some(plain) => Some((plain.mean, corrected.mean)),
+        None => own_correction(run, state).map(|added| (corrected.mean, corrected.mean + added)),
+    };
+    if let Some((low, high)) = between {
         let tolerance = row.tolerance.unwrap_or(0.0);
         if row.verdict == Verdict::Differs
-            && (plain.mean - tolerance..=corrected.mean + tolerance).contains(&value.value)
+            && (low - tolerance..=high + tolerance).contains(&value.value)
         {
             row.verdict = Verdict::Agrees;
         }
-        row = row.noted("the source does not say that it is corrected: agreement means between the uncorrected and the corrected value");
+        row = row.noted(format!(
+            "the source does not say that it is corrected: agreement means between the uncorrected and the corrected value, {low:.4} and {high:.4}"
+        ));
     }
     Some(row)
 }
@@ -161,8 +262,17 @@ fn transport(
     };
     let error = row.standard_error;
     Some(
-        row.against(value.value, value.uncertainty, error, TRANSPORT, &value.source)
-            .noted(format!("tabulated at ρ = {}, T = {}", value.rho, value.temperature)),
+        row.against(
+            value.value,
+            value.uncertainty,
+            error,
+            TRANSPORT,
+            &value.source,
+        )
+        .noted(format!(
+            "tabulated at ρ = {}, T = {}",
+            value.rho, value.temperature
+        )),
     )
 }
 
@@ -171,7 +281,13 @@ fn cross_check(run: &RunFolder, name: &str) -> Option<Row> {
     let green_kubo = run.average(name)?;
     let row = measured(run, &format!("{name}_einstein_helfand"))?;
     let error = row.standard_error.max(green_kubo.standard_error);
-    Some(row.against(green_kubo.mean, None, error, TRANSPORT, "Green–Kubo from the same run"))
+    Some(row.against(
+        green_kubo.mean,
+        None,
+        error,
+        TRANSPORT,
+        "Green–Kubo from the same run",
+    ))
 }
 
 fn structure(run: &RunFolder) -> Vec<Row> {
@@ -184,7 +300,11 @@ fn structure(run: &RunFolder) -> Vec<Row> {
         row.difference = Some(row.measured - HANSEN_VERLET);
         row.verdict = Verdict::NotJudged;
         row.source = HANSEN_VERLET_SOURCE.into();
-        let side = if row.measured < HANSEN_VERLET { "below" } else { "above" };
+        let side = if row.measured < HANSEN_VERLET {
+            "below"
+        } else {
+            "above"
+        };
         rows.push(row.noted(format!("{side} the height at which the fluid freezes")));
     }
     rows

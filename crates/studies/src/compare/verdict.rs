@@ -131,7 +131,11 @@ impl Row {
         self.in_standard_errors = Some(difference / combined);
         self.tolerance = Some(allowed);
         self.tolerance_words = tolerance.words();
-        self.verdict = if difference.abs() <= allowed { Verdict::Agrees } else { Verdict::Differs };
+        self.verdict = if difference.abs() <= allowed {
+            Verdict::Agrees
+        } else {
+            Verdict::Differs
+        };
         self.source = source.to_owned();
         self
     }
@@ -153,11 +157,17 @@ impl Row {
 mod tests {
     use super::*;
 
-    const TOLERANCE: Tolerance = Tolerance { errors: 4.0, absolute: 0.003, relative: 0.0 };
+    const TOLERANCE: Tolerance = Tolerance {
+        errors: 4.0,
+        absolute: 0.003,
+        relative: 0.0,
+    };
 
     #[test]
     fn a_verdict_weighs_both_errors_and_the_allowance() {
-        let row = |measured| Row::measured("u", "ε", measured, 3e-4).against(-5.0, Some(4e-4), 3e-4, TOLERANCE, "x");
+        let row = |measured| {
+            Row::measured("u", "ε", measured, 3e-4).against(-5.0, Some(4e-4), 3e-4, TOLERANCE, "x")
+        };
         // 4·√(3² + 4²)·1e-4 + 0.003 = 0.005.
         assert_eq!(row(-5.0049).verdict, Verdict::Agrees);
         assert_eq!(row(-5.0051).verdict, Verdict::Differs);

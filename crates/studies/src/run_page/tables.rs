@@ -12,7 +12,14 @@ fn words(name: &str) -> String {
 }
 
 pub(crate) fn comparison(compared: &ComparedRun) -> PageTable {
-    let header = ["Quantity", "Measured", "Reference", "Difference", "In standard errors", "Verdict", "Source and remarks"];
+    let header = [
+        "Quantity",
+        "Measured",
+        "Reference",
+        "Difference",
+        "In standard errors",
+        "Verdict",
+    ];
     let rows = compared
         .rows
         .iter()
@@ -26,16 +33,21 @@ pub(crate) fn comparison(compared: &ComparedRun) -> PageTable {
                 (Some(d), Some(e)) => with_error(d, e),
                 (d, _) => number(d),
             };
-            let notes: Vec<&str> = [r.source.as_str(), r.remark.as_str()].into_iter().filter(|t| !t.is_empty()).collect();
             let measured = with_error(r.measured, r.standard_error);
             vec![
                 Cell::text(words(&r.quantity)),
-                Cell::number(if r.unit.is_empty() { measured } else { format!("{measured} {}", r.unit) }),
+                Cell::number(if r.unit.is_empty() {
+                    measured
+                } else {
+                    format!("{measured} {}", r.unit)
+                }),
                 Cell::number(reference),
                 Cell::number(difference),
-                Cell::number(r.in_standard_errors.map_or("–".into(), |z| significant(z, 2))),
+                Cell::number(
+                    r.in_standard_errors
+                        .map_or("–".into(), |z| significant(z, 2)),
+                ),
                 verdict_cell(r),
-                Cell::text(notes.join("; ")),
             ]
         })
         .collect();
@@ -50,6 +62,22 @@ pub(crate) fn comparison(compared: &ComparedRun) -> PageTable {
     }
 }
 
+/// Sources and remarks, quantity by quantity.
+pub(super) fn sources(compared: &ComparedRun) -> Vec<String> {
+    compared
+        .rows
+        .iter()
+        .filter_map(|r| {
+            let notes: Vec<&str> = [r.source.as_str(), r.remark.as_str()]
+                .into_iter()
+                .filter(|t| !t.is_empty())
+                .collect();
+            (!notes.is_empty()).then(|| format!("**{}**: {}", words(&r.quantity), notes.join("; ")))
+        })
+        .chain(compared.remarks.iter().cloned())
+        .collect()
+}
+
 pub(super) fn stages(run: &RunFolder) -> PageTable {
     let scene = &run.scene;
     let rows = scene
@@ -60,24 +88,40 @@ pub(super) fn stages(run: &RunFolder) -> PageTable {
                 Cell::text(stage.name.clone()),
                 Cell::number(stage.steps.to_string()),
                 Cell::number(significant(scene.stage_dt(stage), 4)),
-                Cell::text(stage.thermostat.as_ref().map_or("none: constant energy".into(), |t| {
-                    format!("{} at T = {}", t.name(), stage.temperature)
-                })),
+                Cell::text(
+                    stage
+                        .thermostat
+                        .as_ref()
+                        .map_or("none: constant energy".into(), |t| {
+                            format!("{} at T = {}", t.name(), stage.temperature)
+                        }),
+                ),
                 Cell::text(if stage.measure { "yes" } else { "no" }),
             ]
         })
         .collect();
     PageTable {
-        caption: format!("Integrator: {}. Model: {}.", scene.integrator.method.name(), run.record.model),
+        caption: format!(
+            "Integrator: {}. Model: {}.",
+            scene.integrator.method.name(),
+            run.record.model
+        ),
         command: None,
-        header: ["Stage", "Steps", "dt / τ", "Thermostat", "Measured"].map(str::to_owned).to_vec(),
+        header: ["Stage", "Steps", "dt / τ", "Thermostat", "Measured"]
+            .map(str::to_owned)
+            .to_vec(),
         rows,
     }
 }
 
 /// What this run did not measure.
 pub(super) fn left_out(run: &RunFolder) -> Vec<String> {
-    let asked: Vec<&str> = run.scene.observables.iter().map(|o| o.options.name()).collect();
+    let asked: Vec<&str> = run
+        .scene
+        .observables
+        .iter()
+        .map(|o| o.options.name())
+        .collect();
     let missing: Vec<&str> = lennard_observables::observables()
         .iter()
         .map(|spec| spec.name)
@@ -137,7 +181,11 @@ pub(super) fn performance(record: &RunRecord) -> PageTable {
             ]
         })
         .collect();
-    rows.push(vec![Cell::text("whole run"), Cell::number(significant(record.wall_s, 3)), Cell::number("100 %")]);
+    rows.push(vec![
+        Cell::text("whole run"),
+        Cell::number(significant(record.wall_s, 3)),
+        Cell::number("100 %"),
+    ]);
     PageTable {
         caption: format!(
             "Wall time by kind of work: {} steps of {} particles, {} ns a particle and step; {} list builds, {} of them late.",

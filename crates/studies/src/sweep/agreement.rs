@@ -37,22 +37,39 @@ pub fn agreement(points: &[SweptPoint], quantity: &str) -> Option<Agreement> {
     let rows: Vec<&Row> = points
         .iter()
         .filter_map(|p| p.compared.as_ref())
+        .filter(|c| c.state.is_single_stable_phase())
         .flat_map(|c| &c.rows)
         .filter(|r| r.quantity == quantity)
-        .filter(|r| matches!(r.verdict, Verdict::Agrees | Verdict::Differs | Verdict::Biased))
+        .filter(|r| {
+            matches!(
+                r.verdict,
+                Verdict::Agrees | Verdict::Differs | Verdict::Biased
+            )
+        })
         .collect();
     let differences: Vec<f64> = rows.iter().filter_map(|r| r.difference).collect();
     if differences.is_empty() {
         return None;
     }
-    let errors: Vec<(f64, f64)> =
-        rows.iter().map(|r| (r.combined_error.unwrap_or(f64::NAN), r.reference_error.unwrap_or(0.0))).collect();
+    let errors: Vec<(f64, f64)> = rows
+        .iter()
+        .map(|r| {
+            (
+                r.combined_error.unwrap_or(f64::NAN),
+                r.reference_error.unwrap_or(0.0),
+            )
+        })
+        .collect();
     let chi = |with_reference: bool| -> f64 {
         differences
             .iter()
             .zip(&errors)
             .map(|(d, (own, reference))| {
-                let error = if with_reference { own.hypot(*reference) } else { *own };
+                let error = if with_reference {
+                    own.hypot(*reference)
+                } else {
+                    *own
+                };
                 (d / error).powi(2)
             })
             .sum()
@@ -63,7 +80,10 @@ pub fn agreement(points: &[SweptPoint], quantity: &str) -> Option<Agreement> {
         points: differences.len(),
         agree: rows.iter().filter(|r| r.verdict == Verdict::Agrees).count(),
         mean_difference: differences.iter().sum::<f64>() / differences.len() as f64,
-        largest_difference: differences.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a }),
+        largest_difference: differences
+            .iter()
+            .copied()
+            .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a }),
         largest_standard_error: errors.iter().map(|(own, _)| *own).fold(0.0, f64::max),
         chi_squared: plain,
         p_value: tail_probability(plain, differences.len()),

@@ -107,23 +107,38 @@ struct File {
 /// # Errors
 /// [`SweepError`] where the file or the scene of a point is wrong.
 pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Sweep, SweepError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|source| SweepError::Unreadable { file: path.to_owned(), source })?;
-    let file: File = toml::from_str(&text)
-        .map_err(|e| SweepError::Malformed { file: path.to_owned(), message: e.to_string().trim_end().to_owned() })?;
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let text = std::fs::read_to_string(path).map_err(|source| SweepError::Unreadable {
+        file: path.to_owned(),
+        source,
+    })?;
+    let file: File = toml::from_str(&text).map_err(|e| SweepError::Malformed {
+        file: path.to_owned(),
+        message: e.to_string().trim_end().to_owned(),
+    })?;
+    let stem = path
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
     let base = path.parent().unwrap_or(Path::new("")).join(&file.base);
     let mut common: Vec<(String, String)> = Vec::new();
     flatten(&file.set, "", &mut common);
     common.extend(overrides.iter().cloned());
     let points = points::expand(path, &base, &common, &file.point, file.grid.as_ref())?;
-    Ok(Sweep { name: file.name.unwrap_or(stem), points })
+    Ok(Sweep {
+        name: file.name.unwrap_or(stem),
+        points,
+    })
 }
 
 /// Tables inside `[set]` and dotted keys in quotes mean the same.
 fn flatten(table: &toml::Table, prefix: &str, into: &mut Vec<(String, String)>) {
     for (key, value) in table {
-        let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+        let key = if prefix.is_empty() {
+            key.clone()
+        } else {
+            format!("{prefix}.{key}")
+        };
         match value {
             toml::Value::Table(inner) => flatten(inner, &key, into),
             other => into.push((key, other.to_string())),

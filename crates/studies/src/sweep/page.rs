@@ -1,8 +1,8 @@
 //! The table and the page of a sweep.
 
 use lennard_report::{
-    Axis, Block, Cell, Figure, Guide, Look, Page, PageFigure, PageTable, Point, ReportError, Section, Series,
-    Symbol, Tone, significant, with_error,
+    Axis, Block, Cell, Figure, Guide, Look, Page, PageFigure, PageTable, Point, ReportError,
+    Section, Series, Symbol, Tone, significant, with_error,
 };
 
 use super::{Agreement, SweepRecord, SweptPoint};
@@ -10,22 +10,39 @@ use crate::compare::{Row, Verdict};
 
 /// The row of one quantity of a point.
 pub(super) fn row<'a>(point: &'a SweptPoint, quantity: &str) -> Option<&'a Row> {
-    point.compared.as_ref()?.rows.iter().find(|r| r.quantity == quantity)
+    point
+        .compared
+        .as_ref()?
+        .rows
+        .iter()
+        .find(|r| r.quantity == quantity)
 }
 
 /// The points with U, P and c_v beside the equation of state, as CSV.
 pub(super) fn csv(record: &SweepRecord) -> String {
     let mut text = String::from("name,density,temperature,phase,steps,atoms");
-    const QUANTITIES: [(&str, &str); 3] = [("potential_energy", "u"), ("pressure", "p"), ("heat_capacity", "cv")];
+    const QUANTITIES: [(&str, &str); 3] = [
+        ("potential_energy", "u"),
+        ("pressure", "p"),
+        ("heat_capacity", "cv"),
+    ];
     for (_, short) in QUANTITIES {
-        text += &format!(",{short},{short}_se,{short}_reference,{short}_difference,{short}_difference_se,{short}_verdict");
+        text += &format!(
+            ",{short},{short}_se,{short}_reference,{short}_difference,{short}_difference_se,{short}_verdict"
+        );
     }
     text.push('\n');
     for point in &record.points {
         let state = point.compared.as_ref().map_or(&point.planned, |c| &c.state);
-        let (steps, atoms) = point.compared.as_ref().map_or((0, 0), |c| (c.measured_steps, c.atoms));
+        let (steps, atoms) = point
+            .compared
+            .as_ref()
+            .map_or((0, 0), |c| (c.measured_steps, c.atoms));
         let phase = state.phase.map_or("unknown", |p| p.describe());
-        text += &format!("{},{},{},\"{phase}\",{steps},{atoms}", point.name, state.density, state.temperature);
+        text += &format!(
+            "{},{},{},\"{phase}\",{steps},{atoms}",
+            point.name, state.density, state.temperature
+        );
         for (quantity, _) in QUANTITIES {
             match row(point, quantity) {
                 None => text += ",,,,,,",
@@ -50,7 +67,11 @@ pub(super) fn csv(record: &SweepRecord) -> String {
 
 /// The page of a sweep.
 pub(super) fn page(record: &SweepRecord, command: &str) -> Result<Page, ReportError> {
-    let finished = record.points.iter().filter(|p| p.compared.is_some()).count();
+    let finished = record
+        .points
+        .iter()
+        .filter(|p| p.compared.is_some())
+        .count();
     let mut page = Page {
         title: format!("Sweep {}", record.name),
         lead: format!(
@@ -63,14 +84,25 @@ pub(super) fn page(record: &SweepRecord, command: &str) -> Result<Page, ReportEr
             ("command".into(), format!("`{command}`")),
             ("version".into(), record.version.into()),
             ("processor".into(), record.cpu.clone()),
-            ("points at work at once, one thread each".into(), record.threads.to_string()),
+            (
+                "points at work at once, one thread each".into(),
+                record.threads.to_string(),
+            ),
         ],
     };
     page.sections.push(together(record));
     let mut figures = Vec::new();
     for (quantity, title, unit) in [
-        ("potential_energy", "Potential energy: measured − equation of state", "ΔU / ε"),
-        ("pressure", "Pressure: measured − equation of state", "ΔP / (ε/σ³)"),
+        (
+            "potential_energy",
+            "Potential energy: measured − equation of state",
+            "ΔU / ε",
+        ),
+        (
+            "pressure",
+            "Pressure: measured − equation of state",
+            "ΔP / (ε/σ³)",
+        ),
     ] {
         if let Some(figure) = differences(record, quantity, title, unit) {
             figures.push(PageFigure {
@@ -90,7 +122,8 @@ pub(super) fn page(record: &SweepRecord, command: &str) -> Result<Page, ReportEr
     page.sections.push(points.with(Block::Table(table(record))));
     let remarks = remarks(record);
     if !remarks.is_empty() {
-        page.sections.push(Section::new("Remarks").with(Block::List(remarks)));
+        page.sections
+            .push(Section::new("Remarks").with(Block::List(remarks)));
     }
     Ok(page)
 }
@@ -108,7 +141,10 @@ fn differences(record: &SweepRecord, quantity: &str, title: &str, unit: &str) ->
                     x: state.density,
                     y: r.difference?,
                     error: r.combined_error,
-                    note: Some(format!("{}: T = {:.4}, {}", point.name, state.temperature, state.words)),
+                    note: Some(format!(
+                        "{}: T = {:.4}, {}",
+                        point.name, state.temperature, state.words
+                    )),
                 })
             })
             .collect()
@@ -117,25 +153,54 @@ fn differences(record: &SweepRecord, quantity: &str, title: &str, unit: &str) ->
     if judged.is_empty() && others.is_empty() {
         return None;
     }
-    let mut figure = Figure::new(quantity, title, Axis::linear("density ρ / σ⁻³"), Axis::linear(unit))
-        .guided(Guide::Horizontal(0.0, String::new()));
-    for (name, points, symbol, color) in
-        [("single phase", judged, Symbol::Disc, 0), ("not judged", others, Symbol::Ring, 1)]
-    {
+    let mut figure = Figure::new(
+        quantity,
+        title,
+        Axis::linear("density ρ / σ⁻³"),
+        Axis::linear(unit),
+    )
+    .guided(Guide::Horizontal(0.0, String::new()));
+    for (name, points, symbol, color) in [
+        ("single phase", judged, Symbol::Disc, 0),
+        ("not judged", others, Symbol::Ring, 1),
+    ] {
         if !points.is_empty() {
-            figure = figure.with(Series::from_points(name, Look::Points(symbol), color, points));
+            figure = figure.with(Series::from_points(
+                name,
+                Look::Points(symbol),
+                color,
+                points,
+            ));
         }
     }
     Some(figure)
 }
 
 fn together(record: &SweepRecord) -> Section {
-    let header = ["Quantity", "Points judged", "Agree", "Mean difference", "Largest", "Largest standard error", "χ²", "p", "χ² with the equation's own uncertainty", "p"];
+    let header = [
+        "Quantity",
+        "Points judged",
+        "Agree",
+        "Mean difference",
+        "Largest",
+        "Largest standard error",
+        "χ²",
+        "p",
+        "χ² with the equation's own uncertainty",
+        "p",
+    ];
     let line = |a: &Agreement| {
         vec![
             Cell::text(a.quantity.replace('_', " ")),
             Cell::number(a.points.to_string()),
-            Cell::toned(a.agree.to_string(), if a.agree == a.points { Tone::Good } else { Tone::Careful }),
+            Cell::toned(
+                a.agree.to_string(),
+                if a.agree == a.points {
+                    Tone::Good
+                } else {
+                    Tone::Careful
+                },
+            ),
             Cell::number(significant(a.mean_difference, 3)),
             Cell::number(significant(a.largest_difference, 3)),
             Cell::number(significant(a.largest_standard_error, 2)),
@@ -160,17 +225,29 @@ fn together(record: &SweepRecord) -> Section {
 }
 
 fn table(record: &SweepRecord) -> PageTable {
-    let header = ["Point", "State", "T", "U / ε", "U − equation", "", "P / (ε/σ³)", "P − equation", "", "c_v / k_B", "equation", ""];
+    let header = [
+        "Point",
+        "T",
+        "U / ε",
+        "U − equation",
+        "P / (ε/σ³)",
+        "P − equation",
+        "c_v / k_B",
+        "c_v − equation",
+        "State",
+    ];
     let rows = record
         .points
         .iter()
         .map(|point| {
             let Some(compared) = &point.compared else {
-                let why = point.failure.clone().unwrap_or_else(|| "not finished".into());
+                let why = point
+                    .failure
+                    .clone()
+                    .unwrap_or_else(|| "not finished".into());
                 let first = why.lines().next().unwrap_or_default().to_owned();
                 let mut cells = vec![
                     Cell::text(point.name.clone()),
-                    Cell::text(point.planned.words.clone()),
                     Cell::number(point.planned.temperature.to_string()),
                     Cell::toned(first, Tone::Bad),
                 ];
@@ -178,28 +255,34 @@ fn table(record: &SweepRecord) -> PageTable {
                 return cells;
             };
             let state = &compared.state;
-            let tone = if state.is_single_stable_phase() { Tone::Plain } else { Tone::Careful };
             let mut cells = vec![
                 Cell::text(point.name.clone()),
-                Cell::toned(state.words.clone(), tone),
                 Cell::number(significant(state.temperature, 5)),
             ];
-            for quantity in ["potential_energy", "pressure"] {
+            for quantity in ["potential_energy", "pressure", "heat_capacity"] {
                 let r = row(point, quantity);
-                cells.push(Cell::number(r.map_or("–".into(), |r| with_error(r.measured, r.standard_error))));
-                let difference = r.and_then(|r| Some(with_error(r.difference?, r.combined_error?)));
-                cells.push(Cell::number(difference.unwrap_or_else(|| "–".into())));
-                cells.push(r.map_or_else(Cell::default, verdict_cell));
+                cells.push(Cell::number(r.map_or("–".into(), |r| {
+                    with_error(r.measured, r.standard_error)
+                })));
+                let difference =
+                    r.and_then(|r| Some((with_error(r.difference?, r.combined_error?), tone(r))));
+                cells.push(
+                    difference
+                        .map_or_else(|| Cell::number("–"), |(text, tone)| Cell::toned(text, tone)),
+                );
             }
-            let r = row(point, "heat_capacity");
-            cells.push(Cell::number(r.map_or("–".into(), |r| with_error(r.measured, r.standard_error))));
-            cells.push(Cell::number(r.and_then(|r| r.reference).map_or("–".into(), |x| significant(x, 4))));
-            cells.push(r.map_or_else(Cell::default, verdict_cell));
+            let careful = if state.is_single_stable_phase() {
+                Tone::Plain
+            } else {
+                Tone::Careful
+            };
+            cells.push(Cell::toned(state.words.clone(), careful));
             cells
         })
         .collect();
     PageTable {
-        caption: "Digits in brackets are one standard error in the last digits.".into(),
+        caption: "Digits in brackets are one standard error in the last digits. Differences in green agree, in red they do not; in brown they are biased by a short \
+                  cutoff or not judged.".into(),
         command: None,
         header: header.map(str::to_owned).to_vec(),
         rows,
@@ -208,19 +291,27 @@ fn table(record: &SweepRecord) -> PageTable {
 
 /// A verdict as a cell of a table.
 pub(crate) fn verdict_cell(row: &Row) -> Cell {
-    let tone = match row.verdict {
+    Cell::toned(row.verdict.words(), tone(row))
+}
+
+fn tone(row: &Row) -> Tone {
+    match row.verdict {
         Verdict::Agrees => Tone::Good,
         Verdict::Differs => Tone::Bad,
         Verdict::Biased | Verdict::NotJudged => Tone::Careful,
         Verdict::NoReference => Tone::Plain,
-    };
-    Cell::toned(row.verdict.words(), tone)
+    }
 }
 
 /// Remarks of all points, each once, with how many points they belong to.
 fn remarks(record: &SweepRecord) -> Vec<String> {
     let mut counted: Vec<(String, usize)> = Vec::new();
-    for remark in record.points.iter().filter_map(|p| p.compared.as_ref()).flat_map(|c| &c.remarks) {
+    for remark in record
+        .points
+        .iter()
+        .filter_map(|p| p.compared.as_ref())
+        .flat_map(|c| &c.remarks)
+    {
         match counted.iter_mut().find(|(text, _)| text == remark) {
             Some((_, n)) => *n += 1,
             None => counted.push((remark.clone(), 1)),
@@ -228,7 +319,18 @@ fn remarks(record: &SweepRecord) -> Vec<String> {
     }
     counted
         .into_iter()
-        .map(|(text, n)| if n > 1 { format!("{text} ({n} points)") } else { text })
-        .chain(record.points.iter().filter_map(|p| Some(format!("{}: {}", p.name, p.failure.as_ref()?))))
+        .map(|(text, n)| {
+            if n > 1 {
+                format!("{text} ({n} points)")
+            } else {
+                text
+            }
+        })
+        .chain(
+            record
+                .points
+                .iter()
+                .filter_map(|p| Some(format!("{}: {}", p.name, p.failure.as_ref()?))),
+        )
         .collect()
 }

@@ -28,11 +28,31 @@ struct Key {
 }
 
 const KEYS: [Key; 5] = [
-    Key { name: "density", scene: "system.density", short: "rho" },
-    Key { name: "temperature", scene: "system.temperature", short: "T" },
-    Key { name: "n_atoms", scene: "system.n_atoms", short: "N" },
-    Key { name: "r_cut", scene: "truncation.r_cut", short: "rc" },
-    Key { name: "seed", scene: "system.seed", short: "seed" },
+    Key {
+        name: "density",
+        scene: "system.density",
+        short: "rho",
+    },
+    Key {
+        name: "temperature",
+        scene: "system.temperature",
+        short: "T",
+    },
+    Key {
+        name: "n_atoms",
+        scene: "system.n_atoms",
+        short: "N",
+    },
+    Key {
+        name: "r_cut",
+        scene: "truncation.r_cut",
+        short: "rc",
+    },
+    Key {
+        name: "seed",
+        scene: "system.seed",
+        short: "seed",
+    },
 ];
 
 /// The values of the keys of one point, as text; `None` where the base scene decides.
@@ -40,9 +60,17 @@ type Choice = [Option<String>; KEYS.len()];
 
 fn lists(axes: &Axes) -> [Option<Vec<String>>; KEYS.len()] {
     fn text<T: Clone + std::fmt::Display>(values: &Option<OneOrMany<T>>) -> Option<Vec<String>> {
-        values.as_ref().map(|v| v.values().iter().map(ToString::to_string).collect())
+        values
+            .as_ref()
+            .map(|v| v.values().iter().map(ToString::to_string).collect())
     }
-    [text(&axes.density), text(&axes.temperature), text(&axes.n_atoms), text(&axes.r_cut), text(&axes.seed)]
+    [
+        text(&axes.density),
+        text(&axes.temperature),
+        text(&axes.n_atoms),
+        text(&axes.r_cut),
+        text(&axes.seed),
+    ]
 }
 
 /// Every combination of the values of some axes, the last axis running fastest.
@@ -88,8 +116,11 @@ pub(super) fn expand(
     if points.is_empty() && grid.is_none() {
         return Err(no_points());
     }
-    let listed: Vec<Choice> =
-        if points.is_empty() { vec![Choice::default()] } else { points.iter().flat_map(product).collect() };
+    let listed: Vec<Choice> = if points.is_empty() {
+        vec![Choice::default()]
+    } else {
+        points.iter().flat_map(product).collect()
+    };
     let mut choices = Vec::new();
     for one in &listed {
         for cell in grid.map_or_else(|| vec![Choice::default()], product) {
@@ -97,13 +128,21 @@ pub(super) fn expand(
             for (k, value_of_grid) in cell.into_iter().enumerate() {
                 if value_of_grid.is_some() && both[k].is_some() {
                     let key = format!("grid.{}", KEYS[k].name);
-                    return Err(value(key, "a key that [[point]] has too".into(), "each key in one of the two"));
+                    return Err(value(
+                        key,
+                        "a key that [[point]] has too".into(),
+                        "each key in one of the two",
+                    ));
                 }
                 both[k] = both[k].take().or(value_of_grid);
             }
             choices.push(both);
             if choices.len() > MOST_POINTS {
-                return Err(value("grid".into(), format!("more than {MOST_POINTS} points"), "fewer"));
+                return Err(value(
+                    "grid".into(),
+                    format!("more than {MOST_POINTS} points"),
+                    "fewer",
+                ));
             }
         }
     }
@@ -117,7 +156,11 @@ pub(super) fn expand(
         .map(|choice| {
             let point = point(base, common, choice)?;
             if !names.insert(point.name.clone()) {
-                return Err(value("point".into(), format!("{} twice", point.name), "each point once"));
+                return Err(value(
+                    "point".into(),
+                    format!("{} twice", point.name),
+                    "each point once",
+                ));
             }
             Ok(point)
         })
@@ -125,16 +168,32 @@ pub(super) fn expand(
 }
 
 fn point(base: &Path, common: &[(String, String)], choice: &Choice) -> Result<Point, SweepError> {
-    let chosen: Vec<(&Key, &String)> = KEYS.iter().zip(choice).filter_map(|(k, v)| Some((k, v.as_ref()?))).collect();
-    let name = chosen.iter().map(|(key, value)| format!("{}{value}", key.short)).collect::<Vec<_>>().join("-");
-    let mut overrides: Vec<(String, String)> =
-        chosen.iter().map(|(key, value)| (key.scene.to_owned(), (*value).clone())).collect();
+    let chosen: Vec<(&Key, &String)> = KEYS
+        .iter()
+        .zip(choice)
+        .filter_map(|(k, v)| Some((k, v.as_ref()?)))
+        .collect();
+    let name = chosen
+        .iter()
+        .map(|(key, value)| format!("{}{value}", key.short))
+        .collect::<Vec<_>>()
+        .join("-");
+    let mut overrides: Vec<(String, String)> = chosen
+        .iter()
+        .map(|(key, value)| (key.scene.to_owned(), (*value).clone()))
+        .collect();
     // What is typed for all points must not undo what makes the points different.
-    let mut all: Vec<(String, String)> =
-        common.iter().filter(|(key, _)| overrides.iter().all(|(k, _)| k != key)).cloned().collect();
+    let mut all: Vec<(String, String)> = common
+        .iter()
+        .filter(|(key, _)| overrides.iter().all(|(k, _)| k != key))
+        .cloned()
+        .collect();
     all.append(&mut overrides);
     all.push(("name".into(), format!("{name:?}")));
-    let scene = Scene::load(base, &all).map_err(|source| SweepError::Scene { point: name.clone(), source })?;
+    let scene = Scene::load(base, &all).map_err(|source| SweepError::Scene {
+        point: name.clone(),
+        source,
+    })?;
     Ok(Point { name, scene })
 }
 
@@ -160,8 +219,18 @@ mod tests {
 
     #[test]
     fn points_and_grids_multiply() {
-        let names = sweep_of("[[point]]\ndensity = 0.5\ntemperature = [2, 3.5]\n[grid]\nseed = [1, 2]\n").unwrap();
-        assert_eq!(names, ["rho0.5-T2-seed1", "rho0.5-T2-seed2", "rho0.5-T3.5-seed1", "rho0.5-T3.5-seed2"]);
+        let names =
+            sweep_of("[[point]]\ndensity = 0.5\ntemperature = [2, 3.5]\n[grid]\nseed = [1, 2]\n")
+                .unwrap();
+        assert_eq!(
+            names,
+            [
+                "rho0.5-T2-seed1",
+                "rho0.5-T2-seed2",
+                "rho0.5-T3.5-seed1",
+                "rho0.5-T3.5-seed2"
+            ]
+        );
     }
 
     #[test]
@@ -170,11 +239,20 @@ mod tests {
             ("", "no points"),
             ("[[point]]\n", "no points"),
             ("[grid]\ndensity = []\n", "no points"),
-            ("[[point]]\ndensity = 0.5\n[grid]\ndensity = [0.4]\n", "each key in one"),
-            ("[[point]]\ndensity = 0.5\n[[point]]\ndensity = 0.5\n", "twice"),
+            (
+                "[[point]]\ndensity = 0.5\n[grid]\ndensity = [0.4]\n",
+                "each key in one",
+            ),
+            (
+                "[[point]]\ndensity = 0.5\n[[point]]\ndensity = 0.5\n",
+                "twice",
+            ),
             ("[[point]]\ndensty = 0.5\n", "densty"),
             ("[[point]]\ndensity = -1.0\n", "system.density"),
-            ("[set]\n\"system.densty\" = 1\n[[point]]\ndensity = 0.5\n", "densty"),
+            (
+                "[set]\n\"system.densty\" = 1\n[[point]]\ndensity = 0.5\n",
+                "densty",
+            ),
         ] {
             let message = sweep_of(text).unwrap_err();
             assert!(message.contains(wanted), "{text}: {message}");
@@ -183,11 +261,19 @@ mod tests {
 
     #[test]
     fn the_sweeps_that_come_along_are_whole() {
-        for (file, points) in [("verlet-1967/table.toml", 38), ("sweep/isotherm.toml", 8), ("sweep/transport.toml", 6)] {
+        for (file, points) in [
+            ("verlet-1967/table.toml", 38),
+            ("sweep/isotherm.toml", 8),
+            ("sweep/transport.toml", 6),
+        ] {
             let sweep = load(&inputs().join(file), &[]).unwrap();
             assert_eq!(sweep.points.len(), points, "{file}");
         }
-        let table = load(&inputs().join("verlet-1967/table.toml"), &[("truncation.r_cut".into(), "4".into())]).unwrap();
+        let table = load(
+            &inputs().join("verlet-1967/table.toml"),
+            &[("truncation.r_cut".into(), "4".into())],
+        )
+        .unwrap();
         assert!(table.points.iter().all(|p| p.scene.truncation.r_cut == 4.0));
     }
 }

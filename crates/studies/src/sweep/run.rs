@@ -109,7 +109,11 @@ enum Ran {
 /// # Errors
 /// [`SweepError`] where a folder holds something else or a file cannot be written. A point that fails is no error:
 /// the record says so.
-pub fn run(sweep: &Sweep, options: &SweepOptions<'_>, progress: &mut dyn Progress) -> Result<SweepRecord, SweepError> {
+pub fn run(
+    sweep: &Sweep,
+    options: &SweepOptions<'_>,
+    progress: &mut dyn Progress,
+) -> Result<SweepRecord, SweepError> {
     let found: Vec<Found> = sweep
         .points
         .iter()
@@ -122,7 +126,8 @@ pub fn run(sweep: &Sweep, options: &SweepOptions<'_>, progress: &mut dyn Progres
         .zip(outcomes)
         .map(|(point, outcome)| conclude(point, outcome, &options.folder.join(&point.name)))
         .collect();
-    let stopped = options.stop.load(Ordering::Relaxed) && points.iter().any(|p| p.compared.is_none());
+    let stopped =
+        options.stop.load(Ordering::Relaxed) && points.iter().any(|p| p.compared.is_none());
     let ending = if stopped {
         Ending::Stopped
     } else if points.iter().any(|p| p.failure.is_some()) {
@@ -137,10 +142,15 @@ pub fn run(sweep: &Sweep, options: &SweepOptions<'_>, progress: &mut dyn Progres
         version: env!("CARGO_PKG_VERSION"),
         cpu: lennard_io::cpu_name(),
         threads: options.threads,
-        agreement: ["potential_energy", "pressure", "heat_capacity", "configurational_temperature"]
-            .iter()
-            .filter_map(|q| agreement(&points, q))
-            .collect(),
+        agreement: [
+            "potential_energy",
+            "pressure",
+            "heat_capacity",
+            "configurational_temperature",
+        ]
+        .iter()
+        .filter_map(|q| agreement(&points, q))
+        .collect(),
         points,
     };
     lennard_io::write_json_atomically(&options.folder.join("sweep.json"), &record)?;
@@ -155,7 +165,10 @@ fn look(folder: &Path, point: &Point, replace: bool) -> Result<Found, SweepError
     if !folder.join("run.json").exists() {
         return Ok(Found::Nothing);
     }
-    let other = |found: String| SweepError::Folder { folder: folder.to_owned(), found };
+    let other = |found: String| SweepError::Folder {
+        folder: folder.to_owned(),
+        found,
+    };
     let scene = lennard_scene::Scene::load(&folder.join("scene.toml"), &[]);
     let same = scene.as_ref().is_ok_and(|there| *there == point.scene);
     match (lennard_io::read_run_record(&folder.join("run.json")), same) {
@@ -176,15 +189,23 @@ fn run_all(
 ) -> Vec<Result<Ran, String>> {
     let points = &sweep.points;
     let work = |point: &Point| point.scene.total_steps() * n_atoms(point);
-    let total: u64 = points.iter().zip(found).filter(|(_, f)| !matches!(f, Found::Finished)).map(|(p, _)| work(p)).sum();
+    let total: u64 = points
+        .iter()
+        .zip(found)
+        .filter(|(_, f)| !matches!(f, Found::Finished))
+        .map(|(p, _)| work(p))
+        .sum();
     let done: Vec<AtomicU64> = points.iter().map(|_| AtomicU64::new(0)).collect();
     let next = AtomicUsize::new(0);
     let left = AtomicUsize::new(options.threads.clamp(1, points.len()));
-    let results: Vec<Mutex<Option<Result<Ran, String>>>> = points.iter().map(|_| Mutex::new(None)).collect();
+    let results: Vec<Mutex<Option<Result<Ran, String>>>> =
+        points.iter().map(|_| Mutex::new(None)).collect();
     std::thread::scope(|scope| {
         for _ in 0..left.load(Ordering::Relaxed) {
             scope.spawn(|| {
-                while let Some(i) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|i| *i < points.len()) {
+                while let Some(i) =
+                    Some(next.fetch_add(1, Ordering::Relaxed)).filter(|i| *i < points.len())
+                {
                     let result = run_point(&points[i], &found[i], options, &done[i]);
                     if let Ok(mut slot) = results[i].lock() {
                         *slot = Some(result);
@@ -196,13 +217,22 @@ fn run_all(
         while left.load(Ordering::Relaxed) > 0 {
             std::thread::sleep(LOOK_EVERY);
             let so_far: u64 = done.iter().map(|d| d.load(Ordering::Relaxed)).sum();
-            let finished = results.iter().filter(|r| r.lock().is_ok_and(|slot| slot.is_some())).count();
+            let finished = results
+                .iter()
+                .filter(|r| r.lock().is_ok_and(|slot| slot.is_some()))
+                .count();
             let share = so_far as f64 / total.max(1) as f64;
-            progress.update(&format!("{finished} of {} points", points.len()), share.min(1.0));
+            progress.update(
+                &format!("{finished} of {} points", points.len()),
+                share.min(1.0),
+            );
         }
     });
     let not_run = || Err("it was not run".to_owned());
-    results.into_iter().map(|slot| slot.into_inner().ok().flatten().unwrap_or_else(not_run)).collect()
+    results
+        .into_iter()
+        .map(|slot| slot.into_inner().ok().flatten().unwrap_or_else(not_run))
+        .collect()
 }
 
 fn n_atoms(point: &Point) -> u64 {
@@ -224,7 +254,12 @@ impl lennard_engine::Progress for Counter<'_> {
     }
 }
 
-fn run_point(point: &Point, found: &Found, options: &SweepOptions<'_>, done: &AtomicU64) -> Result<Ran, String> {
+fn run_point(
+    point: &Point,
+    found: &Found,
+    options: &SweepOptions<'_>,
+    done: &AtomicU64,
+) -> Result<Ran, String> {
     if matches!(found, Found::Finished) {
         return Ok(Ran::Kept);
     }
@@ -232,7 +267,10 @@ fn run_point(point: &Point, found: &Found, options: &SweepOptions<'_>, done: &At
         return Ok(Ran::Stopped);
     }
     let folder = options.folder.join(&point.name);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|e| e.to_string())?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .map_err(|e| e.to_string())?;
     let ending = pool
         .install(|| start_or_go_on(point, found, options, &folder, done))
         .map_err(|error| error.to_string())?;
@@ -252,8 +290,17 @@ fn start_or_go_on(
     folder: &PathBuf,
     done: &AtomicU64,
 ) -> Result<lennard_engine::Ending, EngineError> {
-    let mut counter = Counter { done, atoms: n_atoms(point) };
-    let mut how = RunOptions { folder, threads: 1, stop: options.stop, deadline: None, progress: &mut counter };
+    let mut counter = Counter {
+        done,
+        atoms: n_atoms(point),
+    };
+    let mut how = RunOptions {
+        folder,
+        threads: 1,
+        stop: options.stop,
+        deadline: None,
+        progress: &mut counter,
+    };
     if matches!(found, Found::Begun)
         && let Ok(mut resumed) = lennard_engine::resume(folder, &ResumeOptions::default())
     {
