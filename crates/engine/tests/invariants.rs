@@ -343,7 +343,7 @@ impl Follower for TurnBack {
 
 /// The largest distance from the positions of step 1 after going `steps` forward and all but one of them back.
 fn return_distance(method: &str, n: &str, steps: u64, threads: usize) -> f64 {
-    let stages = format!("[{{name=\"there and back\", steps={}}}]", 2 * steps - 1);
+    let stages = format!("[{{name=\"there-and-back\", steps={}}}]", 2 * steps - 1);
     on_threads(threads, || {
         let mut s = build(&[
             ("integrator.kind", method),

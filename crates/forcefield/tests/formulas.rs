@@ -255,7 +255,9 @@ fn what_cannot_be_is_refused_with_the_key_it_is_about() {
     // Half the box is legal, and a skin that the program chooses is clamped or done without.
     let mut half = base;
     half.truncation.r_cut = 4.0;
-    assert_eq!(build(&half, &at).unwrap().plan().search, Search::Direct);
+    let few = Conditions { n_atoms: 30, ..at };
+    assert_eq!(build(&half, &few).unwrap().plan().search, Search::Direct);
+    assert_eq!(build(&half, &at).unwrap().plan().r_list, 4.0);
     half.truncation.r_cut = 3.9;
     assert!(build(&half, &at).unwrap().plan().r_list <= 4.0);
     let mut exact = base;
