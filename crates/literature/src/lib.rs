@@ -1,6 +1,5 @@
 //! What the literature says about the Lennard-Jones fluid: equations of state, the freezing line,
-//! transport coefficients, each with source and status, and comparison that takes the fluctuation of
-//! temperature into account.
+//! transport coefficients, each with source and status.
 //!
 //! All quantities are per particle and in reduced units (ε = σ = m = k_B = 1). The potential energy
 //! is the residual internal energy; the pressure includes the ideal part.
@@ -17,7 +16,6 @@
 //! assert!(equation_of_state_for(ModelKind::ForceShifted { r_cut: 2.5 }).is_err());
 //! ```
 
-mod compare;
 mod equation;
 mod freezing;
 mod jet;
@@ -28,7 +26,6 @@ mod saturation;
 mod thol;
 mod transport;
 
-pub use compare::{CompareError, Differences, Property, differences};
 pub use equation::{
     CriticalPoint, EquationOfState, EquationSpec, FluidState, OutsideRange, OwnUncertainty, Range,
 };
