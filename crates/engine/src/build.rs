@@ -192,7 +192,7 @@ pub fn tail_correction(tail: Option<&Tail>) -> Option<TailCorrection> {
 ///
 /// # Errors
 /// [`EngineError`] for everything about the scene that can only be seen now.
-pub fn simulation(scene: Scene) -> Result<Simulation, EngineError> {
+pub fn prepare(scene: Scene) -> Result<Simulation, EngineError> {
     let beginning = begin(&scene)?;
     assembled(scene, beginning)
 }

@@ -17,7 +17,7 @@ mod timers;
 pub mod watchdog;
 
 pub use build::{
-    SMALLEST_START_DISTANCE, begin, conditions, forces, recommended_threads, simulation,
+    SMALLEST_START_DISTANCE, begin, conditions, forces, prepare, recommended_threads,
     tail_correction,
 };
 pub use checkpointing::Past;
@@ -27,6 +27,6 @@ pub use error::EngineError;
 pub use files::{Marks, RunFiles};
 pub use plan::{Plan, PlanItem, plan};
 pub use resume::{ResumeError, ResumeOptions, Resumed, refuse_if_busy, resume};
-pub use run::{Ending, Outcome, Progress, RunOptions, go_on, prepare, run};
+pub use run::{Ending, Outcome, Progress, RunOptions, go_on, run};
 pub use simulation::{Follower, Nobody, Observer, Simulation, StageRun, Verdict};
 pub use timers::Timers;

@@ -13,7 +13,7 @@ use crate::files::RunFiles;
 use crate::resume::Resumed;
 use crate::simulation::{Follower, Simulation, Verdict};
 use crate::watchdog::PhysicsFailure;
-use crate::{EngineError, build, record};
+use crate::{EngineError, record};
 
 /// Steps between two states set aside for the case that physics fails: a copy of 48 bytes a particle each
 /// hundred steps is far below 1 % of them.
@@ -62,14 +62,6 @@ pub struct Outcome {
     pub record: RunRecord,
     /// The tables of the observables; written where the run is finished.
     pub tables: Vec<Table>,
-}
-
-/// Builds a scene into a simulation, before anything is written.
-///
-/// # Errors
-/// [`EngineError`] for everything that is wrong with the scene.
-pub fn prepare(scene: Scene) -> Result<Simulation, EngineError> {
-    build::simulation(scene)
 }
 
 /// Runs a simulation to its end and writes its folder.

@@ -1,7 +1,7 @@
 //! What must hold whatever the scene: bits, splits, observers, conservation, and failing well.
 
 use lennard_core::{Persist, StateArchive, Want};
-use lennard_engine::{EngineError, Follower, Nobody, Simulation, Verdict, simulation};
+use lennard_engine::{EngineError, Follower, Nobody, Simulation, Verdict, prepare};
 use lennard_scene::Scene;
 
 /// A liquid near its triple point, 256 particles, one measured stage.
@@ -34,7 +34,7 @@ fn scene(overrides: &[(&str, &str)]) -> Scene {
 }
 
 fn build(overrides: &[(&str, &str)]) -> Simulation {
-    simulation(scene(overrides)).unwrap_or_else(|e| panic!("{e}"))
+    prepare(scene(overrides)).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Everything that later steps depend on, to the bit.
