@@ -8,7 +8,7 @@ use lennard_core::PeriodicBox;
 use lennard_core::parallel::{for_each_chunk, for_each_chunk_pair};
 use rayon::prelude::*;
 
-use crate::scan::{Candidates, Columns};
+use crate::scan::{Candidates, PADDING};
 
 /// Cells an axis across the search radius. Two waste less volume than one, and cost more cells.
 const CELLS_PER_RADIUS: f64 = 2.0;
@@ -17,6 +17,9 @@ const SPARSE_CELL: f64 = 1.0;
 /// Never more cells than this many for each particle (and [`SMALLEST_GRID`]): a cluster in a vacuum
 /// must not cost the vacuum.
 const CELLS_PER_PARTICLE: usize = 4;
+/// Consecutive cells of a column that share one gathering of candidates: two spread its cost over more
+/// particles, and more of them would add candidates that are near to few.
+const CELLS_PER_GROUP: u32 = 2;
 /// Cells that any grid may have.
 const SMALLEST_GRID: usize = 512;
 /// Boxes away from home up to which image flags are counted; a coordinate beyond has lost its digits.
@@ -58,11 +61,20 @@ pub struct RowTable {
     pub image: Vec<IVec3>,
     /// The ghosts, in ascending order of their rows.
     pub ghosts: Vec<Ghost>,
-    /// The place that each row shows, itself or as a ghost, `[rows]`.
-    pub place: Vec<u32>,
+    /// The place that each row shows, itself or as a ghost, `[rows]` and padding.
+    place: Vec<u32>,
     /// Rows in single precision, for the search.
     pub(crate) candidates: Candidates,
     pub(crate) cells: CellRows,
+}
+
+/// A column of cells along z beside a cell.
+#[derive(Debug, Clone, Copy)]
+struct Column {
+    /// The extended cell of the column at the same height, less the cell itself.
+    offset: i64,
+    /// How many cells up and down come within the search radius.
+    reach: i64,
 }
 
 /// Where the rows of each cell begin.
@@ -78,6 +90,8 @@ pub(crate) struct CellRows {
     first_row: Vec<u32>,
     /// The extended cell of each place, `[N]`.
     cell_of_place: Vec<u32>,
+    /// The columns of cells around each cell.
+    columns: Vec<Column>,
     /// Scratch: home cell of each particle.
     home: Vec<u32>,
     /// Scratch: folded position of each place.
@@ -88,7 +102,18 @@ impl RowTable {
     /// Number of rows, ghosts included.
     #[must_use]
     pub fn rows(&self) -> usize {
-        self.place.len()
+        self.place.len().saturating_sub(PADDING)
+    }
+
+    /// The place that each row shows, itself or as a ghost, `[rows]`.
+    #[must_use]
+    pub fn places(&self) -> &[u32] {
+        &self.place[..self.rows()]
+    }
+
+    /// [`RowTable::places`] with [`PADDING`] elements more.
+    pub(crate) fn padded_places(&self) -> &[u32] {
+        &self.place
     }
 
     /// Bytes held.
@@ -115,6 +140,7 @@ impl RowTable {
         let n = positions.len();
         let lengths = cell.lengths();
         self.cells.choose(lengths, n, radius);
+        self.cells.find_columns(radius);
         let [nx, ny, nz] = self.cells.inner;
         let inv_edge = DVec3::new(nx as f64, ny as f64, nz as f64) / lengths;
 
@@ -189,7 +215,7 @@ impl RowTable {
         }
         first_row.push(rows);
         cells.first_row = first_row;
-        self.place.resize(rows as usize, 0);
+        self.place.resize(rows as usize + PADDING, 0);
         self.candidates.resize(rows as usize);
     }
 
@@ -310,35 +336,29 @@ impl RowTable {
         cells.first_row[first]..cells.first_row[last + 1]
     }
 
-    /// Points `near` at the columns of cells around the particle at `place`.
-    pub(crate) fn columns_near(&self, place: usize, near: &mut Near) {
+    /// The end of the group of places that starts with `first` and shares one gathering of candidates:
+    /// those of up to [`CELLS_PER_GROUP`] consecutive cells of a column, before `end`.
+    pub(crate) fn group_end(&self, first: usize, end: usize) -> usize {
+        let cells = &self.cells.cell_of_place[first..end];
+        let beyond = cells[0] + CELLS_PER_GROUP;
+        first + cells.iter().take_while(|c| **c < beyond).count()
+    }
+
+    /// Writes to `runs` the rows of all cells that come within the search radius of the cells of the
+    /// places from `first` to `last`, which belong to one group.
+    pub(crate) fn runs_near(&self, first: usize, last: usize, runs: &mut Vec<Range<u32>>) {
         let cells = &self.cells;
-        let [_, ey, ez] = cells.extended();
-        let [lx, ly, lz] = cells.layers;
-        let cell = cells.cell_of_place[place];
-        if near.cell != Some(cell) {
-            near.cell = Some(cell);
-            let cell = cell as usize;
-            near.xyz = [cell / (ey * ez), cell / ez % ey, cell % ez];
-            let [x, y, z] = near.xyz;
-            let (wide, deep) = (2 * lx + 1, 2 * ly + 1);
-            near.columns.runs.resize(wide * deep, 0..0);
-            near.columns.rows = 0;
-            let reach = 2 * lz + 1;
-            let mut first = ((x - lx) * ey + y - ly) * ez + z - lz;
-            for runs in near.columns.runs.chunks_exact_mut(deep) {
-                for (k, run) in runs.iter_mut().enumerate() {
-                    let rows = &cells.first_row[first + k * ez..][..=reach];
-                    *run = rows[0]..rows[reach];
-                    near.columns.rows += (run.end - run.start) as usize;
-                }
-                first += ey * ez;
+        let (low, high) = (cells.cell_of_place[first], cells.cell_of_place[last]);
+        runs.clear();
+        for column in &cells.columns {
+            // Layers of ghosts lie around the box, so these cells exist.
+            let from = (i64::from(low) + column.offset - column.reach) as usize;
+            let to = (i64::from(high) + column.offset + column.reach) as usize;
+            let run = cells.first_row[from]..cells.first_row[to + 1];
+            if !run.is_empty() {
+                runs.push(run);
             }
         }
-        let own = self.row[place] as usize;
-        let [x, y, _] = near.xyz;
-        cells.gaps2(0, x, self.candidates.x[own], &mut near.columns.gaps_x);
-        cells.gaps2(1, y, self.candidates.y[own], &mut near.columns.gaps_y);
     }
 
     /// How far the search radius must be enlarged so that rounding to single precision hides no pair, σ.
@@ -397,24 +417,27 @@ impl CellRows {
             .collect()
     }
 
-    /// The squared distances along an axis from coordinate `r` in extended cell `c` to the cells within
-    /// reach, from the lowest to the highest; a little less than that, for rounding's sake.
-    #[inline]
-    fn gaps2(&self, axis: usize, c: usize, r: f32, gaps: &mut Vec<f32>) {
-        let layers = self.layers[axis];
-        let edge = self.edge[axis] as f32;
-        let low = ((c as f64 - layers as f64) * self.edge[axis]) as f32;
-        // Distances to both faces of the own cell; rounding may put the particle just outside of it.
-        let below = (r - low).max(0.0) * (1.0 - 1e-5);
-        let above = (low + edge - r).max(0.0) * (1.0 - 1e-5);
-        gaps.clear();
-        for k in (0..layers).rev() {
-            gaps.push((below + k as f32 * edge).powi(2));
+    /// Lists the columns of cells that come within `radius` of a cell, in ascending order of their rows.
+    fn find_columns(&mut self, radius: f64) {
+        let [_, ey, ez] = self.extended().map(|e| e as i64);
+        let layers = self.layers.map(|l| l as i64);
+        // Rounding may put a particle just outside of its cell: distances count a little less.
+        let gap =
+            |axis: usize, k: i64| (k.abs() - 1).max(0) as f64 * self.edge[axis] * (1.0 - 1e-5);
+        let mut columns = Vec::new();
+        for x in -layers[0]..=layers[0] {
+            for y in -layers[1]..=layers[1] {
+                let left2 = radius * radius - gap(0, x).powi(2) - gap(1, y).powi(2);
+                if left2 >= 0.0 {
+                    let reach = (left2.sqrt() / self.edge[2] * (1.0 + 1e-5)).ceil() as i64;
+                    columns.push(Column {
+                        offset: (x * ey + y) * ez,
+                        reach: reach.clamp(1, layers[2]),
+                    });
+                }
+            }
         }
-        gaps.push(0.0);
-        for k in 0..layers {
-            gaps.push((above + k as f32 * edge).powi(2));
-        }
+        self.columns = columns;
     }
 }
 
@@ -426,21 +449,6 @@ type Layer<'a> = (
     &'a mut [f32],
     &'a mut [f32],
 );
-
-/// The columns around one particle, and the cell that they belong to: neighbors in the cell share them.
-#[derive(Debug, Default)]
-pub(crate) struct Near {
-    cell: Option<u32>,
-    xyz: [usize; 3],
-    pub columns: Columns,
-}
-
-impl Near {
-    /// Forgets the cell: the next one may be of another table.
-    pub fn reset(&mut self) {
-        self.cell = None;
-    }
-}
 
 /// Folded position and image, as [`PeriodicBox::split`] gives them, without a call of `floor`, which
 /// costs more than all the rest where the instruction set has none.

@@ -16,4 +16,4 @@ pub use brute::{brute_force_pairs, for_each_pair};
 pub use criterion::{Criterion, Verdict};
 pub use grid::{Ghost, GridError, RowTable};
 pub use list::{ATOMS_PER_CHUNK, Entries, Images, ListChunk, NeighborList};
-pub use scan::{Candidates, Columns, RowScanner, ScalarScanner};
+pub use scan::{Candidates, Center, Names, Nearby, PADDING, RowScanner, ScalarScanner};

@@ -5,8 +5,8 @@ use lennard_core::PeriodicBox;
 use rayon::prelude::*;
 use std::ops::Range;
 
-use crate::grid::{GridError, Near, RowTable};
-use crate::scan::{Candidates, RowScanner};
+use crate::grid::{GridError, RowTable};
+use crate::scan::{Center, Names, Nearby, PADDING, RowScanner};
 
 /// Particles a chunk of the list: a constant, so that sums over chunks have one order. Small, so that
 /// 864 particles still keep several threads busy.
@@ -31,7 +31,7 @@ pub enum Entries {
 }
 
 impl Entries {
-    /// Number of entries, padding included.
+    /// Number of entries, padding and what means nothing included.
     #[must_use]
     pub fn len(&self) -> usize {
         match self {
@@ -71,7 +71,8 @@ pub struct ListChunk {
     pub base: u32,
     /// Number of neighbors of each place.
     pub counts: Vec<u32>,
-    /// Neighbors of one place after another, each padded with the place itself to whole registers.
+    /// Neighbors of one place after another, each padded with the place itself to whole registers; what
+    /// comes after those of the last place means nothing.
     pub entries: Entries,
 }
 
@@ -239,7 +240,7 @@ impl NeighborList {
                 for entry in chunk.entries.offsets(start..start + count) {
                     let target = entry + chunk.base;
                     let place = match self.images {
-                        Images::Ghosts => self.table.place[target as usize],
+                        Images::Ghosts => self.table.places()[target as usize],
                         Images::Folded => target,
                     };
                     neighbors.push(self.table.particle[place as usize]);
@@ -255,26 +256,49 @@ impl NeighborList {
 /// What one thread needs while it fills chunks.
 #[derive(Default)]
 struct Scratch {
-    near: Near,
-    found: Vec<u32>,
+    runs: Vec<Range<u32>>,
+    nearby: Nearby,
 }
 
 /// An entry of either width.
-trait Offset: Copy {
-    fn of(target: u32, base: u32) -> Self;
+trait Offset: Copy + Default {
+    fn of(name: u32) -> Self;
+    fn near(
+        scanner: &dyn RowScanner,
+        nearby: &Nearby,
+        center: Center,
+        radius2: f32,
+        found: &mut [Self],
+    ) -> usize;
 }
 
 impl Offset for u16 {
-    #[inline(always)]
-    fn of(target: u32, base: u32) -> Self {
-        (target - base) as u16
+    fn of(name: u32) -> Self {
+        name as u16
+    }
+    fn near(
+        scanner: &dyn RowScanner,
+        nearby: &Nearby,
+        center: Center,
+        radius2: f32,
+        found: &mut [u16],
+    ) -> usize {
+        scanner.near_narrow(nearby, center, radius2, found)
     }
 }
 
 impl Offset for u32 {
-    #[inline(always)]
-    fn of(target: u32, base: u32) -> Self {
-        target - base
+    fn of(name: u32) -> Self {
+        name
+    }
+    fn near(
+        scanner: &dyn RowScanner,
+        nearby: &Nearby,
+        center: Center,
+        radius2: f32,
+        found: &mut [u32],
+    ) -> usize {
+        scanner.near_wide(nearby, center, radius2, found)
     }
 }
 
@@ -291,7 +315,6 @@ impl Filler<'_> {
     fn fill(&self, places: Range<usize>, scratch: &mut Scratch, chunk: &mut ListChunk) {
         chunk.first_place = places.start as u32;
         chunk.counts.clear();
-        scratch.near.reset();
         let targets = match self.images {
             Images::Ghosts => self.table.rows_near(&places),
             Images::Folded => 0..self.table.particle.len() as u32,
@@ -301,67 +324,62 @@ impl Filler<'_> {
         let counts = &mut chunk.counts;
         let old = std::mem::replace(&mut chunk.entries, Entries::Wide(Vec::new()));
         chunk.entries = match (old, narrow) {
-            (Entries::Narrow(mut entries), true) => {
-                entries.clear();
-                self.write(places, chunk.base, scratch, counts, &mut entries);
-                Entries::Narrow(entries)
+            (Entries::Narrow(entries), true) => {
+                Entries::Narrow(self.write(places, chunk.base, scratch, counts, entries))
             }
-            (Entries::Wide(mut entries), false) => {
-                entries.clear();
-                self.write(places, chunk.base, scratch, counts, &mut entries);
-                Entries::Wide(entries)
+            (Entries::Wide(entries), false) => {
+                Entries::Wide(self.write(places, chunk.base, scratch, counts, entries))
             }
             (_, true) => {
-                let mut entries = Vec::new();
-                self.write(places, chunk.base, scratch, counts, &mut entries);
-                Entries::Narrow(entries)
+                Entries::Narrow(self.write(places, chunk.base, scratch, counts, Vec::new()))
             }
             (_, false) => {
-                let mut entries = Vec::new();
-                self.write(places, chunk.base, scratch, counts, &mut entries);
-                Entries::Wide(entries)
+                Entries::Wide(self.write(places, chunk.base, scratch, counts, Vec::new()))
             }
         };
     }
 
+    /// Writes the entries of `places` over those of an earlier build. What is left of that build stays
+    /// behind them: clearing it would cost as much as a search.
     fn write<E: Offset>(
         &self,
         places: Range<usize>,
         base: u32,
         scratch: &mut Scratch,
         counts: &mut Vec<u32>,
-        entries: &mut Vec<E>,
-    ) {
+        mut entries: Vec<E>,
+    ) -> Vec<E> {
         let table = self.table;
-        for place in places {
-            table.columns_near(place, &mut scratch.near);
-            let candidates = scratch.near.columns.rows + Candidates::PADDING;
-            if scratch.found.len() < candidates {
-                scratch.found.resize(candidates, 0);
+        let names = match self.images {
+            Images::Ghosts => Names::Rows { base },
+            Images::Folded => Names::Places(table.padded_places()),
+        };
+        let Scratch { runs, nearby } = scratch;
+        let mut written = 0;
+        let mut first = places.start;
+        while first < places.end {
+            let end = table.group_end(first, places.end);
+            table.runs_near(first, end - 1, runs);
+            self.scanner.gather(&table.candidates, names, runs, nearby);
+            for place in first..end {
+                let row = table.row[place];
+                let center = Center {
+                    at: table.candidates.at(row as usize),
+                    name: names.of(row),
+                };
+                let room = written + nearby.len + 2 * PADDING;
+                if entries.len() < room {
+                    entries.resize(room, E::default());
+                }
+                let found = &mut entries[written..];
+                let count = E::near(self.scanner, nearby, center, self.radius2, found);
+                let padded = count.next_multiple_of(self.lanes);
+                found[count..padded].fill(E::of(center.name));
+                counts.push(count as u32);
+                written += padded;
             }
-            let row = table.row[place];
-            let count = self.scanner.scan(
-                &table.candidates,
-                row,
-                &scratch.near.columns,
-                self.radius2,
-                &mut scratch.found,
-            );
-            let found = &scratch.found[..count];
-            let own = match self.images {
-                Images::Ghosts => {
-                    entries.extend(found.iter().map(|row| E::of(*row, base)));
-                    row
-                }
-                Images::Folded => {
-                    let places = &table.place;
-                    entries.extend(found.iter().map(|row| E::of(places[*row as usize], base)));
-                    place as u32
-                }
-            };
-            counts.push(count as u32);
-            let padded = count.next_multiple_of(self.lanes) - count;
-            entries.extend(std::iter::repeat_n(E::of(own, base), padded));
+            first = end;
         }
+        entries
     }
 }

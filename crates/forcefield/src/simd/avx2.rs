@@ -9,7 +9,6 @@ use super::{DoubleRow, FixedRow};
 use crate::options::Precision;
 use crate::real::Real;
 use crate::truncation::PairForm;
-use lennard_neighbor::{Candidates, Columns};
 
 /// Four doubles. Values of this type exist only inside functions that enable AVX2 and FMA.
 #[derive(Clone, Copy)]
@@ -303,90 +302,4 @@ pub fn limit<F: PairForm>(form: &F, r_cut: f64, rounds: u64, precision: Precisio
             Precision::Mixed => arithmetic::<F32x8, F>(form, r_cut, rounds),
         }
     }
-}
-
-/// For each mask of eight lanes, the lanes that are set, packed together.
-static PACKED: [[u32; 8]; 256] = {
-    let mut table = [[0; 8]; 256];
-    let mut mask = 0;
-    while mask < 256 {
-        let (mut lane, mut count) = (0, 0);
-        while lane < 8 {
-            if mask >> lane & 1 == 1 {
-                table[mask][count] = lane as u32;
-                count += 1;
-            }
-            lane += 1;
-        }
-        mask += 1;
-    }
-    table
-};
-
-/// The scanner of list building: eight rows at a time, indices of near ones packed together.
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-pub fn scan(
-    candidates: &Candidates,
-    own: u32,
-    columns: &Columns,
-    radius2: f32,
-    found: &mut [u32],
-) -> usize {
-    let rows = candidates.rows();
-    let room = found.len() - Candidates::PADDING;
-    let i = own as usize;
-    let x = _mm256_set1_ps(candidates.x[i]);
-    let y = _mm256_set1_ps(candidates.y[i]);
-    let z = _mm256_set1_ps(candidates.z[i]);
-    let limit = _mm256_set1_ps(radius2);
-    let (px, py, pz) = (
-        candidates.x.as_ptr(),
-        candidates.y.as_ptr(),
-        candidates.z.as_ptr(),
-    );
-    let mut count = 0_usize;
-    let width = columns.gaps_y.len().max(1);
-    // Plain loops: a closure would be compiled for the processor that the program was built for.
-    for (gx, runs) in columns.gaps_x.iter().zip(columns.runs.chunks_exact(width)) {
-        let left_over = radius2 - gx;
-        for (gy, run) in columns.gaps_y.iter().zip(runs) {
-            if *gy > left_over {
-                continue;
-            }
-            assert!(run.end as usize <= rows, "a run of rows");
-            // What was found so far and all of this run fit, with a register to spare.
-            assert!(count + run.len() <= room, "room for all that may be found");
-            let mut row = run.start;
-            while row < run.end {
-                let left = run.end - row;
-                let valid = if left >= 8 { 0xFF } else { (1_u32 << left) - 1 };
-                let at = row as usize;
-                // SAFETY: `at < rows`, and the arrays are padded by more than a register beyond their rows.
-                let (dx, dy, dz) = unsafe {
-                    (
-                        _mm256_sub_ps(x, _mm256_loadu_ps(px.add(at))),
-                        _mm256_sub_ps(y, _mm256_loadu_ps(py.add(at))),
-                        _mm256_sub_ps(z, _mm256_loadu_ps(pz.add(at))),
-                    )
-                };
-                let r2 = _mm256_fmadd_ps(dz, dz, _mm256_fmadd_ps(dy, dy, _mm256_mul_ps(dx, dx)));
-                let near = _mm256_cmp_ps::<_CMP_LE_OQ>(r2, limit);
-                let mut near = _mm256_movemask_ps(near) as u32 & valid;
-                let me = own.wrapping_sub(row);
-                if me < 8 {
-                    near &= !(1 << me);
-                }
-                // SAFETY: a row of the table is one register; `count` is at most the rows looked at so far,
-                // and `found` is longer than all runs by more than a register.
-                unsafe {
-                    let lanes = _mm256_loadu_si256(PACKED[near as usize].as_ptr().cast());
-                    let packed = _mm256_add_epi32(lanes, _mm256_set1_epi32(row as i32));
-                    _mm256_storeu_si256(found.as_mut_ptr().add(count).cast(), packed);
-                }
-                count += near.count_ones() as usize;
-                row += 8;
-            }
-        }
-    }
-    count
 }

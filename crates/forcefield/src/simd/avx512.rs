@@ -11,7 +11,6 @@ use super::{DoubleRow, FixedRow};
 use crate::options::Precision;
 use crate::real::Real;
 use crate::truncation::PairForm;
-use lennard_neighbor::{Candidates, Columns};
 
 /// Eight doubles. Values of this type exist only inside functions that enable AVX-512.
 #[derive(Clone, Copy)]
@@ -376,72 +375,4 @@ pub fn limit<F: PairForm>(form: &F, r_cut: f64, rounds: u64, precision: Precisio
             Precision::Mixed => arithmetic::<F32x16, F>(form, r_cut, rounds),
         }
     }
-}
-
-/// The scanner of list building: sixteen rows at a time, indices of near ones packed together.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
-pub fn scan(
-    candidates: &Candidates,
-    own: u32,
-    columns: &Columns,
-    radius2: f32,
-    found: &mut [u32],
-) -> usize {
-    let rows = candidates.rows();
-    let room = found.len() - Candidates::PADDING;
-    let i = own as usize;
-    let x = _mm512_set1_ps(candidates.x[i]);
-    let y = _mm512_set1_ps(candidates.y[i]);
-    let z = _mm512_set1_ps(candidates.z[i]);
-    let limit = _mm512_set1_ps(radius2);
-    let me = _mm512_set1_epi32(own as i32);
-    let ramp = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    let (px, py, pz) = (
-        candidates.x.as_ptr(),
-        candidates.y.as_ptr(),
-        candidates.z.as_ptr(),
-    );
-    let mut count = 0_usize;
-    let width = columns.gaps_y.len().max(1);
-    // Plain loops: a closure would be compiled for the processor that the program was built for.
-    for (gx, runs) in columns.gaps_x.iter().zip(columns.runs.chunks_exact(width)) {
-        let left_over = radius2 - gx;
-        for (gy, run) in columns.gaps_y.iter().zip(runs) {
-            if *gy > left_over {
-                continue;
-            }
-            assert!(run.end as usize <= rows, "a run of rows");
-            // What was found so far and all of this run fit, with a register to spare.
-            assert!(count + run.len() <= room, "room for all that may be found");
-            let mut row = run.start;
-            while row < run.end {
-                let left = run.end - row;
-                let valid: __mmask16 = if left >= 16 {
-                    u16::MAX
-                } else {
-                    (1 << left) - 1
-                };
-                let at = row as usize;
-                // SAFETY: `at < rows`, and the arrays are padded by a register beyond their rows.
-                let (dx, dy, dz) = unsafe {
-                    (
-                        _mm512_sub_ps(x, _mm512_loadu_ps(px.add(at))),
-                        _mm512_sub_ps(y, _mm512_loadu_ps(py.add(at))),
-                        _mm512_sub_ps(z, _mm512_loadu_ps(pz.add(at))),
-                    )
-                };
-                let r2 = _mm512_fmadd_ps(dz, dz, _mm512_fmadd_ps(dy, dy, _mm512_mul_ps(dx, dx)));
-                let index = _mm512_add_epi32(_mm512_set1_epi32(row as i32), ramp);
-                let near = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(valid, r2, limit);
-                let near = _mm512_mask_cmpneq_epi32_mask(near, index, me);
-                let packed = _mm512_maskz_compress_epi32(near, index);
-                // SAFETY: `count` is at most the rows looked at so far, and `found` is longer
-                // by a register.
-                unsafe { _mm512_storeu_si512(found.as_mut_ptr().add(count).cast(), packed) };
-                count += near.count_ones() as usize;
-                row += 16;
-            }
-        }
-    }
-    count
 }

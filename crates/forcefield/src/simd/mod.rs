@@ -13,6 +13,10 @@ mod lanes;
 mod packing;
 mod pair_loop;
 mod portable;
+#[cfg(target_arch = "x86_64")]
+mod scan256;
+#[cfg(target_arch = "x86_64")]
+mod scan512;
 mod scatter;
 
 pub use packing::{FIXED_UNITS, Moved};
@@ -22,7 +26,9 @@ pub use scatter::Scatter;
 use crate::options::{Isa, Precision};
 use crate::truncation::PairForm;
 use glam::DVec3;
-use lennard_neighbor::{Candidates, Columns, Images, RowScanner, RowTable, ScalarScanner};
+use lennard_neighbor::{
+    Candidates, Center, Images, Names, Nearby, RowScanner, RowTable, ScalarScanner,
+};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -121,41 +127,51 @@ impl Level {
     }
 }
 
-#[cfg(target_arch = "x86_64")]
-struct Avx512Scanner;
+macro_rules! scanner {
+    ($name:ident, $module:ident) => {
+        #[cfg(target_arch = "x86_64")]
+        struct $name;
 
-#[cfg(target_arch = "x86_64")]
-impl RowScanner for Avx512Scanner {
-    fn scan(
-        &self,
-        candidates: &Candidates,
-        own: u32,
-        columns: &Columns,
-        radius2: f32,
-        found: &mut [u32],
-    ) -> usize {
-        // SAFETY: this scanner is handed out by `Level::scanner` of a level that is available.
-        unsafe { avx512::scan(candidates, own, columns, radius2, found) }
-    }
+        #[cfg(target_arch = "x86_64")]
+        impl RowScanner for $name {
+            fn gather(
+                &self,
+                candidates: &Candidates,
+                names: Names<'_>,
+                runs: &[Range<u32>],
+                nearby: &mut Nearby,
+            ) {
+                // SAFETY: this scanner is handed out by `Level::scanner` of a level that is available.
+                unsafe { $module::gather(candidates, names, runs, nearby) }
+            }
+
+            fn near_narrow(
+                &self,
+                nearby: &Nearby,
+                center: Center,
+                radius2: f32,
+                found: &mut [u16],
+            ) -> usize {
+                // SAFETY: as above.
+                unsafe { $module::near_narrow(nearby, center, radius2, found) }
+            }
+
+            fn near_wide(
+                &self,
+                nearby: &Nearby,
+                center: Center,
+                radius2: f32,
+                found: &mut [u32],
+            ) -> usize {
+                // SAFETY: as above.
+                unsafe { $module::near_wide(nearby, center, radius2, found) }
+            }
+        }
+    };
 }
 
-#[cfg(target_arch = "x86_64")]
-struct Avx2Scanner;
-
-#[cfg(target_arch = "x86_64")]
-impl RowScanner for Avx2Scanner {
-    fn scan(
-        &self,
-        candidates: &Candidates,
-        own: u32,
-        columns: &Columns,
-        radius2: f32,
-        found: &mut [u32],
-    ) -> usize {
-        // SAFETY: this scanner is handed out by `Level::scanner` of a level that is available.
-        unsafe { avx2::scan(candidates, own, columns, radius2, found) }
-    }
-}
+scanner!(Avx512Scanner, scan512);
+scanner!(Avx2Scanner, scan256);
 
 /// Runs the pair loop over one chunk of the list.
 pub fn run_double<F: PairForm>(

@@ -1,0 +1,129 @@
+//! The search of list building with AVX2: eight candidates at a time.
+
+use std::arch::x86_64::*;
+use std::ops::Range;
+
+use lennard_neighbor::{Candidates, Center, Names, Nearby, PADDING};
+
+const WIDTH: usize = 8;
+
+/// See [`lennard_neighbor::RowScanner::gather`].
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+pub fn gather(candidates: &Candidates, names: Names<'_>, runs: &[Range<u32>], nearby: &mut Nearby) {
+    nearby.make_room(candidates, &names, runs);
+    let ramp = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    let (from_x, from_y, from_z) = (
+        candidates.x.as_ptr(),
+        candidates.y.as_ptr(),
+        candidates.z.as_ptr(),
+    );
+    let (to_x, to_y, to_z, to_name) = (
+        nearby.x.as_mut_ptr(),
+        nearby.y.as_mut_ptr(),
+        nearby.z.as_mut_ptr(),
+        nearby.name.as_mut_ptr(),
+    );
+    let mut len = 0;
+    for run in runs {
+        let (start, end) = (run.start as usize, run.end as usize);
+        let mut row = start;
+        while row < end {
+            let to = len + row - start;
+            // SAFETY: `make_room` checked that runs are rows and made room for them and a register; rows,
+            // padded as they are, can be read a register beyond their end.
+            unsafe {
+                _mm256_storeu_ps(to_x.add(to), _mm256_loadu_ps(from_x.add(row)));
+                _mm256_storeu_ps(to_y.add(to), _mm256_loadu_ps(from_y.add(row)));
+                _mm256_storeu_ps(to_z.add(to), _mm256_loadu_ps(from_z.add(row)));
+                let name = match names {
+                    Names::Rows { base } => _mm256_add_epi32(
+                        _mm256_set1_epi32((row as u32).wrapping_sub(base) as i32),
+                        ramp,
+                    ),
+                    Names::Places(places) => _mm256_loadu_si256(places.as_ptr().add(row).cast()),
+                };
+                _mm256_storeu_si256(to_name.add(to).cast(), name);
+            }
+            row += WIDTH;
+        }
+        len += end - start;
+    }
+    nearby.finish(len);
+}
+
+/// For each mask of eight lanes, the lanes that are set, packed together.
+static PACKED: [[u32; 8]; 256] = {
+    let mut table = [[0; 8]; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut count) = (0, 0);
+        while lane < 8 {
+            if mask >> lane & 1 == 1 {
+                table[mask][count] = lane as u32;
+                count += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
+macro_rules! near {
+    ($name:ident, $entry:ty, $store:expr) => {
+        /// See [`lennard_neighbor::RowScanner::near_narrow`].
+        #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+        pub fn $name(nearby: &Nearby, center: Center, radius2: f32, found: &mut [$entry]) -> usize {
+            let blocks = nearby.len.div_ceil(WIDTH);
+            for axis in [&nearby.x, &nearby.y, &nearby.z] {
+                assert!(axis.len() >= blocks * WIDTH);
+            }
+            assert!(nearby.name.len() >= blocks * WIDTH);
+            assert!(found.len() >= nearby.len + PADDING);
+            let [x, y, z] = center.at;
+            let (x, y, z) = (_mm256_set1_ps(x), _mm256_set1_ps(y), _mm256_set1_ps(z));
+            let limit = _mm256_set1_ps(radius2);
+            let me = _mm256_set1_epi32(center.name as i32);
+            let mut count = 0_usize;
+            for block in 0..blocks {
+                let at = block * WIDTH;
+                // SAFETY: all four arrays have whole blocks (checked above).
+                let (xj, yj, zj, name) = unsafe {
+                    (
+                        _mm256_loadu_ps(nearby.x.as_ptr().add(at)),
+                        _mm256_loadu_ps(nearby.y.as_ptr().add(at)),
+                        _mm256_loadu_ps(nearby.z.as_ptr().add(at)),
+                        _mm256_loadu_si256(nearby.name.as_ptr().add(at).cast()),
+                    )
+                };
+                let (dx, dy, dz) = (
+                    _mm256_sub_ps(x, xj),
+                    _mm256_sub_ps(y, yj),
+                    _mm256_sub_ps(z, zj),
+                );
+                let r2 = _mm256_fmadd_ps(dz, dz, _mm256_fmadd_ps(dy, dy, _mm256_mul_ps(dx, dx)));
+                let near = _mm256_cmp_ps::<_CMP_LE_OQ>(r2, limit);
+                let own = _mm256_castsi256_ps(_mm256_cmpeq_epi32(name, me));
+                let near = _mm256_movemask_ps(_mm256_andnot_ps(own, near)) as usize;
+                // SAFETY: a row of the table is one register; `count` is at most the candidates looked at so
+                // far, which are fewer than all, and `found` is longer than all of them by a register.
+                unsafe {
+                    let lanes = _mm256_loadu_si256(PACKED[near].as_ptr().cast());
+                    let packed = _mm256_permutevar8x32_epi32(name, lanes);
+                    $store(found.as_mut_ptr().add(count).cast(), packed);
+                }
+                count += near.count_ones() as usize;
+            }
+            count
+        }
+    };
+}
+
+near!(near_narrow, u16, |to, names| {
+    let halves = (
+        _mm256_castsi256_si128(names),
+        _mm256_extracti128_si256::<1>(names),
+    );
+    _mm_storeu_si128(to, _mm_packus_epi32(halves.0, halves.1));
+});
+near!(near_wide, u32, _mm256_storeu_si256);

@@ -1,0 +1,101 @@
+//! The search of list building with AVX-512: sixteen candidates at a time.
+
+use std::arch::x86_64::*;
+use std::ops::Range;
+
+use lennard_neighbor::{Candidates, Center, Names, Nearby, PADDING};
+
+const WIDTH: usize = 16;
+
+/// See [`lennard_neighbor::RowScanner::gather`].
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
+pub fn gather(candidates: &Candidates, names: Names<'_>, runs: &[Range<u32>], nearby: &mut Nearby) {
+    nearby.make_room(candidates, &names, runs);
+    let ramp = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    let (from_x, from_y, from_z) = (
+        candidates.x.as_ptr(),
+        candidates.y.as_ptr(),
+        candidates.z.as_ptr(),
+    );
+    let (to_x, to_y, to_z, to_name) = (
+        nearby.x.as_mut_ptr(),
+        nearby.y.as_mut_ptr(),
+        nearby.z.as_mut_ptr(),
+        nearby.name.as_mut_ptr(),
+    );
+    let mut len = 0;
+    for run in runs {
+        let (start, end) = (run.start as usize, run.end as usize);
+        let mut row = start;
+        while row < end {
+            let to = len + row - start;
+            // SAFETY: `make_room` checked that runs are rows and made room for them and a register; rows,
+            // padded as they are, can be read a register beyond their end.
+            unsafe {
+                _mm512_storeu_ps(to_x.add(to), _mm512_loadu_ps(from_x.add(row)));
+                _mm512_storeu_ps(to_y.add(to), _mm512_loadu_ps(from_y.add(row)));
+                _mm512_storeu_ps(to_z.add(to), _mm512_loadu_ps(from_z.add(row)));
+                let name = match names {
+                    Names::Rows { base } => _mm512_add_epi32(
+                        _mm512_set1_epi32((row as u32).wrapping_sub(base) as i32),
+                        ramp,
+                    ),
+                    Names::Places(places) => _mm512_loadu_si512(places.as_ptr().add(row).cast()),
+                };
+                _mm512_storeu_si512(to_name.add(to).cast(), name);
+            }
+            row += WIDTH;
+        }
+        len += end - start;
+    }
+    nearby.finish(len);
+}
+
+macro_rules! near {
+    ($name:ident, $entry:ty, $pack:expr, $store:expr) => {
+        /// See [`lennard_neighbor::RowScanner::near_narrow`].
+        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
+        pub fn $name(nearby: &Nearby, center: Center, radius2: f32, found: &mut [$entry]) -> usize {
+            let blocks = nearby.len.div_ceil(WIDTH);
+            for axis in [&nearby.x, &nearby.y, &nearby.z] {
+                assert!(axis.len() >= blocks * WIDTH);
+            }
+            assert!(nearby.name.len() >= blocks * WIDTH);
+            assert!(found.len() >= nearby.len + PADDING);
+            let [x, y, z] = center.at;
+            let (x, y, z) = (_mm512_set1_ps(x), _mm512_set1_ps(y), _mm512_set1_ps(z));
+            let limit = _mm512_set1_ps(radius2);
+            let me = _mm512_set1_epi32(center.name as i32);
+            let mut count = 0_usize;
+            for block in 0..blocks {
+                let at = block * WIDTH;
+                // SAFETY: all four arrays have whole blocks (checked above).
+                let (xj, yj, zj, name) = unsafe {
+                    (
+                        _mm512_loadu_ps(nearby.x.as_ptr().add(at)),
+                        _mm512_loadu_ps(nearby.y.as_ptr().add(at)),
+                        _mm512_loadu_ps(nearby.z.as_ptr().add(at)),
+                        _mm512_loadu_si512(nearby.name.as_ptr().add(at).cast()),
+                    )
+                };
+                let (dx, dy, dz) = (
+                    _mm512_sub_ps(x, xj),
+                    _mm512_sub_ps(y, yj),
+                    _mm512_sub_ps(z, zj),
+                );
+                let r2 = _mm512_fmadd_ps(dz, dz, _mm512_fmadd_ps(dy, dy, _mm512_mul_ps(dx, dx)));
+                let other = _mm512_cmpneq_epi32_mask(name, me);
+                let near = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(other, r2, limit);
+                let packed = $pack(_mm512_maskz_compress_epi32(near, name));
+                // SAFETY: `count` is at most the candidates looked at so far, which are fewer than all, and
+                // `found` is longer than all of them by a register.
+                unsafe { $store(found.as_mut_ptr().add(count).cast(), packed) };
+                count += near.count_ones() as usize;
+            }
+            count
+        }
+    };
+}
+
+near!(near_narrow, u16, _mm512_cvtepi32_epi16, _mm256_storeu_si256);
+near!(near_wide, u32, std::convert::identity, _mm512_storeu_si512);
