@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use lennard_benches::{CASES, Run};
 use lennard_core::{ForceProvider, Want};
-use lennard_forcefield::{Isa, KernelOptions, Precision, TruncationKind};
+use lennard_forcefield::{Isa, Kernel, KernelOptions, Precision, TruncationKind};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -54,7 +54,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                             "portable" => Isa::Portable,
                             _ => Isa::Auto,
                         },
-                        ..KernelOptions::default()
+                        kernel: match value("kernel", "auto").as_str() {
+                            "rows" => Kernel::Rows,
+                            "tiles" => Kernel::Tiles,
+                            _ => Kernel::Auto,
+                        },
                     };
                     let pool = rayon::ThreadPoolBuilder::new()
                         .num_threads(threads.parse()?)
@@ -81,7 +85,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let start = Instant::now();
             let cpu = v.pool.install(|| {
                 let before = seconds_on_cpu();
-                v.run.steps(steps, Want::NOTHING)?;
+                lennard_core::parallel::awake(|| v.run.steps(steps, Want::NOTHING))?;
                 Ok::<f64, lennard_core::ForceError>(seconds_on_cpu() - before)
             })?;
             let seconds = start.elapsed().as_secs_f64();

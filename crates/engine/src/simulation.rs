@@ -72,6 +72,10 @@ pub struct Simulation {
     pub isa: String,
 }
 
+/// Up to this many particles a step is so short that a thread which falls asleep between two of its parts
+/// wakes too late to help.
+const SHORT_STEPS_UP_TO: usize = 50_000;
+
 /// What the main loop hands to those outside after each step.
 pub trait Follower {
     /// The steps at which this follower wants something from the forces.
@@ -110,6 +114,14 @@ impl Simulation {
     /// # Errors
     /// [`crate::EngineError`] where physics or a follower fails.
     pub fn run(&mut self, follower: &mut dyn Follower) -> Result<bool, crate::EngineError> {
+        if self.state.positions.len() <= SHORT_STEPS_UP_TO {
+            lennard_core::parallel::awake(|| self.run_stages(follower))
+        } else {
+            self.run_stages(follower)
+        }
+    }
+
+    fn run_stages(&mut self, follower: &mut dyn Follower) -> Result<bool, crate::EngineError> {
         while self.enter_next_stage()? {
             let steps = self.current_stage().steps;
             while self.stage_run().steps_done < steps {

@@ -18,6 +18,7 @@ mod reference;
 mod simd;
 mod sums;
 mod tail;
+mod tiled;
 mod truncation;
 
 pub use catalog::{PotentialSpec, TruncationSpec, potentials, truncations};

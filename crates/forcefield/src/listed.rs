@@ -5,16 +5,20 @@ use std::time::Instant;
 use glam::DVec3;
 use lennard_core::parallel::for_each_chunk;
 use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWriter};
-use lennard_neighbor::{Criterion, GridError, Images, NeighborList, Verdict};
+use lennard_neighbor::{Criterion, FIXED_UNITS, GridError, Images, NeighborList, Verdict};
 use rayon::prelude::*;
 
 use crate::options::Precision;
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
-    self, ChunkTotals, DoubleRow, FIXED_UNITS, FixedRow, Level, Moved, PairJob, PerParticle, Wanted,
+    self, ChunkTotals, DoubleRow, FixedRow, Level, Moved, PairJob, PerParticle, Wanted,
 };
 use crate::sums::Totals;
+use crate::tiled::Tiled;
 use crate::truncation::PairForm;
+
+/// Pairs of particles of a tile.
+const PAIRS_OF_TILE: u64 = 16;
 
 /// Seconds spent, for the run record.
 #[derive(Debug, Clone, Copy, Default)]
@@ -25,7 +29,15 @@ pub struct Clock {
     pub neighbor: f64,
 }
 
-/// The private copy of the positions that the loop reads.
+/// A list with the private copy of the positions that its loop reads.
+enum Pairs {
+    /// The neighbors of each particle.
+    Rows(NeighborList, Rows),
+    /// Tiles of four by four pairs.
+    Tiles(Tiled),
+}
+
+/// The private copy of the positions, by the list of each particle's neighbors.
 enum Rows {
     Double(Vec<DoubleRow>),
     Fixed(Vec<FixedRow>),
@@ -41,63 +53,96 @@ pub struct Listed {
     cell: PeriodicBox,
     r_cut: f64,
     level: Level,
-    list: NeighborList,
+    pairs: Pairs,
     criterion: Criterion,
-    rows: Rows,
     /// Positions of the build, by place; empty before the first.
     built: Vec<DVec3>,
 }
 
+/// Which loop a list feeds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Loop {
+    /// Forces that are a pure function of the positions.
+    Canonical,
+    /// The neighbors of each particle, in a precision.
+    Rows(Precision),
+    /// Tiles, in mixed precision.
+    Tiles,
+}
+
 impl Listed {
-    /// A list for `r_cut` and `skin` in σ; `pure` asks for the canonical loop.
+    /// A list for `r_cut` and `skin` in σ.
     pub fn new(
         cell: PeriodicBox,
         n_atoms: usize,
         r_cut: f64,
         skin: f64,
         level: Level,
-        precision: Precision,
-        pure: bool,
+        kind: Loop,
     ) -> Self {
-        let (rows, images) = match precision {
-            _ if pure => (
-                Rows::Pure {
-                    wrapped: Vec::new(),
-                    lists: Vec::new(),
-                },
-                Images::Folded,
-            ),
-            Precision::Double => (Rows::Double(Vec::new()), Images::Ghosts),
-            // Wrap-around finds images, so ghosts would only cost; but where particles are more than 16 bits
-            // can number, ghosts keep the neighbors of a chunk close together.
-            Precision::Mixed if n_atoms <= usize::from(u16::MAX) + 1 => {
-                (Rows::Fixed(Vec::new()), Images::Folded)
-            }
-            Precision::Mixed => (Rows::Fixed(Vec::new()), Images::Ghosts),
-        };
         // Distances in fixed point are off by about the unit of the longest side.
-        let rounding = match precision {
-            Precision::Mixed => {
+        let rounding = match kind {
+            Loop::Rows(Precision::Mixed) | Loop::Tiles => {
                 4.0 * cell.lengths().max_element() * f64::from(f32::EPSILON) / 256.0
                     + 4.0 * r_cut * f64::from(f32::EPSILON)
             }
-            Precision::Double => 0.0,
+            Loop::Rows(Precision::Double) | Loop::Canonical => 0.0,
         };
         let radius = r_cut + skin + rounding;
+        let list =
+            |images, precision| NeighborList::new(cell, radius, images, level.lanes(precision));
+        let pairs = match kind {
+            Loop::Canonical => {
+                let (wrapped, lists) = (Vec::new(), Vec::new());
+                let list = list(Images::Folded, Precision::Double);
+                Pairs::Rows(list, Rows::Pure { wrapped, lists })
+            }
+            Loop::Rows(Precision::Double) => Pairs::Rows(
+                list(Images::Ghosts, Precision::Double),
+                Rows::Double(Vec::new()),
+            ),
+            Loop::Rows(Precision::Mixed) => {
+                // Wrap-around finds images, so ghosts would only cost; but where particles are more than 16
+                // bits can number, ghosts keep the neighbors of a chunk close together.
+                let few = n_atoms <= usize::from(u16::MAX) + 1;
+                let images = if few { Images::Folded } else { Images::Ghosts };
+                Pairs::Rows(list(images, Precision::Mixed), Rows::Fixed(Vec::new()))
+            }
+            Loop::Tiles => Pairs::Tiles(Tiled::new(cell, radius, level)),
+        };
         Self {
             cell,
             r_cut,
             level,
-            list: NeighborList::new(cell, radius, images, level.lanes(precision)),
+            pairs,
             criterion: Criterion::new(skin),
-            rows,
             built: Vec::new(),
         }
     }
 
-    /// The list.
-    pub fn list(&self) -> &NeighborList {
-        &self.list
+    /// Lanes computed in one evaluation that meets every pair from both of its ends; a loop that meets it once
+    /// counts twice.
+    pub fn lanes(&self) -> u64 {
+        match &self.pairs {
+            Pairs::Rows(list, _) => list.lanes_listed(),
+            Pairs::Tiles(tiled) => 2 * PAIRS_OF_TILE * tiled.list().tiles(),
+        }
+    }
+
+    /// Pairs listed, each counted once.
+    pub fn listed_pairs(&self) -> u64 {
+        match &self.pairs {
+            Pairs::Rows(list, _) => list.pairs(),
+            Pairs::Tiles(tiled) => PAIRS_OF_TILE * tiled.list().tiles(),
+        }
+    }
+
+    /// The particle at each place of the list's order.
+    fn particles(&self) -> &[u32] {
+        match &self.pairs {
+            Pairs::Rows(list, _) => &list.table().particle,
+            Pairs::Tiles(tiled) => &tiled.list().table().particle,
+        }
     }
 
     /// The criterion with its counters.
@@ -107,14 +152,11 @@ impl Listed {
 
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
-        let rows = match &self.rows {
-            Rows::Double(rows) => rows.capacity() * size_of::<DoubleRow>(),
-            Rows::Fixed(rows) => rows.capacity() * size_of::<FixedRow>(),
-            Rows::Pure { wrapped, lists } => {
-                24 * wrapped.capacity() + lists.iter().map(|l| 24 + 4 * l.capacity()).sum::<usize>()
-            }
+        let pairs = match &self.pairs {
+            Pairs::Rows(list, rows) => list.bytes() + rows.bytes(),
+            Pairs::Tiles(tiled) => tiled.bytes(),
         };
-        (rows + self.list.bytes() + 24 * self.built.capacity()) as u64
+        (pairs + 24 * self.built.capacity()) as u64
     }
 
     /// Makes the list valid for `positions` and the rows hold them.
@@ -147,52 +189,33 @@ impl Listed {
     pub fn build(&mut self, positions: &[DVec3]) -> Result<(), ForceError> {
         // Half-built tables must not look valid.
         self.built.clear();
-        self.list.build(positions, self.level.scanner()).map_err(
+        let built = match &mut self.pairs {
+            Pairs::Rows(list, rows) => list
+                .build(positions, self.level.scanner())
+                .map(|()| rows.fit(list)),
+            Pairs::Tiles(tiled) => tiled.build(positions),
+        };
+        built.map_err(
             |GridError::BadPosition { particle }| ForceError::NonFinitePosition { particle },
         )?;
-        let table = self.list.table();
-        self.built.resize(table.particle.len(), DVec3::ZERO);
-        for_each_chunk(&mut self.built, |first, chunk| {
-            for (built, particle) in chunk.iter_mut().zip(&table.particle[first..]) {
+        let mut built = std::mem::take(&mut self.built);
+        let particles = self.particles();
+        built.resize(particles.len(), DVec3::ZERO);
+        for_each_chunk(&mut built, |first, chunk| {
+            for (built, particle) in chunk.iter_mut().zip(&particles[first..]) {
                 *built = positions[*particle as usize];
             }
         });
-        match &mut self.rows {
-            Rows::Double(rows) => rows.resize(table.rows(), DoubleRow::default()),
-            Rows::Fixed(rows) => rows.resize(self.list.targets(), FixedRow::default()),
-            Rows::Pure { lists, .. } => {
-                *lists = self.list.neighbors();
-                for list in lists {
-                    list.dedup();
-                }
-            }
-        }
+        self.built = built;
         self.criterion.built();
         Ok(())
     }
 
     /// Copies positions to the rows; gives the largest displacement since the build.
     fn pack(&mut self, positions: &[DVec3]) -> Moved {
-        let table = self.list.table();
-        let lengths = self.cell.lengths();
-        match &mut self.rows {
-            Rows::Double(rows) => simd::pack_double(table, positions, &self.built, lengths, rows),
-            Rows::Fixed(rows) => simd::pack_fixed(
-                table,
-                self.list.images(),
-                positions,
-                &self.built,
-                lengths,
-                rows,
-            ),
-            Rows::Pure { wrapped, .. } => {
-                pure::wrap(&self.cell, positions, wrapped);
-                let mut moved = Moved::NOTHING;
-                for (particle, built) in table.particle.iter().zip(&self.built) {
-                    moved.include(positions[*particle as usize] - *built);
-                }
-                moved
-            }
+        match &mut self.pairs {
+            Pairs::Rows(list, rows) => rows.pack(list, &self.cell, positions, &self.built),
+            Pairs::Tiles(tiled) => tiled.pack(positions, &self.built),
         }
     }
 
@@ -208,32 +231,17 @@ impl Listed {
     ) -> Result<Totals, ForceError> {
         self.prepare(positions, clock)?;
         let start = Instant::now();
-        let chunks = self.list.chunks().len();
-        let scale = (self.cell.lengths() / FIXED_UNITS).to_array();
-        let (totals, broken) = match &self.rows {
-            Rows::Double(rows) => {
-                let job = PairJob::new(form, self.r_cut, [1.0; 3], rows, &self.list, forces, each);
-                sum_chunks(chunks, wanted, |c| {
-                    simd::run_double(self.level, &job, c, wanted)
-                })
-            }
-            Rows::Fixed(rows) => {
-                let job = PairJob::new(form, self.r_cut, scale, rows, &self.list, forces, each);
-                sum_chunks(chunks, wanted, |c| {
-                    simd::run_mixed(self.level, &job, c, wanted)
-                })
-            }
-            Rows::Pure { wrapped, lists } => {
-                let job = PureJob {
-                    form,
-                    r_cut: self.r_cut,
+        let (totals, broken) = match &mut self.pairs {
+            Pairs::Rows(list, rows) => {
+                let run = RowsRun {
                     cell: &self.cell,
-                    wrapped,
-                    nearby: Nearby::Listed(lists),
+                    r_cut: self.r_cut,
+                    level: self.level,
+                    list,
                 };
-                let chunks = job.run(forces, each);
-                (Totals::of_chunks(&chunks), chunks.iter().any(|c| c.broken))
+                run.evaluate(rows, form, wanted, forces, each)
             }
+            Pairs::Tiles(tiled) => tiled.evaluate(form, self.r_cut, wanted, forces, each),
         };
         clock.force += start.elapsed().as_secs_f64();
         if broken {
@@ -245,7 +253,7 @@ impl Listed {
     /// Writes what a restart needs: the positions of the build.
     pub fn save(&self, to: &mut StateWriter<'_>) {
         let mut by_particle = vec![DVec3::ZERO; self.built.len()];
-        for (particle, r) in self.list.table().particle.iter().zip(&self.built) {
+        for (particle, r) in self.particles().iter().zip(&self.built) {
             by_particle[*particle as usize] = *r;
         }
         to.put_vec3("built_at", &by_particle);
@@ -270,6 +278,101 @@ impl Listed {
         let [builds, late] = from.u64s("counters")?;
         self.criterion.set_counters(builds, late);
         Ok(())
+    }
+}
+
+impl Rows {
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Double(rows) => rows.capacity() * size_of::<DoubleRow>(),
+            Self::Fixed(rows) => rows.capacity() * size_of::<FixedRow>(),
+            Self::Pure { wrapped, lists } => {
+                24 * wrapped.capacity() + lists.iter().map(|l| 24 + 4 * l.capacity()).sum::<usize>()
+            }
+        }
+    }
+
+    /// Makes room for what a list that was just built names.
+    fn fit(&mut self, list: &NeighborList) {
+        match self {
+            Self::Double(rows) => rows.resize(list.table().rows(), DoubleRow::default()),
+            Self::Fixed(rows) => rows.resize(list.targets(), FixedRow::default()),
+            Self::Pure { lists, .. } => {
+                *lists = list.neighbors();
+                for list in lists {
+                    list.dedup();
+                }
+            }
+        }
+    }
+
+    fn pack(
+        &mut self,
+        list: &NeighborList,
+        cell: &PeriodicBox,
+        positions: &[DVec3],
+        built: &[DVec3],
+    ) -> Moved {
+        let (table, lengths) = (list.table(), cell.lengths());
+        match self {
+            Self::Double(rows) => simd::pack_double(table, positions, built, lengths, rows),
+            Self::Fixed(rows) => {
+                simd::pack_fixed(table, list.images(), positions, built, lengths, rows)
+            }
+            Self::Pure { wrapped, .. } => {
+                pure::wrap(cell, positions, wrapped);
+                let mut moved = Moved::NOTHING;
+                for (particle, built) in table.particle.iter().zip(built) {
+                    moved.include(positions[*particle as usize] - *built);
+                }
+                moved
+            }
+        }
+    }
+}
+
+/// What a loop over rows needs besides the rows.
+struct RowsRun<'a> {
+    cell: &'a PeriodicBox,
+    r_cut: f64,
+    level: Level,
+    list: &'a NeighborList,
+}
+
+impl RowsRun<'_> {
+    /// Forces, totals and whether a force is not finite.
+    fn evaluate<F: PairForm>(
+        &self,
+        rows: &Rows,
+        form: F,
+        wanted: Wanted,
+        forces: &mut [DVec3],
+        each: Option<&mut [PerParticle]>,
+    ) -> (Totals, bool) {
+        let (list, level) = (self.list, self.level);
+        let chunks = list.chunks().len();
+        match rows {
+            Rows::Double(rows) => {
+                let job = PairJob::new(form, self.r_cut, [1.0; 3], rows, list, forces, each);
+                sum_chunks(chunks, wanted, |c| simd::run_double(level, &job, c, wanted))
+            }
+            Rows::Fixed(rows) => {
+                let scale = (self.cell.lengths() / FIXED_UNITS).to_array();
+                let job = PairJob::new(form, self.r_cut, scale, rows, list, forces, each);
+                sum_chunks(chunks, wanted, |c| simd::run_mixed(level, &job, c, wanted))
+            }
+            Rows::Pure { wrapped, lists } => {
+                let job = PureJob {
+                    form,
+                    r_cut: self.r_cut,
+                    cell: self.cell,
+                    wrapped,
+                    nearby: Nearby::Listed(lists),
+                };
+                let chunks = job.run(forces, each);
+                (Totals::of_chunks(&chunks), chunks.iter().any(|c| c.broken))
+            }
+        }
     }
 }
 

@@ -157,6 +157,10 @@ pub enum Kernel {
     Auto,
     /// The ten-line double loop over all pairs, scalar, serial: what every other one is judged by.
     Reference,
+    /// Each particle with a list of its neighbors, both ends of a pair alike.
+    Rows,
+    /// Clusters of four against clusters of four, each pair once; in mixed precision alone.
+    Tiles,
 }
 
 /// In which precision pairs are computed; sums and integration are always in double.

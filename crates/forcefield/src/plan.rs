@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::error::ForceFieldError;
 use crate::form::Model;
+use crate::listed::Loop;
 use crate::options::{ForceFieldOptions, Kernel, ListMode, Precision};
 use crate::simd::Level;
 
@@ -64,7 +65,7 @@ pub struct ForcePlan {
     pub skin: f64,
     /// The list radius r_cut + skin, σ; the cutoff where there is no list.
     pub r_list: f64,
-    /// The loop: `reference`, `direct`, `rows` or `canonical`.
+    /// The loop: `reference`, `direct`, `rows`, `tiles` or `canonical`.
     pub kernel: &'static str,
     /// The instruction set of the loop: `avx512`, `avx2` or `portable`.
     pub isa: &'static str,
@@ -75,6 +76,9 @@ pub struct ForcePlan {
     /// Estimate of the bytes held by lists and private copies.
     pub estimated_bytes: u64,
 }
+
+/// From this many neighbors on, tiles are cheaper than rows (benches/NOTES.md).
+const NEIGHBORS_FOR_TILES: f64 = 30.0;
 
 /// The number of threads worth using for `n_atoms` particles, at most `available`.
 ///
@@ -89,10 +93,8 @@ pub fn recommended_threads(n_atoms: usize, available: usize) -> usize {
 pub(crate) struct Decision {
     pub model: Model,
     pub level: Level,
-    /// The precision of the loop that runs: direct sums are always double.
-    pub precision: Precision,
-    /// Whether forces must be (or simply are) a pure function of the positions.
-    pub pure: bool,
+    /// The loop that a list feeds, where there is one.
+    pub listed: Loop,
     pub plan: ForcePlan,
 }
 
@@ -121,16 +123,18 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
 
     let tie = largest - r_cut < TIE_MARGIN * largest;
     let pure = o.canonical || search != Search::Verlet || tie;
-    let precision = if pure {
-        Precision::Double
-    } else {
-        o.kernel.precision
+    let listed = listed_loop(o, c, pure, r_cut + skin)?;
+    let precision = match listed {
+        Loop::Canonical => Precision::Double,
+        Loop::Rows(precision) => precision,
+        Loop::Tiles => Precision::Mixed,
     };
-    let kernel = match search {
-        Search::Reference => "reference",
-        Search::Direct => "direct",
-        Search::Verlet if pure => "canonical",
-        Search::Verlet => "rows",
+    let kernel = match (search, listed) {
+        (Search::Reference, _) => "reference",
+        (Search::Direct, _) => "direct",
+        (Search::Verlet, Loop::Canonical) => "canonical",
+        (Search::Verlet, Loop::Rows(_)) => "rows",
+        (Search::Verlet, Loop::Tiles) => "tiles",
     };
     let isa = if pure { Level::Portable } else { level };
     let mut reason = reason;
@@ -148,15 +152,49 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
         isa: isa.name(),
         precision,
         recommended_threads: recommended_threads(c.n_atoms, usize::MAX),
-        estimated_bytes: estimate_bytes(c, search, r_cut + skin, precision),
+        estimated_bytes: estimate_bytes(c, search, r_cut + skin, listed),
     };
     Ok(Decision {
         model,
         level,
-        precision,
-        pure,
+        listed,
         plan,
     })
+}
+
+/// Chooses the loop that a list feeds.
+///
+/// Tiles compute pairs that rows leave out, so they pay where a particle has many neighbors.
+fn listed_loop(
+    o: &ForceFieldOptions,
+    c: &Conditions,
+    pure: bool,
+    r_list: f64,
+) -> Result<Loop, ForceFieldError> {
+    let precision = o.kernel.precision;
+    if o.kernel.kernel == Kernel::Tiles && precision == Precision::Double {
+        return Err(ForceFieldError::TilesInDouble);
+    }
+    if pure {
+        return Ok(Loop::Canonical);
+    }
+    let many = neighbors(c, r_list) >= NEIGHBORS_FOR_TILES;
+    let tiles = match o.kernel.kernel {
+        Kernel::Tiles => true,
+        Kernel::Auto => precision == Precision::Mixed && many,
+        Kernel::Rows | Kernel::Reference => false,
+    };
+    Ok(if tiles {
+        Loop::Tiles
+    } else {
+        Loop::Rows(precision)
+    })
+}
+
+/// The mean number of particles within `r_list` σ of one, in a structureless fluid.
+fn neighbors(c: &Conditions, r_list: f64) -> f64 {
+    let density = c.n_atoms as f64 / c.cell.volume();
+    density * 4.0 / 3.0 * std::f64::consts::PI * r_list.powi(3)
 }
 
 fn check_split(o: &ForceFieldOptions, r_cut: f64) -> Result<(), ForceFieldError> {
@@ -251,20 +289,20 @@ fn search(
 }
 
 /// Bytes of the lists and private copies, from the mean number of neighbors.
-fn estimate_bytes(c: &Conditions, search: Search, r_list: f64, precision: Precision) -> u64 {
+fn estimate_bytes(c: &Conditions, search: Search, r_list: f64, listed: Loop) -> u64 {
     let n = c.n_atoms as f64;
     if search != Search::Verlet {
         return (n * 24.0) as u64;
     }
     let lengths = c.cell.lengths();
-    let density = n / c.cell.volume();
-    let neighbors = density * 4.0 / 3.0 * std::f64::consts::PI * r_list.powi(3);
     let rows = n * ((lengths + 2.0 * r_list) / lengths).element_product();
-    // Entries of 16 bits, padded by half a register on average; tables by place and by row.
-    let entries = n * (neighbors + 6.0) * 2.0;
-    let row_bytes = match precision {
-        Precision::Double => 32.0 * rows,
-        Precision::Mixed => 16.0 * n,
+    let row_bytes = match listed {
+        // Partners of 4 bytes for 16 pairs of which some 70 % are near; rows, forces and tables.
+        Loop::Tiles => return (n * (0.36 * neighbors(c, r_list) + 24.0 + 48.0 + 90.0)) as u64,
+        Loop::Rows(Precision::Mixed) => 16.0 * n,
+        Loop::Rows(Precision::Double) | Loop::Canonical => 32.0 * rows,
     };
+    // Entries of 16 bits, padded by half a register on average; tables by place and by row.
+    let entries = n * (neighbors(c, r_list) + 6.0) * 2.0;
     (entries + row_bytes + n * 92.0 + rows * 16.0) as u64
 }

@@ -53,14 +53,14 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions) -> Result<PairForces, ForceF
     let decision = decide(o, c)?;
     let plan = decision.plan;
     let listed = |r_cut| {
+        let level = decision.level;
         Box::new(Listed::new(
             c.cell,
             c.n_atoms,
             r_cut,
             plan.skin,
-            decision.level,
-            decision.precision,
-            decision.pure,
+            level,
+            decision.listed,
         ))
     };
     let strategy = match plan.search {
@@ -104,10 +104,7 @@ impl PairForces {
     /// Lanes computed in one evaluation.
     pub(crate) fn lanes(&self) -> u64 {
         match &self.strategy {
-            Strategy::Verlet(listed) => {
-                let chunks = listed.list().chunks().iter();
-                chunks.map(|c| c.entries.len() as u64).sum()
-            }
+            Strategy::Verlet(listed) => listed.lanes(),
             Strategy::Direct { .. } => 2 * all_pairs(self.n_atoms),
             Strategy::Reference => all_pairs(self.n_atoms),
         }
@@ -245,7 +242,7 @@ impl ForceProvider for PairForces {
             statistics.bytes += listed.bytes();
         }
         match &self.strategy {
-            Strategy::Verlet(listed) => statistics.listed_pairs = listed.list().pairs(),
+            Strategy::Verlet(listed) => statistics.listed_pairs = listed.listed_pairs(),
             Strategy::Direct { wrapped } => {
                 statistics.bytes = 24 * wrapped.capacity() as u64;
                 statistics.listed_pairs = all_pairs(self.n_atoms);

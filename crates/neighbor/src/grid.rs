@@ -23,7 +23,7 @@ const CELLS_PER_GROUP: u32 = 2;
 /// Cells that any grid may have.
 const SMALLEST_GRID: usize = 512;
 /// Boxes away from home up to which image flags are counted; a coordinate beyond has lost its digits.
-const FARTHEST_IMAGE: f64 = 1_073_741_824.0;
+pub(crate) const FARTHEST_IMAGE: f64 = 1_073_741_824.0;
 
 /// Why particles cannot be sorted.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -453,7 +453,7 @@ type Layer<'a> = (
 /// Folded position and image, as [`PeriodicBox::split`] gives them, without a call of `floor`, which
 /// costs more than all the rest where the instruction set has none.
 #[inline(always)]
-fn fold(r: DVec3, lengths: DVec3) -> (DVec3, IVec3) {
+pub(crate) fn fold(r: DVec3, lengths: DVec3) -> (DVec3, IVec3) {
     let mut wrapped = r;
     let mut image = IVec3::ZERO;
     for axis in 0..3 {

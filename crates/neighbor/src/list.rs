@@ -215,6 +215,13 @@ impl NeighborList {
         entries / 2
     }
 
+    /// Number of entries with the padding that a force loop computes too.
+    #[must_use]
+    pub fn lanes_listed(&self) -> u64 {
+        let padded = |count: &u32| u64::from(count.next_multiple_of(self.lanes as u32));
+        self.chunks.iter().flat_map(|c| &c.counts).map(padded).sum()
+    }
+
     /// Bytes held.
     #[must_use]
     pub fn bytes(&self) -> usize {

@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 
 use glam::DVec3;
 use lennard_core::PeriodicBox;
-use lennard_neighbor::{Images, NeighborList, ScalarScanner, brute_force_pairs};
+use lennard_neighbor::{
+    Images, NeighborList, ScalarScanner, ScalarTileScanner, TileList, brute_force_pairs,
+};
 use proptest::prelude::*;
 
 /// Reproducible numbers in [0, 1): Weyl's sequence, one irrational an axis.
@@ -119,6 +121,18 @@ proptest! {
             .collect();
         for pair in brute_force_pairs(&cell, &moved, r_cut) {
             prop_assert!(listed.contains(&pair), "{:?} of {}", pair, n);
+        }
+        // Tiles hold more than what is near, but each pair in one tile.
+        let mut tiles = TileList::new(cell, r_cut + skin);
+        tiles.build(&start, &ScalarTileScanner).unwrap();
+        let mut tiled = BTreeSet::new();
+        for (i, neighbors) in tiles.neighbors().iter().enumerate() {
+            prop_assert!(neighbors.windows(2).all(|w| w[0] < w[1]), "particle {}", i);
+            prop_assert!(!neighbors.contains(&(i as u32)));
+            tiled.extend(neighbors.iter().map(|j| (i as u32, *j)));
+        }
+        for pair in brute_force_pairs(&cell, &moved, r_cut) {
+            prop_assert!(tiled.contains(&pair), "{:?} of {} in tiles", pair, n);
         }
     }
 }

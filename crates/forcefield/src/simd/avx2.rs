@@ -1,14 +1,16 @@
 //! Lanes of AVX2 with FMA: four doubles or eight singles.
 
 use std::arch::x86_64::*;
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Mul, Neg, Range, Sub};
 
 use super::lanes::{Entry, Lanes};
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
+use super::tile_loop::{self, ForceRow, TileJob, TileLanes};
 use super::{DoubleRow, FixedRow};
 use crate::options::Precision;
 use crate::real::Real;
 use crate::truncation::PairForm;
+use lennard_neighbor::{ClusterRow, TileChunk, TileList, TileSearch};
 
 /// Four doubles. Values of this type exist only inside functions that enable AVX2 and FMA.
 #[derive(Clone, Copy)]
@@ -268,6 +270,114 @@ impl Lanes for F32x8 {
             F64x4(_mm256_add_pd(low, high)).sum()
         }
     }
+}
+
+impl TileLanes for F32x8 {
+    const REGISTERS: usize = 2;
+
+    #[inline(always)]
+    unsafe fn own(row: &ClusterRow, register: usize) -> Self::Own {
+        // SAFETY: AVX2 is there by contract.
+        unsafe {
+            let axis = |axis: usize| {
+                let [a, b] = [row.0[axis][2 * register], row.0[axis][2 * register + 1]];
+                _mm256_setr_epi32(a, a, a, a, b, b, b, b)
+            };
+            [axis(0), axis(1), axis(2)]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn others(row: *const ClusterRow) -> Self::Own {
+        // SAFETY: the row is readable and AVX2 is there by contract.
+        unsafe {
+            let axis = |axis: usize| {
+                _mm256_broadcastsi128_si256(_mm_load_si128(row.cast::<__m128i>().add(axis)))
+            };
+            [axis(0), axis(1), axis(2)]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn apart(own: Self::Own, others: Self::Own) -> [Self; 3] {
+        // SAFETY: AVX2 is there by contract.
+        unsafe {
+            let axis = |axis: usize| {
+                Self(_mm256_cvtepi32_ps(_mm256_sub_epi32(
+                    own[axis],
+                    others[axis],
+                )))
+            };
+            [axis(0), axis(1), axis(2)]
+        }
+    }
+
+    #[inline(always)]
+    fn among(mask: Self::Mask, tile: u16, register: usize) -> Self::Mask {
+        // SAFETY: a value of this type proves AVX2.
+        unsafe {
+            let bits = _mm256_set1_epi32(i32::from(tile >> (8 * register)));
+            let lane = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let set = _mm256_cmpeq_epi32(_mm256_and_si256(bits, lane), lane);
+            _mm256_and_ps(mask, _mm256_castsi256_ps(set))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn take(force: [Self; 3], to: *mut ForceRow) {
+        for (axis, Self(f)) in force.into_iter().enumerate() {
+            // SAFETY: `to` is readable and writable, and AVX2 is there by contract.
+            unsafe {
+                let sum = _mm_add_ps(_mm256_castps256_ps128(f), _mm256_extractf128_ps::<1>(f));
+                let to = to.cast::<f32>().add(4 * axis);
+                _mm_store_ps(to, _mm_sub_ps(_mm_load_ps(to), sum));
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn give(force: [Self; 3], register: usize, to: *mut ForceRow) {
+        for (axis, Self(f)) in force.into_iter().enumerate() {
+            // SAFETY: `to` is readable and writable, and AVX2 is there by contract.
+            unsafe {
+                let two = _mm256_hadd_ps(f, f);
+                let one = _mm256_hadd_ps(two, two);
+                let to = to.cast::<f32>().add(4 * axis + 2 * register);
+                *to += _mm_cvtss_f32(_mm256_castps256_ps128(one));
+                *to.add(1) += _mm_cvtss_f32(_mm256_extractf128_ps::<1>(one));
+            }
+        }
+    }
+}
+
+/// The tile loop.
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+pub fn run_tiles<F: PairForm>(
+    job: &TileJob<'_, F>,
+    chunk: &TileChunk,
+    wanted: Wanted,
+    forces: &mut [ForceRow],
+) -> ChunkTotals {
+    // SAFETY: this function enables the instruction set.
+    unsafe { tile_loop::run::<F32x8, F>(job, chunk, wanted, forces) }
+}
+
+/// See [`tile_loop::near`].
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+pub fn near_tiles(search: &TileSearch<'_>, candidates: &mut [u32]) -> usize {
+    // SAFETY: as above.
+    unsafe { tile_loop::near::<F32x8>(search, candidates) }
+}
+
+/// See [`tile_loop::collect`].
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+pub fn collect_tiles(
+    list: &TileList,
+    forces: &[Vec<ForceRow>],
+    clusters: Range<usize>,
+    sums: &mut [[f64; 12]],
+) {
+    tile_loop::collect(list, forces, clusters, sums);
 }
 
 /// The pair loop in double precision.

@@ -1,16 +1,18 @@
 //! Lanes of AVX-512: eight doubles or sixteen singles.
 
 use std::arch::x86_64::*;
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Mul, Neg, Range, Sub};
 
 use glam::DVec3;
 
 use super::lanes::{Entry, Lanes};
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
+use super::tile_loop::{self, ForceRow, TileJob, TileLanes};
 use super::{DoubleRow, FixedRow};
 use crate::options::Precision;
 use crate::real::Real;
 use crate::truncation::PairForm;
+use lennard_neighbor::{ClusterRow, TileChunk, TileList, TileSearch};
 
 /// Eight doubles. Values of this type exist only inside functions that enable AVX-512.
 #[derive(Clone, Copy)]
@@ -341,6 +343,125 @@ impl Lanes for F32x16 {
             DVec3::new(_mm_cvtsd_f64(xy), _mm_cvtsd_f64(y), _mm_cvtsd_f64(z))
         }
     }
+}
+
+impl TileLanes for F32x16 {
+    const REGISTERS: usize = 1;
+
+    #[inline(always)]
+    unsafe fn own(row: &ClusterRow, _register: usize) -> Self::Own {
+        // SAFETY: AVX-512 is there by contract.
+        unsafe {
+            let spread = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+            let axis = |axis: usize| {
+                let four = _mm_load_si128(row.0[axis].as_ptr().cast());
+                _mm512_permutexvar_epi32(spread, _mm512_castsi128_si512(four))
+            };
+            [axis(0), axis(1), axis(2)]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn others(row: *const ClusterRow) -> Self::Own {
+        // SAFETY: the row is readable and AVX-512 is there by contract.
+        unsafe {
+            let axis = |axis: usize| {
+                _mm512_broadcast_i32x4(_mm_load_si128(row.cast::<__m128i>().add(axis)))
+            };
+            [axis(0), axis(1), axis(2)]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn apart(own: Self::Own, others: Self::Own) -> [Self; 3] {
+        // SAFETY: AVX-512 is there by contract.
+        unsafe {
+            let axis = |axis: usize| {
+                Self(_mm512_cvtepi32_ps(_mm512_sub_epi32(
+                    own[axis],
+                    others[axis],
+                )))
+            };
+            [axis(0), axis(1), axis(2)]
+        }
+    }
+
+    #[inline(always)]
+    fn among(mask: Self::Mask, tile: u16, _register: usize) -> Self::Mask {
+        mask & tile
+    }
+
+    #[inline(always)]
+    unsafe fn take(force: [Self; 3], to: *mut ForceRow) {
+        let [Self(x), Self(y), Self(z)] = force;
+        // SAFETY: `to` is readable and writable, and AVX-512 is there by contract.
+        unsafe {
+            // Quarters hold the particles of the cluster: x0 + x2, x1 + x3, y0 + y2, y1 + y3.
+            let xy = _mm512_add_ps(
+                _mm512_shuffle_f32x4::<0b01_00_01_00>(x, y),
+                _mm512_shuffle_f32x4::<0b11_10_11_10>(x, y),
+            );
+            let z = _mm256_add_ps(_mm512_castps512_ps256(z), _mm512_extractf32x8_ps::<1>(z));
+            let z = _mm512_castps256_ps512(z);
+            let xyz = _mm512_add_ps(
+                _mm512_shuffle_f32x4::<0b00_00_10_00>(xy, z),
+                _mm512_shuffle_f32x4::<0b01_01_11_01>(xy, z),
+            );
+            let to = to.cast::<f32>();
+            _mm512_store_ps(to, _mm512_sub_ps(_mm512_load_ps(to), xyz));
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn give(force: [Self; 3], _register: usize, to: *mut ForceRow) {
+        let [Self(x), Self(y), Self(z)] = force;
+        // SAFETY: `to` is readable and writable, and AVX-512 is there by contract.
+        unsafe {
+            let none = _mm512_setzero_ps();
+            let xy = _mm512_add_ps(_mm512_unpacklo_ps(x, y), _mm512_unpackhi_ps(x, y));
+            let z = _mm512_add_ps(_mm512_unpacklo_ps(z, none), _mm512_unpackhi_ps(z, none));
+            // xy: x y x y, z: z 0 z 0 in each quarter, which is one particle; to x y z 0.
+            let (xy, z) = (_mm512_castps_pd(xy), _mm512_castps_pd(z));
+            let xyz = _mm512_add_ps(
+                _mm512_castpd_ps(_mm512_unpacklo_pd(xy, z)),
+                _mm512_castpd_ps(_mm512_unpackhi_pd(xy, z)),
+            );
+            let by_axis = _mm512_setr_epi32(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
+            let xyz = _mm512_permutexvar_ps(by_axis, xyz);
+            let to = to.cast::<f32>();
+            _mm512_store_ps(to, _mm512_add_ps(_mm512_load_ps(to), xyz));
+        }
+    }
+}
+
+/// The tile loop.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
+pub fn run_tiles<F: PairForm>(
+    job: &TileJob<'_, F>,
+    chunk: &TileChunk,
+    wanted: Wanted,
+    forces: &mut [ForceRow],
+) -> ChunkTotals {
+    // SAFETY: this function enables the instruction set.
+    unsafe { tile_loop::run::<F32x16, F>(job, chunk, wanted, forces) }
+}
+
+/// See [`tile_loop::near`].
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
+pub fn near_tiles(search: &TileSearch<'_>, candidates: &mut [u32]) -> usize {
+    // SAFETY: as above.
+    unsafe { tile_loop::near::<F32x16>(search, candidates) }
+}
+
+/// See [`tile_loop::collect`].
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
+pub fn collect_tiles(
+    list: &TileList,
+    forces: &[Vec<ForceRow>],
+    clusters: Range<usize>,
+    sums: &mut [[f64; 12]],
+) {
+    tile_loop::collect(list, forces, clusters, sums);
 }
 
 /// The pair loop in double precision.

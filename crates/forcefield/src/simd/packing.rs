@@ -2,13 +2,12 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
-use lennard_neighbor::{Images, RowTable};
+use glam::{DVec3, IVec3};
+use lennard_neighbor::{
+    CLUSTER, ClusterRow, ClusterTable, FIXED_UNITS, Images, RowTable, to_fixed,
+};
 
 use super::{DoubleRow, FixedRow, Scatter};
-
-/// 2³², the units of [`FixedRow`] a box side.
-pub const FIXED_UNITS: f64 = 4_294_967_296.0;
 
 /// The largest |x − x⁰|² over some particles, σ², and whether all were finite.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,9 +99,6 @@ pub unsafe fn pack_ghosts(
     }
 }
 
-/// 1.5·2⁵²: added to a number below 2⁵¹, it leaves the nearest integer in the lowest bits.
-const ROUNDING: f64 = 6_755_399_441_055_744.0;
-
 /// Writes the rows of some places in fixed point; `built` holds the positions of the build by place, and
 /// rows are numbered as list entries are.
 ///
@@ -126,17 +122,13 @@ pub unsafe fn pack_fixed(
     for (place, ((particle, image), built)) in places.zip(particles) {
         let r = positions[*particle as usize];
         moved.include(r - *built);
-        // Whole boxes would drop out by wrap-around; without them the number is small enough for the
-        // rounding below, which spares a call of `round`.
-        let scaled = (r - image.as_dvec3() * lengths) * units + ROUNDING;
-        let nearest = |s: f64| s.to_bits() as u32 as i32;
         let row = match images {
             Images::Folded => place,
             Images::Ghosts => table.row[place] as usize,
         };
-        let fixed = FixedRow([nearest(scaled.x), nearest(scaled.y), nearest(scaled.z), 0]);
+        let [x, y, z] = to_fixed(r, *image, lengths, units);
         // SAFETY: rows of places are distinct, and these places are this thread's.
-        unsafe { rows.write(row, fixed) };
+        unsafe { rows.write(row, FixedRow([x, y, z, 0])) };
     }
     moved
 }
@@ -150,4 +142,59 @@ pub unsafe fn copy_ghosts(table: &RowTable, ghosts: Range<usize>, rows: &Scatter
         // SAFETY: the source is no ghost, so nobody writes it now; each ghost has a row of its own.
         unsafe { rows.write(ghost.row as usize, rows.read(ghost.source as usize)) };
     }
+}
+
+/// Writes the rows of some clusters; `built` holds the positions of the build by place.
+///
+/// # Safety
+/// No other thread writes the rows of these clusters.
+#[inline(always)]
+pub unsafe fn pack_clusters(
+    table: &ClusterTable,
+    positions: &[DVec3],
+    built: &[DVec3],
+    lengths: DVec3,
+    clusters: Range<usize>,
+    rows: &Scatter<'_, ClusterRow>,
+) -> Moved {
+    let units = FIXED_UNITS / lengths;
+    let mut moved = Moved::NOTHING;
+    let places = table.particle.len();
+    let full = clusters.start..clusters.end.min(places / CLUSTER);
+    let near_home = !table.has_images();
+    for cluster in full.clone() {
+        let first = cluster * CLUSTER;
+        let mut row = ClusterRow::default();
+        let particles = &table.particle[first..first + CLUSTER];
+        let built = &built[first..first + CLUSTER];
+        for k in 0..CLUSTER {
+            let r = positions[particles[k] as usize];
+            moved.include(r - built[k]);
+            let [x, y, z] = if near_home {
+                to_fixed(r, IVec3::ZERO, lengths, units)
+            } else {
+                table.to_fixed(first + k, r, lengths, units)
+            };
+            (row.0[0][k], row.0[1][k], row.0[2][k]) = (x, y, z);
+        }
+        // SAFETY: these clusters are this thread's.
+        unsafe { rows.write(cluster, row) };
+    }
+    for cluster in full.end..clusters.end {
+        let first = cluster * CLUSTER;
+        let mut row = ClusterRow::default();
+        for k in 0..CLUSTER {
+            // A cluster that is not full repeats its first particle.
+            let place = if first + k < places { first + k } else { first };
+            let r = positions[table.particle[place] as usize];
+            moved.include(r - built[place]);
+            let fixed = table.to_fixed(place, r, lengths, units);
+            for (axis, x) in fixed.into_iter().enumerate() {
+                row.0[axis][k] = x;
+            }
+        }
+        // SAFETY: as above.
+        unsafe { rows.write(cluster, row) };
+    }
+    moved
 }

@@ -2,14 +2,16 @@
 //! registers there are.
 
 use std::array::from_fn;
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Mul, Neg, Range, Sub};
 
 use super::lanes::{Entry, Lanes};
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
+use super::tile_loop::{self, ForceRow, TileJob, TileLanes};
 use super::{DoubleRow, FixedRow};
 use crate::options::Precision;
 use crate::real::Real;
 use crate::truncation::PairForm;
+use lennard_neighbor::{ClusterRow, TileChunk, TileList};
 
 /// `N` numbers side by side.
 #[derive(Clone, Copy)]
@@ -145,13 +147,13 @@ impl<const N: usize> Lanes for Group<f64, N> {
 impl<const N: usize> Lanes for Group<f32, N> {
     const WIDTH: usize = N;
     type Row = FixedRow;
-    type Own = [i32; 3];
+    type Own = [[i32; N]; 3];
     type Mask = [bool; N];
 
     #[inline(always)]
     unsafe fn spread(row: &FixedRow) -> Self::Own {
         let [x, y, z, _] = row.0;
-        [x, y, z]
+        [[x; N], [y; N], [z; N]]
     }
 
     #[inline(always)]
@@ -164,11 +166,85 @@ impl<const N: usize> Lanes for Group<f32, N> {
         // SAFETY: `N` entries are readable and each names a readable row.
         let at: [&FixedRow; N] = from_fn(|k| unsafe { &*rows.add((*entries.add(k)).index()) });
         [0, 1, 2].map(|axis| {
-            Self(from_fn(|k| own[axis].wrapping_sub(at[k].0[axis]) as f32)) * scale[axis]
+            Self(from_fn(|k| own[axis][k].wrapping_sub(at[k].0[axis]) as f32)) * scale[axis]
         })
     }
 
     masks!(f32);
+}
+
+impl TileLanes for Group<f32, 8> {
+    const REGISTERS: usize = 2;
+
+    #[inline(always)]
+    unsafe fn own(row: &ClusterRow, register: usize) -> Self::Own {
+        row.0.map(|axis| from_fn(|k| axis[2 * register + k / 4]))
+    }
+
+    #[inline(always)]
+    unsafe fn others(row: *const ClusterRow) -> Self::Own {
+        // SAFETY: the row is readable by contract.
+        let row = unsafe { &*row };
+        row.0.map(|axis| from_fn(|k| axis[k % 4]))
+    }
+
+    #[inline(always)]
+    unsafe fn apart(own: Self::Own, others: Self::Own) -> [Self; 3] {
+        from_fn(|axis| {
+            Self(from_fn(|k| {
+                own[axis][k].wrapping_sub(others[axis][k]) as f32
+            }))
+        })
+    }
+
+    #[inline(always)]
+    fn among(mask: Self::Mask, tile: u16, register: usize) -> Self::Mask {
+        from_fn(|k| mask[k] && tile >> (8 * register + k) & 1 == 1)
+    }
+
+    #[inline(always)]
+    unsafe fn take(force: [Self; 3], to: *mut ForceRow) {
+        // SAFETY: `to` is readable and writable by contract.
+        let to = unsafe { &mut *to };
+        for (axis, f) in force.iter().enumerate() {
+            for j in 0..4 {
+                to.0[4 * axis + j] -= f.0[j] + f.0[4 + j];
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn give(force: [Self; 3], register: usize, to: *mut ForceRow) {
+        // SAFETY: `to` is readable and writable by contract.
+        let to = unsafe { &mut *to };
+        for (axis, f) in force.iter().enumerate() {
+            for i in 0..2 {
+                let [a, b, c, d] = from_fn(|k| f.0[4 * i + k]);
+                to.0[4 * axis + 2 * register + i] += (a + b) + (c + d);
+            }
+        }
+    }
+}
+
+/// The tile loop.
+pub fn run_tiles<F: PairForm>(
+    job: &TileJob<'_, F>,
+    chunk: &TileChunk,
+    wanted: Wanted,
+    forces: &mut [ForceRow],
+) -> ChunkTotals {
+    // SAFETY: no instruction set is needed.
+    unsafe { tile_loop::run::<Group<f32, 8>, F>(job, chunk, wanted, forces) }
+}
+
+/// See [`tile_loop::collect`].
+pub fn collect_tiles(
+    list: &TileList,
+    forces: &[Vec<ForceRow>],
+    clusters: Range<usize>,
+    sums: &mut [[f64; 12]],
+) {
+    tile_loop::collect(list, forces, clusters, sums);
 }
 
 /// The pair loop in double precision.

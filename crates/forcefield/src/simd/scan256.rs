@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::ops::Range;
 
-use lennard_neighbor::{Candidates, Center, Names, Nearby, PADDING};
+use lennard_neighbor::{Candidates, Center, Names, Nearby, PADDING, TileSearch};
 
 const WIDTH: usize = 8;
 
@@ -127,3 +127,65 @@ near!(near_narrow, u16, |to, names| {
     _mm_storeu_si128(to, _mm_packus_epi32(halves.0, halves.1));
 });
 near!(near_wide, u32, _mm256_storeu_si256);
+
+/// See [`lennard_neighbor::TileScanner::candidates`].
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+pub fn tile_candidates(search: &TileSearch<'_>, runs: &[Range<u32>], found: &mut [u32]) -> usize {
+    let clusters = search.rows.len();
+    for axis in 0..3 {
+        assert!(search.bounds.center[axis].len() >= clusters + PADDING);
+        assert!(search.bounds.half[axis].len() >= clusters + PADDING);
+    }
+    assert!(found.len() >= TileSearch::room(runs));
+    let own = search.own as usize;
+    let center = search.bounds.center.each_ref().map(|axis| axis.as_ptr());
+    let half = search.bounds.half.each_ref().map(|axis| axis.as_ptr());
+    let mine = search.bounds.center.each_ref().map(|axis| axis[own]);
+    let my_half = search.bounds.half.each_ref().map(|axis| axis[own]);
+    let zero = _mm256_setzero_ps();
+    let limit = _mm256_set1_ps(search.radius2);
+    let mut count = 0_usize;
+    for run in runs {
+        assert!(run.end as usize <= clusters, "a run of clusters");
+        let mut partner = run.start;
+        while partner < run.end {
+            let at = partner as usize;
+            let mut gap2 = zero;
+            for axis in 0..3 {
+                // SAFETY: `at < clusters`, and the arrays are padded by a register beyond.
+                let (theirs, their_half) = unsafe {
+                    (
+                        _mm256_loadu_si256(center[axis].add(at).cast()),
+                        _mm256_loadu_ps(half[axis].add(at)),
+                    )
+                };
+                let apart = _mm256_sub_epi32(_mm256_set1_epi32(mine[axis]), theirs);
+                // The one number without an absolute value is as far in floating point with its sign taken off.
+                let apart = _mm256_cvtepi32_ps(_mm256_abs_epi32(apart));
+                let apart = _mm256_andnot_ps(_mm256_set1_ps(-0.0), apart);
+                let halves = _mm256_add_ps(_mm256_set1_ps(my_half[axis]), their_half);
+                let scale = _mm256_set1_ps(search.scale[axis]);
+                let gap = _mm256_max_ps(_mm256_fmsub_ps(apart, scale, halves), zero);
+                gap2 = _mm256_fmadd_ps(gap, gap, gap2);
+            }
+            let left = run.end - partner;
+            let valid = if left >= 8 {
+                0xFF
+            } else {
+                (1_usize << left) - 1
+            };
+            let near =
+                _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(gap2, limit)) as usize & valid;
+            // SAFETY: a row of the table is one register; `count` is at most the clusters looked at so far,
+            // and `found` is longer than all of them by more than a register.
+            unsafe {
+                let lanes = _mm256_loadu_si256(PACKED[near].as_ptr().cast());
+                let packed = _mm256_add_epi32(lanes, _mm256_set1_epi32(partner as i32));
+                _mm256_storeu_si256(found.as_mut_ptr().add(count).cast(), packed);
+            }
+            count += near.count_ones() as usize;
+            partner += WIDTH as u32;
+        }
+    }
+    count
+}

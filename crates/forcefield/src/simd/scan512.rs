@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::ops::Range;
 
-use lennard_neighbor::{Candidates, Center, Names, Nearby, PADDING};
+use lennard_neighbor::{Candidates, Center, Names, Nearby, PADDING, TileSearch};
 
 const WIDTH: usize = 16;
 
@@ -99,3 +99,62 @@ macro_rules! near {
 
 near!(near_narrow, u16, _mm512_cvtepi32_epi16, _mm256_storeu_si256);
 near!(near_wide, u32, std::convert::identity, _mm512_storeu_si512);
+
+/// See [`lennard_neighbor::TileScanner::candidates`].
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
+pub fn tile_candidates(search: &TileSearch<'_>, runs: &[Range<u32>], found: &mut [u32]) -> usize {
+    let clusters = search.rows.len();
+    for axis in 0..3 {
+        assert!(search.bounds.center[axis].len() >= clusters + PADDING);
+        assert!(search.bounds.half[axis].len() >= clusters + PADDING);
+    }
+    assert!(found.len() >= TileSearch::room(runs));
+    let own = search.own as usize;
+    let center = search.bounds.center.each_ref().map(|axis| axis.as_ptr());
+    let half = search.bounds.half.each_ref().map(|axis| axis.as_ptr());
+    let mine = search.bounds.center.each_ref().map(|axis| axis[own]);
+    let my_half = search.bounds.half.each_ref().map(|axis| axis[own]);
+    let zero = _mm512_setzero_ps();
+    let limit = _mm512_set1_ps(search.radius2);
+    let ramp = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    let mut count = 0_usize;
+    for run in runs {
+        assert!(run.end as usize <= clusters, "a run of clusters");
+        let mut partner = run.start;
+        while partner < run.end {
+            let at = partner as usize;
+            let mut gap2 = zero;
+            for axis in 0..3 {
+                // SAFETY: `at < clusters`, and the arrays are padded by a register beyond.
+                let (theirs, their_half) = unsafe {
+                    (
+                        _mm512_loadu_si512(center[axis].add(at).cast()),
+                        _mm512_loadu_ps(half[axis].add(at)),
+                    )
+                };
+                let apart = _mm512_sub_epi32(_mm512_set1_epi32(mine[axis]), theirs);
+                // The one number without an absolute value is far enough as an unsigned one.
+                let apart = _mm512_cvtepu32_ps(_mm512_abs_epi32(apart));
+                let halves = _mm512_add_ps(_mm512_set1_ps(my_half[axis]), their_half);
+                let scale = _mm512_set1_ps(search.scale[axis]);
+                let gap = _mm512_max_ps(_mm512_fmsub_ps(apart, scale, halves), zero);
+                gap2 = _mm512_fmadd_ps(gap, gap, gap2);
+            }
+            let left = run.end - partner;
+            let valid = if left >= 16 {
+                u16::MAX
+            } else {
+                (1 << left) - 1
+            };
+            let near = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(valid, gap2, limit);
+            let number = _mm512_add_epi32(_mm512_set1_epi32(partner as i32), ramp);
+            let packed = _mm512_maskz_compress_epi32(near, number);
+            // SAFETY: `count` is at most the clusters looked at so far, and `found` is longer than all of
+            // them by a register.
+            unsafe { _mm512_storeu_si512(found.as_mut_ptr().add(count).cast(), packed) };
+            count += near.count_ones() as usize;
+            partner += WIDTH as u32;
+        }
+    }
+    count
+}

@@ -53,10 +53,15 @@ pub fn verlet(skin: Option<f64>) -> NeighborOptions {
 /// Every fast loop that this machine can run.
 pub fn kernels() -> Vec<KernelOptions> {
     let mut all = Vec::new();
+    let loops = [
+        (Kernel::Rows, Precision::Double),
+        (Kernel::Rows, Precision::Mixed),
+        (Kernel::Tiles, Precision::Mixed),
+    ];
     for isa in [Isa::Avx512, Isa::Avx2, Isa::Portable] {
-        for precision in [Precision::Double, Precision::Mixed] {
+        for (kernel, precision) in loops {
             let kernel = KernelOptions {
-                kernel: Kernel::Auto,
+                kernel,
                 precision,
                 isa,
             };
