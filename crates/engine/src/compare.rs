@@ -54,7 +54,8 @@ pub fn viscosity_for(scene: &Scene, density: f64) -> Option<f64> {
     lennard_literature::viscosity_near(density, temperature).map(|v| v.value)
 }
 
-/// U and P of a run beside the equation of state that describes its model, at the measured T and ρ.
+/// U and P of a run beside the equation of state that describes its model, at ρ and the measured temperature that
+/// belongs to the positions ([`Thermodynamics`]).
 ///
 /// The error of each difference is that of the series X_b − [X_EOS(T̄) + (T_b − T̄)·∂X_EOS/∂T], which
 /// carries the correlation of X and T.
@@ -74,9 +75,9 @@ pub fn with_equation_of_state(
         }
     };
     let series = thermodynamics.series();
-    let temperatures = &series.temperature[thermodynamics
+    let temperatures = &series.temperature_of_positions[thermodynamics
         .equilibration_cut()
-        .min(series.temperature.len())..];
+        .min(series.temperature_of_positions.len())..];
     if temperatures.len() < 2 {
         comparison
             .remarks
@@ -129,6 +130,7 @@ pub fn with_equation_of_state(
             in_standard_errors: difference / against.standard_error,
             at: StatePoint {
                 temperature: mean_temperature,
+                half_steps: thermodynamics.has_half_steps(),
                 density,
             },
             source: format!("{}, doi:{}", equation.spec().name, equation.spec().doi),

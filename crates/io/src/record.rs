@@ -210,9 +210,12 @@ pub struct Comparison {
 /// A thermodynamic state.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StatePoint {
-    /// Temperature in ε/k_B.
+    /// Temperature in ε/k_B: that which belongs to the positions.
     #[serde(with = "number")]
     pub temperature: f64,
+    /// Whether that is the temperature of half steps; else it is that of whole steps.
+    #[serde(default)]
+    pub half_steps: bool,
     /// Number density in σ⁻³.
     #[serde(with = "number")]
     pub density: f64,

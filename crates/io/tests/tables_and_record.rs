@@ -160,6 +160,7 @@ fn record() -> RunRecord {
             in_standard_errors: 0.5,
             at: StatePoint {
                 temperature: 0.722,
+                half_steps: true,
                 density: 0.8442,
             },
             source: "a source".into(),

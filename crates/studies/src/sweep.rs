@@ -10,7 +10,7 @@ pub use agreement::{Agreement, agreement};
 pub use file::{SweepError, load};
 pub(crate) use page::verdict_cell;
 pub use points::Point;
-pub use run::{Ending, SweepOptions, SweepRecord, SweptPoint, run};
+pub use run::{Ending, SweepOptions, SweepRecord, SweptPoint, run, workers};
 
 /// A sweep, read and checked.
 #[derive(Debug, Clone)]
