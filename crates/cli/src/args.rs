@@ -300,6 +300,8 @@ pub enum Listed {
     Observables,
     /// What results are compared with.
     EquationsOfState,
+    /// Tables of reference values that come along.
+    ReferenceTables,
 }
 
 fn key_value(text: &str) -> Result<(String, String), String> {

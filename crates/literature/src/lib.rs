@@ -23,6 +23,7 @@ mod kolafa_nezbeda;
 mod model;
 mod phase;
 mod saturation;
+mod tables;
 mod thol;
 mod transport;
 
@@ -38,8 +39,9 @@ pub use model::{
 };
 pub use phase::Phase;
 pub use saturation::Saturation;
+pub use tables::{ReferenceTable, Status, reference_table, reference_tables};
 pub use thol::Thol;
 pub use transport::{
-    NEAR_DENSITY, NEAR_TEMPERATURE, TransportProperty, TransportValue, self_diffusion_near,
-    transport_near, viscosity_near,
+    NEAR_DENSITY, NEAR_TEMPERATURE, SAME_DENSITY, SAME_LINE, TransportProperty, TransportValue,
+    self_diffusion_near, transport_near, viscosity_near,
 };

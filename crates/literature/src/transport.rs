@@ -4,6 +4,8 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
+use crate::tables::reference_table;
+
 /// A transport coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -110,24 +112,22 @@ fn rows<T: for<'a> Deserialize<'a>>(text: &str) -> Vec<T> {
         .expect("the shipped tables are well formed: a test reads them")
 }
 
+fn shipped(name: &str) -> &'static str {
+    reference_table(name).map_or("", |table| table.csv)
+}
+
 static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
     let files = [
-        (
-            TransportProperty::ShearViscosity,
-            include_str!("../data/chaparro-mueller-2023/shear_viscosity.csv"),
-        ),
-        (
-            TransportProperty::SelfDiffusion,
-            include_str!("../data/chaparro-mueller-2023/self_diffusion.csv"),
-        ),
+        (TransportProperty::ShearViscosity, "shear-viscosity"),
+        (TransportProperty::SelfDiffusion, "self-diffusion"),
         (
             TransportProperty::ThermalConductivity,
-            include_str!("../data/chaparro-mueller-2023/thermal_conductivity.csv"),
+            "thermal-conductivity",
         ),
     ];
     let mut table = Vec::new();
-    for (property, text) in files {
-        for row in rows::<ChaparroRow>(text) {
+    for (property, name) in files {
+        for row in rows::<ChaparroRow>(shipped(name)) {
             // Flagged rows contradict the equation of state; inside the dome a homogeneous value
             // has no meaning.
             if row.flag.is_some() || row.phase != "stable_fluid" {
@@ -146,7 +146,7 @@ static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
             });
         }
     }
-    for row in rows::<OtherRow>(include_str!("../data/transport-other.csv")) {
+    for row in rows::<OtherRow>(shipped("transport-other")) {
         table.push(Row {
             property: row.quantity,
             value: TransportValue {

@@ -44,6 +44,7 @@ pub fn list(args: &ListArgs) -> Result<ExitCode, Failure> {
             .map(|s| plain(s.name, s.summary, s.equation, s.source))
             .collect(),
         Listed::EquationsOfState => equations_of_state(),
+        Listed::ReferenceTables => reference_tables(),
     };
     if args.json {
         print_json(&entries)?;
@@ -51,6 +52,31 @@ pub fn list(args: &ListArgs) -> Result<ExitCode, Failure> {
         show::list(&entries);
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn reference_tables() -> Vec<Entry> {
+    lennard_literature::reference_tables()
+        .iter()
+        .map(|table| {
+            let doi = table
+                .doi
+                .map_or(String::new(), |doi| format!(", doi:{doi}"));
+            let properties = [
+                ("status", table.status.describe()),
+                ("licence", table.licence),
+            ];
+            Entry {
+                name: table.name.into(),
+                summary: table.summary.into(),
+                equation: None,
+                properties: properties
+                    .map(|(key, text)| (key.to_owned(), text.into()))
+                    .into_iter()
+                    .collect(),
+                source: format!("{}{doi}", table.source),
+            }
+        })
+        .collect()
 }
 
 fn plain(name: &str, summary: &str, equation: &str, source: &str) -> Entry {

@@ -179,7 +179,7 @@ pub(super) fn structure(run: &RunFolder) -> Vec<Captioned> {
                 .filter(|(kind, _)| **kind < 0.0)
                 .map(|(_, r)| *r);
             for (shell, r) in minima.take(3).enumerate() {
-                figure = figure.guided(Guide::Vertical(r, format!("shell {}", shell + 1)));
+                figure = figure.guided(Guide::Vertical(r, (shell + 1).to_string()));
                 shells.push(format!("{r:.3}"));
             }
         }
@@ -195,7 +195,7 @@ pub(super) fn structure(run: &RunFolder) -> Vec<Captioned> {
             "No shell ends within the range.".to_owned()
         } else {
             format!(
-                "Shells end at the minima, {} σ.{coordination}",
+                "Shells 1, 2, … end at the dashed minima, {} σ.{coordination}",
                 shells.join(", ")
             )
         };

@@ -280,11 +280,34 @@ mod tests {
     }
 
     #[test]
+    fn a_start_from_a_file_has_its_density_and_number_of_particles() {
+        let folder = tempfile::tempdir().unwrap();
+        let base = inputs().join("fluid/from-configuration.toml");
+        let path = folder.path().join("sweep.toml");
+        std::fs::write(
+            &path,
+            format!("base = {base:?}\n[grid]\ntemperature = [1.0, 1.2]\n"),
+        )
+        .unwrap();
+        for point in load(&path, &[]).unwrap().points {
+            // NIST's number 4: 30 particles in a cube of side 8.
+            assert_eq!(point.atoms, 30);
+            assert!(
+                (point.density - 30.0 / 512.0).abs() < 1e-12,
+                "{}",
+                point.density
+            );
+        }
+    }
+
+    #[test]
     fn the_sweeps_that_come_along_are_whole() {
         for (file, points) in [
             ("verlet-1967/table.toml", 38),
             ("sweep/isotherm.toml", 8),
-            ("sweep/transport.toml", 6),
+            ("sweep/transport.toml", 7),
+            ("sweep/time-step.toml", 4),
+            ("sweep/heat-capacity.toml", 4),
         ] {
             let sweep = load(&inputs().join(file), &[]).unwrap();
             assert_eq!(sweep.points.len(), points, "{file}");

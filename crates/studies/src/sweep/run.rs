@@ -9,6 +9,7 @@ use lennard_engine::{EngineError, ResumeOptions, RunOptions};
 use lennard_io::{Existing, RunRecord};
 use serde::Serialize;
 
+use super::threads::{threads_of, workers};
 use super::{Agreement, Point, Sweep, SweepError, agreement, page};
 use crate::compare::{ComparedRun, RunFolder, StateOfMatter, compare};
 use crate::{Progress, run_page};
@@ -18,16 +19,6 @@ const SWEEP_SCHEMA: &str = "lennard-sweep/1";
 
 /// Time between two looks at how far the points are.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
-
-/// From this number of particles on a point runs on more than one thread where threads are left over: below it the
-/// threads wait for each other longer than they compute.
-const LARGE: usize = 4000;
-
-/// Points at work at once.
-#[must_use]
-pub fn workers(points: usize, threads: usize) -> usize {
-    threads.clamp(1, points.max(1))
-}
 
 /// How to run a sweep.
 pub struct SweepOptions<'a> {
@@ -208,21 +199,22 @@ fn run_all(
         .sum();
     let done: Vec<AtomicU64> = points.iter().map(|_| AtomicU64::new(0)).collect();
     let next = AtomicUsize::new(0);
-    let workers = workers(points.len(), options.threads);
+    let to_run = found
+        .iter()
+        .filter(|f| !matches!(f, Found::Finished))
+        .count();
+    let workers = workers(to_run, options.threads);
     let left = AtomicUsize::new(workers);
     let results: Vec<Mutex<Option<Result<Ran, String>>>> =
         points.iter().map(|_| Mutex::new(None)).collect();
     std::thread::scope(|scope| {
         for worker in 0..workers {
-            // What does not come out even goes to the first ones.
-            let share =
-                options.threads.max(1) / workers + usize::from(worker < options.threads % workers);
             let (next, left, results, done) = (&next, &left, &results, &done);
             scope.spawn(move || {
                 while let Some(i) =
                     Some(next.fetch_add(1, Ordering::Relaxed)).filter(|i| *i < points.len())
                 {
-                    let threads = if points[i].atoms < LARGE { 1 } else { share };
+                    let threads = threads_of(worker, workers, options.threads, points[i].atoms);
                     let result = run_point(&points[i], &found[i], options, threads, &done[i]);
                     if let Ok(mut slot) = results[i].lock() {
                         *slot = Some(result);
