@@ -22,7 +22,7 @@ pub use build::{
     size_and_density, tail_correction,
 };
 pub use checkpointing::Past;
-pub use compare::{Comparison, model_kind, with_equation_of_state};
+pub use compare::{Comparison, finite_size, model_kind, with_equation_of_state};
 pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
 pub use error::EngineError;
 pub use files::{Marks, RunFiles};

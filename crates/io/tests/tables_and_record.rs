@@ -154,6 +154,7 @@ fn record() -> RunRecord {
             unit: "ε/σ³".into(),
             measured: 0.31,
             reference: 0.3,
+            finite_size: Some(0.25),
             reference_uncertainty: None,
             difference: 0.01,
             standard_error: 0.02,

@@ -17,6 +17,7 @@
 //! ```
 
 mod equation;
+mod finite_size;
 mod freezing;
 mod jet;
 mod kolafa_nezbeda;
@@ -30,6 +31,7 @@ mod transport;
 pub use equation::{
     CriticalPoint, EquationOfState, EquationSpec, FluidState, OutsideRange, OwnUncertainty, Range,
 };
+pub use finite_size::{FiniteSize, Kept};
 pub use freezing::{FreezingLine, freezing_line};
 pub use jet::Jet;
 pub use kolafa_nezbeda::KolafaNezbeda;

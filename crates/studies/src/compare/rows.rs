@@ -54,8 +54,16 @@ pub(super) fn all(run: &RunFolder, state: &StateOfMatter, model: ModelKind) -> V
     let mut rows = Vec::new();
     rows.extend(measured(run, "temperature"));
     rows.extend(measured(run, HALF_STEPS));
-    rows.extend(energy_or_pressure(run, "potential_energy", ENERGY, model));
-    rows.extend(energy_or_pressure(run, "pressure", PRESSURE, model));
+    rows.extend(energy_or_pressure(
+        run,
+        "potential_energy",
+        ENERGY,
+        model,
+        equation,
+    ));
+    rows.extend(energy_or_pressure(
+        run, "pressure", PRESSURE, model, equation,
+    ));
     rows.extend(heat_capacity(run, state, model, equation));
     rows.extend(configurational_temperature(run));
     rows.extend(diffusion(run, state, model));
@@ -97,24 +105,41 @@ fn measured(run: &RunFolder, name: &str) -> Option<Row> {
     ))
 }
 
-/// U or P, as the run itself has compared it: the error of the difference needs the whole series.
+/// U or P beside the equation of state for as many particles. The error of the difference is that which the run itself
+/// has found: it needs the whole series.
 fn energy_or_pressure(
     run: &RunFolder,
     name: &str,
     tolerance: Tolerance,
     model: ModelKind,
+    equation: Option<&dyn EquationOfState>,
 ) -> Option<Row> {
     let row = measured(run, name)?;
-    let Some(compared) = run.record.comparison.iter().find(|c| c.quantity == name) else {
+    let compared = run.record.comparison.iter().find(|c| c.quantity == name);
+    let (Some(compared), Some(equation)) = (compared, equation) else {
         return Some(row);
     };
-    let mut row = row.against(
-        compared.reference,
-        None,
-        compared.standard_error,
-        tolerance,
-        &compared.source,
-    );
+    let (density, temperature) = (compared.at.density, compared.at.temperature);
+    let atoms = run.record.atoms as usize;
+    let state = equation.at(density, temperature);
+    let shift = lennard_engine::finite_size(&run.scene, equation, density, temperature, atoms);
+    let (infinite, shift) = if name == "pressure" {
+        (state.pressure, shift.map(|s| s.pressure))
+    } else {
+        (state.potential_energy, shift.map(|s| s.potential_energy))
+    };
+    let mut row = row
+        .against(
+            infinite + shift.unwrap_or(0.0),
+            None,
+            compared.standard_error,
+            tolerance,
+            &compared.source,
+        )
+        .noted(shift.map_or(
+            "for an infinite system: there is no finite-size correction of first order in this state".into(),
+            |s| format!("for {atoms} particles in a closed box: {s:+.5} beside an infinite system"),
+        ));
     row.reference_error = compared.reference_uncertainty;
     Some(biased_by_cutoff(row, model))
 }

@@ -52,7 +52,7 @@ pub enum SweepError {
         /// Name of the point.
         point: String,
         /// What is wrong.
-        source: lennard_engine::EngineError,
+        source: Box<lennard_engine::EngineError>,
     },
     /// A folder of a point holds something else.
     #[error("{}: {found}\n  allowed: an empty folder, or what this sweep wrote there; give another --out, or --force to replace the runs of this sweep", folder.display())]

@@ -207,7 +207,7 @@ fn point(base: &Path, common: &[(String, String)], choice: &Choice) -> Result<Po
     let (atoms, density) =
         lennard_engine::size_and_density(&scene).map_err(|source| SweepError::Start {
             point: name.clone(),
-            source,
+            source: Box::new(source),
         })?;
     Ok(Point {
         name,
