@@ -54,6 +54,27 @@ def reference(rho: float, t: float) -> dict[str, tuple[float, float]]:
     }
 
 
+def finite_size(rho: float, t: float, n: int) -> dict[str, float]:
+    """What a closed box of n particles at constant energy differs by from an infinite system, from differences of teqp's
+    pressures: the free energy has T/2 ln(S0), S0 = T/(dp/drho), in excess, and the temperature fluctuates by T^2/(n c_v)."""
+
+    def p(t: float, rho: float) -> float:
+        model = teqp.make_model({"kind": "LJ126_TholJPCRD2016", "model": {}})
+        return rho * t * (1.0 + model.get_Ar01(t, rho, np.array([1.0])))
+
+    def excess(t: float, rho: float) -> float:
+        h = 1e-3 * rho
+        return 0.5 * t * np.log(t * 2 * h / (p(t, rho + h) - p(t, rho - h))) / n
+
+    dr, dt = 0.01 * rho, 0.01 * t
+    pressure = rho**2 * (excess(t, rho + dr) - excess(t, rho - dr)) / (2 * dr)
+    energy = -(t**2) * (excess(t + dt, rho) / (t + dt) - excess(t - dt, rho) / (t - dt)) / (2 * dt)
+    slopes = {name: [reference(rho, t + sign * dt)[name][1] for sign in (1, -1)] for name in ("potential_energy", "pressure")}
+    c_v = 1.5 + reference(rho, t)["potential_energy"][1]
+    second = {name: -0.5 * t**2 * (hot - cold) / (2 * dt) / (n * c_v) for name, (hot, cold) in slopes.items()}
+    return {"potential_energy": energy + second["potential_energy"], "pressure": pressure + second["pressure"]}
+
+
 def production(run: lv.Run) -> dict[str, np.ndarray]:
     """The series of the last stage, per particle; the temperature is that of half steps, which belongs to the positions."""
     table = run.table("thermo")
@@ -85,11 +106,12 @@ def runs(tmp_path_factory) -> dict[tuple[float, float], lv.Run]:
 
 
 def differences(run: lv.Run, rho: float) -> dict[str, lv.Blocked]:
-    """X - [X_EOS(T_mean) + (T - T_mean) dX_EOS/dT]: its error carries the correlation of X and T."""
+    """X - [X_EOS(T_mean) + (T - T_mean) dX_EOS/dT] for as many particles: its error carries the correlation of X and T."""
     series = production(run)
     mean = series["temperature"].mean()
     found = {}
     for name, (value, slope) in reference(rho, mean).items():
+        value += finite_size(rho, mean, run.record["atoms"])[name]
         found[name] = lv.blocked_error(series[name] - value - slope * (series["temperature"] - mean))
     return found
 
@@ -125,7 +147,11 @@ def test_the_programs_own_comparison_says_the_same(runs, state):
         assert at["density"] == pytest.approx(rho, rel=1e-12)
         assert at["half_steps"]
         assert at["temperature"] == pytest.approx(run.averages["temperature_half_steps"]["mean"], rel=1e-12)
-        assert entry["reference"] == pytest.approx(reference(rho, at["temperature"])[name][0], rel=1e-10)
+        infinite = entry["reference"] - entry["finite_size"]
+        assert infinite == pytest.approx(reference(rho, at["temperature"])[name][0], rel=1e-10)
+        # Differences over 1 % of density and temperature.
+        expected = finite_size(rho, at["temperature"], run.record["atoms"])[name]
+        assert entry["finite_size"] == pytest.approx(expected, rel=0.03, abs=1e-6)
         assert entry["measured"] == pytest.approx(run.averages[name]["mean"], rel=1e-12)
         assert entry["difference"] == pytest.approx(entry["measured"] - entry["reference"], abs=1e-12)
         # Another equilibration cut and other blocks: the means agree within their errors, and the errors
