@@ -7,7 +7,7 @@ mod points;
 mod run;
 mod threads;
 
-pub use agreement::{Agreement, agreement};
+pub use agreement::{Agreement, agreement, probability_words};
 pub use file::{SweepError, load};
 pub(crate) use page::verdict_cell;
 pub use points::Point;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use lennard_report::significant;
 use lennard_studies::compare::{ComparedRun, Row, StateOfMatter, quantity_words};
-use lennard_studies::sweep::{Sweep, SweepRecord, SweptPoint, workers};
+use lennard_studies::sweep::{Sweep, SweepRecord, SweptPoint, probability_words, workers};
 
 use super::{table, with_error};
 
@@ -117,8 +117,8 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
                 significant(a.mean_difference, 3),
                 significant(a.largest_difference, 3),
                 significant(a.largest_standard_error, 2),
-                significant(a.p_value, 2),
-                significant(a.p_value_with_reference, 2),
+                probability_words(a.p_value),
+                probability_words(a.p_value_with_reference),
             ]);
         }
         println!("\n{all}");

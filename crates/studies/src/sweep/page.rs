@@ -5,7 +5,7 @@ use lennard_report::{
     Section, Series, Symbol, Tone, significant, with_error,
 };
 
-use super::{Agreement, SweepRecord, SweptPoint};
+use super::{Agreement, SweepRecord, SweptPoint, probability_words};
 use crate::compare::{Row, Verdict, quantity_words};
 
 /// The row of one quantity of a point.
@@ -84,7 +84,7 @@ pub(super) fn page(record: &SweepRecord, command: &str) -> Result<Page, ReportEr
         title: format!("Sweep {}", record.name),
         lead: format!(
             "{finished} of {} points are finished. Each is compared with the equation of state that describes its model, at the measured \
-             temperature that belongs to its positions (of half steps where the method has them); the error of a difference counts that U, P and T fluctuate together.",
+             temperature that belongs to its positions (of half steps where the method has them) and for as many particles in a closed box; the error of a difference counts that U, P and T fluctuate together.",
             record.points.len()
         ),
         sections: Vec::new(),
@@ -213,9 +213,9 @@ fn together(record: &SweepRecord) -> Section {
             Cell::number(significant(a.largest_difference, 3)),
             Cell::number(significant(a.largest_standard_error, 2)),
             Cell::number(significant(a.chi_squared, 4)),
-            Cell::number(significant(a.p_value, 2)),
+            Cell::number(probability_words(a.p_value)),
             Cell::number(significant(a.chi_squared_with_reference, 4)),
-            Cell::number(significant(a.p_value_with_reference, 2)),
+            Cell::number(probability_words(a.p_value_with_reference)),
         ]
     };
     let section = Section::new("All points together");
