@@ -54,31 +54,6 @@ pub fn list(args: &ListArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn reference_tables() -> Vec<Entry> {
-    lennard_literature::reference_tables()
-        .iter()
-        .map(|table| {
-            let doi = table
-                .doi
-                .map_or(String::new(), |doi| format!(", doi:{doi}"));
-            let properties = [
-                ("status", table.status.describe()),
-                ("licence", table.licence),
-            ];
-            Entry {
-                name: table.name.into(),
-                summary: table.summary.into(),
-                equation: None,
-                properties: properties
-                    .map(|(key, text)| (key.to_owned(), text.into()))
-                    .into_iter()
-                    .collect(),
-                source: format!("{}{doi}", table.source),
-            }
-        })
-        .collect()
-}
-
 fn plain(name: &str, summary: &str, equation: &str, source: &str) -> Entry {
     Entry {
         name: name.into(),
@@ -108,10 +83,32 @@ fn integrators() -> Vec<Entry> {
                     "symplectic": s.symplectic,
                     "reversible": s.reversible,
                     "fixed step only": s.fixed_step_only,
+                    "half kicks: has a temperature of half steps": s.half_kicks,
                     "force evaluations a step": s.force_evaluations,
                     "largest stable ωh": s.stability_limit,
                 },
                 ..plain(s.name, s.summary, s.equations, s.source)
+            }
+        })
+        .collect()
+}
+
+fn reference_tables() -> Vec<Entry> {
+    lennard_literature::reference_tables()
+        .iter()
+        .map(|table| {
+            let doi = table
+                .doi
+                .map_or(String::new(), |doi| format!(", doi:{doi}"));
+            Entry {
+                name: table.name.into(),
+                summary: table.summary.into(),
+                equation: None,
+                properties: properties! {
+                    "status": table.status.describe(),
+                    "licence": table.licence,
+                },
+                source: format!("{}{doi}", table.source),
             }
         })
         .collect()

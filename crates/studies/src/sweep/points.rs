@@ -305,7 +305,7 @@ mod tests {
         for (file, points) in [
             ("verlet-1967/table.toml", 38),
             ("sweep/isotherm.toml", 8),
-            ("sweep/transport.toml", 7),
+            ("sweep/transport.toml", 8),
             ("sweep/time-step.toml", 4),
             ("sweep/heat-capacity.toml", 4),
         ] {
