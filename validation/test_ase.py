@@ -110,6 +110,7 @@ def test_a_wrong_velocity_image_force_or_frame_would_be_seen(every_step):
 def test_energies_of_the_header_are_those_of_the_frame(every_step):
     """Kinetic energy and temperature from the velocities of the same frame, potential energy and
     forces from ase's calculator. Its shift at rc makes it the truncated-shifted potential."""
+    dt = every_step.scene["integrator"]["dt"]
     for frame in lv.load_frames(every_step.folder)[::8]:
         kinetic = 0.5 * (frame.arrays["velo"] ** 2).sum()
         n = len(frame)
@@ -120,7 +121,13 @@ def test_energies_of_the_header_are_those_of_the_frame(every_step):
         # 20,000 pair terms of order one in two orders of summation.
         assert frame.info["potential_energy"] == pytest.approx(judged.get_potential_energy(), rel=1e-12)
         virial = -3.0 * judged.get_volume() * judged.get_stress()[:3].mean()
-        pressure = n / judged.get_volume() * frame.info["temperature"] - judged.get_stress()[:3].mean()
+        # The mean of the kinetic energies half a step earlier and later, v -+ dt/2 F.
+        forces = frame.get_forces()
+        half_steps = sum((0.5 * (frame.arrays["velo"] + sign * 0.5 * dt * forces) ** 2).sum() for sign in (1, -1)) / 2
+        temperature = 2.0 * half_steps / (3 * n - 3)
+        assert frame.info["temperature_half_steps"] == pytest.approx(temperature, rel=1e-13)
+        assert temperature > frame.info["temperature"]
+        pressure = n / judged.get_volume() * temperature - judged.get_stress()[:3].mean()
         assert abs(virial) > 1.0
         assert frame.info["pressure"] == pytest.approx(pressure, rel=1e-11)
         assert np.abs(frame.get_forces() - judged.get_forces()).max() < 1e-11

@@ -250,7 +250,8 @@ pub struct SweepArgs {
     /// Replace runs of the same points with another scene.
     #[arg(long)]
     pub force: bool,
-    /// Points at work at once, one thread each; by default as many as there are processors.
+    /// Threads for all points together: one for each point at work, and for points of 4000 particles and more those that
+    /// are left over. By default as many as there are processors.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
     /// Write no report.html for the single points.
@@ -300,6 +301,8 @@ pub enum Listed {
     Observables,
     /// What results are compared with.
     EquationsOfState,
+    /// Tables of reference values that come along.
+    ReferenceTables,
 }
 
 fn key_value(text: &str) -> Result<(String, String), String> {

@@ -11,6 +11,7 @@ use comfy_table::{CellAlignment, ContentArrangement, Table};
 use lennard_engine::{EnergyReport, Plan, Simulation};
 use lennard_io::RunRecord;
 use lennard_studies::claims::Verdict;
+use lennard_studies::compare::quantity_words;
 use lennard_studies::stability::StabilityStudy;
 
 use crate::commands::list::Entry;
@@ -96,6 +97,7 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
 /// The averages that people look for first; the others follow by name.
 const FIRST: &[&str] = &[
     "temperature",
+    "temperature_half_steps",
     "configurational_temperature",
     "potential_energy",
     "pressure",
@@ -117,7 +119,7 @@ pub fn results(record: &RunRecord, folder: &Path) {
     for (name, average) in averages {
         let (mean, error) = with_error(average.mean, average.standard_error);
         means.add_row([
-            name.replace('_', " "),
+            quantity_words(name),
             mean,
             error,
             count(average.n_effective),
@@ -164,8 +166,14 @@ pub fn results(record: &RunRecord, folder: &Path) {
         println!("\n{compared}");
         println!("  reference: {} ({})", first.source, first.remark);
         println!(
-            "  at the measured T = {:.4} and ρ = {:.4}",
-            first.at.temperature, first.at.density
+            "  at the measured {} = {:.4} and ρ = {:.4}",
+            if first.at.half_steps {
+                "T, half steps,"
+            } else {
+                "T"
+            },
+            first.at.temperature,
+            first.at.density
         );
     }
     for remark in &record.remarks {

@@ -140,3 +140,113 @@ fn comparing_refuses_what_did_not_finish_and_names_a_truncation_without_referenc
     );
     assert!(refused.stdout.is_empty());
 }
+
+/// A sweep of tiny runs at constant temperature, as JSON.
+fn swept(points: &str) -> (tempfile::TempDir, serde_json::Value, String) {
+    let folder = prepared(&format!(
+        "base = \"base.toml\"\n[set]\n\"truncation.r_cut\" = 2.2\n\"stage.production.steps\" = 300\n\
+         \"stage.production.thermostat\" = \"bussi\"\n\"output.thermo_every\" = 5\n{points}"
+    ));
+    let done = lennard(
+        folder.path(),
+        &["sweep", "sweep.toml", "--out", "out", "--json", "--quiet"],
+    );
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
+    (folder, serde_json::from_slice(&done.stdout).unwrap(), page)
+}
+
+#[test]
+fn states_outside_the_equation_inside_the_dome_and_above_freezing_are_said_to_be_ones_and_not_judged()
+ {
+    let (folder, record, page) = swept(
+        "[[point]]\ndensity = 0.85\ntemperature = 0.3\n[[point]]\ndensity = 0.3\ntemperature = 0.8\n\
+         [[point]]\ndensity = 1.05\ntemperature = 1.0\n",
+    );
+    let points = record["points"].as_array().unwrap();
+    for (point, wanted) in points.iter().zip([
+        "covers temperatures from",
+        "inside the vapor–liquid dome",
+        "denser than the freezing liquid",
+    ]) {
+        let words = point["compared"]["state"]["words"].as_str().unwrap();
+        assert!(words.contains(wanted), "{words}");
+        assert!(page.contains(wanted), "the page does not say {wanted}");
+        for row in point["compared"]["rows"].as_array().unwrap() {
+            let quantity = row["quantity"].as_str().unwrap();
+            let verdict = row["verdict"].as_str().unwrap();
+            assert!(
+                quantity == "configurational_temperature" || verdict.starts_with("no"),
+                "{words}: {quantity} {verdict}"
+            );
+        }
+        let remarks = point["compared"]["remarks"].to_string();
+        assert!(remarks.contains("nothing is judged"), "{remarks}");
+    }
+    // Nothing to sum up but the two temperatures of single phases, and there is none.
+    assert_eq!(record["agreement"].as_array().unwrap().len(), 0);
+
+    // The table of the command line warns before it begins.
+    let again = lennard(folder.path(), &["sweep", "sweep.toml", "--out", "out"]);
+    assert!(text(&again.stdout).contains("it is run and not judged"));
+}
+
+#[test]
+fn compare_prints_one_document_with_both_temperatures_and_the_state() {
+    let (folder, ..) = swept("[[point]]\ndensity = 0.5\ntemperature = 2.0\n");
+    let done = lennard(folder.path(), &["compare", "out/rho0.5-T2", "--json"]);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    let document: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert_eq!(document["schema"], "lennard-compare/1");
+    let run = &document["runs"][0];
+    assert_eq!(run["atoms"], 108);
+    assert_eq!(run["state"]["phase"], "supercritical");
+    assert_eq!(run["state"]["half_steps"], true);
+    let row = |name: &str| {
+        let rows = run["rows"].as_array().unwrap();
+        rows.iter().find(|r| r["quantity"] == name).unwrap().clone()
+    };
+    let whole = row("temperature")["measured"].as_f64().unwrap();
+    let half = row("temperature_half_steps")["measured"].as_f64().unwrap();
+    assert!(half > whole && half < 1.02 * whole, "{whole} {half}");
+    assert_eq!(run["state"]["temperature"].as_f64().unwrap(), half);
+    let energy = row("potential_energy");
+    let gap = energy["measured"].as_f64().unwrap() - energy["reference"].as_f64().unwrap();
+    assert!((gap - energy["difference"].as_f64().unwrap()).abs() < 1e-12);
+    assert!(energy["source"].as_str().unwrap().contains("Thol 2016"));
+    let shown = text(&lennard(folder.path(), &["compare", "out/rho0.5-T2"]).stdout);
+    assert!(
+        shown.contains("T, whole steps") && shown.contains("T, half steps"),
+        "{shown}"
+    );
+}
+
+#[test]
+fn sweeps_with_no_points_and_truncations_that_no_equation_fits_are_said_clearly() {
+    let folder = prepared("base = \"base.toml\"\n[grid]\ndensity = []\n");
+    let refused = lennard(folder.path(), &["sweep", "sweep.toml", "--out", "out"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(
+        text(&refused.stderr).contains("a sweep with no points"),
+        "{}",
+        text(&refused.stderr)
+    );
+
+    // There is an equation for shifting at 2.5 σ, and for no other cutoff.
+    let (_folder, record, page) =
+        swept("\"truncation.kind\" = \"shift\"\n[[point]]\ndensity = 0.5\ntemperature = 2.0\n");
+    let compared = &record["points"][0]["compared"];
+    assert!(compared["equation"].is_null());
+    let remarks = compared["remarks"].to_string();
+    assert!(
+        remarks.contains("not compared with any equation of state"),
+        "{remarks}"
+    );
+    assert!(page.contains("not compared with any equation of state"));
+    let rows = compared["rows"].as_array().unwrap();
+    let energy = rows
+        .iter()
+        .find(|r| r["quantity"] == "potential_energy")
+        .unwrap();
+    assert!(energy["reference"].is_null() && energy["verdict"] == "no-reference");
+}

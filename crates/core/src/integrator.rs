@@ -30,6 +30,9 @@ pub struct IntegratorSpec {
     pub has_memory: bool,
     /// Whether total momentum is conserved (no noise).
     pub conserves_momentum: bool,
+    /// Ends every step with half a kick and begins the next with the same one, so that v_n ± (h/2)·a_n are its
+    /// velocities half a step later and earlier ([`crate::View::half_step_kinetic_energy`]).
+    pub half_kicks: bool,
     /// Force evaluations a step; 0 where it varies or none is made.
     pub force_evaluations: u32,
     /// The largest stable ω·dt on the oscillator, if there is a finite one.

@@ -97,6 +97,21 @@ pub fn begin(scene: &Scene) -> Result<Beginning, EngineError> {
     }
 }
 
+/// Number of particles and their density in σ⁻³, as the scene's start has them; reads the file of a `configuration`.
+///
+/// # Errors
+/// [`EngineError`] where the start cannot be made.
+pub fn size_and_density(scene: &Scene) -> Result<(usize, f64), EngineError> {
+    let (n, cell) = match (&scene.system.start, scene.placement()?) {
+        (Start::Lattice { n_atoms, .. }, Some(placement)) => (*n_atoms, placement.cell),
+        _ => {
+            let beginning = begin(scene)?;
+            (beginning.positions.len(), beginning.cell)
+        }
+    };
+    Ok((n, n as f64 / cell.volume()))
+}
+
 fn from_configuration(
     scene: &Scene,
     path: &Path,

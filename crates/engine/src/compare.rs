@@ -3,7 +3,7 @@
 use lennard_core::Observable;
 use lennard_forcefield::{PotentialOptions, TruncationKind};
 use lennard_io::StatePoint;
-use lennard_literature::ModelKind;
+use lennard_literature::{EquationOfState, FiniteSize, Kept, ModelKind};
 use lennard_observables::Thermodynamics;
 use lennard_scene::Scene;
 
@@ -54,7 +54,29 @@ pub fn viscosity_for(scene: &Scene, density: f64) -> Option<f64> {
     lennard_literature::viscosity_near(density, temperature).map(|v| v.value)
 }
 
-/// U and P of a run beside the equation of state that describes its model, at the measured T and ρ.
+/// By how much U and P of `atoms` particles differ from the equation's, which is for an infinite system.
+#[must_use]
+pub fn finite_size(
+    scene: &Scene,
+    equation: &dyn EquationOfState,
+    density: f64,
+    temperature: f64,
+    atoms: usize,
+) -> Option<FiniteSize> {
+    let with_bath = scene
+        .stages
+        .iter()
+        .any(|s| s.measure && s.thermostat.is_some());
+    let kept = if with_bath {
+        Kept::Temperature
+    } else {
+        Kept::Energy
+    };
+    FiniteSize::of(equation, density, temperature, atoms, kept)
+}
+
+/// U and P of a run beside the equation of state that describes its model, at ρ and the measured temperature that
+/// belongs to the positions ([`Thermodynamics`]).
 ///
 /// The error of each difference is that of the series X_b − [X_EOS(T̄) + (T_b − T̄)·∂X_EOS/∂T], which
 /// carries the correlation of X and T.
@@ -62,6 +84,7 @@ pub fn viscosity_for(scene: &Scene, density: f64) -> Option<f64> {
 pub fn with_equation_of_state(
     scene: &Scene,
     density: f64,
+    atoms: usize,
     thermodynamics: &Thermodynamics,
 ) -> Comparison {
     let mut comparison = Comparison::default();
@@ -74,9 +97,9 @@ pub fn with_equation_of_state(
         }
     };
     let series = thermodynamics.series();
-    let temperatures = &series.temperature[thermodynamics
+    let temperatures = &series.temperature_of_positions[thermodynamics
         .equilibration_cut()
-        .min(series.temperature.len())..];
+        .min(series.temperature_of_positions.len())..];
     if temperatures.len() < 2 {
         comparison
             .remarks
@@ -97,43 +120,55 @@ pub fn with_equation_of_state(
         ));
     }
     let state = equation.at(density, mean_temperature);
+    let finite_size = finite_size(scene, equation, density, mean_temperature, atoms);
     let own = equation.spec().uncertainty.as_ref();
     let averages = thermodynamics.finish().averages;
     let quantities = [
         (
             "potential_energy",
             state.potential_energy,
+            finite_size.map(|f| f.potential_energy),
             thermodynamics.potential_energy_against(state.du_dt),
             own.map(|u| u.potential_energy),
         ),
         (
             "pressure",
             state.pressure,
+            finite_size.map(|f| f.pressure),
             thermodynamics.pressure_against(state.dp_dt),
             own.map(|u| u.pressure),
         ),
     ];
-    for (name, reference, against, reference_uncertainty) in quantities {
+    for (name, infinite, finite_size, against, reference_uncertainty) in quantities {
         let Some(average) = averages.iter().find(|a| a.name == name) else {
             continue;
         };
+        let reference = infinite + finite_size.unwrap_or(0.0);
         let difference = average.estimate.mean - reference;
         comparison.entries.push(lennard_io::Comparison {
             quantity: name.to_owned(),
             unit: average.unit.clone(),
             measured: average.estimate.mean,
             reference,
+            finite_size,
             reference_uncertainty,
             difference,
             standard_error: against.standard_error,
             in_standard_errors: difference / against.standard_error,
             at: StatePoint {
                 temperature: mean_temperature,
+                half_steps: thermodynamics.has_half_steps(),
                 density,
             },
             source: format!("{}, doi:{}", equation.spec().name, equation.spec().doi),
             remark: equation.spec().model.clone(),
         });
+    }
+    if let Some(shift) = finite_size {
+        comparison.remarks.push(format!(
+            "the references are for {atoms} particles in a closed box: {:+.5} ε and {:+.5} ε/σ³ beside an infinite system",
+            shift.potential_energy, shift.pressure
+        ));
     }
     comparison
         .remarks

@@ -37,6 +37,7 @@ const THERMO_COLUMNS: &[(&str, &str)] = &[
     ("time", "τ"),
     ("stage", ""),
     ("temperature", "ε/k_B"),
+    ("temperature_half_steps", "ε/k_B"),
     ("potential_energy", "ε per particle"),
     ("pressure", "ε/σ³"),
     ("conserved_energy", "ε per particle"),
@@ -182,6 +183,7 @@ impl RunFiles {
             Cell::Number(simulation.state.time),
             Cell::Integer(simulation.stage_run().index as u64),
             Cell::Number(temperature),
+            Cell::Number(half_steps(simulation).unwrap_or(f64::NAN)),
             Cell::Number(potential),
             Cell::Number(pressure),
             Cell::Number(conserved),
@@ -317,6 +319,12 @@ fn write_descriptions(folder: &Path, simulation: &Simulation) -> Result<(), Writ
     Ok(())
 }
 
+/// The temperature of half steps, for methods that kick by halves.
+fn half_steps(simulation: &Simulation) -> Option<f64> {
+    let view = simulation.view();
+    view.half_kick_step.map(|_| view.temperature_of_positions())
+}
+
 /// What the header line of a frame says besides time and step.
 fn header(simulation: &Simulation) -> Vec<(&'static str, f64)> {
     let mut extra = vec![(
@@ -339,6 +347,9 @@ fn header(simulation: &Simulation) -> Vec<(&'static str, f64)> {
                     .kinetic_energy(&simulation.state.velocities),
             ),
         );
+    }
+    if let Some(temperature) = half_steps(simulation) {
+        extra.push(("temperature_half_steps", temperature));
     }
     if let Some(pressure) = simulation.pressure() {
         extra.push(("pressure", pressure));

@@ -7,6 +7,7 @@ mod energy;
 mod error;
 mod files;
 pub mod initial;
+mod instant;
 mod plan;
 mod recall;
 mod record;
@@ -18,10 +19,10 @@ pub mod watchdog;
 
 pub use build::{
     SMALLEST_START_DISTANCE, begin, conditions, forces, prepare, recommended_threads,
-    tail_correction,
+    size_and_density, tail_correction,
 };
 pub use checkpointing::Past;
-pub use compare::{Comparison, model_kind, with_equation_of_state};
+pub use compare::{Comparison, finite_size, model_kind, with_equation_of_state};
 pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
 pub use error::EngineError;
 pub use files::{Marks, RunFiles};

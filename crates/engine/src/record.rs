@@ -34,8 +34,12 @@ pub fn finished(
     finished: bool,
 ) -> RunRecord {
     let density = simulation.state.len() as f64 / simulation.cell.volume();
-    let compared =
-        compare::with_equation_of_state(&simulation.scene, density, &simulation.thermodynamics);
+    let compared = compare::with_equation_of_state(
+        &simulation.scene,
+        density,
+        simulation.state.len(),
+        &simulation.thermodynamics,
+    );
     let conservation = simulation.thermodynamics.conservation();
     let wall_s = wall.as_secs_f64();
     let atom_steps = simulation.state.len() as f64 * simulation.state.step as f64;

@@ -5,13 +5,14 @@ use std::time::Instant;
 use lennard_core::random::Streams;
 use lennard_core::{
     Dynamics, Findings, ForceProvider, Integrator, Observable, PeriodicBox, Persist, RestoreError,
-    State, StateReader, StateWriter, StepError, TailCorrection, Thermostat, View, Want,
+    State, StateReader, StateWriter, StepError, TailCorrection, Thermostat, Want,
 };
 use lennard_integrators::Coupling;
 use lennard_observables::Thermodynamics;
 use lennard_scene::{Scene, Stage};
 
 use crate::initial;
+use crate::instant::view;
 use crate::recall::Recall;
 use crate::timers::Timers;
 use crate::watchdog::{self, Circumstances, PhysicsFailure, Symptom};
@@ -206,13 +207,8 @@ impl Simulation {
         }
         self.measured_steps += 1;
         let clock = Instant::now();
-        let view = View {
-            state: &self.state,
-            dynamics: &self.dynamics,
-            cell: &self.cell,
-            tail: self.tail,
-            heat: self.stage.as_ref().map_or(0.0, |s| s.heat),
-        };
+        let stage = self.stage.as_ref();
+        let view = view(&self.state, &self.dynamics, &self.cell, self.tail, stage);
         if step.is_multiple_of(self.scene.output.thermo_every) {
             self.thermodynamics.sample(&view);
         }
@@ -245,34 +241,6 @@ impl Simulation {
         watchdog::check_lists(self.forces.statistics().late_builds)
             .map_err(|s| self.diagnosed(s))?;
         watchdog::check_speeds(&self.state, self.stage_run().dt).map_err(|s| self.diagnosed(s))
-    }
-
-    /// (K + U_conserved − Σ heat)/N in ε, where the energy was asked for on this step.
-    #[must_use]
-    pub fn conserved_energy_per_particle(&self) -> Option<f64> {
-        let potential = self.state.energetics.conserved_potential?;
-        let heat = self.stage.as_ref().map_or(0.0, |s| s.heat);
-        Some(
-            (self.dynamics.kinetic_energy(&self.state.velocities) + potential - heat)
-                / self.state.len() as f64,
-        )
-    }
-
-    /// Potential energy per particle in ε, with the tail where the scene has one, if asked for on this step.
-    #[must_use]
-    pub fn potential_energy_per_particle(&self) -> Option<f64> {
-        let tail = self.tail.map_or(0.0, |t| t.energy_per_particle);
-        Some(self.state.energetics.potential_energy? / self.state.len() as f64 + tail)
-    }
-
-    /// Pressure P = ρT + W/(3V) + tail in ε/σ³, if the virial was asked for on this step.
-    #[must_use]
-    pub fn pressure(&self) -> Option<f64> {
-        let volume = self.cell.volume();
-        let density = self.state.len() as f64 / volume;
-        let temperature = self.dynamics.temperature(&self.state.velocities);
-        let tail = self.tail.map_or(0.0, |t| t.pressure);
-        Some(density * temperature + self.state.energetics.scalar_virial()? / (3.0 * volume) + tail)
     }
 
     /// Moves on to the next stage where the current one is done; `false` at the end of the scene.

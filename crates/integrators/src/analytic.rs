@@ -28,6 +28,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     velocity_dependent_forces: true,
     has_memory: false,
     conserves_momentum: true,
+    half_kicks: false,
     force_evaluations: 1,
     stability_limit: None,
     oscillator_map: Some(oscillator_map),

@@ -27,6 +27,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     velocity_dependent_forces: false,
     has_memory: false,
     conserves_momentum: true,
+    half_kicks: false,
     force_evaluations: 6,
     stability_limit: Some(3.163_465),
     oscillator_map: Some(oscillator_map),

@@ -27,6 +27,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     velocity_dependent_forces: false,
     has_memory: false,
     conserves_momentum: true,
+    half_kicks: false,
     force_evaluations: 3,
     stability_limit: Some(1.573_402),
     oscillator_map: Some(oscillator_map),

@@ -46,6 +46,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     velocity_dependent_forces: false,
     has_memory: false,
     conserves_momentum: true,
+    half_kicks: false,
     force_evaluations: 0,
     stability_limit: None,
     oscillator_map: Some(oscillator_map),

@@ -62,6 +62,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     velocity_dependent_forces: false,
     has_memory: false,
     conserves_momentum: false,
+    half_kicks: true,
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: None,

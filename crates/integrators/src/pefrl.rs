@@ -27,6 +27,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     velocity_dependent_forces: false,
     has_memory: false,
     conserves_momentum: true,
+    half_kicks: false,
     force_evaluations: 5,
     stability_limit: Some(2.989_450),
     oscillator_map: Some(oscillator_map),

@@ -44,6 +44,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     velocity_dependent_forces: false,
     has_memory: false,
     conserves_momentum: true,
+    half_kicks: false,
     force_evaluations: DEFAULT_INNER_STEPS + 1,
     stability_limit: Some(2.695_592),
     oscillator_map: Some(oscillator_map),

@@ -28,6 +28,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     velocity_dependent_forces: false,
     has_memory: true,
     conserves_momentum: true,
+    half_kicks: true,
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: Some(oscillator_map),

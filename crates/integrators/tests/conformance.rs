@@ -199,6 +199,48 @@ fn forces_and_clock_belong_to_the_new_positions() {
 }
 
 #[test]
+fn methods_that_kick_by_halves_move_with_the_velocities_of_half_steps_and_no_others_do() {
+    let dt = 0.004;
+    for entry in general_methods() {
+        let (dynamics, mut state) = moving_cluster();
+        let mut integrator = entry.build();
+        integrator
+            .start(&dynamics, &mut state, &mut Cluster, dt, Want::NOTHING)
+            .unwrap();
+        steps(
+            integrator.as_mut(),
+            &dynamics,
+            &mut state,
+            &mut Cluster,
+            dt,
+            2,
+        );
+        let before = state.clone();
+        steps(
+            integrator.as_mut(),
+            &dynamics,
+            &mut state,
+            &mut Cluster,
+            dt,
+            1,
+        );
+        let mut worst = 0.0_f64;
+        for i in 0..state.len() {
+            let moved = (state.positions[i] - before.positions[i]) / dt;
+            for (of, sign) in [(&before, 0.5), (&state, -0.5)] {
+                let kick = sign * dt / dynamics.masses.of(i) * of.forces[i];
+                worst = worst.max((moved - of.velocities[i] - kick).length());
+            }
+        }
+        // Positions are rounded, or on a grid, to some 1e-15, which dt magnifies; a force on the way shows at
+        // dt² = 1e-5 times its change.
+        let (declared, name) = (entry.spec.half_kicks, entry.spec.name);
+        assert_eq!(worst < 1e-10, declared, "{name}: {worst:e}");
+        assert!(declared || worst > 1e-8, "{name}: {worst:e}");
+    }
+}
+
+#[test]
 fn symplectic_methods_keep_phase_space_area_and_no_others_do() {
     for entry in integrators() {
         let map = measured_map(entry, 1.0, 0.5, 1).unwrap();

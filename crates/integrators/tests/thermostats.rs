@@ -359,6 +359,41 @@ fn langevin_gives_oscillators_their_exact_spread_at_any_step() {
 }
 
 #[test]
+fn langevin_has_its_temperature_on_half_steps_and_less_on_whole_ones() {
+    // BAOAB gives the positions of an oscillator their exact spread; on whole steps ⟨v²⟩ = T·(1 − h²ω²/4).
+    let (n, dt) = (2000, 0.6);
+    let dynamics = independent(n);
+    let cell = lennard_core::PeriodicBox::new(DVec3::splat(1.0)).unwrap();
+    let mut forces = HarmonicForces::new(1.0);
+    let mut state = canonical_start(n, 5, TEMPERATURE);
+    let mut bath = baoab(1.0, TEMPERATURE, 6);
+    bath.start(&dynamics, &mut state, &mut forces, dt, Want::NOTHING)
+        .unwrap();
+    let (mut whole, mut half) = (0.0, 0.0);
+    let (settle, steps) = (50, 1000);
+    for s in 0..settle + steps {
+        bath.step(&dynamics, &mut state, &mut forces, dt, Want::NOTHING)
+            .unwrap();
+        if s >= settle {
+            let view = lennard_core::View {
+                state: &state,
+                dynamics: &dynamics,
+                cell: &cell,
+                tail: None,
+                heat: 0.0,
+                half_kick_step: Some(dt),
+            };
+            whole += dynamics.temperature(&state.velocities) / f64::from(steps);
+            half += view.temperature_of_positions() / f64::from(steps);
+        }
+    }
+    // 6000 degrees of freedom for some 300 correlation times: √(2/1.8e6) = 0.1 %, three of them.
+    assert!((half / TEMPERATURE - 1.0).abs() < 0.003, "{half}");
+    let exact = 1.0 - 0.25 * dt * dt;
+    assert!((whole / TEMPERATURE - exact).abs() < 0.003, "{whole}");
+}
+
+#[test]
 fn energy_minus_heat_is_conserved_under_langevin_up_to_the_square_of_the_step() {
     let n = 2000;
     let spread = |dt: f64| {

@@ -195,3 +195,62 @@ fn the_shadow_energy_of_velocity_verlet_is_exact_on_the_oscillator() {
     )
     .unwrap();
 }
+
+/// Means of the kinetic energy on whole steps and on half steps and of the potential energy, of oscillators with ω = 1.
+fn mean_energies(entry: &lennard_integrators::IntegratorEntry, dt: f64) -> (f64, f64, f64) {
+    let dynamics = Dynamics {
+        n_dof: 3.0,
+        ..Dynamics::fluid(1)
+    };
+    let cell = lennard_core::PeriodicBox::new(DVec3::splat(1.0)).unwrap();
+    let mut state = State::new(
+        vec![DVec3::new(1.0, 0.0, -0.3)],
+        vec![DVec3::new(0.0, 0.5, 0.2)],
+    );
+    let (mut whole, mut half, mut potential) = (0.0, 0.0, 0.0);
+    // Whole turns of the discrete map leave nothing of the oscillating parts but what the last one lacks.
+    let steps = 200_000;
+    let mut forces = HarmonicForces::new(1.0);
+    run(
+        entry.build().as_mut(),
+        &dynamics,
+        &mut forces,
+        &mut state,
+        dt,
+        steps,
+        |state, _| {
+            let view = lennard_core::View {
+                state,
+                dynamics: &dynamics,
+                cell: &cell,
+                tail: None,
+                heat: 0.0,
+                half_kick_step: Some(dt),
+            };
+            whole += dynamics.kinetic_energy(&state.velocities);
+            half += view.half_step_kinetic_energy().unwrap();
+            potential += 0.5 * state.positions[0].length_squared();
+        },
+    )
+    .unwrap();
+    let n = steps as f64;
+    (whole / n, half / n, potential / n)
+}
+
+#[test]
+fn half_steps_have_the_kinetic_energy_of_the_positions_and_whole_steps_too_little() {
+    for entry in integrators().iter().filter(|e| e.spec.half_kicks) {
+        let dt = 0.5;
+        let (whole, half, potential) = mean_energies(entry, dt);
+        let name = entry.spec.name;
+        assert!(
+            (half / potential - 1.0).abs() < 1e-4,
+            "{name}: {half} {potential}"
+        );
+        let exact = 1.0 - 0.25 * dt * dt;
+        assert!(
+            (whole / potential - exact).abs() < 1e-4,
+            "{name}: {whole} {potential}"
+        );
+    }
+}

@@ -185,9 +185,12 @@ pub struct Comparison {
     /// Measured mean.
     #[serde(with = "number")]
     pub measured: f64,
-    /// Value of the literature.
+    /// Value of the literature, `finite_size` included.
     #[serde(with = "number")]
     pub reference: f64,
+    /// What was added to the value of an infinite system to have that of N particles; `null` where nothing was.
+    #[serde(default)]
+    pub finite_size: Option<f64>,
     /// Uncertainty that the source states of its value; `null` where it states none.
     pub reference_uncertainty: Option<f64>,
     /// Measured − reference.
@@ -210,9 +213,12 @@ pub struct Comparison {
 /// A thermodynamic state.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StatePoint {
-    /// Temperature in ε/k_B.
+    /// Temperature in ε/k_B: that which belongs to the positions.
     #[serde(with = "number")]
     pub temperature: f64,
+    /// Whether that is the temperature of half steps; else it is that of whole steps.
+    #[serde(default)]
+    pub half_steps: bool,
     /// Number density in σ⁻³.
     #[serde(with = "number")]
     pub density: f64,

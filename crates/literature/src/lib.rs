@@ -17,18 +17,21 @@
 //! ```
 
 mod equation;
+mod finite_size;
 mod freezing;
 mod jet;
 mod kolafa_nezbeda;
 mod model;
 mod phase;
 mod saturation;
+mod tables;
 mod thol;
 mod transport;
 
 pub use equation::{
     CriticalPoint, EquationOfState, EquationSpec, FluidState, OutsideRange, OwnUncertainty, Range,
 };
+pub use finite_size::{FiniteSize, Kept};
 pub use freezing::{FreezingLine, freezing_line};
 pub use jet::Jet;
 pub use kolafa_nezbeda::KolafaNezbeda;
@@ -38,8 +41,9 @@ pub use model::{
 };
 pub use phase::Phase;
 pub use saturation::Saturation;
+pub use tables::{ReferenceTable, Status, reference_table, reference_tables};
 pub use thol::Thol;
 pub use transport::{
-    NEAR_DENSITY, NEAR_TEMPERATURE, TransportProperty, TransportValue, self_diffusion_near,
-    transport_near, viscosity_near,
+    NEAR_DENSITY, NEAR_TEMPERATURE, SAME_DENSITY, SAME_LINE, TransportProperty, TransportValue,
+    self_diffusion_near, transport_near, viscosity_near,
 };

@@ -4,6 +4,8 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
+use crate::tables::reference_table;
+
 /// A transport coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -16,7 +18,7 @@ pub enum TransportProperty {
     ThermalConductivity,
 }
 
-/// A tabulated value, with the state that it belongs to.
+/// A tabulated value, or one between two tabulated ones, with the state that it belongs to.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TransportValue {
     /// The coefficient in the units of its [`TransportProperty`].
@@ -25,16 +27,36 @@ pub struct TransportValue {
     pub uncertainty: Option<f64>,
     /// Density of the tabulated state, σ⁻³.
     pub rho: f64,
-    /// Temperature of the tabulated state, ε/k_B.
+    /// Temperature of the state, ε/k_B: the tabulated one, or the one asked for between two.
     pub temperature: f64,
+    /// The two tabulated temperatures that it lies between, where it is interpolated.
+    pub between: Option<(f64, f64)>,
     /// Authors, title, DOI, and how the number was obtained.
     pub source: String,
+}
+
+impl TransportValue {
+    /// Which tabulated state or states it is from, in words.
+    #[must_use]
+    pub fn state_words(&self) -> String {
+        match self.between {
+            None => format!("tabulated at ρ = {}, T = {}", self.rho, self.temperature),
+            Some((low, high)) => format!(
+                "tabulated at ρ = {}, T = {low} and {high}, and taken on the line between them",
+                self.rho
+            ),
+        }
+    }
 }
 
 /// How far in density (σ⁻³) a tabulated state may lie to be called near.
 pub const NEAR_DENSITY: f64 = 0.01;
 /// How far in temperature, relative, a tabulated state may lie to be called near.
 pub const NEAR_TEMPERATURE: f64 = 0.05;
+/// How far apart two densities may be to be called the same: the digits of the tables, in σ⁻³.
+pub const SAME_DENSITY: f64 = 0.0005;
+/// The largest ratio of two tabulated temperatures between which a line is drawn.
+pub const SAME_LINE: f64 = 1.35;
 
 const CHAPARRO_MUELLER: &str = "G. Chaparro, E. A. Müller, J. Phys. Chem. B (2023), \
     DOI 10.1021/acs.jpcb.3c06813, database of the authors, read directly";
@@ -90,24 +112,22 @@ fn rows<T: for<'a> Deserialize<'a>>(text: &str) -> Vec<T> {
         .expect("the shipped tables are well formed: a test reads them")
 }
 
+fn shipped(name: &str) -> &'static str {
+    reference_table(name).map_or("", |table| table.csv)
+}
+
 static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
     let files = [
-        (
-            TransportProperty::ShearViscosity,
-            include_str!("../data/chaparro-mueller-2023/shear_viscosity.csv"),
-        ),
-        (
-            TransportProperty::SelfDiffusion,
-            include_str!("../data/chaparro-mueller-2023/self_diffusion.csv"),
-        ),
+        (TransportProperty::ShearViscosity, "shear-viscosity"),
+        (TransportProperty::SelfDiffusion, "self-diffusion"),
         (
             TransportProperty::ThermalConductivity,
-            include_str!("../data/chaparro-mueller-2023/thermal_conductivity.csv"),
+            "thermal-conductivity",
         ),
     ];
     let mut table = Vec::new();
-    for (property, text) in files {
-        for row in rows::<ChaparroRow>(text) {
+    for (property, name) in files {
+        for row in rows::<ChaparroRow>(shipped(name)) {
             // Flagged rows contradict the equation of state; inside the dome a homogeneous value
             // has no meaning.
             if row.flag.is_some() || row.phase != "stable_fluid" {
@@ -120,12 +140,13 @@ static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
                     uncertainty: Some(row.standard_deviation),
                     rho: row.rho,
                     temperature: row.temperature,
+                    between: None,
                     source: CHAPARRO_MUELLER.to_owned(),
                 },
             });
         }
     }
-    for row in rows::<OtherRow>(include_str!("../data/transport-other.csv")) {
+    for row in rows::<OtherRow>(shipped("transport-other")) {
         table.push(Row {
             property: row.quantity,
             value: TransportValue {
@@ -133,6 +154,7 @@ static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
                 uncertainty: row.uncertainty,
                 rho: row.rho,
                 temperature: row.temperature,
+                between: None,
                 source: format!("{}, DOI {}, {}", row.citation, row.doi, row.status),
             },
         });
@@ -140,31 +162,68 @@ static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
     table
 });
 
-/// The tabulated value nearest to a density (σ⁻³) and temperature (ε/k_B) of the full
-/// Lennard-Jones fluid, if one is near: within [`NEAR_DENSITY`] and [`NEAR_TEMPERATURE`].
+/// The value at a density (σ⁻³) and temperature (ε/k_B) of the full Lennard-Jones fluid, if the tables have one near.
 ///
-/// Nearest is the smallest (Δρ/0.01)² + (ΔT/0.05 T)². In the dense liquid, where the coefficients
-/// change fastest, η differs over that distance by about a tenth at most, as large as its own error, and the
-/// finite-size correction of D that it enters, itself a tenth of D, by less than 1 % of D. Rows that
-/// contradict the equation of state or lie inside the vapor–liquid dome are left out. Values of the
-/// full potential are no reference for a truncated one.
+/// Where two tabulated states of that density (within [`SAME_DENSITY`]) enclose the temperature and are no further
+/// apart than a factor [`SAME_LINE`], the value lies on the line between them, with the errors of both in proportion.
+/// Along the tables' densities D differs from such a line by 0.2 %, η and λ by less than their errors. Elsewhere it is
+/// the nearest state within [`NEAR_DENSITY`] and [`NEAR_TEMPERATURE`], by the smallest (Δρ/0.01)² + (ΔT/0.05 T)². In the
+/// dense liquid, where the coefficients change fastest, η differs over that distance by about a tenth at most, as large
+/// as its own error, and the finite-size correction of D that it enters, itself a tenth of D, by less than 1 % of D.
+///
+/// Rows that contradict the equation of state or lie inside the vapor–liquid dome are left out. Values of the full
+/// potential are no reference for a truncated one.
 #[must_use]
 pub fn transport_near(
     property: TransportProperty,
     rho: f64,
     temperature: f64,
-) -> Option<&'static TransportValue> {
+) -> Option<TransportValue> {
+    let of_property = || {
+        TABLE
+            .iter()
+            .filter(move |row| row.property == property)
+            .map(|row| &row.value)
+    };
+    let same_density = || of_property().filter(|v| (v.rho - rho).abs() <= SAME_DENSITY);
+    let below = same_density()
+        .filter(|v| v.temperature <= temperature)
+        .max_by(|a, b| a.temperature.total_cmp(&b.temperature));
+    let above = same_density()
+        .filter(|v| v.temperature > temperature)
+        .min_by(|a, b| a.temperature.total_cmp(&b.temperature));
+    if let (Some(low), Some(high)) = (below, above)
+        && high.temperature <= SAME_LINE * low.temperature
+        && low.source == high.source
+    {
+        return Some(between(low, high, temperature));
+    }
     let distance = |v: &TransportValue| {
         let density = (v.rho - rho) / NEAR_DENSITY;
         let warmth = (v.temperature - temperature) / (NEAR_TEMPERATURE * temperature);
         (density.abs() <= 1.0 && warmth.abs() <= 1.0).then_some(density * density + warmth * warmth)
     };
-    TABLE
-        .iter()
-        .filter(|row| row.property == property)
-        .filter_map(|row| Some((distance(&row.value)?, &row.value)))
+    of_property()
+        .filter_map(|value| Some((distance(value)?, value)))
         .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, value)| value)
+        .map(|(_, value)| value.clone())
+}
+
+/// The value on the line between two states of one density.
+fn between(low: &TransportValue, high: &TransportValue, temperature: f64) -> TransportValue {
+    let share = (temperature - low.temperature) / (high.temperature - low.temperature);
+    let uncertainty = low
+        .uncertainty
+        .zip(high.uncertainty)
+        .map(|(l, h)| ((1.0 - share) * l).hypot(share * h));
+    TransportValue {
+        value: (1.0 - share) * low.value + share * high.value,
+        uncertainty,
+        rho: low.rho,
+        temperature,
+        between: Some((low.temperature, high.temperature)),
+        source: low.source.clone(),
+    }
 }
 
 /// Shear viscosity in √(mε)/σ² near a state, as [`transport_near`] finds it; for the finite-size
@@ -172,14 +231,14 @@ pub fn transport_near(
 /// diffusion coefficients and viscosities from molecular dynamics simulations with periodic boundary
 /// conditions, J. Phys. Chem. B 108, 15873, 2004).
 #[must_use]
-pub fn viscosity_near(rho: f64, temperature: f64) -> Option<&'static TransportValue> {
+pub fn viscosity_near(rho: f64, temperature: f64) -> Option<TransportValue> {
     transport_near(TransportProperty::ShearViscosity, rho, temperature)
 }
 
 /// Self-diffusion coefficient in σ√(ε/m) near a state, as [`transport_near`] finds it; the sources
 /// do not say that it was corrected for finite size.
 #[must_use]
-pub fn self_diffusion_near(rho: f64, temperature: f64) -> Option<&'static TransportValue> {
+pub fn self_diffusion_near(rho: f64, temperature: f64) -> Option<TransportValue> {
     transport_near(TransportProperty::SelfDiffusion, rho, temperature)
 }
 
@@ -199,10 +258,27 @@ mod tests {
 
     #[test]
     fn the_nearest_row_is_found_with_its_own_state_and_source() {
-        let v = viscosity_near(0.8495, 1.001).unwrap();
+        let v = viscosity_near(0.848, 1.001).unwrap();
         assert_eq!((v.rho, v.temperature), (0.85, 0.999984));
         assert_eq!((v.value, v.uncertainty), (2.88621, Some(0.37)));
-        assert!(v.source.contains("Chaparro"));
+        assert!(v.source.contains("Chaparro") && v.between.is_none());
+    }
+
+    #[test]
+    fn between_two_temperatures_of_one_density_a_line_is_drawn() {
+        let d = |t| self_diffusion_near(0.85, t).unwrap();
+        let (low, high) = (d(0.8999), d(1.1));
+        assert!(low.between.is_none(), "below the first there is no line");
+        let (cold, hot) = d(1.0).between.unwrap();
+        assert!((cold - 0.9).abs() < 0.01 && (hot - 1.1).abs() < 0.01);
+        let share = (1.0 - cold) / (hot - cold);
+        let line = low.value + share * (high.value - low.value);
+        // 1.1 itself lies on the next line, a hair from its lower end.
+        assert!((d(1.0).value - line).abs() < 1e-4, "{}", d(1.0).value);
+        // Independent errors of the two ends: smaller between them than at either.
+        let error = |v: &TransportValue| v.uncertainty.unwrap();
+        assert!(error(&d(1.0)) < error(&low).max(error(&high)));
+        assert!(d(1.0).state_words().contains("between"));
     }
 
     #[test]
@@ -225,6 +301,6 @@ mod tests {
     fn diffusion_is_looked_up_in_its_own_table() {
         let d = self_diffusion_near(0.8442, 0.722).unwrap();
         assert_eq!(d.value, 0.0325);
-        assert_eq!(self_diffusion_near(0.01, 2.9).unwrap().value, 38.1662);
+        assert_eq!(self_diffusion_near(0.01, 2.89978).unwrap().value, 38.1662);
     }
 }

@@ -83,11 +83,16 @@ impl PressureTensor {
     /// The pressure tensor of one state, in ε/σ³, without the tail; `None` where the state has no virial.
     #[must_use]
     pub fn of(view: &View<'_>) -> Option<DMat3> {
-        let velocities = &view.state.velocities;
+        let (velocities, forces) = (&view.state.velocities, &view.state.forces);
         let masses = &view.dynamics.masses;
+        // The mean of m·v⊗v over the half steps on both sides, as in the scalar pressure: m·v⊗v + (h/2)²·F⊗F/m.
+        let quarter = view.half_kick_step.map_or(0.0, |h| 0.25 * h * h);
         let kinetic = parallel::ordered_sum(velocities.len(), |range| {
             range
-                .map(|i| outer(masses.of(i) * velocities[i], velocities[i]))
+                .map(|i| {
+                    let (mass, v, force) = (masses.of(i), velocities[i], forces[i]);
+                    outer(mass * v, v) + outer(force * (quarter / mass), force)
+                })
                 .sum::<DMat3>()
         });
         let degrees = 3.0 * velocities.len() as f64 / view.dynamics.n_dof;

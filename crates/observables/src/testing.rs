@@ -26,6 +26,7 @@ pub(crate) fn view_of(cell: &PeriodicBox, positions: Vec<DVec3>, mut look: impl 
         cell,
         tail: None,
         heat: 0.0,
+        half_kick_step: None,
     });
 }
 

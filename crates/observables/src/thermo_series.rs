@@ -9,8 +9,11 @@ use crate::series::impl_columns;
 pub struct ThermoSeries {
     /// Time in τ; the mean time of the row's samples.
     pub time: Vec<f64>,
-    /// Kinetic temperature 2K/n_dof.
+    /// Kinetic temperature 2K/n_dof on whole steps.
     pub temperature: Vec<f64>,
+    /// The temperature that belongs to the positions: of half steps, or of whole steps where the method has no half
+    /// ones.
+    pub temperature_of_positions: Vec<f64>,
     /// Kinetic energy K/N.
     pub kinetic_energy: Vec<f64>,
     /// Potential energy per particle, with the tail where it is on.
@@ -42,6 +45,7 @@ pub struct ThermoSeries {
 impl_columns!(ThermoSeries {
     time,
     temperature,
+    temperature_of_positions,
     kinetic_energy,
     potential_energy,
     potential_energy_without_tail,
@@ -61,9 +65,14 @@ impl ThermoSeries {
     /// The series as a table, `thermo`; each row is the mean of `stride` samples.
     #[must_use]
     pub fn table(&self, stride: u64) -> Table {
-        let columns: [(&str, &str, &[f64]); 11] = [
+        let columns: [(&str, &str, &[f64]); 12] = [
             ("time", "τ", &self.time),
             ("temperature", "ε/k_B", &self.temperature),
+            (
+                "temperature_of_positions",
+                "ε/k_B",
+                &self.temperature_of_positions,
+            ),
             ("kinetic_energy", "ε", &self.kinetic_energy),
             ("potential_energy", "ε", &self.potential_energy),
             (

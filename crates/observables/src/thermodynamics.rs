@@ -1,5 +1,7 @@
 //! Temperature, energies, pressure and what ought to be conserved.
 
+mod remarks;
+
 use std::f64::consts::PI;
 
 use lennard_core::{
@@ -16,16 +18,13 @@ use crate::{BuildContext, Ensemble, ObservableError, Recipe, heat_capacity};
 const SPEC: ObservableSpec = ObservableSpec {
     name: "thermodynamics",
     summary: "temperature, energies, pressure, configurational temperature, conserved energy and momentum",
-    equation: "T = 2K/n_dof; U = Σ U(r_ij)/N + u_tail; P = ρT + W/(3V) + p_tail; T_conf = ⟨|∇U|²⟩/⟨∇²U⟩",
+    equation: "T = 2K/n_dof on whole and on half steps; U = Σ U(r_ij)/N + u_tail; P = ρT + W/(3V) + p_tail; T_conf = ⟨|∇U|²⟩/⟨∇²U⟩",
     source: "M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), equations 2.61 and 2.68; \
              B. D. Butler, G. Ayton, O. G. Jepps and D. J. Evans, Configurational temperature, J. Chem. Phys. 109, 6519 (1998), equation 6",
 };
 
 /// Rows kept before neighbors are averaged in pairs.
 const MOST_ROWS: usize = 1 << 16;
-
-/// Fewer independent samples than this make an error bar uncertain by more than 16 % (1/√(2·20)).
-const FEW_INDEPENDENT: f64 = 20.0;
 
 /// Options of [`Thermodynamics`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -70,11 +69,21 @@ pub struct Conservation {
 
 /// Temperature, energies, pressure, configurational temperature and what is conserved.
 ///
-/// - **Temperature** T = 2K/n_dof.
+/// - **Temperature** T = 2K/n_dof, on whole steps (`temperature`) and, for methods that kick by halves, on half steps
+///   (`temperature_half_steps`).
+/// - **Which temperature belongs to the positions.** A run of velocity Verlet samples positions as if it were a little
+///   hotter than its velocities on whole steps say. For harmonic forces the temperature of half steps is the right one
+///   exactly ([`View::half_step_kinetic_energy`]). In a fluid, to order h² (from the shadow Hamiltonian
+///   H + (h²/12)·v·∇∇U·v − (h²/24)·Σ|F|²/m; f = n_dof, L = ⟨∇²U⟩/m, primes are slopes in T):
+///   T_whole = T̃·(1 − h²L/6f), T_half = T̃·(1 + h²L/12f), ⟨U⟩ = U(T̃) + (h²/24)·(T·L − T²·L′), so that
+///   ⟨U⟩ − U(T_half) = (h²/24)·T·L·(1 − T·L′/L − 2·U′/f), zero for harmonic forces and some tenths of
+///   ⟨U⟩ − U(T_whole) in a fluid; and T_conf = T̃·(1 + (h²/12)·⟨tr (∇∇U)²⟩/⟨∇²U⟩), above T_half, since stiff directions
+///   weigh more in it.
 /// - **Pressure** P = ρT + W/(3V) + p_tail with W = Σ r_ij·F_ij. For zero total momentum the mechanical
 ///   pressure (2K + W)/(3V) lacks the part of the centre of mass: ⟨2K⟩ = (3N − 3)T makes its ideal part
 ///   (N − 1)T/V. With T = 2K/n_dof the ideal part is ρT, exact for the ideal gas at every N, and W depends
-///   on relative positions alone, so ρT + W/(3V) is the canonical pressure, and the two differ by T/V.
+///   on relative positions alone, so ρT + W/(3V) is the canonical pressure, and the two differ by T/V. T is here the
+///   temperature of half steps where there is one: that which W belongs to.
 /// - **Conserved energy** (K + U_conserved − Σ heat)/N, with the potential of which the forces are the
 ///   gradient (for a plain cutoff the shifted one).
 /// - **Configurational temperature** T_conf = ⟨|∇U|²⟩/⟨∇²U⟩. A force that jumps at the cutoff adds a
@@ -93,6 +102,7 @@ pub struct Thermodynamics {
     force_jump: f64,
     ensemble: Option<Ensemble>,
     n_dof: f64,
+    half_steps: bool,
 }
 
 impl Thermodynamics {
@@ -114,6 +124,7 @@ impl Thermodynamics {
             force_jump: 0.0,
             ensemble: None,
             n_dof: f64::NAN,
+            half_steps: false,
         }
     }
 
@@ -134,6 +145,12 @@ impl Thermodynamics {
     #[must_use]
     pub fn series(&self) -> &ThermoSeries {
         self.series.rows()
+    }
+
+    /// Whether the method has half steps, of which [`ThermoSeries::temperature_of_positions`] then is.
+    #[must_use]
+    pub fn has_half_steps(&self) -> bool {
+        self.half_steps
     }
 
     /// Samples averaged in each row of [`Thermodynamics::series`].
@@ -168,7 +185,7 @@ impl Thermodynamics {
     }
 
     /// The mean potential energy per particle, with the error of its difference from an equation of state
-    /// whose slope ∂u/∂T at the measured temperature is given ([`statistics::about_line`]).
+    /// whose slope ∂u/∂T at the temperature of the positions is given ([`statistics::about_line`]).
     #[must_use]
     pub fn potential_energy_against(&self, slope: f64) -> Estimate {
         let rows = self.series.rows();
@@ -176,14 +193,14 @@ impl Thermodynamics {
     }
 
     /// The mean pressure, with the error of its difference from an equation of state whose slope ∂p/∂T at
-    /// the measured temperature is given.
+    /// the temperature of the positions is given.
     #[must_use]
     pub fn pressure_against(&self, slope: f64) -> Estimate {
         self.against(&self.series.rows().pressure, slope)
     }
 
     fn against(&self, values: &[f64], slope: f64) -> Estimate {
-        let temperature = &self.series.rows().temperature;
+        let temperature = &self.series.rows().temperature_of_positions;
         let found = statistics::about_line(values, temperature, slope, self.equilibration_cut());
         self.in_samples(found)
     }
@@ -231,7 +248,8 @@ impl Observable for Thermodynamics {
             .or(energetics.potential_energy)
             .expect(asked);
         let virial = energetics.scalar_virial().expect(asked);
-        let pressure = n / volume * temperature + virial / (3.0 * volume);
+        let of_positions = view.temperature_of_positions();
+        let pressure = n / volume * of_positions + virial / (3.0 * volume);
         let tail = view.tail.unwrap_or_default();
         let conserved_energy = kinetic + (conserved - view.heat) / n;
         let (squared_force, laplacian) = if self.options.configurational_temperature {
@@ -246,11 +264,13 @@ impl Observable for Thermodynamics {
         let momentum: DVec3 = view.dynamics.momentum(&state.velocities) / n;
         let total = kinetic + potential + tail.energy_per_particle;
         self.n_dof = view.dynamics.n_dof;
+        self.half_steps = view.half_kick_step.is_some();
         self.energy_line.push(state.time, conserved_energy);
         self.largest_momentum = self.largest_momentum.max(momentum.length());
         self.series.push(&[
             state.time,
             temperature,
+            of_positions,
             kinetic,
             potential + tail.energy_per_particle,
             potential,
@@ -286,6 +306,13 @@ impl Observable for Thermodynamics {
             .map(|(k, u)| k + u)
             .collect();
         add("temperature", "ε/k_B", of(&rows.temperature));
+        if self.half_steps {
+            add(
+                "temperature_half_steps",
+                "ε/k_B",
+                of(&rows.temperature_of_positions),
+            );
+        }
         if self.options.configurational_temperature {
             add(
                 "configurational_temperature",
@@ -345,42 +372,13 @@ impl Observable for Thermodynamics {
     }
 }
 
-impl Thermodynamics {
-    fn remarks(&self, cut: usize) -> Vec<String> {
-        let rows = self.series.rows();
-        let mut remarks = Vec::new();
-        for (name, column) in [
-            ("potential energy", &rows.potential_energy_without_tail),
-            ("pressure", &rows.pressure_without_tail),
-        ] {
-            let found = statistics::autocorrelation_time(&column[cut..]);
-            let independent = statistics::estimate_after(column, cut).n_effective;
-            if !found.decayed {
-                remarks.push(format!(
-                    "the correlation of the {name} does not decay within the run: its error is a lower bound"
-                ));
-            } else if independent < FEW_INDEPENDENT {
-                remarks.push(format!(
-                    "only {independent:.0} independent samples of the {name}: its error is itself uncertain"
-                ));
-            }
-        }
-        if self.options.configurational_temperature && self.force_jump != 0.0 {
-            remarks.push(format!(
-                "the configurational temperature counts the jump of the force at the cutoff with g(r_cut) = 1: {:.4} ε/σ² in the Laplacian of each particle",
-                self.jump_laplacian()
-            ));
-        }
-        remarks
-    }
-}
-
 impl Persist for Thermodynamics {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.series.save(&mut to.section("series"));
         self.energy_line.save(&mut to.section("energy"));
         to.put_f64("largest_momentum", &[self.largest_momentum]);
         to.put_f64("n_dof", &[self.n_dof]);
+        to.put_u64("half_steps", &[u64::from(self.half_steps)]);
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
@@ -388,6 +386,8 @@ impl Persist for Thermodynamics {
         self.energy_line.restore(&from.section("energy"))?;
         [self.largest_momentum] = from.f64s("largest_momentum")?;
         [self.n_dof] = from.f64s("n_dof")?;
+        let [half_steps] = from.u64s("half_steps")?;
+        self.half_steps = half_steps == 1;
         Ok(())
     }
 }

@@ -286,6 +286,7 @@ mod tests {
                 cell: &context.cell,
                 tail: None,
                 heat: 0.0,
+                half_kick_step: None,
             });
             for (i, v) in state.velocities.iter_mut().enumerate() {
                 *v = decay * *v + kick * normal(seed, s, i);

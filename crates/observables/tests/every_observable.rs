@@ -68,6 +68,7 @@ fn walk_of(n: usize, samples: u64, mut look: impl FnMut(u64, &View<'_>)) {
                 cell: &context.cell,
                 tail: None,
                 heat: 0.01 * s as f64,
+                half_kick_step: None,
             },
         );
     }

@@ -140,6 +140,7 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
             cell: &cell,
             tail: None,
             heat: 0.0,
+            half_kick_step: None,
         };
         thermodynamics.sample(&view);
         msd.sample(&view);

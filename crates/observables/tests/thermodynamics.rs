@@ -72,6 +72,7 @@ fn a_pair_at_sigma_has_the_values_worked_out_by_hand() {
         cell: &context.cell,
         tail: Some(tail),
         heat: 0.3,
+        half_kick_step: None,
     };
     thermodynamics.sample(&view);
     tensor.sample(&view);
@@ -108,6 +109,56 @@ fn a_pair_at_sigma_has_the_values_worked_out_by_hand() {
 }
 
 #[test]
+fn half_steps_add_the_kicks_of_both_sides_to_temperature_and_pressure() {
+    let context = context(2, 10.0);
+    let dynamics = Dynamics::fluid(2);
+    let state = pair_at_sigma();
+    let mut thermodynamics = Thermodynamics::new(&context);
+    let mut tensor = PressureTensor::new(&context);
+    let view = View {
+        state: &state,
+        dynamics: &dynamics,
+        cell: &context.cell,
+        tail: None,
+        heat: 0.0,
+        half_kick_step: Some(0.01),
+    };
+    thermodynamics.sample(&view);
+    tensor.sample(&view);
+    let rows = thermodynamics.series();
+    let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-13 * b.abs().max(1.0), "{a} {b}");
+    // Velocities half a step on are v ± 0.005·24·n: ΣF² = 2·24², so that K gains (h²/8)·1152 = 0.0144, and T two
+    // thirds of that.
+    let half = 0.875 + 2.0 / 3.0 * 0.0144;
+    close(rows.temperature[0], 0.875);
+    close(rows.temperature_of_positions[0], half);
+    close(rows.kinetic_energy[0], 0.656_25);
+    close(rows.pressure[0], 0.002 * half + 24.0 / 3000.0);
+    // What is conserved knows nothing of it.
+    close(rows.conserved_energy[0], 0.656_25 + 0.016_316_891_136 / 2.0);
+    let p = |ab: &str| average(&tensor.finish(), &format!("pressure_{ab}")).mean;
+    close((p("xx") + p("yy") + p("zz")) / 3.0, rows.pressure[0]);
+    let findings = thermodynamics.finish();
+    close(average(&findings, "temperature_half_steps").mean, half);
+
+    // A method without half steps has none to show.
+    let mut other = Thermodynamics::new(&context);
+    other.sample(&View {
+        half_kick_step: None,
+        ..view
+    });
+    assert!(!other.has_half_steps());
+    close(other.series().temperature_of_positions[0], 0.875);
+    assert!(
+        other
+            .finish()
+            .averages
+            .iter()
+            .all(|a| a.name != "temperature_half_steps")
+    );
+}
+
+#[test]
 fn an_ideal_gas_of_any_size_has_the_pressure_of_its_density_and_temperature() {
     for n in [2, 3, 50] {
         let context = context(n, 5.0);
@@ -131,6 +182,7 @@ fn an_ideal_gas_of_any_size_has_the_pressure_of_its_density_and_temperature() {
             cell: &context.cell,
             tail: None,
             heat: 0.0,
+            half_kick_step: None,
         });
         let rows = thermodynamics.series();
         let exact = n as f64 / 125.0 * rows.temperature[0];
@@ -165,6 +217,7 @@ fn sampled(
             cell: &context.cell,
             tail: None,
             heat,
+            half_kick_step: None,
         });
     }
 }

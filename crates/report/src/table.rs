@@ -112,9 +112,16 @@ impl PageTable {
         let mut html = String::from(
             "<figure class=\"table\">\n<div class=\"scroll\" tabindex=\"0\"><table>\n<thead><tr>",
         );
-        for heading in &self.header {
+        for (k, heading) in self.header.iter().enumerate() {
+            // A heading stands where its numbers stand.
+            let mut column = self.rows.iter().filter_map(|row| row.get(k));
+            let class = if column.any(|cell| cell.tone == Tone::Number) {
+                " class=\"number\""
+            } else {
+                ""
+            };
             html.push_str(&format!(
-                "<th scope=\"col\">{}</th>",
+                "<th scope=\"col\"{class}>{}</th>",
                 inline_markup(heading)
             ));
         }

@@ -12,6 +12,18 @@ pub use verdict::{Row, Verdict};
 use lennard_literature::{equation_of_state_for, remark_for};
 use serde::Serialize;
 
+/// A quantity of the run record in words for a table.
+///
+/// The two kinetic temperatures are told apart plainly: a finite step makes them differ.
+#[must_use]
+pub fn quantity_words(name: &str) -> String {
+    match name {
+        "temperature" => "T, whole steps".into(),
+        read::HALF_STEPS => "T, half steps".into(),
+        other => other.replace('_', " "),
+    }
+}
+
 /// A run beside the literature.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ComparedRun {
@@ -45,9 +57,10 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
         Ok(equation) => {
             if !state.is_single_stable_phase() {
                 remarks.push(format!(
-                    "by {} the state ρ = {:.4}, T = {:.4} is {}: nothing is judged",
+                    "by {} the state ρ = {:.4}, {} = {:.4} is {}: nothing is judged",
                     equation.spec().name,
                     state.density,
+                    state.temperature_words(),
                     state.temperature,
                     state.words
                 ));

@@ -51,12 +51,13 @@ pub fn page(run: &RunFolder) -> Result<Page, ReportError> {
         .filter(|r| r.verdict == crate::compare::Verdict::Agrees)
         .count();
     let lead = format!(
-        "{} particles, {}: {} at ρ = {:.4}, T = {:.4}. {agree} of {judged} quantities that have a reference agree with it. Reduced units \
+        "{} particles, {}: {} at ρ = {:.4}, {} = {:.4}. {agree} of {judged} quantities that have a reference agree with it. Reduced units \
          throughout (ε = σ = m = k_B = 1).",
         record.atoms,
         compared.model,
         compared.state.words,
         compared.state.density,
+        compared.state.temperature_words(),
         compared.state.temperature,
     );
     let mut sections = vec![

@@ -5,12 +5,14 @@ mod file;
 mod page;
 mod points;
 mod run;
+mod threads;
 
-pub use agreement::{Agreement, agreement};
+pub use agreement::{Agreement, agreement, probability_words};
 pub use file::{SweepError, load};
 pub(crate) use page::verdict_cell;
 pub use points::Point;
 pub use run::{Ending, SweepOptions, SweepRecord, SweptPoint, run};
+pub use threads::workers;
 
 /// A sweep, read and checked.
 #[derive(Debug, Clone)]

@@ -44,6 +44,7 @@ pub fn list(args: &ListArgs) -> Result<ExitCode, Failure> {
             .map(|s| plain(s.name, s.summary, s.equation, s.source))
             .collect(),
         Listed::EquationsOfState => equations_of_state(),
+        Listed::ReferenceTables => reference_tables(),
     };
     if args.json {
         print_json(&entries)?;
@@ -82,10 +83,32 @@ fn integrators() -> Vec<Entry> {
                     "symplectic": s.symplectic,
                     "reversible": s.reversible,
                     "fixed step only": s.fixed_step_only,
+                    "half kicks: has a temperature of half steps": s.half_kicks,
                     "force evaluations a step": s.force_evaluations,
                     "largest stable ωh": s.stability_limit,
                 },
                 ..plain(s.name, s.summary, s.equations, s.source)
+            }
+        })
+        .collect()
+}
+
+fn reference_tables() -> Vec<Entry> {
+    lennard_literature::reference_tables()
+        .iter()
+        .map(|table| {
+            let doi = table
+                .doi
+                .map_or(String::new(), |doi| format!(", doi:{doi}"));
+            Entry {
+                name: table.name.into(),
+                summary: table.summary.into(),
+                equation: None,
+                properties: properties! {
+                    "status": table.status.describe(),
+                    "licence": table.licence,
+                },
+                source: format!("{}{doi}", table.source),
             }
         })
         .collect()

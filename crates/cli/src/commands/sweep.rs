@@ -33,13 +33,10 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         }
         None => output_folder(None, false, &sweep.name)?,
     };
-    let threads = args
-        .threads
-        .map_or_else(
-            || std::thread::available_parallelism().map_or(1, usize::from),
-            usize::from,
-        )
-        .min(sweep.points.len());
+    let threads = args.threads.map_or_else(
+        || std::thread::available_parallelism().map_or(1, usize::from),
+        usize::from,
+    );
     let quiet = args.quiet || args.json;
     let again = format!(
         "lennard sweep {} --out {}",
@@ -93,6 +90,7 @@ impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
         let code = match &error {
             SweepError::Write(_) | SweepError::Report(_) => OTHER,
+            SweepError::Start { source, .. } => source.exit_code(),
             _ => INPUT,
         };
         Self::new("the sweep", error, code)

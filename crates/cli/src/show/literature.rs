@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use lennard_report::significant;
-use lennard_studies::compare::{ComparedRun, Row, StateOfMatter};
-use lennard_studies::sweep::{Sweep, SweepRecord, SweptPoint};
+use lennard_studies::compare::{ComparedRun, Row, StateOfMatter, quantity_words};
+use lennard_studies::sweep::{Sweep, SweepRecord, SweptPoint, probability_words, workers};
 
 use super::{table, with_error};
 
@@ -12,8 +12,9 @@ use super::{table, with_error};
 pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) {
     println!("{}", console::style(&sweep.name).bold());
     println!(
-        "  {} points, {threads} at a time, output in {}",
+        "  {} points, {} at a time, output in {}",
         sweep.points.len(),
+        workers(sweep.points.len(), threads),
         folder.display()
     );
     for point in &sweep.points {
@@ -28,16 +29,9 @@ pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) {
 }
 
 fn planned(point: &lennard_studies::sweep::Point) -> StateOfMatter {
-    let density = match &point.scene.system.start {
-        lennard_scene::Start::Lattice { n_atoms, .. } => match point.scene.placement() {
-            Ok(Some(placement)) => *n_atoms as f64 / placement.cell.volume(),
-            _ => f64::NAN,
-        },
-        lennard_scene::Start::Configuration { .. } => f64::NAN,
-    };
     let model = lennard_engine::model_kind(&point.scene);
     let equation = lennard_literature::equation_of_state_for(model).ok();
-    StateOfMatter::new(density, point.scene.system.temperature, equation)
+    StateOfMatter::new(point.density, point.scene.system.temperature, equation)
 }
 
 fn row<'a>(point: &'a SweptPoint, quantity: &str) -> Option<&'a Row> {
@@ -54,7 +48,8 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
     let mut points = table(
         &[
             "point",
-            "T",
+            "T, whole steps",
+            "T, half steps",
             "U",
             "U − equation",
             "P",
@@ -62,7 +57,7 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
             "c_v",
             "verdicts U, P, c_v",
         ],
-        1..7,
+        1..8,
     );
     for point in &record.points {
         let Some(compared) = &point.compared else {
@@ -71,13 +66,14 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
             } else {
                 "not finished"
             };
-            points.add_row([point.name.as_str(), "", "", "", "", "", "", why]);
+            points.add_row([point.name.as_str(), "", "", "", "", "", "", "", why]);
             continue;
         };
-        let mut cells = vec![
-            point.name.clone(),
-            format!("{:.4}", compared.state.temperature),
-        ];
+        let mut cells = vec![point.name.clone()];
+        for quantity in ["temperature", "temperature_half_steps"] {
+            let mean = row(point, quantity).map(|r| r.measured);
+            cells.push(mean.map_or("–".into(), |t| format!("{t:.4}")));
+        }
         let mut verdicts = Vec::new();
         for quantity in ["potential_energy", "pressure", "heat_capacity"] {
             let Some(r) = row(point, quantity) else {
@@ -115,14 +111,14 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
         );
         for a in &record.agreement {
             all.add_row([
-                a.quantity.replace('_', " "),
+                quantity_words(&a.quantity),
                 a.points.to_string(),
                 a.agree.to_string(),
                 significant(a.mean_difference, 3),
                 significant(a.largest_difference, 3),
                 significant(a.largest_standard_error, 2),
-                significant(a.p_value, 2),
-                significant(a.p_value_with_reference, 2),
+                probability_words(a.p_value),
+                probability_words(a.p_value_with_reference),
             ]);
         }
         println!("\n{all}");
@@ -150,11 +146,12 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
 pub fn compared(run: &ComparedRun) {
     println!("{}", console::style(&run.run).bold());
     println!(
-        "  {}; {} particles, {} measured steps, ρ = {:.4}, T = {:.4}: {}",
+        "  {}; {} particles, {} measured steps, ρ = {:.4}, {} = {:.4}: {}",
         run.model,
         run.atoms,
         run.measured_steps,
         run.state.density,
+        run.state.temperature_words(),
         run.state.temperature,
         run.state.words
     );
@@ -181,7 +178,7 @@ pub fn compared(run: &ComparedRun) {
             (None, _) => "–".into(),
         };
         rows.add_row([
-            r.quantity.replace('_', " "),
+            quantity_words(&r.quantity),
             pair(r.measured, r.standard_error),
             reference,
             difference,
@@ -200,7 +197,7 @@ pub fn compared(run: &ComparedRun) {
             .into_iter()
             .filter(|t| !t.is_empty())
             .collect();
-        println!("  {}: {}", r.quantity.replace('_', " "), notes.join("; "));
+        println!("  {}: {}", quantity_words(&r.quantity), notes.join("; "));
     }
     for remark in &run.remarks {
         println!("  note: {remark}");

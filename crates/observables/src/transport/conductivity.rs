@@ -167,6 +167,7 @@ mod tests {
             cell: &cell,
             tail: None,
             heat: 0.0,
+            half_kick_step: None,
         })
         .unwrap()
             * cell.volume()

@@ -201,6 +201,7 @@ mod tests {
                 cell: &context.cell,
                 tail: None,
                 heat: 0.0,
+                half_kick_step: None,
             });
         }
         let estimate = viscosity.finish().averages[0].estimate;

@@ -4,14 +4,17 @@ use lennard_literature::{EquationOfState, Phase};
 use serde::Serialize;
 
 use super::RunFolder;
+use super::read::HALF_STEPS;
 
 /// The thermodynamic state of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StateOfMatter {
     /// Density in σ⁻³.
     pub density: f64,
-    /// Temperature in ε/k_B: the measured mean.
+    /// Temperature in ε/k_B: the measured mean of half steps where the method has them, else of whole steps.
     pub temperature: f64,
+    /// Whether it is that of half steps.
+    pub half_steps: bool,
     /// The phase by the equation of state; absent where there is none for the model.
     pub phase: Option<Phase>,
     /// The same in words.
@@ -36,8 +39,19 @@ impl StateOfMatter {
         Self {
             density,
             temperature,
+            half_steps: false,
             phase,
             words,
+        }
+    }
+
+    /// Which temperature it is, in words.
+    #[must_use]
+    pub fn temperature_words(&self) -> &'static str {
+        if self.half_steps {
+            "T, half steps"
+        } else {
+            "T, whole steps"
         }
     }
 
@@ -48,9 +62,12 @@ impl StateOfMatter {
     }
 }
 
-/// The state of a run at its measured temperature.
+/// The state of a run at the measured temperature that belongs to its positions.
 #[must_use]
 pub fn state_of(run: &RunFolder, equation: Option<&dyn EquationOfState>) -> StateOfMatter {
-    let temperature = run.average("temperature").map_or(f64::NAN, |a| a.mean);
-    StateOfMatter::new(run.density, temperature, equation)
+    let temperature = run.temperature().map_or(f64::NAN, |a| a.mean);
+    StateOfMatter {
+        half_steps: run.average(HALF_STEPS).is_some(),
+        ..StateOfMatter::new(run.density, temperature, equation)
+    }
 }

@@ -6,6 +6,9 @@ use lennard_core::Table;
 use lennard_io::{AverageRecord, FormatError, RunRecord};
 use lennard_scene::{Scene, SceneError};
 
+/// The average of the temperature on half steps.
+pub(super) const HALF_STEPS: &str = "temperature_half_steps";
+
 /// Why a run cannot be compared or shown.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
@@ -115,6 +118,13 @@ impl RunFolder {
     #[must_use]
     pub fn average(&self, name: &str) -> Option<&AverageRecord> {
         self.record.averages.get(name)
+    }
+
+    /// The temperature that belongs to the positions: of half steps where the method has them, else of whole steps.
+    #[must_use]
+    pub fn temperature(&self) -> Option<&AverageRecord> {
+        self.average(HALF_STEPS)
+            .or_else(|| self.average("temperature"))
     }
 
     /// A table of the folder; `None` where the run has none of that name.

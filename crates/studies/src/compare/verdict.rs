@@ -140,6 +140,25 @@ impl Row {
         self
     }
 
+    /// Takes the measured value for anywhere between two, where it is not known which of them the reference is of: the
+    /// difference is then that of the nearest one. Without a reference nothing changes.
+    pub(super) fn between(mut self, low: f64, high: f64) -> Self {
+        if let (Some(reference), Some(combined), Some(allowed)) =
+            (self.reference, self.combined_error, self.tolerance)
+            && low <= high
+        {
+            let difference = reference.max(low).min(high) - reference;
+            self.difference = Some(difference);
+            self.in_standard_errors = Some(difference / combined);
+            self.verdict = if difference.abs() <= allowed {
+                Verdict::Agrees
+            } else {
+                Verdict::Differs
+            };
+        }
+        self
+    }
+
     /// Adds what is to be known.
     pub(super) fn noted(mut self, remark: impl Into<String>) -> Self {
         let remark = remark.into();
@@ -173,5 +192,25 @@ mod tests {
         assert_eq!(row(-5.0051).verdict, Verdict::Differs);
         assert!((row(-4.999).in_standard_errors.unwrap() - 2.0).abs() < 1e-9);
         assert_eq!(row(f64::NAN).verdict, Verdict::Differs);
+    }
+
+    #[test]
+    fn a_value_known_to_lie_in_a_stretch_differs_by_its_distance_from_it() {
+        let row = |low, high| {
+            Row::measured("d", "σ²/τ", high, 3e-4)
+                .against(-5.0, Some(4e-4), 3e-4, TOLERANCE, "x")
+                .between(low, high)
+        };
+        let inside = row(-5.1, -4.9);
+        assert_eq!(
+            (inside.difference, inside.verdict),
+            (Some(0.0), Verdict::Agrees)
+        );
+        let above = row(-4.998, -4.9);
+        assert!((above.in_standard_errors.unwrap() - 4.0).abs() < 1e-9);
+        assert_eq!(above.verdict, Verdict::Agrees);
+        assert_eq!(row(-5.2, -5.01).verdict, Verdict::Differs);
+        // What is no stretch changes nothing.
+        assert_eq!(row(f64::NAN, f64::NAN).verdict, Verdict::Differs);
     }
 }

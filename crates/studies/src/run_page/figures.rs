@@ -99,7 +99,7 @@ pub(super) fn time_series(run: &RunFolder) -> Vec<Captioned> {
         .filter(|_| cut > 0)
         .map(|start| start + cut as f64 * interval);
     [
-        ("temperature", "Temperature", "T / (ε/k_B)"),
+        ("temperature", "Temperature, whole steps", "T / (ε/k_B)"),
         ("potential_energy", "Potential energy", "U/N / ε"),
         ("pressure", "Pressure", "P / (ε/σ³)"),
         ("conserved_energy", "Conserved energy", "(E − heat)/N / ε"),
@@ -130,7 +130,7 @@ pub(super) fn time_series(run: &RunFolder) -> Vec<Captioned> {
 
 /// Blocking curves.
 pub(super) fn blocking(run: &RunFolder) -> Vec<Captioned> {
-    [("potential_energy", "Potential energy", "ε"), ("pressure", "Pressure", "ε/σ³"), ("temperature", "Temperature", "ε/k_B")]
+    [("potential_energy", "Potential energy", "ε"), ("pressure", "Pressure", "ε/σ³"), ("temperature", "Temperature, whole steps", "ε/k_B")]
         .into_iter()
         .filter_map(|(name, title, unit)| {
             let table = run.table(&format!("blocking_{name}"))?;
@@ -179,7 +179,7 @@ pub(super) fn structure(run: &RunFolder) -> Vec<Captioned> {
                 .filter(|(kind, _)| **kind < 0.0)
                 .map(|(_, r)| *r);
             for (shell, r) in minima.take(3).enumerate() {
-                figure = figure.guided(Guide::Vertical(r, format!("shell {}", shell + 1)));
+                figure = figure.guided(Guide::Vertical(r, (shell + 1).to_string()));
                 shells.push(format!("{r:.3}"));
             }
         }
@@ -195,7 +195,7 @@ pub(super) fn structure(run: &RunFolder) -> Vec<Captioned> {
             "No shell ends within the range.".to_owned()
         } else {
             format!(
-                "Shells end at the minima, {} σ.{coordination}",
+                "Shells 1, 2, … end at the dashed minima, {} σ.{coordination}",
                 shells.join(", ")
             )
         };

@@ -3,13 +3,8 @@
 use lennard_io::RunRecord;
 use lennard_report::{Cell, PageTable, significant, with_error};
 
-use crate::compare::{ComparedRun, RunFolder};
+use crate::compare::{ComparedRun, RunFolder, quantity_words};
 use crate::sweep::verdict_cell;
-
-/// Name in words.
-fn words(name: &str) -> String {
-    name.replace('_', " ")
-}
 
 pub(crate) fn comparison(compared: &ComparedRun) -> PageTable {
     let header = [
@@ -35,7 +30,7 @@ pub(crate) fn comparison(compared: &ComparedRun) -> PageTable {
             };
             let measured = with_error(r.measured, r.standard_error);
             vec![
-                Cell::text(words(&r.quantity)),
+                Cell::text(quantity_words(&r.quantity)),
                 Cell::number(if r.unit.is_empty() {
                     measured
                 } else {
@@ -72,7 +67,8 @@ pub(super) fn sources(compared: &ComparedRun) -> Vec<String> {
                 .into_iter()
                 .filter(|t| !t.is_empty())
                 .collect();
-            (!notes.is_empty()).then(|| format!("**{}**: {}", words(&r.quantity), notes.join("; ")))
+            (!notes.is_empty())
+                .then(|| format!("**{}**: {}", quantity_words(&r.quantity), notes.join("; ")))
         })
         .chain(compared.remarks.iter().cloned())
         .collect()
@@ -145,7 +141,7 @@ pub(super) fn averages(record: &RunRecord) -> PageTable {
         .iter()
         .map(|(name, a)| {
             vec![
-                Cell::text(words(name)),
+                Cell::text(quantity_words(name)),
                 Cell::number(with_error(a.mean, a.standard_error)),
                 Cell::text(a.unit.clone()),
                 Cell::number(significant(a.n_effective, 3)),

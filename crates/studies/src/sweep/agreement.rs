@@ -92,6 +92,16 @@ pub fn agreement(points: &[SweptPoint], quantity: &str) -> Option<Agreement> {
     })
 }
 
+/// A probability for a table: what is too small for a number is said to be below the smallest.
+#[must_use]
+pub fn probability_words(p: f64) -> String {
+    if p < f64::MIN_POSITIVE {
+        "< 10⁻³⁰⁷".into()
+    } else {
+        lennard_report::significant(p, 2)
+    }
+}
+
 /// The probability that a sum of `n` squares of standard normal numbers is at least `chi_squared`.
 fn tail_probability(chi_squared: f64, n: usize) -> f64 {
     if !chi_squared.is_finite() {
@@ -102,7 +112,7 @@ fn tail_probability(chi_squared: f64, n: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::tail_probability;
+    use super::{probability_words, tail_probability};
 
     #[test]
     fn tail_probabilities_are_those_of_the_tables() {
@@ -110,5 +120,7 @@ mod tests {
         assert!((tail_probability(3.0, 2) - (-1.5_f64).exp()).abs() < 1e-9);
         assert!((tail_probability(18.307, 10) - 0.05).abs() < 1e-5);
         assert!(tail_probability(f64::NAN, 3).is_nan());
+        assert_eq!(probability_words(tail_probability(1e5, 3)), "< 10⁻³⁰⁷");
+        assert_eq!(probability_words(0.0512), "0.051");
     }
 }

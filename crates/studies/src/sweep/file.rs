@@ -46,6 +46,14 @@ pub enum SweepError {
         /// What is wrong.
         source: SceneError,
     },
+    /// The start of a point cannot be made.
+    #[error("point {point}: {source}")]
+    Start {
+        /// Name of the point.
+        point: String,
+        /// What is wrong.
+        source: Box<lennard_engine::EngineError>,
+    },
     /// A folder of a point holds something else.
     #[error("{}: {found}\n  allowed: an empty folder, or what this sweep wrote there; give another --out, or --force to replace the runs of this sweep", folder.display())]
     Folder {
@@ -87,6 +95,7 @@ pub(super) struct Axes {
     pub(super) temperature: Option<OneOrMany<f64>>,
     pub(super) n_atoms: Option<OneOrMany<u64>>,
     pub(super) r_cut: Option<OneOrMany<f64>>,
+    pub(super) dt: Option<OneOrMany<f64>>,
     pub(super) seed: Option<OneOrMany<u64>>,
 }
 

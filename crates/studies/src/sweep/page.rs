@@ -5,8 +5,8 @@ use lennard_report::{
     Section, Series, Symbol, Tone, significant, with_error,
 };
 
-use super::{Agreement, SweepRecord, SweptPoint};
-use crate::compare::{Row, Verdict};
+use super::{Agreement, SweepRecord, SweptPoint, probability_words};
+use crate::compare::{Row, Verdict, quantity_words};
 
 /// The row of one quantity of a point.
 pub(super) fn row<'a>(point: &'a SweptPoint, quantity: &str) -> Option<&'a Row> {
@@ -20,7 +20,9 @@ pub(super) fn row<'a>(point: &'a SweptPoint, quantity: &str) -> Option<&'a Row> 
 
 /// The points with U, P and c_v beside the equation of state, as CSV.
 pub(super) fn csv(record: &SweepRecord) -> String {
-    let mut text = String::from("name,density,temperature,phase,steps,atoms");
+    let mut text = String::from(
+        "name,density,temperature,temperature_whole_steps,temperature_half_steps,phase,steps,atoms",
+    );
     const QUANTITIES: [(&str, &str); 3] = [
         ("potential_energy", "u"),
         ("pressure", "p"),
@@ -39,9 +41,15 @@ pub(super) fn csv(record: &SweepRecord) -> String {
             .as_ref()
             .map_or((0, 0), |c| (c.measured_steps, c.atoms));
         let phase = state.phase.map_or("unknown", |p| p.describe());
+        let mean =
+            |quantity: &str| row(point, quantity).map_or(String::new(), |r| r.measured.to_string());
         text += &format!(
-            "{},{},{},\"{phase}\",{steps},{atoms}",
-            point.name, state.density, state.temperature
+            "{},{},{},{},{},\"{phase}\",{steps},{atoms}",
+            point.name,
+            state.density,
+            state.temperature,
+            mean("temperature"),
+            mean("temperature_half_steps"),
         );
         for (quantity, _) in QUANTITIES {
             match row(point, quantity) {
@@ -75,8 +83,8 @@ pub(super) fn page(record: &SweepRecord, command: &str) -> Result<Page, ReportEr
     let mut page = Page {
         title: format!("Sweep {}", record.name),
         lead: format!(
-            "{finished} of {} points are finished. Each is compared with the equation of state that describes its model, at its \
-             measured temperature; the error of a difference counts that U, P and T fluctuate together.",
+            "{finished} of {} points are finished. Each is compared with the equation of state that describes its model, at the measured \
+             temperature that belongs to its positions (of half steps where the method has them) and for as many particles in a closed box; the error of a difference counts that U, P and T fluctuate together.",
             record.points.len()
         ),
         sections: Vec::new(),
@@ -85,7 +93,7 @@ pub(super) fn page(record: &SweepRecord, command: &str) -> Result<Page, ReportEr
             ("version".into(), record.version.into()),
             ("processor".into(), record.cpu.clone()),
             (
-                "points at work at once, one thread each".into(),
+                "threads for all points together".into(),
                 record.threads.to_string(),
             ),
         ],
@@ -191,7 +199,7 @@ fn together(record: &SweepRecord) -> Section {
     ];
     let line = |a: &Agreement| {
         vec![
-            Cell::text(a.quantity.replace('_', " ")),
+            Cell::text(quantity_words(&a.quantity)),
             Cell::number(a.points.to_string()),
             Cell::toned(
                 a.agree.to_string(),
@@ -205,9 +213,9 @@ fn together(record: &SweepRecord) -> Section {
             Cell::number(significant(a.largest_difference, 3)),
             Cell::number(significant(a.largest_standard_error, 2)),
             Cell::number(significant(a.chi_squared, 4)),
-            Cell::number(significant(a.p_value, 2)),
+            Cell::number(probability_words(a.p_value)),
             Cell::number(significant(a.chi_squared_with_reference, 4)),
-            Cell::number(significant(a.p_value_with_reference, 2)),
+            Cell::number(probability_words(a.p_value_with_reference)),
         ]
     };
     let section = Section::new("All points together");
@@ -227,7 +235,8 @@ fn together(record: &SweepRecord) -> Section {
 fn table(record: &SweepRecord) -> PageTable {
     let header = [
         "Point",
-        "T",
+        "T, whole steps",
+        "T, half steps",
         "U / ε",
         "U − equation",
         "P / (ε/σ³)",
@@ -249,16 +258,18 @@ fn table(record: &SweepRecord) -> PageTable {
                 let mut cells = vec![
                     Cell::text(point.name.clone()),
                     Cell::number(point.planned.temperature.to_string()),
+                    Cell::default(),
                     Cell::toned(first, Tone::Bad),
                 ];
                 cells.resize(header.len(), Cell::default());
                 return cells;
             };
             let state = &compared.state;
-            let mut cells = vec![
-                Cell::text(point.name.clone()),
-                Cell::number(significant(state.temperature, 5)),
-            ];
+            let mut cells = vec![Cell::text(point.name.clone())];
+            for quantity in ["temperature", "temperature_half_steps"] {
+                let mean = row(point, quantity).map(|r| r.measured);
+                cells.push(Cell::number(mean.map_or("–".into(), |t| significant(t, 5))));
+            }
             for quantity in ["potential_energy", "pressure", "heat_capacity"] {
                 let r = row(point, quantity);
                 cells.push(Cell::number(r.map_or("–".into(), |r| {

@@ -18,6 +18,10 @@ pub struct Point {
     pub name: String,
     /// Its scene.
     pub scene: Scene,
+    /// Number of particles.
+    pub atoms: usize,
+    /// Their density in σ⁻³.
+    pub density: f64,
 }
 
 /// A key of the sweep with its scene key and its short form in names.
@@ -27,7 +31,7 @@ struct Key {
     short: &'static str,
 }
 
-const KEYS: [Key; 5] = [
+const KEYS: [Key; 6] = [
     Key {
         name: "density",
         scene: "system.density",
@@ -47,6 +51,11 @@ const KEYS: [Key; 5] = [
         name: "r_cut",
         scene: "truncation.r_cut",
         short: "rc",
+    },
+    Key {
+        name: "dt",
+        scene: "integrator.dt",
+        short: "dt",
     },
     Key {
         name: "seed",
@@ -69,6 +78,7 @@ fn lists(axes: &Axes) -> [Option<Vec<String>>; KEYS.len()] {
         text(&axes.temperature),
         text(&axes.n_atoms),
         text(&axes.r_cut),
+        text(&axes.dt),
         text(&axes.seed),
     ]
 }
@@ -110,7 +120,7 @@ pub(super) fn expand(
         value(
             "point".into(),
             "a sweep with no points".into(),
-            "[[point]] tables, or a [grid] of density, temperature, n_atoms, r_cut and seed, with at least one value each",
+            "[[point]] tables, or a [grid] of density, temperature, n_atoms, r_cut, dt and seed, with at least one value each",
         )
     };
     if points.is_empty() && grid.is_none() {
@@ -194,7 +204,17 @@ fn point(base: &Path, common: &[(String, String)], choice: &Choice) -> Result<Po
         point: name.clone(),
         source,
     })?;
-    Ok(Point { name, scene })
+    let (atoms, density) =
+        lennard_engine::size_and_density(&scene).map_err(|source| SweepError::Start {
+            point: name.clone(),
+            source: Box::new(source),
+        })?;
+    Ok(Point {
+        name,
+        scene,
+        atoms,
+        density,
+    })
 }
 
 #[cfg(test)]
@@ -260,11 +280,34 @@ mod tests {
     }
 
     #[test]
+    fn a_start_from_a_file_has_its_density_and_number_of_particles() {
+        let folder = tempfile::tempdir().unwrap();
+        let base = inputs().join("fluid/from-configuration.toml");
+        let path = folder.path().join("sweep.toml");
+        std::fs::write(
+            &path,
+            format!("base = {base:?}\n[grid]\ntemperature = [1.0, 1.2]\n"),
+        )
+        .unwrap();
+        for point in load(&path, &[]).unwrap().points {
+            // NIST's number 4: 30 particles in a cube of side 8.
+            assert_eq!(point.atoms, 30);
+            assert!(
+                (point.density - 30.0 / 512.0).abs() < 1e-12,
+                "{}",
+                point.density
+            );
+        }
+    }
+
+    #[test]
     fn the_sweeps_that_come_along_are_whole() {
         for (file, points) in [
             ("verlet-1967/table.toml", 38),
             ("sweep/isotherm.toml", 8),
-            ("sweep/transport.toml", 6),
+            ("sweep/transport.toml", 8),
+            ("sweep/time-step.toml", 4),
+            ("sweep/heat-capacity.toml", 4),
         ] {
             let sweep = load(&inputs().join(file), &[]).unwrap();
             assert_eq!(sweep.points.len(), points, "{file}");

@@ -9,6 +9,7 @@ use lennard_engine::{EngineError, ResumeOptions, RunOptions};
 use lennard_io::{Existing, RunRecord};
 use serde::Serialize;
 
+use super::threads::{threads_of, workers};
 use super::{Agreement, Point, Sweep, SweepError, agreement, page};
 use crate::compare::{ComparedRun, RunFolder, StateOfMatter, compare};
 use crate::{Progress, run_page};
@@ -23,7 +24,8 @@ const LOOK_EVERY: Duration = Duration::from_millis(200);
 pub struct SweepOptions<'a> {
     /// The output folder, which exists; a folder for each point is made in it.
     pub folder: &'a Path,
-    /// Points at work at once, one thread each.
+    /// Threads for all points together: one for each point at work, and more for large points where there are
+    /// fewer points than threads.
     pub threads: usize,
     /// Whether runs of these points with other scenes are replaced.
     pub replace: bool,
@@ -79,7 +81,7 @@ pub struct SweepRecord {
     pub version: &'static str,
     /// The processor.
     pub cpu: String,
-    /// Points at work at once.
+    /// Threads for all points together.
     pub threads: usize,
     /// Point by point.
     pub points: Vec<SweptPoint>,
@@ -188,7 +190,7 @@ fn run_all(
     progress: &mut dyn Progress,
 ) -> Vec<Result<Ran, String>> {
     let points = &sweep.points;
-    let work = |point: &Point| point.scene.total_steps() * n_atoms(point);
+    let work = |point: &Point| point.scene.total_steps() * point.atoms as u64;
     let total: u64 = points
         .iter()
         .zip(found)
@@ -197,16 +199,23 @@ fn run_all(
         .sum();
     let done: Vec<AtomicU64> = points.iter().map(|_| AtomicU64::new(0)).collect();
     let next = AtomicUsize::new(0);
-    let left = AtomicUsize::new(options.threads.clamp(1, points.len()));
+    let to_run = found
+        .iter()
+        .filter(|f| !matches!(f, Found::Finished))
+        .count();
+    let workers = workers(to_run, options.threads);
+    let left = AtomicUsize::new(workers);
     let results: Vec<Mutex<Option<Result<Ran, String>>>> =
         points.iter().map(|_| Mutex::new(None)).collect();
     std::thread::scope(|scope| {
-        for _ in 0..left.load(Ordering::Relaxed) {
-            scope.spawn(|| {
+        for worker in 0..workers {
+            let (next, left, results, done) = (&next, &left, &results, &done);
+            scope.spawn(move || {
                 while let Some(i) =
                     Some(next.fetch_add(1, Ordering::Relaxed)).filter(|i| *i < points.len())
                 {
-                    let result = run_point(&points[i], &found[i], options, &done[i]);
+                    let threads = threads_of(worker, workers, options.threads, points[i].atoms);
+                    let result = run_point(&points[i], &found[i], options, threads, &done[i]);
                     if let Ok(mut slot) = results[i].lock() {
                         *slot = Some(result);
                     }
@@ -235,13 +244,6 @@ fn run_all(
         .collect()
 }
 
-fn n_atoms(point: &Point) -> u64 {
-    match &point.scene.system.start {
-        lennard_scene::Start::Lattice { n_atoms, .. } => *n_atoms as u64,
-        lennard_scene::Start::Configuration { .. } => 1,
-    }
-}
-
 /// Counts particles times steps.
 struct Counter<'a> {
     done: &'a AtomicU64,
@@ -258,6 +260,7 @@ fn run_point(
     point: &Point,
     found: &Found,
     options: &SweepOptions<'_>,
+    threads: usize,
     done: &AtomicU64,
 ) -> Result<Ran, String> {
     if matches!(found, Found::Finished) {
@@ -268,11 +271,11 @@ fn run_point(
     }
     let folder = options.folder.join(&point.name);
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
+        .num_threads(threads)
         .build()
         .map_err(|e| e.to_string())?;
     let ending = pool
-        .install(|| start_or_go_on(point, found, options, &folder, done))
+        .install(|| start_or_go_on(point, found, options, threads, &folder, done))
         .map_err(|error| error.to_string())?;
     if ending != lennard_engine::Ending::Finished {
         return Ok(Ran::Stopped);
@@ -287,16 +290,17 @@ fn start_or_go_on(
     point: &Point,
     found: &Found,
     options: &SweepOptions<'_>,
+    threads: usize,
     folder: &PathBuf,
     done: &AtomicU64,
 ) -> Result<lennard_engine::Ending, EngineError> {
     let mut counter = Counter {
         done,
-        atoms: n_atoms(point),
+        atoms: point.atoms as u64,
     };
     let mut how = RunOptions {
         folder,
-        threads: 1,
+        threads,
         stop: options.stop,
         deadline: None,
         progress: &mut counter,
@@ -317,7 +321,7 @@ fn conclude(point: &Point, outcome: Result<Ran, String>, folder: &Path) -> Swept
     let equation = lennard_literature::equation_of_state_for(model).ok();
     let mut swept = SweptPoint {
         name: point.name.clone(),
-        planned: StateOfMatter::new(density(point), point.scene.system.temperature, equation),
+        planned: StateOfMatter::new(point.density, point.scene.system.temperature, equation),
         kept: matches!(outcome, Ok(Ran::Kept)),
         failure: None,
         compared: None,
@@ -337,12 +341,4 @@ fn conclude(point: &Point, outcome: Result<Ran, String>, folder: &Path) -> Swept
         },
     }
     swept
-}
-
-/// The density of a point's scene in σ⁻³; not a number where only its start configuration tells.
-fn density(point: &Point) -> f64 {
-    match point.scene.placement() {
-        Ok(Some(placement)) => n_atoms(point) as f64 / placement.cell.volume(),
-        _ => f64::NAN,
-    }
 }
