@@ -166,12 +166,14 @@ pub fn conditions(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Condition
 /// The force field of a scene for a box.
 ///
 /// # Errors
-/// [`EngineError::Scene`] where cutoff or skin do not fit the box.
+/// [`EngineError::Scene`] where cutoff or skin do not fit the box, and where the settings for an accuracy have
+/// not been chosen.
 pub fn forces(
     scene: &Scene,
     cell: PeriodicBox,
     n_atoms: usize,
 ) -> Result<(ForceFieldOptions, PairForces), EngineError> {
+    scene.settled()?;
     let options = scene.force_field();
     let built = lennard_forcefield::build(&options, &conditions(scene, cell, n_atoms))
         .map_err(|e| misfit(&scene.source, &e))?;

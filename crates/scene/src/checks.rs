@@ -4,7 +4,7 @@ use lennard_core::{DVec3, PeriodicBox};
 
 use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
-use crate::{Geometry, Placement, Scene, SceneError, Start};
+use crate::{Geometry, Placement, Scene, SceneError, Start, accuracy};
 
 impl Scene {
     /// The box and the part of it that particles fill at the start; `None` for a start from a
@@ -76,6 +76,7 @@ impl Scene {
 /// Everything that can be said before a configuration file is read.
 pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     stages(scene)?;
+    accuracy::check(scene)?;
     if let Some(placement) = scene.placement()? {
         let Start::Lattice {
             n_atoms, vacuum, ..
