@@ -200,7 +200,10 @@ pub fn prepare(scene: Scene) -> Result<Simulation, EngineError> {
 }
 
 /// Builds the simulation around particles that have their places.
-pub(crate) fn assembled(scene: Scene, mut beginning: Beginning) -> Result<Simulation, EngineError> {
+///
+/// # Errors
+/// [`EngineError`] as for [`prepare`].
+pub fn assembled(scene: Scene, mut beginning: Beginning) -> Result<Simulation, EngineError> {
     let n = beginning.positions.len();
     let cell = beginning.cell;
     let (options, mut provider) = forces(&scene, cell, n)?;

@@ -17,8 +17,8 @@ mod timers;
 pub mod watchdog;
 
 pub use build::{
-    SMALLEST_START_DISTANCE, begin, conditions, forces, prepare, recommended_threads,
-    tail_correction,
+    Beginning, SMALLEST_START_DISTANCE, assembled, begin, conditions, forces, prepare,
+    recommended_threads, tail_correction,
 };
 pub use checkpointing::Past;
 pub use compare::{Comparison, model_kind, with_equation_of_state};

@@ -7,6 +7,15 @@ use crate::reference::{LONGEST_SIDE, MOST_STEPS};
 use crate::{Geometry, Placement, Scene, SceneError, Start, accuracy};
 
 impl Scene {
+    /// Whether all tables go together, for a scene that was changed after it was read: stages, tail correction, and
+    /// whether cutoff, skin and observables fit the box where the scene itself names it.
+    ///
+    /// # Errors
+    /// [`SceneError`] for the first thing that is wrong; never for a scene as it was read.
+    pub fn check(&self) -> Result<(), SceneError> {
+        whole_scene(self)
+    }
+
     /// The box and the part of it that particles fill at the start; `None` for a start from a
     /// configuration file.
     ///

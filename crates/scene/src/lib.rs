@@ -29,3 +29,4 @@ pub use scene::{
     Checkpoint, Geometry, IntegratorTable, Lattice, ObservableTable, Output, Placement, Scene,
     Stage, Start, System,
 };
+pub use tables::DEFAULT_SPLIT;

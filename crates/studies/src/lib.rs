@@ -12,6 +12,7 @@ pub mod fluid_stability;
 mod jobs;
 mod progress;
 pub mod run_page;
+pub mod settings;
 pub mod stability;
 pub mod sweep;
 
