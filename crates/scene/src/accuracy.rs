@@ -105,7 +105,10 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     {
         return Err(scene
             .source
-            .refuse("accuracy", "is judged in a homogeneous fluid, and this one has surfaces")
+            .refuse(
+                "accuracy",
+                "is judged in a homogeneous fluid, and this one has surfaces",
+            )
             .found(format!("system.vacuum = {vacuum}"))
             .allowed("a scene without vacuum, or settings written by hand and no `accuracy`"));
     }
@@ -118,10 +121,20 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     }
     let method = scene.integrator.method.spec();
     if !method.symplectic {
-        let key = if accuracy.drift.is_some() { "accuracy.drift" } else { "accuracy" };
+        let key = if accuracy.drift.is_some() {
+            "accuracy.drift"
+        } else {
+            "accuracy"
+        };
         return Err(scene
             .source
-            .refuse(key, format!("contradicts `integrator.kind`: {} keeps no energy at any dt", method.name))
+            .refuse(
+                key,
+                format!(
+                    "contradicts `integrator.kind`: {} keeps no energy at any dt",
+                    method.name
+                ),
+            )
             .found(format!("integrator.kind = {:?}", method.name))
             .allowed("a symplectic method (see `lennard list integrators`), or no `accuracy`"));
     }
@@ -166,11 +179,17 @@ impl Scene {
         }
     }
 
-    /// The error that an accuracy cannot be met with what the scene fixes by hand, on the line of `key`.
+    /// The error that an accuracy cannot be met, on the line of the `key` that is to blame.
     #[must_use]
-    pub fn contradiction(&self, key: &str, found: &str, reachable: &str) -> SceneError {
+    pub fn contradiction(
+        &self,
+        key: &str,
+        message: &str,
+        found: &str,
+        reachable: &str,
+    ) -> SceneError {
         self.source
-            .refuse(key, "cannot be met")
+            .refuse(key, message)
             .found(found)
             .allowed(reachable)
     }

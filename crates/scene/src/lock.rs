@@ -204,13 +204,16 @@ impl Lock {
     /// key that differs), and where its settings do not fit.
     pub fn settle(&self, scene: &Scene) -> Result<Scene, SceneError> {
         if scene.free.is_empty() {
-            return Err(SceneError::new(&self.file, "there is nothing to take from this lock file")
-                .key("accuracy")
-                .found(match scene.accuracy {
-                    None => format!("no [accuracy] in {}", scene.source.file()),
-                    Some(_) => format!("every setting written in {}", scene.source.file()),
-                })
-                .allowed("a scene with [accuracy] and settings left out"));
+            return Err(SceneError::new(
+                &self.file,
+                "there is nothing to take from this lock file",
+            )
+            .key("accuracy")
+            .found(match scene.accuracy {
+                None => format!("no [accuracy] in {}", scene.source.file()),
+                Some(_) => format!("every setting written in {}", scene.source.file()),
+            })
+            .allowed("a scene with [accuracy] and settings left out"));
         }
         self.belongs_to(scene)?;
         let mut settled = scene.applying(&self.chosen);
@@ -243,17 +246,19 @@ impl Lock {
             return Ok(());
         };
         let node = self.scene.iter().find(|(k, _)| k == key);
-        Err(SceneError::new(&self.file, "the lock belongs to another scene")
-            .at(node.map(|(_, node)| node.place.clone()))
-            .key(key)
-            .found(format!(
-                "{} in the lock, {} in {file}",
-                value(&self.scene, key),
-                value(&now, key)
-            ))
-            .allowed(format!(
-                "the scene that the lock was made for, or a new lock: lennard tune {file}"
-            )))
+        Err(
+            SceneError::new(&self.file, "the lock belongs to another scene")
+                .at(node.map(|(_, node)| node.place.clone()))
+                .key(key)
+                .found(format!(
+                    "{} in the lock, {} in {file}",
+                    value(&self.scene, key),
+                    value(&now, key)
+                ))
+                .allowed(format!(
+                    "the scene that the lock was made for, or a new lock: lennard tune {file}"
+                )),
+        )
     }
 }
 
@@ -382,7 +387,13 @@ fn flatten(prefix: &str, value: &Value, out: &mut Vec<(String, Node)>) {
         }
         _ => {
             let place = Place::Line(1);
-            out.push((prefix.to_owned(), Node { value: value.clone(), place }));
+            out.push((
+                prefix.to_owned(),
+                Node {
+                    value: value.clone(),
+                    place,
+                },
+            ));
         }
     }
 }

@@ -15,6 +15,7 @@ pub mod run_page;
 pub mod settings;
 pub mod stability;
 pub mod sweep;
+pub mod tune;
 
 pub use error::StudyError;
 pub use progress::{Progress, Silent};

@@ -75,8 +75,13 @@ impl Sample {
             let fitting = STAND_INS.iter().find(|n| 0.5 * side(**n) > needed);
             let n_atoms = *fitting.ok_or_else(|| {
                 let largest = 0.5 * side(STAND_INS[STAND_INS.len() - 1]);
-                let allowed = format!("below {largest:.2} σ: the fluid is judged in a box of at most {} particles", STAND_INS[STAND_INS.len() - 1]);
-                scene.source.invalid("truncation.r_cut", format!("{needed} σ"), allowed)
+                let allowed = format!(
+                    "below {largest:.2} σ: the fluid is judged in a box of at most {} particles",
+                    STAND_INS[STAND_INS.len() - 1]
+                );
+                scene
+                    .source
+                    .invalid("truncation.r_cut", format!("{needed} σ"), allowed)
             })?;
             half = 0.5 * side(n_atoms);
             own.system.start = SceneStart::Lattice {
@@ -102,15 +107,18 @@ impl Sample {
         let mut before = own.clone();
         let mut canonical = own.clone();
         canonical.stages = vec![canonical_stage(temperature, LONGEST, true)];
-        canonical.integrator.method =
-            lennard_integrators::IntegratorOptions::VelocityVerlet(velocity_verlet::Options::default());
+        canonical.integrator.method = lennard_integrators::IntegratorOptions::VelocityVerlet(
+            velocity_verlet::Options::default(),
+        );
         canonical.integrator.split = None;
         let careful = CAREFUL_STEP * stable_dt;
         canonical.integrator.dt = careful;
         own.integrator.dt = careful;
         before.stages.retain(|s| !s.measure);
         let settling = (SETTLING_TIME / careful).ceil() as u64;
-        before.stages.push(canonical_stage(temperature, settling, false));
+        before
+            .stages
+            .push(canonical_stage(temperature, settling, false));
         Ok(Self {
             start: Start::equilibrate(&before)?,
             largest_cutoff: sight.min(own_half),
@@ -143,7 +151,9 @@ fn canonical_stage(temperature: f64, steps: u64, measure: bool) -> Stage {
         steps,
         temperature,
         dt: None,
-        thermostat: Some(ThermostatOptions::Bussi(bussi::Options { tau: RELAXATION_TIME })),
+        thermostat: Some(ThermostatOptions::Bussi(bussi::Options {
+            tau: RELAXATION_TIME,
+        })),
         measure,
     }
 }

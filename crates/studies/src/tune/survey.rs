@@ -40,10 +40,6 @@ pub(super) struct Survey {
     frames: Vec<Frame>,
     /// Where each chain ended.
     pub ends: Vec<Start>,
-    /// The truncation it ran with.
-    pub truncation: TruncationOptions,
-    /// Its time step, τ.
-    pub dt: f64,
     /// Simulated time of all chains, τ.
     pub time: f64,
     /// Temperature, ε/k_B.
@@ -53,6 +49,8 @@ pub(super) struct Survey {
     /// Volume, σ³.
     pub volume: f64,
     n_dof: f64,
+    /// The pair terms of the run.
+    run: Terms,
 }
 
 struct Watcher<'a> {
@@ -65,7 +63,11 @@ struct Watcher<'a> {
 
 impl Follower for Watcher<'_> {
     fn want(&self, _scene: &Scene, step: u64, _measured: bool) -> Want {
-        if step.is_multiple_of(self.every) { Want::TOTALS } else { Want::NOTHING }
+        if step.is_multiple_of(self.every) {
+            Want::TOTALS
+        } else {
+            Want::NOTHING
+        }
     }
 
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
@@ -75,9 +77,9 @@ impl Follower for Watcher<'_> {
         }
         let e = &state.energetics;
         let asked = "the step was asked for totals";
-        let sight = self.sample.sight;
-        let bins = (sight / BIN_WIDTH) as usize;
-        let counts = count_distances(&state.positions, &simulation.cell, bins as f64 * BIN_WIDTH, bins);
+        let bins = bins_within(self.sample.sight);
+        let reach = bins as f64 * BIN_WIDTH;
+        let counts = count_distances(&state.positions, &simulation.cell, reach, bins);
         self.frames.push(Frame {
             potential: e.conserved_potential.expect(asked),
             virial: e.scalar_virial().expect(asked),
@@ -86,13 +88,21 @@ impl Follower for Watcher<'_> {
             pairs: counts.iter().map(|c| *c as f32).collect(),
         });
         let over = Instant::now() >= self.end;
-        Ok(if over { Verdict::Stop } else { Verdict::Continue })
+        Ok(if over {
+            Verdict::Stop
+        } else {
+            Verdict::Continue
+        })
     }
 }
 
 impl Survey {
     /// Runs one chain a thread for so long.
-    pub fn run(sample: &Sample, budget: Duration, done: impl FnMut(f64)) -> Result<Self, TuneError> {
+    pub fn run(
+        sample: &Sample,
+        budget: Duration,
+        done: impl FnMut(f64),
+    ) -> Result<Self, TuneError> {
         let chains: Vec<u64> = (0..rayon::current_num_threads() as u64).collect();
         let dt = sample.canonical.integrator.dt;
         let end = Instant::now() + budget;
@@ -117,16 +127,22 @@ impl Survey {
             Ok((watcher.frames, end, time))
         };
         let n_atoms = sample.start.len() as f64;
+        let volume = sample.start.cell.volume();
         let mut survey = Self {
             frames: Vec::new(),
             ends: Vec::new(),
-            truncation: sample.canonical.truncation,
-            dt,
             time: 0.0,
             temperature: sample.temperature,
             n_atoms,
-            volume: sample.start.cell.volume(),
+            volume,
             n_dof: 3.0 * n_atoms - 3.0,
+            run: Terms::of(
+                &sample.canonical,
+                sample.canonical.truncation,
+                sample.start.len(),
+                volume,
+                sample.sight,
+            )?,
         };
         for found in side_by_side(&chains, run, done) {
             let (frames, end, time) = found?;
@@ -135,6 +151,12 @@ impl Survey {
             survey.time += time;
         }
         Ok(survey)
+    }
+
+    /// The pair terms of another truncation of the potential that ran.
+    pub fn terms(&self, scene: &Scene, truncation: TruncationOptions) -> Result<Terms, TuneError> {
+        let sight = self.run.energy.len() as f64 * BIN_WIDTH;
+        Terms::of(scene, truncation, self.n_atoms as usize, self.volume, sight)
     }
 
     /// Number density, σ⁻³.
@@ -206,27 +228,33 @@ impl Survey {
     /// of the same frames, and the change of structure by the forces that differ, to first order:
     /// Δ⟨A⟩ = ⟨A_c − A_f⟩ − (⟨δA_c δ(U_c − U)⟩ − ⟨δA_f δ(U_f − U)⟩)/T, where U is the energy of the run.
     pub fn difference(&self, c: &Terms, f: &Terms) -> [Change; 2] {
-        let run = Terms::conserved_of(self);
+        let run = &self.run;
         let (own_u, own_p) = self.own();
         let series = |weights: &[f64]| self.series(|frame| dot(&frame.pairs, weights));
-        let less = |a: &[f64], b: &[f64]| -> Vec<f64> {
-            a.iter().zip(b).map(|(a, b)| a - b).collect()
-        };
+        let less =
+            |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
         // Energies of the whole system whose gradients differ from the forces of the run.
         let more = |terms: &Terms| series(&less(&terms.conserved, &run.conserved));
         let (more_c, more_f) = (more(c), more(f));
-        let scales = [1.0 / self.n_atoms, 1.0 / (3.0 * self.volume)];
-        let parts = [
-            (&own_u, &c.energy, &f.energy, &run.energy, c.tail[0] - f.tail[0]),
-            (&own_p, &c.virial, &f.virial, &run.virial, c.tail[1] - f.tail[1]),
-        ];
-        let mut quantity = 0;
-        parts.map(|(own, in_c, in_f, in_run, tail)| {
-            let scale = scales[quantity];
-            quantity += 1;
+        let energy = (
+            &own_u,
+            1.0 / self.n_atoms,
+            [&c.energy, &f.energy, &run.conserved],
+        );
+        let pressure = (
+            &own_p,
+            1.0 / (3.0 * self.volume),
+            [&c.virial, &f.virial, &run.virial],
+        );
+        let tails = [c.tail[0] - f.tail[0], c.tail[1] - f.tail[1]];
+        [(energy, tails[0]), (pressure, tails[1])].map(|((own, scale, weights), tail)| {
+            let [in_c, in_f, in_run] = weights;
             let at = |weights: &[f64]| -> Vec<f64> {
                 let more = series(&less(weights, in_run));
-                own.iter().zip(more).map(|(own, more)| own + scale * more).collect()
+                own.iter()
+                    .zip(more)
+                    .map(|(own, more)| own + scale * more)
+                    .collect()
             };
             let (a_c, a_f) = (at(in_c), at(in_f));
             let direct: Vec<f64> = less(&a_c, &a_f).iter().map(|d| d + tail).collect();
@@ -257,7 +285,11 @@ impl Change {
     /// response that is lost in noise adds an uncertainty and no error.
     pub fn total(&self) -> Value {
         let (r, e) = (self.response.mean, self.response.standard_error);
-        let weight = if r == 0.0 { 0.0 } else { r * r / (r * r + e * e) };
+        let weight = if r == 0.0 {
+            0.0
+        } else {
+            r * r / (r * r + e * e)
+        };
         let unsure = e * weight.sqrt().max(0.5);
         Value {
             mean: self.direct.mean + weight * r,
@@ -268,6 +300,7 @@ impl Change {
 }
 
 /// A truncated potential, bin by bin of distance.
+#[derive(Debug, Clone)]
 pub(super) struct Terms {
     /// U(r), ε.
     energy: Vec<f64>,
@@ -281,10 +314,19 @@ pub(super) struct Terms {
 
 impl Terms {
     /// Of a truncation of the scene's potential; cutoffs beyond the sight of the survey end there.
-    pub fn of(scene: &Scene, truncation: TruncationOptions, survey: &Survey) -> Result<Self, TuneError> {
-        let bins = survey.frames[0].pairs.len();
+    pub fn of(
+        scene: &Scene,
+        truncation: TruncationOptions,
+        n_atoms: usize,
+        volume: f64,
+        sight: f64,
+    ) -> Result<Self, TuneError> {
+        let bins = bins_within(sight);
         let sight = bins as f64 * BIN_WIDTH;
-        let truncation = TruncationOptions { r_cut: truncation.r_cut.min(sight), ..truncation };
+        let truncation = TruncationOptions {
+            r_cut: truncation.r_cut.min(sight),
+            ..truncation
+        };
         let model = Model::new(&scene.potential, &truncation)
             .map_err(|e| scene.source.invalid(e.key(), e.found(), e.allowed()))?;
         let mut terms = Self {
@@ -308,26 +350,33 @@ impl Terms {
         }
         let mut options = scene.force_field();
         options.truncation = truncation;
-        let tail = lennard_forcefield::tail_correction(&options, survey.n_atoms as usize, survey.volume);
+        let tail = lennard_forcefield::tail_correction(&options, n_atoms, volume);
         if let Some(tail) = tail {
             terms.tail = [tail.energy_per_particle, tail.pressure];
         }
         Ok(terms)
     }
+}
 
-    /// Of the survey itself, whose series of U is the conserved one.
-    fn conserved_of(survey: &Survey) -> Self {
-        let run = &survey.run_terms;
-        Self { energy: run.conserved.clone(), ..run.clone() }
-    }
+/// Whole bins up to a distance.
+fn bins_within(sight: f64) -> usize {
+    // The share of a bin that rounding may take is no bin.
+    (sight / BIN_WIDTH + 1e-6) as usize
 }
 
 fn dot(counts: &[f32], weights: &[f64]) -> f64 {
-    counts.iter().zip(weights).map(|(c, w)| f64::from(*c) * w).sum()
+    counts
+        .iter()
+        .zip(weights)
+        .map(|(c, w)| f64::from(*c) * w)
+        .sum()
 }
 
 /// δa·δb, frame by frame.
 fn products(a: &[f64], b: &[f64]) -> Vec<f64> {
     let (mean_a, mean_b) = (statistics::mean(a), statistics::mean(b));
-    a.iter().zip(b).map(|(a, b)| (a - mean_a) * (b - mean_b)).collect()
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - mean_a) * (b - mean_b))
+        .collect()
 }
