@@ -5,7 +5,7 @@ use lennard_scene::{Accuracy, Judged, Scene, SceneError};
 
 use super::choose::{Candidate, Choice, Freedom, choose};
 use super::drift::Stability;
-use super::predict::Models;
+use super::predict::{Models, Prediction};
 use super::prices::Prices;
 use super::sample::Sample;
 use super::verify::Runs;
@@ -168,6 +168,35 @@ pub(super) fn spending(rows: &[Row], relaxed: Option<&Candidate>, price: f64) ->
         ));
     }
     notes
+}
+
+/// Points out targets that are kept because errors of opposite sign cancel.
+pub(super) fn cancelling(candidate: &Candidate, accuracy: &Accuracy) -> Option<String> {
+    let asked = accuracy.asked();
+    let target = |key: &str| {
+        asked
+            .iter()
+            .find(|(k, ..)| *k == key)
+            .map(|(_, target, _)| *target)
+    };
+    let cancels = |(key, p): (&'static str, &Prediction)| {
+        let alone = p.truncation.mean.abs().max(p.step.mean.abs());
+        target(key)
+            .is_some_and(|target| alone > target)
+            .then(|| key.replace('_', " "))
+    };
+    let keys = ["potential_energy", "pressure"];
+    let found: Vec<String> = keys
+        .into_iter()
+        .zip(&candidate.predicted)
+        .filter_map(cancels)
+        .collect();
+    (!found.is_empty()).then(|| {
+        format!(
+            "in the {} the errors of truncation and time step cancel in part: change neither alone",
+            found.join(" and ")
+        )
+    })
 }
 
 /// An accuracy in which U and P are wanted no better than a run will know them.

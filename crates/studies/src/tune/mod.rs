@@ -14,6 +14,7 @@ mod prices;
 mod sample;
 mod search;
 mod survey;
+pub mod trial;
 mod verify;
 
 pub use error::TuneError;

@@ -118,6 +118,7 @@ pub fn tune(
         .choose(&mut models, &relaxed, None, f64::INFINITY)?
         .cheapest;
     notes.extend(advice::spending(&rows, relaxed.as_ref(), candidate.price));
+    notes.extend(advice::cancelling(&candidate, &accuracy));
     notes.push(advice::beside_equation(&runs));
     progress.update("done", 1.0);
     Ok(Tuning {
