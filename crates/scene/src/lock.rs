@@ -3,7 +3,8 @@
 //! It keeps what the choice depends on: a lock whose scene has another density, potential or thermostat is
 //! refused. Seed, numbers of steps, observables and outputs may change freely.
 
-use std::fmt::Write as _;
+mod text;
+
 use std::path::{Path, PathBuf};
 
 use lennard_forcefield::{NeighborOptions, Precision, TruncationOptions};
@@ -13,6 +14,7 @@ use crate::error::{Place, SceneError};
 use crate::read::{Reader, take};
 use crate::tree::{self, Node, Table, Value};
 use crate::{Scene, Source, checks};
+use text::{Pairs, identity};
 
 /// Name and version of the format.
 const SCHEMA: &str = "lennard-lock/1";
@@ -62,76 +64,11 @@ pub struct Lock {
     scene: Vec<(String, Node)>,
 }
 
-#[derive(Serialize)]
-struct Document<'a> {
-    schema: &'static str,
-    version: &'static str,
-    processor: &'a str,
-    settings: Settings,
-    judged: &'a [Judged],
-    scene: toml::Table,
-}
-
-#[derive(Serialize)]
-struct Settings {
-    threads: usize,
-    truncation: TruncationOptions,
-    integrator: Step,
-    kernel: Pairs,
-    neighbor: NeighborOptions,
-}
-
-#[derive(Serialize)]
-struct Step {
-    dt: f64,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-#[derive(Default)]
-struct Pairs {
-    precision: Precision,
-}
-
 impl Lock {
     /// Where the lock file of a scene lies unless it is named: `gas.lock.toml` beside `gas.toml`.
     #[must_use]
     pub fn beside(scene: &Path) -> PathBuf {
         scene.with_extension("lock.toml")
-    }
-
-    /// The text of a lock file. `scene` is the scene before any lock was applied; `processor` names the machine.
-    ///
-    /// # Panics
-    /// Where a number does not fit TOML, which none does.
-    #[must_use]
-    pub fn text(scene: &Scene, chosen: &Chosen, judged: &[Judged], processor: &str) -> String {
-        let document = Document {
-            schema: SCHEMA,
-            version: env!("CARGO_PKG_VERSION"),
-            processor,
-            settings: Settings {
-                threads: chosen.threads,
-                truncation: chosen.truncation,
-                integrator: Step { dt: chosen.dt },
-                kernel: Pairs {
-                    precision: chosen.precision,
-                },
-                neighbor: chosen.neighbor,
-            },
-            judged,
-            scene: identity(scene),
-        };
-        let mut text = String::new();
-        let file = scene.source.file();
-        let _ = writeln!(
-            text,
-            "# Settings for the accuracy that {file} asks for, chosen by `lennard tune {file}`.\n\
-             # `lennard run` takes them from here, as long as the scene is the one below; seed, numbers of steps,\n\
-             # observables and outputs may change.\n"
-        );
-        text += &toml::to_string(&document).expect("every value of a lock fits TOML");
-        text
     }
 
     /// Reads a lock file.
@@ -246,19 +183,20 @@ impl Lock {
             return Ok(());
         };
         let node = self.scene.iter().find(|(k, _)| k == key);
-        Err(
-            SceneError::new(&self.file, "the lock belongs to another scene")
-                .at(node.map(|(_, node)| node.place.clone()))
-                .key(key)
-                .found(format!(
-                    "{} in the lock, {} in {file}",
-                    value(&self.scene, key),
-                    value(&now, key)
-                ))
-                .allowed(format!(
-                    "the scene that the lock was made for, or a new lock: lennard tune {file}"
-                )),
+        Err(SceneError::new(
+            &self.file,
+            "is not that of the scene: the lock belongs to another",
         )
+        .at(node.map(|(_, node)| node.place.clone()))
+        .key(key)
+        .found(format!(
+            "{} in the lock, {} in {file}",
+            value(&self.scene, key),
+            value(&now, key)
+        ))
+        .allowed(format!(
+            "the scene that the lock was made for, or a new lock: lennard tune {file}"
+        )))
     }
 }
 
@@ -325,39 +263,6 @@ fn read_settings(settings: &Table, source: &Source) -> Result<Chosen, SceneError
         neighbor: reader.plain("neighbor")?,
         threads,
     })
-}
-
-/// What the choice of settings depends on, of a scene that still leaves them free.
-fn identity(scene: &Scene) -> toml::Table {
-    let mut all = scene.resolved_table();
-    for key in ["name", "observable", "output", "checkpoint"] {
-        all.remove(key);
-    }
-    let mut drop = |table: &str, key: &str| {
-        if let Some(toml::Value::Table(table)) = all.get_mut(table) {
-            table.remove(key);
-        }
-    };
-    drop("system", "seed");
-    drop("kernel", "isa");
-    for key in ["mode", "skin"] {
-        if !scene.source.wrote(&format!("neighbor.{key}")) {
-            drop("neighbor", key);
-        }
-    }
-    if let Some(toml::Value::Array(stages)) = all.get_mut("stage") {
-        for stage in stages.iter_mut().filter_map(toml::Value::as_table_mut) {
-            stage.remove("steps");
-        }
-    }
-    // The folder may move with the scene.
-    if let Some(toml::Value::Table(system)) = all.get_mut("system")
-        && let Some(toml::Value::String(path)) = system.get_mut("configuration")
-        && let Some(name) = Path::new(path.as_str()).file_name()
-    {
-        *path = name.to_string_lossy().into_owned();
-    }
-    all
 }
 
 /// Every value below a table with its full name.

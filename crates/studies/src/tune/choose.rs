@@ -237,6 +237,8 @@ pub(super) fn judge(
     };
     for (key, target, _) in accuracy.asked() {
         let worse = candidate.reach(key) / target;
+        // An error that cannot be told is no error that is small.
+        let worse = if worse.is_nan() { f64::INFINITY } else { worse };
         if worse > candidate.worst {
             (candidate.worst, candidate.limiting) = (worse, key);
         }

@@ -9,11 +9,13 @@ mod advice;
 mod choose;
 mod drift;
 mod error;
+mod finish;
 mod predict;
 mod prices;
 mod sample;
 mod search;
 mod survey;
+mod terms;
 pub mod trial;
 mod verify;
 

@@ -9,7 +9,8 @@ use serde::Serialize;
 use super::TuneError;
 use super::drift::{self, Stability};
 use super::sample::Sample;
-use super::survey::{Survey, Terms};
+use super::survey::Survey;
+use super::terms::Terms;
 use crate::fluid_stability::stands_for_itself;
 use crate::settings::{Settings, Value, Workbench};
 

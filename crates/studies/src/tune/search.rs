@@ -2,12 +2,13 @@
 
 use std::time::{Duration, Instant};
 
-use lennard_forcefield::{ListMode, Precision, TruncationKind};
+use lennard_forcefield::{Precision, TruncationKind};
 use lennard_scene::{Accuracy, Judged, Scene};
 
 use super::advice::{self, Search};
 use super::choose::Candidate;
 use super::drift::Stability;
+use super::finish::{FINAL_TIMING, fitting, list_and_threads};
 use super::predict::Models;
 use super::prices::Prices;
 use super::sample::Sample;
@@ -15,7 +16,7 @@ use super::survey::Survey;
 use super::verify::{self, Runs};
 use super::{Row, SCHEMA, TuneError, TuneOptions, Tuning};
 use crate::Progress;
-use crate::settings::{Cost, Settings, Value, Workbench, costs};
+use crate::settings::{Cost, Settings, Value, costs};
 
 /// Shares of the time for survey, stability, prices, and the runs that verify; the rest is for the start and the end.
 const SURVEY: f64 = 0.34;
@@ -30,13 +31,6 @@ const MOST_TRIALS: usize = 3;
 const LATER_SHARE: f64 = 0.3;
 /// Factor on the largest step after a run that drifted or failed.
 const SHORTER: f64 = 0.8;
-/// Another list or number of threads must be this much cheaper to be taken.
-const WORTHWHILE: f64 = 0.95;
-/// Skins tried, as multiples of the one that the cost model chooses.
-const SKINS: [f64; 2] = [0.7, 1.4];
-/// Timings at the end: repeats, and seconds of each.
-const FINAL_TIMING: (usize, f64) = (3, 0.15);
-
 /// Finds the settings for the accuracy that a scene asks for.
 ///
 /// # Errors
@@ -291,65 +285,4 @@ fn safest(sample: &Sample, full: bool) -> Settings {
         precision: Precision::Double,
         ..settings
     }
-}
-
-/// The settings with the longest cutoff that fits the box of a workbench.
-fn fitting(settings: &Settings, bench: &Workbench) -> Settings {
-    let mut fitted = settings.clone();
-    let largest = bench.start().cell.largest_cutoff();
-    fitted.truncation.r_cut = fitted.truncation.r_cut.min(largest * (1.0 - 1e-6));
-    fitted
-}
-
-/// The list and the number of threads that make the settings cheapest, where the scene leaves them open.
-fn list_and_threads(
-    scene: &Scene,
-    bench: &Workbench,
-    settings: &Settings,
-    threads: usize,
-) -> Result<(Settings, usize), TuneError> {
-    let fixed = |key: &str| scene.source.wrote(key);
-    let mut tried = vec![settings.clone()];
-    if !fixed("neighbor.skin") && !fixed("neighbor.mode") {
-        let applied = settings.apply(bench.scene())?;
-        let start = bench.start();
-        let (_, forces) = lennard_engine::forces(&applied, start.cell, start.len())?;
-        let skin = forces.plan().skin;
-        for factor in SKINS {
-            let rounded = (100.0 * factor * skin).round() / 100.0;
-            let other = Settings {
-                list: ListMode::Verlet,
-                skin: Some(rounded),
-                ..settings.clone()
-            };
-            if rounded > 0.0 && bench.check(&other).is_ok() {
-                tried.push(other);
-            }
-        }
-    }
-    let (repeats, seconds) = FINAL_TIMING;
-    let lowest =
-        |cost: &Result<Cost, _>| cost.as_ref().map_or(f64::INFINITY, |c: &Cost| c.wall.low);
-    let found = costs(bench, &tried, repeats, seconds, 2)?;
-    let mut best = 0;
-    for i in 1..tried.len() {
-        if lowest(&found[i]) < WORTHWHILE * lowest(&found[0])
-            && lowest(&found[i]) < lowest(&found[best])
-        {
-            best = i;
-        }
-    }
-    let chosen = tried.swap_remove(best);
-    if threads == 1 {
-        return Ok((chosen, 1));
-    }
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    let alone = match pool {
-        Ok(pool) => {
-            pool.install(|| costs(bench, std::slice::from_ref(&chosen), repeats, seconds, 3))?
-        }
-        Err(e) => return Err(TuneError::Nothing(e.to_string())),
-    };
-    let pays = lowest(&found[best]) < WORTHWHILE * lowest(&alone[0]);
-    Ok((chosen, if pays { threads } else { 1 }))
 }

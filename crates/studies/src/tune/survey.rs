@@ -5,19 +5,20 @@ use std::time::{Duration, Instant};
 
 use lennard_core::Want;
 use lennard_engine::{EngineError, Follower, Simulation, Verdict};
-use lennard_forcefield::{Model, TruncationOptions};
+use lennard_forcefield::TruncationOptions;
 use lennard_observables::{count_distances, statistics};
 use lennard_scene::Scene;
 
 use super::TuneError;
 use super::sample::Sample;
+use super::terms::{BIN_WIDTH, Change, Terms, bins_within, dot};
 use crate::jobs::side_by_side;
 use crate::settings::{Slopes, Start, Value};
 
 /// Time between two frames, τ: about that in which the pressure forgets itself.
 const FRAME_INTERVAL: f64 = 0.06;
-/// Width of the bins of distance, σ.
-const BIN_WIDTH: f64 = 0.02;
+/// Frames of each chain, however little time there is: fewer have no errors.
+const FEWEST_FRAMES: usize = 60;
 /// The chains part for so long before they are looked at, τ: the same start with other noise.
 const PARTING_TIME: f64 = 3.0;
 
@@ -87,7 +88,7 @@ impl Follower for Watcher<'_> {
             laplacian: e.laplacian.expect(asked),
             pairs: counts.iter().map(|c| *c as f32).collect(),
         });
-        let over = Instant::now() >= self.end;
+        let over = Instant::now() >= self.end && self.frames.len() >= FEWEST_FRAMES;
         Ok(if over {
             Verdict::Stop
         } else {
@@ -271,107 +272,6 @@ impl Survey {
     }
 }
 
-/// How two truncations differ in a mean.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Change {
-    /// On the same configurations.
-    pub direct: Value,
-    /// By the change of structure.
-    pub response: Value,
-}
-
-impl Change {
-    /// The sum, in which the response counts as far as it stands out of its noise: r³/(r² + e²) for r ± e, so that a
-    /// response that is lost in noise adds an uncertainty and no error.
-    pub fn total(&self) -> Value {
-        let (r, e) = (self.response.mean, self.response.standard_error);
-        let weight = if r == 0.0 {
-            0.0
-        } else {
-            r * r / (r * r + e * e)
-        };
-        let unsure = e * weight.sqrt().max(0.5);
-        Value {
-            mean: self.direct.mean + weight * r,
-            standard_error: self.direct.standard_error.hypot(unsure),
-            n_effective: self.response.n_effective,
-        }
-    }
-}
-
-/// A truncated potential, bin by bin of distance.
-#[derive(Debug, Clone)]
-pub(super) struct Terms {
-    /// U(r), ε.
-    energy: Vec<f64>,
-    /// U(r) of which the forces are the gradient, ε.
-    conserved: Vec<f64>,
-    /// r·F(r), ε.
-    virial: Vec<f64>,
-    /// Tail corrections of U a particle and of P.
-    tail: [f64; 2],
-}
-
-impl Terms {
-    /// Of a truncation of the scene's potential; cutoffs beyond the sight of the survey end there.
-    pub fn of(
-        scene: &Scene,
-        truncation: TruncationOptions,
-        n_atoms: usize,
-        volume: f64,
-        sight: f64,
-    ) -> Result<Self, TuneError> {
-        let bins = bins_within(sight);
-        let sight = bins as f64 * BIN_WIDTH;
-        let truncation = TruncationOptions {
-            r_cut: truncation.r_cut.min(sight),
-            ..truncation
-        };
-        let model = Model::new(&scene.potential, &truncation)
-            .map_err(|e| scene.source.invalid(e.key(), e.found(), e.allowed()))?;
-        let mut terms = Self {
-            energy: vec![0.0; bins],
-            conserved: vec![0.0; bins],
-            virial: vec![0.0; bins],
-            tail: [0.0; 2],
-        };
-        // Below half a diameter no pair is ever found.
-        for bin in (0.5 / BIN_WIDTH) as usize..bins {
-            let low = bin as f64 * BIN_WIDTH;
-            let share = ((model.r_cut - low) / BIN_WIDTH).clamp(0.0, 1.0);
-            if share == 0.0 {
-                break;
-            }
-            let r = low + 0.5 * share * BIN_WIDTH;
-            let pair = model.eval(r * r);
-            terms.energy[bin] = share * pair.energy;
-            terms.conserved[bin] = share * (pair.energy - model.energy_at_cutoff);
-            terms.virial[bin] = share * r * r * pair.force;
-        }
-        let mut options = scene.force_field();
-        options.truncation = truncation;
-        let tail = lennard_forcefield::tail_correction(&options, n_atoms, volume);
-        if let Some(tail) = tail {
-            terms.tail = [tail.energy_per_particle, tail.pressure];
-        }
-        Ok(terms)
-    }
-}
-
-/// Whole bins up to a distance.
-fn bins_within(sight: f64) -> usize {
-    // The share of a bin that rounding may take is no bin.
-    (sight / BIN_WIDTH + 1e-6) as usize
-}
-
-fn dot(counts: &[f32], weights: &[f64]) -> f64 {
-    counts
-        .iter()
-        .zip(weights)
-        .map(|(c, w)| f64::from(*c) * w)
-        .sum()
-}
-
 /// δa·δb, frame by frame.
 fn products(a: &[f64], b: &[f64]) -> Vec<f64> {
     let (mean_a, mean_b) = (statistics::mean(a), statistics::mean(b));
@@ -380,3 +280,6 @@ fn products(a: &[f64], b: &[f64]) -> Vec<f64> {
         .map(|(a, b)| (a - mean_a) * (b - mean_b))
         .collect()
 }
+
+#[cfg(test)]
+mod tests;
