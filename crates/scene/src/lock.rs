@@ -205,26 +205,26 @@ impl Scene {
     #[must_use]
     pub fn applying(&self, chosen: &Chosen) -> Self {
         let mut scene = self.clone();
+        let free = |key: &str| self.free.contains(&key);
         let fixed = |key: &str| self.source.wrote(key);
         let to = &mut scene.truncation;
-        if !fixed("truncation.kind") {
+        if free("truncation.kind") {
             to.kind = chosen.truncation.kind;
-        }
-        if !fixed("truncation.r_cut") {
-            to.r_cut = chosen.truncation.r_cut;
-        }
-        if !fixed("truncation.switch_from") {
             to.switch_from = chosen.truncation.switch_from;
         }
-        if !fixed("truncation.tail_correction") {
+        if free("truncation.r_cut") {
+            to.r_cut = chosen.truncation.r_cut;
+        }
+        if free("truncation.tail_correction") {
             to.tail_correction = chosen.truncation.tail_correction;
         }
-        if !fixed("integrator.dt") {
+        if free("integrator.dt") {
             scene.integrator.dt = chosen.dt;
         }
-        if !fixed("kernel.precision") {
+        if free("kernel.precision") {
             scene.kernel.precision = chosen.precision;
         }
+        // The list changes no physics: it is taken wherever the scene says nothing.
         if !fixed("neighbor.mode") {
             scene.neighbor.mode = chosen.neighbor.mode;
         }

@@ -56,8 +56,13 @@ impl Search<'_> {
             .find(|(key, ..)| *key == nearest.limiting);
         let (key, target, unit) = wanted.unwrap_or((nearest.limiting, f64::NAN, ""));
         let fixed = Freedom::of(self.scene, self.sample, self.stability, None).fixed;
+        let model_is_fixed = !self.scene.wants_full_potential();
         for hand in fixed {
-            let free = self.choose(models, accuracy, Some(hand), f64::INFINITY)?;
+            // Of a model that is fixed, U and P wanted are its own, whatever its cutoff.
+            if model_is_fixed && hand.starts_with("truncation") {
+                continue;
+            }
+            let free = self.choose(models, accuracy, Some(&hand), f64::INFINITY)?;
             if let Some(better) = free.cheapest {
                 let message = format!("contradicts `accuracy.{key}`");
                 let found = format!("{hand} fixed by hand, {key} = {target} {unit} wanted");
@@ -65,7 +70,7 @@ impl Search<'_> {
                     "{reachable}; or {hand} left out, which gives {}",
                     better.settings.label()
                 );
-                return Ok(self.scene.contradiction(hand, &message, &found, &allowed));
+                return Ok(self.scene.contradiction(&hand, &message, &found, &allowed));
             }
         }
         let found = format!("{target} {unit}");

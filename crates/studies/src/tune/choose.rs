@@ -26,7 +26,7 @@ pub(super) struct Freedom {
     steps: Vec<f64>,
     precisions: Vec<Precision>,
     /// What the scene fixes by hand, of what is chosen for others.
-    pub fixed: Vec<&'static str>,
+    pub fixed: Vec<String>,
 }
 
 impl Freedom {
@@ -34,16 +34,13 @@ impl Freedom {
     pub fn of(scene: &Scene, sample: &Sample, stability: &Stability, but: Option<&str>) -> Self {
         let fixed = |key: &str| scene.source.wrote(key) && but != Some(key);
         let truncations = truncations(scene, sample, &fixed);
-        let own_dt = scene
-            .stages
-            .iter()
-            .rev()
-            .find(|s| s.measure)
-            .and_then(|s| s.dt);
-        let steps = match own_dt {
-            Some(dt) if but != Some("integrator.dt") => vec![dt],
-            _ if fixed("integrator.dt") => vec![scene.integrator.dt],
-            _ => plain_numbers(SMALLEST_STEP * sample.careful().dt, stability.ceiling),
+        let measured = scene.stages.iter().rposition(|s| s.measure);
+        let own_dt = measured.and_then(|i| Some((format!("stage.{i}.dt"), scene.stages[i].dt?)));
+        let own_dt = own_dt.filter(|(key, _)| but != Some(key.as_str()));
+        let steps = match &own_dt {
+            Some((_, dt)) => vec![*dt],
+            None if fixed("integrator.dt") => vec![scene.integrator.dt],
+            None => plain_numbers(SMALLEST_STEP * sample.careful().dt, stability.ceiling),
         };
         let direct = scene.neighbor.mode == ListMode::Direct && fixed("neighbor.mode");
         let precisions = match fixed("kernel.precision") {
@@ -53,18 +50,20 @@ impl Freedom {
             }
             false => vec![Precision::Mixed, Precision::Double],
         };
-        let keys = [
-            "truncation.kind",
-            "truncation.r_cut",
-            "truncation.tail_correction",
-            "integrator.dt",
-            "kernel.precision",
+        let mut hand: Vec<String> = vec![
+            "truncation.kind".into(),
+            "truncation.r_cut".into(),
+            "truncation.tail_correction".into(),
+            "integrator.dt".into(),
+            "kernel.precision".into(),
         ];
+        hand.retain(|key| fixed(key));
+        hand.extend(own_dt.map(|(key, _)| key));
         Self {
             truncations,
             steps,
             precisions,
-            fixed: keys.into_iter().filter(|key| fixed(key)).collect(),
+            fixed: hand,
         }
     }
 

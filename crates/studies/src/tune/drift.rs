@@ -86,9 +86,10 @@ impl Stability {
 
     fn of(rungs: &[Rung], wanted: Option<f64>) -> Self {
         let limit = wanted.unwrap_or(LARGEST_DRIFT);
+        // A drift that is not known to be small is not small.
         let good = |rung: &&Rung| {
-            rung.drift
-                .is_some_and(|(drift, error)| drift.abs() <= limit.max(SEEN * error))
+            let bound = |(drift, error): (f64, f64)| drift.abs() + error;
+            rung.drift.is_some_and(|found| bound(found) <= limit)
         };
         let ceiling = rungs.iter().take_while(good).last().map(|r| r.dt);
         let seen: Vec<(f64, f64)> = rungs
@@ -161,5 +162,7 @@ mod tests {
         assert!(free.of_step(0.006) < 1e-10);
         assert_eq!(Stability::of(&rungs, Some(2e-5)).ceiling, 0.012);
         assert_eq!(Stability::of(&rungs[3..], None).ceiling, 0.010);
+        // What a short run cannot tell is not taken for good.
+        assert_eq!(Stability::of(&rungs, Some(2e-7)).ceiling, 0.005);
     }
 }

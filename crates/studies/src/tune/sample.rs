@@ -2,7 +2,7 @@
 //! which a minute teaches most.
 
 use lennard_engine::watchdog::rough_stable_dt;
-use lennard_forcefield::{NeighborOptions, Precision, TruncationKind, TruncationOptions};
+use lennard_forcefield::{Kernel, NeighborOptions, Precision, TruncationKind, TruncationOptions};
 use lennard_integrators::{ThermostatOptions, bussi, velocity_verlet};
 use lennard_scene::{Geometry, Lattice, Scene, Stage, Start as SceneStart};
 
@@ -111,6 +111,7 @@ impl Sample {
             velocity_verlet::Options::default(),
         );
         canonical.integrator.split = None;
+        canonical.kernel.kernel = Kernel::Auto;
         let careful = CAREFUL_STEP * stable_dt;
         canonical.integrator.dt = careful;
         own.integrator.dt = careful;
