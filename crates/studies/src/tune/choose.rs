@@ -203,8 +203,10 @@ pub(super) fn choose(
             continue;
         }
         let candidate = judge(settings, models, prices, accuracy)?;
-        let meets = candidate.worst <= 1.0;
-        if meets && cheapest.as_ref().is_none_or(|c| candidate.price < c.price) {
+        // Of equal prices, the smaller errors.
+        let better =
+            |than: &Candidate| (candidate.price, candidate.worst) < (than.price, than.worst);
+        if candidate.worst <= 1.0 && cheapest.as_ref().is_none_or(better) {
             cheapest = Some(candidate.clone());
         }
         if nearest.as_ref().is_none_or(|c| candidate.worst < c.worst) {

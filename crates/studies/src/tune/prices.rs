@@ -69,6 +69,7 @@ impl Prices {
                 cost.wall.low * settings.dt,
             ));
         }
+        nodes.iter_mut().for_each(|nodes| never_falling(nodes));
         Ok(Self { bench, nodes })
     }
 
