@@ -133,13 +133,17 @@ pub(super) fn of_jump(
 ) -> Result<f64, TuneError> {
     let model = Model::new(&scene.potential, &truncation)
         .map_err(|e| scene.source.invalid(e.key(), e.found(), e.allowed()))?;
+    let (t, g) = (survey.temperature, survey.g(model.r_cut));
+    Ok(0.5 * variance_growth(&model, survey.density(), g, t, dt) / t)
+}
+
+/// How fast the variance of the energy grows by pairs that cross the cutoff, ε²/τ a particle.
+fn variance_growth(model: &Model, density: f64, g: f64, temperature: f64, dt: f64) -> f64 {
     let r = model.r_cut;
     let jump = model.eval(r * r).force * r;
-    let t = survey.temperature;
-    let crossings = 0.5 * survey.density() * 4.0 * PI * r * r * survey.g(r);
-    let cubed_speed = 2.0 * (2.0 / PI).sqrt() * (2.0 * t).powf(1.5);
-    let variance_growth = crossings * cubed_speed * (jump * dt).powi(2) / 12.0;
-    Ok(0.5 * variance_growth / t)
+    let crossings = 0.5 * density * 4.0 * PI * r * r * g;
+    let cubed_speed = 2.0 * (2.0 / PI).sqrt() * (2.0 * temperature).powf(1.5);
+    crossings * cubed_speed * (jump * dt).powi(2) / 12.0
 }
 
 #[cfg(test)]
@@ -164,5 +168,83 @@ mod tests {
         assert_eq!(Stability::of(&rungs[3..], None).ceiling, 0.010);
         // What a short run cannot tell is not taken for good.
         assert_eq!(Stability::of(&rungs, Some(2e-7)).ceiling, 0.005);
+    }
+
+    /// Looks at energy and neighbors of a running fluid.
+    struct Looks {
+        every: u64,
+        energies: Vec<f64>,
+        temperatures: Vec<f64>,
+        shell: Vec<f64>,
+        r_cut: f64,
+    }
+
+    impl lennard_engine::Follower for Looks {
+        fn want(&self, _: &Scene, step: u64, _: bool) -> lennard_core::Want {
+            if step.is_multiple_of(self.every) {
+                lennard_core::Want::ENERGY
+            } else {
+                lennard_core::Want::NOTHING
+            }
+        }
+
+        fn after_step(
+            &mut self,
+            simulation: &mut lennard_engine::Simulation,
+        ) -> Result<lennard_engine::Verdict, lennard_engine::EngineError> {
+            let state = &simulation.state;
+            if state.step.is_multiple_of(self.every) {
+                let n = state.len() as f64;
+                let energy = simulation.conserved_energy_per_particle().unwrap();
+                self.energies.push(energy * n);
+                self.temperatures
+                    .push(simulation.dynamics.temperature(&state.velocities));
+                // Pairs in the last twentieth of a diameter below the cutoff.
+                let bins = (self.r_cut / 0.05).round() as usize;
+                let counts = lennard_observables::count_distances(
+                    &state.positions,
+                    &simulation.cell,
+                    self.r_cut,
+                    bins,
+                );
+                self.shell.push(*counts.last().unwrap() as f64);
+            }
+            Ok(lennard_engine::Verdict::Continue)
+        }
+    }
+
+    #[test]
+    fn energy_diffuses_by_crossings_of_the_cutoff_as_the_law_says() {
+        // A cutoff of 1.5 σ, where the force jumps by 1.2 ε/σ, drowns every other error of the step.
+        const TEXT: &str = "[system]\nn_atoms = 256\ndensity = 0.6\ntemperature = 1.2\n\
+            [truncation]\nr_cut = 1.5\n[integrator]\ndt = 0.004\n\
+            [[stage]]\nname = \"heat\"\nsteps = 1500\nthermostat = \"bussi\"\n\
+            [[stage]]\nname = \"p\"\nsteps = 40000\n";
+        let scene = Scene::parse(TEXT, "test.toml", &[]).unwrap();
+        let (dt, r_cut) = (scene.integrator.dt, scene.truncation.r_cut);
+        let mut simulation = lennard_engine::prepare(scene.clone()).unwrap();
+        let every = 125;
+        let mut looks = Looks {
+            every,
+            energies: vec![],
+            temperatures: vec![],
+            shell: vec![],
+            r_cut,
+        };
+        simulation.run(&mut looks).unwrap();
+        // The heat bath's work is counted apart; its stage is left out.
+        let from = 1500 / every as usize + 1;
+        let energies = &looks.energies[from..];
+        let steps: Vec<f64> = energies.windows(2).map(|w| (w[1] - w[0]).powi(2)).collect();
+        let time = every as f64 * dt;
+        let measured = lennard_observables::statistics::mean(&steps) / (256.0 * time);
+        let volume = 4.0 / 3.0 * PI * (r_cut.powi(3) - (r_cut - 0.05).powi(3));
+        let pairs = lennard_observables::statistics::mean(&looks.shell[from..]);
+        let g = pairs / (0.5 * 256.0 * 0.6 * volume);
+        let t = lennard_observables::statistics::mean(&looks.temperatures[from..]);
+        let model = Model::new(&scene.potential, &scene.truncation).unwrap();
+        let law = variance_growth(&model, 0.6, g, t, dt);
+        // 307 squares of normal increments know their mean to 8 %; the bounded error of the step adds some per cent.
+        assert!((measured / law - 1.0).abs() < 0.3, "{measured:e} {law:e}");
     }
 }
