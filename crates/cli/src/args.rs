@@ -60,6 +60,14 @@ pub enum Command {
         lennard sweep inputs/verlet-1967/table.toml --out runs/verlet-2.5\n  \
         lennard sweep inputs/verlet-1967/table.toml --out runs/verlet-4 --set truncation.r_cut=4")]
     Sweep(SweepArgs),
+    /// Find the cheapest settings for the accuracy that a scene asks for, and keep them in a lock file.
+    #[command(after_help = "The scene says how wrong the results may be:\n  \
+        accuracy = { potential_energy = 1e-3, pressure = 5e-3, drift = 1e-5 }\n\n\
+        Examples:\n  \
+        lennard tune inputs/fluid/accuracy.toml\n  \
+        lennard run inputs/fluid/accuracy.toml\n  \
+        lennard tune inputs/fluid/accuracy.toml --set accuracy.pressure=0.02 --lock coarse.lock.toml --json")]
+    Tune(TuneArgs),
     /// Put finished runs beside the literature: every quantity with its difference in standard errors.
     #[command(after_help = "Examples:\n  \
         lennard compare runs/triple-point-1\n  \
@@ -106,6 +114,9 @@ pub struct SceneArgs {
     /// Precision of the pair kernel (short for --set kernel.precision=NAME).
     #[arg(long, value_name = "NAME")]
     pub precision: Option<String>,
+    /// Lock file with the settings for the scene's [accuracy]; by default NAME.lock.toml beside NAME.toml.
+    #[arg(long, value_name = "FILE")]
+    pub lock: Option<PathBuf>,
     /// One JSON document on standard output, nothing else.
     #[arg(long)]
     pub json: bool,
@@ -199,6 +210,20 @@ pub struct PlanArgs {
     /// Scene, overrides, threads.
     #[command(flatten)]
     pub scene: SceneArgs,
+}
+
+/// Arguments of `tune`.
+#[derive(Debug, Args)]
+pub struct TuneArgs {
+    /// Scene, overrides, threads, lock file.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// About how long it may take; longer knows errors better.
+    #[arg(long, value_name = "S", default_value_t = 50.0, value_parser = tuning_seconds)]
+    pub seconds: f64,
+    /// No progress and no table; errors only.
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 /// Arguments of `energy`.
@@ -311,6 +336,19 @@ fn key_value(text: &str) -> Result<(String, String), String> {
             Ok((key.trim().to_owned(), value.trim().to_owned()))
         }
         _ => Err("wanted KEY=VALUE, such as system.density=0.8".into()),
+    }
+}
+
+fn tuning_seconds(text: &str) -> Result<f64, String> {
+    /// Below, no survey says anything.
+    const FEWEST: f64 = 5.0;
+    /// A day.
+    const MOST: f64 = 86_400.0;
+    match text.parse::<f64>() {
+        Ok(seconds) if (FEWEST..=MOST).contains(&seconds) => Ok(seconds),
+        _ => Err(format!(
+            "wanted a number of seconds from {FEWEST} to {MOST}"
+        )),
     }
 }
 

@@ -27,6 +27,7 @@ fn main() -> ExitCode {
         Command::Energy(args) => commands::energy::energy(args),
         Command::Stability(args) => commands::stability::stability(args),
         Command::Sweep(args) => commands::sweep::sweep(args),
+        Command::Tune(args) => commands::tune::tune(args),
         Command::Compare(args) => commands::compare::compare(args),
         Command::List(args) => commands::list::list(args),
         Command::Completions { shell } => commands::completions(*shell),

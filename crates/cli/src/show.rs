@@ -1,8 +1,10 @@
 //! What a person reads: headers and tables.
 
 mod literature;
+mod tune;
 
 pub use literature::{compared, sweep, sweep_header};
+pub use tune::tuning;
 
 use std::path::Path;
 

@@ -181,12 +181,14 @@ pub fn conditions(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Condition
 /// The force field of a scene for a box.
 ///
 /// # Errors
-/// [`EngineError::Scene`] where cutoff or skin do not fit the box.
+/// [`EngineError::Scene`] where cutoff or skin do not fit the box, and where the settings for an accuracy have
+/// not been chosen.
 pub fn forces(
     scene: &Scene,
     cell: PeriodicBox,
     n_atoms: usize,
 ) -> Result<(ForceFieldOptions, PairForces), EngineError> {
+    scene.settled()?;
     let options = scene.force_field();
     let built = lennard_forcefield::build(&options, &conditions(scene, cell, n_atoms))
         .map_err(|e| misfit(&scene.source, &e))?;
@@ -213,7 +215,10 @@ pub fn prepare(scene: Scene) -> Result<Simulation, EngineError> {
 }
 
 /// Builds the simulation around particles that have their places.
-pub(crate) fn assembled(scene: Scene, mut beginning: Beginning) -> Result<Simulation, EngineError> {
+///
+/// # Errors
+/// [`EngineError`] as for [`prepare`].
+pub fn assembled(scene: Scene, mut beginning: Beginning) -> Result<Simulation, EngineError> {
     let n = beginning.positions.len();
     let cell = beginning.cell;
     let (options, mut provider) = forces(&scene, cell, n)?;

@@ -18,8 +18,8 @@ mod timers;
 pub mod watchdog;
 
 pub use build::{
-    SMALLEST_START_DISTANCE, begin, conditions, forces, prepare, recommended_threads,
-    size_and_density, tail_correction,
+    Beginning, SMALLEST_START_DISTANCE, assembled, begin, conditions, forces, prepare,
+    recommended_threads, size_and_density, tail_correction,
 };
 pub use checkpointing::Past;
 pub use compare::{Comparison, finite_size, model_kind, with_equation_of_state};

@@ -38,6 +38,7 @@ pub use error::ObservableError;
 pub use heat_capacity::Ensemble;
 pub use momentum::{Momentum, MomentumOptions};
 pub use msd::{MeanSquareDisplacement, MsdOptions};
+pub use pairs::count_distances;
 pub use pressure_tensor::{PressureTensor, PressureTensorOptions};
 pub use rdf::{RadialDistribution, RdfOptions};
 pub use series::{Columns, Series};

@@ -14,7 +14,8 @@ const FEWEST_CELLS: usize = 4;
 
 /// Counts the pairs (each once) whose minimum-image distance falls into each of `bins` equal bins of
 /// [0, r_max). Positions may be unwrapped; `r_max` is at most half the shortest side.
-pub(crate) fn count_distances(
+#[must_use]
+pub fn count_distances(
     positions: &[DVec3],
     cell: &PeriodicBox,
     r_max: f64,

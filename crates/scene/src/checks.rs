@@ -4,9 +4,18 @@ use lennard_core::{DVec3, PeriodicBox};
 
 use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
-use crate::{Geometry, Placement, Scene, SceneError, Start};
+use crate::{Geometry, Placement, Scene, SceneError, Start, accuracy};
 
 impl Scene {
+    /// Whether all tables go together, for a scene that was changed after it was read: stages, tail correction, and
+    /// whether cutoff, skin and observables fit the box where the scene itself names it.
+    ///
+    /// # Errors
+    /// [`SceneError`] for the first thing that is wrong; never for a scene as it was read.
+    pub fn check(&self) -> Result<(), SceneError> {
+        whole_scene(self)
+    }
+
     /// The box and the part of it that particles fill at the start; `None` for a start from a
     /// configuration file.
     ///
@@ -76,6 +85,7 @@ impl Scene {
 /// Everything that can be said before a configuration file is read.
 pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     stages(scene)?;
+    accuracy::check(scene)?;
     if let Some(placement) = scene.placement()? {
         let Start::Lattice {
             n_atoms, vacuum, ..

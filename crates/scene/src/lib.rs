@@ -5,10 +5,12 @@
 //! options type lives beside the method), and checks between tables. [`mod@reference`] holds every table and
 //! key with default, unit and what is allowed; messages and `inputs/README.md` are made from it.
 
+mod accuracy;
 mod checks;
 mod de;
 mod error;
 mod lattice;
+mod lock;
 mod names;
 mod overrides;
 mod read;
@@ -20,8 +22,11 @@ mod tables;
 mod tree;
 mod typed;
 
+pub use accuracy::Accuracy;
 pub use error::{Place, SceneError, Source};
+pub use lock::{Chosen, Judged, Lock};
 pub use scene::{
     Checkpoint, Geometry, IntegratorTable, Lattice, ObservableTable, Output, Placement, Scene,
     Stage, Start, System,
 };
+pub use tables::DEFAULT_SPLIT;

@@ -64,10 +64,6 @@ const PLANNED: &[Planned] = &[
         feature: "walls are",
     },
     Planned {
-        words: &["accuracy"],
-        feature: "settings chosen from a wanted accuracy are",
-    },
-    Planned {
         words: &["charge", "charges", "coulomb", "ewald", "pme"],
         feature: "electric charges are",
     },

@@ -7,7 +7,7 @@ use crate::names::{nearest, not_yet};
 use crate::reference::{self, MOST_ENTRIES};
 use crate::tree::{self, Entry, Node, Table, Value};
 use crate::typed::Section;
-use crate::{Scene, Source, checks, overrides};
+use crate::{Scene, Source, accuracy, checks, overrides};
 
 impl Scene {
     /// Reads a scene file, with overrides such as `("stage.production.steps", "1000")` over it.
@@ -73,22 +73,17 @@ fn read(
     let mut root = tree::parse(text, file)?;
     overrides::apply(&mut root, overrides, file)?;
     let source = Source::new(file, tree::places(&root));
-    let reader = Reader {
-        root: &root,
-        source: &source,
-        empty: Node {
-            value: Value::Table(Table::default()),
-            place: Place::Line(1),
-        },
-    };
+    let reader = Reader::new(&root, &source);
     reader.known_tables()?;
     let system = reader.system(resolve)?;
     let name = reader.name(file)?;
     let mut observables = reader.observables()?;
     let mut output = reader.output()?;
     reader.one_thermo_interval(&mut observables, &mut output)?;
-    let scene = Scene {
+    let mut scene = Scene {
         name,
+        accuracy: reader.accuracy()?,
+        free: Vec::new(),
         potential: reader.tagged("potential", "lennard-jones")?,
         truncation: reader.plain("truncation")?,
         neighbor: reader.plain("neighbor")?,
@@ -101,13 +96,15 @@ fn read(
         system,
         source: source.clone(),
     };
+    scene.free = accuracy::left_free(&scene);
     checks::whole_scene(&scene)?;
     Ok(scene)
 }
 
 /// The tables of a scene file that are written once.
-const TABLES: [&str; 8] = [
+const TABLES: [&str; 9] = [
     "system",
+    "accuracy",
     "potential",
     "truncation",
     "neighbor",
@@ -127,6 +124,17 @@ pub(crate) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
+    pub fn new(root: &'a Table, source: &'a Source) -> Self {
+        Self {
+            root,
+            source,
+            empty: Node {
+                value: Value::Table(Table::default()),
+                place: Place::Line(1),
+            },
+        }
+    }
+
     /// Refuses what stands outside every table, and tables that nobody knows.
     fn known_tables(&self) -> Result<(), SceneError> {
         for entry in &self.root.0 {

@@ -112,6 +112,13 @@ static TABLES: &[TableDoc] = &[
                   or as a `configuration` file says.",
     },
     TableDoc {
+        table: "accuracy",
+        heading: "`[accuracy]`",
+        meaning: "How wrong the results may be. What is not written of `truncation.kind`, `truncation.r_cut`, \
+                  `truncation.tail_correction`, `integrator.dt`, `kernel.precision`, `neighbor.mode` and `neighbor.skin` \
+                  is then chosen by `lennard tune` and kept in a lock file. At least one of:",
+    },
+    TableDoc {
         table: "potential",
         heading: "`[potential]`",
         meaning: "The pair potential.",
@@ -177,6 +184,11 @@ static KEYS: &[KeyDoc] = keys! {
         "configuration": Words("the path of a file that can be read"), "none", "", "Start from this file (extended XYZ or the NIST columns), relative to the scene file. Takes the place of `lattice`, `n_atoms` and `density`.";
         "temperature": NotNegative, "needed", "ε/k_B", "Temperature of the first velocities (where no file gives them) and of every thermostat that names no other.";
         "seed": Whole(0, i64::MAX), "`1`", "", "Seed of every random stream.";
+    }
+    "accuracy" of any {
+        "potential_energy": Positive, "not asked for", "ε a particle", "Largest error of the mean potential energy, at equal temperature: of the full potential, or, where `truncation.kind` and `truncation.r_cut` are both written, of that model.";
+        "pressure": Positive, "not asked for", "ε/σ³", "Largest error of the mean pressure, likewise.";
+        "drift": Positive, "not asked for", "ε/τ a particle", "Largest drift of the conserved energy.";
     }
     "potential" of any {
         "kind": Names(|| lennard_forcefield::potentials().iter().map(|p| p.name).collect()), "`\"lennard-jones\"`", "", "The pair potential U(r).";

@@ -7,12 +7,14 @@ use lennard_integrators::{IntegratorOptions, ThermostatOptions};
 use lennard_observables::ObservableOptions;
 use serde::Serialize;
 
-use crate::{Geometry, Scene, Start};
+use crate::{Accuracy, Geometry, Scene, Start};
 
 #[derive(Serialize)]
 struct Resolved<'a> {
     name: &'a str,
     system: System,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    accuracy: Option<&'a Accuracy>,
     potential: &'a PotentialOptions,
     truncation: &'a TruncationOptions,
     neighbor: &'a NeighborOptions,
@@ -98,15 +100,44 @@ struct Checkpoint {
 }
 
 impl Scene {
-    /// The scene as TOML with every default written out; reading it gives an equal scene.
+    /// The scene as TOML with every default written out, but not what an accuracy leaves to be chosen;
+    /// reading it gives an equal scene.
     ///
     /// # Panics
     /// Where a number does not fit TOML, which no scene that was read from a file holds.
     #[must_use]
     pub fn resolved_toml(&self) -> String {
-        let resolved = Resolved {
+        let body = if self.free.is_empty() {
+            toml::to_string(&self.resolved())
+        } else {
+            toml::to_string(&self.resolved_table())
+        };
+        let body = body.expect("every value of a scene fits TOML");
+        format!("# The scene as it was run, with every default written out.\n\n{body}")
+    }
+
+    /// The scene as a table, without what an accuracy leaves to be chosen.
+    ///
+    /// # Panics
+    /// As [`Scene::resolved_toml`].
+    pub(crate) fn resolved_table(&self) -> toml::Table {
+        let mut all =
+            toml::Table::try_from(self.resolved()).expect("every value of a scene fits TOML");
+        for free in &self.free {
+            if let Some((table, key)) = free.split_once('.')
+                && let Some(toml::Value::Table(table)) = all.get_mut(table)
+            {
+                table.remove(key);
+            }
+        }
+        all
+    }
+
+    fn resolved(&self) -> Resolved<'_> {
+        Resolved {
             name: &self.name,
             system: self.resolved_system(),
+            accuracy: self.accuracy.as_ref(),
             potential: &self.potential,
             truncation: &self.truncation,
             neighbor: &self.neighbor,
@@ -139,9 +170,7 @@ impl Scene {
                 every_steps: self.checkpoint.every_steps.unwrap_or(0),
                 every_seconds: self.checkpoint.every_seconds.unwrap_or(0.0),
             },
-        };
-        let body = toml::to_string(&resolved).expect("every value of a scene fits TOML");
-        format!("# The scene as it was run, with every default written out.\n\n{body}")
+        }
     }
 
     fn resolved_system(&self) -> System {

@@ -11,7 +11,7 @@ use lennard_integrators::{IntegratorOptions, ThermostatOptions};
 use lennard_observables::ObservableOptions;
 use serde::{Deserialize, Serialize};
 
-use crate::Source;
+use crate::{Accuracy, Source};
 
 /// A scene: everything that a run depends on but the machine. Reduced units throughout.
 #[derive(Debug, Clone)]
@@ -20,6 +20,11 @@ pub struct Scene {
     pub name: String,
     /// Where the particles start.
     pub system: System,
+    /// The errors that are accepted, where the scene asks for an accuracy.
+    pub accuracy: Option<Accuracy>,
+    /// The settings that the accuracy leaves to be chosen and that no lock file has brought; where there are
+    /// any, their fields hold defaults that nothing may be run with.
+    pub free: Vec<&'static str>,
     /// The pair potential.
     pub potential: PotentialOptions,
     /// How the potential ends.
@@ -48,6 +53,8 @@ impl PartialEq for Scene {
         let Self {
             name,
             system,
+            accuracy,
+            free,
             potential,
             truncation,
             neighbor,
@@ -61,6 +68,8 @@ impl PartialEq for Scene {
         } = self;
         *name == other.name
             && *system == other.system
+            && *accuracy == other.accuracy
+            && *free == other.free
             && *potential == other.potential
             && *truncation == other.truncation
             && *neighbor == other.neighbor

@@ -14,10 +14,11 @@ use crate::{Checkpoint, IntegratorTable, ObservableTable, Output, Stage, checks}
 
 /// The customary time step of Lennard-Jones fluids, τ.
 const DEFAULT_DT: f64 = 0.004;
-/// Where the near force of RESPA ends, σ: beyond the first shell of neighbors.
-const DEFAULT_R_SPLIT: f64 = 1.7;
-/// Over which distance it ends, σ.
-const DEFAULT_SPLIT_WIDTH: f64 = 0.4;
+/// Where the near force of RESPA ends, σ, unless the scene says otherwise: beyond the first shell of neighbors.
+pub const DEFAULT_SPLIT: SplitOptions = SplitOptions {
+    r_split: 1.7,
+    width: 0.4,
+};
 const DEFAULT_THERMO_EVERY: u64 = 10;
 const DEFAULT_ELEMENT: &str = "Ar";
 
@@ -68,8 +69,8 @@ impl Reader<'_> {
                 None => Ok(default),
             };
             split = Some(SplitOptions {
-                r_split: length("r_split", DEFAULT_R_SPLIT)?,
-                width: length("split_width", DEFAULT_SPLIT_WIDTH)?,
+                r_split: length("r_split", DEFAULT_SPLIT.r_split)?,
+                width: length("split_width", DEFAULT_SPLIT.width)?,
             });
         }
         let method: IntegratorOptions = section.read(&node)?;

@@ -16,6 +16,7 @@ fn scenes_in(folder: &str) -> Vec<PathBuf> {
         .unwrap()
         .map(|entry| entry.unwrap().path())
         .filter(|path| path.extension().is_some_and(|e| e == "toml"))
+        .filter(|path| !path.to_string_lossy().ends_with(".lock.toml"))
         .collect();
     found.sort();
     assert!(!found.is_empty(), "no scene in {folder}");

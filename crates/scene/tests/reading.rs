@@ -278,7 +278,14 @@ fn documented_keys(table: &str, kind: Option<&str>) -> BTreeSet<String> {
 
 #[test]
 fn the_reference_lists_exactly_the_keys_that_the_code_reads() {
-    for table in ["truncation", "neighbor", "kernel", "output", "checkpoint"] {
+    for table in [
+        "accuracy",
+        "truncation",
+        "neighbor",
+        "kernel",
+        "output",
+        "checkpoint",
+    ] {
         let text = format!("{SMALL}\n[{table}]\nzzz = 1\n");
         assert_eq!(known_keys(&text), documented_keys(table, None), "[{table}]");
     }

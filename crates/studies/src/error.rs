@@ -27,6 +27,25 @@ pub enum StudyError {
     /// The forces of a study's own fluid cannot be built.
     #[error("the fluid of the study: {0}")]
     ForceField(#[from] ForceFieldError),
+    /// Settings that do not go together, or do not fit the scene.
+    #[error("{label}: {reason}")]
+    Settings {
+        /// The settings in a line.
+        label: String,
+        /// What is wrong with them.
+        reason: String,
+    },
+    /// A run of the scene cannot be built or fails.
+    #[error(transparent)]
+    Engine(#[from] lennard_engine::EngineError),
+    /// The forces cannot be evaluated where a run starts.
+    #[error("the forces of {label}: {source}")]
+    Force {
+        /// The settings in a line.
+        label: String,
+        /// What happened.
+        source: lennard_core::ForceError,
+    },
     /// A figure cannot be drawn.
     #[error(transparent)]
     Report(#[from] ReportError),

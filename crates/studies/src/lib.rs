@@ -12,8 +12,10 @@ pub mod fluid_stability;
 mod jobs;
 mod progress;
 pub mod run_page;
+pub mod settings;
 pub mod stability;
 pub mod sweep;
+pub mod tune;
 
 pub use error::StudyError;
 pub use progress::{Progress, Silent};

@@ -1,6 +1,7 @@
 //! Every check with one command: `cargo xtask test`.
 #![allow(clippy::print_stdout, clippy::print_stderr)] // a command-line tool speaks on both
 
+mod accuracy;
 mod counts;
 mod fuzz;
 mod python;
@@ -28,6 +29,8 @@ Commands:
   soak     Kill runs at random times, go on with them, and compare every byte with an undisturbed
            run; --quick for 10 kills in place of 200, --long for ten million steps
   fuzz     Seeded mutations of fuzz/corpus through every reader; --runs N, --target NAME, --seed N
+  accuracy Tune scenes at eight states, and put each choice on trial: ten seeds against tight runs,
+           and a grid of cheaper settings; --state NAME, --seconds S for a tuning, --share X of the runs
   python   Make the virtual environment .venv from validation/requirements.txt
   help     This text
 
@@ -55,6 +58,7 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["soak", rest @ ..] => return soak::build_and_run(&workspace, rest),
+        ["accuracy", rest @ ..] => return accuracy::run(&workspace, rest),
         ["fuzz", rest @ ..] => return fuzz::run(&workspace, rest),
         _ => {}
     }
@@ -65,6 +69,7 @@ fn main() -> ExitCode {
             &[
                 "physics: U and P at eight state points, error bars over ten seeds (cargo xtask physics)",
                 "soak: runs killed at random times and resumed (cargo xtask soak)",
+                "accuracy: tuned settings on trial at eight states (cargo xtask accuracy)",
                 "fuzz: mutated files through every reader (cargo xtask fuzz)",
                 "bench: speed (cargo bench)",
             ],

@@ -8,6 +8,7 @@ pub mod resume;
 pub mod run;
 pub mod stability;
 pub mod sweep;
+pub mod tune;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -16,15 +17,52 @@ use clap::CommandFactory;
 use clap_complete::Shell;
 use lennard_engine::EngineError;
 use lennard_io::Existing;
-use lennard_scene::Scene;
+use lennard_scene::{Lock, Scene};
 use serde::Serialize;
 
 use crate::args::{Cli, SceneArgs};
 use crate::failure::{Failure, OTHER};
 
-/// Loads the scene of a command with its overrides.
+/// Loads the scene of a command with its overrides, and with the settings of its lock file where it asks for an
+/// accuracy and there is one.
 pub fn load(args: &SceneArgs) -> Result<Scene, Failure> {
-    Ok(Scene::load(&args.scene, &args.overrides())?)
+    Ok(load_locked(args)?.0)
+}
+
+/// A lock file that was used.
+pub struct UsedLock {
+    /// Where it lies.
+    pub path: PathBuf,
+    /// Threads that pay, as it says.
+    pub threads: usize,
+}
+
+/// The same, with the lock file that was used. Without one, a scene that leaves settings to be chosen is refused
+/// where it would be built.
+pub fn load_locked(args: &SceneArgs) -> Result<(Scene, Option<UsedLock>), Failure> {
+    let scene = Scene::load(&args.scene, &args.overrides())?;
+    let path = match &args.lock {
+        Some(named) => named.clone(),
+        None => {
+            let beside = Lock::beside(&args.scene);
+            if scene.free.is_empty() || !beside.exists() {
+                return Ok((scene, None));
+            }
+            beside
+        }
+    };
+    let lock = Lock::load(&path)?;
+    let threads = lock.chosen().threads;
+    Ok((lock.settle(&scene)?, Some(UsedLock { path, threads })))
+}
+
+/// As many threads as asked for, or as the lock file says and this machine has, or as pay for so many particles.
+pub fn threads_with(asked: Option<u16>, lock: Option<&UsedLock>, n_atoms: usize) -> usize {
+    let available = std::thread::available_parallelism().map_or(1, usize::from);
+    match (asked, lock) {
+        (None, Some(lock)) => lock.threads.min(available),
+        _ => threads(asked, n_atoms),
+    }
 }
 
 /// Runs `work` on a pool of so many threads.

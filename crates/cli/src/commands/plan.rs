@@ -3,15 +3,15 @@
 use std::process::ExitCode;
 
 use crate::args::PlanArgs;
-use crate::commands::{load, on_threads, print_json, threads};
+use crate::commands::{load_locked, on_threads, print_json, threads_with};
 use crate::failure::Failure;
 use crate::show;
 
 /// Prints what a scene computes, what it leaves out and why, its memory and about how long it takes.
 pub fn plan(args: &PlanArgs) -> Result<ExitCode, Failure> {
-    let scene = load(&args.scene)?;
+    let (scene, lock) = load_locked(&args.scene)?;
     let mut simulation = lennard_engine::prepare(scene)?;
-    let threads = threads(args.scene.threads, simulation.state.len());
+    let threads = threads_with(args.scene.threads, lock.as_ref(), simulation.state.len());
     let plan = on_threads(threads, || {
         Ok(lennard_engine::plan(&mut simulation, threads)?)
     })?;
@@ -19,6 +19,9 @@ pub fn plan(args: &PlanArgs) -> Result<ExitCode, Failure> {
         print_json(&plan)?;
     } else {
         show::plan(&plan);
+        if let Some(lock) = &lock {
+            println!("  settings from {}", lock.path.display());
+        }
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -7,7 +7,9 @@ use std::time::Instant;
 use lennard_engine::{Ending, Outcome, RunOptions};
 
 use crate::args::RunArgs;
-use crate::commands::{load, on_threads, output_folder, print_json, threads, write_report};
+use crate::commands::{
+    load_locked, on_threads, output_folder, print_json, threads_with, write_report,
+};
 use crate::failure::Failure;
 use crate::progress::Display;
 use crate::{show, signals};
@@ -19,14 +21,17 @@ const STOPPED: u8 = 4;
 pub fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let deadline = args.control.deadline(Instant::now());
     let stop = signals::stop_flag()?;
-    let scene = load(&args.scene)?;
+    let (scene, lock) = load_locked(&args.scene)?;
     let quiet = args.control.quiet || args.scene.json;
     // Everything that can be wrong with the scene shows before anything is written.
     let mut simulation = lennard_engine::prepare(scene)?;
-    let threads = threads(args.scene.threads, simulation.state.len());
+    let threads = threads_with(args.scene.threads, lock.as_ref(), simulation.state.len());
     let folder = output_folder(args.out.as_deref(), args.force, &simulation.scene.name)?;
     if !quiet {
         show::header(&simulation, threads, &folder);
+        if let Some(lock) = &lock {
+            println!("  settings from {}", lock.path.display());
+        }
     }
     let mut display = Display::new(args.control.quiet);
     let outcome = on_threads(threads, || {

@@ -200,10 +200,13 @@ fn point(base: &Path, common: &[(String, String)], choice: &Choice) -> Result<Po
         .collect();
     all.append(&mut overrides);
     all.push(("name".into(), format!("{name:?}")));
-    let scene = Scene::load(base, &all).map_err(|source| SweepError::Scene {
+    let refused = |source| SweepError::Scene {
         point: name.clone(),
         source,
-    })?;
+    };
+    let scene = Scene::load(base, &all).map_err(refused)?;
+    // A lock file belongs to one state: settings of a sweep are written by hand.
+    scene.settled().map_err(refused)?;
     let (atoms, density) =
         lennard_engine::size_and_density(&scene).map_err(|source| SweepError::Start {
             point: name.clone(),

@@ -1,0 +1,146 @@
+//! `lennard tune` and what comes of it: a lock file that `run` and `plan` take, and that no other scene may use.
+
+mod common;
+
+use std::path::Path;
+
+use common::{lennard, stderr, stdout, succeed};
+
+/// A dilute supercritical fluid, whose errors a few seconds tell, with wishes that are easy to meet.
+const SCENE: &str = r#"# A fluid with an accuracy in place of settings.
+accuracy = { potential_energy = 0.03, pressure = 0.02, drift = 1e-3 }
+
+[system]
+n_atoms = 500
+density = 0.3
+temperature = 2.0
+
+[[stage]]
+name = "equilibrate"
+steps = 500
+thermostat = "bussi"
+
+[[stage]]
+name = "production"
+steps = 300
+"#;
+
+/// As short as it may be.
+const SHORT: [&str; 2] = ["--seconds", "5"];
+
+fn write_scene(folder: &Path) -> String {
+    let path = folder.join("asking.toml");
+    std::fs::write(&path, SCENE).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// Arguments of a tuning that must be refused, and words that the message must hold.
+fn refused(args: &[&str], words: &[&str]) {
+    let output = lennard(args).output().unwrap();
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
+    for word in words {
+        assert!(
+            message.contains(word),
+            "{args:?}: wanted `{word}` in\n{message}"
+        );
+    }
+}
+
+#[test]
+fn a_tuned_scene_runs_with_its_lock_and_always_to_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = write_scene(folder.path());
+    refused(
+        &["run", &scene],
+        &["`accuracy` needs settings", "lennard tune"],
+    );
+
+    let mut tune = vec!["tune", &scene, "--json", "--quiet"];
+    tune.extend(SHORT);
+    let tuning: serde_json::Value = serde_json::from_str(&succeed(&tune)).unwrap();
+    assert_eq!(tuning["schema"], "lennard-tune/1");
+    let rows = tuning["rows"].as_array().unwrap();
+    let keys: Vec<&str> = rows
+        .iter()
+        .map(|r| r["quantity"].as_str().unwrap())
+        .collect();
+    assert_eq!(keys, ["potential_energy", "pressure", "drift"]);
+    for row in rows {
+        let number = |key: &str| row[key].as_f64().unwrap();
+        assert!(number("predicted").abs() <= number("target"), "{row}");
+        let margin = 4.0 * number("measured_error");
+        assert!(
+            number("measured").abs() <= number("target") + margin,
+            "{row}"
+        );
+    }
+    // What is safest costs more, and what is chosen no more than what most people take.
+    let cost = |key: &str| tuning[key]["pair_forces_per_atom_tau"].as_f64().unwrap();
+    assert!(cost("cost") < cost("usual_cost") && cost("usual_cost") < cost("safest_cost"));
+    let lock = folder.path().join("asking.lock.toml");
+    assert!(
+        std::fs::read_to_string(&lock)
+            .unwrap()
+            .contains("lennard-lock/1")
+    );
+
+    let thermo = |name: &str| {
+        let out = folder.path().join(name);
+        let text = succeed(&["run", &scene, "--out", out.to_str().unwrap(), "--no-report"]);
+        assert!(text.contains("settings from"), "{text}");
+        std::fs::read_to_string(out.join("thermo.csv")).unwrap()
+    };
+    assert_eq!(thermo("first"), thermo("second"));
+    // The folder holds a scene that needs no lock.
+    let resolved = folder.path().join("first/scene.toml");
+    let plan = succeed(&["plan", resolved.to_str().unwrap()]);
+    assert!(!plan.contains("settings from"), "{plan}");
+
+    let elsewhere = folder.path().join("elsewhere.toml");
+    std::fs::rename(&lock, &elsewhere).unwrap();
+    let named = elsewhere.to_str().unwrap();
+    succeed(&["plan", &scene, "--lock", named, "--seed", "9"]);
+    let denser = [
+        "plan",
+        &scene,
+        "--lock",
+        named,
+        "--set",
+        "system.density=0.31",
+    ];
+    refused(&denser, &["`system.density`", "0.3 in the lock, 0.31 in"]);
+    let plain = "inputs/fluid/gas.toml";
+    refused(
+        &["plan", plain, "--lock", named],
+        &["`accuracy`", "nothing to take"],
+    );
+    refused(&["tune", plain], &["there is no `accuracy`"]);
+}
+
+#[test]
+fn what_cannot_be_met_is_refused_with_what_can_and_leaves_no_lock() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = write_scene(folder.path());
+    let with = |set: &[&'static str]| {
+        let mut args = vec!["tune", scene.as_str(), "--quiet"];
+        args.extend(SHORT);
+        for set in set {
+            args.extend(["--set", set]);
+        }
+        args
+    };
+    refused(
+        &with(&["accuracy.pressure=1e-9"]),
+        &[
+            "`accuracy.pressure` cannot be met",
+            "pressure = ",
+            "times the cost",
+        ],
+    );
+    refused(
+        &with(&["integrator.dt=0.02", "accuracy.potential_energy=2e-3"]),
+        &["`integrator.dt` contradicts `accuracy.", "dt left out"],
+    );
+    assert!(!folder.path().join("asking.lock.toml").exists());
+}

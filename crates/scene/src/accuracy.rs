@@ -1,0 +1,196 @@
+//! The table `[accuracy]`: how wrong U, P and the conserved energy may be, in place of settings.
+
+use lennard_forcefield::{Kernel, PotentialOptions, TruncationKind};
+use serde::{Deserialize, Serialize};
+
+use crate::error::SceneError;
+use crate::read::Reader;
+use crate::reference;
+use crate::{Scene, Start};
+
+/// The largest errors that are accepted; what is not named is not asked for.
+///
+/// U and P are those of the full potential where the scene leaves the truncation free, and those of its own
+/// model where it writes both `truncation.kind` and `truncation.r_cut`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Accuracy {
+    /// Error of the mean potential energy, ε a particle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub potential_energy: Option<f64>,
+    /// Error of the mean pressure, ε/σ³.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<f64>,
+    /// Drift of the conserved energy, ε/τ a particle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drift: Option<f64>,
+}
+
+impl Accuracy {
+    /// The errors asked for with their keys and units.
+    #[must_use]
+    pub fn asked(&self) -> Vec<(&'static str, f64, &'static str)> {
+        [
+            ("potential_energy", self.potential_energy, "ε a particle"),
+            ("pressure", self.pressure, "ε/σ³"),
+            ("drift", self.drift, "ε/τ a particle"),
+        ]
+        .into_iter()
+        .filter_map(|(key, value, unit)| Some((key, value?, unit)))
+        .collect()
+    }
+}
+
+/// Settings that are chosen for an accuracy where they are not written, and without which no step can be made.
+pub(crate) const CHOSEN: [&str; 5] = [
+    "truncation.kind",
+    "truncation.r_cut",
+    "truncation.tail_correction",
+    "integrator.dt",
+    "kernel.precision",
+];
+
+impl Reader<'_> {
+    /// The table, where there is one.
+    pub fn accuracy(&self) -> Result<Option<Accuracy>, SceneError> {
+        if !self.source.wrote("accuracy") {
+            return Ok(None);
+        }
+        let accuracy: Accuracy = self.plain("accuracy")?;
+        if accuracy.asked().is_empty() {
+            let keys = reference::keys().iter().filter(|k| k.table == "accuracy");
+            let keys: Vec<&str> = keys.map(|k| k.key).collect();
+            return Err(self
+                .source
+                .refuse("accuracy", "asks for nothing")
+                .found("an empty table")
+                .allowed(format!("at least one of {}", keys.join(", "))));
+        }
+        Ok(Some(accuracy))
+    }
+}
+
+/// The settings that a scene with an accuracy leaves to be chosen.
+pub(crate) fn left_free(scene: &Scene) -> Vec<&'static str> {
+    if scene.accuracy.is_none() {
+        return Vec::new();
+    }
+    let wrote = |key: &str| scene.source.wrote(key);
+    let own_cutoff = matches!(scene.potential, PotentialOptions::Wca {});
+    let cut = scene.truncation.kind == TruncationKind::Cut;
+    CHOSEN
+        .into_iter()
+        .filter(|key| {
+            !wrote(key)
+                && match *key {
+                    // Only the plain cutoff has a choice.
+                    "truncation.tail_correction" => {
+                        !own_cutoff && (cut || !wrote("truncation.kind"))
+                    }
+                    "truncation.kind" | "truncation.r_cut" => !own_cutoff,
+                    "integrator.dt" => scene.stages.iter().any(|s| s.measure && s.dt.is_none()),
+                    _ => scene.kernel.kernel == Kernel::Auto,
+                }
+        })
+        .collect()
+}
+
+/// Whether an accuracy can be asked of this scene at all.
+pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
+    let Some(accuracy) = &scene.accuracy else {
+        return Ok(());
+    };
+    if let Start::Lattice { vacuum, .. } = scene.system.start
+        && vacuum > 0.0
+    {
+        return Err(scene
+            .source
+            .refuse(
+                "accuracy",
+                "is judged in a homogeneous fluid, and this one has surfaces",
+            )
+            .found(format!("system.vacuum = {vacuum}"))
+            .allowed("a scene without vacuum, or settings written by hand and no `accuracy`"));
+    }
+    if scene.system.temperature <= 0.0 {
+        return Err(scene
+            .source
+            .refuse("accuracy", "has no state to be judged at")
+            .found(format!("system.temperature = {}", scene.system.temperature))
+            .allowed("a temperature above 0"));
+    }
+    let method = scene.integrator.method.spec();
+    if !method.symplectic {
+        let key = if accuracy.drift.is_some() {
+            "accuracy.drift"
+        } else {
+            "accuracy"
+        };
+        return Err(scene
+            .source
+            .refuse(
+                key,
+                format!(
+                    "contradicts `integrator.kind`: {} keeps no energy at any dt",
+                    method.name
+                ),
+            )
+            .found(format!("integrator.kind = {:?}", method.name))
+            .allowed("a symplectic method (see `lennard list integrators`), or no `accuracy`"));
+    }
+    Ok(())
+}
+
+impl Scene {
+    /// Whether every setting is there, so that the scene can be run.
+    ///
+    /// # Errors
+    /// [`SceneError`] where an accuracy leaves settings to be chosen and no lock file has brought them.
+    pub fn settled(&self) -> Result<(), SceneError> {
+        if self.free.is_empty() {
+            return Ok(());
+        }
+        let file = self.source.file();
+        Err(self
+            .source
+            .refuse("accuracy", "needs settings that have not been chosen yet")
+            .found(format!("no value for {}", self.free.join(", ")))
+            .allowed(format!(
+                "a lock file with them, which `lennard tune {file}` writes, or values written by hand"
+            )))
+    }
+
+    /// Whether U and P wanted are those of the potential without any cutoff: so where an accuracy does not find
+    /// both kind and cutoff radius of the truncation in the scene.
+    #[must_use]
+    pub fn wants_full_potential(&self) -> bool {
+        let wrote = |key| self.source.wrote(key);
+        let fixed = wrote("truncation.kind") && wrote("truncation.r_cut");
+        !(fixed || matches!(self.potential, PotentialOptions::Wca {}))
+    }
+
+    /// The scene with every free setting at its present value, as a study that tries settings needs it.
+    #[must_use]
+    pub fn without_accuracy(&self) -> Self {
+        Self {
+            accuracy: None,
+            free: Vec::new(),
+            ..self.clone()
+        }
+    }
+
+    /// The error that an accuracy cannot be met, on the line of the `key` that is to blame.
+    #[must_use]
+    pub fn contradiction(
+        &self,
+        key: &str,
+        message: &str,
+        found: &str,
+        reachable: &str,
+    ) -> SceneError {
+        self.source
+            .refuse(key, message)
+            .found(found)
+            .allowed(reachable)
+    }
+}

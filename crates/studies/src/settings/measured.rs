@@ -1,0 +1,322 @@
+//! What a run under some settings measures: energy conservation, temperatures, U and P.
+
+use lennard_core::Estimate;
+use lennard_engine::{Nobody, model_kind, with_equation_of_state};
+use lennard_forcefield::PotentialOptions;
+use lennard_observables::{Thermodynamics, statistics};
+use serde::{Deserialize, Serialize};
+
+use super::Settings;
+use super::workbench::{Part, Workbench};
+use crate::StudyError;
+
+/// Time between two samples, τ: about the time in which the pressure forgets itself.
+const SAMPLE_INTERVAL: f64 = 0.04;
+/// The fluid gets used to another truncation for this long before it is measured, τ …
+const SETTLING_TIME: f64 = 1.0;
+/// … or for this share of a run that is short.
+const LARGEST_SETTLING_SHARE: f64 = 0.2;
+
+/// A mean with its standard error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Value {
+    /// The mean.
+    pub mean: f64,
+    /// Its standard error, correlation included.
+    pub standard_error: f64,
+    /// Independent samples that it is worth.
+    pub n_effective: f64,
+}
+
+impl From<Estimate> for Value {
+    fn from(e: Estimate) -> Self {
+        Self {
+            mean: e.mean,
+            standard_error: e.standard_error,
+            n_effective: e.n_effective,
+        }
+    }
+}
+
+impl Value {
+    /// This less another, independent one.
+    #[must_use]
+    pub fn minus(&self, other: &Self) -> Self {
+        Self {
+            mean: self.mean - other.mean,
+            standard_error: self.standard_error.hypot(other.standard_error),
+            n_effective: self.n_effective.min(other.n_effective),
+        }
+    }
+}
+
+/// Drift of the energy that the forces conserve.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Drift {
+    /// ε/τ for each particle.
+    pub slope: f64,
+    /// Its standard error.
+    pub standard_error: f64,
+}
+
+/// How U and P change with the temperature at constant density: what lets runs at constant energy, each of which
+/// settles at a temperature of its own, be compared.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Slopes {
+    /// The temperature at which all are compared, ε/k_B.
+    pub temperature: f64,
+    /// ∂U/∂T, k_B.
+    pub du_dt: f64,
+    /// ∂P/∂T, k_B/σ³.
+    pub dp_dt: f64,
+    /// Where they come from.
+    pub source: String,
+}
+
+/// A difference from an equation of state, with what is known of its error.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AgainstEquation {
+    /// The equation.
+    pub source: String,
+    /// U − U_EOS at the temperature of the run, ε.
+    pub potential_energy: Value,
+    /// P − P_EOS at the temperature of the run, ε/σ³.
+    pub pressure: Value,
+    /// What the equation itself is off by, where that is known: U and P.
+    pub own_uncertainty: Option<(f64, f64)>,
+}
+
+/// What a run measures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Measured {
+    /// Simulated time that was sampled, τ.
+    pub time: f64,
+    /// Kinetic temperature, ε/k_B.
+    pub temperature: Value,
+    /// Configurational temperature, ε/k_B.
+    pub configurational_temperature: Value,
+    /// The first less the second, sample by sample.
+    pub temperature_difference: Value,
+    /// Potential energy per particle, of the model with its tail where it has one, ε.
+    pub potential_energy: Value,
+    /// Pressure, of the model with its tail where it has one, ε/σ³.
+    pub pressure: Value,
+    /// The same potential energy at the temperature of [`Slopes`].
+    pub potential_energy_at_reference: Value,
+    /// The same pressure at the temperature of [`Slopes`].
+    pub pressure_at_reference: Value,
+    /// Root mean square of the energy that the forces conserve about its drift, ε per particle.
+    pub energy_rms: f64,
+    /// Its drift.
+    pub drift: Drift,
+    /// Beside the equation of state of this very model; absent where there is none.
+    pub against_equation: Option<AgainstEquation>,
+    /// Why there is none, or what belongs beside it.
+    pub remarks: Vec<String>,
+}
+
+impl Workbench {
+    /// Runs these settings for `time` τ in the scene's own ensemble and measures, after a while of settling.
+    ///
+    /// # Errors
+    /// [`StudyError`] where the settings do not fit or the run fails ([`super::Failed::from_error`] tells which).
+    pub fn measure(
+        &self,
+        settings: &Settings,
+        time: f64,
+        slopes: &Slopes,
+    ) -> Result<Measured, StudyError> {
+        let dt = self.stage_dt(settings);
+        let settling = SETTLING_TIME.min(LARGEST_SETTLING_SHARE * time);
+        let part = |time: f64, measure: bool| Part {
+            steps: (time / dt).ceil().max(1.0) as u64,
+            measure,
+            bath: true,
+        };
+        let every = ((SAMPLE_INTERVAL / dt).round() as u64).max(1);
+        let parts = [part(settling, false), part(time, true)];
+        let mut simulation = self.simulation(settings, &parts, every)?;
+        simulation.run(&mut Nobody)?;
+        let found = &simulation.thermodynamics;
+        let cut = found.equilibration_cut();
+        let comparison = with_equation_of_state(&simulation.scene, self.start().density(), found);
+        let rows = found.series();
+        let at_reference = |estimate: Estimate, slope: f64| {
+            let temperature = statistics::estimate_after(&rows.temperature, cut).mean;
+            Value {
+                mean: estimate.mean - slope * (temperature - slopes.temperature),
+                ..Value::from(estimate)
+            }
+        };
+        let of = |column: &[f64]| Value::from(statistics::estimate_after(column, cut));
+        let conservation = found.conservation();
+        let entry = |name: &str| {
+            let entries = comparison.entries.iter();
+            entries.into_iter().find(|e| e.quantity == name).cloned()
+        };
+        let difference = |e: &lennard_io::Comparison| Value {
+            mean: e.difference,
+            standard_error: e.standard_error,
+            n_effective: f64::NAN,
+        };
+        let against_equation = entry("potential_energy")
+            .zip(entry("pressure"))
+            .map(|(u, p)| AgainstEquation {
+                source: u.source.clone(),
+                potential_energy: Value {
+                    n_effective: of(&rows.potential_energy).n_effective,
+                    ..difference(&u)
+                },
+                pressure: Value {
+                    n_effective: of(&rows.pressure).n_effective,
+                    ..difference(&p)
+                },
+                own_uncertainty: u.reference_uncertainty.zip(p.reference_uncertainty),
+            });
+        Ok(Measured {
+            time: parts[1].steps as f64 * dt,
+            temperature: of(&rows.temperature),
+            configurational_temperature: statistics::ratio(
+                &rows.squared_force,
+                &rows.laplacian,
+                cut,
+            )
+            .into(),
+            temperature_difference: temperature_difference(found, cut),
+            potential_energy: of(&rows.potential_energy),
+            pressure: of(&rows.pressure),
+            potential_energy_at_reference: at_reference(
+                found.potential_energy_against(slopes.du_dt),
+                slopes.du_dt,
+            ),
+            pressure_at_reference: at_reference(found.pressure_against(slopes.dp_dt), slopes.dp_dt),
+            energy_rms: conservation.energy_rms_per_atom,
+            drift: Drift {
+                slope: conservation.energy_drift_per_atom_per_tau,
+                standard_error: conservation.energy_drift_standard_error,
+            },
+            against_equation,
+            remarks: comparison.remarks,
+        })
+    }
+
+    /// How U and P change with temperature: from the equation of state of the full Lennard-Jones fluid where it covers
+    /// the state, else from two runs of `tight` settings, the second with more kinetic energy. Zero where a heat bath
+    /// holds the temperature.
+    ///
+    /// # Errors
+    /// [`StudyError`] where those runs cannot be made or fail.
+    pub fn slopes(&self, tight: &Settings, time: f64) -> Result<Slopes, StudyError> {
+        let stage = self.measured_stage();
+        let temperature = stage.temperature;
+        let none = Slopes {
+            temperature,
+            du_dt: 0.0,
+            dp_dt: 0.0,
+            source: "none needed: a heat bath holds the temperature".into(),
+        };
+        if stage.thermostat.is_some() {
+            return Ok(none);
+        }
+        let equation = lennard_literature::thol_2016();
+        let density = self.start().density();
+        if matches!(self.scene().potential, PotentialOptions::LennardJones {})
+            && equation.check(density, temperature).is_ok()
+        {
+            let state = equation.at(density, temperature);
+            return Ok(Slopes {
+                temperature,
+                du_dt: state.du_dt,
+                dp_dt: state.dp_dt,
+                source: equation.spec().name.clone(),
+            });
+        }
+        let colder = self.measure(tight, time, &none)?;
+        let mut start = self.start().clone();
+        for v in &mut start.velocities {
+            *v *= HOTTER.sqrt();
+        }
+        let hotter = Self::with_start(self.scene(), start).measure(tight, time, &none)?;
+        let rise = hotter.temperature.mean - colder.temperature.mean;
+        Ok(Slopes {
+            du_dt: (hotter.potential_energy.mean - colder.potential_energy.mean) / rise,
+            dp_dt: (hotter.pressure.mean - colder.pressure.mean) / rise,
+            source: format!("two runs, the second {rise:.3} ε/k_B hotter"),
+            temperature,
+        })
+    }
+
+    /// The equation of state of the model that these settings simulate, by name; or why there is none.
+    ///
+    /// # Errors
+    /// [`StudyError::Settings`] where the settings do not fit the scene.
+    pub fn equation(&self, settings: &Settings) -> Result<Result<String, String>, StudyError> {
+        let model = model_kind(&settings.apply(self.scene())?);
+        Ok(lennard_literature::equation_of_state_for(model)
+            .map(|e| e.spec().name.clone())
+            .map_err(|none| none.to_string()))
+    }
+}
+
+/// Factor of the kinetic energy in the second run for the slopes.
+const HOTTER: f64 = 1.2;
+
+/// T − T_conf with its error: to first order it fluctuates as T_i − (F²_i − T_conf·L_i)/⟨L⟩, with F² the mean square
+/// force and L the Laplacian of a particle.
+fn temperature_difference(found: &Thermodynamics, cut: usize) -> Value {
+    let rows = found.series();
+    let ratio = statistics::ratio(&rows.squared_force, &rows.laplacian, cut).mean;
+    let from = cut.min(rows.laplacian.len());
+    let laplacian = statistics::mean(&rows.laplacian[from..]);
+    let differences: Vec<f64> = (from..rows.laplacian.len())
+        .map(|i| {
+            let configurational =
+                ratio + (rows.squared_force[i] - ratio * rows.laplacian[i]) / laplacian;
+            rows.temperature[i] - configurational
+        })
+        .collect();
+    statistics::estimate_stationary(&differences).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use lennard_forcefield::TruncationKind;
+
+    use super::super::tests::scene;
+    use super::*;
+
+    #[test]
+    fn energy_errors_fall_with_the_step_and_temperatures_agree() {
+        let scene = scene(&[]);
+        let bench = Workbench::new(&scene).unwrap();
+        let base = Settings::of(&scene).with_truncation(TruncationKind::Switch, 2.5, false);
+        let slopes = bench.slopes(&base, 1.0).unwrap();
+        assert!(slopes.source.contains("Thol"), "{slopes:?}");
+        let run = |dt: f64| {
+            let settings = Settings { dt, ..base.clone() };
+            bench.measure(&settings, 3.0, &slopes).unwrap()
+        };
+        let (coarse, fine) = (run(0.008), run(0.004));
+        let gain = coarse.energy_rms / fine.energy_rms;
+        // The square of the step, within what the next order and three τ of chance add.
+        assert!((gain / 4.0 - 1.0).abs() < 0.25, "{gain}");
+        let d = fine.temperature_difference;
+        assert!(d.mean.abs() < 5.0 * d.standard_error, "{d:?}");
+        assert!((0.001..0.1).contains(&d.standard_error));
+        // U and P are carried to the temperature at which all are compared.
+        let off = fine.temperature.mean - slopes.temperature;
+        let moved = fine.pressure.mean - fine.pressure_at_reference.mean;
+        assert!((moved - slopes.dp_dt * off).abs() < 1e-12);
+        assert!(fine.against_equation.is_none() && !fine.remarks.is_empty());
+    }
+
+    #[test]
+    fn slopes_without_an_equation_come_from_two_runs() {
+        let scene = scene(&[("potential.kind", "wca")]);
+        let bench = Workbench::new(&scene).unwrap();
+        let slopes = bench.slopes(&Settings::of(&scene), 4.0).unwrap();
+        assert!(slopes.source.contains("two runs"), "{slopes:?}");
+        // Repulsive spheres at this density: both rise with temperature.
+        assert!(slopes.du_dt > 0.0 && slopes.dp_dt > 1.0, "{slopes:?}");
+    }
+}

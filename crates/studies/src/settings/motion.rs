@@ -1,0 +1,211 @@
+//! Errors of short trajectories: against one that is all but exact, and there and back.
+
+use std::sync::{Arc, OnceLock};
+
+use glam::DVec3;
+use lennard_core::{Dynamics, State, Want};
+use lennard_forcefield::{ListMode, Precision, TruncationOptions};
+use lennard_integrators::{IntegratorOptions, blanes_moan};
+use serde::{Deserialize, Serialize};
+
+use super::Settings;
+use super::workbench::Workbench;
+use crate::StudyError;
+
+/// Step of the trajectories that others are compared with, τ, made with the method of Blanes and Moan.
+const REFERENCE_DT: f64 = 0.001;
+
+/// How far a short trajectory has gone astray.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TrajectoryError {
+    /// Root mean square distance of the particles from where the tight trajectory of the same model has them, σ.
+    pub distance: f64,
+    /// The same between the tight trajectory and one with twice its step, σ: how well the distance can be known.
+    pub floor: f64,
+    /// After this time, τ.
+    pub time: f64,
+}
+
+/// Where a tight trajectory ends, and how well that is known.
+struct Reference {
+    positions: Vec<DVec3>,
+    floor: f64,
+}
+
+type Slot = Arc<OnceLock<Reference>>;
+
+/// The tight trajectories made so far, each with its truncation and its time.
+#[derive(Default)]
+pub(super) struct References(Vec<(TruncationOptions, f64, Slot)>);
+
+impl References {
+    fn slot(&mut self, truncation: TruncationOptions, time: f64) -> Slot {
+        // A tail correction moves no particle.
+        let key = TruncationOptions {
+            tail_correction: false,
+            ..truncation
+        };
+        if let Some((_, _, slot)) = self.0.iter().find(|(t, at, _)| *t == key && *at == time) {
+            return Arc::clone(slot);
+        }
+        let slot = Slot::default();
+        self.0.push((key, time, Arc::clone(&slot)));
+        slot
+    }
+}
+
+/// √(Σ|a − b|²/N).
+fn distance(a: &[DVec3], b: &[DVec3]) -> f64 {
+    let sum: f64 = a
+        .iter()
+        .zip(b)
+        .map(|(a, b)| (*a - *b).length_squared())
+        .sum();
+    (sum / a.len() as f64).sqrt()
+}
+
+/// A whole number of steps that ends at `time`, and the step that does: that of the settings but for rounding.
+fn steps_to(time: f64, dt: f64) -> (u64, f64) {
+    let steps = (time / dt).round().max(1.0);
+    (steps as u64, time / steps)
+}
+
+impl Workbench {
+    /// How far a trajectory of `time` τ at constant energy strays from the tight one of the same model: precision and
+    /// integration, and not truncation. The step is changed a little where `time` is no multiple of it.
+    ///
+    /// # Errors
+    /// [`StudyError`] where the settings do not fit or the run fails ([`super::Failed::from_error`] tells which).
+    pub fn trajectory_error(
+        &self,
+        settings: &Settings,
+        time: f64,
+    ) -> Result<TrajectoryError, StudyError> {
+        let (steps, dt) = steps_to(time, self.stage_dt(settings));
+        let mut state = self.state();
+        self.advance(settings, &mut state, steps, dt)?;
+        let slot = self
+            .references
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner)
+            .slot(settings.truncation, time);
+        if slot.get().is_none() {
+            let found = self.reference(settings, time)?;
+            // Another thread may have been faster, with the same numbers.
+            let _ = slot.set(found);
+        }
+        let reference = slot.get().expect("it was set above");
+        Ok(TrajectoryError {
+            distance: distance(&state.positions, &reference.positions),
+            floor: reference.floor,
+            time,
+        })
+    }
+
+    /// Root mean square distance, σ, of the particles from their start after `time` τ forward at constant energy and
+    /// the same with reversed velocities.
+    ///
+    /// # Errors
+    /// As [`Workbench::trajectory_error`].
+    pub fn reversibility(&self, settings: &Settings, time: f64) -> Result<f64, StudyError> {
+        let (steps, dt) = steps_to(time, self.stage_dt(settings));
+        let mut state = self.state();
+        self.advance(settings, &mut state, steps, dt)?;
+        for v in &mut state.velocities {
+            *v = -*v;
+        }
+        self.advance(settings, &mut state, steps, dt)?;
+        Ok(distance(&state.positions, &self.start().positions))
+    }
+
+    fn reference(&self, settings: &Settings, time: f64) -> Result<Reference, StudyError> {
+        let tight = Settings {
+            precision: Precision::Double,
+            list: ListMode::Auto,
+            skin: None,
+            dt: REFERENCE_DT,
+            ..settings.with_integrator(IntegratorOptions::BlanesMoan(
+                blanes_moan::Options::default(),
+            ))
+        };
+        let end = |dt: f64| -> Result<Vec<DVec3>, StudyError> {
+            let (steps, dt) = steps_to(time, dt);
+            let mut state = self.state();
+            self.advance(&tight, &mut state, steps, dt)?;
+            Ok(state.positions)
+        };
+        let positions = end(REFERENCE_DT)?;
+        let floor = distance(&end(2.0 * REFERENCE_DT)?, &positions);
+        Ok(Reference { positions, floor })
+    }
+
+    fn state(&self) -> State {
+        State::new(
+            self.start().positions.clone(),
+            self.start().velocities.clone(),
+        )
+    }
+
+    /// Starts the method of the settings on a state and makes so many steps at constant energy.
+    fn advance(
+        &self,
+        settings: &Settings,
+        state: &mut State,
+        steps: u64,
+        dt: f64,
+    ) -> Result<(), StudyError> {
+        let mut forces = self.forces(settings)?;
+        let dynamics = Dynamics::fluid(state.len());
+        let mut method = lennard_integrators::build(&settings.integrator);
+        let failed = |source| StudyError::Step {
+            method: settings.integrator.name(),
+            dt,
+            source,
+        };
+        method
+            .start(&dynamics, state, &mut forces, dt, Want::NOTHING)
+            .map_err(failed)?;
+        for _ in 0..steps {
+            method
+                .step(&dynamics, state, &mut forces, dt, Want::NOTHING)
+                .map_err(failed)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use lennard_forcefield::TruncationKind;
+
+    use super::super::tests::scene;
+    use super::*;
+
+    #[test]
+    fn the_trajectory_error_falls_as_the_order_of_the_method_says() {
+        let scene = scene(&[("stage.equilibrate.steps", "200")]);
+        let bench = Workbench::new(&scene).unwrap();
+        let base = Settings::of(&scene).with_truncation(TruncationKind::Switch, 2.5, false);
+        let error = |dt: f64| {
+            let settings = Settings { dt, ..base.clone() };
+            bench.trajectory_error(&settings, 0.192).unwrap()
+        };
+        let (coarse, fine) = (error(0.004), error(0.002));
+        // Second order: four times, within what the next order adds.
+        let gain = coarse.distance / fine.distance;
+        assert!((gain / 4.0 - 1.0).abs() < 0.1, "{gain}");
+        assert!(coarse.floor < 1e-3 * fine.distance, "{fine:?}");
+    }
+
+    #[test]
+    fn reversible_methods_come_back_and_explicit_euler_does_not() {
+        let scene = scene(&[("stage.equilibrate.steps", "100")]);
+        let bench = Workbench::new(&scene).unwrap();
+        let base = Settings::of(&scene);
+        // 96 steps of rounding, 1e-16 each, grown by collisions.
+        let verlet = bench.reversibility(&base, 0.192).unwrap();
+        assert!(verlet < 1e-11, "{verlet:e}");
+        let euler = base.with_integrator(IntegratorOptions::ExplicitEuler(Default::default()));
+        assert!(bench.reversibility(&euler, 0.192).unwrap() > 1e-4);
+    }
+}

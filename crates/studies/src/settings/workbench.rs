@@ -1,0 +1,157 @@
+//! A scene on the workbench: one start, and short runs of it with any settings.
+
+use std::sync::{Mutex, OnceLock};
+
+use lennard_engine::{EngineError, Simulation};
+use lennard_forcefield::PairForces;
+use lennard_scene::{Scene, Stage};
+use serde::{Deserialize, Serialize};
+
+use super::forces::Untruncated;
+use super::motion::References;
+use super::start::measured_stage;
+use super::{Settings, Start};
+use crate::StudyError;
+
+/// A scene with its equilibrated start, ready to be run with any settings.
+///
+/// It may be used from many threads at once; runs take as many threads as the pool that they are called in.
+pub struct Workbench {
+    scene: Scene,
+    start: Start,
+    pub(super) untruncated: OnceLock<Untruncated>,
+    pub(super) references: Mutex<References>,
+}
+
+/// A run that failed: a result, and no error of the study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Failed {
+    /// Why, in a line.
+    pub reason: String,
+    /// Step at which it was found, where that is known.
+    pub step: Option<u64>,
+}
+
+impl Failed {
+    /// Takes physics that failed as a result, and hands any other error back.
+    ///
+    /// # Errors
+    /// The error itself where it is not about physics.
+    pub fn from_error(error: StudyError) -> Result<Self, StudyError> {
+        match error {
+            StudyError::Engine(EngineError::Physics(failure)) => Ok(Self {
+                reason: failure
+                    .to_string()
+                    .lines()
+                    .next()
+                    .unwrap_or_default()
+                    .to_owned(),
+                step: Some(failure.step),
+            }),
+            StudyError::Step { .. } => Ok(Self {
+                reason: error.to_string(),
+                step: None,
+            }),
+            other => Err(other),
+        }
+    }
+}
+
+/// A stage of a run on the workbench.
+pub(super) struct Part {
+    pub(super) steps: u64,
+    pub(super) measure: bool,
+    /// Whether the scene's heat bath acts.
+    pub(super) bath: bool,
+}
+
+impl Workbench {
+    /// Equilibrates the scene with its own settings.
+    ///
+    /// # Errors
+    /// [`StudyError::Engine`] where the scene cannot be built or its equilibration fails.
+    pub fn new(scene: &Scene) -> Result<Self, StudyError> {
+        Ok(Self::with_start(scene, Start::equilibrate(scene)?))
+    }
+
+    /// The same from a start that is there already.
+    #[must_use]
+    pub fn with_start(scene: &Scene, start: Start) -> Self {
+        Self {
+            scene: scene.clone(),
+            start,
+            untruncated: OnceLock::new(),
+            references: Mutex::new(References::default()),
+        }
+    }
+
+    /// The scene as it was given.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Where all runs begin.
+    #[must_use]
+    pub fn start(&self) -> &Start {
+        &self.start
+    }
+
+    /// The stage of the scene that is measured.
+    #[must_use]
+    pub fn measured_stage(&self) -> &Stage {
+        measured_stage(&self.scene)
+    }
+
+    /// Whether these settings can run this scene in this box.
+    ///
+    /// # Errors
+    /// [`StudyError::Settings`] with the reason.
+    pub fn check(&self, settings: &Settings) -> Result<(), StudyError> {
+        let scene = settings.apply(&self.scene)?;
+        let conditions = lennard_engine::conditions(&scene, self.start.cell, self.start.len());
+        lennard_forcefield::check(&scene.force_field(), &conditions).map_err(|e| {
+            StudyError::Settings {
+                label: settings.label(),
+                reason: e.to_string(),
+            }
+        })
+    }
+
+    /// The forces under these settings, for the start.
+    pub(super) fn forces(&self, settings: &Settings) -> Result<PairForces, StudyError> {
+        let scene = settings.apply(&self.scene)?;
+        Ok(lennard_engine::forces(&scene, self.start.cell, self.start.len())?.1)
+    }
+
+    /// A simulation from the start with these stages, thermodynamics sampled every so many steps.
+    pub(super) fn simulation(
+        &self,
+        settings: &Settings,
+        parts: &[Part],
+        sample_every: u64,
+    ) -> Result<Simulation, StudyError> {
+        let mut scene = settings.apply(&self.scene)?;
+        let stage = measured_stage(&scene).clone();
+        scene.observables.clear();
+        scene.output.thermo_every = sample_every;
+        scene.stages = parts
+            .iter()
+            .enumerate()
+            .map(|(i, part)| Stage {
+                name: format!("part-{}", i + 1),
+                steps: part.steps,
+                measure: part.measure,
+                thermostat: stage.thermostat.clone().filter(|_| part.bath),
+                ..stage.clone()
+            })
+            .collect();
+        Ok(lennard_engine::assembled(scene, self.start.beginning())?)
+    }
+
+    /// The time step that a measured stage takes under these settings, τ.
+    pub(super) fn stage_dt(&self, settings: &Settings) -> f64 {
+        let own = self.scene.stage_dt(self.measured_stage());
+        settings.dt * own / self.scene.integrator.dt
+    }
+}

@@ -1,0 +1,260 @@
+//! What is said about a choice: what cannot be met, what is spent below the noise, what was judged by what.
+
+use lennard_forcefield::TruncationKind;
+use lennard_scene::{Accuracy, Judged, Scene, SceneError};
+
+use super::choose::{Candidate, Choice, Freedom, choose};
+use super::drift::Stability;
+use super::predict::{Models, Prediction};
+use super::prices::Prices;
+use super::sample::Sample;
+use super::verify::Runs;
+use super::{Row, TuneError};
+use crate::settings::{Settings, Value};
+
+/// What a search was made with.
+pub(super) struct Search<'a> {
+    pub scene: &'a Scene,
+    pub sample: &'a Sample,
+    pub stability: &'a Stability,
+    pub prices: &'a Prices,
+    pub base: &'a Settings,
+}
+
+impl Search<'_> {
+    /// Looks through what the scene leaves open; `but` names a key that is taken as open too.
+    pub fn choose(
+        &self,
+        models: &mut Models<'_>,
+        accuracy: &Accuracy,
+        but: Option<&str>,
+        largest_step: f64,
+    ) -> Result<Choice, TuneError> {
+        let freedom = Freedom::of(self.scene, self.sample, self.stability, but);
+        choose(
+            &freedom,
+            models,
+            self.prices,
+            self.base,
+            accuracy,
+            largest_step,
+        )
+    }
+
+    /// The error that the accuracy cannot be met: naming the setting fixed by hand where that is why, and what can be
+    /// met and what it would cost.
+    pub fn refusal(
+        &self,
+        models: &mut Models<'_>,
+        accuracy: &Accuracy,
+        nearest: &Candidate,
+    ) -> Result<SceneError, TuneError> {
+        let reachable = self.reachable(accuracy, nearest);
+        let wanted = accuracy
+            .asked()
+            .into_iter()
+            .find(|(key, ..)| *key == nearest.limiting);
+        let (key, target, unit) = wanted.unwrap_or((nearest.limiting, f64::NAN, ""));
+        let fixed = Freedom::of(self.scene, self.sample, self.stability, None).fixed;
+        let model_is_fixed = !self.scene.wants_full_potential();
+        for hand in fixed {
+            // Of a model that is fixed, U and P wanted are its own, whatever its cutoff.
+            if model_is_fixed && hand.starts_with("truncation") {
+                continue;
+            }
+            let free = self.choose(models, accuracy, Some(&hand), f64::INFINITY)?;
+            if let Some(better) = free.cheapest {
+                let message = format!("contradicts `accuracy.{key}`");
+                let found = format!("{hand} fixed by hand, {key} = {target} {unit} wanted");
+                let allowed = format!(
+                    "{reachable}; or {hand} left out, which gives {}",
+                    better.settings.label()
+                );
+                return Ok(self.scene.contradiction(&hand, &message, &found, &allowed));
+            }
+        }
+        let found = format!("{target} {unit}");
+        Ok(self.scene.contradiction(
+            &format!("accuracy.{key}"),
+            "cannot be met",
+            &found,
+            &reachable,
+        ))
+    }
+
+    /// What settings reach, and at which price.
+    fn reachable(&self, accuracy: &Accuracy, nearest: &Candidate) -> String {
+        let errors: Vec<String> = accuracy
+            .asked()
+            .into_iter()
+            .map(|(key, ..)| format!("{key} = {:.1e}", round_up(nearest.reach(key))))
+            .collect();
+        let mut text = format!(
+            "{} and more, with {}",
+            errors.join(", "),
+            nearest.settings.label()
+        );
+        let usual = usual(self.sample, self.base);
+        if let Some(usual) = usual {
+            let ratio = nearest.price / self.prices.of(&usual);
+            text += &format!(
+                ", at {ratio:.1} times the cost of r_cut = 2.5 and dt = 0.004 in double precision"
+            );
+        }
+        text
+    }
+}
+
+/// The next number of two digits.
+fn round_up(x: f64) -> f64 {
+    if !(x.is_finite() && x > 0.0) {
+        return x;
+    }
+    let unit = 10_f64.powf(x.log10().floor() - 1.0);
+    (x / unit).ceil() * unit
+}
+
+/// The settings that most people would take, where they fit and U and P of the full potential are wanted.
+pub(super) fn usual(sample: &Sample, base: &Settings) -> Option<Settings> {
+    const CUTOFF: f64 = 2.5;
+    let cut = base.truncation.kind == TruncationKind::Cut && base.truncation.tail_correction;
+    (cut && sample.largest_cutoff >= CUTOFF).then(|| Settings {
+        dt: 0.004,
+        precision: lennard_forcefield::Precision::Double,
+        ..base.with_truncation(TruncationKind::Cut, CUTOFF, true)
+    })
+}
+
+/// Whose U and P the accuracy is about.
+pub(super) fn about(full: bool, settings: &Settings) -> String {
+    match full {
+        true => "the full potential, without any cutoff".into(),
+        false => format!(
+            "the model that the scene fixes: {}",
+            settings.truncation_label()
+        ),
+    }
+}
+
+/// Standard errors of U and P that the run of the scene will have: those of the verification, scaled with time and
+/// number of particles.
+pub(super) fn planned_errors(scene: &Scene, sample: &Sample, runs: &Runs, dt: f64) -> [f64; 2] {
+    let measured = scene.stages.iter().filter(|s| s.measure);
+    let time: f64 = measured.map(|s| s.steps as f64 * s.dt.unwrap_or(dt)).sum();
+    let less = (runs.time * sample.start.len() as f64 / (time * sample.scene_atoms as f64)).sqrt();
+    [runs.potential_energy, runs.pressure].map(|v| less * v.standard_error)
+}
+
+/// Points out accuracy that is paid for and drowned in the noise of the planned run.
+pub(super) fn spending(rows: &[Row], relaxed: Option<&Candidate>, price: f64) -> Vec<String> {
+    let drowned: Vec<&Row> = rows
+        .iter()
+        .filter(|row| row.planned_error.is_some_and(|e| row.judged.target < e))
+        .collect();
+    let mut notes: Vec<String> = drowned
+        .iter()
+        .filter_map(|row| {
+            let Judged { quantity, target, .. } = &row.judged;
+            let error = row.planned_error?;
+            let longer = (error / target).powi(2);
+            Some(format!(
+                "{quantity} is wanted to {target:.1e}, but the planned run will know it to ±{error:.1e} only: {longer:.1} times as many steps would match"
+            ))
+        })
+        .collect();
+    if let Some(relaxed) = relaxed
+        && relaxed.price < 0.95 * price
+        && !drowned.is_empty()
+    {
+        notes.push(format!(
+            "asking no more than the planned run can tell would cost {:.0} % less: {}",
+            100.0 * (1.0 - relaxed.price / price),
+            relaxed.settings.label()
+        ));
+    }
+    notes
+}
+
+/// Points out targets that are kept because errors of opposite sign cancel.
+pub(super) fn cancelling(candidate: &Candidate, accuracy: &Accuracy) -> Option<String> {
+    let asked = accuracy.asked();
+    let target = |key: &str| {
+        asked
+            .iter()
+            .find(|(k, ..)| *k == key)
+            .map(|(_, target, _)| *target)
+    };
+    let cancels = |(key, p): (&'static str, &Prediction)| {
+        let alone = p.truncation.mean.abs().max(p.step.mean.abs());
+        target(key)
+            .is_some_and(|target| alone > target)
+            .then(|| key.replace('_', " "))
+    };
+    let keys = ["potential_energy", "pressure"];
+    let found: Vec<String> = keys
+        .into_iter()
+        .zip(&candidate.predicted)
+        .filter_map(cancels)
+        .collect();
+    (!found.is_empty()).then(|| {
+        format!(
+            "in the {} the errors of truncation and time step cancel in part: change neither alone",
+            found.join(" and ")
+        )
+    })
+}
+
+/// An accuracy in which U and P are wanted no better than a run will know them.
+pub(super) fn relaxed(accuracy: &Accuracy, planned: [f64; 2]) -> Accuracy {
+    Accuracy {
+        potential_energy: accuracy.potential_energy.map(|t| t.max(planned[0])),
+        pressure: accuracy.pressure.map(|t| t.max(planned[1])),
+        ..*accuracy
+    }
+}
+
+/// How the chosen settings stand beside an equation of state, or why they do not.
+pub(super) fn beside_equation(runs: &Runs) -> String {
+    let value = |v: &Value| format!("{:+.4} ± {:.4}", v.mean, v.standard_error);
+    match &runs.against_equation {
+        Some((source, u, p)) => format!("beside {source}: U {}, P {}", value(u), value(p)),
+        None => {
+            "no equation of state describes this model here: judged by the safest run alone".into()
+        }
+    }
+}
+
+/// What is to be known of how it was judged.
+pub(super) fn notes(scene: &Scene, sample: &Sample) -> Vec<String> {
+    let mut notes = Vec::new();
+    if sample.start.len() != sample.scene_atoms {
+        notes.push(format!(
+            "errors were judged with {} particles at the density of the {} of the scene",
+            sample.start.len(),
+            sample.scene_atoms
+        ));
+    }
+    let accuracy = scene.accuracy.unwrap_or_default();
+    if accuracy.potential_energy.is_none()
+        && accuracy.pressure.is_none()
+        && scene.wants_full_potential()
+    {
+        notes.push(
+            "no U and no P was asked for, so nothing decides the cutoff: it is the usual one"
+                .into(),
+        );
+    }
+    notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_reachable_is_never_promised_too_small() {
+        assert!((round_up(0.001_23) - 0.0013).abs() < 1e-12);
+        assert!((round_up(4.31e-5) - 4.4e-5).abs() < 1e-12);
+        assert_eq!(round_up(0.0), 0.0);
+    }
+}

@@ -1,0 +1,128 @@
+//! The cheapest settings that meet an accuracy.
+//!
+//! A survey of the fluid, a few seconds long, gives models of every error: what a truncation leaves out (`survey`), what
+//! a time step and a precision change (`predict`), how the energy drifts (`drift`). The cheapest settings whose
+//! predicted errors keep the targets (`choose`) are then run beside the safest ones (`verify`); where measurement
+//! and prediction together miss a target, the models learn from it and the search goes on (`search`).
+
+mod advice;
+mod choose;
+mod drift;
+mod error;
+mod finish;
+mod predict;
+mod prices;
+mod sample;
+mod search;
+mod survey;
+mod terms;
+pub mod trial;
+mod verify;
+
+pub use error::TuneError;
+pub use predict::Prediction;
+pub use search::tune;
+pub use verify::Runs;
+
+use lennard_forcefield::NeighborOptions;
+use lennard_scene::{Chosen, Judged};
+use serde::Serialize;
+
+use crate::settings::{Cost, Settings, Value, Workbench};
+
+/// Name and version of the schema of [`Tuning`].
+const SCHEMA: &str = "lennard-tune/1";
+
+/// How to tune.
+#[derive(Debug, Clone, Copy)]
+pub struct TuneOptions {
+    /// About how long it may take, s.
+    pub seconds: f64,
+    /// Threads: survey and verification run a chain on each.
+    pub threads: usize,
+}
+
+/// A quantity of the accuracy: what was wanted, predicted and measured.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// The numbers, as the lock file keeps them.
+    #[serde(flatten)]
+    pub judged: Judged,
+    /// The prediction by causes; absent for the drift.
+    pub causes: Option<Prediction>,
+    /// Standard error that the planned run of the scene will have; absent for the drift.
+    pub planned_error: Option<f64>,
+}
+
+/// What was chosen, and why.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Tuning {
+    /// Name and version of the schema.
+    pub schema: &'static str,
+    /// Name of the scene.
+    pub scene: String,
+    /// Number density, σ⁻³.
+    pub density: f64,
+    /// Temperature of the measurement, ε/k_B.
+    pub temperature: f64,
+    /// Particles in the fluid that was judged.
+    pub atoms_judged: usize,
+    /// Whose U and P the accuracy is about, in words.
+    pub about: String,
+    /// The settings.
+    pub settings: Settings,
+    /// In a line.
+    pub label: String,
+    /// The safest settings, against which was measured, in a line.
+    pub safest: String,
+    /// Threads that pay.
+    pub threads: usize,
+    /// Quantity by quantity.
+    pub rows: Vec<Row>,
+    /// Cost of the chosen settings on these threads.
+    pub cost: Cost,
+    /// Cost of the safest.
+    pub safest_cost: Cost,
+    /// Cost of the usual r_cut = 2.5 σ and dt = 0.004 τ in double precision, where they fit.
+    pub usual_cost: Option<Cost>,
+    /// Errors of U and P predicted for the usual settings.
+    pub usual_errors: Option<[Value; 2]>,
+    /// What the chosen settings measured in the verification.
+    pub runs: Runs,
+    /// Remarks.
+    pub notes: Vec<String>,
+    /// Wall time of the whole, s.
+    pub seconds: f64,
+}
+
+impl Tuning {
+    /// What a lock file keeps.
+    #[must_use]
+    pub fn chosen(&self) -> Chosen {
+        Chosen {
+            truncation: self.settings.truncation,
+            dt: self.settings.dt,
+            precision: self.settings.precision,
+            neighbor: NeighborOptions {
+                mode: self.settings.list,
+                skin: self.settings.skin,
+            },
+            threads: self.threads,
+        }
+    }
+
+    /// The rows as a lock file keeps them.
+    #[must_use]
+    pub fn judged(&self) -> Vec<Judged> {
+        self.rows.iter().map(|row| row.judged.clone()).collect()
+    }
+}
+
+/// The time in τ that settings can be run for in some seconds, from a short timing.
+fn affordable(bench: &Workbench, settings: &Settings, seconds: f64) -> Result<f64, TuneError> {
+    /// Fewest τ from which anything can be said.
+    const SHORTEST: f64 = 5.0;
+    const TIMED: f64 = 0.02;
+    let timing = bench.timing(settings, TIMED)?;
+    Ok((seconds / (timing.seconds_per_atom_tau * bench.start().len() as f64)).max(SHORTEST))
+}

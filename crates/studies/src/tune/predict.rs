@@ -1,0 +1,279 @@
+//! What settings will err, part by part, before any run with them.
+
+use std::collections::BTreeMap;
+
+use lennard_core::{Configuration, ForceProvider, Part, Want};
+use lennard_forcefield::{Precision, TruncationKind, TruncationOptions};
+use serde::Serialize;
+
+use super::TuneError;
+use super::drift::{self, Stability};
+use super::sample::Sample;
+use super::survey::Survey;
+use super::terms::Terms;
+use crate::fluid_stability::stands_for_itself;
+use crate::settings::{Settings, Value, Workbench};
+
+/// What the next order leaves unsure of a law in dt, as a share.
+const NEXT_ORDER: f64 = 0.1;
+/// Step of the longer run from which an unknown law is fitted, as a share of the rough limit of the method.
+const FITTED_AT: f64 = 0.25;
+
+/// The error of one quantity by its causes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Prediction {
+    /// By the end of the potential.
+    pub truncation: Value,
+    /// By the time step.
+    pub step: Value,
+    /// By the precision of the pair terms.
+    pub precision: Value,
+    /// Together.
+    pub total: Value,
+}
+
+impl Prediction {
+    fn sum(truncation: Value, step: Value, precision: Value) -> Self {
+        let parts = [truncation, step, precision];
+        let variance: f64 = parts.iter().map(|p| p.standard_error.powi(2)).sum();
+        Self {
+            truncation,
+            step,
+            precision,
+            total: Value {
+                mean: parts.iter().map(|p| p.mean).sum(),
+                standard_error: variance.sqrt(),
+                n_effective: truncation.n_effective.min(step.n_effective),
+            },
+        }
+    }
+}
+
+pub(super) const NOTHING: Value = Value {
+    mean: 0.0,
+    standard_error: 0.0,
+    n_effective: f64::INFINITY,
+};
+
+/// Models of every error, from one survey.
+pub(super) struct Models<'a> {
+    sample: &'a Sample,
+    survey: &'a Survey,
+    stability: &'a Stability,
+    /// Coefficients of dt^order in U and P.
+    law: [Value; 2],
+    order: i32,
+    /// Errors of U and P in mixed precision.
+    mixed: [Value; 2],
+    /// The potential without any cutoff, where U and P wanted are its own.
+    full: Option<Terms>,
+    known: BTreeMap<(u8, bool, u64), [Value; 2]>,
+    /// What measurements have added to the truncation's part: at which cutoff, and to U and P.
+    learnt: Option<(f64, [f64; 2])>,
+}
+
+impl<'a> Models<'a> {
+    /// The models for a sample; `seconds` are spent on a law in dt where none is known.
+    pub fn new(
+        sample: &'a Sample,
+        survey: &'a Survey,
+        stability: &'a Stability,
+        full: bool,
+        seconds: f64,
+    ) -> Result<Self, TuneError> {
+        let method = sample.own.integrator.method.spec();
+        let langevin = sample.own.stages.iter().any(|s| {
+            s.measure
+                && matches!(
+                    s.thermostat,
+                    Some(lennard_integrators::ThermostatOptions::Langevin(_))
+                )
+        });
+        let like_verlet = method.name == "velocity-verlet" || !stands_for_itself(method.name);
+        let (law, order) = if like_verlet && !langevin {
+            (survey.step_law(), 2)
+        } else {
+            let order = method.position_order.min(method.velocity_order) as i32;
+            let order = if langevin { 2 } else { order };
+            (fitted_law(sample, survey, order, seconds)?, order)
+        };
+        let full = if full {
+            let whole = TruncationOptions::new(TruncationKind::Cut, f64::MAX);
+            Some(survey.terms(&sample.own, whole)?)
+        } else {
+            None
+        };
+        Ok(Self {
+            sample,
+            survey,
+            stability,
+            law,
+            order,
+            mixed: mixed_errors(sample, survey)?,
+            full,
+            known: BTreeMap::new(),
+            learnt: None,
+        })
+    }
+
+    /// The errors of U and P that settings are expected to make.
+    pub fn of(&mut self, settings: &Settings) -> Result<[Prediction; 2], TuneError> {
+        let truncation = self.of_truncation(settings.truncation)?;
+        let step = self.of_step(settings.dt);
+        let precision = match settings.precision {
+            Precision::Double => [NOTHING; 2],
+            Precision::Mixed => self.mixed,
+        };
+        Ok([0, 1].map(|i| Prediction::sum(truncation[i], step[i], precision[i])))
+    }
+
+    /// Takes what a measurement at a cutoff has added to the predictions of U and P.
+    pub fn learn(&mut self, r_cut: f64, more: [f64; 2]) {
+        let before = self.learnt.map_or([0.0; 2], |(at, before)| {
+            let share = (at / r_cut).powi(6).min(1.0);
+            before.map(|b| share * b)
+        });
+        self.learnt = Some((r_cut, [before[0] + more[0], before[1] + more[1]]));
+    }
+
+    /// The errors of U and P by the step alone.
+    pub fn of_step(&self, dt: f64) -> [Value; 2] {
+        let power = dt.powi(self.order);
+        self.law.map(|a| Value {
+            mean: a.mean * power,
+            standard_error: power * a.standard_error.hypot(NEXT_ORDER * a.mean),
+            n_effective: a.n_effective,
+        })
+    }
+
+    /// The drift, ε/τ a particle.
+    pub fn drift(&self, settings: &Settings) -> Result<f64, TuneError> {
+        let jump = drift::of_jump(
+            &self.sample.own,
+            settings.truncation,
+            self.survey,
+            settings.dt,
+        )?;
+        Ok(jump + self.stability.of_step(settings.dt))
+    }
+
+    fn of_truncation(&mut self, truncation: TruncationOptions) -> Result<[Value; 2], TuneError> {
+        let Some(full) = &self.full else {
+            return Ok([NOTHING; 2]);
+        };
+        let key = (
+            truncation.kind as u8,
+            truncation.tail_correction,
+            truncation.r_cut.to_bits(),
+        );
+        let found = match self.known.get(&key) {
+            Some(found) => *found,
+            None => {
+                let terms = self.survey.terms(&self.sample.own, truncation)?;
+                let found = self
+                    .survey
+                    .difference(&terms, full)
+                    .map(|change| change.total());
+                self.known.insert(key, found);
+                found
+            }
+        };
+        let mut values = found;
+        if let Some((r_cut, more)) = self.learnt {
+            // What was not foreseen fades with the cutoff as the forces left out do.
+            let share = (r_cut / truncation.r_cut).powi(6).min(1.0);
+            for (value, more) in values.iter_mut().zip(more) {
+                value.mean += share * more;
+            }
+        }
+        Ok(values)
+    }
+}
+
+/// The errors of U and P in mixed precision: one configuration a chain, evaluated in both.
+fn mixed_errors(sample: &Sample, survey: &Survey) -> Result<[Value; 2], TuneError> {
+    let mut differences = Vec::new();
+    for end in &survey.ends {
+        let mut found = [Precision::Double, Precision::Mixed]
+            .into_iter()
+            .map(|precision| {
+                let mut scene = sample.canonical.clone();
+                scene.kernel.precision = precision;
+                let (_, mut forces) = lennard_engine::forces(&scene, end.cell, end.len())?;
+                let at = Configuration {
+                    positions: &end.positions,
+                    velocities: None,
+                    time: 0.0,
+                };
+                let mut out = vec![glam::DVec3::ZERO; end.len()];
+                let e = forces
+                    .evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut out)
+                    .map_err(|e| TuneError::Force(e.to_string()))?;
+                let energy = e.potential_energy.unwrap_or(f64::NAN) / survey.n_atoms;
+                let pressure = e.scalar_virial().unwrap_or(f64::NAN) / (3.0 * survey.volume);
+                Ok::<_, TuneError>([energy, pressure])
+            });
+        let (double, mixed) = (found.next(), found.next());
+        if let (Some(double), Some(mixed)) = (double, mixed) {
+            let (double, mixed) = (double?, mixed?);
+            differences.push([mixed[0] - double[0], mixed[1] - double[1]]);
+        }
+    }
+    let largest = |i: usize| differences.iter().map(|d| d[i].abs()).fold(0.0, f64::max);
+    Ok([0, 1].map(|i| Value {
+        mean: 0.0,
+        standard_error: largest(i),
+        n_effective: differences.len() as f64,
+    }))
+}
+
+/// The coefficients of a law dt^order of which nothing is known: two runs in the scene's own ensemble, one with a
+/// careful step and one with a long one.
+fn fitted_law(
+    sample: &Sample,
+    survey: &Survey,
+    order: i32,
+    seconds: f64,
+) -> Result<[Value; 2], TuneError> {
+    let method = sample.own.integrator.method.spec();
+    let limit = method
+        .stability_limit
+        .unwrap_or(super::sample::VERLET_LIMIT)
+        / super::sample::VERLET_LIMIT;
+    let careful = sample.careful();
+    let long = Settings {
+        dt: FITTED_AT * limit * sample.stable_dt,
+        ..careful.clone()
+    };
+    let bench = Workbench::with_start(&sample.own, survey.ends[0].clone());
+    let slopes = survey.slopes();
+    let runs = crate::jobs::side_by_side(
+        &[&careful, &long],
+        |settings| -> Result<_, TuneError> {
+            let time = super::affordable(&bench, settings, seconds)?;
+            Ok(bench.measure(settings, time, &slopes)?)
+        },
+        |_| {},
+    );
+    let mut runs = runs.into_iter();
+    let (Some(careful_run), Some(long_run)) = (runs.next(), runs.next()) else {
+        return Ok([NOTHING; 2]);
+    };
+    let (a, b) = (careful_run?, long_run?);
+    let span = long.dt.powi(order) - careful.dt.powi(order);
+    let of = |x: &Value, y: &Value| {
+        let d = y.minus(x);
+        Value {
+            mean: d.mean / span,
+            standard_error: d.standard_error / span,
+            ..d
+        }
+    };
+    Ok([
+        of(
+            &a.potential_energy_at_reference,
+            &b.potential_energy_at_reference,
+        ),
+        of(&a.pressure_at_reference, &b.pressure_at_reference),
+    ])
+}

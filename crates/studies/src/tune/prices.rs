@@ -1,0 +1,144 @@
+//! What a step costs for every cutoff, from a few timings.
+
+use lennard_forcefield::Precision;
+use lennard_scene::{Geometry, Lattice, Scene, Stage, Start as SceneStart};
+
+use super::TuneError;
+use super::sample::Sample;
+use crate::settings::{Settings, Start, Workbench, costs};
+
+/// Cutoffs timed, σ.
+const NODES: [f64; 7] = [2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0];
+/// Each timing is repeated so often, in another order each time.
+const REPEATS: usize = 3;
+/// Scenes of up to so many particles are timed at their own size; larger ones, for which caches and lists look alike, at
+/// the size of this: 4·14³.
+const TIMED_UP_TO: usize = 10_976;
+/// Steps that bring a larger stand-in near its equilibrium: a melted lattice has the neighbors of the fluid.
+const MELTING_STEPS: u64 = 400;
+
+/// Prices of a step by cutoff and precision.
+pub(super) struct Prices {
+    /// The scene, equilibrated, at the size that is timed.
+    pub bench: Workbench,
+    /// For each precision: r_cut³ and seconds for each particle and step.
+    nodes: [Vec<(f64, f64)>; 2],
+}
+
+impl Prices {
+    /// Times the main loop for some seconds in all.
+    pub fn measure(sample: &Sample, seconds: f64) -> Result<Self, TuneError> {
+        let bench = bench(sample)?;
+        let careful = sample.careful();
+        let cutoffs: Vec<f64> = match sample.own.truncation.r_cut {
+            // Of a truncation that is fixed, one price is enough.
+            r_cut if !crate::settings::truncation_is_free(&sample.own) => vec![r_cut],
+            _ => {
+                let largest = sample
+                    .largest_cutoff
+                    .min(bench.start().cell.largest_cutoff());
+                let mut nodes: Vec<f64> =
+                    NODES.into_iter().filter(|r| *r < 0.97 * largest).collect();
+                nodes.push(largest);
+                nodes
+            }
+        };
+        let mut all = Vec::new();
+        for precision in [Precision::Double, Precision::Mixed] {
+            for r_cut in &cutoffs {
+                let mut settings = Settings {
+                    precision,
+                    ..careful.clone()
+                };
+                settings.truncation.r_cut = *r_cut;
+                settings.truncation.switch_from = None;
+                all.push(settings);
+            }
+        }
+        let each = seconds / (REPEATS * all.len()) as f64;
+        let found = costs(&bench, &all, REPEATS, each, sample.own.system.seed)?;
+        let mut nodes = [Vec::new(), Vec::new()];
+        for (settings, cost) in all.iter().zip(found) {
+            let cost = cost.map_err(|failed| {
+                TuneError::Nothing(format!("{}: {}", settings.label(), failed.reason))
+            })?;
+            let of = usize::from(settings.precision == Precision::Mixed);
+            // The least of the repeats: what disturbs a timing only makes it longer.
+            nodes[of].push((
+                settings.truncation.r_cut.powi(3),
+                cost.wall.low * settings.dt,
+            ));
+        }
+        nodes.iter_mut().for_each(|nodes| never_falling(nodes));
+        Ok(Self { bench, nodes })
+    }
+
+    /// Seconds for each particle and simulated τ: between the cutoffs timed, a straight line in r_cut³.
+    pub fn of(&self, settings: &Settings) -> f64 {
+        let nodes = &self.nodes[usize::from(settings.precision == Precision::Mixed)];
+        let x = settings.truncation.r_cut.powi(3);
+        let step = match nodes.as_slice() {
+            [] => f64::NAN,
+            [(_, only)] => *only,
+            nodes => {
+                let above = nodes
+                    .iter()
+                    .position(|(at, _)| *at >= x)
+                    .unwrap_or(nodes.len() - 1)
+                    .max(1);
+                let ((x0, y0), (x1, y1)) = (nodes[above - 1], nodes[above]);
+                y0 + (y1 - y0) * (x - x0) / (x1 - x0)
+            }
+        };
+        step / settings.dt
+    }
+}
+
+/// A shorter cutoff never costs more than a longer one: where it seems to, its timing was disturbed.
+fn never_falling(nodes: &mut [(f64, f64)]) {
+    let mut least = f64::INFINITY;
+    for (_, price) in nodes.iter_mut().rev() {
+        least = least.min(*price);
+        *price = least;
+    }
+}
+
+fn bench(sample: &Sample) -> Result<Workbench, TuneError> {
+    let density = sample.start.density();
+    if sample.scene_atoms <= TIMED_UP_TO && sample.scene_atoms == sample.start.len() {
+        return Ok(Workbench::with_start(&sample.own, sample.start.clone()));
+    }
+    let m = (sample.scene_atoms.min(TIMED_UP_TO) as f64 / 4.0)
+        .cbrt()
+        .floor()
+        .max(1.0) as usize;
+    let mut scene: Scene = sample.own.clone();
+    scene.system.start = SceneStart::Lattice {
+        lattice: Lattice::Fcc,
+        n_atoms: 4 * m.pow(3),
+        geometry: Geometry::Density(density),
+        vacuum: 0.0,
+    };
+    let mut before = scene.clone();
+    before.stages = vec![Stage {
+        steps: MELTING_STEPS,
+        measure: false,
+        ..sample.canonical.stages[0].clone()
+    }];
+    let largest = 0.5 * (4.0 * m.pow(3) as f64 / density).cbrt();
+    before.truncation.r_cut = before.truncation.r_cut.min(largest);
+    let start = Start::equilibrate(&before)?;
+    Ok(Workbench::with_start(&scene, start))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_disturbed_timing_makes_no_cutoff_dearer_than_a_longer_one() {
+        let mut nodes = [(8.0, 1.0), (15.0, 9.0), (27.0, 2.0), (64.0, 5.0)];
+        never_falling(&mut nodes);
+        assert_eq!(nodes.map(|(_, price)| price), [1.0, 2.0, 2.0, 5.0]);
+    }
+}

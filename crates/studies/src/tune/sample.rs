@@ -1,0 +1,160 @@
+//! The fluid in which settings are judged: the scene's own, or one of the same density and temperature of a size at
+//! which a minute teaches most.
+
+use lennard_engine::watchdog::rough_stable_dt;
+use lennard_forcefield::{Kernel, NeighborOptions, Precision, TruncationKind, TruncationOptions};
+use lennard_integrators::{ThermostatOptions, bussi, velocity_verlet};
+use lennard_scene::{Geometry, Lattice, Scene, Stage, Start as SceneStart};
+
+use super::TuneError;
+use crate::settings::{Settings, Start};
+
+/// Fluids of this many particles are judged as they are: below, half the box is too short to see what a cutoff leaves
+/// out; above, a minute samples no better, since errors of means go with the number of particles times the time.
+const AS_THEY_ARE: std::ops::RangeInclusive<usize> = 500..=2048;
+/// Particles of the fluid that stands for a scene of another size, 4·m³: the first whose box holds the cutoff.
+const STAND_INS: [usize; 3] = [864, 1372, 2048];
+/// Correlations are followed up to this distance, σ; beyond it g(r) = 1 is good to 10⁻³ in any fluid.
+const LONGEST_SIGHT: f64 = 6.0;
+/// Cutoff of the survey, σ: in the middle of those that are chosen among.
+const SURVEY_CUTOFF: f64 = 3.0;
+/// Most steps taken of each stage before the measurement.
+const MOST_STEPS: u64 = 10_000;
+/// Time step of survey and reference as a share of the stability limit (0.003 τ at the triple point).
+pub(super) const CAREFUL_STEP: f64 = 0.075;
+/// Relaxation time of the survey's heat bath, τ: about that in which a liquid forgets its energy by itself.
+const RELAXATION_TIME: f64 = 0.15;
+/// The start settles at its temperature for so long, τ.
+const SETTLING_TIME: f64 = 8.0;
+/// Steps of a stage that ends when its follower says so.
+const LONGEST: u64 = 1 << 50;
+/// Stability limit ω·dt of velocity Verlet.
+pub(super) const VERLET_LIMIT: f64 = 2.0;
+
+/// The fluid and where its runs start.
+pub(super) struct Sample {
+    /// The scene to be tuned, free settings at careful values, in its own ensemble.
+    pub own: Scene,
+    /// The same, in the canonical ensemble by velocity Verlet.
+    pub canonical: Scene,
+    /// An equilibrated start.
+    pub start: Start,
+    /// Temperature of the measured stage, ε/k_B.
+    pub temperature: f64,
+    /// How far correlations are seen, σ.
+    pub sight: f64,
+    /// The largest cutoff that the scene's own box allows, up to the sight, σ.
+    pub largest_cutoff: f64,
+    /// Particles of the scene itself.
+    pub scene_atoms: usize,
+    /// A rough stability limit of velocity Verlet, τ.
+    pub stable_dt: f64,
+}
+
+impl Sample {
+    /// Equilibrates the fluid that `scene` measures.
+    pub fn prepare(scene: &Scene) -> Result<Self, TuneError> {
+        let beginning = lennard_engine::begin(scene)?;
+        let scene_atoms = beginning.positions.len();
+        let density = scene_atoms as f64 / beginning.cell.volume();
+        let temperature = temperature(scene);
+        let stable_dt = rough_stable_dt(temperature, VERLET_LIMIT);
+        let hottest = scene
+            .stages
+            .iter()
+            .map(|s| s.temperature)
+            .fold(temperature, f64::max);
+
+        let mut own = scene.without_accuracy();
+        let full = scene.wants_full_potential();
+        let needed = if full { 0.0 } else { own.truncation.r_cut };
+        let own_half = beginning.cell.largest_cutoff();
+        let mut half = own_half;
+        if !AS_THEY_ARE.contains(&scene_atoms) {
+            let side = |n: usize| (n as f64 / density).cbrt();
+            let fitting = STAND_INS.iter().find(|n| 0.5 * side(**n) > needed);
+            let n_atoms = *fitting.ok_or_else(|| {
+                let largest = 0.5 * side(STAND_INS[STAND_INS.len() - 1]);
+                let allowed = format!(
+                    "below {largest:.2} σ: the fluid is judged in a box of at most {} particles",
+                    STAND_INS[STAND_INS.len() - 1]
+                );
+                scene
+                    .source
+                    .invalid("truncation.r_cut", format!("{needed} σ"), allowed)
+            })?;
+            half = 0.5 * side(n_atoms);
+            own.system.start = SceneStart::Lattice {
+                lattice: Lattice::Fcc,
+                n_atoms,
+                geometry: Geometry::Density(density),
+                vacuum: 0.0,
+            };
+        }
+        let sight = LONGEST_SIGHT.max(needed).min(half * (1.0 - 1e-6));
+        if full {
+            own.truncation = TruncationOptions::new(TruncationKind::Cut, SURVEY_CUTOFF.min(sight));
+        }
+        own.kernel.precision = Precision::Double;
+        own.neighbor = NeighborOptions::default();
+        own.observables.clear();
+        own.output.trajectory_every = None;
+        own.integrator.dt = CAREFUL_STEP * rough_stable_dt(hottest, VERLET_LIMIT);
+        for stage in &mut own.stages {
+            stage.dt = None;
+            stage.steps = stage.steps.min(MOST_STEPS);
+        }
+        let mut before = own.clone();
+        let mut canonical = own.clone();
+        canonical.stages = vec![canonical_stage(temperature, LONGEST, true)];
+        canonical.integrator.method = lennard_integrators::IntegratorOptions::VelocityVerlet(
+            velocity_verlet::Options::default(),
+        );
+        canonical.integrator.split = None;
+        canonical.kernel.kernel = Kernel::Auto;
+        let careful = CAREFUL_STEP * stable_dt;
+        canonical.integrator.dt = careful;
+        own.integrator.dt = careful;
+        before.stages.retain(|s| !s.measure);
+        let settling = (SETTLING_TIME / careful).ceil() as u64;
+        before
+            .stages
+            .push(canonical_stage(temperature, settling, false));
+        Ok(Self {
+            start: Start::equilibrate(&before)?,
+            largest_cutoff: sight.min(own_half),
+            own,
+            canonical,
+            temperature,
+            sight,
+            scene_atoms,
+            stable_dt,
+        })
+    }
+
+    /// Settings of survey and reference but for their cutoff.
+    pub fn careful(&self) -> Settings {
+        Settings::of(&self.own)
+    }
+}
+
+/// The temperature at which the scene measures: that of the last heat bath up to there, or the system's.
+fn temperature(scene: &Scene) -> f64 {
+    let measured = scene.stages.iter().rposition(|s| s.measure);
+    let until = &scene.stages[..=measured.unwrap_or(scene.stages.len() - 1)];
+    let bath = until.iter().rev().find(|s| s.thermostat.is_some());
+    bath.map_or(scene.system.temperature, |s| s.temperature)
+}
+
+fn canonical_stage(temperature: f64, steps: u64, measure: bool) -> Stage {
+    Stage {
+        name: "canonical".into(),
+        steps,
+        temperature,
+        dt: None,
+        thermostat: Some(ThermostatOptions::Bussi(bussi::Options {
+            tau: RELAXATION_TIME,
+        })),
+        measure,
+    }
+}

@@ -1,0 +1,285 @@
+//! A short run of the sample in the canonical ensemble that keeps, frame by frame, what every truncation and every time
+//! step can be judged from: the pairs by distance, U, W, Σ|F|² and ∇²U.
+
+use std::time::{Duration, Instant};
+
+use lennard_core::Want;
+use lennard_engine::{EngineError, Follower, Simulation, Verdict};
+use lennard_forcefield::TruncationOptions;
+use lennard_observables::{count_distances, statistics};
+use lennard_scene::Scene;
+
+use super::TuneError;
+use super::sample::Sample;
+use super::terms::{BIN_WIDTH, Change, Terms, bins_within, dot};
+use crate::jobs::side_by_side;
+use crate::settings::{Slopes, Start, Value};
+
+/// Time between two frames, τ: about that in which the pressure forgets itself.
+const FRAME_INTERVAL: f64 = 0.06;
+/// Frames of each chain, however little time there is: fewer have no errors.
+const FEWEST_FRAMES: usize = 60;
+/// The chains part for so long before they are looked at, τ: the same start with other noise.
+const PARTING_TIME: f64 = 3.0;
+
+/// One look at the fluid; totals of the system.
+struct Frame {
+    /// U that the forces conserve, ε.
+    potential: f64,
+    /// W = Σ r·F, ε.
+    virial: f64,
+    /// Σ|F|², ε²/σ².
+    squared_force: f64,
+    /// ∇²U, ε/σ².
+    laplacian: f64,
+    /// Pairs in each bin of distance.
+    pairs: Vec<f32>,
+}
+
+/// What a run of the sample says.
+pub(super) struct Survey {
+    frames: Vec<Frame>,
+    /// Where each chain ended.
+    pub ends: Vec<Start>,
+    /// Simulated time of all chains, τ.
+    pub time: f64,
+    /// Temperature, ε/k_B.
+    pub temperature: f64,
+    /// Particles.
+    pub n_atoms: f64,
+    /// Volume, σ³.
+    pub volume: f64,
+    n_dof: f64,
+    /// The pair terms of the run.
+    run: Terms,
+}
+
+struct Watcher<'a> {
+    sample: &'a Sample,
+    every: u64,
+    from: u64,
+    end: Instant,
+    frames: Vec<Frame>,
+}
+
+impl Follower for Watcher<'_> {
+    fn want(&self, _scene: &Scene, step: u64, _measured: bool) -> Want {
+        if step.is_multiple_of(self.every) {
+            Want::TOTALS
+        } else {
+            Want::NOTHING
+        }
+    }
+
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+        let state = &simulation.state;
+        if !state.step.is_multiple_of(self.every) || state.step < self.from {
+            return Ok(Verdict::Continue);
+        }
+        let e = &state.energetics;
+        let asked = "the step was asked for totals";
+        let bins = bins_within(self.sample.sight);
+        let reach = bins as f64 * BIN_WIDTH;
+        let counts = count_distances(&state.positions, &simulation.cell, reach, bins);
+        self.frames.push(Frame {
+            potential: e.conserved_potential.expect(asked),
+            virial: e.scalar_virial().expect(asked),
+            squared_force: state.forces.iter().map(|f| f.length_squared()).sum(),
+            laplacian: e.laplacian.expect(asked),
+            pairs: counts.iter().map(|c| *c as f32).collect(),
+        });
+        let over = Instant::now() >= self.end && self.frames.len() >= FEWEST_FRAMES;
+        Ok(if over {
+            Verdict::Stop
+        } else {
+            Verdict::Continue
+        })
+    }
+}
+
+impl Survey {
+    /// Runs one chain a thread for so long.
+    pub fn run(
+        sample: &Sample,
+        budget: Duration,
+        done: impl FnMut(f64),
+    ) -> Result<Self, TuneError> {
+        let chains: Vec<u64> = (0..rayon::current_num_threads() as u64).collect();
+        let dt = sample.canonical.integrator.dt;
+        let end = Instant::now() + budget;
+        let run = |chain: &u64| -> Result<(Vec<Frame>, Start, f64), TuneError> {
+            let mut scene = sample.canonical.clone();
+            scene.system.seed = scene.system.seed.wrapping_add(1000 + chain);
+            let mut watcher = Watcher {
+                sample,
+                every: ((FRAME_INTERVAL / dt).round() as u64).max(1),
+                from: (PARTING_TIME / dt) as u64,
+                end,
+                frames: Vec::new(),
+            };
+            let mut simulation = lennard_engine::assembled(scene, sample.start.beginning())?;
+            simulation.run(&mut watcher)?;
+            let time = simulation.state.time - PARTING_TIME;
+            let end = Start {
+                cell: simulation.cell,
+                positions: simulation.state.positions,
+                velocities: simulation.state.velocities,
+            };
+            Ok((watcher.frames, end, time))
+        };
+        let n_atoms = sample.start.len() as f64;
+        let volume = sample.start.cell.volume();
+        let mut survey = Self {
+            frames: Vec::new(),
+            ends: Vec::new(),
+            time: 0.0,
+            temperature: sample.temperature,
+            n_atoms,
+            volume,
+            n_dof: 3.0 * n_atoms - 3.0,
+            run: Terms::of(
+                &sample.canonical,
+                sample.canonical.truncation,
+                sample.start.len(),
+                volume,
+                sample.sight,
+            )?,
+        };
+        for found in side_by_side(&chains, run, done) {
+            let (frames, end, time) = found?;
+            survey.frames.extend(frames);
+            survey.ends.push(end);
+            survey.time += time;
+        }
+        Ok(survey)
+    }
+
+    /// The pair terms of another truncation of the potential that ran.
+    pub fn terms(&self, scene: &Scene, truncation: TruncationOptions) -> Result<Terms, TuneError> {
+        let sight = self.run.energy.len() as f64 * BIN_WIDTH;
+        Terms::of(scene, truncation, self.n_atoms as usize, self.volume, sight)
+    }
+
+    /// Number density, σ⁻³.
+    pub fn density(&self) -> f64 {
+        self.n_atoms / self.volume
+    }
+
+    /// g(r) at a distance, from all frames.
+    pub fn g(&self, r: f64) -> f64 {
+        let bin = ((r / BIN_WIDTH) as usize).min(self.frames[0].pairs.len() - 1);
+        let mean = statistics::mean(&self.series(|f| f64::from(f.pairs[bin])));
+        let (low, high) = (bin as f64 * BIN_WIDTH, (bin + 1) as f64 * BIN_WIDTH);
+        let shell = 4.0 / 3.0 * std::f64::consts::PI * (high.powi(3) - low.powi(3));
+        mean / (0.5 * self.n_atoms * self.density() * shell)
+    }
+
+    fn series(&self, of: impl Fn(&Frame) -> f64) -> Vec<f64> {
+        self.frames.iter().map(of).collect()
+    }
+
+    /// U a particle and the configurational part W/(3V) of the pressure, of the model that ran, without tail.
+    fn own(&self) -> (Vec<f64>, Vec<f64>) {
+        (
+            self.series(|f| f.potential / self.n_atoms),
+            self.series(|f| f.virial / (3.0 * self.volume)),
+        )
+    }
+
+    /// How U and P change with temperature at constant density, from their fluctuations with U:
+    /// ∂⟨A⟩/∂T = ⟨δA δU⟩/T².
+    pub fn slopes(&self) -> Slopes {
+        let (energy, pressure) = self.own();
+        let total = self.series(|f| f.potential);
+        let t2 = self.temperature.powi(2);
+        Slopes {
+            temperature: self.temperature,
+            du_dt: statistics::mean(&products(&energy, &total)) / t2,
+            dp_dt: self.density() + statistics::mean(&products(&pressure, &total)) / t2,
+            source: "fluctuations of the survey".into(),
+        }
+    }
+
+    /// The coefficients of dt² in the errors of U and P that velocity Verlet makes at the kinetic temperature that it
+    /// shows.
+    ///
+    /// Velocity Verlet samples exp(−H̃/T̃) of its shadow Hamiltonian H̃ = H + h²·(pᵀ·∇∇U·p/12 − |∇U|²/24) exactly to
+    /// this order (E. Hairer, C. Lubich and G. Wanner, Geometric Numerical Integration, IX.3). Integrated over p:
+    /// positions follow U + h²X with X = −|∇U|²/24 + T·∇²U/12, and the kinetic temperature shown is
+    /// T = T̃·(1 − h²ω²/6) with ω² = ⟨∇²U⟩/n_dof. At that temperature A is off by
+    /// h²·(ω²/(6T)·⟨δA δU⟩ − ⟨δA δX⟩/T); an oscillator gives the exact ⟨U⟩·h²ω²/4.
+    pub fn step_law(&self) -> [Value; 2] {
+        let t = self.temperature;
+        let frequency = statistics::mean(&self.series(|f| f.laplacian)) / self.n_dof;
+        let total = self.series(|f| f.potential);
+        let x = self.series(|f| -f.squared_force / 24.0 + t * f.laplacian / 12.0);
+        let (energy, pressure) = self.own();
+        [energy, pressure].map(|a| {
+            let (with_u, with_x) = (products(&a, &total), products(&a, &x));
+            let z: Vec<f64> = with_u
+                .iter()
+                .zip(&with_x)
+                .map(|(u, x)| (frequency / 6.0 * u - x) / t)
+                .collect();
+            statistics::estimate_stationary(&z).into()
+        })
+    }
+
+    /// What a truncation changes in U and P against another one, at equal temperature: what its pairs and its tail say
+    /// of the same frames, and the change of structure by the forces that differ, to first order:
+    /// Δ⟨A⟩ = ⟨A_c − A_f⟩ − (⟨δA_c δ(U_c − U)⟩ − ⟨δA_f δ(U_f − U)⟩)/T, where U is the energy of the run.
+    pub fn difference(&self, c: &Terms, f: &Terms) -> [Change; 2] {
+        let run = &self.run;
+        let (own_u, own_p) = self.own();
+        let series = |weights: &[f64]| self.series(|frame| dot(&frame.pairs, weights));
+        let less =
+            |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
+        // Energies of the whole system whose gradients differ from the forces of the run.
+        let more = |terms: &Terms| series(&less(&terms.conserved, &run.conserved));
+        let (more_c, more_f) = (more(c), more(f));
+        let energy = (
+            &own_u,
+            1.0 / self.n_atoms,
+            [&c.energy, &f.energy, &run.conserved],
+        );
+        let pressure = (
+            &own_p,
+            1.0 / (3.0 * self.volume),
+            [&c.virial, &f.virial, &run.virial],
+        );
+        let tails = [c.tail[0] - f.tail[0], c.tail[1] - f.tail[1]];
+        [(energy, tails[0]), (pressure, tails[1])].map(|((own, scale, weights), tail)| {
+            let [in_c, in_f, in_run] = weights;
+            let at = |weights: &[f64]| -> Vec<f64> {
+                let more = series(&less(weights, in_run));
+                own.iter()
+                    .zip(more)
+                    .map(|(own, more)| own + scale * more)
+                    .collect()
+            };
+            let (a_c, a_f) = (at(in_c), at(in_f));
+            let direct: Vec<f64> = less(&a_c, &a_f).iter().map(|d| d + tail).collect();
+            let response: Vec<f64> = products(&a_c, &more_c)
+                .iter()
+                .zip(products(&a_f, &more_f))
+                .map(|(c, f)| -(c - f) / self.temperature)
+                .collect();
+            Change {
+                direct: statistics::estimate_stationary(&direct).into(),
+                response: statistics::estimate_stationary(&response).into(),
+            }
+        })
+    }
+}
+
+/// δa·δb, frame by frame.
+fn products(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let (mean_a, mean_b) = (statistics::mean(a), statistics::mean(b));
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - mean_a) * (b - mean_b))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,288 @@
+//! A choice on trial: independent runs with ten seeds, and every cheaper setting of a whole grid.
+
+use lennard_forcefield::{Precision, TruncationKind};
+use lennard_integrators::{IntegratorOptions, blanes_moan};
+use lennard_observables::statistics;
+use lennard_scene::{Accuracy, Scene};
+use serde::Serialize;
+
+use super::sample::Sample;
+use super::{TuneError, TuneOptions, Tuning, tune};
+use crate::Progress;
+use crate::jobs::side_by_side;
+use crate::settings::{Failed, Measured, Settings, Slopes, Value, Workbench, costs};
+
+/// Cutoffs of the grid, σ.
+const CUTOFFS: [f64; 5] = [2.0, 2.5, 3.0, 4.0, 5.0];
+/// Steps of the grid, τ.
+const STEPS: [f64; 6] = [0.002, 0.004, 0.008, 0.012, 0.016, 0.024];
+/// Truncations of the grid, with and without tail.
+const TRUNCATIONS: [(TruncationKind, bool); 5] = [
+    (TruncationKind::Cut, true),
+    (TruncationKind::Cut, false),
+    (TruncationKind::Shift, false),
+    (TruncationKind::ForceShift, false),
+    (TruncationKind::Switch, false),
+];
+/// The choice may cost so many times the cheapest setting of the grid that meets the target.
+pub const ALLOWED_FACTOR: f64 = 1.3;
+/// Step of the tight runs as a share of velocity Verlet's stability limit: the method of Blanes and Moan makes six
+/// evaluations a step, and its error of fourth order is far below those on trial.
+const TIGHT_STEP: f64 = 0.25;
+/// Longest cutoff of the tight runs, σ.
+const TIGHT_CUTOFF: f64 = 6.0;
+/// Lengths of the runs that reject a cheaper setting, as shares of those of the choice: one that errs much shows soon.
+const LENGTHS: [f64; 3] = [0.1, 0.4, 1.0];
+/// Standard errors within which a target is met, and beyond which it is missed.
+const SIGNIFICANT: f64 = 2.0;
+
+/// How to try.
+#[derive(Debug, Clone, Copy)]
+pub struct TrialOptions {
+    /// How to tune.
+    pub tune: TuneOptions,
+    /// Independent runs, each from a lattice of its own seed.
+    pub seeds: u64,
+    /// Length of each run of the chosen settings, τ.
+    pub time: f64,
+    /// Length of each tight run, τ.
+    pub tight_time: f64,
+}
+
+/// A cheaper setting of the grid.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cheaper {
+    /// In a line.
+    pub label: String,
+    /// Its cost over that of the choice.
+    pub cost: f64,
+    /// By what it misses; `None` where the runs cannot tell that it does.
+    pub misses: Option<String>,
+}
+
+/// What came of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Trial {
+    /// The choice.
+    pub tuning: Tuning,
+    /// The tight settings, in a line.
+    pub tight: String,
+    /// Key, target and error of each quantity over the seeds.
+    pub errors: Vec<(String, f64, Value)>,
+    /// Whether each error keeps its target within two standard errors.
+    pub meets: bool,
+    /// Settings of the grid that cost less than the choice by more than the factor allowed.
+    pub cheaper: Vec<Cheaper>,
+}
+
+impl Trial {
+    /// Whether no setting that costs so much less is known to meet the target, or may.
+    #[must_use]
+    pub fn is_cheap(&self) -> bool {
+        self.cheaper.iter().all(|c| c.misses.is_some())
+    }
+}
+
+/// U, P and drift of one run.
+type Found = [f64; 3];
+
+/// Independent starts, and runs from them.
+struct Seeds {
+    benches: Vec<Workbench>,
+    slopes: Slopes,
+}
+
+impl Seeds {
+    fn prepare(scene: &Scene, seeds: u64) -> Result<Self, TuneError> {
+        let numbers: Vec<u64> = (0..seeds).map(|s| 70_001 + 13 * s).collect();
+        let prepared = side_by_side(
+            &numbers,
+            |seed| -> Result<Workbench, TuneError> {
+                let mut other = scene.clone();
+                other.system.seed = *seed;
+                let sample = Sample::prepare(&other)?;
+                Ok(Workbench::with_start(&sample.own, sample.start))
+            },
+            |_| {},
+        );
+        let benches: Vec<Workbench> = prepared.into_iter().collect::<Result<_, _>>()?;
+        let bench = benches
+            .first()
+            .ok_or_else(|| TuneError::Nothing("no seeds".into()))?;
+        let slopes = bench.slopes(&Settings::of(bench.scene()), 20.0)?;
+        Ok(Self { benches, slopes })
+    }
+
+    /// U, P and drift of each seed; or why a run failed.
+    fn run(&self, settings: &Settings, time: f64) -> Result<Result<Vec<Found>, Failed>, TuneError> {
+        let one = |bench: &Workbench| bench.measure(settings, time, &self.slopes);
+        let numbers = |m: Measured| {
+            [
+                m.potential_energy_at_reference.mean,
+                m.pressure_at_reference.mean,
+                m.drift.slope,
+            ]
+        };
+        let mut found = Vec::new();
+        for run in side_by_side(&self.benches, one, |_| {}) {
+            match run {
+                Ok(run) => found.push(numbers(run)),
+                Err(error) => return Ok(Err(Failed::from_error(error)?)),
+            }
+        }
+        Ok(Ok(found))
+    }
+}
+
+/// Mean and standard error over seeds of a quantity, less that of the tight runs of the same seeds.
+fn over_seeds(runs: &[Found], tight: &[Found], which: usize) -> Value {
+    let reference = |i: usize| if which == 2 { 0.0 } else { tight[i][which] };
+    let all: Vec<f64> = runs
+        .iter()
+        .enumerate()
+        .map(|(i, run)| run[which] - reference(i))
+        .collect();
+    let n = all.len() as f64;
+    Value {
+        mean: statistics::mean(&all),
+        standard_error: (statistics::variance(&all) / (n - 1.0)).sqrt(),
+        n_effective: n,
+    }
+}
+
+fn errors(accuracy: &Accuracy, runs: &[Found], tight: &[Found]) -> Vec<(String, f64, Value)> {
+    let which = |key: &str| match key {
+        "potential_energy" => 0,
+        "pressure" => 1,
+        _ => 2,
+    };
+    let asked = accuracy.asked().into_iter();
+    asked
+        .map(|(key, target, _)| (key.to_owned(), target, over_seeds(runs, tight, which(key))))
+        .collect()
+}
+
+/// Tunes a scene and tries the choice.
+///
+/// # Errors
+/// [`TuneError`] where tuning fails or the tight runs do.
+pub fn run(
+    scene: &Scene,
+    options: &TrialOptions,
+    progress: &mut dyn Progress,
+) -> Result<Trial, TuneError> {
+    let tuning = tune(scene, &options.tune, progress)?;
+    let accuracy = scene.accuracy.unwrap_or_default();
+    progress.update("independent starts", 0.0);
+    let seeds = Seeds::prepare(scene, options.seeds)?;
+    let bench = &seeds.benches[0];
+    let tight = tight(bench);
+    progress.update("tight runs", 0.1);
+    let failed = |f: Failed| TuneError::Nothing(f.reason);
+    let of_tight = seeds.run(&tight, options.tight_time)?.map_err(failed)?;
+    progress.update("runs of the choice", 0.6);
+    let runs = seeds.run(&tuning.settings, options.time)?.map_err(failed)?;
+    let errors_found = errors(&accuracy, &runs, &of_tight);
+    progress.update("cheaper settings", 0.8);
+    let cheaper = cheaper(&seeds, &tuning, &accuracy, &of_tight, options.time)?;
+    let within = |(_, target, error): &(String, f64, Value)| {
+        error.mean.abs() <= target + SIGNIFICANT * error.standard_error
+    };
+    Ok(Trial {
+        tight: tight.label(),
+        meets: errors_found.iter().all(within),
+        errors: errors_found,
+        cheaper,
+        tuning,
+    })
+}
+
+fn tight(bench: &Workbench) -> Settings {
+    let half = bench.start().cell.largest_cutoff() * (1.0 - 1e-6);
+    let dt = bench.scene().integrator.dt * TIGHT_STEP / super::sample::CAREFUL_STEP;
+    let options = blanes_moan::Options::default();
+    let base = Settings::of(bench.scene()).with_integrator(IntegratorOptions::BlanesMoan(options));
+    Settings {
+        dt,
+        ..base.with_truncation(TruncationKind::Cut, TIGHT_CUTOFF.min(half), true)
+    }
+}
+
+/// Every setting of the grid that would cost less than the choice by more than the factor allowed, with what it misses.
+fn cheaper(
+    seeds: &Seeds,
+    tuning: &Tuning,
+    accuracy: &Accuracy,
+    tight: &[Found],
+    time: f64,
+) -> Result<Vec<Cheaper>, TuneError> {
+    let bench = &seeds.benches[0];
+    let base = Settings::of(bench.scene());
+    let mut models = vec![tuning.settings.clone()];
+    for (kind, tail) in TRUNCATIONS {
+        for r_cut in CUTOFFS {
+            let at = |precision| Settings {
+                precision,
+                dt: STEPS[1],
+                ..base.with_truncation(kind, r_cut, tail)
+            };
+            if bench.check(&at(Precision::Double)).is_ok() {
+                models.extend([Precision::Double, Precision::Mixed].map(at));
+            }
+        }
+    }
+    let mut prices = Vec::new();
+    for (settings, cost) in models.iter().zip(costs(bench, &models, 3, 0.05, 1)?) {
+        let cost = cost.map_err(|f| TuneError::Nothing(f.reason))?;
+        prices.push(cost.wall.low * settings.dt);
+    }
+    let chosen = prices[0] / tuning.settings.dt;
+    let mut found: Vec<Cheaper> = Vec::new();
+    for (pair, price) in models[1..].chunks(2).zip(prices[1..].chunks(2)) {
+        // Of two precisions the cheaper stands for both: their errors are the same at these targets.
+        let cheaper = usize::from(price.last() < price.first());
+        let (model, least) = (&pair[cheaper], price[cheaper]);
+        for dt in STEPS {
+            let cost = least / dt / chosen;
+            if cost * ALLOWED_FACTOR < 1.0 {
+                let settings = Settings {
+                    dt,
+                    ..model.clone()
+                };
+                let misses = misses(seeds, &settings, accuracy, tight, time)?;
+                found.push(Cheaper {
+                    label: settings.label(),
+                    cost,
+                    misses,
+                });
+            }
+        }
+    }
+    found.sort_by(|a, b| b.cost.total_cmp(&a.cost));
+    Ok(found)
+}
+
+/// By what settings miss, where runs of growing length can tell.
+fn misses(
+    seeds: &Seeds,
+    settings: &Settings,
+    accuracy: &Accuracy,
+    tight: &[Found],
+    time: f64,
+) -> Result<Option<String>, TuneError> {
+    for length in LENGTHS {
+        let runs = match seeds.run(settings, length * time)? {
+            Ok(runs) => runs,
+            Err(failed) => return Ok(Some(failed.reason)),
+        };
+        for (key, target, error) in errors(accuracy, &runs, tight) {
+            if error.mean.abs() > target + SIGNIFICANT * error.standard_error {
+                return Ok(Some(format!(
+                    "{key} off by {:+.1e} ± {:.0e}",
+                    error.mean, error.standard_error
+                )));
+            }
+        }
+    }
+    Ok(None)
+}

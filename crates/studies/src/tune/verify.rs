@@ -1,0 +1,146 @@
+//! Chosen settings against the safest, by independent runs.
+
+use serde::Serialize;
+
+use super::TuneError;
+use super::predict::Models;
+use super::sample::Sample;
+use super::survey::Survey;
+use crate::jobs::side_by_side;
+use crate::settings::{Failed, Measured, Settings, Value, Workbench};
+
+/// What runs of some settings measured together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Runs {
+    /// Simulated time of all runs, τ.
+    pub time: f64,
+    /// U at the temperature of comparison, ε a particle.
+    pub potential_energy: Value,
+    /// P at the temperature of comparison, ε/σ³.
+    pub pressure: Value,
+    /// Drift of the conserved energy, ε/τ a particle.
+    pub drift: Value,
+    /// U and P less those of the equation of state of this model, and its name, where there is one.
+    pub against_equation: Option<(String, Value, Value)>,
+}
+
+impl Runs {
+    fn of(runs: &[Measured]) -> Self {
+        let mean = |of: &dyn Fn(&Measured) -> Value| {
+            let values: Vec<Value> = runs.iter().map(of).collect();
+            together(&values)
+        };
+        let equation = runs.first().and_then(|r| r.against_equation.as_ref());
+        Self {
+            time: runs.iter().map(|r| r.time).sum(),
+            potential_energy: mean(&|r| r.potential_energy_at_reference),
+            pressure: mean(&|r| r.pressure_at_reference),
+            drift: mean(&|r| Value {
+                mean: r.drift.slope,
+                standard_error: r.drift.standard_error,
+                n_effective: f64::NAN,
+            }),
+            against_equation: equation.map(|found| {
+                let all: Vec<_> = runs
+                    .iter()
+                    .filter_map(|r| r.against_equation.as_ref())
+                    .collect();
+                let u: Vec<Value> = all.iter().map(|a| a.potential_energy).collect();
+                let p: Vec<Value> = all.iter().map(|a| a.pressure).collect();
+                (found.source.clone(), together(&u), together(&p))
+            }),
+        }
+    }
+}
+
+/// The mean of independent values of equal weight.
+fn together(values: &[Value]) -> Value {
+    let n = values.len() as f64;
+    Value {
+        mean: values.iter().map(|v| v.mean).sum::<f64>() / n,
+        standard_error: values
+            .iter()
+            .map(|v| v.standard_error.powi(2))
+            .sum::<f64>()
+            .sqrt()
+            / n,
+        n_effective: values.iter().map(|v| v.n_effective).sum(),
+    }
+}
+
+/// Runs settings on every thread from the ends of the survey's chains, each for its time in τ; `None` where a run fails.
+pub(super) fn runs(
+    sample: &Sample,
+    survey: &Survey,
+    all: &[(&Settings, f64)],
+    done: impl FnMut(f64),
+) -> Result<Vec<Result<Runs, Failed>>, TuneError> {
+    let slopes = survey.slopes();
+    let jobs: Vec<(usize, usize)> = (0..all.len())
+        .flat_map(|which| (0..survey.ends.len()).map(move |chain| (which, chain)))
+        .collect();
+    let found = side_by_side(
+        &jobs,
+        |(which, chain)| {
+            let (settings, time) = all[*which];
+            let mut scene = sample.own.clone();
+            scene.system.seed = scene
+                .system
+                .seed
+                .wrapping_add(2000 + jobs.len() as u64 * *which as u64 + *chain as u64);
+            let bench = Workbench::with_start(&scene, survey.ends[*chain].clone());
+            bench.measure(settings, time, &slopes)
+        },
+        done,
+    );
+    let mut found = found.into_iter();
+    let mut results = Vec::new();
+    for _ in all {
+        let mut measured = Vec::new();
+        let mut failed = None;
+        for run in found.by_ref().take(survey.ends.len()) {
+            match run {
+                Ok(run) => measured.push(run),
+                Err(error) => failed = Some(Failed::from_error(error)?),
+            }
+        }
+        results.push(match failed {
+            Some(failed) => Err(failed),
+            None => Ok(Runs::of(&measured)),
+        });
+    }
+    Ok(results)
+}
+
+/// How far U and P of some settings are from the safest ones: the difference of the runs, and what the step of the
+/// safest ones still errs.
+pub(super) fn errors(chosen: &Runs, safest: &Runs, models: &Models<'_>, dt: f64) -> [Value; 2] {
+    let left = models.of_step(dt);
+    let pairs = [
+        (chosen.potential_energy, safest.potential_energy),
+        (chosen.pressure, safest.pressure),
+    ];
+    [0, 1].map(|i| {
+        let difference = pairs[i].0.minus(&pairs[i].1);
+        Value {
+            mean: difference.mean + left[i].mean,
+            ..difference
+        }
+    })
+}
+
+/// Two independent values of the same, each with the weight of its certainty.
+pub(super) fn weighted(a: Value, b: Value) -> Value {
+    let (wa, wb) = (a.standard_error.powi(-2), b.standard_error.powi(-2));
+    if !wa.is_finite() {
+        return a;
+    }
+    if !(wb.is_finite() && wb > 0.0) {
+        return a;
+    }
+    Value {
+        mean: (wa * a.mean + wb * b.mean) / (wa + wb),
+        standard_error: (wa + wb).sqrt().recip(),
+        n_effective: a.n_effective.min(b.n_effective),
+    }
+}
