@@ -6,8 +6,8 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::axis::Span;
 use crate::canvas::{
-    FAINT_GRID, FINE, GREY, GRID, Hint, INK, Place, Sheet, TEXT, WIDTH, color, dress, fine, font,
-    stroke, text_width,
+    FAINT_GRID, FINE, GREY, GRID, Hint, INK, Place, Sheet, TEXT, TINT, WIDTH, color, dress, fine,
+    font, stroke, text_width,
 };
 use crate::legend::Legend;
 use crate::{Figure, Guide, Look, Point, ReportError, Series, Symbol};
@@ -48,15 +48,21 @@ impl Frame {
 
 pub(crate) fn figure(figure: &Figure) -> Result<String, ReportError> {
     let points = || figure.series.iter().flat_map(|s| &s.points);
-    let failures = || figure.series.iter().flat_map(|s| &s.failures).copied();
+    let failures = || figure.series.iter().flat_map(|s| &s.failures).map(|f| f.x);
     let guides = |vertical: bool| {
         figure.guides.iter().filter_map(move |g| match g {
             Guide::Vertical(v, _) if vertical => Some(*v),
-            Guide::Horizontal(v, _) if !vertical => Some(*v),
+            Guide::Horizontal(v, _) | Guide::UpTo(v, _) if !vertical => Some(*v),
             _ => None,
         })
     };
-    let x_values = points().map(|p| p.x).chain(failures()).chain(guides(true));
+    let x_values = points()
+        .flat_map(|p| {
+            let (low, high) = p.x_range.unwrap_or((p.x, p.x));
+            [p.x, low, high]
+        })
+        .chain(failures())
+        .chain(guides(true));
     let x = figure.x.span(&figure.name, x_values)?;
     let y_values = points()
         .flat_map(|p| {
@@ -86,12 +92,19 @@ pub(crate) fn figure(figure: &Figure) -> Result<String, ReportError> {
         let sheet = Sheet::new(&figure.name, &mut svg, height);
         sheet.area.fill(&WHITE).map_err(|e| sheet.failed(e))?;
         sheet.title(&figure.title)?;
+        for guide in &figure.guides {
+            tint(&sheet, &frame, guide)?;
+        }
         axes(&sheet, figure, &frame)?;
         for guide in &figure.guides {
             draw_guide(&sheet, &frame, guide)?;
         }
         for series in &figure.series {
             draw_series(&sheet, &frame, series, &mut hints)?;
+        }
+        // Words come last: no mark hides them.
+        for series in &figure.series {
+            draw_labels(&sheet, &frame, series)?;
         }
         legend.draw(&sheet, plot_bottom + bottom)?;
         sheet.finish()?;
@@ -152,6 +165,38 @@ fn axes(sheet: &Sheet<'_>, figure: &Figure, frame: &Frame) -> Result<(), ReportE
     )
 }
 
+/// The strip below a [`Guide::UpTo`].
+fn tint(sheet: &Sheet<'_>, frame: &Frame, guide: &Guide) -> Result<(), ReportError> {
+    let Guide::UpTo(y, _) = guide else {
+        return Ok(());
+    };
+    match frame.y.fraction(*y) {
+        Some(f) if f > 0.0 => {
+            sheet.filled_rectangle(frame.at(0.0, f.min(1.0)), frame.at(1.0, 0.0), TINT)
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The words beside points, each to the right of its mark, or to the left where the frame ends.
+fn draw_labels(sheet: &Sheet<'_>, frame: &Frame, series: &Series) -> Result<(), ReportError> {
+    for point in &series.points {
+        let (Some(label), Some((fx, fy))) = (&point.label, frame.fractions(point.x, point.y))
+        else {
+            continue;
+        };
+        let (x, y) = frame.at(fx.clamp(0.0, 1.0), fy.clamp(0.0, 1.0));
+        let (shift, anchor) = if fx > 0.92 {
+            (-1.6 * MARK, HPos::Right)
+        } else {
+            (1.6 * MARK, HPos::Left)
+        };
+        let at = (x + shift, y - 2.2 * MARK);
+        sheet.text(label, at, font(0.82 * TEXT, INK), anchor, VPos::Center)?;
+    }
+    Ok(())
+}
+
 fn draw_guide(sheet: &Sheet<'_>, frame: &Frame, guide: &Guide) -> Result<(), ReportError> {
     let (label, ends, at, horizontal) = match guide {
         Guide::Vertical(x, label) => {
@@ -167,7 +212,7 @@ fn draw_guide(sheet: &Sheet<'_>, frame: &Frame, guide: &Guide) -> Result<(), Rep
             };
             (label, ends, (ends[0].0 + shift, ends[0].1 - 20.0), anchor)
         }
-        Guide::Horizontal(y, label) => {
+        Guide::Horizontal(y, label) | Guide::UpTo(y, label) => {
             let Some(f) = frame.y.fraction(*y).filter(|f| (0.0..=1.0).contains(f)) else {
                 return Ok(());
             };
@@ -209,12 +254,18 @@ fn draw_series(
             });
         }
     }
-    for x in &series.failures {
-        if let Some(f) = frame.x.fraction(*x).filter(|f| (0.0..=1.0).contains(f)) {
+    for failure in &series.failures {
+        if let Some(f) = frame
+            .x
+            .fraction(failure.x)
+            .filter(|f| (0.0..=1.0).contains(f))
+        {
             let (px, py) = frame.at(f, 1.0);
             // Series fail at the same places: each has its own height, so that none hides another.
             let row = 9.0 + 11.0 * (series.color % crate::COLORS.len()) as f64;
-            sheet.failure((px, py + row), 0.95 * MARK, paint)?;
+            let at = (px, py + row);
+            sheet.failure(at, 0.95 * MARK, paint)?;
+            hints.extend(failure.note.clone().map(|note| Hint { at, note }));
         }
     }
     Ok(())
@@ -250,6 +301,11 @@ fn draw_point(
     if fy < -1e-9 {
         let (x, y) = frame.at(fx, 0.0);
         return sheet.symbol(Symbol::Wedge, (x, y - 6.0), MARK, paint);
+    }
+    if let Some((low, high)) = point.x_range {
+        let end = |x: f64| frame.x.fraction(x).unwrap_or(fx).clamp(0.0, 1.0);
+        let ends = [frame.at(end(low), fy), frame.at(end(high), fy)];
+        sheet.line(&ends, crate::Dash::Solid, paint, 1.0)?;
     }
     if let Some(error) = point.error.filter(|e| e.is_finite() && *e > 0.0) {
         let end = |y: f64| frame.y.fraction(y).unwrap_or(0.0).clamp(0.0, 1.0);
@@ -321,7 +377,7 @@ fn clip(a: Fractions, b: Fractions) -> Option<(Fractions, Fractions, bool, bool)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Axis, Dash};
+    use crate::{Axis, Dash, FailedPoint};
 
     fn example() -> Figure {
         Figure::new(
@@ -346,9 +402,20 @@ mod tests {
                     y: 9.0,
                     error: Some(20.0),
                     note: Some("n < 3".into()),
+                    x_range: Some((2.5, 3.5)),
+                    label: Some("17".into()),
                 }],
             )
-            .with_failures(vec![10.0, 20.0]),
+            .with_noted_failures(vec![
+                FailedPoint {
+                    x: 10.0,
+                    note: Some("blew up".into()),
+                },
+                FailedPoint {
+                    x: 20.0,
+                    note: None,
+                },
+            ]),
         )
         .guided(Guide::Vertical(2.0, "limit".into()))
     }
@@ -362,6 +429,9 @@ mod tests {
         assert!(svg.contains("<title>Growth &amp; &lt;decay&gt;</title>"));
         assert!(svg.contains("<title>n &lt; 3</title>"));
         assert!(!svg.contains("<decay>"));
+        // Points and failures alike can be pointed at.
+        assert!(svg.contains("<title>blew up</title>"));
+        assert_eq!(svg.matches("class=\"hint\"").count(), 2);
         // Text stays text, and the legend says what a cross means.
         for word in [
             "theory",
@@ -418,6 +488,20 @@ mod tests {
         let count = |f: &Figure| f.to_svg().unwrap().matches("<polyline").count();
         // Two strokes for each of the two failures and two in the legend.
         assert_eq!(count(&example()), count(&without) + 6);
+    }
+
+    #[test]
+    fn a_floor_is_tinted_and_a_point_carries_its_range_and_its_word() {
+        let count = |f: &Figure, what: &str| f.to_svg().unwrap().matches(what).count();
+        let plain = example();
+        let floor = example().guided(Guide::UpTo(4.0, "noise".into()));
+        assert_eq!(count(&floor, "<rect"), count(&plain, "<rect") + 1);
+        assert_eq!(count(&floor, "noise"), 1);
+        let mut bare = example();
+        bare.series[1].points[0].x_range = None;
+        assert_eq!(count(&plain, "<polyline"), count(&bare, "<polyline") + 1);
+        // The number stands on its own line of the file, as the back end writes text.
+        assert_eq!(count(&plain, "\n17\n"), 1);
     }
 
     #[test]
