@@ -1,7 +1,9 @@
 //! What a person reads: headers and tables.
 
+mod chart;
 mod literature;
 
+pub use chart::chart;
 pub use literature::{compared, sweep, sweep_header};
 
 use std::path::Path;

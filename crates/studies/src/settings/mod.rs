@@ -13,6 +13,7 @@ mod motion;
 mod start;
 mod workbench;
 
+pub(crate) use cost::shuffled;
 pub use cost::{Cost, Spread, Timing, costs, modelled_work};
 pub use forces::{ForceErrors, Untruncated};
 pub use grid::{Grid, LeftOut, Size, grid};

@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::{Agreement, Point, Sweep, SweepError, agreement, page};
 use crate::compare::{ComparedRun, RunFolder, StateOfMatter, compare};
+use crate::kept::same_scene;
 use crate::{Progress, run_page};
 
 /// Name and version of the schema of [`SweepRecord`].
@@ -169,8 +170,7 @@ fn look(folder: &Path, point: &Point, replace: bool) -> Result<Found, SweepError
         folder: folder.to_owned(),
         found,
     };
-    let scene = lennard_scene::Scene::load(&folder.join("scene.toml"), &[]);
-    let same = scene.as_ref().is_ok_and(|there| *there == point.scene);
+    let same = same_scene(folder, &point.scene) == Some(true);
     match (lennard_io::read_run_record(&folder.join("run.json")), same) {
         (Ok(RunRecord { finished: true, .. }), true) => Ok(Found::Finished),
         (Ok(_), true) => Ok(Found::Begun),
