@@ -25,7 +25,7 @@ const LONGEST: f64 = 200.0;
 /// The tightest run is that much longer: all others are compared with it.
 const TIGHT_FACTOR: f64 = 2.0;
 /// Seconds of one thread, by the model, that all measuring runs of a chart together may take.
-const QUICK_SECONDS: f64 = 9.0;
+const QUICK_SECONDS: f64 = 7.0;
 const DEFAULT_SECONDS: f64 = 130.0;
 /// Length of the runs of the whole grid, τ.
 const FULL_TIME: f64 = 20.0;
@@ -99,7 +99,7 @@ pub(super) fn all(
     let mut remarks = Vec::new();
     if options.with_peers && finished {
         progress.update("other engines", 0.99);
-        match peers::lammps(&bench, &plan, &slopes, points.len()) {
+        match peers::lammps(&bench, &plan, &slopes, &points) {
             Ok(found) => points.extend(found),
             Err(reason) => remarks.push(format!("LAMMPS is left out: {reason}")),
         }
@@ -205,7 +205,11 @@ fn plan(bench: &Workbench, grid: &Grid, tightest: usize, options: &ChartOptions<
         Size::Default => (DEFAULT_SECONDS / a_tau, 5, 0.03),
         Size::Full => (FULL_TIME, 5, 0.03),
     };
-    let time = time.clamp(SHORTEST, LONGEST);
+    // Longer than the run that the scene plans would tell more than is asked.
+    let scene = bench.scene();
+    let planned = scene.stages.iter().filter(|s| s.measure);
+    let planned: f64 = planned.map(|s| s.steps as f64 * scene.stage_dt(s)).sum();
+    let time = time.clamp(SHORTEST, LONGEST.min(planned).max(SHORTEST));
     let unit = SHORT_UNIT * bench.scene().integrator.dt;
     Plan {
         size: options.size,

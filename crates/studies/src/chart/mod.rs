@@ -4,6 +4,7 @@
 //! goes on where it was stopped.
 
 mod figures;
+mod kinds;
 mod measure;
 mod page;
 mod panels;

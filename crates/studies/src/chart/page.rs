@@ -174,6 +174,8 @@ pub fn standings(chart: &Chart) -> Vec<Standing<'_>> {
             let own = panel.marks.iter().find(|m| m.number == 1)?;
             let floor = panel.floor.unwrap_or(0.0);
             let allowed = own.error?.abs().max(floor);
+            // What is cheaper by less than the own timings scatter is not cheaper.
+            let own_low = own.wall_range.map_or(own.wall, |r| r.0);
             let cheapest = panel
                 .marks
                 .iter()
@@ -184,7 +186,9 @@ pub fn standings(chart: &Chart) -> Vec<Standing<'_>> {
                         .iter()
                         .any(|p| p.number == m.number && p.engine.is_none())
                 })
-                .min_by(|a, b| a.wall.total_cmp(&b.wall))?;
+                .min_by(|a, b| a.wall.total_cmp(&b.wall))
+                .filter(|m| m.wall < own_low)
+                .unwrap_or(own);
             Some(Standing {
                 panel,
                 own,
