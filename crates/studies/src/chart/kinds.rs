@@ -6,7 +6,7 @@ use super::Chart;
 use super::panels::median;
 use super::point::{ChartedPoint, Errors, Outcome};
 use crate::StudyError;
-use crate::settings::{Measured, Settings, Value, Workbench};
+use crate::settings::{AgainstEquation, Measured, Settings, Value, Workbench};
 
 /// Rounding of a number in double precision, 2⁻⁵³.
 const ROUNDING: f64 = 1.1e-16;
@@ -19,6 +19,9 @@ pub(super) enum Reading {
     None,
 }
 
+/// Reads the error of a kind from a point.
+pub(super) type Read = Box<dyn Fn(&ChartedPoint, &Errors) -> Reading>;
+
 /// What a panel is about, and how it reads a point.
 pub(super) struct Kind {
     pub(super) name: &'static str,
@@ -26,9 +29,10 @@ pub(super) struct Kind {
     pub(super) label: &'static str,
     pub(super) about: String,
     pub(super) floor: Floor,
-    pub(super) read: Box<dyn Fn(&ChartedPoint, &Errors) -> Reading>,
+    pub(super) read: Read,
 }
 
+/// Below what errors say nothing.
 pub(super) enum Floor {
     None,
     At(f64, &'static str),
@@ -36,9 +40,7 @@ pub(super) enum Floor {
     Statistical,
 }
 
-fn of_run(
-    read: impl Fn(&Measured) -> Option<(f64, Option<f64>)> + 'static,
-) -> Box<dyn Fn(&ChartedPoint, &Errors) -> Reading> {
+fn of_run(read: impl Fn(&Measured) -> Option<(f64, Option<f64>)> + 'static) -> Read {
     Box::new(move |_, errors| match &errors.measured {
         Outcome::Failed(failed) => Reading::Failed(failed.reason.clone()),
         Outcome::Found(found) => match read(found) {
@@ -155,10 +157,30 @@ fn of_thermodynamics(bench: &Workbench, chart: &Chart) -> Result<Vec<Kind>, Stud
         significant(chart.slopes.temperature, 4),
         chart.slopes.source,
     );
+    // A run that failed has no place where its model has no equation.
+    let mut judged: Vec<usize> = Vec::new();
+    for point in &chart.points {
+        if bench.equation(&point.settings)?.is_ok() {
+            judged.push(point.number);
+        }
+    }
+    let against_equation = |pick: fn(&AgainstEquation) -> Value| -> Read {
+        let (judged, read) = (
+            judged.clone(),
+            of_run(move |m| value(pick(m.against_equation.as_ref()?))),
+        );
+        Box::new(move |point, errors| {
+            if judged.contains(&point.number) {
+                read(point, errors)
+            } else {
+                Reading::None
+            }
+        })
+    };
     let tightest = tight.measured().cloned();
     let number = tight.number;
     type Pick = fn(&Measured) -> Value;
-    let against_tightest = |pick: Pick| -> Box<dyn Fn(&ChartedPoint, &Errors) -> Reading> {
+    let against_tightest = |pick: Pick| -> Read {
         let tightest = tightest.clone();
         let read = of_run(move |m| {
             let other = tightest.as_ref()?;
@@ -179,7 +201,7 @@ fn of_thermodynamics(bench: &Workbench, chart: &Chart) -> Result<Vec<Kind>, Stud
             label: "|U − U_EOS| / ε per particle",
             about: equation.clone(),
             floor: Floor::Statistical,
-            read: of_run(|m| value(m.against_equation.as_ref()?.potential_energy)),
+            read: against_equation(|e| e.potential_energy),
         },
         Kind {
             name: "pressure-equation",
@@ -187,7 +209,7 @@ fn of_thermodynamics(bench: &Workbench, chart: &Chart) -> Result<Vec<Kind>, Stud
             label: "|P − P_EOS| / (ε/σ³)",
             about: equation,
             floor: Floor::Statistical,
-            read: of_run(|m| value(m.against_equation.as_ref()?.pressure)),
+            read: against_equation(|e| e.pressure),
         },
         Kind {
             name: "energy-tightest",

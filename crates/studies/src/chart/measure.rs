@@ -25,7 +25,7 @@ const LONGEST: f64 = 200.0;
 /// The tightest run is that much longer: all others are compared with it.
 const TIGHT_FACTOR: f64 = 2.0;
 /// Seconds of one thread, by the model, that all measuring runs of a chart together may take.
-const QUICK_SECONDS: f64 = 7.0;
+const QUICK_SECONDS: f64 = 5.0;
 const DEFAULT_SECONDS: f64 = 130.0;
 /// Length of the runs of the whole grid, τ.
 const FULL_TIME: f64 = 20.0;
