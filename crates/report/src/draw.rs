@@ -6,8 +6,8 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::axis::Span;
 use crate::canvas::{
-    FAINT_GRID, FINE, GREY, GRID, Hint, INK, Place, Sheet, TEXT, WIDTH, color, dress, fine, font,
-    stroke, text_width,
+    FAINT_GRID, FINE, GREY, GRID, Hint, INK, Place, Sheet, TEXT, TINT, WIDTH, color, dress, fine,
+    font, stroke, text_width,
 };
 use crate::legend::Legend;
 use crate::{Figure, Guide, Look, Point, ReportError, Series, Symbol};
@@ -48,15 +48,21 @@ impl Frame {
 
 pub(crate) fn figure(figure: &Figure) -> Result<String, ReportError> {
     let points = || figure.series.iter().flat_map(|s| &s.points);
-    let failures = || figure.series.iter().flat_map(|s| &s.failures).copied();
+    let failures = || figure.series.iter().flat_map(|s| &s.failures).map(|f| f.x);
     let guides = |vertical: bool| {
         figure.guides.iter().filter_map(move |g| match g {
             Guide::Vertical(v, _) if vertical => Some(*v),
-            Guide::Horizontal(v, _) if !vertical => Some(*v),
+            Guide::Horizontal(v, _) | Guide::UpTo(v, _) if !vertical => Some(*v),
             _ => None,
         })
     };
-    let x_values = points().map(|p| p.x).chain(failures()).chain(guides(true));
+    let x_values = points()
+        .flat_map(|p| {
+            let (low, high) = p.x_range.unwrap_or((p.x, p.x));
+            [p.x, low, high]
+        })
+        .chain(failures())
+        .chain(guides(true));
     let x = figure.x.span(&figure.name, x_values)?;
     let y_values = points()
         .flat_map(|p| {
@@ -86,12 +92,19 @@ pub(crate) fn figure(figure: &Figure) -> Result<String, ReportError> {
         let sheet = Sheet::new(&figure.name, &mut svg, height);
         sheet.area.fill(&WHITE).map_err(|e| sheet.failed(e))?;
         sheet.title(&figure.title)?;
+        for guide in &figure.guides {
+            tint(&sheet, &frame, guide)?;
+        }
         axes(&sheet, figure, &frame)?;
         for guide in &figure.guides {
             draw_guide(&sheet, &frame, guide)?;
         }
         for series in &figure.series {
             draw_series(&sheet, &frame, series, &mut hints)?;
+        }
+        // Words come last: no mark hides them.
+        for series in &figure.series {
+            draw_labels(&sheet, &frame, series)?;
         }
         legend.draw(&sheet, plot_bottom + bottom)?;
         sheet.finish()?;
@@ -152,6 +165,38 @@ fn axes(sheet: &Sheet<'_>, figure: &Figure, frame: &Frame) -> Result<(), ReportE
     )
 }
 
+/// The strip below a [`Guide::UpTo`].
+fn tint(sheet: &Sheet<'_>, frame: &Frame, guide: &Guide) -> Result<(), ReportError> {
+    let Guide::UpTo(y, _) = guide else {
+        return Ok(());
+    };
+    match frame.y.fraction(*y) {
+        Some(f) if f > 0.0 => {
+            sheet.filled_rectangle(frame.at(0.0, f.min(1.0)), frame.at(1.0, 0.0), TINT)
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The words beside points, each to the right of its mark, or to the left where the frame ends.
+fn draw_labels(sheet: &Sheet<'_>, frame: &Frame, series: &Series) -> Result<(), ReportError> {
+    for point in &series.points {
+        let (Some(label), Some((fx, fy))) = (&point.label, frame.fractions(point.x, point.y))
+        else {
+            continue;
+        };
+        let (x, y) = frame.at(fx.clamp(0.0, 1.0), fy.clamp(0.0, 1.0));
+        let (shift, anchor) = if fx > 0.92 {
+            (-1.6 * MARK, HPos::Right)
+        } else {
+            (1.6 * MARK, HPos::Left)
+        };
+        let at = (x + shift, y - 2.2 * MARK);
+        sheet.text(label, at, font(0.82 * TEXT, INK), anchor, VPos::Center)?;
+    }
+    Ok(())
+}
+
 fn draw_guide(sheet: &Sheet<'_>, frame: &Frame, guide: &Guide) -> Result<(), ReportError> {
     let (label, ends, at, horizontal) = match guide {
         Guide::Vertical(x, label) => {
@@ -167,7 +212,7 @@ fn draw_guide(sheet: &Sheet<'_>, frame: &Frame, guide: &Guide) -> Result<(), Rep
             };
             (label, ends, (ends[0].0 + shift, ends[0].1 - 20.0), anchor)
         }
-        Guide::Horizontal(y, label) => {
+        Guide::Horizontal(y, label) | Guide::UpTo(y, label) => {
             let Some(f) = frame.y.fraction(*y).filter(|f| (0.0..=1.0).contains(f)) else {
                 return Ok(());
             };
@@ -209,12 +254,18 @@ fn draw_series(
             });
         }
     }
-    for x in &series.failures {
-        if let Some(f) = frame.x.fraction(*x).filter(|f| (0.0..=1.0).contains(f)) {
+    for failure in &series.failures {
+        if let Some(f) = frame
+            .x
+            .fraction(failure.x)
+            .filter(|f| (0.0..=1.0).contains(f))
+        {
             let (px, py) = frame.at(f, 1.0);
             // Series fail at the same places: each has its own height, so that none hides another.
             let row = 9.0 + 11.0 * (series.color % crate::COLORS.len()) as f64;
-            sheet.failure((px, py + row), 0.95 * MARK, paint)?;
+            let at = (px, py + row);
+            sheet.failure(at, 0.95 * MARK, paint)?;
+            hints.extend(failure.note.clone().map(|note| Hint { at, note }));
         }
     }
     Ok(())
@@ -250,6 +301,11 @@ fn draw_point(
     if fy < -1e-9 {
         let (x, y) = frame.at(fx, 0.0);
         return sheet.symbol(Symbol::Wedge, (x, y - 6.0), MARK, paint);
+    }
+    if let Some((low, high)) = point.x_range {
+        let end = |x: f64| frame.x.fraction(x).unwrap_or(fx).clamp(0.0, 1.0);
+        let ends = [frame.at(end(low), fy), frame.at(end(high), fy)];
+        sheet.line(&ends, crate::Dash::Solid, paint, 1.0)?;
     }
     if let Some(error) = point.error.filter(|e| e.is_finite() && *e > 0.0) {
         let end = |y: f64| frame.y.fraction(y).unwrap_or(0.0).clamp(0.0, 1.0);
@@ -319,113 +375,4 @@ fn clip(a: Fractions, b: Fractions) -> Option<(Fractions, Fractions, bool, bool)
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Axis, Dash};
-
-    fn example() -> Figure {
-        Figure::new(
-            "test",
-            "Growth & <decay>",
-            Axis::linear("ωh"),
-            Axis::logarithmic("error / ε"),
-        )
-        .with(Series::new(
-            "theory",
-            Look::Line(Dash::Dashed),
-            0,
-            (1..50).map(|i| (f64::from(i), f64::from(i).powi(2))),
-        ))
-        .with(
-            Series::from_points(
-                "measured",
-                Look::Points(Symbol::Disc),
-                1,
-                vec![Point {
-                    x: 3.0,
-                    y: 9.0,
-                    error: Some(20.0),
-                    note: Some("n < 3".into()),
-                }],
-            )
-            .with_failures(vec![10.0, 20.0]),
-        )
-        .guided(Guide::Vertical(2.0, "limit".into()))
-    }
-
-    #[test]
-    fn the_same_data_give_the_same_bytes_and_text_is_escaped() {
-        let svg = example().to_svg().unwrap();
-        assert_eq!(svg, example().to_svg().unwrap());
-        assert!(svg.starts_with("<svg role=\"img\" width=\"100%\" viewBox=\"0 0 4480 "));
-        assert!(svg.trim_end().ends_with("</svg>"));
-        assert!(svg.contains("<title>Growth &amp; &lt;decay&gt;</title>"));
-        assert!(svg.contains("<title>n &lt; 3</title>"));
-        assert!(!svg.contains("<decay>"));
-        // Text stays text, and the legend says what a cross means.
-        for word in [
-            "theory",
-            "measured",
-            "failed: no value",
-            "limit",
-            "error / ε",
-        ] {
-            assert!(svg.contains(word), "{word}");
-        }
-    }
-
-    #[test]
-    fn lines_are_cut_at_the_frame_and_broken_where_there_is_no_value() {
-        assert_eq!(
-            clip((-1.0, 0.5), (1.0, 0.5)),
-            Some(((0.0, 0.5), (1.0, 0.5), false, true))
-        );
-        assert_eq!(clip((-1.0, 2.0), (2.0, 2.0)), None);
-        let frame = Frame {
-            left: 0.0,
-            top: 0.0,
-            width: 100.0,
-            height: 100.0,
-            x: Axis::linear("x")
-                .from_to(0.0, 4.0)
-                .span("f", [].into_iter())
-                .unwrap(),
-            y: Axis::linear("y")
-                .from_to(0.0, 1.0)
-                .span("f", [].into_iter())
-                .unwrap(),
-        };
-        let points: Vec<Point> = [0.5, 0.5, f64::NAN, 0.5, 0.5]
-            .iter()
-            .enumerate()
-            .map(|(i, y)| Point {
-                x: i as f64,
-                y: *y,
-                ..Point::default()
-            })
-            .collect();
-        let pieces = visible_pieces(&frame, &points);
-        assert_eq!(
-            pieces,
-            [[(0.0, 50.0), (25.0, 50.0)], [(75.0, 50.0), (100.0, 50.0)]]
-        );
-    }
-
-    #[test]
-    fn failures_are_drawn_and_not_dropped() {
-        let mut without = example();
-        without.series[1].failures.clear();
-        let count = |f: &Figure| f.to_svg().unwrap().matches("<polyline").count();
-        // Two strokes for each of the two failures and two in the legend.
-        assert_eq!(count(&example()), count(&without) + 6);
-    }
-
-    #[test]
-    fn a_figure_without_values_is_an_error() {
-        let empty = Figure::new("empty", "Empty", Axis::linear("x"), Axis::linear("y"));
-        assert!(matches!(
-            empty.to_svg(),
-            Err(ReportError::NothingToDraw { .. })
-        ));
-    }
-}
+mod tests;

@@ -13,6 +13,19 @@ pub struct Point {
     pub error: Option<f64>,
     /// What a reader sees who points at it.
     pub note: Option<String>,
+    /// Lowest and highest abscissa of a value that was measured many times, drawn as a bar without ends.
+    pub x_range: Option<(f64, f64)>,
+    /// A word or a number written beside it.
+    pub label: Option<String>,
+}
+
+/// A run that gave no value.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FailedPoint {
+    /// Abscissa.
+    pub x: f64,
+    /// What a reader sees who points at it.
+    pub note: Option<String>,
 }
 
 /// How a series is drawn.
@@ -37,8 +50,8 @@ pub struct Series {
     pub color: usize,
     /// The points, in drawing order.
     pub points: Vec<Point>,
-    /// Abscissae at which there is no value because the run failed: drawn as crosses along the upper edge.
-    pub failures: Vec<f64>,
+    /// Where there is no value because the run failed: drawn as crosses along the upper edge.
+    pub failures: Vec<FailedPoint>,
 }
 
 impl Series {
@@ -85,19 +98,28 @@ impl Series {
 
     /// Marks the abscissae of failed runs.
     #[must_use]
-    pub fn with_failures(mut self, failures: Vec<f64>) -> Self {
+    pub fn with_failures(self, failures: Vec<f64>) -> Self {
+        let at = |x| FailedPoint { x, note: None };
+        self.with_noted_failures(failures.into_iter().map(at).collect())
+    }
+
+    /// Marks failed runs, each with what is to be known of it.
+    #[must_use]
+    pub fn with_noted_failures(mut self, failures: Vec<FailedPoint>) -> Self {
         self.failures = failures;
         self
     }
 }
 
-/// A thin line across the figure with a word beside it.
+/// A thin line, or a tinted strip, across the figure with a word beside it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Guide {
     /// At this abscissa, from bottom to top.
     Vertical(f64, String),
     /// At this ordinate, from left to right.
     Horizontal(f64, String),
+    /// From the lower edge up to this ordinate, tinted: below it values say nothing.
+    UpTo(f64, String),
 }
 
 /// A figure with two axes.

@@ -19,7 +19,7 @@ mod table;
 pub use axis::{Axis, Scale};
 pub use bars::{BarFigure, BarSeries};
 pub use escape::{escape, inline_markup};
-pub use figure::{Figure, Guide, Look, Point, Series};
+pub use figure::{FailedPoint, Figure, Guide, Look, Point, Series};
 pub use number::{plain_or_scientific, significant, with_error};
 pub use page::{Block, Page, PageFigure, Section};
 pub use palette::{COLORS, Dash, Symbol};

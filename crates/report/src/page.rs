@@ -5,6 +5,8 @@ use crate::escape::{escape, inline_markup};
 
 /// The style of every page.
 const STYLE: &str = include_str!("page.css");
+/// What lets points be pointed at, with a mouse or a finger; only on pages that have such points.
+const SCRIPT: &str = include_str!("page.js");
 
 /// A figure on a page.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -127,7 +129,11 @@ impl Page {
                 inline_markup(value)
             ));
         }
-        html.push_str("</dl>\n</footer>\n</body>\n</html>\n");
+        html.push_str("</dl>\n</footer>\n");
+        if html.contains("class=\"hint\"") {
+            html.push_str(&format!("<script>\n{SCRIPT}</script>\n"));
+        }
+        html.push_str("</body>\n</html>\n");
         html
     }
 }
@@ -237,6 +243,16 @@ mod tests {
         for outside in ["src=\"", "href=\"http", "@import", "url("] {
             assert!(!html.contains(outside), "{outside}");
         }
+        // The script is there where a point can be pointed at, and only there.
+        let mut pointed = page();
+        let hint = r#"<svg><circle class="hint"><title>x</title></circle></svg>"#;
+        pointed
+            .sections
+            .push(Section::new("S").with(Block::Figures(vec![PageFigure {
+                svg: hint.into(),
+                ..PageFigure::default()
+            }])));
+        assert_eq!(pointed.to_html().matches("<script>").count(), 1);
         // Every tag that opens is closed.
         for tag in [
             "section",

@@ -46,6 +46,9 @@ pub enum StudyError {
         /// What happened.
         source: lennard_core::ForceError,
     },
+    /// The threads of a study cannot be started.
+    #[error("cannot start threads: {0}")]
+    Threads(String),
     /// A figure cannot be drawn.
     #[error(transparent)]
     Report(#[from] ReportError),

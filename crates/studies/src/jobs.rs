@@ -12,11 +12,21 @@ use std::sync::mpsc;
 pub(crate) fn side_by_side<I: Sync, R: Send>(
     items: &[I],
     work: impl Fn(&I) -> R + Sync,
+    done: impl FnMut(f64),
+) -> Vec<R> {
+    side_by_side_on(rayon::current_num_threads(), items, work, done)
+}
+
+/// The same on at most so many threads.
+pub(crate) fn side_by_side_on<I: Sync, R: Send>(
+    threads: usize,
+    items: &[I],
+    work: impl Fn(&I) -> R + Sync,
     mut done: impl FnMut(f64),
 ) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let results: Vec<Mutex<Option<R>>> = items.iter().map(|_| Mutex::new(None)).collect();
-    let threads = rayon::current_num_threads().clamp(1, items.len().max(1));
+    let threads = threads.clamp(1, items.len().max(1));
     let (tell, told) = mpsc::channel();
     std::thread::scope(|scope| {
         for _ in 0..threads {

@@ -1,15 +1,17 @@
-//! Studies: stability of every integrator, on the oscillator and on the fluid; sweeps over state points; finished runs beside the
-//! literature, and the page of a run.
+//! Studies: stability of every integrator, on the oscillator and on the fluid; speed against accuracy; sweeps over state
+//! points; finished runs beside the literature, and the page of a run.
 //!
 //! A study is data first: it runs, keeps what it found with every number, and is then written as CSV,
 //! JSON, SVG and one self-contained page.
 
+pub mod chart;
 pub mod claims;
 pub mod compare;
 mod error;
 mod files;
 pub mod fluid_stability;
 mod jobs;
+mod kept;
 mod progress;
 pub mod run_page;
 pub mod settings;

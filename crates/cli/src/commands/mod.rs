@@ -1,5 +1,6 @@
 //! One file a command.
 
+pub mod chart;
 pub mod compare;
 pub mod energy;
 pub mod list;
@@ -21,7 +22,7 @@ use lennard_scene::{Lock, Scene};
 use serde::Serialize;
 
 use crate::args::{Cli, SceneArgs};
-use crate::failure::{Failure, OTHER};
+use crate::failure::{Failure, INPUT, OTHER};
 
 /// Loads the scene of a command with its overrides, and with the settings of its lock file where it asks for an
 /// accuracy and there is one.
@@ -97,6 +98,22 @@ pub fn output_folder(named: Option<&Path>, force: bool, stem: &str) -> Result<Pa
         None => lennard_io::create_numbered_folder("runs".as_ref(), stem),
     };
     made.map_err(|e| EngineError::Folder(e).into())
+}
+
+/// Makes the output folder of a study that goes on where it was stopped: the one named, whatever it holds, or
+/// `runs/<stem>-<n>` with the first free n.
+pub fn resumable_folder(named: Option<&Path>, stem: &str) -> Result<PathBuf, Failure> {
+    let Some(folder) = named else {
+        return output_folder(None, false, stem);
+    };
+    std::fs::create_dir_all(folder).map_err(|e| {
+        Failure::new(
+            "making the output folder",
+            format!("{}: {e}", folder.display()),
+            INPUT,
+        )
+    })?;
+    Ok(folder.to_owned())
 }
 
 /// Writes the page of a finished run.

@@ -49,11 +49,13 @@ pub fn stability(args: &StabilityArgs) -> Result<ExitCode, Failure> {
 
 impl From<StudyError> for Failure {
     fn from(error: StudyError) -> Self {
-        let code = if matches!(error, StudyError::Folder { .. }) {
-            INPUT
-        } else {
-            OTHER
-        };
-        Self::new("the stability study", error, code)
+        match error {
+            StudyError::Engine(error) => error.into(),
+            StudyError::Write(error) => error.into(),
+            StudyError::Folder { .. } | StudyError::Settings { .. } => {
+                Self::new("the study", error, INPUT)
+            }
+            other => Self::new("the study", other, OTHER),
+        }
     }
 }

@@ -5,34 +5,20 @@ use std::process::ExitCode;
 use lennard_studies::sweep::{self, Ending, SweepError, SweepOptions};
 
 use crate::args::SweepArgs;
-use crate::commands::{output_folder, print_json};
-use crate::failure::{Failure, INPUT, OTHER};
+use crate::commands::{print_json, resumable_folder};
+use crate::failure::{Failure, INPUT, OTHER, STOPPED};
 use crate::progress::Display;
 use crate::{show, signals};
 
 /// Exit code where physics stopped a point.
 const PHYSICS: u8 = 3;
-/// Exit code of a sweep that was asked to stop; the same command goes on.
-const STOPPED: u8 = 4;
 
 /// Runs the points that are not finished yet, and prints their table.
 pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let stop = signals::stop_flag()?;
     let sweep = sweep::load(&args.sweep, &args.set)?;
-    let folder = match &args.out {
-        // What an earlier sweep has left there is looked at point by point.
-        Some(folder) => {
-            std::fs::create_dir_all(folder).map_err(|e| {
-                Failure::new(
-                    "making the output folder",
-                    format!("{}: {e}", folder.display()),
-                    INPUT,
-                )
-            })?;
-            folder.clone()
-        }
-        None => output_folder(None, false, &sweep.name)?,
-    };
+    // What an earlier sweep has left there is looked at point by point.
+    let folder = resumable_folder(args.out.as_deref(), &sweep.name)?;
     let threads = args.threads.map_or_else(
         || std::thread::available_parallelism().map_or(1, usize::from),
         usize::from,

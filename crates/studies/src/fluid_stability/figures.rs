@@ -83,6 +83,7 @@ fn series(
                 y,
                 error,
                 note: Some(format!("{}, dt = {}", run.method, run.dt)),
+                ..Point::default()
             }),
             _ => failures.push(run.dt),
         }

@@ -77,7 +77,7 @@ fn with_errors(table: &Table, x: &str, y: &str, error: &str, scale: f64) -> Opti
             x: x[i],
             y: scale * y[i],
             error: Some(scale * e[i]).filter(|e| e.is_finite()),
-            note: None,
+            ..Point::default()
         })
         .collect();
     (!points.is_empty()).then_some(points)

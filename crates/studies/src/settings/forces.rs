@@ -150,6 +150,20 @@ impl Workbench {
     /// [`StudyError`] where the settings do not fit.
     pub fn force_errors(&self, settings: &Settings) -> Result<ForceErrors, StudyError> {
         let options = settings.apply(self.scene())?.force_field();
+        let found = self.forces_at_start(settings, &options)?;
+        self.errors_of_forces(settings, &found)
+    }
+
+    /// The errors of forces at the start, `[N]` in ε/σ, that somebody else has computed for these settings.
+    ///
+    /// # Errors
+    /// [`StudyError`] where the settings do not fit.
+    pub fn errors_of_forces(
+        &self,
+        settings: &Settings,
+        found: &[DVec3],
+    ) -> Result<ForceErrors, StudyError> {
+        let options = settings.apply(self.scene())?.force_field();
         let judge = ForceFieldOptions {
             kernel: KernelOptions {
                 kernel: if self.start().len() <= REFERENCE_UP_TO {
@@ -165,7 +179,6 @@ impl Workbench {
             canonical: true,
             ..options
         };
-        let found = self.forces_at_start(settings, &options)?;
         let right = self.forces_at_start(settings, &judge)?;
         let untruncated = if truncation_is_free(self.scene()) {
             let whole = self.untruncated()?;
@@ -175,7 +188,7 @@ impl Workbench {
             None
         };
         Ok(ForceErrors {
-            same_model: relative(&found, &right),
+            same_model: relative(found, &right),
             untruncated,
         })
     }

@@ -246,6 +246,42 @@ impl Workbench {
         })
     }
 
+    /// Means of somebody else's run of these settings at this temperature, beside the equation of state of their model;
+    /// `None` where there is none or it does not cover the state. `about` is asked for U and P with the errors of their
+    /// differences from lines with the slopes ∂U/∂T and ∂P/∂T.
+    ///
+    /// # Errors
+    /// [`StudyError::Settings`] where the settings do not fit the scene.
+    pub fn against_equation(
+        &self,
+        settings: &Settings,
+        temperature: f64,
+        about: impl Fn(f64, f64) -> (Value, Value),
+    ) -> Result<Option<AgainstEquation>, StudyError> {
+        let model = model_kind(&settings.apply(self.scene())?);
+        let density = self.start().density();
+        let equation = lennard_literature::equation_of_state_for(model).ok();
+        let covered = equation.filter(|e| e.check(density, temperature).is_ok());
+        Ok(covered.map(|equation| {
+            let state = equation.at(density, temperature);
+            let (u, p) = about(state.du_dt, state.dp_dt);
+            let less = |v: Value, reference: f64| Value {
+                mean: v.mean - reference,
+                ..v
+            };
+            AgainstEquation {
+                source: equation.spec().name.clone(),
+                potential_energy: less(u, state.potential_energy),
+                pressure: less(p, state.pressure),
+                own_uncertainty: equation
+                    .spec()
+                    .uncertainty
+                    .as_ref()
+                    .map(|own| (own.potential_energy, own.pressure)),
+            }
+        }))
+    }
+
     /// The equation of state of the model that these settings simulate, by name; or why there is none.
     ///
     /// # Errors

@@ -13,11 +13,12 @@ mod motion;
 mod start;
 mod workbench;
 
+pub(crate) use cost::shuffled;
 pub use cost::{Cost, Spread, Timing, costs, modelled_work};
 pub use forces::{ForceErrors, Untruncated};
 pub use grid::{Grid, LeftOut, Size, grid};
-pub use measured::{Drift, Measured, Slopes, Value};
-pub use motion::TrajectoryError;
+pub use measured::{AgainstEquation, Drift, Measured, Slopes, Value};
+pub use motion::{TightTrajectory, TrajectoryError};
 pub use start::Start;
 pub use workbench::{Failed, Workbench};
 

@@ -27,12 +27,15 @@ pub struct TrajectoryError {
 }
 
 /// Where a tight trajectory ends, and how well that is known.
-struct Reference {
-    positions: Vec<DVec3>,
-    floor: f64,
+#[derive(Debug, Clone, PartialEq)]
+pub struct TightTrajectory {
+    /// Unwrapped positions, `[N]`, σ.
+    pub positions: Vec<DVec3>,
+    /// Root mean square distance from a trajectory with twice the step, σ.
+    pub floor: f64,
 }
 
-type Slot = Arc<OnceLock<Reference>>;
+type Slot = Arc<OnceLock<Arc<TightTrajectory>>>;
 
 /// The tight trajectories made so far, each with its truncation and its time.
 #[derive(Default)]
@@ -84,22 +87,34 @@ impl Workbench {
         let (steps, dt) = steps_to(time, self.stage_dt(settings));
         let mut state = self.state();
         self.advance(settings, &mut state, steps, dt)?;
+        let tight = self.tight_trajectory(settings, time)?;
+        Ok(TrajectoryError {
+            distance: distance(&state.positions, &tight.positions),
+            floor: tight.floor,
+            time,
+        })
+    }
+
+    /// Where the tight trajectory of the model of these settings is after `time` τ; computed once.
+    ///
+    /// # Errors
+    /// As [`Workbench::trajectory_error`].
+    pub fn tight_trajectory(
+        &self,
+        settings: &Settings,
+        time: f64,
+    ) -> Result<Arc<TightTrajectory>, StudyError> {
         let slot = self
             .references
             .lock()
             .unwrap_or_else(std::sync::PoisonError::into_inner)
             .slot(settings.truncation, time);
-        if slot.get().is_none() {
-            let found = self.reference(settings, time)?;
-            // Another thread may have been faster, with the same numbers.
-            let _ = slot.set(found);
+        if let Some(there) = slot.get() {
+            return Ok(Arc::clone(there));
         }
-        let reference = slot.get().expect("it was set above");
-        Ok(TrajectoryError {
-            distance: distance(&state.positions, &reference.positions),
-            floor: reference.floor,
-            time,
-        })
+        let found = Arc::new(self.compute_tight_trajectory(settings, time)?);
+        // Another thread may have been faster, with the same numbers.
+        Ok(Arc::clone(slot.get_or_init(|| found)))
     }
 
     /// Root mean square distance, σ, of the particles from their start after `time` τ forward at constant energy and
@@ -118,7 +133,11 @@ impl Workbench {
         Ok(distance(&state.positions, &self.start().positions))
     }
 
-    fn reference(&self, settings: &Settings, time: f64) -> Result<Reference, StudyError> {
+    fn compute_tight_trajectory(
+        &self,
+        settings: &Settings,
+        time: f64,
+    ) -> Result<TightTrajectory, StudyError> {
         let tight = Settings {
             precision: Precision::Double,
             list: ListMode::Auto,
@@ -136,7 +155,7 @@ impl Workbench {
         };
         let positions = end(REFERENCE_DT)?;
         let floor = distance(&end(2.0 * REFERENCE_DT)?, &positions);
-        Ok(Reference { positions, floor })
+        Ok(TightTrajectory { positions, floor })
     }
 
     fn state(&self) -> State {

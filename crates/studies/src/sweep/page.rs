@@ -153,6 +153,7 @@ fn differences(record: &SweepRecord, quantity: &str, title: &str, unit: &str) ->
                         "{}: T = {:.4}, {}",
                         point.name, state.temperature, state.words
                     )),
+                    ..Point::default()
                 })
             })
             .collect()

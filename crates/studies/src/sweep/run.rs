@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::threads::{threads_of, workers};
 use super::{Agreement, Point, Sweep, SweepError, agreement, page};
 use crate::compare::{ComparedRun, RunFolder, StateOfMatter, compare};
+use crate::kept::same_scene;
 use crate::{Progress, run_page};
 
 /// Name and version of the schema of [`SweepRecord`].
@@ -171,8 +172,7 @@ fn look(folder: &Path, point: &Point, replace: bool) -> Result<Found, SweepError
         folder: folder.to_owned(),
         found,
     };
-    let scene = lennard_scene::Scene::load(&folder.join("scene.toml"), &[]);
-    let same = scene.as_ref().is_ok_and(|there| *there == point.scene);
+    let same = same_scene(folder, &point.scene) == Some(true);
     match (lennard_io::read_run_record(&folder.join("run.json")), same) {
         (Ok(RunRecord { finished: true, .. }), true) => Ok(Found::Finished),
         (Ok(_), true) => Ok(Found::Begun),

@@ -1,0 +1,78 @@
+//! A chart of speed against accuracy as a table.
+
+use std::path::Path;
+
+use lennard_report::significant;
+use lennard_studies::chart::{Chart, standings};
+
+use super::table;
+
+/// Where the scene's own settings stand, and what would do as well for less.
+pub fn chart(chart: &Chart, folder: &Path) {
+    println!(
+        "{}: {} settings, {} particles, runs of {} τ",
+        chart.scene,
+        chart.points.len(),
+        chart.atoms,
+        significant(chart.plan.time, 3)
+    );
+    if let Some(own) = chart.points.first() {
+        println!("  its own settings: {}", own.label);
+        if let Some(m) = own.measured() {
+            println!(
+                "  statistical floor: U ± {} ε (n_eff {:.0}), P ± {} ε/σ³ (n_eff {:.0})",
+                significant(m.potential_energy.standard_error, 2),
+                m.potential_energy.n_effective,
+                significant(m.pressure.standard_error, 2),
+                m.pressure.n_effective
+            );
+        }
+        if let Some(cost) = own.cost() {
+            println!(
+                "  their cost: {} µs per atom and τ ({} to {}, {} timings, {} thread{})",
+                significant(1e6 * cost.wall.median, 3),
+                significant(1e6 * cost.wall.low, 3),
+                significant(1e6 * cost.wall.high, 3),
+                cost.wall.repeats,
+                chart.plan.threads,
+                if chart.plan.threads == 1 { "" } else { "s" }
+            );
+        }
+    }
+    let mut t = table(
+        &["error", "own", "floor", "cheapest that is no worse", "cost"],
+        1..3,
+    );
+    for s in standings(chart) {
+        let own = s.own.error.unwrap_or(f64::NAN);
+        let own = match s.own.standard_error {
+            Some(error) => format!("{} ± {}", significant(own, 2), significant(error, 2)),
+            None => significant(own, 2),
+        };
+        let cheapest = chart.points.iter().find(|p| p.number == s.cheapest.number);
+        let label = match cheapest {
+            Some(p) if p.number != s.own.number => p.label.as_str(),
+            _ => "itself",
+        };
+        t.add_row([
+            s.panel.title.to_owned(),
+            own,
+            s.panel.floor.map_or("–".into(), |f| significant(f, 2)),
+            label.to_owned(),
+            format!("{} ×", significant(s.cheapest.wall / s.own.wall, 2)),
+        ]);
+    }
+    println!("{t}");
+    let failed = chart
+        .points
+        .iter()
+        .filter(|p| p.errors.is_some() && p.measured().is_none())
+        .count();
+    if failed > 0 {
+        println!("  {failed} settings failed; the page says how");
+    }
+    for remark in &chart.remarks {
+        println!("  {remark}");
+    }
+    println!("  page: {}", folder.join("report.html").display());
+}

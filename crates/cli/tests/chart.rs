@@ -1,0 +1,160 @@
+//! `lennard chart` as a user types it.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// A small liquid whose measured stage is so short that a quick chart takes seconds.
+const SCENE: &str = r#"
+[system]
+n_atoms = 256
+density = 0.8442
+temperature = 0.8
+
+[truncation]
+r_cut = 2.5
+
+[integrator]
+dt = 0.01
+
+[[stage]]
+name = "equilibrate"
+steps = 200
+thermostat = { kind = "bussi", tau = 0.1 }
+
+[[stage]]
+name = "production"
+steps = 10
+"#;
+
+fn chart(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_lennard"))
+        .args(["chart", "scene.toml", "--quick"])
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+fn folder(scene: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    folder
+}
+
+fn document(output: &Output) -> Value {
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{words}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn panel<'a>(chart: &'a Value, name: &str) -> &'a Value {
+    let panels = chart["panels"].as_array().unwrap();
+    panels.iter().find(|p| p["name"] == name).unwrap()
+}
+
+#[test]
+fn a_chart_has_everything_goes_on_where_it_stopped_and_refuses_other_folders() {
+    let place = folder(SCENE);
+    let out = place.path().join("out");
+    let first = document(&chart(place.path(), &["--out", "out", "--json", "--quiet"]));
+    assert_eq!(first["finished"], true);
+
+    // Three times the scene's step blows up, and that is a mark with its reason, not a gap.
+    let marks = panel(&first, "energy-drift")["marks"].as_array().unwrap();
+    let failed: Vec<&Value> = marks.iter().filter(|m| m["error"].is_null()).collect();
+    assert!(!failed.is_empty() && failed.len() < marks.len());
+    for mark in failed {
+        assert!(mark["failure"].as_str().unwrap().contains("failed at step"));
+        assert!(mark["wall"].as_f64().unwrap() > 0.0);
+    }
+    // Mixed precision errs more in the forces than double, and every panel has a front.
+    let forces = panel(&first, "forces-same-model")["marks"]
+        .as_array()
+        .unwrap();
+    let precision = |n: &Value| {
+        let points = first["points"].as_array().unwrap();
+        let point = points.iter().find(|p| p["number"] == *n).unwrap();
+        point["settings"]["precision"].as_str().unwrap().to_owned()
+    };
+    for mark in forces {
+        let error = mark["error"].as_f64().unwrap();
+        let is_mixed = precision(&mark["number"]) == "mixed";
+        assert_eq!(error > 1e-10, is_mixed, "{mark}");
+    }
+    for panel in first["panels"].as_array().unwrap() {
+        let name = panel["name"].as_str().unwrap();
+        let marks = panel["marks"].as_array().unwrap();
+        assert!(marks.iter().any(|m| m["on_wall_front"] == true), "{name}");
+        for file in [format!("{name}.csv"), format!("{name}.json")] {
+            assert!(out.join(&file).exists(), "{file}");
+        }
+        for kind in ["wall", "forces"] {
+            let svg = out.join(format!("figures/{name}-{kind}.svg"));
+            let text = std::fs::read_to_string(&svg).unwrap();
+            assert!(
+                text.contains("Pareto front") && text.contains("<title>"),
+                "{name}"
+            );
+        }
+    }
+    let html = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(html.contains("Point at a mark") && html.matches("<script>").count() == 1);
+    assert!(!html.contains("http-equiv") && !html.contains("src=\"http"));
+
+    // As if it had been interrupted: what is there is kept, what is missing comes out the same.
+    let stored = |n: usize| out.join(format!("points/{n:04}.toml"));
+    let kept = std::fs::read(stored(2)).unwrap();
+    for n in [1, 3] {
+        std::fs::remove_file(stored(n)).unwrap();
+    }
+    let second = document(&chart(place.path(), &["--out", "out", "--json", "--quiet"]));
+    assert_eq!(std::fs::read(stored(2)).unwrap(), kept);
+    for i in 0..3 {
+        assert_eq!(first["points"][i]["errors"], second["points"][i]["errors"]);
+    }
+
+    // The folder belongs to this scene and this size alone.
+    let refused = |arguments: &[&str], words: &str| {
+        let output = chart(place.path(), arguments);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(words), "{said}");
+    };
+    refused(
+        &["--out", "out", "--set", "system.seed=2"],
+        "it belongs to another scene",
+    );
+    refused(
+        &["--out", "out", "--threads", "2"],
+        "its timings are of 1 threads",
+    );
+    refused(&["--out", "."], "no chart");
+}
+
+#[test]
+fn a_scene_without_an_equation_of_state_is_judged_by_the_tightest_run() {
+    let place = folder(&SCENE.replace("[truncation]\nr_cut = 2.5", "[potential]\nkind = \"wca\""));
+    let found = document(&chart(place.path(), &["--out", "out", "--json", "--quiet"]));
+    let equation = panel(&found, "pressure-equation");
+    assert_eq!(equation["marks"].as_array().unwrap().len(), 0);
+    let about = equation["about"].as_str().unwrap();
+    assert!(about.contains("no equation of state for WCA"), "{about}");
+    assert!(about.contains("tightest run alone"), "{about}");
+    let tightest = panel(&found, "pressure-tightest")["marks"]
+        .as_array()
+        .unwrap();
+    assert!(tightest.iter().any(|m| m["error"].is_f64()));
+    let html = std::fs::read_to_string(place.path().join("out/report.html")).unwrap();
+    assert!(html.contains("no equation of state for WCA"));
+}
+
+#[test]
+fn a_scene_that_cannot_be_equilibrated_ends_with_the_physics_that_failed() {
+    let place = folder(&SCENE.replace("dt = 0.01", "dt = 0.2"));
+    let output = chart(place.path(), &["--out", "out", "--quiet"]);
+    assert_eq!(output.status.code(), Some(3));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("the run failed at step"), "{said}");
+}

@@ -1,0 +1,314 @@
+//! Running the points: errors side by side, then costs one after the other.
+
+use std::sync::Mutex;
+use std::sync::atomic::Ordering;
+
+use lennard_forcefield::{ListMode, Precision, TruncationKind};
+use lennard_scene::Scene;
+
+use super::point::{ChartedPoint, Errors, Outcome};
+use super::store::Store;
+use super::{Chart, ChartError, ChartOptions, Plan, SCHEMA, panels, peers};
+use crate::jobs::side_by_side_on;
+use crate::settings::{
+    Failed, Grid, Settings, Size, Workbench, grid, modelled_work, shuffled, truncation_is_free,
+};
+use crate::{Progress, StudyError};
+
+/// Steps of the scene in the unit of the short trajectories: a whole number of steps of most of the grid.
+const SHORT_UNIT: f64 = 48.0;
+/// About this long are they, τ: before chaos takes over.
+const SHORT_TIME: f64 = 0.25;
+/// Shortest and longest runs that measure, τ.
+const SHORTEST: f64 = 2.0;
+const LONGEST: f64 = 200.0;
+/// The tightest run is that much longer: all others are compared with it.
+const TIGHT_FACTOR: f64 = 2.0;
+/// Seconds of one thread, by the model, that all measuring runs of a chart together may take.
+const QUICK_SECONDS: f64 = 5.0;
+const DEFAULT_SECONDS: f64 = 130.0;
+/// Length of the runs of the whole grid, τ.
+const FULL_TIME: f64 = 20.0;
+/// Share of the work that is done when errors are known, for the progress.
+const ERRORS_SHARE: f64 = 0.85;
+
+/// Everything there is to measure, or as much as was done when it was stopped.
+pub(super) fn all(
+    scene: &Scene,
+    options: &ChartOptions<'_>,
+    progress: &mut dyn Progress,
+) -> Result<Chart, ChartError> {
+    let store = Store::open(options.folder, scene, options.anew)?;
+    progress.update("equilibrating", 0.0);
+    let bench = Workbench::new(scene)?;
+    let mut grid = grid(&bench, options.size);
+    let tightest = with_tightest(&mut grid, &bench)?;
+    let plan = plan(&bench, &grid, tightest, options);
+    store.begin(scene, &plan)?;
+    let points: Vec<Mutex<ChartedPoint>> = grid
+        .settings
+        .iter()
+        .enumerate()
+        .map(|(i, settings)| ChartedPoint::new(i + 1, settings.clone()))
+        .map(|fresh| Mutex::new(store.load(&fresh).unwrap_or(fresh)))
+        .collect();
+    let slopes = bench.slopes(&grid.settings[tightest], plan.time)?;
+    let untruncated = if truncation_is_free(scene) {
+        Some(bench.untruncated()?)
+    } else {
+        None
+    };
+
+    let waiting: Vec<usize> = shuffled(points.len(), scene.system.seed, usize::MAX)
+        .into_iter()
+        .filter(|i| get(&points[*i]).errors.is_none())
+        .collect();
+    let measured: Vec<Result<(), ChartError>> = side_by_side_on(
+        options.workers,
+        &waiting,
+        |i| {
+            if options.stop.load(Ordering::Relaxed) {
+                return Ok(());
+            }
+            let mut point = get(&points[*i]);
+            let time = if *i == tightest {
+                plan.tight_time
+            } else {
+                plan.time
+            };
+            point.errors = Some(errors(&bench, &point.settings, time, &plan, &slopes)?);
+            store.save(&point)?;
+            set(&points[*i], point);
+            Ok(())
+        },
+        |share| progress.update("measuring errors", ERRORS_SHARE * share),
+    );
+    measured.into_iter().collect::<Result<Vec<()>, _>>()?;
+    time_all(&bench, &points, &plan, &store, options, progress)?;
+
+    let mut points: Vec<ChartedPoint> = points
+        .into_iter()
+        .map(|p| {
+            p.into_inner()
+                .unwrap_or_else(std::sync::PoisonError::into_inner)
+        })
+        .collect();
+    let finished = points
+        .iter()
+        .all(|p| p.errors.is_some() && p.is_timed(plan.repeats));
+    let mut remarks = Vec::new();
+    if options.with_peers && finished {
+        progress.update("other engines", 0.99);
+        match peers::lammps(&bench, &plan, &slopes, &points) {
+            Ok(found) => points.extend(found),
+            Err(reason) => remarks.push(format!("LAMMPS is left out: {reason}")),
+        }
+    }
+    let mut chart = Chart {
+        schema: SCHEMA,
+        scene: scene.name.clone(),
+        atoms: bench.start().len(),
+        density: bench.start().density(),
+        finished,
+        slopes,
+        reach: untruncated.map(|u| u.reach),
+        left_out_of_forces: untruncated.map(|u| u.left_out),
+        points,
+        tightest,
+        left_out: grid.left_out,
+        remarks,
+        panels: Vec::new(),
+        plan,
+    };
+    chart.panels = panels::panels(&bench, &chart)?;
+    progress.update("done", 1.0);
+    Ok(chart)
+}
+
+fn get(slot: &Mutex<ChartedPoint>) -> ChartedPoint {
+    slot.lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner)
+        .clone()
+}
+
+fn set(slot: &Mutex<ChartedPoint>, point: ChartedPoint) {
+    *slot
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner) = point;
+}
+
+fn pool(threads: usize) -> Result<rayon::ThreadPool, ChartError> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| StudyError::Threads(e.to_string()).into())
+}
+
+/// Adds the settings by which all others are judged, and gives their place.
+fn with_tightest(grid: &mut Grid, bench: &Workbench) -> Result<usize, ChartError> {
+    if grid.settings.len() < 2 {
+        return Err(nothing_to_compare(grid));
+    }
+    let base = Settings::of(bench.scene());
+    let widest = grid
+        .settings
+        .iter()
+        .map(|s| s.truncation.r_cut)
+        .fold(0.0, f64::max);
+    let shortest = grid
+        .settings
+        .iter()
+        .filter(|s| s.integrator == base.integrator)
+        .map(|s| s.dt)
+        .fold(base.dt, f64::min);
+    let tight = Settings {
+        dt: shortest,
+        precision: Precision::Double,
+        list: ListMode::Auto,
+        skin: None,
+        ..base.clone()
+    };
+    // The plain cutoff with its tail stands for the whole potential; a fluid with surfaces has no tail.
+    let tails = grid.settings.iter().any(|s| s.truncation.tail_correction);
+    let tight = if truncation_is_free(bench.scene()) {
+        tight.with_truncation(TruncationKind::Cut, widest, tails)
+    } else {
+        tight
+    };
+    bench.check(&tight)?;
+    if let Some(there) = grid.settings.iter().position(|s| *s == tight) {
+        return Ok(there);
+    }
+    grid.settings.push(tight);
+    Ok(grid.settings.len() - 1)
+}
+
+fn nothing_to_compare(grid: &Grid) -> ChartError {
+    let why = grid
+        .left_out
+        .iter()
+        .map(|l| format!("\n  {}: {}", l.what, l.why))
+        .collect();
+    ChartError::NothingToCompare {
+        found: grid.settings.len(),
+        why,
+    }
+}
+
+/// How long everything runs: a function of the scene and the grid.
+fn plan(bench: &Workbench, grid: &Grid, tightest: usize, options: &ChartOptions<'_>) -> Plan {
+    let work = |s: &Settings| modelled_work(bench.scene(), bench.start(), s);
+    let a_tau: f64 = grid.settings.iter().map(work).sum::<f64>()
+        + (TIGHT_FACTOR - 1.0) * work(&grid.settings[tightest]);
+    let (time, repeats, timing_seconds) = match options.size {
+        Size::Quick => (QUICK_SECONDS / a_tau, 3, 0.02),
+        Size::Default => (DEFAULT_SECONDS / a_tau, 5, 0.03),
+        Size::Full => (FULL_TIME, 5, 0.03),
+    };
+    // Longer than the run that the scene plans would tell more than is asked.
+    let scene = bench.scene();
+    let planned = scene.stages.iter().filter(|s| s.measure);
+    let planned: f64 = planned.map(|s| s.steps as f64 * scene.stage_dt(s)).sum();
+    let time = time.clamp(SHORTEST, LONGEST.min(planned).max(SHORTEST));
+    let unit = SHORT_UNIT * bench.scene().integrator.dt;
+    Plan {
+        size: options.size,
+        points: grid.settings.len(),
+        time,
+        tight_time: TIGHT_FACTOR * time,
+        short_time: unit * (SHORT_TIME / unit).round().max(1.0),
+        repeats,
+        timing_seconds,
+        threads: options.threads,
+        cpu: lennard_io::cpu_name(),
+        version: env!("CARGO_PKG_VERSION").into(),
+    }
+}
+
+/// All errors of some settings.
+fn errors(
+    bench: &Workbench,
+    settings: &Settings,
+    time: f64,
+    plan: &Plan,
+    slopes: &crate::settings::Slopes,
+) -> Result<Errors, StudyError> {
+    Ok(Errors {
+        forces: bench.force_errors(settings)?,
+        measured: outcome(bench.measure(settings, time, slopes))?,
+        trajectory: outcome(bench.trajectory_error(settings, plan.short_time))?,
+        reversibility: outcome(bench.reversibility(settings, plan.short_time))?,
+    })
+}
+
+/// A run that failed is a result.
+fn outcome<T>(result: Result<T, StudyError>) -> Result<Outcome<T>, StudyError> {
+    match result {
+        Ok(found) => Ok(Outcome::Found(found)),
+        Err(error) => Ok(Outcome::Failed(Failed::from_error(error)?)),
+    }
+}
+
+/// Times what is not timed often enough, one after the other, each round in another order.
+fn time_all(
+    bench: &Workbench,
+    points: &[Mutex<ChartedPoint>],
+    plan: &Plan,
+    store: &Store,
+    options: &ChartOptions<'_>,
+    progress: &mut dyn Progress,
+) -> Result<(), ChartError> {
+    let pool = pool(plan.threads)?;
+    let seed = bench.scene().system.seed;
+    for round in 0..plan.repeats {
+        for (done, i) in shuffled(points.len(), seed, round).into_iter().enumerate() {
+            let mut point = get(&points[i]);
+            if options.stop.load(Ordering::Relaxed) {
+                return Ok(());
+            }
+            if point.is_timed(round + 1) {
+                continue;
+            }
+            let timing =
+                pool.install(|| outcome(bench.timing(&point.settings, plan.timing_seconds)))?;
+            match timing {
+                Outcome::Found(timing) => {
+                    if point.pair_forces_per_atom_tau.is_none() {
+                        let evaluations = timing.evaluations_per_tau;
+                        point.pair_forces_per_atom_tau =
+                            Some(bench.pair_forces(&point.settings, evaluations)?);
+                    }
+                    point.timings.push(timing);
+                }
+                Outcome::Failed(failed) => point.not_timed = Some(failed),
+            }
+            store.save(&point)?;
+            set(&points[i], point);
+            let share = (round * points.len() + done) as f64 / (plan.repeats * points.len()) as f64;
+            progress.update("timing", ERRORS_SHARE + (1.0 - ERRORS_SHARE) * share);
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::LeftOut;
+
+    #[test]
+    fn an_empty_grid_is_refused_and_says_why() {
+        let grid = Grid {
+            settings: Vec::new(),
+            left_out: vec![LeftOut {
+                what: "cutoffs of 2 σ".into(),
+                why: "the box is small".into(),
+            }],
+        };
+        let text = nothing_to_compare(&grid).to_string();
+        assert!(
+            text.contains("0 of the settings") && text.contains("the box is small"),
+            "{text}"
+        );
+    }
+}

@@ -1,0 +1,166 @@
+//! `lennard chart`: speed against accuracy, for one scene with many settings.
+//!
+//! All runs begin at one equilibrated start. What each finishes is stored in the output folder, so that the same command
+//! goes on where it was stopped.
+
+mod figures;
+mod kinds;
+mod measure;
+mod page;
+mod panels;
+mod peers;
+mod point;
+mod store;
+mod tables;
+
+pub use page::{Standing, standings};
+pub use panels::{Axis, Mark, Panel, panels};
+pub use point::{ChartedPoint, Errors, Outcome};
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use lennard_scene::Scene;
+use serde::{Deserialize, Serialize};
+
+use crate::settings::{LeftOut, Size, Slopes};
+use crate::{Progress, StudyError, files};
+
+/// Name and version of the schema of [`Chart`].
+const SCHEMA: &str = "lennard-chart/1";
+
+/// Why a chart cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ChartError {
+    /// The output folder holds something else.
+    #[error("{}: {found}\n  allowed: an empty folder, or what this very chart has left there; give another --out, or --force to begin anew", folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// What it holds.
+        found: String,
+    },
+    /// The grid has no two settings that can run.
+    #[error("there is nothing to compare: {found} of the settings around this scene can run{why}")]
+    NothingToCompare {
+        /// How many can.
+        found: usize,
+        /// Why the others cannot.
+        why: String,
+    },
+    /// Anything that goes wrong in any study.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+}
+
+impl From<lennard_io::WriteError> for ChartError {
+    fn from(error: lennard_io::WriteError) -> Self {
+        Self::Study(error.into())
+    }
+}
+
+/// How to make a chart.
+pub struct ChartOptions<'a> {
+    /// The output folder, which exists.
+    pub folder: &'a Path,
+    /// How many settings.
+    pub size: Size,
+    /// Whether what the folder holds is thrown away.
+    pub anew: bool,
+    /// Points whose errors are measured at once, one thread each. Costs are timed one after the other.
+    pub workers: usize,
+    /// Threads of each timed run.
+    pub threads: usize,
+    /// Whether the points of other engines are added, where they are installed.
+    pub with_peers: bool,
+    /// Set from outside to stop; what is finished is kept.
+    pub stop: &'a AtomicBool,
+    /// The command, for the page.
+    pub command: String,
+}
+
+/// What is run for how long: a function of scene and size, never of a clock.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// How many settings are tried, in words.
+    pub size: Size,
+    /// Settings, the tightest included.
+    pub points: usize,
+    /// Time for which each run is measured, τ.
+    pub time: f64,
+    /// The same for the tightest run, τ.
+    pub tight_time: f64,
+    /// Length of the trajectories that are compared, and of the way there and back, τ.
+    pub short_time: f64,
+    /// Timings of each.
+    pub repeats: usize,
+    /// Length of a timing by a model of the costs, s.
+    pub timing_seconds: f64,
+    /// Threads of a timed run.
+    pub threads: usize,
+    /// The processor that the timings belong to.
+    pub cpu: String,
+    /// The version of the program.
+    pub version: String,
+}
+
+/// A chart: every point with its costs and errors.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Chart {
+    /// Name and version of the schema.
+    pub schema: &'static str,
+    /// Name of the scene.
+    pub scene: String,
+    /// Particles.
+    pub atoms: usize,
+    /// Number density, σ⁻³.
+    pub density: f64,
+    /// What was run for how long.
+    pub plan: Plan,
+    /// Whether every point is finished.
+    pub finished: bool,
+    /// How runs are carried to one temperature.
+    pub slopes: Slopes,
+    /// Farthest pairs in the forces of the untruncated fluid, σ; absent where the potential ends by itself.
+    pub reach: Option<f64>,
+    /// What that sum leaves out, relative to the forces.
+    pub left_out_of_forces: Option<f64>,
+    /// The points; the scene's own settings stand first.
+    pub points: Vec<ChartedPoint>,
+    /// Index of the tightest.
+    pub tightest: usize,
+    /// Settings that were not tried, with the reason.
+    pub left_out: Vec<LeftOut>,
+    /// What else is to be known: engines that are not installed.
+    pub remarks: Vec<String>,
+    /// The diagrams.
+    pub panels: Vec<Panel>,
+}
+
+/// Measures what is not measured yet, and writes the chart; where it was stopped, with what there is.
+///
+/// # Errors
+/// [`ChartError`] where the scene cannot be run, the folder holds something else, or a file cannot be written.
+pub fn run(
+    scene: &Scene,
+    options: &ChartOptions<'_>,
+    progress: &mut dyn Progress,
+) -> Result<Chart, ChartError> {
+    let chart = measure::all(scene, options, progress)?;
+    write(&chart, options)?;
+    Ok(chart)
+}
+
+/// Writes tables, figures, JSON and the page.
+fn write(chart: &Chart, options: &ChartOptions<'_>) -> Result<(), ChartError> {
+    let figures = figures::all(chart);
+    let mut tables = vec![tables::points(chart)];
+    tables.extend(chart.panels.iter().map(|p| tables::panel(chart, p)));
+    let page = page::page(chart, &figures, &options.command)?;
+    files::write_all(options.folder, &tables, &figures, chart, &page.to_html())?;
+    for panel in &chart.panels {
+        let path = options.folder.join(format!("{}.json", panel.name));
+        lennard_io::write_json_atomically(&path, &tables::panel_json(chart, panel))?;
+    }
+    Ok(())
+}

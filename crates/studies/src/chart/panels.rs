@@ -1,0 +1,262 @@
+//! The diagrams as data: one kind of error each, never mixed.
+
+use serde::Serialize;
+
+use super::Chart;
+use super::kinds::{Floor, Kind, Reading, kinds};
+use super::point::ChartedPoint;
+use crate::StudyError;
+use crate::settings::{Settings, Workbench};
+
+/// An error counts as smaller than another from this share of it on: less is chance.
+const SMALLER: f64 = 0.95;
+
+/// The two ways to count cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Axis {
+    /// Wall time for each particle and τ, s.
+    Wall,
+    /// Pair forces for each particle and τ.
+    Forces,
+}
+
+/// One error of one point.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Mark {
+    /// Number of the point.
+    pub number: usize,
+    /// Wall time for each particle and τ, s: the median, or an estimate where it could not be timed.
+    pub wall: f64,
+    /// Smallest and largest of the timings, s.
+    pub wall_range: Option<(f64, f64)>,
+    /// Pair forces for each particle and τ.
+    pub pair_forces: f64,
+    /// The error with its sign; absent where the run failed.
+    pub error: Option<f64>,
+    /// Its standard error, where it is statistical.
+    pub standard_error: Option<f64>,
+    /// Why there is no error.
+    pub failure: Option<String>,
+    /// Whether nothing that costs less wall time errs less.
+    pub on_wall_front: bool,
+    /// Whether nothing that takes fewer pair forces errs less.
+    pub on_forces_front: bool,
+}
+
+impl Mark {
+    /// Its cost by one of the two measures.
+    #[must_use]
+    pub fn cost(&self, axis: Axis) -> f64 {
+        match axis {
+            Axis::Wall => self.wall,
+            Axis::Forces => self.pair_forces,
+        }
+    }
+
+    /// Whether it is on the front by one of the two measures.
+    #[must_use]
+    pub fn on_front(&self, axis: Axis) -> bool {
+        match axis {
+            Axis::Wall => self.on_wall_front,
+            Axis::Forces => self.on_forces_front,
+        }
+    }
+}
+
+/// A diagram.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Panel {
+    /// File stem.
+    pub name: &'static str,
+    /// What the error is of.
+    pub title: &'static str,
+    /// Label of the axis of the error.
+    pub label: &'static str,
+    /// What is shown, in sentences.
+    pub about: String,
+    /// Errors below this say nothing.
+    pub floor: Option<f64>,
+    /// What makes that floor, in a few words.
+    pub floor_words: &'static str,
+    /// The points. Those for which there is no such error are not among them.
+    pub marks: Vec<Mark>,
+}
+
+/// All diagrams of a chart.
+///
+/// # Errors
+/// [`StudyError`] where the settings of the scene do not fit it, which they do.
+pub fn panels(bench: &Workbench, chart: &Chart) -> Result<Vec<Panel>, StudyError> {
+    let kinds = kinds(bench, chart)?;
+    Ok(kinds.iter().map(|kind| panel(bench, chart, kind)).collect())
+}
+
+/// The middle one of the values that are finite.
+pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.retain(|v| v.is_finite());
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+fn panel(bench: &Workbench, chart: &Chart, kind: &Kind) -> Panel {
+    let mut marks: Vec<Mark> = chart
+        .points
+        .iter()
+        .filter_map(|point| {
+            let reading = (kind.read)(point, point.errors.as_ref()?);
+            let (error, standard_error, failure) = match reading {
+                Reading::None => return None,
+                Reading::Found(error, se) => (Some(error), se, None),
+                Reading::Failed(why) => (None, None, Some(why)),
+            };
+            let (wall, pair_forces) = cost(bench, chart, point)?;
+            let spread = point.cost().map(|c| (c.wall.low, c.wall.high));
+            Some(Mark {
+                number: point.number,
+                wall,
+                wall_range: spread,
+                pair_forces,
+                error,
+                standard_error: standard_error.filter(|e| e.is_finite()),
+                failure,
+                on_wall_front: false,
+                on_forces_front: false,
+            })
+        })
+        .collect();
+    let (floor, floor_words) = match kind.floor {
+        Floor::None => (None, ""),
+        Floor::At(value, words) => (Some(value), words),
+        Floor::Statistical => (
+            median(marks.iter().filter_map(|m| m.standard_error).collect()),
+            "one standard error",
+        ),
+    };
+    for axis in [Axis::Wall, Axis::Forces] {
+        for i in front(&marks, axis, floor.unwrap_or(0.0)) {
+            match axis {
+                Axis::Wall => marks[i].on_wall_front = true,
+                Axis::Forces => marks[i].on_forces_front = true,
+            }
+        }
+    }
+    Panel {
+        name: kind.name,
+        title: kind.title,
+        label: kind.label,
+        about: kind.about.clone(),
+        floor,
+        floor_words,
+        marks,
+    }
+}
+
+/// Wall time and pair forces for each particle and τ. What blew up before it could be timed stands where a run with
+/// another step says that it would, and else where a model of the costs does.
+fn cost(bench: &Workbench, chart: &Chart, point: &ChartedPoint) -> Option<(f64, f64)> {
+    if let Some(cost) = point.cost() {
+        return Some((cost.wall.median, cost.pair_forces_per_atom_tau));
+    }
+    point.not_timed.as_ref()?;
+    let alike = |other: &&ChartedPoint| {
+        let same_step = Settings {
+            dt: point.settings.dt,
+            ..other.settings.clone()
+        };
+        same_step == point.settings
+    };
+    let by_step = chart
+        .points
+        .iter()
+        .filter(alike)
+        .filter_map(|other| {
+            let cost = other.cost()?;
+            let ratio = other.settings.dt / point.settings.dt;
+            Some((
+                cost.wall.median * ratio,
+                cost.pair_forces_per_atom_tau * ratio,
+            ))
+        })
+        .next_back();
+    by_step.or_else(|| {
+        let seconds = crate::settings::modelled_work(bench.scene(), bench.start(), &point.settings);
+        let evaluations = f64::from(point.settings.integrator.spec().force_evaluations.max(1));
+        let pairs = bench.pair_forces(&point.settings, evaluations / point.settings.dt);
+        Some((seconds / bench.start().len() as f64, pairs.ok()?))
+    })
+}
+
+/// Those that nothing cheaper, or equally cheap, equals in error, up to a twentieth. Errors below the floor count as the floor: chance has
+/// no place on the front.
+fn front(marks: &[Mark], axis: Axis, floor: f64) -> Vec<usize> {
+    let size = |m: &Mark| m.error.map(|e| e.abs().max(floor));
+    let mut order: Vec<usize> = (0..marks.len())
+        .filter(|i| marks[*i].error.is_some_and(f64::is_finite))
+        .collect();
+    order.sort_by(|a, b| {
+        let (a, b) = (&marks[*a], &marks[*b]);
+        a.cost(axis).total_cmp(&b.cost(axis)).then(
+            size(a)
+                .unwrap_or(f64::NAN)
+                .total_cmp(&size(b).unwrap_or(f64::NAN)),
+        )
+    });
+    let mut least = f64::INFINITY;
+    let mut on_front = Vec::new();
+    for i in order {
+        let Some(error) = size(&marks[i]) else {
+            continue;
+        };
+        if error < SMALLER * least {
+            least = error;
+            on_front.push(i);
+        }
+    }
+    on_front
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mark(number: usize, wall: f64, error: Option<f64>) -> Mark {
+        Mark {
+            number,
+            wall,
+            wall_range: None,
+            pair_forces: 1.0 / wall,
+            error,
+            standard_error: None,
+            failure: error.is_none().then(|| "blew up".into()),
+            on_wall_front: false,
+            on_forces_front: false,
+        }
+    }
+
+    #[test]
+    fn the_front_holds_what_nothing_cheaper_beats() {
+        let marks = [
+            mark(1, 1.0, Some(-0.3)),
+            mark(2, 2.0, Some(0.4)),
+            mark(3, 3.0, Some(0.01)),
+            mark(4, 4.0, Some(0.001)),
+            mark(5, 0.5, None),
+            mark(6, 1.0, Some(0.2)),
+        ];
+        let numbers = |axis, floor| -> Vec<usize> {
+            front(&marks, axis, floor)
+                .iter()
+                .map(|i| marks[*i].number)
+                .collect()
+        };
+        assert_eq!(numbers(Axis::Wall, 0.0), [6, 3, 4]);
+        // A hair better is no better.
+        let marks_alike = [mark(1, 1.0, Some(0.1)), mark(2, 2.0, Some(0.098))];
+        assert_eq!(front(&marks_alike, Axis::Wall, 0.0), [0]);
+        // Below the floor 4 is no better than 3.
+        assert_eq!(numbers(Axis::Wall, 0.02), [6, 3]);
+        // Counted the other way round, the dearest is the cheapest.
+        assert_eq!(numbers(Axis::Forces, 0.0), [4]);
+    }
+}

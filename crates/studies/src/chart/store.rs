@@ -1,0 +1,241 @@
+//! The folder of a chart: finished points are read back, another chart is refused.
+
+use std::path::{Path, PathBuf};
+
+use lennard_scene::Scene;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::{ChartError, ChartedPoint, Plan};
+use crate::kept::{SCENE_FILE, same_scene};
+
+/// Folder of the stored points.
+const POINTS: &str = "points";
+/// The plan that they belong to.
+const PLAN_FILE: &str = "plan.toml";
+
+/// Where points are stored.
+pub(super) struct Store {
+    folder: PathBuf,
+}
+
+impl Store {
+    /// Looks whether the folder is free or belongs to this scene, before anything is computed.
+    pub(super) fn open(folder: &Path, scene: &Scene, anew: bool) -> Result<Self, ChartError> {
+        let store = Self {
+            folder: folder.to_owned(),
+        };
+        if anew {
+            store.clear()?;
+        }
+        match same_scene(folder, scene) {
+            Some(true) if folder.join(PLAN_FILE).exists() => {}
+            Some(true) => return Err(store.other("it holds a run of this scene, and no chart")),
+            Some(false) => return Err(store.other("it belongs to another scene")),
+            None if store.is_empty() => {}
+            None => return Err(store.other("it holds something that is no chart")),
+        }
+        Ok(store)
+    }
+
+    fn other(&self, found: impl Into<String>) -> ChartError {
+        ChartError::Folder {
+            folder: self.folder.clone(),
+            found: found.into(),
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        std::fs::read_dir(&self.folder).is_ok_and(|mut entries| entries.next().is_none())
+    }
+
+    /// Removes what a chart has stored, and nothing else.
+    fn clear(&self) -> Result<(), ChartError> {
+        let gone = |result: std::io::Result<()>| match result {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+                Err(self.other(format!("it cannot be cleared: {e}")))
+            }
+            _ => Ok(()),
+        };
+        if self.folder.join(PLAN_FILE).exists() {
+            gone(std::fs::remove_dir_all(self.folder.join(POINTS)))?;
+            gone(std::fs::remove_file(self.folder.join(SCENE_FILE)))?;
+            gone(std::fs::remove_file(self.folder.join(PLAN_FILE)))?;
+        }
+        Ok(())
+    }
+
+    /// Notes the scene and the plan; another plan that is there is refused.
+    pub(super) fn begin(&self, scene: &Scene, plan: &Plan) -> Result<(), ChartError> {
+        let file = self.folder.join(PLAN_FILE);
+        if let Ok(text) = std::fs::read_to_string(&file) {
+            let there: Plan = toml::from_str(&text)
+                .map_err(|e| self.other(format!("its {PLAN_FILE} cannot be read: {e}")))?;
+            return match differences(&there, plan) {
+                None => Ok(()),
+                Some(words) => Err(self.other(words)),
+            };
+        }
+        let points = self.folder.join(POINTS);
+        std::fs::create_dir_all(&points).map_err(|e| self.other(e.to_string()))?;
+        lennard_io::write_text_atomically(&self.folder.join(SCENE_FILE), &scene.resolved_toml())?;
+        self.write(&file, plan)
+    }
+
+    /// The point as it was stored, if it was, and with the same settings.
+    pub(super) fn load(&self, fresh: &ChartedPoint) -> Option<ChartedPoint> {
+        let stored: ChartedPoint = self.read(&self.file(fresh.number))?;
+        (stored.settings == fresh.settings).then_some(stored)
+    }
+
+    /// Stores a point as it is.
+    pub(super) fn save(&self, point: &ChartedPoint) -> Result<(), ChartError> {
+        self.write(&self.file(point.number), point)
+    }
+
+    fn file(&self, number: usize) -> PathBuf {
+        self.folder.join(POINTS).join(format!("{number:04}.toml"))
+    }
+
+    fn read<T: DeserializeOwned>(&self, file: &Path) -> Option<T> {
+        toml::from_str(&std::fs::read_to_string(file).ok()?).ok()
+    }
+
+    fn write(&self, file: &Path, value: &impl Serialize) -> Result<(), ChartError> {
+        let text = toml::to_string(value)
+            .map_err(|e| self.other(format!("{} cannot be written: {e}", file.display())))?;
+        Ok(lennard_io::write_text_atomically(file, &text)?)
+    }
+}
+
+/// What differs between two plans, in words; `None` where nothing does.
+fn differences(there: &Plan, wanted: &Plan) -> Option<String> {
+    if there == wanted {
+        return None;
+    }
+    let words = if there.cpu != wanted.cpu {
+        format!("its timings are of another processor ({})", there.cpu)
+    } else if there.version != wanted.version {
+        format!("it was made by version {}", there.version)
+    } else if there.size != wanted.size {
+        format!("it is a chart of another size ({:?})", there.size).to_lowercase()
+    } else if there.threads != wanted.threads {
+        format!("its timings are of {} threads", there.threads)
+    } else {
+        "it is the chart of another plan".to_owned()
+    };
+    Some(words)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::{Settings, Size, Spread};
+
+    fn scene(seed: &str) -> Scene {
+        const TEXT: &str = "[system]\nn_atoms = 32\ndensity = 0.8\ntemperature = 1.0\n[truncation]\nr_cut = 1.5\n\
+            [[stage]]\nname = \"a\"\nsteps = 10\n";
+        Scene::parse(TEXT, "t.toml", &[("system.seed".into(), seed.into())]).unwrap()
+    }
+
+    fn plan() -> Plan {
+        Plan {
+            size: Size::Quick,
+            points: 3,
+            time: 1.0,
+            tight_time: 2.0,
+            short_time: 0.2,
+            repeats: 3,
+            timing_seconds: 0.01,
+            threads: 1,
+            cpu: "this one".into(),
+            version: "1".into(),
+        }
+    }
+
+    #[test]
+    fn a_point_is_read_back_as_it_was_stored_and_not_for_other_settings() {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = scene("1");
+        let store = Store::open(folder.path(), &scene, false).unwrap();
+        store.begin(&scene, &plan()).unwrap();
+        let mut point = ChartedPoint::new(1, Settings::of(&scene));
+        point.timings.push(crate::settings::Timing {
+            seconds_per_atom_tau: 1e-5,
+            evaluations_per_tau: 250.0,
+            steps: 100,
+        });
+        point.pair_forces_per_atom_tau = Some(f64::NAN);
+        store.save(&point).unwrap();
+        let back = store
+            .load(&ChartedPoint::new(1, Settings::of(&scene)))
+            .unwrap();
+        assert_eq!(back.timings, point.timings);
+        assert!(back.pair_forces_per_atom_tau.unwrap().is_nan());
+        let wall = back.cost().unwrap().wall;
+        assert_eq!(wall, Spread::of(&[1e-5]).unwrap());
+        let mut other = Settings::of(&scene);
+        other.dt *= 2.0;
+        assert!(store.load(&ChartedPoint::new(1, other)).is_none());
+    }
+
+    #[test]
+    fn folders_of_something_else_are_refused_with_the_reason() {
+        let folder = tempfile::tempdir().unwrap();
+        let scene_1 = scene("1");
+        let says = |result: Result<Store, ChartError>, words: &str| {
+            let text = result.err().unwrap().to_string();
+            assert!(text.contains(words), "{text}");
+        };
+        let store = Store::open(folder.path(), &scene_1, false).unwrap();
+        store.begin(&scene_1, &plan()).unwrap();
+        says(
+            Store::open(folder.path(), &scene("2"), false),
+            "another scene",
+        );
+        let store = Store::open(folder.path(), &scene_1, false).unwrap();
+        for (changed, words) in [
+            (
+                Plan {
+                    cpu: "that one".into(),
+                    ..plan()
+                },
+                "another processor (this one)",
+            ),
+            (
+                Plan {
+                    size: Size::Full,
+                    ..plan()
+                },
+                "another size (quick)",
+            ),
+            (
+                Plan {
+                    version: "2".into(),
+                    ..plan()
+                },
+                "version 1",
+            ),
+            (
+                Plan {
+                    threads: 2,
+                    ..plan()
+                },
+                "of 1 threads",
+            ),
+        ] {
+            let text = store.begin(&scene_1, &changed).unwrap_err().to_string();
+            assert!(text.contains(words), "{text}");
+        }
+        // Asked to begin anew, it forgets.
+        let store = Store::open(folder.path(), &scene("2"), true).unwrap();
+        store.begin(&scene("2"), &plan()).unwrap();
+
+        let strange = tempfile::tempdir().unwrap();
+        std::fs::write(strange.path().join("letter.txt"), "x").unwrap();
+        says(Store::open(strange.path(), &scene_1, false), "no chart");
+        says(Store::open(strange.path(), &scene_1, true), "no chart");
+        std::fs::write(strange.path().join(SCENE_FILE), scene_1.resolved_toml()).unwrap();
+        says(Store::open(strange.path(), &scene_1, false), "and no chart");
+    }
+}
