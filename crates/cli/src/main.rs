@@ -28,6 +28,7 @@ fn main() -> ExitCode {
         Command::Stability(args) => commands::stability::stability(args),
         Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Compare(args) => commands::compare::compare(args),
+        Command::Bench(args) => commands::bench::bench(args),
         Command::List(args) => commands::list::list(args),
         Command::Completions { shell } => commands::completions(*shell),
         Command::Version { json } => commands::version(*json),

@@ -19,6 +19,9 @@ const DEFAULT_R_SPLIT: f64 = 1.7;
 /// Over which distance it ends, σ.
 const DEFAULT_SPLIT_WIDTH: f64 = 0.4;
 const DEFAULT_THERMO_EVERY: u64 = 10;
+/// Wall-clock seconds between two checkpoints where the scene does not say: a killed run loses ten minutes at
+/// most, a short one writes none on its way, and a long one pays far below 1 %.
+const DEFAULT_CHECKPOINT_SECONDS: f64 = 600.0;
 const DEFAULT_ELEMENT: &str = "Ar";
 
 #[derive(Deserialize)]
@@ -266,7 +269,8 @@ impl Reader<'_> {
         let table: CheckpointTable = self.plain("checkpoint")?;
         Ok(Checkpoint {
             every_steps: table.every_steps.filter(|every| *every > 0),
-            every_seconds: table.every_seconds.filter(|every| *every > 0.0),
+            every_seconds: Some(table.every_seconds.unwrap_or(DEFAULT_CHECKPOINT_SECONDS))
+                .filter(|every| *every > 0.0),
         })
     }
 }

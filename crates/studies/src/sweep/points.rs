@@ -241,11 +241,11 @@ mod tests {
             ("[grid]\ndensity = []\n", "no points"),
             (
                 "[[point]]\ndensity = 0.5\n[grid]\ndensity = [0.4]\n",
-                "each key in one",
+                "found:   a key that [[point]] has too",
             ),
             (
                 "[[point]]\ndensity = 0.5\n[[point]]\ndensity = 0.5\n",
-                "twice",
+                "allowed: each point once",
             ),
             ("[[point]]\ndensty = 0.5\n", "densty"),
             ("[[point]]\ndensity = -1.0\n", "system.density"),
