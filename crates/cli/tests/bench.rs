@@ -139,15 +139,8 @@ fn bad_input_is_refused_before_anything_is_made() {
 #[test]
 fn features_are_measured_against_the_bare_loop() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = [
-        LITTLE,
-        &[
-            "--features",
-            "--out",
-            folder.path().join("out").to_str().unwrap(),
-        ],
-    ]
-    .concat();
+    let out = folder.path().join("out");
+    let arguments = [LITTLE, &["--features", "--out", out.to_str().unwrap()]].concat();
     let output = lennard(&arguments).output().unwrap();
     assert!(output.status.success(), "{}", stderr(&output));
     let said = stdout(&output);

@@ -58,16 +58,32 @@ fn arguments_that_cannot_be_read_come_with_an_example() {
 #[test]
 fn threads_that_the_system_does_not_give_are_no_panic() {
     // Each thread reserves megabytes of address space; five thousand do not fit into one gigabyte.
-    let script = format!(
-        "ulimit -v 1000000; exec '{}' plan inputs/fluid/gas.toml --threads 5000",
-        env!("CARGO_BIN_EXE_lennard")
-    );
-    let output = Command::new("sh")
-        .args(["-c", &script])
-        .current_dir(root())
-        .output()
-        .unwrap();
-    refused(&output, 1, &["starting threads: "]);
+    for (command, wanted) in [
+        (
+            "plan inputs/fluid/gas.toml --threads 5000",
+            "starting threads: ",
+        ),
+        (
+            "bench --quick --threads 5000 --out",
+            "cannot start 5000 threads: ",
+        ),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let out = match command.ends_with("--out") {
+            true => folder.path().join("out").display().to_string(),
+            false => String::new(),
+        };
+        let script = format!(
+            "ulimit -v 1000000; exec '{}' {command} {out}",
+            env!("CARGO_BIN_EXE_lennard")
+        );
+        let output = Command::new("sh")
+            .args(["-c", &script])
+            .current_dir(root())
+            .output()
+            .unwrap();
+        refused(&output, 1, &[wanted]);
+    }
 }
 
 #[test]

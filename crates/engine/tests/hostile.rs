@@ -5,7 +5,7 @@ use std::path::Path;
 
 use lennard_core::{Array, DVec3, Want};
 use lennard_engine::{EngineError, Follower, ResumeOptions, Simulation, Verdict, resume};
-use lennard_io::{Checkpoint, FileMark, read_checkpoint, write_checkpoint};
+use lennard_io::{Checkpoint, FileMark, checkpoint_bytes, read_checkpoint};
 use lennard_scene::Scene;
 
 /// Takes a few steps, with everything evaluated at each.
@@ -48,11 +48,12 @@ impl Bench {
     /// Brings a run back and lets it go on for some steps; an error is returned as its text.
     fn restart(&self, checkpoint: &Checkpoint) -> Result<(), String> {
         let path = self.0.path().join("checkpoint-000000000010.lennard");
-        write_checkpoint(&path, checkpoint).unwrap();
+        // Not synced: hundreds of them need not outlive a power cut.
+        fs::write(&path, checkpoint_bytes(checkpoint)).unwrap();
         let mut resumed =
             resume(self.0.path(), &ResumeOptions::default()).map_err(|e| e.to_string())?;
         resumed.simulation.run(&mut AFew(4)).map_err(|e| {
-            assert_eq!(e.exit_code(), 3, "{e}");
+            assert!([2, 3].contains(&e.exit_code()), "{e}");
             e.to_string()
         })?;
         drop(resumed.simulation.findings());

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use lennard_core::StepError;
 use lennard_studies::StudyError;
+use lennard_studies::bench::BenchError;
 use lennard_studies::compare::RunFolder;
 use lennard_studies::sweep;
 
@@ -46,6 +47,23 @@ fn a_study_that_fails_says_where() {
                 reason: "why".into(),
             },
             "cannot write orders: why",
+        ),
+    ] {
+        assert!(error.to_string().contains(wanted), "{error}");
+    }
+}
+
+#[test]
+fn a_benchmark_that_fails_says_in_which_part() {
+    let lost = lennard_core::ForceError::NonFiniteForce { particle: 3 };
+    for (error, wanted) in [
+        (
+            BenchError::Force(lost.clone()),
+            "the forces failed while they were timed: the force on particle 3",
+        ),
+        (
+            BenchError::Step(lost.into()),
+            "the bare loop failed: the force on particle 3",
         ),
     ] {
         assert!(error.to_string().contains(wanted), "{error}");

@@ -33,7 +33,7 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode, Failure> {
         usize::from,
     );
     let scratch = folder.join("scratch");
-    let made = |e: std::io::Error| Failure::new("making a folder to measure writing in", e, OTHER);
+    let made = |e: std::io::Error| Failure::new("making the output folder", e, OTHER);
     std::fs::create_dir_all(&scratch).map_err(made)?;
     let options = BenchOptions {
         subject,

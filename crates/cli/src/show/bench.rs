@@ -51,7 +51,8 @@ fn kernels(study: &BenchStudy) {
         "kernel",
         "threads",
         "M atom-steps/s",
-        "step, ns an atom",
+        "whole step",
+        "processor time",
         "forces alone",
         "with totals",
         "one list build",
@@ -60,13 +61,15 @@ fn kernels(study: &BenchStudy) {
         "of the limit",
         "bytes an atom",
     ];
-    let mut t = table(&heading, 1..11);
+    let mut t = table(&heading, 1..12);
     for k in &study.kernels {
         t.add_row([
             format!("{} {}", k.isa, k.precision),
             k.threads.to_string(),
             with_range(k.speed),
             significant(k.step_ns.median, 3),
+            k.processor_ns
+                .map_or("–".into(), |s| significant(s.median, 3)),
             significant(k.forces_ns.median, 3),
             significant(k.totals_ns.median, 3),
             k.build_ns.map_or("–".into(), |s| significant(s.median, 3)),
@@ -78,7 +81,8 @@ fn kernels(study: &BenchStudy) {
     }
     println!("{t}");
     println!(
-        "  medians; in brackets the range. Forces are timed with the list given, and one build is paid once in many steps"
+        "  medians in ns an atom; in brackets the range. Forces are timed with the list given, one build is paid once in many steps, and\n  \
+         processor time is that of a step on one thread, steadier than the clock where others are at work"
     );
     let limits: Vec<String> = study
         .kernels

@@ -20,7 +20,7 @@ const WARM_STEPS_QUICK: u64 = 100;
 /// How long that may take.
 const WARM_FOR: Duration = Duration::from_secs(5);
 /// How long a block should take on the fastest variant.
-const BLOCK: Duration = Duration::from_millis(150);
+const BLOCK: Duration = Duration::from_millis(100);
 const BLOCK_QUICK: Duration = Duration::from_millis(25);
 /// Steps of a block, whatever they take: several lives of a list.
 const FEWEST_STEPS: u64 = 20;
@@ -54,18 +54,17 @@ impl Start {
         let most = variants.iter().map(|v| v.threads).max().unwrap_or(1);
         let pool = pool(most)?;
         let mut simulation = lennard_engine::prepare(first.scene.clone())?;
-        pool.install(|| -> Result<(), EngineError> {
+        let step = pool.install(|| -> Result<f64, EngineError> {
             let end = Instant::now() + WARM_FOR;
             let mut done = 0;
             while done < steps && Instant::now() < end {
                 simulation.run(&mut AFew::of(SETTLING))?;
                 done += SETTLING;
             }
-            Ok(())
+            let clock = Instant::now();
+            simulation.run(&mut AFew::of(FEWEST_STEPS))?;
+            Ok(clock.elapsed().as_secs_f64() / FEWEST_STEPS as f64)
         })?;
-        let clock = Instant::now();
-        simulation.run(&mut AFew::of(FEWEST_STEPS))?;
-        let step = clock.elapsed().as_secs_f64() / FEWEST_STEPS as f64;
         let state = simulation.state.clone();
         let cell = simulation.cell;
         let (_, mut forces) = lennard_engine::forces(&first.scene, cell, state.len())?;

@@ -36,8 +36,13 @@ pub(super) fn tells_processor_time() -> bool {
     seconds_on_processor().is_some()
 }
 
+#[cfg(target_os = "linux")]
 fn seconds_on_processor() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
-    Some(nanoseconds * 1e-9)
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Some(time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn seconds_on_processor() -> Option<f64> {
+    None
 }

@@ -146,7 +146,7 @@ fn parts(study: &BenchStudy) -> Result<Drawn, StudyError> {
         found.map(|k| k.and_then(part).and_then(bar)).collect()
     };
     let series = [
-        ("whole step", of(&|k| Some(k.step_ns))),
+        ("whole step", of(&|k| k.processor_ns.or(Some(k.step_ns)))),
         ("forces alone, the list given", of(&|k| Some(k.forces_ns))),
         (
             "forces with energy, virial and Laplacian",

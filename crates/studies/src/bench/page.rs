@@ -45,6 +45,7 @@ pub(super) fn csv(study: &BenchStudy) -> Vec<TextTable> {
                 "lowest",
                 "highest",
                 "build [ns/atom]",
+                "processor time [ns/atom-step]",
                 "list share",
                 "steps per build",
                 "lanes per pair",
@@ -67,6 +68,7 @@ pub(super) fn csv(study: &BenchStudy) -> Vec<TextTable> {
                 .flat_map(three);
             let rest = [
                 exact_or_empty(k.build_ns.map(|s| s.median)),
+                exact_or_empty(k.processor_ns.map(|s| s.median)),
                 exact(k.list_share.median),
                 exact_or_empty(k.steps_per_build),
                 exact(k.lanes_per_pair),
@@ -209,6 +211,7 @@ fn kernels(study: &BenchStudy) -> PageTable {
             Cell::number(k.threads.to_string()),
             Cell::number(with_range(k.speed)),
             Cell::number(with_range(k.step_ns)),
+            Cell::number(k.processor_ns.map_or("–".into(), with_range)),
             Cell::number(with_range(k.forces_ns)),
             Cell::number(with_range(k.totals_ns)),
             Cell::number(k.build_ns.map_or("–".into(), with_range)),
@@ -229,6 +232,7 @@ fn kernels(study: &BenchStudy) -> PageTable {
             "Threads",
             "M atom-steps/s",
             "Step / ns an atom",
+            "The same, processor time",
             "Forces",
             "With totals",
             "One build",

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::blocks::{AFew, Start, pool};
-use super::clock::Clock;
+use super::clock::{Clock, tells_processor_time};
 use super::variants::{Variant, in_shuffled_rounds};
 use super::{BenchError, BenchOptions, Spread};
 use crate::Progress;
@@ -52,6 +52,7 @@ pub(super) fn measure(
         .filter(|s| *s <= room)
         .collect();
     let pool = pool(variant.threads)?;
+    let by_processor = variant.threads == 1 && tells_processor_time();
     let mut seconds: Vec<Vec<f64>> = skins.iter().map(|_| Vec::new()).collect();
     in_shuffled_rounds(skins.len(), options.repeats, |i, share| {
         progress.update(&format!("skin {:.3} σ", skins[i]), share);
@@ -61,7 +62,11 @@ pub(super) fn measure(
             let mut simulation = start.simulation(&scene)?;
             let clock = Clock::start();
             simulation.run(&mut AFew::of(start.steps))?;
-            Ok(clock.wall())
+            Ok(if by_processor {
+                clock.on_processor()
+            } else {
+                clock.wall()
+            })
         })?;
         seconds[i].push(time);
         Ok(())
@@ -83,11 +88,16 @@ pub(super) fn measure(
     };
     Ok(Some(SkinStudy {
         with: format!(
-            "{} {}, {} thread{}",
+            "{} {}, {} thread{}, {}",
             variant.isa,
             super::variants::precision_name(variant.precision),
             variant.threads,
-            if variant.threads == 1 { "" } else { "s" }
+            if variant.threads == 1 { "" } else { "s" },
+            if by_processor {
+                "processor time"
+            } else {
+                "wall clock"
+            }
         ),
         chosen: chosen.skin,
         cheapest: cheapest.skin,

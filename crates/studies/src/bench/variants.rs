@@ -8,7 +8,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use serde::Serialize;
 
 use super::blocks::{AFew, Start, pool};
-use super::clock::Clock;
+use super::clock::{Clock, tells_processor_time};
 use super::{BenchError, BenchOptions, Spread, Subject};
 use crate::Progress;
 
@@ -48,6 +48,9 @@ pub struct KernelResult {
     pub speed: Spread,
     /// Nanoseconds an atom and whole step.
     pub step_ns: Spread,
+    /// The same in time that the thread really had a processor, on a shared machine a steadier measure; `None` for more
+    /// than one thread, or where the system does not tell.
+    pub processor_ns: Option<Spread>,
     /// Nanoseconds an atom for the forces alone, the list given: packing, check and pair loop.
     pub forces_ns: Spread,
     /// The same with energy, virial and Laplacian.
@@ -155,6 +158,7 @@ fn bare(mut scene: Scene) -> Scene {
 /// One block of one variant.
 struct Block {
     seconds: f64,
+    on_processor: f64,
     neighbor: f64,
     builds: u64,
     late: u64,
@@ -168,7 +172,7 @@ fn block(variant: &Variant, start: &Start) -> Result<Block, BenchError> {
         let before = simulation.forces.statistics();
         let clock = Clock::start();
         simulation.run(&mut AFew::of(start.steps))?;
-        let seconds = clock.wall();
+        let (seconds, on_processor) = (clock.wall(), clock.on_processor());
         let after = simulation.forces.statistics();
         drop(simulation);
         let (_, mut forces) =
@@ -176,6 +180,7 @@ fn block(variant: &Variant, start: &Start) -> Result<Block, BenchError> {
         let parts = measure::part_times(&mut forces, &start.state.positions, ROUNDS)?;
         Ok(Block {
             seconds,
+            on_processor,
             neighbor: after.neighbor_seconds - before.neighbor_seconds,
             builds: after.builds - before.builds,
             late: after.late_builds,
@@ -262,6 +267,8 @@ fn result(variant: &Variant, blocks: &[Block], start: &Start) -> Result<KernelRe
         threads: variant.threads,
         speed: spread(&|b| atom_steps / b.seconds * 1e-6),
         step_ns: spread(&|b| b.seconds * 1e9 / atom_steps),
+        processor_ns: (variant.threads == 1 && tells_processor_time())
+            .then(|| spread(&|b| b.on_processor * 1e9 / atom_steps)),
         forces_ns,
         totals_ns: spread(&|b| b.parts.totals * 1e9 / n),
         build_ns: has_list.then(|| spread(&|b| b.parts.build * 1e9 / n)),

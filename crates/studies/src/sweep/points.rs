@@ -244,6 +244,10 @@ mod tests {
                 "found:   a key that [[point]] has too",
             ),
             (
+                "[[point]]\nseed = 1\n[grid]\nseed = [2]\n",
+                "allowed: each key in one of the two",
+            ),
+            (
                 "[[point]]\ndensity = 0.5\n[[point]]\ndensity = 0.5\n",
                 "allowed: each point once",
             ),
