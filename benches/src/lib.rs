@@ -57,6 +57,8 @@ pub struct Run {
     pub forces: Vec<DVec3>,
     /// What gives them.
     pub provider: PairForces,
+    options: ForceFieldOptions,
+    conditions: Conditions,
     masses: Masses,
     dt: f64,
     time: f64,
@@ -135,6 +137,8 @@ impl Case {
             positions,
             velocities,
             provider,
+            options,
+            conditions,
             masses: Masses::Uniform(1.0),
             dt: self.dt,
             time: 0.0,
@@ -158,6 +162,27 @@ impl Run {
         };
         self.provider
             .evaluate(at, Part::All, want, &mut self.forces)
+    }
+
+    /// The same forces once more, with no list yet.
+    ///
+    /// # Errors
+    /// [`ForceFieldError`], as [`Case::start`].
+    pub fn fresh_provider(&self) -> Result<PairForces, ForceFieldError> {
+        build(&self.options, &self.conditions)
+    }
+
+    /// Evaluates other forces where the particles are.
+    ///
+    /// # Errors
+    /// [`ForceError`] where one is not finite.
+    pub fn evaluate_with(&mut self, provider: &mut PairForces) -> Result<Energetics, ForceError> {
+        let at = Configuration {
+            positions: &self.positions,
+            velocities: None,
+            time: self.time,
+        };
+        provider.evaluate(at, Part::All, Want::NOTHING, &mut self.forces)
     }
 
     /// Takes `steps` steps of velocity Verlet, the closing kick of one fused with the opening kick of the

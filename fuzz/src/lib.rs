@@ -5,7 +5,9 @@
 //! bodies to cargo-fuzz.
 
 mod mutate;
+mod restart;
 mod targets;
 
 pub use mutate::Mutator;
+pub use restart::restart;
 pub use targets::{TARGETS, Target, checkpoint, extended_xyz, nist, scene};

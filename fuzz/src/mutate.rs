@@ -45,6 +45,16 @@ impl<'a> Mutator<'a> {
     pub fn input(&mut self) -> Vec<u8> {
         let chosen = self.below(self.corpus.len());
         let mut bytes = self.corpus[chosen].clone();
+        if let Some(reshape) = self.target.reshape
+            && self.below(2) == 0
+        {
+            for _ in 0..=self.below(2) {
+                reshape(&mut bytes, &mut |end| self.below(end));
+            }
+            if self.below(4) > 0 {
+                return bytes;
+            }
+        }
         // Mostly one or two: after more, little is left that is read beyond its first fault.
         let most = self.random.random_range(1..=MOST_CHANGES);
         for _ in 0..self.random.random_range(1..=most) {

@@ -4,6 +4,8 @@ use lennard_core::Array;
 use lennard_io::{read_checkpoint_bytes, read_configuration_bytes, read_trajectory_bytes};
 use lennard_scene::Scene;
 
+use crate::restart::{reshape, restart};
+
 /// An error longer than this (bytes) has taken over what it was given.
 const LONGEST_MESSAGE: usize = 4000;
 
@@ -15,6 +17,8 @@ pub struct Target {
     pub body: fn(&[u8]) -> bool,
     /// Makes mutated bytes worth reading on: without a right checksum nothing behind it would ever be reached.
     pub repair: Option<fn(&mut [u8])>,
+    /// Changes that bytes alone would hardly ever make, on what the format means; half of the inputs get some.
+    pub reshape: Option<fn(&mut Vec<u8>, &mut dyn FnMut(usize) -> usize)>,
     /// Words that mean something in this format.
     pub words: &'static [&'static str],
 }
@@ -25,24 +29,35 @@ pub const TARGETS: &[Target] = &[
         name: "scene",
         body: scene,
         repair: None,
+        reshape: None,
         words: SCENE_WORDS,
     },
     Target {
         name: "extended-xyz",
         body: extended_xyz,
         repair: None,
+        reshape: None,
         words: XYZ_WORDS,
     },
     Target {
         name: "nist",
         body: nist,
         repair: None,
+        reshape: None,
         words: XYZ_WORDS,
     },
     Target {
         name: "checkpoint",
         body: checkpoint,
         repair: Some(seal),
+        reshape: None,
+        words: CHECKPOINT_WORDS,
+    },
+    Target {
+        name: "restart",
+        body: restart,
+        repair: Some(seal),
+        reshape: Some(reshape),
         words: CHECKPOINT_WORDS,
     },
 ];
@@ -224,7 +239,7 @@ fn words(array: &Array) -> usize {
     }
 }
 
-fn assert_short(message: &str) {
+pub(crate) fn assert_short(message: &str) {
     assert!(
         !message.is_empty() && message.len() < LONGEST_MESSAGE,
         "{message}"

@@ -79,6 +79,14 @@ pub enum Command {
         lennard compare runs/triple-point-1\n  \
         lennard compare runs/transport/*/ --json")]
     Compare(CompareArgs),
+    /// Measure how fast the force loop, the list build and whole steps are, for each kernel, precision and number of threads.
+    #[command(after_help = "Examples:\n  \
+        lennard bench --quick\n  \
+        lennard bench inputs/verlet-1967/triple-point.toml --threads 1,2 --repeats 15\n  \
+        lennard bench --isa avx2,portable --precision mixed --json\n  \
+        lennard bench --features        what each feature of a scene costs\n\n\
+        Without a scene: inputs/bench/melt-32k.toml, and with --quick inputs/bench/fluid-864.toml.")]
+    Bench(BenchArgs),
     /// List the methods that a scene can name.
     #[command(
         after_help = "Examples:\n  lennard list integrators\n  lennard list potentials --json"
@@ -342,6 +350,46 @@ pub struct CompareArgs {
     /// One JSON document on standard output, nothing else.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `bench`.
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// The scene; by default a built-in one.
+    pub scene: Option<PathBuf>,
+    /// Override a key, such as `system.n_atoms=108000`; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub set: Vec<(String, String)>,
+    /// Instruction sets, such as avx512,portable; by default all that this processor has.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub isa: Vec<String>,
+    /// Precisions: double, mixed; by default both.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub precision: Vec<String>,
+    /// Numbers of threads, such as 1,2; by default one and all.
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Vec<u16>,
+    /// Blocks of steps for each variant, in shuffled order; by default 7, with --quick 3.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub repeats: Option<u16>,
+    /// Shorter blocks and, where no scene is named, a smaller system.
+    #[arg(long)]
+    pub quick: bool,
+    /// Measure what each feature of a scene costs when it is on, and the scene with all of them off against the bare loop.
+    #[arg(long)]
+    pub features: bool,
+    /// Output folder; by default `runs/bench-<n>` with the first free n.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace an existing output folder.
+    #[arg(long)]
+    pub force: bool,
+    /// One JSON document on standard output, nothing else.
+    #[arg(long)]
+    pub json: bool,
+    /// No progress and no table; errors only.
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 /// Arguments of `list`.

@@ -30,6 +30,7 @@ fn main() -> ExitCode {
         Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Tune(args) => commands::tune::tune(args),
         Command::Compare(args) => commands::compare::compare(args),
+        Command::Bench(args) => commands::bench::bench(args),
         Command::List(args) => commands::list::list(args),
         Command::Completions { shell } => commands::completions(*shell),
         Command::Version { json } => commands::version(*json),

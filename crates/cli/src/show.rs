@@ -1,9 +1,11 @@
 //! What a person reads: headers and tables.
 
+mod bench;
 mod chart;
 mod literature;
 mod tune;
 
+pub use bench::bench;
 pub use chart::chart;
 pub use literature::{compared, sweep, sweep_header};
 pub use tune::tuning;
@@ -246,11 +248,16 @@ pub fn plan(plan: &Plan) {
         plan.scene, plan.atoms, plan.density, plan.steps
     );
     println!("  {}", plan.model);
-    let mut t = table(&["part", "", "how, or why not"], 0..0);
+    let mut t = table(&["part", "", "share", "how, or why not"], 2..3);
     for item in &plan.items {
+        let share = item.share.map_or_else(String::new, |s| match 100.0 * s {
+            s if s < 0.05 => "< 0.1 %".to_owned(),
+            s => format!("{s:.1} %"),
+        });
         t.add_row([
             item.part.as_str(),
             if item.on { "on" } else { "off" },
+            share.as_str(),
             item.why.as_str(),
         ]);
     }
@@ -261,7 +268,7 @@ pub fn plan(plan: &Plan) {
         plan.bytes as f64 / plan.atoms as f64
     );
     println!(
-        "  time: about {} on {} thread{} ({} a step, median of {} measured steps; the start may differ from the rest)",
+        "  time: about {} on {} thread{} ({} a step with everything off, median of {} measured steps; shares are those of this measurement, and the start may differ from the rest)",
         duration(plan.estimated_seconds),
         plan.threads,
         if plan.threads == 1 { "" } else { "s" },

@@ -262,7 +262,10 @@ fn a_folder_without_a_run_or_without_a_checkpoint_says_what_to_do() {
     refused(
         &bench.resume("nowhere", &[]),
         2,
-        &["nowhere holds no run", "runs/gas-1"],
+        &[
+            "nowhere holds no run: it has no scene.toml and no checkpoint",
+            "allowed: the output folder of a run, such as runs/gas-1",
+        ],
     );
     fs::create_dir(bench.path("empty")).unwrap();
     refused(&bench.resume("empty", &[]), 2, &["empty holds no run"]);
@@ -361,22 +364,35 @@ fn a_checkpoint_of_another_scene_or_version_of_the_program_is_refused() {
     let text = fs::read_to_string(&scene).unwrap();
     fs::write(&scene, text.replace("density = 0.8442", "density = 0.8")).unwrap();
     let words = [
-        "another scene",
+        "it belongs to another scene than out/scene.toml: ",
+        "put the scene file back as the run wrote it, or start a new run from the changed scene",
         "`density = 0.8` in the scene file",
         "`density = 0.8442` in the checkpoint",
     ];
     refused(&bench.resume("out", &[]), 2, &words);
     fs::write(&scene, "no = 1").unwrap();
     refused(&bench.resume("out", &[]), 2, &["another scene", "`no`"]);
-    // A scene file that is gone comes back from the checkpoint.
     fs::remove_file(&scene).unwrap();
+    fs::create_dir(&scene).unwrap();
+    refused(
+        &bench.resume("out", &[]),
+        2,
+        &["another scene", "the file cannot be read: "],
+    );
+    // A scene file that is gone comes back from the checkpoint.
+    fs::remove_dir(&scene).unwrap();
     ok(&bench.resume("out", &[]));
     assert_eq!(fs::read_to_string(&scene).unwrap(), text);
     change(&newest, |c| c.metadata.program_version = "0.0.7".into());
     refused(
         &bench.resume("out", &[]),
         2,
-        &["version 0.0.7", env!("CARGO_PKG_VERSION")],
+        &[
+            "it was written by version 0.0.7 of this program; this is version",
+            env!("CARGO_PKG_VERSION"),
+            ", whose steps may have other bits",
+            "or start a new run from the state in it",
+        ],
     );
 }
 
@@ -393,7 +409,8 @@ fn another_instruction_set_needs_consent_and_leaves_a_remark() {
         &output,
         2,
         &[
-            "sse9",
+            "it was made with the instruction set sse9; ",
+            ", which gives other bits",
             &format!("go on with {natural}"),
             "bits that may differ: --isa",
         ],
@@ -490,7 +507,7 @@ fn a_checkpoint_that_does_not_fit_its_own_scene_is_refused() {
     refused(
         &bench.resume("out", &[]),
         2,
-        &["does not say how long thermo.csv was"],
+        &["it does not say how long thermo.csv was"],
     );
 }
 

@@ -211,14 +211,14 @@ pub fn tail_correction(tail: Option<&Tail>) -> Option<TailCorrection> {
 /// [`EngineError`] for everything about the scene that can only be seen now.
 pub fn prepare(scene: Scene) -> Result<Simulation, EngineError> {
     let beginning = begin(&scene)?;
-    assembled(scene, beginning)
+    prepare_from(scene, beginning)
 }
 
-/// Builds the simulation around particles that have their places.
+/// Builds the simulation around particles that have their places, whatever start the scene names.
 ///
 /// # Errors
-/// [`EngineError`] as for [`prepare`].
-pub fn assembled(scene: Scene, mut beginning: Beginning) -> Result<Simulation, EngineError> {
+/// As [`prepare`].
+pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation, EngineError> {
     let n = beginning.positions.len();
     let cell = beginning.cell;
     let (options, mut provider) = forces(&scene, cell, n)?;

@@ -25,8 +25,9 @@ pub struct Past {
     pub owes_output: bool,
 }
 
-/// Everything that is needed to go on from here.
-pub(crate) fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint {
+/// Everything that is needed to go on from here, as a checkpoint holds it.
+#[must_use]
+pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint {
     let mut archive = StateArchive::default();
     let mut writer = archive.writer();
     simulation.save(&mut writer);
@@ -95,6 +96,53 @@ pub(crate) fn reinstate(
         remarks,
         owes_output: owed != 0,
     })
+}
+
+/// No run counts so far, and what is counted on from here stays within 64 bits.
+const LARGEST_COUNT: u64 = 1 << 60;
+
+/// Refuses arrays that cannot be those of `n` particles under way: whoever can write a file can write a checksum,
+/// and what a method remembers must have a place for each particle.
+pub(crate) fn check_particles(
+    archive: &StateArchive,
+    n: usize,
+) -> Result<(), lennard_core::RestoreError> {
+    let reader = archive.reader();
+    for (name, array) in &archive.arrays {
+        if let Array::U64(counts) = array
+            && let Some(count) = counts.iter().find(|count| **count > LARGEST_COUNT)
+        {
+            return Err(reader.misfit(name, format!("a count of {count}")));
+        }
+        let of_method = name.starts_with("method/");
+        if !(of_method || name.starts_with("state/") || name.starts_with("forces/")) {
+            continue;
+        }
+        match array {
+            Array::Vec3(all) => {
+                // A list that was never built has no positions.
+                if all.len() != n && (of_method || !all.is_empty()) {
+                    return Err(reader.misfit(name, format!("{} particles, wanted {n}", all.len())));
+                }
+                if let Some(particle) = all.iter().position(|r| !r.is_finite()) {
+                    return Err(reader.misfit(
+                        name,
+                        format!("particle {particle} has a number that is not finite"),
+                    ));
+                }
+            }
+            Array::F64(all) if of_method && !all.iter().all(|x| x.is_finite()) => {
+                return Err(reader.misfit(name, "a number that is not finite"));
+            }
+            Array::I64(all) if of_method && all.len() != 3 * n => {
+                return Err(
+                    reader.misfit(name, format!("{} integers, wanted {}", all.len(), 3 * n))
+                );
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// The box of a saved run.

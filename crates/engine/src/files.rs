@@ -62,7 +62,7 @@ pub struct Marks {
     pub trajectory: Option<FileMark>,
 }
 
-fn style(simulation: &Simulation) -> FrameStyle {
+pub(crate) fn style(simulation: &Simulation) -> FrameStyle {
     let output = &simulation.scene.output;
     FrameStyle {
         element: output.element.clone(),
@@ -326,7 +326,7 @@ fn half_steps(simulation: &Simulation) -> Option<f64> {
 }
 
 /// What the header line of a frame says besides time and step.
-fn header(simulation: &Simulation) -> Vec<(&'static str, f64)> {
+pub(crate) fn header(simulation: &Simulation) -> Vec<(&'static str, f64)> {
     let mut extra = vec![(
         "temperature",
         simulation

@@ -18,16 +18,16 @@ mod timers;
 pub mod watchdog;
 
 pub use build::{
-    Beginning, SMALLEST_START_DISTANCE, assembled, begin, conditions, forces, prepare,
+    Beginning, SMALLEST_START_DISTANCE, begin, conditions, forces, prepare, prepare_from,
     recommended_threads, size_and_density, tail_correction,
 };
-pub use checkpointing::Past;
+pub use checkpointing::{Past, capture};
 pub use compare::{Comparison, finite_size, model_kind, with_equation_of_state};
 pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
 pub use error::EngineError;
 pub use files::{Marks, RunFiles};
 pub use plan::{Plan, PlanItem, plan};
 pub use resume::{ResumeError, ResumeOptions, Resumed, refuse_if_busy, resume};
-pub use run::{Ending, Outcome, Progress, RunOptions, go_on, run};
+pub use run::{Ending, Outcome, Progress, RunOptions, SET_ASIDE_EVERY, go_on, run};
 pub use simulation::{Follower, Nobody, Observer, Simulation, StageRun, Verdict};
 pub use timers::Timers;

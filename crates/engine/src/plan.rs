@@ -1,17 +1,16 @@
 //! What a scene computes, what it leaves out and why, how much memory it takes and about how long.
 
-use std::time::{Duration, Instant};
+mod shares;
 
-use lennard_core::{DVec3, Observable, Want};
+use lennard_core::{DVec3, Observable};
 use lennard_forcefield::{Precision, Search};
 use lennard_scene::Scene;
 use serde::Serialize;
 
-use crate::simulation::{Follower, Simulation, Verdict};
-use crate::{EngineError, build};
-
-/// How long the short measurement takes at most.
-const MEASURE_FOR: Duration = Duration::from_millis(400);
+use crate::simulation::Simulation;
+use crate::watchdog;
+use crate::{EngineError, SET_ASIDE_EVERY, build};
+use shares::{Costs, bath_name};
 
 /// One part of the work.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -22,6 +21,8 @@ pub struct PlanItem {
     pub on: bool,
     /// How, or why not.
     pub why: String,
+    /// Its share of the time of the whole run, as measured now; `None` for what is off or has no cost of its own.
+    pub share: Option<f64>,
 }
 
 /// What a scene computes.
@@ -45,7 +46,7 @@ pub struct Plan {
     pub items: Vec<PlanItem>,
     /// Bytes held by state, lists and private copies.
     pub bytes: u64,
-    /// Median time of a step in the measurement, seconds.
+    /// Median time of a step with everything off, seconds.
     pub seconds_per_step: f64,
     /// Steps in the measurement.
     pub measured_steps: u64,
@@ -53,56 +54,29 @@ pub struct Plan {
     pub estimated_seconds: f64,
 }
 
-/// Stops after a while, asks for nothing.
-struct ForAWhile {
-    end: Instant,
-    last: Instant,
-    steps: Vec<f64>,
-}
-
-impl Follower for ForAWhile {
-    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
-        Want::NOTHING
-    }
-
-    fn after_step(&mut self, _simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        let now = Instant::now();
-        self.steps.push((now - self.last).as_secs_f64());
-        self.last = now;
-        Ok(if now >= self.end {
-            Verdict::Stop
-        } else {
-            Verdict::Continue
-        })
-    }
-}
-
-/// Makes the plan of a scene, with a short measurement of its first steps.
+/// Makes the plan of a scene. What is on and off follows from the scene alone; a short measurement of its first steps and
+/// of each part says what they cost.
 ///
 /// # Errors
 /// [`EngineError`] for everything that is wrong with the scene.
 pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineError> {
     let scene = simulation.scene.clone();
     let (options, provider) = build::forces(&scene, simulation.cell, simulation.state.len())?;
-    let items = items(&scene, simulation, provider.plan());
-    let now = Instant::now();
-    let mut follower = ForAWhile {
-        end: now + MEASURE_FOR,
-        last: now,
-        steps: Vec::new(),
-    };
-    simulation.run(&mut follower)?;
+    let mut items = items(&scene, simulation, provider.plan(), threads);
+    let costs = Costs::measure(simulation)?;
+    let seconds = costs.of_run(&scene);
+    let total: f64 = seconds.values().sum();
+    for item in &mut items {
+        item.share = seconds
+            .get(&item.part)
+            .filter(|_| item.on)
+            .map(|s| s / total);
+    }
     let n = simulation.state.len();
-    // The first step also builds the list and warms the caches.
-    let mut times = follower
-        .steps
-        .split_off(1.min(follower.steps.len().saturating_sub(1)));
-    times.sort_by(f64::total_cmp);
-    let mean = times.iter().sum::<f64>() / times.len() as f64;
     let vectors_a_particle = 3;
     let state_bytes = (n * vectors_a_particle * size_of::<DVec3>()) as u64;
     Ok(Plan {
-        schema: "lennard-plan-1",
+        schema: "lennard-plan-2",
         scene: scene.name.clone(),
         model: lennard_forcefield::model_name(&options),
         atoms: n,
@@ -110,10 +84,10 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
         steps: scene.total_steps(),
         threads,
         items,
-        bytes: state_bytes + simulation.forces.statistics().bytes,
-        seconds_per_step: times[times.len() / 2],
-        measured_steps: times.len() as u64,
-        estimated_seconds: mean * scene.total_steps() as f64,
+        bytes: state_bytes + costs.bytes,
+        seconds_per_step: costs.median_step,
+        measured_steps: costs.steps,
+        estimated_seconds: total,
     })
 }
 
@@ -122,6 +96,7 @@ fn item(part: &str, on: bool, why: impl Into<String>) -> PlanItem {
         part: part.to_owned(),
         on,
         why: why.into(),
+        share: None,
     }
 }
 
@@ -140,6 +115,7 @@ fn items(
     scene: &Scene,
     simulation: &Simulation,
     forces: &lennard_forcefield::ForcePlan,
+    threads: usize,
 ) -> Vec<PlanItem> {
     let output = &scene.output;
     let spec = scene.integrator.method.spec();
@@ -223,8 +199,27 @@ fn items(
             true,
             format!("{} steps, {bath}{measured}", stage.steps),
         ));
+        if let Some(thermostat) = &stage.thermostat {
+            items.push(item(
+                &bath_name(stage, thermostat.name()),
+                true,
+                "once a step, or as often as its table says; one that is an integrator costs what the integrator does",
+            ));
+        }
     }
-    for table in &scene.observables {
+    items.push(item(
+        "thermodynamics",
+        scene.stages.iter().any(|s| s.measure),
+        format!(
+            "averages on every {}th step of measured stages",
+            output.thermo_every
+        ),
+    ));
+    for table in scene
+        .observables
+        .iter()
+        .filter(|o| o.options.name() != "thermodynamics")
+    {
         items.push(item(
             table.options.name(),
             true,
@@ -248,6 +243,45 @@ fn items(
         ),
         None => item("trajectory", false, "no `trajectory_every` in [output]"),
     });
+    items.push(
+        match (scene.checkpoint.every_steps, scene.checkpoint.every_seconds) {
+            (None, None) => item(
+                "checkpoints",
+                false,
+                "at the end alone, or when the run is stopped",
+            ),
+            (steps, seconds) => {
+                let steps = steps.map(|n| format!("every {n} steps"));
+                let seconds = seconds.map(|s| format!("every {s} s"));
+                let both: Vec<String> = steps.into_iter().chain(seconds).collect();
+                item(
+                    "checkpoints",
+                    true,
+                    format!(
+                        "{}, and at the end; their cost is that of the disk",
+                        both.join(" and ")
+                    ),
+                )
+            }
+        },
+    );
+    items.push(item(
+        "watchdog",
+        true,
+        format!(
+            "speeds every {} steps, a state set aside every {SET_ASIDE_EVERY}",
+            watchdog::EVERY
+        ),
+    ));
+    items.push(item(
+        "more than one thread",
+        threads > 1,
+        format!(
+            "{threads} at work; {} pay for {} particles",
+            forces.recommended_threads,
+            simulation.state.len()
+        ),
+    ));
     items.push(item(
         "image flags",
         false,

@@ -159,11 +159,11 @@ pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineE
         overrides.push((format!("stage.{last}.steps"), steps.to_string()));
     }
     let (mut simulation, remark) = with_isa(&checkpoint, overrides, options.isa.as_deref(), &path)?;
+    checkpointing::check_particles(&checkpoint.archive, simulation.state.len())
+        .map_err(|e| misfit(e.to_string()))?;
     let mut past = checkpointing::reinstate(&mut simulation, &checkpoint.archive)
         .map_err(|e| misfit(e.to_string()))?;
-    if simulation.state.step != metadata.step
-        || !simulation.state.positions.iter().all(|r| r.is_finite())
-    {
+    if simulation.state.step != metadata.step {
         return Err(misfit("its state is not that of its step".into()).into());
     }
     past.remarks.extend(remark);
@@ -328,7 +328,7 @@ fn build_for(
         velocities: Some(vec![DVec3::ZERO; n]),
         relax: false,
     };
-    build::assembled(scene, beginning)
+    build::prepare_from(scene, beginning)
 }
 
 /// Fails where another process is running in a folder, so that nothing of it is taken away.

@@ -17,7 +17,7 @@ use crate::{EngineError, record};
 
 /// Steps between two states set aside for the case that physics fails: a copy of 48 bytes a particle each
 /// hundred steps is far below 1 % of them.
-const SET_ASIDE_EVERY: u64 = 100;
+pub const SET_ASIDE_EVERY: u64 = 100;
 
 /// Told how far a run is, after every step.
 pub trait Progress: Send {

@@ -342,7 +342,7 @@ impl Simulation {
         &self.scene.stages[self.stage_run().index]
     }
 
-    fn failed(&self, error: StepError) -> crate::EngineError {
+    pub(crate) fn failed(&self, error: StepError) -> crate::EngineError {
         match error {
             StepError::Force(e) => self.diagnosed(Symptom::NonFinite(e)),
             StepError::NotConverged { .. } => self.diagnosed(Symptom::Method(error)),
@@ -414,6 +414,26 @@ impl Persist for Simulation {
             return Err(from.misfit(
                 "stage",
                 format!("stage {index} of {}", self.scene.stages.len()),
+            ));
+        }
+        let before: u64 = self.scene.stages[..index as usize]
+            .iter()
+            .map(|s| s.steps)
+            .sum();
+        let of_stage = self.scene.stages[index as usize].steps;
+        if steps_done > of_stage || before + steps_done != self.state.step {
+            return Err(from.misfit(
+                "stage",
+                format!(
+                    "{steps_done} of {of_stage} steps after {before}, at step {}",
+                    self.state.step
+                ),
+            ));
+        }
+        if self.measured_steps > self.state.step {
+            return Err(from.misfit(
+                "measured_steps",
+                format!("{} of {}", self.measured_steps, self.state.step),
             ));
         }
         let mut stage = self.stage_run_for(index as usize);

@@ -120,6 +120,14 @@ pub fn write_checkpoint(path: &Path, checkpoint: &Checkpoint) -> Result<(), Writ
     write_atomically(path, |file| encode(checkpoint, file))
 }
 
+/// The bytes that [`write_checkpoint`] writes.
+#[must_use]
+pub fn checkpoint_bytes(checkpoint: &Checkpoint) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    encode(checkpoint, &mut bytes).expect("memory takes every byte");
+    bytes
+}
+
 /// Reads a checkpoint, to the bit as it was written.
 ///
 /// # Errors

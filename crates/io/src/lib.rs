@@ -31,7 +31,8 @@ mod xyz_header;
 pub use atomic::{write_json_atomically, write_text_atomically};
 pub use checkpoint::{
     CHECKPOINT_VERSION, Checkpoint, CheckpointError, CheckpointMetadata, CheckpointProblem,
-    read_checkpoint, read_checkpoint_bytes, read_checkpoint_metadata, write_checkpoint,
+    checkpoint_bytes, read_checkpoint, read_checkpoint_bytes, read_checkpoint_metadata,
+    write_checkpoint,
 };
 pub use checkpoint_folder::CheckpointFolder;
 pub use configuration::{

@@ -294,6 +294,12 @@ mod tests {
         file.append(b"0123456789abcde\n").unwrap();
         let error = file.append(b"0123456789abcde\n").unwrap_err();
         assert!(matches!(error, WriteError::NotCutBack { whole: 16, .. }));
+        assert!(
+            error
+                .to_string()
+                .contains("; and cannot cut the file back to its 16 whole bytes: "),
+            "{error}"
+        );
         assert!(matches!(
             file.append(b"\n").unwrap_err(),
             WriteError::GivenUp { .. }

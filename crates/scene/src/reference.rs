@@ -292,7 +292,7 @@ static KEYS: &[KeyDoc] = keys! {
     }
     "checkpoint" of any {
         "every_steps": Whole(0, MOST_STEPS), "`0`", "steps", "Steps between two checkpoints; 0 for none.";
-        "every_seconds": NotNegative, "`0.0`", "s", "Wall-clock seconds between two checkpoints; 0 for none.";
+        "every_seconds": NotNegative, "`600.0`", "s", "Wall-clock seconds between two checkpoints; 0 for none.";
     }
 };
 

@@ -20,6 +20,9 @@ pub const DEFAULT_SPLIT: SplitOptions = SplitOptions {
     width: 0.4,
 };
 const DEFAULT_THERMO_EVERY: u64 = 10;
+/// Wall-clock seconds between two checkpoints where the scene does not say: a killed run loses ten minutes at
+/// most, a short one writes none on its way, and a long one pays far below 1 %.
+const DEFAULT_CHECKPOINT_SECONDS: f64 = 600.0;
 const DEFAULT_ELEMENT: &str = "Ar";
 
 #[derive(Deserialize)]
@@ -267,7 +270,8 @@ impl Reader<'_> {
         let table: CheckpointTable = self.plain("checkpoint")?;
         Ok(Checkpoint {
             every_steps: table.every_steps.filter(|every| *every > 0),
-            every_seconds: table.every_seconds.filter(|every| *every > 0.0),
+            every_seconds: Some(table.every_seconds.unwrap_or(DEFAULT_CHECKPOINT_SECONDS))
+                .filter(|every| *every > 0.0),
         })
     }
 }

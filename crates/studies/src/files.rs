@@ -32,7 +32,7 @@ impl TextTable {
         self.rows.push(row.into_iter().collect());
     }
 
-    fn to_csv(&self) -> Result<String, StudyError> {
+    pub(crate) fn to_csv(&self) -> Result<String, StudyError> {
         let failed = |reason: String| StudyError::Csv {
             name: self.name,
             reason,

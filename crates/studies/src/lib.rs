@@ -1,9 +1,10 @@
-//! Studies: stability of every integrator, on the oscillator and on the fluid; speed against accuracy; sweeps over state
-//! points; finished runs beside the literature, and the page of a run.
+//! Studies: speed of the parts of a step; stability of every integrator, on the oscillator and on the fluid; speed
+//! against accuracy; sweeps over state points; finished runs beside the literature, and the page of a run.
 //!
 //! A study is data first: it runs, keeps what it found with every number, and is then written as CSV,
 //! JSON, SVG and one self-contained page.
 
+pub mod bench;
 pub mod chart;
 pub mod claims;
 pub mod compare;

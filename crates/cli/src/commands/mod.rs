@@ -1,5 +1,6 @@
 //! One file a command.
 
+pub mod bench;
 pub mod chart;
 pub mod compare;
 pub mod energy;

@@ -139,7 +139,12 @@ impl Workbench {
         simulation.run(&mut Nobody)?;
         let found = &simulation.thermodynamics;
         let cut = found.equilibration_cut();
-        let comparison = with_equation_of_state(&simulation.scene, self.start().density(), found);
+        let comparison = with_equation_of_state(
+            &simulation.scene,
+            self.start().density(),
+            simulation.state.len(),
+            found,
+        );
         let rows = found.series();
         let at_reference = |estimate: Estimate, slope: f64| {
             let temperature = statistics::estimate_after(&rows.temperature, cut).mean;

@@ -146,7 +146,7 @@ impl Workbench {
                 ..stage.clone()
             })
             .collect();
-        Ok(lennard_engine::assembled(scene, self.start.beginning())?)
+        Ok(lennard_engine::prepare_from(scene, self.start.beginning())?)
     }
 
     /// The time step that a measured stage takes under these settings, τ.

@@ -264,11 +264,15 @@ mod tests {
             ("[grid]\ndensity = []\n", "no points"),
             (
                 "[[point]]\ndensity = 0.5\n[grid]\ndensity = [0.4]\n",
-                "each key in one",
+                "found:   a key that [[point]] has too",
+            ),
+            (
+                "[[point]]\nseed = 1\n[grid]\nseed = [2]\n",
+                "allowed: each key in one of the two",
             ),
             (
                 "[[point]]\ndensity = 0.5\n[[point]]\ndensity = 0.5\n",
-                "twice",
+                "allowed: each point once",
             ),
             ("[[point]]\ndensty = 0.5\n", "densty"),
             ("[[point]]\ndensity = -1.0\n", "system.density"),

@@ -117,7 +117,7 @@ impl Survey {
                 end,
                 frames: Vec::new(),
             };
-            let mut simulation = lennard_engine::assembled(scene, sample.start.beginning())?;
+            let mut simulation = lennard_engine::prepare_from(scene, sample.start.beginning())?;
             simulation.run(&mut watcher)?;
             let time = simulation.state.time - PARTING_TIME;
             let end = Start {

@@ -1,6 +1,8 @@
 //! Checks of the repository itself.
 
+mod errors;
 mod layers;
+mod literals;
 mod readme;
 mod tracked;
 
@@ -22,6 +24,7 @@ pub fn all(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {
         // A README that cannot be read is a fault like others: the rest is checked all the same.
         readme::faults_in_file(workspace).unwrap_or_else(|error| vec![error.to_string()]),
     ));
+    findings.push(("every error text is in a test", errors::faults(workspace)?));
     findings.extend(tracked::findings(workspace)?);
     Ok(findings)
 }

@@ -1,0 +1,136 @@
+//! `lennard bench`: how fast the parts of a step are.
+
+use std::process::ExitCode;
+
+use lennard_studies::bench::{self, BenchError, BenchOptions, Subject};
+
+use crate::args::BenchArgs;
+use crate::commands::{output_folder, print_json};
+use crate::failure::{Failure, OTHER};
+use crate::progress::Display;
+use crate::show;
+
+/// Blocks for each variant where nothing else is said.
+const REPEATS: usize = 7;
+const REPEATS_QUICK: usize = 3;
+
+/// Measures, writes a folder and prints a table.
+pub fn bench(args: &BenchArgs) -> Result<ExitCode, Failure> {
+    let subject = match &args.scene {
+        Some(path) => Subject::File(path.clone()),
+        None => Subject::BuiltIn { quick: args.quick },
+    };
+    // A scene that cannot be measured shows before a folder is made.
+    bench::check(&subject, &args.set, &args.isa, &args.precision)?;
+    let folder = output_folder(args.out.as_deref(), args.force, "bench")?;
+    let threads: Vec<usize> = match args.threads.as_slice() {
+        // What a feature costs is read from the clock of one thread.
+        [] if args.features => vec![1],
+        given => given.iter().map(|&t| usize::from(t)).collect(),
+    };
+    let repeats = args.repeats.map_or(
+        if args.quick { REPEATS_QUICK } else { REPEATS },
+        usize::from,
+    );
+    let scratch = folder.join("scratch");
+    let made = |e: std::io::Error| Failure::new("making the output folder", e, OTHER);
+    std::fs::create_dir_all(&scratch).map_err(made)?;
+    let options = BenchOptions {
+        subject,
+        overrides: args.set.clone(),
+        isas: args.isa.clone(),
+        precisions: args.precision.clone(),
+        threads,
+        repeats,
+        quick: args.quick,
+        features: args.features,
+        scratch: scratch.clone(),
+        command: command(args),
+        machine: machine(),
+    };
+    let mut progress = Display::of_study(args.quiet);
+    let study = bench::run(&options, &mut progress);
+    drop(progress);
+    // Gone whatever came of it: it holds nothing that anybody wants.
+    let _ = std::fs::remove_dir_all(&scratch);
+    let study = study?;
+    bench::write(&study, &folder)?;
+    if args.json {
+        print_json(&study)?;
+    } else if !args.quiet {
+        show::bench(&study, &folder);
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The command as it can be typed again.
+fn command(args: &BenchArgs) -> String {
+    let mut words = vec!["lennard bench".to_owned()];
+    words.extend(args.scene.iter().map(|p| p.display().to_string()));
+    words.extend(
+        args.set
+            .iter()
+            .map(|(key, value)| format!("--set {key}={value}")),
+    );
+    let lists = [
+        ("--isa", args.isa.join(",")),
+        ("--precision", args.precision.join(",")),
+    ];
+    words.extend(
+        lists
+            .into_iter()
+            .filter(|(_, list)| !list.is_empty())
+            .map(|(name, list)| format!("{name} {list}")),
+    );
+    if !args.threads.is_empty() {
+        let threads: Vec<String> = args.threads.iter().map(u16::to_string).collect();
+        words.push(format!("--threads {}", threads.join(",")));
+    }
+    words.extend(args.repeats.map(|n| format!("--repeats {n}")));
+    let switches = [(args.quick, "--quick"), (args.features, "--features")];
+    words.extend(
+        switches
+            .into_iter()
+            .filter(|(on, _)| *on)
+            .map(|(_, name)| name.to_owned()),
+    );
+    words.join(" ")
+}
+
+/// What the figures belong to.
+fn machine() -> Vec<(String, String)> {
+    let mut machine = vec![
+        ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+        ("processor".into(), lennard_io::cpu_name()),
+        (
+            "threads".into(),
+            std::thread::available_parallelism()
+                .map_or(1, usize::from)
+                .to_string(),
+        ),
+        (
+            "instruction sets".into(),
+            lennard_forcefield::available_isas().join(", "),
+        ),
+    ];
+    // Who else was at work: the first question about a figure that cannot be had again.
+    if let Ok(load) = std::fs::read_to_string("/proc/loadavg")
+        && let Some(load) = load.split_whitespace().next()
+    {
+        machine.push((
+            "processes at work when it began (load of a minute)".into(),
+            load.to_owned(),
+        ));
+    }
+    machine
+}
+
+impl From<BenchError> for Failure {
+    fn from(error: BenchError) -> Self {
+        match error {
+            BenchError::Scene(e) => e.into(),
+            BenchError::Engine(e) => e.into(),
+            other => Self::new("the benchmark", other, OTHER),
+        }
+    }
+}

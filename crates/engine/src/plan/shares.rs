@@ -1,0 +1,408 @@
+//! What each part of a run costs: a short measurement, which decides nothing.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use lennard_core::{Configuration, Observable, Part, Want};
+use lennard_integrators::Coupling;
+use lennard_io::{Frame, Sink, TrajectoryWriter};
+use lennard_scene::{Scene, Stage};
+
+use crate::build::{Beginning, prepare_from};
+use crate::files::{header, style};
+use crate::instant::view;
+use crate::simulation::{Follower, Observer, Simulation, Verdict};
+use crate::{EngineError, SET_ASIDE_EVERY, watchdog};
+
+/// How long the steps are measured.
+const STEPS_FOR: Duration = Duration::from_millis(400);
+/// How long one part is measured alone.
+const PART_FOR: Duration = Duration::from_millis(30);
+/// Calls of a part that is measured alone, at most.
+const CALLS: usize = 9;
+/// Steps of a stage that never ends.
+const ENDLESS: u64 = 1_000_000_000_000_000;
+
+/// Seconds of each part, for one call or one step.
+pub(super) struct Costs {
+    /// Steps in the measurement.
+    pub(super) steps: u64,
+    /// A step with everything off, mean.
+    pub(super) step: f64,
+    /// The same, median.
+    pub(super) median_step: f64,
+    /// Pair loops of such a step.
+    force: f64,
+    /// List building of such a step.
+    neighbor: f64,
+    /// Bytes that the forces hold.
+    pub(super) bytes: u64,
+    /// What energy and virial add to an evaluation.
+    totals: f64,
+    /// What the Laplacian adds to that.
+    laplacian: f64,
+    /// What entries of single particles add to an evaluation.
+    per_particle: f64,
+    thermodynamics: f64,
+    /// What each observable wants of the forces, and a sample of it.
+    observers: Vec<(Want, f64)>,
+    baths: Vec<f64>,
+    frame: f64,
+    watch: f64,
+}
+
+impl Costs {
+    /// Measures at the start of a scene, after some of its steps.
+    pub(super) fn measure(simulation: &mut Simulation) -> Result<Self, EngineError> {
+        let mut bare = with_everything_off(simulation)?;
+        let now = Instant::now();
+        let mut follower = ForAWhile {
+            end: now + STEPS_FOR,
+            last: now,
+            steps: Vec::new(),
+        };
+        bare.run(&mut follower)?;
+        let statistics = bare.forces.statistics();
+        let all = follower.steps.len() as f64;
+        // The first step also builds the list and warms the caches.
+        let first = usize::from(follower.steps.len() > 1);
+        let mut times = follower.steps.split_off(first);
+        times.sort_by(f64::total_cmp);
+        let evaluate = |bare: &mut Simulation, want| -> Result<f64, EngineError> {
+            let mut fault = None;
+            let time = median(|| {
+                let at = Configuration {
+                    positions: &bare.state.positions,
+                    velocities: None,
+                    time: bare.state.time,
+                };
+                match bare
+                    .forces
+                    .evaluate(at, Part::All, want, &mut bare.state.forces)
+                {
+                    Ok(found) => bare.state.energetics = found,
+                    Err(error) => fault = Some(error),
+                }
+            });
+            fault.map_or(Ok(time), |e| Err(bare.failed(e.into())))
+        };
+        let forces = evaluate(&mut bare, Want::NOTHING)?;
+        let energies = evaluate(&mut bare, Want::ENERGY_AND_VIRIAL)?;
+        let laplacian = evaluate(&mut bare, Want::TOTALS)?;
+        let each = Want {
+            per_particle: true,
+            ..Want::TOTALS
+        };
+        // Measured only where somebody asks: on a large system it takes memory. It also leaves what observers look at.
+        let wants_each = simulation
+            .observers
+            .iter()
+            .any(|o| o.observable.want().per_particle);
+        let per_particle = if wants_each {
+            evaluate(&mut bare, each)? - laplacian
+        } else {
+            0.0
+        };
+        let view = view(
+            &bare.state,
+            &bare.dynamics,
+            &bare.cell,
+            bare.tail,
+            bare.stage.as_ref(),
+        );
+        let thermodynamics = median(|| simulation.thermodynamics.sample(&view));
+        let observers = simulation.observers.iter_mut();
+        let sampled = |o: &mut Observer| median(|| o.observable.sample(&view));
+        let observers = observers
+            .map(|o| (o.observable.want(), sampled(o)))
+            .collect();
+        let dt = bare.stage_run().dt;
+        let look = median(|| drop(watchdog::check_speeds(&bare.state, dt)));
+        let mut aside = bare.state.clone();
+        let copy = median(|| {
+            aside.positions.clone_from(&bare.state.positions);
+            aside.velocities.clone_from(&bare.state.velocities);
+        });
+        let baths = simulation
+            .scene
+            .stages
+            .iter()
+            .map(|stage| bath(&bare, stage))
+            .collect();
+        Ok(Self {
+            steps: times.len() as u64,
+            step: times.iter().sum::<f64>() / times.len() as f64,
+            median_step: times[times.len() / 2],
+            force: statistics.force_seconds / all,
+            neighbor: statistics.neighbor_seconds / all,
+            bytes: statistics.bytes,
+            totals: energies - forces,
+            laplacian: laplacian - energies,
+            per_particle,
+            thermodynamics,
+            observers,
+            baths,
+            frame: frame(&bare),
+            watch: look / watchdog::EVERY as f64 + copy / SET_ASIDE_EVERY as f64,
+        })
+    }
+
+    /// Seconds of each part in the whole run, by the part's name in the plan.
+    pub(super) fn of_run(&self, scene: &Scene) -> BTreeMap<String, f64> {
+        let mut parts: BTreeMap<String, f64> = BTreeMap::new();
+        let mut add = |part: &str, seconds: f64| {
+            // Differences of two measurements may come out below nothing.
+            *parts.entry(part.to_owned()).or_default() += seconds.max(0.0);
+        };
+        let rows = scene.output.thermo_every;
+        for (stage, bath) in scene.stages.iter().zip(&self.baths) {
+            let steps = stage.steps as f64;
+            add("pair forces", steps * self.force);
+            add("neighbor list", steps * self.neighbor);
+            add(
+                "integrator",
+                steps * (self.step - self.force - self.neighbor - self.watch),
+            );
+            add("watchdog", steps * self.watch);
+            add("energy and virial", steps / rows as f64 * self.totals);
+            if let Some(thermostat) = &stage.thermostat {
+                add(&bath_name(stage, thermostat.name()), steps * bath);
+            }
+            if !stage.measure {
+                continue;
+            }
+            add(
+                "configurational temperature",
+                steps / rows as f64 * self.laplacian,
+            );
+            add("thermodynamics", steps / rows as f64 * self.thermodynamics);
+            let others = scene
+                .observables
+                .iter()
+                .filter(|o| o.options.name() != "thermodynamics");
+            for (table, (want, cost)) in others.zip(&self.observers) {
+                let samples = steps / table.every as f64;
+                let wanted = self.wanted(*want, alone(table.every, rows));
+                add(table.options.name(), samples * (cost + wanted));
+            }
+            if let Some(every) = scene.output.trajectory_every {
+                let wanted = self.wanted(Want::ENERGY_AND_VIRIAL, alone(every, rows));
+                add("trajectory", steps / every as f64 * (self.frame + wanted));
+            }
+        }
+        parts
+    }
+
+    /// What wishes cost at the forces, of which a share `alone` is on steps where nobody else asks.
+    fn wanted(&self, want: Want, alone: f64) -> f64 {
+        let totals = if want.is_nothing() {
+            0.0
+        } else {
+            alone * self.totals.max(0.0)
+        };
+        let each = if want.per_particle {
+            self.per_particle.max(0.0)
+        } else {
+            0.0
+        };
+        totals + each
+    }
+}
+
+/// The share of the steps due every so often on which no row of thermo.csv is due, which has energy and virial computed.
+fn alone(every: u64, rows: u64) -> f64 {
+    1.0 - gcd(every, rows) as f64 / rows as f64
+}
+
+/// How a stage's heat bath is called in the plan.
+pub(super) fn bath_name(stage: &Stage, thermostat: &str) -> String {
+    format!("thermostat {thermostat} of {}", stage.name)
+}
+
+fn gcd(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+/// The median time of a call, s.
+fn median(mut call: impl FnMut()) -> f64 {
+    let begin = Instant::now();
+    let mut times = Vec::with_capacity(CALLS);
+    while times.is_empty() || times.len() < CALLS && begin.elapsed() < PART_FOR {
+        let clock = Instant::now();
+        call();
+        times.push(clock.elapsed().as_secs_f64());
+    }
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+/// The same particles in one stage without end at constant energy, with nothing to observe, write or couple to.
+fn with_everything_off(simulation: &Simulation) -> Result<Simulation, EngineError> {
+    let mut scene = simulation.scene.clone();
+    let stage = scene.stages.iter().rposition(|s| s.measure).unwrap_or(0);
+    scene.stages = vec![Stage {
+        steps: ENDLESS,
+        thermostat: None,
+        measure: false,
+        ..scene.stages.swap_remove(stage)
+    }];
+    scene.observables.clear();
+    let beginning = Beginning {
+        cell: simulation.cell,
+        positions: simulation.state.positions.clone(),
+        velocities: Some(simulation.state.velocities.clone()),
+        relax: false,
+    };
+    prepare_from(scene, beginning)
+}
+
+/// One call of a stage's heat bath, mean over some steps; 0 for one that takes the integrator's place.
+fn bath(bare: &Simulation, stage: &Stage) -> f64 {
+    let noise = bare.streams.noise("thermostat");
+    let Some(options) = &stage.thermostat else {
+        return 0.0;
+    };
+    let Coupling::Thermostat(mut bath) =
+        lennard_integrators::couple(options, stage.temperature, noise)
+    else {
+        return 0.0;
+    };
+    let noise = bare.streams.noise("thermostat");
+    let mut state = bare.state.clone();
+    let dt = bare.stage_run().dt;
+    // Baths that act on some steps only are met on those and on others.
+    const STEPS: u32 = 20;
+    let clock = Instant::now();
+    for _ in 0..STEPS {
+        state.step += 1;
+        bath.apply(&bare.dynamics, &mut state, dt, &noise);
+    }
+    clock.elapsed().as_secs_f64() / f64::from(STEPS)
+}
+
+/// Formatting one frame, without the disk.
+fn frame(bare: &Simulation) -> f64 {
+    let extra = header(bare);
+    let frame = Frame {
+        state: &bare.state,
+        cell: &bare.cell,
+        extra: &extra,
+    };
+    let nowhere = Path::new("nowhere");
+    match TrajectoryWriter::to_sink(nowhere, &style(bare), Box::new(Nowhere)) {
+        Ok(mut writer) => median(|| drop(writer.write(&frame))),
+        Err(_) => 0.0,
+    }
+}
+
+/// Takes everything and keeps nothing.
+struct Nowhere;
+
+impl Write for Nowhere {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        Ok(bytes.len())
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Sink for Nowhere {
+    fn cut_back(&mut self, _length: u64) -> io::Result<()> {
+        Ok(())
+    }
+    fn sync(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+    fn is_still_at(&self, _path: &Path) -> bool {
+        true
+    }
+}
+
+/// Stops after a while, asks for nothing.
+struct ForAWhile {
+    end: Instant,
+    last: Instant,
+    steps: Vec<f64>,
+}
+
+impl Follower for ForAWhile {
+    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
+        Want::NOTHING
+    }
+
+    fn after_step(&mut self, _simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+        let now = Instant::now();
+        self.steps.push((now - self.last).as_secs_f64());
+        self.last = now;
+        Ok(if now >= self.end {
+            Verdict::Stop
+        } else {
+            Verdict::Continue
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(more: &str) -> Scene {
+        let text = format!(
+            "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.0\n[truncation]\nr_cut = 2.2\n\
+             [output]\nthermo_every = 10\n{more}"
+        );
+        Scene::parse(&text, "scene.toml", &[]).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    fn costs(observers: Vec<(Want, f64)>, baths: Vec<f64>) -> Costs {
+        Costs {
+            steps: 1,
+            step: 10.0,
+            median_step: 10.0,
+            force: 6.0,
+            neighbor: 2.0,
+            bytes: 0,
+            totals: 5.0,
+            laplacian: -1.0,
+            per_particle: 7.0,
+            thermodynamics: 0.5,
+            observers,
+            baths,
+            frame: 3.0,
+            watch: 0.25,
+        }
+    }
+
+    #[test]
+    fn parts_are_paid_as_often_as_the_scene_says() {
+        let scene = scene(
+            "trajectory_every = 15\n[[stage]]\nname = \"a\"\nsteps = 300\nthermostat = \"bussi\"\n\
+             [[stage]]\nname = \"b\"\nsteps = 600\n[[observable]]\nkind = \"rdf\"\nevery = 20\n",
+        );
+        let parts = costs(vec![(Want::NOTHING, 4.0)], vec![0.1, 0.0]).of_run(&scene);
+        let near = |part: &str, wanted: f64| {
+            let found = parts[part];
+            assert!(
+                (found - wanted).abs() < 1e-9,
+                "{part}: {found}, wanted {wanted}"
+            );
+        };
+        near("pair forces", 900.0 * 6.0);
+        near("neighbor list", 900.0 * 2.0);
+        near("integrator", 900.0 * 1.75);
+        near("watchdog", 900.0 * 0.25);
+        near("energy and virial", 90.0 * 5.0);
+        near("thermostat bussi of a", 300.0 * 0.1);
+        // The second stage alone is measured.
+        near("thermodynamics", 60.0 * 0.5);
+        near("rdf", 30.0 * 4.0);
+        // A measurement below nothing is nothing.
+        near("configurational temperature", 0.0);
+        // Frames on steps 15, 30, 45, …: every second one falls on a row.
+        near("trajectory", 40.0 * (3.0 + 0.5 * 5.0));
+        assert!(!parts.contains_key("msd"));
+    }
+}

@@ -1,0 +1,135 @@
+//! Blocks of steps, each from the same state.
+
+use std::time::{Duration, Instant};
+
+use lennard_core::{Dynamics, PeriodicBox, State, Want};
+use lennard_engine::{Beginning, EngineError, Follower, Simulation, Verdict, prepare_from};
+use lennard_forcefield::measure;
+use lennard_scene::Scene;
+
+use super::variants::Variant;
+use super::{BenchError, BenchOptions};
+use crate::Progress;
+
+/// Steps before the clock starts: the list is built, memory is touched, caches are warm.
+pub(super) const SETTLING: u64 = 5;
+/// Steps from the scene's start to the state that is measured, at least: a lattice melts in so many.
+const WARM_STEPS: u64 = 300;
+/// The same for a quick look, where a half-molten crystal is good enough.
+const WARM_STEPS_QUICK: u64 = 100;
+/// How long that may take.
+const WARM_FOR: Duration = Duration::from_secs(5);
+/// How long a block should take on the fastest variant.
+const BLOCK: Duration = Duration::from_millis(100);
+const BLOCK_QUICK: Duration = Duration::from_millis(25);
+/// Steps of a block, whatever they take: several lives of a list.
+const FEWEST_STEPS: u64 = 20;
+/// Longer blocks of a tiny system say nothing more.
+const MOST_STEPS: u64 = 20_000;
+
+/// The state that every block starts from.
+pub(super) struct Start {
+    pub(super) cell: PeriodicBox,
+    pub(super) state: State,
+    /// Steps of a block.
+    pub(super) steps: u64,
+    /// Pairs within the cutoff for each particle, each counted once.
+    pub(super) pairs_per_atom: f64,
+}
+
+impl Start {
+    /// Runs the first variant from the scene's start until it is warm.
+    pub(super) fn warmed(
+        variants: &[Variant],
+        options: &BenchOptions,
+        progress: &mut dyn Progress,
+    ) -> Result<Self, BenchError> {
+        progress.update("warming up", 0.0);
+        let (steps, block) = if options.quick {
+            (WARM_STEPS_QUICK, BLOCK_QUICK)
+        } else {
+            (WARM_STEPS, BLOCK)
+        };
+        let first = &variants[0];
+        let most = variants.iter().map(|v| v.threads).max().unwrap_or(1);
+        let pool = pool(most)?;
+        let mut simulation = lennard_engine::prepare(first.scene.clone())?;
+        let step = pool.install(|| -> Result<f64, EngineError> {
+            let end = Instant::now() + WARM_FOR;
+            let mut done = 0;
+            while done < steps && Instant::now() < end {
+                simulation.run(&mut AFew::of(SETTLING))?;
+                done += SETTLING;
+            }
+            let clock = Instant::now();
+            simulation.run(&mut AFew::of(FEWEST_STEPS))?;
+            Ok(clock.elapsed().as_secs_f64() / FEWEST_STEPS as f64)
+        })?;
+        let state = simulation.state.clone();
+        let cell = simulation.cell;
+        let (_, mut forces) = lennard_engine::forces(&first.scene, cell, state.len())?;
+        let pairs = measure::work(&mut forces, &state.positions)?.pairs;
+        Ok(Self {
+            cell,
+            steps: ((block.as_secs_f64() / step) as u64).clamp(FEWEST_STEPS, MOST_STEPS),
+            pairs_per_atom: pairs as f64 / state.len() as f64,
+            state,
+        })
+    }
+
+    pub(super) fn temperature(&self) -> f64 {
+        Dynamics::fluid(self.state.len()).temperature(&self.state.velocities)
+    }
+
+    /// A simulation of a scene from this state, its list built and its memory touched.
+    pub(super) fn simulation(&self, scene: &Scene) -> Result<Simulation, EngineError> {
+        let beginning = Beginning {
+            cell: self.cell,
+            positions: self.state.positions.clone(),
+            velocities: Some(self.state.velocities.clone()),
+            relax: false,
+        };
+        let mut simulation = prepare_from(scene.clone(), beginning)?;
+        simulation.run(&mut AFew::of(SETTLING))?;
+        Ok(simulation)
+    }
+}
+
+/// A pool of so many threads.
+pub(super) fn pool(threads: usize) -> Result<rayon::ThreadPool, BenchError> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|source| BenchError::Threads { threads, source })
+}
+
+/// Takes some steps and wants the same of each.
+pub(super) struct AFew {
+    left: u64,
+    want: Want,
+}
+
+impl AFew {
+    pub(super) fn of(steps: u64) -> Self {
+        Self::wanting(steps, Want::NOTHING)
+    }
+
+    pub(super) fn wanting(steps: u64, want: Want) -> Self {
+        Self { left: steps, want }
+    }
+}
+
+impl Follower for AFew {
+    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
+        self.want
+    }
+
+    fn after_step(&mut self, _simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+        self.left -= 1;
+        Ok(if self.left == 0 {
+            Verdict::Stop
+        } else {
+            Verdict::Continue
+        })
+    }
+}

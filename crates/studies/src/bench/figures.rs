@@ -1,0 +1,205 @@
+//! The pictures of a benchmark.
+
+use lennard_report::{Axis, BarFigure, BarSeries, Figure, Guide, Look, Point, Series, Symbol};
+
+use super::{BenchStudy, KernelResult, Spread};
+use crate::StudyError;
+
+/// A picture with what is said below it.
+pub(super) struct Drawn {
+    /// File stem.
+    pub(super) name: &'static str,
+    /// The picture.
+    pub(super) svg: String,
+    /// What it shows.
+    pub(super) caption: String,
+    /// The file with its numbers.
+    pub(super) data: &'static str,
+}
+
+/// All pictures that the study has the numbers for.
+pub(super) fn all(study: &BenchStudy) -> Result<Vec<Drawn>, StudyError> {
+    let mut figures = Vec::new();
+    if !study.kernels.is_empty() {
+        figures.push(speeds(study)?);
+        figures.push(parts(study)?);
+    }
+    if let Some(skin) = &study.skin {
+        let points = skin.points.iter().map(|p| Point {
+            x: p.skin,
+            y: p.step_ns.median,
+            error: Some(p.step_ns.half_range()),
+            ..Point::default()
+        });
+        let figure = Figure::new(
+            "skins",
+            "Cost against skin",
+            Axis::linear("skin / σ"),
+            Axis::linear("ns an atom-step"),
+        )
+        .guided(Guide::Vertical(skin.chosen, "chosen".into()))
+        .with(Series::from_points(
+            "whole step",
+            Look::Points(Symbol::Disc),
+            0,
+            points.collect(),
+        ));
+        figures.push(Drawn {
+            name: "skins",
+            svg: figure.to_svg()?,
+            caption: format!(
+                "Whole steps with other skins ({}); lines are half the range over {} repeats.",
+                skin.with, study.repeats
+            ),
+            data: "skins.csv",
+        });
+    }
+    if let Some(found) = &study.features {
+        let figure = BarFigure {
+            name: "features".into(),
+            title: "What a feature adds to a step".into(),
+            axis: Axis::linear("% of a step with everything off"),
+            groups: found
+                .features
+                .iter()
+                .map(|f| format!("{}, {}", f.name, short(&f.how)))
+                .collect(),
+            series: vec![BarSeries {
+                name: "added".into(),
+                color: 0,
+                // Below nothing is noise, and a bar of it would say otherwise.
+                values: found
+                    .features
+                    .iter()
+                    .map(|f| {
+                        Some((
+                            100.0 * f.share.median.max(0.0),
+                            Some(100.0 * f.share.half_range()),
+                        ))
+                    })
+                    .collect(),
+            }],
+        };
+        figures.push(Drawn {
+            name: "features",
+            svg: figure.to_svg()?,
+            caption: format!(
+                "Each alone, against the engine with every feature off; {} of one thread, median of {} rounds, lines are half the range.",
+                found.clock, study.repeats
+            ),
+            data: "features.csv",
+        });
+    }
+    Ok(figures)
+}
+
+/// The beginning of a description, up to its first comma.
+fn short(how: &str) -> &str {
+    how.split(',').next().unwrap_or(how)
+}
+
+fn bar(spread: Spread) -> Option<(f64, Option<f64>)> {
+    Some((spread.median, Some(spread.half_range())))
+}
+
+/// Whole steps of every variant: a group for each kernel, a bar for each number of threads.
+fn speeds(study: &BenchStudy) -> Result<Drawn, StudyError> {
+    let groups = labels(study);
+    let mut threads: Vec<usize> = study.kernels.iter().map(|k| k.threads).collect();
+    threads.sort_unstable();
+    threads.dedup();
+    let series = threads
+        .iter()
+        .enumerate()
+        .map(|(color, &threads)| BarSeries {
+            name: format!("{threads} thread{}", if threads == 1 { "" } else { "s" }),
+            color,
+            values: groups
+                .iter()
+                .map(|g| find(study, g, threads).and_then(|k| bar(k.speed)))
+                .collect(),
+        });
+    let figure = BarFigure {
+        name: "speed".into(),
+        title: format!("{}: {} atoms, whole steps", study.scene, study.atoms),
+        axis: Axis::linear("million atom-steps a second"),
+        series: series.collect(),
+        groups,
+    };
+    Ok(Drawn {
+        name: "speed",
+        svg: figure.to_svg()?,
+        caption: format!(
+            "Whole steps at constant energy, lists included: median of {} blocks of {} steps, lines are half the range.",
+            study.repeats, study.steps
+        ),
+        data: "kernels.csv",
+    })
+}
+
+/// The parts of a step on the fewest threads.
+fn parts(study: &BenchStudy) -> Result<Drawn, StudyError> {
+    let fewest = study.kernels.iter().map(|k| k.threads).min().unwrap_or(1);
+    let groups = labels(study);
+    let of = |part: &dyn Fn(&KernelResult) -> Option<Spread>| -> Vec<_> {
+        let found = groups.iter().map(|g| find(study, g, fewest));
+        found.map(|k| k.and_then(part).and_then(bar)).collect()
+    };
+    let series = [
+        ("whole step", of(&|k| k.processor_ns.or(Some(k.step_ns)))),
+        ("forces alone, the list given", of(&|k| Some(k.forces_ns))),
+        (
+            "forces with energy, virial and Laplacian",
+            of(&|k| Some(k.totals_ns)),
+        ),
+        ("one list build", of(&|k| k.build_ns)),
+    ];
+    let series = series
+        .into_iter()
+        .enumerate()
+        .filter(|(_, (_, values))| values.iter().any(Option::is_some));
+    let figure = BarFigure {
+        name: "parts".into(),
+        title: format!(
+            "Parts of a step, {fewest} thread{}",
+            if fewest == 1 { "" } else { "s" }
+        ),
+        axis: Axis::linear("ns an atom"),
+        series: series
+            .map(|(color, (name, values))| BarSeries {
+                name: name.into(),
+                color,
+                values,
+            })
+            .collect(),
+        groups,
+    };
+    Ok(Drawn {
+        name: "parts",
+        svg: figure.to_svg()?,
+        caption: format!(
+            "A list build is paid once in {} steps.",
+            study
+                .kernels
+                .iter()
+                .find_map(|k| k.steps_per_build)
+                .map_or("all".into(), |s| format!("{s:.1}"))
+        ),
+        data: "kernels.csv",
+    })
+}
+
+fn labels(study: &BenchStudy) -> Vec<String> {
+    let mut labels: Vec<String> = Vec::new();
+    for label in study.kernels.iter().map(KernelResult::label) {
+        if !labels.contains(&label) {
+            labels.push(label);
+        }
+    }
+    labels
+}
+
+fn find<'a>(study: &'a BenchStudy, label: &str, threads: usize) -> Option<&'a KernelResult> {
+    let mut all = study.kernels.iter();
+    all.find(|k| k.threads == threads && k.label() == label)
+}

@@ -1,0 +1,248 @@
+//! The tables and the page of a benchmark.
+
+use lennard_report::{Block, Cell, Page, PageFigure, PageTable, Section, significant};
+
+use super::figures::Drawn;
+use super::{BenchStudy, Spread};
+use crate::files::{TextTable, exact, exact_or_empty};
+
+/// A median with its range: `12.3 (11.9–13.0)`.
+fn with_range(spread: Spread) -> String {
+    format!(
+        "{} ({}–{})",
+        significant(spread.median, 3),
+        significant(spread.lowest, 3),
+        significant(spread.highest, 3)
+    )
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+/// Every number, as CSV.
+pub(super) fn csv(study: &BenchStudy) -> Vec<TextTable> {
+    let three = |s: Spread| [exact(s.median), exact(s.lowest), exact(s.highest)];
+    let mut tables = Vec::new();
+    if !study.kernels.is_empty() {
+        let mut table = TextTable::new(
+            "kernels",
+            &[
+                "kernel",
+                "isa",
+                "precision",
+                "threads",
+                "speed [M atom-steps/s]",
+                "lowest",
+                "highest",
+                "step [ns/atom]",
+                "lowest",
+                "highest",
+                "forces [ns/atom]",
+                "lowest",
+                "highest",
+                "totals [ns/atom]",
+                "lowest",
+                "highest",
+                "build [ns/atom]",
+                "processor time [ns/atom-step]",
+                "list share",
+                "steps per build",
+                "lanes per pair",
+                "limit [pairs/s]",
+                "share of limit",
+                "bytes per atom",
+                "skin [σ]",
+                "late builds",
+            ],
+        );
+        for k in &study.kernels {
+            let words = [
+                k.kernel.clone(),
+                k.isa.clone(),
+                k.precision.clone(),
+                k.threads.to_string(),
+            ];
+            let spreads = [k.speed, k.step_ns, k.forces_ns, k.totals_ns]
+                .into_iter()
+                .flat_map(three);
+            let rest = [
+                exact_or_empty(k.build_ns.map(|s| s.median)),
+                exact_or_empty(k.processor_ns.map(|s| s.median)),
+                exact(k.list_share.median),
+                exact_or_empty(k.steps_per_build),
+                exact(k.lanes_per_pair),
+                exact_or_empty(k.limit),
+                exact_or_empty(k.limit_share),
+                exact(k.bytes_per_atom),
+                exact(k.skin),
+                k.late_builds.to_string(),
+            ];
+            table.push(words.into_iter().chain(spreads).chain(rest));
+        }
+        tables.push(table);
+    }
+    if let Some(skin) = &study.skin {
+        let mut table = TextTable::new(
+            "skins",
+            &["skin [σ]", "step [ns/atom]", "lowest", "highest"],
+        );
+        for p in &skin.points {
+            table.push([exact(p.skin)].into_iter().chain(three(p.step_ns)));
+        }
+        tables.push(table);
+    }
+    if let Some(found) = &study.features {
+        let mut table = TextTable::new(
+            "features",
+            &[
+                "feature",
+                "how often",
+                "share of a step",
+                "lowest",
+                "highest",
+                "ns/atom-step",
+            ],
+        );
+        for f in &found.features {
+            let words = [f.name.clone(), f.how.clone()];
+            table.push(words.into_iter().chain(three(f.share)).chain([exact(f.ns)]));
+        }
+        tables.push(table);
+    }
+    tables
+}
+
+/// The page.
+pub(super) fn page(study: &BenchStudy, figures: Vec<Drawn>) -> Page {
+    let figures = figures
+        .into_iter()
+        .map(|f| PageFigure {
+            svg: f.svg,
+            caption: f.caption,
+            command: Some(study.command.clone()),
+            data: Some(f.data.into()),
+        })
+        .collect();
+    let mut sections = vec![Section::new("Pictures").with(Block::Figures(figures))];
+    if !study.kernels.is_empty() {
+        sections.push(Section::new("Kernels").with(Block::Table(kernels(study))));
+    }
+    if let Some(skin) = &study.skin {
+        sections.push(Section::new("Skin").text(format!(
+            "The scene gets a skin of {:.3} σ. Of those tried {:.3} σ is the cheapest; the chosen one costs {} more ({}).",
+            skin.chosen,
+            skin.cheapest,
+            percent(skin.excess),
+            skin.with
+        )));
+    }
+    if let Some(found) = &study.features {
+        let section = Section::new("Features").text(format!(
+            "Force provider and integrator called by hand take {} ns an atom and step, the engine with every feature off {} ns: {} more \
+             (from {} to {}).",
+            with_range(found.bare_ns),
+            with_range(found.off_ns),
+            percent(found.engine_share.median),
+            percent(found.engine_share.lowest),
+            percent(found.engine_share.highest)
+        ));
+        let rows = found.features.iter().map(|f| {
+            vec![
+                Cell::text(f.name.clone()),
+                Cell::text(f.how.clone()),
+                Cell::number(percent(f.share.median)),
+                Cell::number(format!(
+                    "{} – {}",
+                    percent(f.share.lowest),
+                    percent(f.share.highest)
+                )),
+                Cell::number(significant(f.ns, 3)),
+            ]
+        });
+        let table = PageTable {
+            caption: "What each adds to a step in which everything is off.".into(),
+            command: Some(study.command.clone()),
+            header: [
+                "Feature",
+                "How often",
+                "Of a step",
+                "Range",
+                "ns an atom-step",
+            ]
+            .map(str::to_owned)
+            .to_vec(),
+            rows: rows.collect(),
+        };
+        sections.push(
+            section
+                .with(Block::Table(table))
+                .with(Block::List(found.left_out.clone())),
+        );
+    }
+    Page {
+        title: format!("{}: how fast", study.scene),
+        lead: format!(
+            "{} atoms at ρ = {:.4}, {}, {:.1} pairs an atom within the cutoff, T = {:.3}. Every block of {} steps starts from the same \
+             state; the order of the blocks is shuffled in each of {} repeats. Times are those of this machine at that hour: only \
+             ratios carry over.",
+            study.atoms,
+            study.density,
+            study.model,
+            study.pairs_per_atom,
+            study.temperature,
+            study.steps,
+            study.repeats
+        ),
+        sections,
+        provenance: study
+            .machine
+            .iter()
+            .cloned()
+            .chain([("command".to_owned(), format!("`{}`", study.command))])
+            .collect(),
+    }
+}
+
+fn kernels(study: &BenchStudy) -> PageTable {
+    let rows = study.kernels.iter().map(|k| {
+        vec![
+            Cell::text(k.label()),
+            Cell::number(k.threads.to_string()),
+            Cell::number(with_range(k.speed)),
+            Cell::number(with_range(k.step_ns)),
+            Cell::number(k.processor_ns.map_or("–".into(), with_range)),
+            Cell::number(with_range(k.forces_ns)),
+            Cell::number(with_range(k.totals_ns)),
+            Cell::number(k.build_ns.map_or("–".into(), with_range)),
+            Cell::number(percent(k.list_share.median)),
+            Cell::number(significant(k.lanes_per_pair, 3)),
+            Cell::number(k.limit_share.map_or("–".into(), percent)),
+            Cell::number(format!("{:.0}", k.bytes_per_atom)),
+        ]
+    });
+    PageTable {
+        caption: "Median and range. Forces are timed with the list given; a build is one build. The arithmetic limit is the same force with \
+                  everything in registers, measured on this processor: its share is the part of the force time that such arithmetic \
+                  would take."
+            .into(),
+        command: Some(study.command.clone()),
+        header: [
+            "Kernel",
+            "Threads",
+            "M atom-steps/s",
+            "Step / ns an atom",
+            "The same, processor time",
+            "Forces",
+            "With totals",
+            "One build",
+            "Lists in a step",
+            "Lanes a pair",
+            "Of the limit",
+            "Bytes an atom",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
+        rows: rows.collect(),
+    }
+}

@@ -1,0 +1,119 @@
+use super::*;
+use crate::Silent;
+
+fn options(set: &[(&str, &str)]) -> BenchOptions {
+    let small = [("system.n_atoms", "108"), ("truncation.r_cut", "2.2")];
+    let set = small.iter().chain(set);
+    BenchOptions {
+        subject: Subject::BuiltIn { quick: true },
+        overrides: set
+            .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
+            .collect(),
+        isas: vec!["portable".into()],
+        precisions: vec![],
+        threads: vec![1],
+        repeats: 2,
+        quick: true,
+        features: false,
+        scratch: PathBuf::new(),
+        command: "lennard bench".into(),
+        machine: vec![],
+    }
+}
+
+#[test]
+fn each_variant_is_measured_once_and_its_numbers_agree_with_one_another() {
+    let study = run(&options(&[]), &mut Silent).unwrap();
+    assert_eq!((study.atoms, study.kernels.len()), (108, 2));
+    for k in &study.kernels {
+        assert_eq!((k.threads, k.late_builds), (1, 0));
+        for s in [k.speed, k.step_ns, k.forces_ns, k.totals_ns, k.list_share] {
+            assert!(
+                s.lowest <= s.median && s.median <= s.highest && s.lowest >= 0.0,
+                "{k:?}"
+            );
+        }
+        // ns an atom-step and million atom-steps a second are the same measurement.
+        assert!((k.speed.highest * k.step_ns.lowest - 1e3).abs() < 1e-6);
+        // A list holds more than the pairs that count, and a pair that counts is never left out.
+        assert!(
+            k.lanes_per_pair >= 1.0 && k.lanes_per_pair < 20.0,
+            "{}",
+            k.lanes_per_pair
+        );
+        assert!(k.bytes_per_atom > 72.0);
+        assert!(k.limit.is_some_and(|l| l > 0.0) && k.limit_share.is_some_and(|s| s > 0.0));
+    }
+    assert_ne!(study.kernels[0].precision, study.kernels[1].precision);
+    let skin = study.skin.as_ref().unwrap();
+    assert!(skin.points.iter().any(|p| p.skin == skin.chosen) && skin.excess >= 0.0);
+    let folder = tempfile::tempdir().unwrap();
+    write(&study, folder.path()).unwrap();
+    for file in [
+        "bench.json",
+        "kernels.csv",
+        "skins.csv",
+        "report.html",
+        "figures/speed.svg",
+        "figures/parts.svg",
+        "figures/skins.svg",
+    ] {
+        assert!(folder.path().join(file).exists(), "{file}");
+    }
+}
+
+#[test]
+fn the_model_decides_how_many_pairs_count() {
+    // (2π/3)·ρ·r_cut³ pairs an atom in a structureless fluid: near it in a dense one.
+    let study = run(&options(&[]), &mut Silent).unwrap();
+    let expected = 2.0 / 3.0 * std::f64::consts::PI * study.density * study.r_cut.powi(3);
+    assert!(
+        (study.pairs_per_atom / expected - 1.0).abs() < 0.1,
+        "{} {expected}",
+        study.pairs_per_atom
+    );
+}
+
+#[test]
+fn what_cannot_run_here_is_refused_with_the_key() {
+    let refused = |isa: &str, precision: &str| {
+        let mut options = options(&[]);
+        options.isas = vec![isa.into()];
+        options.precisions = vec![precision.into()];
+        run(&options, &mut Silent).unwrap_err().to_string()
+    };
+    assert!(refused("sse9", "double").contains("`kernel.isa` is not a known name"));
+    assert!(refused("portable", "single").contains("`kernel.precision` is not a known name"));
+}
+
+#[test]
+fn features_are_all_measured_and_the_engine_is_measured_against_the_bare_loop() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut options = options(&[]);
+    options.features = true;
+    options.repeats = 1;
+    options.scratch = folder.path().into();
+    let study = run(&options, &mut Silent).unwrap();
+    let found = study.features.as_ref().unwrap();
+    assert!(found.bare_ns.median > 0.0 && found.off_ns.median > 0.0);
+    for spec in lennard_observables::observables() {
+        let told = found.features.iter().any(|f| f.name == spec.name)
+            || found.left_out.iter().any(|l| l.starts_with(spec.name));
+        assert!(told, "{}", spec.name);
+    }
+    for name in [
+        "energy",
+        "trajectory",
+        "thermo.csv",
+        "checkpoints",
+        "thermostat bussi",
+        "watchdog (always on)",
+    ] {
+        assert!(found.features.iter().any(|f| f.name == name), "{name}");
+    }
+    write(&study, folder.path()).unwrap();
+    assert!(
+        folder.path().join("figures/features.svg").exists()
+            && folder.path().join("features.csv").exists()
+    );
+}
