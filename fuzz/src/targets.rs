@@ -6,6 +6,9 @@ use lennard_scene::Scene;
 
 use crate::restart::{reshape, restart};
 
+/// Changes an input in place, with a source of numbers below its argument.
+pub type Reshape = fn(&mut Vec<u8>, &mut dyn FnMut(usize) -> usize);
+
 /// An error longer than this (bytes) has taken over what it was given.
 const LONGEST_MESSAGE: usize = 4000;
 
@@ -18,7 +21,7 @@ pub struct Target {
     /// Makes mutated bytes worth reading on: without a right checksum nothing behind it would ever be reached.
     pub repair: Option<fn(&mut [u8])>,
     /// Changes that bytes alone would hardly ever make, on what the format means; half of the inputs get some.
-    pub reshape: Option<fn(&mut Vec<u8>, &mut dyn FnMut(usize) -> usize)>,
+    pub reshape: Option<Reshape>,
     /// Words that mean something in this format.
     pub words: &'static [&'static str],
 }

@@ -47,14 +47,13 @@ impl Bounds {
     }
 
     fn set(&mut self, cluster: usize, row: &ClusterRow, spans: bool, scale: [f64; 3]) {
-        for axis in 0..3 {
-            let at = row.0[axis];
+        for (axis, (at, scale)) in row.0.iter().zip(scale).enumerate() {
             let from_first = at.map(|x| i64::from(x.wrapping_sub(at[0])));
             let low = from_first.iter().min().copied().unwrap_or_default();
             let high = from_first.iter().max().copied().unwrap_or_default();
             let middle = (low + high) >> 1;
             self.center[axis][cluster] = at[0].wrapping_add(middle as i32);
-            let half = (high - middle + 1) as f64 * scale[axis];
+            let half = (high - middle + 1) as f64 * scale;
             self.half[axis][cluster] = (half * (1.0 + 1e-6)) as f32;
         }
         self.spans[cluster] = spans;
@@ -149,11 +148,10 @@ impl TileScanner for ScalarTileScanner {
             let mut least = f32::INFINITY;
             for i in 0..CLUSTER {
                 let mut r2 = [0.0_f32; CLUSTER];
-                for axis in 0..3 {
-                    for j in 0..CLUSTER {
-                        let apart = own[axis][i].wrapping_sub(other[axis][j]) as f32;
-                        let d = apart * search.scale[axis];
-                        r2[j] += d * d;
+                for ((own, other), scale) in own.iter().zip(&other).zip(search.scale) {
+                    for (r2, other) in r2.iter_mut().zip(other) {
+                        let d = own[i].wrapping_sub(*other) as f32 * scale;
+                        *r2 += d * d;
                     }
                 }
                 least = r2.into_iter().fold(least, f32::min);
@@ -294,8 +292,8 @@ impl TileList {
                 let place = c * CLUSTER + if full { k } else { 0 };
                 let r = positions[table.particle[place] as usize];
                 let fixed = table.to_fixed(place, r, lengths, units);
-                for axis in 0..3 {
-                    row.0[axis][k] = fixed[axis];
+                for (axis, x) in row.0.iter_mut().zip(fixed) {
+                    axis[k] = x;
                 }
             }
             self.bounds.set(c, row, table.spans(row), scale);
@@ -466,7 +464,7 @@ impl<'a> Search<'a> {
     fn belonging(&self, own: u32) -> [Range<u32>; 2] {
         let clusters = self.rows.len() as u32;
         let half = clusters / 2;
-        let ahead = if clusters % 2 == 0 && own >= half {
+        let ahead = if clusters.is_multiple_of(2) && own >= half {
             half.saturating_sub(1)
         } else {
             half
