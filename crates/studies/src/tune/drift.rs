@@ -13,6 +13,8 @@ use crate::settings::{Failed, Settings, Workbench};
 
 /// Steps at which stability is tried, as shares of the rough limit.
 pub(super) const RUNGS: [f64; 4] = [0.25, 0.32, 0.40, 0.50];
+/// Shortest run on a rung, τ: less does not tell a drift of 10⁻⁵.
+const SHORTEST_RUNG: f64 = 80.0;
 /// Without a wanted drift, a step is stable that drifts less than this: 10⁻³ ε/τ a particle is a per cent of T in ten τ.
 const LARGEST_DRIFT: f64 = 1e-3;
 /// A drift counts as seen from so many of its standard errors on.
@@ -65,7 +67,7 @@ impl Stability {
                 ..smooth.clone()
             };
             let found = super::affordable(&bench, &settings, seconds)
-                .and_then(|time| Ok(bench.measure(&settings, time, &slopes)?));
+                .and_then(|time| Ok(bench.measure(&settings, time.max(SHORTEST_RUNG), &slopes)?));
             match found {
                 Ok(m) => Ok(Rung {
                     dt,

@@ -132,10 +132,23 @@ impl Sample {
         })
     }
 
+    /// The longest cutoff that leaves the list its skin in this box, σ.
+    pub fn comfortable_cutoff(&self) -> f64 {
+        comfortable_cutoff(self.start.cell.largest_cutoff()).min(self.sight)
+    }
+
     /// Settings of survey and reference but for their cutoff.
     pub fn careful(&self) -> Settings {
         Settings::of(&self.own)
     }
+}
+
+/// The longest cutoff that leaves a list its skin, for half a box side in σ: without a skin the list would be built
+/// anew at every step, which costs several times more than the forces.
+pub(super) fn comfortable_cutoff(half: f64) -> f64 {
+    /// Skin that the cost model chooses for liquids, σ.
+    const SKIN: f64 = 0.3;
+    ((half - SKIN) * 100.0).floor() / 100.0
 }
 
 /// The temperature at which the scene measures: that of the last heat bath up to there, or the system's.

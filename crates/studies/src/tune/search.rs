@@ -276,7 +276,7 @@ fn rows(
 /// The settings against which is measured: the longest cutoff of the sample's box, a careful step, double precision.
 fn safest(sample: &Sample, full: bool) -> Settings {
     let careful = sample.careful();
-    let longest = (sample.sight * 100.0).floor() / 100.0;
+    let longest = sample.comfortable_cutoff();
     let settings = match full {
         true => careful.with_truncation(TruncationKind::Cut, longest, true),
         false => careful,

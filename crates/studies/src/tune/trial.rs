@@ -198,13 +198,13 @@ pub fn run(
 }
 
 fn tight(bench: &Workbench) -> Settings {
-    let half = bench.start().cell.largest_cutoff() * (1.0 - 1e-6);
+    let longest = super::sample::comfortable_cutoff(bench.start().cell.largest_cutoff());
     let dt = bench.scene().integrator.dt * TIGHT_STEP / super::sample::CAREFUL_STEP;
     let options = blanes_moan::Options::default();
     let base = Settings::of(bench.scene()).with_integrator(IntegratorOptions::BlanesMoan(options));
     Settings {
         dt,
-        ..base.with_truncation(TruncationKind::Cut, TIGHT_CUTOFF.min(half), true)
+        ..base.with_truncation(TruncationKind::Cut, TIGHT_CUTOFF.min(longest), true)
     }
 }
 
