@@ -48,9 +48,10 @@ fn list_build(c: &mut Criterion) {
         let mut group = c.benchmark_group(format!("list build and one evaluation {}", case.name));
         group.throughput(Throughput::Elements(case.n_atoms() as u64));
         for (precision, mut run) in runs(case) {
+            let fresh = run.fresh_providers();
             group.bench_function(precision, |b| {
                 b.iter_batched(
-                    || run.fresh_provider().expect("it was built before"),
+                    || fresh().expect("it was built before"),
                     |mut provider| run.evaluate_with(&mut provider).expect("finite forces"),
                     BatchSize::LargeInput,
                 );

@@ -9,6 +9,9 @@ use crate::restart::{reshape, restart};
 /// An error longer than this (bytes) has taken over what it was given.
 const LONGEST_MESSAGE: usize = 4000;
 
+/// Changes bytes, with random whole numbers below what it asks for.
+pub type Reshape = fn(&mut Vec<u8>, &mut dyn FnMut(usize) -> usize);
+
 /// A reader with its corpus.
 pub struct Target {
     /// Its name, and that of its folder in `fuzz/corpus`.
@@ -18,7 +21,7 @@ pub struct Target {
     /// Makes mutated bytes worth reading on: without a right checksum nothing behind it would ever be reached.
     pub repair: Option<fn(&mut [u8])>,
     /// Changes that bytes alone would hardly ever make, on what the format means; half of the inputs get some.
-    pub reshape: Option<fn(&mut Vec<u8>, &mut dyn FnMut(usize) -> usize)>,
+    pub reshape: Option<Reshape>,
     /// Words that mean something in this format.
     pub words: &'static [&'static str],
 }

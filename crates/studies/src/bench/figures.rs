@@ -59,11 +59,7 @@ pub(super) fn all(study: &BenchStudy) -> Result<Vec<Drawn>, StudyError> {
             name: "features".into(),
             title: "What a feature adds to a step".into(),
             axis: Axis::linear("% of a step with everything off"),
-            groups: found
-                .features
-                .iter()
-                .map(|f| format!("{}, {}", f.name, short(&f.how)))
-                .collect(),
+            groups: found.features.iter().map(|f| f.name.clone()).collect(),
             series: vec![BarSeries {
                 name: "added".into(),
                 color: 0,
@@ -84,18 +80,13 @@ pub(super) fn all(study: &BenchStudy) -> Result<Vec<Drawn>, StudyError> {
             name: "features",
             svg: figure.to_svg()?,
             caption: format!(
-                "Each alone, against the engine with every feature off; {} of one thread, median of {} rounds, lines are half the range.",
+                "Each alone and as often as the table says, against the engine with every feature off; {} of one thread, median of {} rounds, lines are half the range.",
                 found.clock, study.repeats
             ),
             data: "features.csv",
         });
     }
     Ok(figures)
-}
-
-/// The beginning of a description, up to its first comma.
-fn short(how: &str) -> &str {
-    how.split(',').next().unwrap_or(how)
 }
 
 fn bar(spread: Spread) -> Option<(f64, Option<f64>)> {

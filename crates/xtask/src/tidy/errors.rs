@@ -98,16 +98,16 @@ pub fn faults(workspace: &Workspace) -> Result<Vec<String>, Box<dyn Error>> {
             .map_err(|e| format!("{name} cannot be read as Rust: {e}"))?;
         for item in found {
             match item {
-                Found::InTest(text) => evidence.push(text),
-                Found::InCall {
+                Found::Test(text) => evidence.push(text),
+                Found::Call {
                     name: maker,
                     line,
                     text,
                 } if MAKERS.contains(&maker.as_str()) => {
                     texts.extend(of_user(&format!("{name}:{line}"), &text));
                 }
-                Found::InCall { .. } => {}
-                Found::InErrorAttribute { line, text } => {
+                Found::Call { .. } => {}
+                Found::ErrorAttribute { line, text } => {
                     texts.extend(of_user(&format!("{name}:{line}"), &text));
                 }
             }

@@ -7,9 +7,9 @@ use syn::LitStr;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Found {
     /// In the code of a test.
-    InTest(String),
+    Test(String),
     /// Among the arguments of `name(…)` or `name!(…)`.
-    InCall {
+    Call {
         /// The last name before the bracket, with the one before it where there is a path (`Failure::new`).
         name: String,
         /// Line in the file, from 1.
@@ -18,7 +18,7 @@ pub enum Found {
         text: String,
     },
     /// In `#[error(…)]`.
-    InErrorAttribute {
+    ErrorAttribute {
         /// Line in the file, from 1.
         line: usize,
         /// The text.
@@ -46,9 +46,9 @@ fn walk(stream: TokenStream, calls: &[String], test: bool, found: &mut Vec<Found
                 };
                 let (text, line) = (text.value(), literal.span().start().line);
                 if test {
-                    found.push(Found::InTest(text));
+                    found.push(Found::Test(text));
                 } else {
-                    found.extend(calls.iter().map(|name| Found::InCall {
+                    found.extend(calls.iter().map(|name| Found::Call {
                         name: name.clone(),
                         line,
                         text: text.clone(),
@@ -66,7 +66,7 @@ fn walk(stream: TokenStream, calls: &[String], test: bool, found: &mut Vec<Found
                             && let Ok(text) = syn::parse_str::<LitStr>(&literal.to_string())
                         {
                             let line = literal.span().start().line;
-                            found.push(Found::InErrorAttribute {
+                            found.push(Found::ErrorAttribute {
                                 line,
                                 text: text.value(),
                             });
@@ -142,13 +142,13 @@ mod tests {
             fn g() { misfit("entry", "too long") }
         "##;
         let found = in_source(source, false).unwrap();
-        let call = |name: &str, text: &str, line| Found::InCall {
+        let call = |name: &str, text: &str, line| Found::Call {
             name: name.into(),
             line,
             text: text.into(),
         };
         for wanted in [
-            Found::InErrorAttribute {
+            Found::ErrorAttribute {
                 line: 3,
                 text: "bad {found}".into(),
             },
@@ -156,7 +156,7 @@ mod tests {
             call("Failure::new", "it {}", 5),
             call("format", "it {}", 5),
             call("misfit", "too long", 8),
-            Found::InTest("a \"raw\" one".into()),
+            Found::Test("a \"raw\" one".into()),
         ] {
             assert!(found.contains(&wanted), "{wanted:?} in {found:?}");
         }
@@ -168,7 +168,7 @@ mod tests {
         );
         assert_eq!(
             in_source("fn t() { a(\"b\") }", true).unwrap(),
-            [Found::InTest("b".into())]
+            [Found::Test("b".into())]
         );
     }
 }
