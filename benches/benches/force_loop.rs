@@ -1,8 +1,6 @@
 //! The force loop alone (the list is given), the list build alone, and whole steps, for each precision.
 #![allow(missing_docs)]
 
-use std::cell::RefCell;
-
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use lennard_benches::{CASES, Case, Run};
 use lennard_core::Want;
@@ -49,15 +47,12 @@ fn list_build(c: &mut Criterion) {
     for case in &CASES[..2] {
         let mut group = c.benchmark_group(format!("list build and one evaluation {}", case.name));
         group.throughput(Throughput::Elements(case.n_atoms() as u64));
-        for (precision, run) in runs(case) {
-            let run = RefCell::new(run);
+        for (precision, mut run) in runs(case) {
+            let fresh = run.fresh_providers();
             group.bench_function(precision, |b| {
                 b.iter_batched(
-                    || run.borrow().fresh_provider().expect("it was built before"),
-                    |mut provider| {
-                        let mut run = run.borrow_mut();
-                        run.evaluate_with(&mut provider).expect("finite forces")
-                    },
+                    || fresh().expect("it was built before"),
+                    |mut provider| run.evaluate_with(&mut provider).expect("finite forces"),
                     BatchSize::LargeInput,
                 );
             });

@@ -164,12 +164,10 @@ impl Run {
             .evaluate(at, Part::All, want, &mut self.forces)
     }
 
-    /// The same forces once more, with no list yet.
-    ///
-    /// # Errors
-    /// [`ForceFieldError`], as [`Case::start`].
-    pub fn fresh_provider(&self) -> Result<PairForces, ForceFieldError> {
-        build(&self.options, &self.conditions)
+    /// What builds the same forces once more, with no list yet.
+    pub fn fresh_providers(&self) -> impl Fn() -> Result<PairForces, ForceFieldError> + use<> {
+        let (options, conditions) = (self.options, self.conditions);
+        move || build(&options, &conditions)
     }
 
     /// Evaluates other forces where the particles are.

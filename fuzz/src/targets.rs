@@ -12,6 +12,9 @@ pub type Reshape = fn(&mut Vec<u8>, &mut dyn FnMut(usize) -> usize);
 /// An error longer than this (bytes) has taken over what it was given.
 const LONGEST_MESSAGE: usize = 4000;
 
+/// Changes bytes, with random whole numbers below what it asks for.
+pub type Reshape = fn(&mut Vec<u8>, &mut dyn FnMut(usize) -> usize);
+
 /// A reader with its corpus.
 pub struct Target {
     /// Its name, and that of its folder in `fuzz/corpus`.

@@ -16,6 +16,15 @@ fn with_range(spread: Spread) -> String {
     )
 }
 
+/// The best time, in brackets the median of the repeats: `70.1 (74.3)`.
+fn best(spread: Spread) -> String {
+    format!(
+        "{} ({})",
+        significant(spread.lowest, 3),
+        significant(spread.median, 3)
+    )
+}
+
 fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
@@ -212,9 +221,9 @@ fn kernels(study: &BenchStudy) -> PageTable {
             Cell::number(with_range(k.speed)),
             Cell::number(with_range(k.step_ns)),
             Cell::number(k.processor_ns.map_or("–".into(), with_range)),
-            Cell::number(with_range(k.forces_ns)),
-            Cell::number(with_range(k.totals_ns)),
-            Cell::number(k.build_ns.map_or("–".into(), with_range)),
+            Cell::number(best(k.forces_ns)),
+            Cell::number(best(k.totals_ns)),
+            Cell::number(k.build_ns.map_or("–".into(), best)),
             Cell::number(percent(k.list_share.median)),
             Cell::number(significant(k.lanes_per_pair, 3)),
             Cell::number(k.limit_share.map_or("–".into(), percent)),
@@ -222,7 +231,7 @@ fn kernels(study: &BenchStudy) -> PageTable {
         ]
     });
     PageTable {
-        caption: "Median and range. Forces are timed with the list given; a build is one build. The arithmetic limit is the same force with \
+        caption: "Whole steps: median and range. Forces, the list given, and one build: best times and their median in brackets. The arithmetic limit is the same force with \
                   everything in registers, measured on this processor: its share is the part of the force time that such arithmetic \
                   would take."
             .into(),

@@ -14,7 +14,8 @@ use crate::Progress;
 
 /// Steps of the one stage that is measured: more than any block takes.
 const ENDLESS: u64 = 1_000_000_000_000_000;
-/// Evaluations and builds that each repeat times alone, of which the best counts.
+/// Evaluations and builds that each repeat times alone, of which the best counts: they are too short for a machine that is
+/// not alone to be undisturbed in most of them.
 const ROUNDS: usize = 3;
 /// Bytes of position, velocity and force of a particle.
 const STATE_BYTES: f64 = 72.0;
@@ -69,7 +70,7 @@ pub struct KernelResult {
     pub lanes_per_pair: f64,
     /// Pairs a second and thread with everything in registers, measured; `None` where this loop has no such measurement.
     pub limit: Option<f64>,
-    /// The time of that arithmetic as a share of the force time.
+    /// The time of that arithmetic as a share of the shortest force time: the limit is a best time too.
     pub limit_share: Option<f64>,
     /// Bytes an atom in state, lists and private copies.
     pub bytes_per_atom: f64,
@@ -279,7 +280,7 @@ fn result(variant: &Variant, blocks: &[Block], start: &Start) -> Result<KernelRe
         skin: variant.skin,
         lanes_per_pair: work.lanes as f64 / (meetings * work.pairs.max(1) as f64),
         limit,
-        limit_share: limit.map(|l| ideal_ns(l) / forces_ns.median),
+        limit_share: limit.map(|l| ideal_ns(l) / forces_ns.lowest),
         bytes_per_atom: STATE_BYTES + blocks[0].bytes as f64 / n,
     })
 }
