@@ -6,9 +6,6 @@ use lennard_scene::Scene;
 
 use crate::restart::{reshape, restart};
 
-/// Changes an input in place, with a source of numbers below its argument.
-pub type Reshape = fn(&mut Vec<u8>, &mut dyn FnMut(usize) -> usize);
-
 /// An error longer than this (bytes) has taken over what it was given.
 const LONGEST_MESSAGE: usize = 4000;
 
