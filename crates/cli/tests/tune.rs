@@ -4,7 +4,7 @@ mod common;
 
 use std::path::Path;
 
-use common::{lennard, stderr, stdout, succeed};
+use common::{lennard, stderr, succeed};
 
 /// A dilute supercritical fluid, whose errors a few seconds tell, with wishes that are easy to meet.
 const SCENE: &str = r#"# A fluid with an accuracy in place of settings.
