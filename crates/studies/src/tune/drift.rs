@@ -158,13 +158,13 @@ mod tests {
         let rungs = vec![
             rung(0.010, Some((1e-7, 2e-7))),
             rung(0.012, Some((1e-5, 2e-7))),
-            rung(0.016, Some((1e-3, 2e-7))),
+            rung(0.016, Some((8e-4, 2e-7))),
             rung(0.020, None),
         ];
         let free = Stability::of(&rungs, None);
         assert_eq!(free.ceiling, 0.016);
         assert!((free.of_step(0.012) / 1e-5 - 1.0).abs() < 1e-9);
-        assert!((free.of_step(0.016) / 1e-3 - 1.0).abs() < 1e-9);
+        assert!((free.of_step(0.016) / 8e-4 - 1.0).abs() < 1e-9);
         assert!(free.of_step(0.006) < 1e-10);
         assert_eq!(Stability::of(&rungs, Some(2e-5)).ceiling, 0.012);
         assert_eq!(Stability::of(&rungs[3..], None).ceiling, 0.010);
