@@ -128,7 +128,7 @@ pub struct SceneArgs {
     /// Precision of the pair kernel (short for --set kernel.precision=NAME).
     #[arg(long, value_name = "NAME")]
     pub precision: Option<String>,
-    /// Lock file with the settings for the scene's [accuracy]; by default NAME.lock.toml beside NAME.toml.
+    /// Lock file with the settings for the scene's `[accuracy]`; by default NAME.lock.toml beside NAME.toml.
     #[arg(long, value_name = "FILE")]
     pub lock: Option<PathBuf>,
     /// One JSON document on standard output, nothing else.
