@@ -18,8 +18,10 @@ from conftest import RESULTS, Scene
 
 pytestmark = pytest.mark.physics
 
-#: How far the equation itself is from simulation (NIST Monte Carlo: 0.0024 in U, 0.0039 in P).
+#: How far the equation itself is from simulation (NIST Monte Carlo: 0.0024 in U, 0.0039 in P, where P is below 2.3).
 OWN_U, OWN_P = 0.003, 0.005
+#: The same at high pressure, relative: at density 0.9 and T = 2.8 the simulations of Chaparro and Mueller lie 0.0162 above it, of 13.
+OWN_P_RELATIVE = 0.00125
 
 #: Single-phase states all over the fluid: (density, temperature).
 STATES = [
@@ -130,7 +132,8 @@ def test_energy_and_pressure_are_those_of_thol_2016(runs, state):
         f"{rho:<8} {run.averages['temperature_half_steps']['mean']:.4f}     "
         f"{u.mean:+.5f} +- {u.standard_error:.5f}  {p.mean:+.5f} +- {p.standard_error:.5f}"
     )
-    for name, own in (("potential_energy", OWN_U), ("pressure", OWN_P)):
+    own_p = max(OWN_P, OWN_P_RELATIVE * run.averages["pressure"]["mean"])
+    for name, own in (("potential_energy", OWN_U), ("pressure", own_p)):
         assert abs(found[name].mean) < 3.0 * found[name].standard_error + own, name
         # The bound must not be met by ignorance.
         assert found[name].standard_error < 2.0 * own, name
