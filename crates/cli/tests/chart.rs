@@ -158,3 +158,61 @@ fn a_scene_that_cannot_be_equilibrated_ends_with_the_physics_that_failed() {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(said.contains("the run failed at step"), "{said}");
 }
+
+#[test]
+fn folders_that_hold_something_else_are_refused_before_anything_is_computed() {
+    let place = folder(SCENE);
+    let out = place.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    std::fs::write(out.join("notes.txt"), "mine").unwrap();
+    let refused = chart(place.path(), &["--out", "out"]);
+    let words = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2), "{words}");
+    assert!(
+        words.contains("it holds something that is no chart"),
+        "{words}"
+    );
+    assert!(words.contains("allowed: an empty folder, or what this very chart has left there; give another --out, or --force to begin anew"));
+    // What looks like a chart whose points are no folder cannot be made room for.
+    std::fs::write(out.join("plan.toml"), "").unwrap();
+    std::fs::write(out.join("points"), "a file").unwrap();
+    let refused = chart(place.path(), &["--out", "out", "--force"]);
+    let words = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(
+        !refused.status.success() && words.contains("it cannot be cleared:"),
+        "{words}"
+    );
+    assert!(out.join("notes.txt").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_chart_that_is_interrupted_says_how_to_go_on() {
+    let place = folder(SCENE);
+    let mut running = Command::new(env!("CARGO_BIN_EXE_lennard"))
+        .args(["chart", "scene.toml", "--quick", "--out", "out", "--quiet"])
+        .current_dir(place.path())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let first = place.path().join("out/points");
+    while !std::fs::read_dir(&first).is_ok_and(|mut points| points.next().is_some()) {
+        assert!(running.try_wait().unwrap().is_none(), "it ended by itself");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let id = running.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let ended = running.wait_with_output().unwrap();
+    let words = String::from_utf8_lossy(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(4), "{words}");
+    assert!(
+        words.contains("stopped on request; finished points are kept\n  to go on: lennard chart scene.toml --out out"),
+        "{words}"
+    );
+}

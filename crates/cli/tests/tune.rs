@@ -144,3 +144,11 @@ fn what_cannot_be_met_is_refused_with_what_can_and_leaves_no_lock() {
     );
     assert!(!folder.path().join("asking.lock.toml").exists());
 }
+
+#[test]
+fn a_time_too_short_to_tell_anything_is_refused() {
+    refused(
+        &["tune", "inputs/fluid/accuracy.toml", "--seconds", "1"],
+        &["wanted a number of seconds from 5 to 86400"],
+    );
+}

