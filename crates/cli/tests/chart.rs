@@ -1,7 +1,11 @@
 //! `lennard chart` as a user types it.
 
+mod common;
+
 use std::path::Path;
 use std::process::{Command, Output};
+
+use common::{lennard, lennard_in};
 
 use serde_json::Value;
 
@@ -29,12 +33,10 @@ steps = 10
 "#;
 
 fn chart(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_lennard"))
-        .args(["chart", "scene.toml", "--quick"])
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
+    lennard_in(
+        folder,
+        &[&["chart", "scene.toml", "--quick"], arguments].concat(),
+    )
 }
 
 fn folder(scene: &str) -> tempfile::TempDir {
@@ -189,8 +191,7 @@ fn folders_that_hold_something_else_are_refused_before_anything_is_computed() {
 #[test]
 fn a_chart_that_is_interrupted_says_how_to_go_on() {
     let place = folder(SCENE);
-    let mut running = Command::new(env!("CARGO_BIN_EXE_lennard"))
-        .args(["chart", "scene.toml", "--quick", "--out", "out", "--quiet"])
+    let mut running = lennard(&["chart", "scene.toml", "--quick", "--out", "out", "--quiet"])
         .current_dir(place.path())
         .stderr(std::process::Stdio::piped())
         .spawn()

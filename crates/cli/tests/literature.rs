@@ -1,7 +1,8 @@
 //! Sweeps and comparisons as a user types them.
 
-use std::path::Path;
-use std::process::{Command, Output};
+mod common;
+
+use common::lennard_in;
 
 const BASE: &str = r#"
 [system]
@@ -27,14 +28,6 @@ name = "production"
 steps = 1500
 "#;
 
-fn lennard(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_lennard"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
-
 fn prepared(sweep: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("base.toml"), BASE).unwrap();
@@ -50,7 +43,7 @@ fn text(bytes: &[u8]) -> String {
 fn a_sweep_runs_its_points_once_and_every_run_has_a_page() {
     let folder =
         prepared("base = \"base.toml\"\n[grid]\ndensity = [0.5, 0.7]\ntemperature = 1.5\n");
-    let first = lennard(
+    let first = lennard_in(
         folder.path(),
         &["sweep", "sweep.toml", "--out", "out", "--json", "--quiet"],
     );
@@ -65,7 +58,7 @@ fn a_sweep_runs_its_points_once_and_every_run_has_a_page() {
             && folder.path().join("out/table.csv").exists()
     );
 
-    let again = lennard(
+    let again = lennard_in(
         folder.path(),
         &["sweep", "sweep.toml", "--out", "out", "--json", "--quiet"],
     );
@@ -88,7 +81,7 @@ fn a_sweep_runs_its_points_once_and_every_run_has_a_page() {
         "--set",
         "truncation.r_cut=2.2",
     ];
-    let refused = lennard(folder.path(), &other);
+    let refused = lennard_in(folder.path(), &other);
     assert_eq!(refused.status.code(), Some(2));
     assert!(text(&refused.stderr).contains("another scene"));
 }
@@ -102,7 +95,7 @@ fn comparing_refuses_what_did_not_finish_and_names_a_truncation_without_referenc
             .chain(extra)
             .copied()
             .collect();
-        lennard(folder.path(), &all)
+        lennard_in(folder.path(), &all)
     };
     assert!(
         run(&[
@@ -116,7 +109,7 @@ fn comparing_refuses_what_did_not_finish_and_names_a_truncation_without_referenc
         .success()
     );
     assert!(!folder.path().join("shifted/report.html").exists());
-    let compared = lennard(folder.path(), &["compare", "shifted"]);
+    let compared = lennard_in(folder.path(), &["compare", "shifted"]);
     assert!(compared.status.success());
     let said = text(&compared.stdout);
     assert!(
@@ -131,7 +124,7 @@ fn comparing_refuses_what_did_not_finish_and_names_a_truncation_without_referenc
         .unwrap()
         .replace("\"finished\": true", "\"finished\": false");
     std::fs::write(&path, record).unwrap();
-    let refused = lennard(folder.path(), &["compare", "shifted"]);
+    let refused = lennard_in(folder.path(), &["compare", "shifted"]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(
         text(&refused.stderr).contains("did not finish"),
@@ -147,7 +140,7 @@ fn swept(points: &str) -> (tempfile::TempDir, serde_json::Value, String) {
         "base = \"base.toml\"\n[set]\n\"truncation.r_cut\" = 2.2\n\"stage.production.steps\" = 300\n\
          \"stage.production.thermostat\" = \"bussi\"\n\"output.thermo_every\" = 5\n{points}"
     ));
-    let done = lennard(
+    let done = lennard_in(
         folder.path(),
         &["sweep", "sweep.toml", "--out", "out", "--json", "--quiet"],
     );
@@ -187,14 +180,14 @@ fn states_outside_the_equation_inside_the_dome_and_above_freezing_are_said_to_be
     assert_eq!(record["agreement"].as_array().unwrap().len(), 0);
 
     // The table of the command line warns before it begins.
-    let again = lennard(folder.path(), &["sweep", "sweep.toml", "--out", "out"]);
+    let again = lennard_in(folder.path(), &["sweep", "sweep.toml", "--out", "out"]);
     assert!(text(&again.stdout).contains("it is run and not judged"));
 }
 
 #[test]
 fn compare_prints_one_document_with_both_temperatures_and_the_state() {
     let (folder, ..) = swept("[[point]]\ndensity = 0.5\ntemperature = 2.0\n");
-    let done = lennard(folder.path(), &["compare", "out/rho0.5-T2", "--json"]);
+    let done = lennard_in(folder.path(), &["compare", "out/rho0.5-T2", "--json"]);
     assert!(done.status.success(), "{}", text(&done.stderr));
     let document: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
     assert_eq!(document["schema"], "lennard-compare/1");
@@ -214,7 +207,7 @@ fn compare_prints_one_document_with_both_temperatures_and_the_state() {
     let gap = energy["measured"].as_f64().unwrap() - energy["reference"].as_f64().unwrap();
     assert!((gap - energy["difference"].as_f64().unwrap()).abs() < 1e-12);
     assert!(energy["source"].as_str().unwrap().contains("Thol 2016"));
-    let shown = text(&lennard(folder.path(), &["compare", "out/rho0.5-T2"]).stdout);
+    let shown = text(&lennard_in(folder.path(), &["compare", "out/rho0.5-T2"]).stdout);
     assert!(
         shown.contains("T, whole steps") && shown.contains("T, half steps"),
         "{shown}"
@@ -224,7 +217,7 @@ fn compare_prints_one_document_with_both_temperatures_and_the_state() {
 #[test]
 fn sweeps_with_no_points_and_truncations_that_no_equation_fits_are_said_clearly() {
     let folder = prepared("base = \"base.toml\"\n[grid]\ndensity = []\n");
-    let refused = lennard(folder.path(), &["sweep", "sweep.toml", "--out", "out"]);
+    let refused = lennard_in(folder.path(), &["sweep", "sweep.toml", "--out", "out"]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(
         text(&refused.stderr).contains("a sweep with no points"),

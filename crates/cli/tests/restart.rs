@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use common::{lennard, stderr, stdout};
+use common::{lennard, stderr, stdout, without_a_reader};
 use lennard_io::{Checkpoint, read_checkpoint, write_checkpoint};
 
 const SCENE: &str = r#"
@@ -656,20 +656,7 @@ fn a_reader_who_has_gone_is_no_failure_and_a_full_disk_is() {
         &["plan", "liquid.toml"],
         &["run", "liquid.toml", "--out", "out"],
     ] {
-        let mut child = bench
-            .command(arguments)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        drop(child.stdout.take());
-        let output = child.wait_with_output().unwrap();
-        assert!(
-            output.status.success(),
-            "{arguments:?}: {}",
-            stderr(&output)
-        );
-        assert!(!stderr(&output).contains("panicked"), "{}", stderr(&output));
+        without_a_reader(bench.command(arguments));
     }
     assert_eq!(
         record(&bench.path("out"))["finished"],

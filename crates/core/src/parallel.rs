@@ -117,6 +117,28 @@ where
     }
 }
 
+/// Runs `work(scratch, index, item)` over `items`, each thread with a scratch of its own.
+pub fn for_each_with<S, T, F>(items: &mut [T], work: F)
+where
+    S: Default,
+    T: Send,
+    F: Fn(&mut S, usize, &mut T) + Sync,
+{
+    if rayon::current_num_threads() == 1 {
+        let mut scratch = S::default();
+        for (index, item) in items.iter_mut().enumerate() {
+            work(&mut scratch, index, item);
+        }
+    } else {
+        items
+            .par_iter_mut()
+            .enumerate()
+            .for_each_init(S::default, |scratch, (index, item)| {
+                work(scratch, index, item)
+            });
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -354,12 +354,14 @@ impl RowsRun<'_> {
         match rows {
             Rows::Double(rows) => {
                 let job = PairJob::new(form, self.r_cut, [1.0; 3], rows, list, forces, each);
-                sum_chunks(chunks, wanted, |c| simd::run_double(level, &job, c, wanted))
+                sum_chunks(chunks, wanted, &|c| {
+                    simd::run_double(level, &job, c, wanted)
+                })
             }
             Rows::Fixed(rows) => {
                 let scale = (self.cell.lengths() / FIXED_UNITS).to_array();
                 let job = PairJob::new(form, self.r_cut, scale, rows, list, forces, each);
-                sum_chunks(chunks, wanted, |c| simd::run_mixed(level, &job, c, wanted))
+                sum_chunks(chunks, wanted, &|c| simd::run_mixed(level, &job, c, wanted))
             }
             Rows::Pure { wrapped, lists } => {
                 let job = PureJob {
@@ -376,11 +378,12 @@ impl RowsRun<'_> {
     }
 }
 
-/// Runs all chunks and adds their totals in order; whether a force was not finite comes second.
+/// Runs all chunks and adds their totals in order; whether a force was not finite comes second. One
+/// instance for all potentials: the loop over chunks is not worth another.
 fn sum_chunks(
     chunks: usize,
     wanted: Wanted,
-    run: impl Fn(usize) -> ChunkTotals + Sync,
+    run: &(dyn Fn(usize) -> ChunkTotals + Sync),
 ) -> (Totals, bool) {
     let serial = rayon::current_num_threads() == 1 || chunks <= 1;
     if wanted == Wanted::Forces {
@@ -397,7 +400,7 @@ fn sum_chunks(
     let totals: Vec<ChunkTotals> = if serial {
         (0..chunks).map(run).collect()
     } else {
-        (0..chunks).into_par_iter().map(&run).collect()
+        (0..chunks).into_par_iter().map(run).collect()
     };
     (Totals::of_chunks(&totals), totals.iter().any(|c| c.broken))
 }

@@ -62,25 +62,41 @@ fn nearest(d: f64, length: f64) -> f64 {
     }
 }
 
+/// What is done with the forces, and the entries of each particle where wanted, of one chunk.
+type ChunkWork<'a> =
+    dyn Fn(usize, &mut [DVec3], Option<&mut [PerParticle]>) -> ChunkTotals + Sync + 'a;
+
+/// Runs all chunks and gives their totals in order. One instance for all potentials: the loop over chunks
+/// is not worth another.
+fn run_chunks(
+    forces: &mut [DVec3],
+    each: Option<&mut [PerParticle]>,
+    run: &ChunkWork<'_>,
+) -> Vec<ChunkTotals> {
+    let serial = rayon::current_num_threads() == 1 || forces.len() <= PARTICLES_PER_CHUNK;
+    let chunks = forces.chunks_mut(PARTICLES_PER_CHUNK).enumerate();
+    match each {
+        None if serial => chunks.map(|(c, f)| run(c, f, None)).collect(),
+        None => forces
+            .par_chunks_mut(PARTICLES_PER_CHUNK)
+            .enumerate()
+            .map(|(c, f)| run(c, f, None))
+            .collect(),
+        Some(each) => forces
+            .par_chunks_mut(PARTICLES_PER_CHUNK)
+            .zip(each.par_chunks_mut(PARTICLES_PER_CHUNK))
+            .enumerate()
+            .map(|(c, (f, e))| run(c, f, Some(e)))
+            .collect(),
+    }
+}
+
 impl<F: PairForm> PureJob<'_, F> {
     /// Writes forces (and `each`) and returns the totals of chunks, every pair met from both ends.
     pub fn run(&self, forces: &mut [DVec3], each: Option<&mut [PerParticle]>) -> Vec<ChunkTotals> {
-        let serial = rayon::current_num_threads() == 1 || forces.len() <= PARTICLES_PER_CHUNK;
-        let chunks = forces.chunks_mut(PARTICLES_PER_CHUNK).enumerate();
-        match each {
-            None if serial => chunks.map(|(c, f)| self.chunk(c, f, None)).collect(),
-            None => forces
-                .par_chunks_mut(PARTICLES_PER_CHUNK)
-                .enumerate()
-                .map(|(c, f)| self.chunk(c, f, None))
-                .collect(),
-            Some(each) => forces
-                .par_chunks_mut(PARTICLES_PER_CHUNK)
-                .zip(each.par_chunks_mut(PARTICLES_PER_CHUNK))
-                .enumerate()
-                .map(|(c, (f, e))| self.chunk(c, f, Some(e)))
-                .collect(),
-        }
+        run_chunks(forces, each, &|chunk, forces, each| {
+            self.chunk(chunk, forces, each)
+        })
     }
 
     fn chunk(

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 use lennard_core::PeriodicBox;
-use lennard_neighbor::{ClusterRow, FIXED_UNITS, GridError, TileList};
+use lennard_neighbor::{ClusterRow, FIXED_UNITS, GridError, TileChunk, TileList};
 use rayon::prelude::*;
 
-use crate::simd::{self, ForceRow, Level, Moved, PerParticle, TileJob, Wanted};
+use crate::simd::{self, ChunkTotals, ForceRow, Level, Moved, PerParticle, TileJob, Wanted};
 use crate::sums::Totals;
 use crate::truncation::PairForm;
 
@@ -73,23 +73,32 @@ impl Tiled {
         let scale = self.lengths / FIXED_UNITS;
         let job = TileJob::new(form, r_cut, scale.to_array(), &self.rows, &self.list);
         let (level, chunks) = (self.level, self.list.chunks());
-        let run = |(forces, chunk): (&mut Vec<ForceRow>, &_)| {
-            forces.fill(ForceRow::default());
+        let totals = run_chunks(&mut self.forces, chunks, &|forces, chunk| {
             simd::run_tiles(level, &job, chunk, wanted, forces)
-        };
-        let totals: Vec<_> = if rayon::current_num_threads() == 1 || chunks.len() == 1 {
-            self.forces.iter_mut().zip(chunks).map(run).collect()
-        } else {
-            self.forces.par_iter_mut().zip(chunks).map(run).collect()
-        };
-        // In a cube, the loop leaves distances in units of the rows.
-        let cubic = scale.x == scale.y && scale.y == scale.z;
-        let unit = if cubic { scale } else { DVec3::ONE };
-        let broken = simd::collect_tiles(level, &self.list, &self.forces, unit, forces);
+        });
+        let broken = simd::collect_tiles(level, &self.list, &self.forces, scale.x, forces);
         if let Some(each) = each {
             each.fill((0.0, glam::DMat3::ZERO));
             simd::add_each(&job, each);
         }
         (Totals::of_chunks(&totals), broken)
+    }
+}
+
+/// Runs all chunks on forces that begin at zero, and gives their totals in order. One instance for all
+/// potentials: the loop over chunks is not worth another.
+fn run_chunks(
+    forces: &mut [Vec<ForceRow>],
+    chunks: &[TileChunk],
+    run: &(dyn Fn(&mut [ForceRow], &TileChunk) -> ChunkTotals + Sync),
+) -> Vec<ChunkTotals> {
+    let run = |(forces, chunk): (&mut Vec<ForceRow>, &TileChunk)| {
+        forces.fill(ForceRow::default());
+        run(forces, chunk)
+    };
+    if rayon::current_num_threads() == 1 || chunks.len() == 1 {
+        forces.iter_mut().zip(chunks).map(run).collect()
+    } else {
+        forces.par_iter_mut().zip(chunks).map(run).collect()
     }
 }

@@ -142,16 +142,33 @@ impl Columns {
 impl ClusterTable {
     /// The particle at `place`, which is at `r`, in fixed point; see [`to_fixed`].
     #[inline(always)]
-    #[must_use]
-    pub fn to_fixed(&self, place: usize, r: DVec3, lengths: DVec3, units: DVec3) -> [i32; 3] {
+    fn to_fixed(&self, place: usize, r: DVec3, lengths: DVec3, units: DVec3) -> [i32; 3] {
         let image = self.image.get(place).copied().unwrap_or_default();
         to_fixed(r, image, lengths, units)
     }
 
-    /// Whether images help fixed coordinates; see [`ClusterTable::to_fixed`].
-    #[must_use]
-    pub fn has_images(&self) -> bool {
-        !self.image.is_empty()
+    /// The row of a cluster whose particles are where `position` says by place; `units` is 2³² over `lengths`.
+    #[inline(always)]
+    pub fn row(
+        &self,
+        cluster: usize,
+        lengths: DVec3,
+        units: DVec3,
+        mut position: impl FnMut(usize) -> DVec3,
+    ) -> ClusterRow {
+        let first = cluster * CLUSTER;
+        let mut row = ClusterRow::default();
+        for k in 0..CLUSTER {
+            // A cluster that is not full repeats its first particle.
+            let place = if first + k < self.particle.len() {
+                first + k
+            } else {
+                first
+            };
+            let [x, y, z] = self.to_fixed(place, position(place), lengths, units);
+            (row.0[0][k], row.0[1][k], row.0[2][k]) = (x, y, z);
+        }
+        row
     }
 
     /// Number of clusters.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use lennard_core::PeriodicBox;
-use rayon::prelude::*;
+use lennard_core::parallel::for_each_with;
 use std::ops::Range;
 
 use crate::grid::{GridError, RowTable};
@@ -63,7 +63,7 @@ impl Entries {
 }
 
 /// The neighbors of up to [`ATOMS_PER_CHUNK`] consecutive places.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct ListChunk {
     /// The first place.
     pub first_place: u32,
@@ -185,21 +185,10 @@ impl NeighborList {
             lanes: self.lanes,
             scanner,
         };
-        let fill = |scratch: &mut Scratch, (c, chunk): (usize, &mut ListChunk)| {
+        for_each_with(&mut self.chunks, |scratch: &mut Scratch, c, chunk| {
             let places = c * ATOMS_PER_CHUNK..((c + 1) * ATOMS_PER_CHUNK).min(n);
             filler.fill(places, scratch, chunk);
-        };
-        if rayon::current_num_threads() == 1 {
-            let mut scratch = Scratch::default();
-            for item in self.chunks.iter_mut().enumerate() {
-                fill(&mut scratch, item);
-            }
-        } else {
-            self.chunks
-                .par_iter_mut()
-                .enumerate()
-                .for_each_init(Scratch::default, |scratch, item| fill(scratch, item));
-        }
+        });
         Ok(())
     }
 

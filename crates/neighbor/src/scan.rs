@@ -100,6 +100,18 @@ impl Nearby {
         }
     }
 
+    /// Checks that `elements` of each kind can be read, and that there is room for all that may be found among `room`.
+    ///
+    /// # Panics
+    /// Where that is not so: that is a bug of the caller.
+    pub fn check(&self, elements: usize, room: usize) {
+        for axis in [&self.x, &self.y, &self.z] {
+            assert!(axis.len() >= elements);
+        }
+        assert!(self.name.len() >= elements);
+        assert!(room >= self.len + PADDING);
+    }
+
     /// Ends the gathering at `len` candidates: far beyond them lies a register of nothing.
     pub fn finish(&mut self, len: usize) {
         self.len = len;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 use lennard_core::PeriodicBox;
-use rayon::prelude::*;
+use lennard_core::parallel::for_each_with;
 
 use crate::clusters::{CLUSTER, ClusterRow, ClusterTable, FIXED_UNITS};
 use crate::grid::GridError;
@@ -81,6 +81,20 @@ pub struct TileSearch<'a> {
 }
 
 impl TileSearch<'_> {
+    /// Checks that runs are clusters, that bounds are padded, and that there is room for all that may be found.
+    ///
+    /// # Panics
+    /// Where that is not so: that is a bug of the caller.
+    pub fn check(&self, runs: &[Range<u32>], room: usize) {
+        let clusters = self.rows.len();
+        for axis in 0..3 {
+            assert!(self.bounds.center[axis].len() >= clusters + PADDING);
+            assert!(self.bounds.half[axis].len() >= clusters + PADDING);
+        }
+        assert!(runs.iter().all(|run| run.end as usize <= clusters));
+        assert!(room >= Self::room(runs));
+    }
+
     /// Room that `found` must have for some runs.
     #[must_use]
     pub fn room(runs: &[Range<u32>]) -> usize {
@@ -259,21 +273,10 @@ impl TileList {
             &self.bounds,
             scanner,
         );
-        let fill = |scratch: &mut Scratch, (c, chunk): (usize, &mut TileChunk)| {
+        for_each_with(&mut self.chunks, |scratch: &mut Scratch, c, chunk| {
             let own = (c * clusters / chunks) as u32..((c + 1) * clusters / chunks) as u32;
             search.fill(own, scratch, chunk);
-        };
-        if rayon::current_num_threads() == 1 {
-            let mut scratch = Scratch::default();
-            for item in self.chunks.iter_mut().enumerate() {
-                fill(&mut scratch, item);
-            }
-        } else {
-            self.chunks
-                .par_iter_mut()
-                .enumerate()
-                .for_each_init(Scratch::default, |scratch, item| fill(scratch, item));
-        }
+        });
         Ok(())
     }
 
@@ -285,17 +288,9 @@ impl TileList {
         let clusters = table.clusters();
         self.rows.resize(clusters, ClusterRow::default());
         self.bounds.resize(clusters);
-        let last = table.particle.len() - 1;
         for (c, row) in self.rows.iter_mut().enumerate() {
-            for k in 0..CLUSTER {
-                let full = c * CLUSTER + k <= last;
-                let place = c * CLUSTER + if full { k } else { 0 };
-                let r = positions[table.particle[place] as usize];
-                let fixed = table.to_fixed(place, r, lengths, units);
-                for (axis, x) in row.0.iter_mut().zip(fixed) {
-                    axis[k] = x;
-                }
-            }
+            let position = |place: usize| positions[table.particle[place] as usize];
+            *row = table.row(c, lengths, units, position);
             self.bounds.set(c, row, table.spans(row), scale);
         }
     }

@@ -2,25 +2,10 @@
 
 use std::process::ExitCode;
 
-use crate::workspace::{Workspace, cargo};
+use crate::workspace::Workspace;
 
-/// Builds the study's example, optimised, and hands the arguments on.
+/// Runs the study's example.
 pub fn run(workspace: &Workspace, arguments: &[&str]) -> ExitCode {
-    let mut command = workspace.command(cargo());
-    command.args([
-        "run",
-        "--quiet",
-        "--release",
-        "--package",
-        "lennard-studies",
-    ]);
-    command.args(["--example", "accuracy", "--"]);
-    command.args(arguments);
-    match command.status() {
-        Ok(status) => ExitCode::from(u8::try_from(status.code().unwrap_or(1)).unwrap_or(1)),
-        Err(error) => {
-            eprintln!("cargo cannot be started: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    let target = ["--package", "lennard-studies", "--example", "accuracy"];
+    workspace.run_optimised(&target, arguments)
 }

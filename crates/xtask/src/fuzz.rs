@@ -2,25 +2,9 @@
 
 use std::process::ExitCode;
 
-use crate::workspace::{Workspace, cargo};
+use crate::workspace::Workspace;
 
-/// Builds the package that holds the readers' bodies, optimised, and hands the arguments on.
+/// Runs the package that holds the readers' bodies.
 pub fn run(workspace: &Workspace, arguments: &[&str]) -> ExitCode {
-    let mut command = workspace.command(cargo());
-    command.args([
-        "run",
-        "--quiet",
-        "--release",
-        "--package",
-        "lennard-fuzz",
-        "--",
-    ]);
-    command.args(arguments);
-    match command.status() {
-        Ok(status) => ExitCode::from(u8::try_from(status.code().unwrap_or(1)).unwrap_or(1)),
-        Err(error) => {
-            eprintln!("cargo cannot be started: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    workspace.run_optimised(&["--package", "lennard-fuzz"], arguments)
 }

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, ExitCode};
 
 use serde_json::Value;
 
@@ -91,6 +91,21 @@ impl Workspace {
         let mut command = Command::new(program.as_ref());
         command.current_dir(&self.root);
         command
+    }
+
+    /// Builds a program of the workspace, optimised, and runs it: `target` names it to `cargo run`, and `arguments`
+    /// are its own. Its exit code is ours.
+    pub fn run_optimised(&self, target: &[&str], arguments: &[&str]) -> ExitCode {
+        let mut command = self.command(cargo());
+        command.args(["run", "--quiet", "--release"]);
+        command.args(target).arg("--").args(arguments);
+        match command.status() {
+            Ok(status) => ExitCode::from(u8::try_from(status.code().unwrap_or(1)).unwrap_or(1)),
+            Err(error) => {
+                eprintln!("cargo cannot be started: {error}");
+                ExitCode::FAILURE
+            }
+        }
     }
 }
 

@@ -3,18 +3,9 @@
 use std::path::Path;
 
 use lennard_report::significant;
-use lennard_studies::bench::{BenchStudy, FeatureStudy, SkinStudy, Spread};
+use lennard_studies::bench::{BenchStudy, FeatureStudy, SkinStudy};
 
 use super::table;
-
-fn with_range(spread: Spread) -> String {
-    format!(
-        "{} ({}–{})",
-        significant(spread.median, 3),
-        significant(spread.lowest, 3),
-        significant(spread.highest, 3)
-    )
-}
 
 fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
@@ -66,7 +57,7 @@ fn kernels(study: &BenchStudy) {
         t.add_row([
             format!("{} {}", k.isa, k.precision),
             k.threads.to_string(),
-            with_range(k.speed),
+            k.speed.with_range(),
             significant(k.step_ns.median, 3),
             k.processor_ns
                 .map_or("–".into(), |s| significant(s.median, 3)),
@@ -117,8 +108,8 @@ fn skins(skin: &SkinStudy) {
 fn features(found: &FeatureStudy) {
     println!(
         "  force provider and integrator by hand {} ns an atom-step, the engine with every feature off {} ns: {} more ({} to {})",
-        with_range(found.bare_ns),
-        with_range(found.off_ns),
+        found.bare_ns.with_range(),
+        found.off_ns.with_range(),
         percent(found.engine_share.median),
         percent(found.engine_share.lowest),
         percent(found.engine_share.highest)

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use lennard_report::significant;
-use lennard_studies::compare::{ComparedRun, Row, StateOfMatter, quantity_words};
-use lennard_studies::sweep::{Sweep, SweepRecord, SweptPoint, probability_words, workers};
+use lennard_studies::compare::{ComparedRun, StateOfMatter, quantity_words};
+use lennard_studies::sweep::{Sweep, SweepRecord, probability_words, workers};
 
 use super::{table, with_error};
 
@@ -32,15 +32,6 @@ fn planned(point: &lennard_studies::sweep::Point) -> StateOfMatter {
     let model = lennard_engine::model_kind(&point.scene);
     let equation = lennard_literature::equation_of_state_for(model).ok();
     StateOfMatter::new(point.density, point.scene.system.temperature, equation)
-}
-
-fn row<'a>(point: &'a SweptPoint, quantity: &str) -> Option<&'a Row> {
-    point
-        .compared
-        .as_ref()?
-        .rows
-        .iter()
-        .find(|r| r.quantity == quantity)
 }
 
 /// The table of a sweep.
@@ -71,12 +62,12 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
         };
         let mut cells = vec![point.name.clone()];
         for quantity in ["temperature", "temperature_half_steps"] {
-            let mean = row(point, quantity).map(|r| r.measured);
+            let mean = point.row(quantity).map(|r| r.measured);
             cells.push(mean.map_or("–".into(), |t| format!("{t:.4}")));
         }
         let mut verdicts = Vec::new();
         for quantity in ["potential_energy", "pressure", "heat_capacity"] {
-            let Some(r) = row(point, quantity) else {
+            let Some(r) = point.row(quantity) else {
                 cells.push("–".into());
                 continue;
             };

@@ -2,7 +2,7 @@
 #![allow(dead_code)] // each test file uses a part
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 /// The root of the repository.
 pub fn root() -> PathBuf {
@@ -17,6 +17,25 @@ pub fn lennard(args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lennard"));
     command.args(args).current_dir(root());
     command
+}
+
+/// What `lennard` does with arguments, standing in `folder`.
+pub fn lennard_in(folder: &Path, arguments: &[&str]) -> Output {
+    lennard(arguments).current_dir(folder).output().unwrap()
+}
+
+/// Runs a command whose standard output nobody reads: it must end well all the same.
+pub fn without_a_reader(mut command: Command) {
+    let mut child = command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    let said = stderr(&output);
+    assert!(output.status.success(), "{command:?}: {said}");
+    assert!(!said.contains("panicked"), "{said}");
 }
 
 /// What it wrote on standard output.

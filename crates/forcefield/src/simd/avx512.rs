@@ -1,18 +1,18 @@
 //! Lanes of AVX-512: eight doubles or sixteen singles.
 
 use std::arch::x86_64::*;
-use std::ops::{Add, Mul, Neg, Range, Sub};
+use std::ops::{Add, Mul, Neg, Sub};
 
 use glam::DVec3;
 
 use super::lanes::{Entry, Lanes};
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
-use super::tile_loop::{self, ForceRow, TileJob, TileLanes};
+use super::tile_loop::{ForceRow, TileLanes, tile_entries};
 use super::{DoubleRow, FixedRow};
 use crate::options::Precision;
 use crate::real::Real;
 use crate::truncation::PairForm;
-use lennard_neighbor::{ClusterRow, TileChunk, TileList, TileSearch};
+use lennard_neighbor::ClusterRow;
 
 /// Eight doubles. Values of this type exist only inside functions that enable AVX-512.
 #[derive(Clone, Copy)]
@@ -347,6 +347,7 @@ impl Lanes for F32x16 {
 
 impl TileLanes for F32x16 {
     const REGISTERS: usize = 1;
+    const CUBIC_LOOP: bool = true;
 
     #[inline(always)]
     unsafe fn own(row: &ClusterRow, _register: usize) -> Self::Own {
@@ -434,35 +435,10 @@ impl TileLanes for F32x16 {
     }
 }
 
-/// The tile loop.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
-pub fn run_tiles<F: PairForm>(
-    job: &TileJob<'_, F>,
-    chunk: &TileChunk,
-    wanted: Wanted,
-    forces: &mut [ForceRow],
-) -> ChunkTotals {
-    // SAFETY: this function enables the instruction set.
-    unsafe { tile_loop::run::<F32x16, F>(job, chunk, wanted, forces) }
-}
-
-/// See [`tile_loop::near`].
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
-pub fn near_tiles(search: &TileSearch<'_>, candidates: &mut [u32]) -> usize {
-    // SAFETY: as above.
-    unsafe { tile_loop::near::<F32x16>(search, candidates) }
-}
-
-/// See [`tile_loop::collect`].
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
-pub fn collect_tiles(
-    list: &TileList,
-    forces: &[Vec<ForceRow>],
-    clusters: Range<usize>,
-    sums: &mut [[f64; 12]],
-) {
-    tile_loop::collect(list, forces, clusters, sums);
-}
+tile_entries!(
+    F32x16,
+    target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")
+);
 
 /// The pair loop in double precision.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]

@@ -12,7 +12,10 @@ mod avx512;
 mod lanes;
 mod packing;
 mod pair_loop;
+mod pair_sums;
 mod portable;
+#[cfg(target_arch = "x86_64")]
+mod scan;
 #[cfg(target_arch = "x86_64")]
 mod scan256;
 #[cfg(target_arch = "x86_64")]
@@ -237,13 +240,13 @@ pub fn run_tiles<F: PairForm>(
 /// Clusters whose forces one task collects.
 const COLLECTED: usize = 256;
 
-/// Sums the forces of all chunks, in the order of chunks, and writes them by particle, times `scale` along
-/// each axis; gives whether one is not finite.
+/// Sums the forces of all chunks, in the order of chunks, and writes them by particle, times `unit`, the
+/// length in σ of a unit of the rows along x; gives whether one is not finite.
 pub fn collect_tiles(
     level: Level,
     list: &TileList,
     chunks: &[Vec<ForceRow>],
-    scale: DVec3,
+    unit: f64,
     forces: &mut [DVec3],
 ) -> bool {
     let table = list.table();
@@ -275,7 +278,7 @@ pub fn collect_tiles(
         for (k, particle) in table.particle[places].iter().enumerate() {
             let sum = &sums[k / CLUSTER];
             let k = k % CLUSTER;
-            let force = DVec3::new(sum[k], sum[4 + k], sum[8 + k]) * scale;
+            let force = DVec3::new(sum[k], sum[4 + k], sum[8 + k]) * unit;
             broken |= !force.is_finite();
             // SAFETY: each particle stands at one place, and each place in one task.
             unsafe { forces.write(*particle as usize, force) };

@@ -2,10 +2,8 @@
 
 use std::ops::Range;
 
-use glam::{DVec3, IVec3};
-use lennard_neighbor::{
-    CLUSTER, ClusterRow, ClusterTable, FIXED_UNITS, Images, RowTable, to_fixed,
-};
+use glam::DVec3;
+use lennard_neighbor::{ClusterRow, ClusterTable, FIXED_UNITS, Images, RowTable, to_fixed};
 
 use super::{DoubleRow, FixedRow, Scatter};
 
@@ -159,41 +157,13 @@ pub unsafe fn pack_clusters(
 ) -> Moved {
     let units = FIXED_UNITS / lengths;
     let mut moved = Moved::NOTHING;
-    let places = table.particle.len();
-    let full = clusters.start..clusters.end.min(places / CLUSTER);
-    let near_home = !table.has_images();
-    for cluster in full.clone() {
-        let first = cluster * CLUSTER;
-        let mut row = ClusterRow::default();
-        let particles = &table.particle[first..first + CLUSTER];
-        let built = &built[first..first + CLUSTER];
-        for k in 0..CLUSTER {
-            let r = positions[particles[k] as usize];
-            moved.include(r - built[k]);
-            let [x, y, z] = if near_home {
-                to_fixed(r, IVec3::ZERO, lengths, units)
-            } else {
-                table.to_fixed(first + k, r, lengths, units)
-            };
-            (row.0[0][k], row.0[1][k], row.0[2][k]) = (x, y, z);
-        }
-        // SAFETY: these clusters are this thread's.
-        unsafe { rows.write(cluster, row) };
-    }
-    for cluster in full.end..clusters.end {
-        let first = cluster * CLUSTER;
-        let mut row = ClusterRow::default();
-        for k in 0..CLUSTER {
-            // A cluster that is not full repeats its first particle.
-            let place = if first + k < places { first + k } else { first };
+    for cluster in clusters {
+        let row = table.row(cluster, lengths, units, |place| {
             let r = positions[table.particle[place] as usize];
             moved.include(r - built[place]);
-            let fixed = table.to_fixed(place, r, lengths, units);
-            for (axis, x) in fixed.into_iter().enumerate() {
-                row.0[axis][k] = x;
-            }
-        }
-        // SAFETY: as above.
+            r
+        });
+        // SAFETY: these clusters are this thread's.
         unsafe { rows.write(cluster, row) };
     }
     moved

@@ -5,6 +5,7 @@ use lennard_neighbor::{Entries, ListChunk, NeighborList};
 
 use super::Scatter;
 use super::lanes::{Entry, Lanes};
+use super::pair_sums::PairSums;
 use crate::truncation::PairForm;
 
 /// Energy (half of each pair), ε, and virial tensor (half of each pair), ε, of one particle.
@@ -112,26 +113,20 @@ pub unsafe fn run<L: Lanes, F: PairForm>(
     );
     // SAFETY: the contract is passed on.
     unsafe {
-        match (&chunk.entries, wanted) {
-            (Entries::Narrow(e), Wanted::Forces) if !F::RARE => {
-                sweep::<L, F, u16, false>(job, chunk, e)
-            }
-            (Entries::Narrow(e), _) => sweep::<L, F, u16, true>(job, chunk, e),
+        let e = match &chunk.entries {
             // Above a million particles in a cube: one instance does for all that may be wanted.
-            (Entries::Wide(e), _) => sweep::<L, F, u32, true>(job, chunk, e),
+            Entries::Wide(e) => return sweep::<L, F, u32, true>(job, chunk, e),
+            Entries::Narrow(e) => e,
+        };
+        // A constant alone in its condition: only so does the compiler leave out what it rules out.
+        if F::RARE {
+            return sweep::<L, F, u16, true>(job, chunk, e);
+        }
+        match wanted {
+            Wanted::Forces => sweep::<L, F, u16, false>(job, chunk, e),
+            _ => sweep::<L, F, u16, true>(job, chunk, e),
         }
     }
-}
-
-/// Running sums of one particle.
-#[derive(Clone, Copy)]
-struct Sums<L> {
-    force: [L; 3],
-    energy: L,
-    laplacian: L,
-    /// xx, yy, zz, xy, xz, yz.
-    virial: [L; 6],
-    pairs: u32,
 }
 
 /// # Safety
@@ -163,13 +158,8 @@ unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
         let mine = &entries[start..end];
         start = end;
 
-        let mut sums = Sums {
-            force: [zero; 3],
-            energy: zero,
-            laplacian: zero,
-            virial: [zero; 6],
-            pairs: 0,
-        };
+        let mut force = [zero; 3];
+        let mut sums = PairSums::nothing();
         let full = count / L::WIDTH;
         for block in 0..full {
             // SAFETY: `WIDTH` entries lie at this place of `mine`, and each names a row (see above).
@@ -183,6 +173,7 @@ unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
                     at,
                     r_cut2,
                     L::WIDTH,
+                    &mut force,
                     &mut sums,
                 );
             }
@@ -192,28 +183,26 @@ unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
             // SAFETY: entries are padded to whole registers with a row that exists.
             unsafe {
                 let at = mine.as_ptr().add(full * L::WIDTH);
-                add::<L, F, E, TOTALS>(&job.form, own, scale, rows, at, r_cut2, rest, &mut sums);
+                add::<L, F, E, TOTALS>(
+                    &job.form, own, scale, rows, at, r_cut2, rest, &mut force, &mut sums,
+                );
             }
         }
 
-        let [fx, fy, fz] = sums.force;
+        let [fx, fy, fz] = force;
         let force = L::sum3(fx, fy, fz);
         totals.broken |= !force.is_finite();
         // SAFETY: each particle stands at one place, and each place in one chunk.
         unsafe { job.forces.write(particle, force) };
         if TOTALS {
-            let energy = sums.energy.sum();
-            let [xx, yy, zz, xy, xz, yz] = sums.virial;
-            let (xy, xz, yz) = (xy.sum(), xz.sum(), yz.sum());
-            let virial =
-                DMat3::from_cols_array(&[xx.sum(), xy, xz, xy, yy.sum(), yz, xz, yz, zz.sum()]);
-            totals.energy += energy;
-            totals.virial += virial;
-            totals.laplacian += sums.laplacian.sum();
-            totals.pairs += u64::from(sums.pairs);
+            let found = sums.totals();
+            totals.energy += found.energy;
+            totals.virial += found.virial;
+            totals.laplacian += found.laplacian;
+            totals.pairs += found.pairs;
             if let Some(each) = &job.each {
                 // SAFETY: as for the forces.
-                unsafe { each.write(particle, (0.5 * energy, 0.5 * virial)) };
+                unsafe { each.write(particle, (0.5 * found.energy, 0.5 * found.virial)) };
             }
         }
     }
@@ -234,7 +223,8 @@ unsafe fn add<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
     entries: *const E,
     r_cut2: L,
     valid: usize,
-    sums: &mut Sums<L>,
+    force: &mut [L; 3],
+    sums: &mut PairSums<L>,
 ) {
     // SAFETY: the contract is passed on.
     let [dx, dy, dz] = unsafe { L::differences(own, scale, rows, entries) };
@@ -245,22 +235,11 @@ unsafe fn add<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
     }
     let pair = form.eval(r2);
     let f = pair.force.keep(inside);
-    sums.force[0] = dx.mul_add(f, sums.force[0]);
-    sums.force[1] = dy.mul_add(f, sums.force[1]);
-    sums.force[2] = dz.mul_add(f, sums.force[2]);
+    force[0] = dx.mul_add(f, force[0]);
+    force[1] = dy.mul_add(f, force[1]);
+    force[2] = dz.mul_add(f, force[2]);
     if TOTALS {
-        sums.pairs += L::count(inside);
-        sums.energy = sums.energy + pair.energy.keep(inside);
-        let curvature = pair.curvature.keep(inside);
-        sums.laplacian = sums.laplacian + f.mul_add(L::splat(-2.0), curvature);
-        let [xx, yy, zz, xy, xz, yz] = &mut sums.virial;
-        let (fx, fy, fz) = (dx * f, dy * f, dz * f);
-        *xx = dx.mul_add(fx, *xx);
-        *yy = dy.mul_add(fy, *yy);
-        *zz = dz.mul_add(fz, *zz);
-        *xy = dx.mul_add(fy, *xy);
-        *xz = dx.mul_add(fz, *xz);
-        *yz = dy.mul_add(fz, *yz);
+        sums.add([dx, dy, dz], f, &pair, inside);
     }
 }
 

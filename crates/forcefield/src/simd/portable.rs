@@ -2,16 +2,16 @@
 //! registers there are.
 
 use std::array::from_fn;
-use std::ops::{Add, Mul, Neg, Range, Sub};
+use std::ops::{Add, Mul, Neg, Sub};
 
 use super::lanes::{Entry, Lanes};
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
-use super::tile_loop::{self, ForceRow, TileJob, TileLanes};
+use super::tile_loop::{ForceRow, TileLanes, tile_entries};
 use super::{DoubleRow, FixedRow};
 use crate::options::Precision;
 use crate::real::Real;
 use crate::truncation::PairForm;
-use lennard_neighbor::{ClusterRow, TileChunk, TileList};
+use lennard_neighbor::ClusterRow;
 
 /// `N` numbers side by side.
 #[derive(Clone, Copy)]
@@ -175,6 +175,7 @@ impl<const N: usize> Lanes for Group<f32, N> {
 
 impl TileLanes for Group<f32, 8> {
     const REGISTERS: usize = 2;
+    const CUBIC_LOOP: bool = false;
 
     #[inline(always)]
     unsafe fn own(row: &ClusterRow, register: usize) -> Self::Own {
@@ -226,26 +227,7 @@ impl TileLanes for Group<f32, 8> {
     }
 }
 
-/// The tile loop.
-pub fn run_tiles<F: PairForm>(
-    job: &TileJob<'_, F>,
-    chunk: &TileChunk,
-    wanted: Wanted,
-    forces: &mut [ForceRow],
-) -> ChunkTotals {
-    // SAFETY: no instruction set is needed.
-    unsafe { tile_loop::run::<Group<f32, 8>, F>(job, chunk, wanted, forces) }
-}
-
-/// See [`tile_loop::collect`].
-pub fn collect_tiles(
-    list: &TileList,
-    forces: &[Vec<ForceRow>],
-    clusters: Range<usize>,
-    sums: &mut [[f64; 12]],
-) {
-    tile_loop::collect(list, forces, clusters, sums);
-}
+tile_entries!(Group<f32, 8>);
 
 /// The pair loop in double precision.
 pub fn run_double<F: PairForm>(

@@ -3,52 +3,16 @@
 use std::arch::x86_64::*;
 use std::ops::Range;
 
-use lennard_neighbor::{Candidates, Center, Names, Nearby, PADDING, TileSearch};
+use lennard_neighbor::{Candidates, Center, Names, Nearby, TileSearch};
+
+use super::scan;
 
 const WIDTH: usize = 8;
 
 /// See [`lennard_neighbor::RowScanner::gather`].
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
 pub fn gather(candidates: &Candidates, names: Names<'_>, runs: &[Range<u32>], nearby: &mut Nearby) {
-    nearby.make_room(candidates, &names, runs);
-    let ramp = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    let (from_x, from_y, from_z) = (
-        candidates.x.as_ptr(),
-        candidates.y.as_ptr(),
-        candidates.z.as_ptr(),
-    );
-    let (to_x, to_y, to_z, to_name) = (
-        nearby.x.as_mut_ptr(),
-        nearby.y.as_mut_ptr(),
-        nearby.z.as_mut_ptr(),
-        nearby.name.as_mut_ptr(),
-    );
-    let mut len = 0;
-    for run in runs {
-        let (start, end) = (run.start as usize, run.end as usize);
-        let mut row = start;
-        while row < end {
-            let to = len + row - start;
-            // SAFETY: `make_room` checked that runs are rows and made room for them and a register; rows,
-            // padded as they are, can be read a register beyond their end.
-            unsafe {
-                _mm256_storeu_ps(to_x.add(to), _mm256_loadu_ps(from_x.add(row)));
-                _mm256_storeu_ps(to_y.add(to), _mm256_loadu_ps(from_y.add(row)));
-                _mm256_storeu_ps(to_z.add(to), _mm256_loadu_ps(from_z.add(row)));
-                let name = match names {
-                    Names::Rows { base } => _mm256_add_epi32(
-                        _mm256_set1_epi32((row as u32).wrapping_sub(base) as i32),
-                        ramp,
-                    ),
-                    Names::Places(places) => _mm256_loadu_si256(places.as_ptr().add(row).cast()),
-                };
-                _mm256_storeu_si256(to_name.add(to).cast(), name);
-            }
-            row += WIDTH;
-        }
-        len += end - start;
-    }
-    nearby.finish(len);
+    scan::gather::<WIDTH>(candidates, names, runs, nearby);
 }
 
 /// For each mask of eight lanes, the lanes that are set, packed together.
@@ -75,11 +39,7 @@ macro_rules! near {
         #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
         pub fn $name(nearby: &Nearby, center: Center, radius2: f32, found: &mut [$entry]) -> usize {
             let blocks = nearby.len.div_ceil(WIDTH);
-            for axis in [&nearby.x, &nearby.y, &nearby.z] {
-                assert!(axis.len() >= blocks * WIDTH);
-            }
-            assert!(nearby.name.len() >= blocks * WIDTH);
-            assert!(found.len() >= nearby.len + PADDING);
+            nearby.check(blocks * WIDTH, found.len());
             let [x, y, z] = center.at;
             let (x, y, z) = (_mm256_set1_ps(x), _mm256_set1_ps(y), _mm256_set1_ps(z));
             let limit = _mm256_set1_ps(radius2);
@@ -87,7 +47,7 @@ macro_rules! near {
             let mut count = 0_usize;
             for block in 0..blocks {
                 let at = block * WIDTH;
-                // SAFETY: all four arrays have whole blocks (checked above).
+                // SAFETY: all four arrays have whole blocks, by the check.
                 let (xj, yj, zj, name) = unsafe {
                     (
                         _mm256_loadu_ps(nearby.x.as_ptr().add(at)),
@@ -131,12 +91,7 @@ near!(near_wide, u32, _mm256_storeu_si256);
 /// See [`lennard_neighbor::TileScanner::candidates`].
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
 pub fn tile_candidates(search: &TileSearch<'_>, runs: &[Range<u32>], found: &mut [u32]) -> usize {
-    let clusters = search.rows.len();
-    for axis in 0..3 {
-        assert!(search.bounds.center[axis].len() >= clusters + PADDING);
-        assert!(search.bounds.half[axis].len() >= clusters + PADDING);
-    }
-    assert!(found.len() >= TileSearch::room(runs));
+    search.check(runs, found.len());
     let own = search.own as usize;
     let center = search.bounds.center.each_ref().map(|axis| axis.as_ptr());
     let half = search.bounds.half.each_ref().map(|axis| axis.as_ptr());
@@ -146,13 +101,12 @@ pub fn tile_candidates(search: &TileSearch<'_>, runs: &[Range<u32>], found: &mut
     let limit = _mm256_set1_ps(search.radius2);
     let mut count = 0_usize;
     for run in runs {
-        assert!(run.end as usize <= clusters, "a run of clusters");
         let mut partner = run.start;
         while partner < run.end {
             let at = partner as usize;
             let mut gap2 = zero;
             for axis in 0..3 {
-                // SAFETY: `at < clusters`, and the arrays are padded by a register beyond.
+                // SAFETY: `at` is a cluster, and the arrays are padded by a register beyond, by the check.
                 let (theirs, their_half) = unsafe {
                     (
                         _mm256_loadu_si256(center[axis].add(at).cast()),

@@ -1,10 +1,11 @@
 //! The loop over tiles of four by four pairs, written once over the lanes.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use lennard_neighbor::{CLUSTER, ClusterRow, TileChunk, TileList, TileSearch};
 
 use super::lanes::Lanes;
 use super::pair_loop::{ChunkTotals, PerParticle, Wanted};
+use super::pair_sums::PairSums;
 use crate::reference::outer;
 use crate::truncation::PairForm;
 
@@ -18,6 +19,8 @@ pub struct ForceRow(pub [f32; 16]);
 pub trait TileLanes: Lanes {
     /// Registers a tile: 16 pairs over the width.
     const REGISTERS: usize;
+    /// Whether a loop of its own for cubic units is worth compiling.
+    const CUBIC_LOOP: bool;
 
     /// Spreads the particles of a register, each over four lanes.
     ///
@@ -112,7 +115,8 @@ impl<'a, F: PairForm> TileJob<'a, F> {
     }
 }
 
-/// Runs one chunk: adds forces to `forces`, which has a row for each cluster that the chunk meets.
+/// Runs one chunk: adds forces, in units of the rows along x times ε/σ², to `forces`, which has a row for
+/// each cluster that the chunk meets.
 ///
 /// # Safety
 /// The processor has the instruction set of `L`.
@@ -130,23 +134,21 @@ pub unsafe fn run<L: TileLanes, F: PairForm>(
     let [sx, sy, sz] = job.scale;
     // SAFETY: the contract is passed on.
     unsafe {
-        match (wanted == Wanted::Forces && !F::RARE, sx == sy && sy == sz) {
-            (true, true) => sweep::<L, F, false, true>(job, chunk, forces),
-            (true, false) => sweep::<L, F, false, false>(job, chunk, forces),
-            (false, true) => sweep::<L, F, true, true>(job, chunk, forces),
-            (false, false) => sweep::<L, F, true, false>(job, chunk, forces),
+        // Constants stand alone in their conditions: only so does the compiler leave out what they rule out.
+        if F::RARE {
+            return sweep::<L, F, true, false>(job, chunk, forces);
+        }
+        if L::CUBIC_LOOP && sx == sy && sy == sz {
+            return match wanted {
+                Wanted::Forces => sweep::<L, F, false, true>(job, chunk, forces),
+                _ => sweep::<L, F, true, true>(job, chunk, forces),
+            };
+        }
+        match wanted {
+            Wanted::Forces => sweep::<L, F, false, false>(job, chunk, forces),
+            _ => sweep::<L, F, true, false>(job, chunk, forces),
         }
     }
-}
-
-/// Running sums of a chunk.
-#[derive(Clone, Copy)]
-struct Sums<L> {
-    energy: L,
-    laplacian: L,
-    /// xx, yy, zz, xy, xz, yz.
-    virial: [L; 6],
-    pairs: u32,
 }
 
 /// What all tiles have in common.
@@ -154,13 +156,13 @@ struct Sums<L> {
 struct Constants<L, F> {
     form: F,
     r_cut2: L,
-    /// Lengths of a unit, σ; with `CUBIC` they are one.
-    scale: [L; 3],
+    /// Length of a unit along y and z, in units along x.
+    stretch: [L; 2],
     unit2: L,
 }
 
-/// With `CUBIC`, distances stay in units of the rows, and only their squares and the finished sums are
-/// scaled. Forces are the same to the bit with and without `TOTALS`.
+/// Distances stay in units of the rows along x, and only their squares and the finished sums are scaled.
+/// `CUBIC` leaves out a stretch by one. Forces are the same to the bit with and without `TOTALS`.
 ///
 /// # Safety
 /// As [`run`].
@@ -174,7 +176,7 @@ unsafe fn sweep<L: TileLanes, F: PairForm, const TOTALS: bool, const CUBIC: bool
     let constants = Constants {
         form: job.form,
         r_cut2: L::splat(job.r_cut2),
-        scale: [L::splat(sx), L::splat(sy), L::splat(sz)],
+        stretch: [L::splat(sy / sx), L::splat(sz / sx)],
         unit2: L::splat(sx * sx),
     };
     let zero = L::splat(0.0);
@@ -186,12 +188,7 @@ unsafe fn sweep<L: TileLanes, F: PairForm, const TOTALS: bool, const CUBIC: bool
         let partners = &chunk.partners[span[0] as usize..span[1] as usize];
         let (masked, plain) = partners.split_at(chunk.masked[k] as usize);
         let mut force = [[zero; 3]; 4];
-        let mut sums = Sums {
-            energy: zero,
-            laplacian: zero,
-            virial: [zero; 6],
-            pairs: 0,
-        };
+        let mut sums = PairSums::nothing();
         // SAFETY: every partner is a row and has a row of forces (checked above), the cluster being the first
         // of them; the instruction set is there by contract.
         unsafe {
@@ -226,16 +223,12 @@ unsafe fn sweep<L: TileLanes, F: PairForm, const TOTALS: bool, const CUBIC: bool
             }
         }
         if TOTALS {
-            let square = if CUBIC { sx * sx } else { 1.0 };
-            let [xx, yy, zz, xy, xz, yz] = sums.virial;
-            let (xy, xz, yz) = (xy.sum(), xz.sum(), yz.sum());
-            let virial =
-                DMat3::from_cols_array(&[xx.sum(), xy, xz, xy, yy.sum(), yz, xz, yz, zz.sum()]);
+            let found = sums.totals();
             // Chunks count every pair from both of its ends.
-            totals.energy += 2.0 * sums.energy.sum();
-            totals.virial += 2.0 * square * virial;
-            totals.laplacian += 2.0 * sums.laplacian.sum();
-            totals.pairs += 2 * u64::from(sums.pairs);
+            totals.energy += 2.0 * found.energy;
+            totals.virial += 2.0 * (sx * sx) * found.virial;
+            totals.laplacian += 2.0 * found.laplacian;
+            totals.pairs += 2 * found.pairs;
         }
     }
     totals
@@ -261,7 +254,7 @@ unsafe fn add<
     partner: u32,
     tile: u16,
     force: &mut [[L; 3]; 4],
-    sums: &mut Sums<L>,
+    sums: &mut PairSums<L>,
 ) {
     let zero = L::splat(0.0);
     let mut back = [zero; 3];
@@ -269,15 +262,12 @@ unsafe fn add<
     unsafe {
         let others = L::others(rows.add(partner as usize));
         for register in 0..L::REGISTERS {
-            let [mut dx, mut dy, mut dz] = L::apart(own[register], others);
-            let r2 = if CUBIC {
-                dz.mul_add(dz, dy.mul_add(dy, dx * dx)) * constants.unit2
-            } else {
-                dx = dx * constants.scale[0];
-                dy = dy * constants.scale[1];
-                dz = dz * constants.scale[2];
-                dz.mul_add(dz, dy.mul_add(dy, dx * dx))
-            };
+            let [dx, mut dy, mut dz] = L::apart(own[register], others);
+            if !CUBIC {
+                dy = dy * constants.stretch[0];
+                dz = dz * constants.stretch[1];
+            }
+            let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx)) * constants.unit2;
             let mut inside = r2.at_most(constants.r_cut2);
             if MASKED {
                 inside = L::among(inside, tile, register);
@@ -296,18 +286,7 @@ unsafe fn add<
                 back[2] = dz.mul_add(f, back[2]);
             }
             if TOTALS {
-                sums.pairs += L::count(inside);
-                sums.energy = sums.energy + pair.energy.keep(inside);
-                let curvature = pair.curvature.keep(inside);
-                sums.laplacian = sums.laplacian + f.mul_add(L::splat(-2.0), curvature);
-                let [xx, yy, zz, xy, xz, yz] = &mut sums.virial;
-                let (fx, fy, fz) = (dx * f, dy * f, dz * f);
-                *xx = dx.mul_add(fx, *xx);
-                *yy = dy.mul_add(fy, *yy);
-                *zz = dz.mul_add(fz, *zz);
-                *xy = dx.mul_add(fy, *xy);
-                *xz = dx.mul_add(fz, *xz);
-                *yz = dy.mul_add(fz, *yz);
+                sums.add([dx, dy, dz], f, &pair, inside);
             }
         }
         L::take(back, to.add(partner as usize));
@@ -388,7 +367,7 @@ pub unsafe fn near<L: TileLanes>(search: &TileSearch<'_>, candidates: &mut [u32]
 }
 
 /// Sums of the forces on some consecutive clusters over all chunks that meet them, in the order of chunks,
-/// in units of the rows times ε/σ².
+/// in units of the rows along x times ε/σ².
 #[inline(always)]
 pub fn collect(
     list: &TileList,
@@ -417,3 +396,43 @@ pub fn collect(
         }
     }
 }
+
+/// The functions of this module for one instruction set: `$lanes`, and the attributes that enable it.
+macro_rules! tile_entries {
+    ($lanes:ty $(, $enable:meta)*) => {
+        /// The tile loop.
+        $(#[$enable])*
+        pub fn run_tiles<F: $crate::truncation::PairForm>(
+            job: &$crate::simd::tile_loop::TileJob<'_, F>,
+            chunk: &lennard_neighbor::TileChunk,
+            wanted: $crate::simd::Wanted,
+            forces: &mut [$crate::simd::ForceRow],
+        ) -> $crate::simd::ChunkTotals {
+            // SAFETY: this function enables the instruction set.
+            unsafe { $crate::simd::tile_loop::run::<$lanes, F>(job, chunk, wanted, forces) }
+        }
+
+        /// Which clusters come near.
+        $(#[$enable])*
+        #[allow(dead_code, reason = "without an instruction set the neighbor crate's own does")]
+        pub fn near_tiles(
+            search: &lennard_neighbor::TileSearch<'_>,
+            candidates: &mut [u32],
+        ) -> usize {
+            // SAFETY: as above.
+            unsafe { $crate::simd::tile_loop::near::<$lanes>(search, candidates) }
+        }
+
+        /// Sums of the forces over chunks.
+        $(#[$enable])*
+        pub fn collect_tiles(
+            list: &lennard_neighbor::TileList,
+            forces: &[Vec<$crate::simd::ForceRow>],
+            clusters: std::ops::Range<usize>,
+            sums: &mut [[f64; 12]],
+        ) {
+            $crate::simd::tile_loop::collect(list, forces, clusters, sums);
+        }
+    };
+}
+pub(super) use tile_entries;

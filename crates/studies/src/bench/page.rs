@@ -6,16 +6,6 @@ use super::figures::Drawn;
 use super::{BenchStudy, Spread};
 use crate::files::{TextTable, exact, exact_or_empty};
 
-/// A median with its range: `12.3 (11.9–13.0)`.
-fn with_range(spread: Spread) -> String {
-    format!(
-        "{} ({}–{})",
-        significant(spread.median, 3),
-        significant(spread.lowest, 3),
-        significant(spread.highest, 3)
-    )
-}
-
 /// The best time, in brackets the median of the repeats: `70.1 (74.3)`.
 fn best(spread: Spread) -> String {
     format!(
@@ -150,8 +140,8 @@ pub(super) fn page(study: &BenchStudy, figures: Vec<Drawn>) -> Page {
         let section = Section::new("Features").text(format!(
             "Force provider and integrator called by hand take {} ns an atom and step, the engine with every feature off {} ns: {} more \
              (from {} to {}).",
-            with_range(found.bare_ns),
-            with_range(found.off_ns),
+            found.bare_ns.with_range(),
+            found.off_ns.with_range(),
             percent(found.engine_share.median),
             percent(found.engine_share.lowest),
             percent(found.engine_share.highest)
@@ -218,9 +208,9 @@ fn kernels(study: &BenchStudy) -> PageTable {
         vec![
             Cell::text(k.label()),
             Cell::number(k.threads.to_string()),
-            Cell::number(with_range(k.speed)),
-            Cell::number(with_range(k.step_ns)),
-            Cell::number(k.processor_ns.map_or("–".into(), with_range)),
+            Cell::number(k.speed.with_range()),
+            Cell::number(k.step_ns.with_range()),
+            Cell::number(k.processor_ns.map_or("–".into(), Spread::with_range)),
             Cell::number(best(k.forces_ns)),
             Cell::number(best(k.totals_ns)),
             Cell::number(k.build_ns.map_or("–".into(), best)),

@@ -1,6 +1,9 @@
 //! Median and range of repeats.
 
+use lennard_report::significant;
 use serde::Serialize;
+
+use crate::settings::lowest_median_highest;
 
 /// What repeats of one measurement gave.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -17,13 +20,13 @@ impl Spread {
     /// # Panics
     /// Where there are no values: nothing is measured less than once.
     pub(super) fn of(values: impl IntoIterator<Item = f64>) -> Self {
-        let mut sorted: Vec<f64> = values.into_iter().collect();
-        sorted.sort_by(f64::total_cmp);
-        let n = sorted.len();
+        let values: Vec<f64> = values.into_iter().collect();
+        let [lowest, median, highest] =
+            lowest_median_highest(&values).expect("measured at least once");
         Self {
-            median: 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]),
-            lowest: sorted[0],
-            highest: sorted[n - 1],
+            median,
+            lowest,
+            highest,
         }
     }
 
@@ -35,6 +38,17 @@ impl Spread {
             lowest: self.lowest * by,
             highest: self.highest * by,
         }
+    }
+
+    /// For a reader: `12.3 (11.9–13.0)`, the median with its range.
+    #[must_use]
+    pub fn with_range(self) -> String {
+        format!(
+            "{} ({}–{})",
+            significant(self.median, 3),
+            significant(self.lowest, 3),
+            significant(self.highest, 3)
+        )
     }
 
     /// Half the range.

@@ -2,15 +2,13 @@
 
 use lennard_forcefield::{Isa, Precision, measure};
 use lennard_scene::Scene;
-use rand::SeedableRng;
-use rand::seq::SliceRandom;
-use rand_xoshiro::Xoshiro256PlusPlus;
 use serde::Serialize;
 
 use super::blocks::{AFew, Start, pool};
 use super::clock::{Clock, tells_processor_time};
 use super::{BenchError, BenchOptions, Spread, Subject};
 use crate::Progress;
+use crate::settings::shuffled;
 
 /// Steps of the one stage that is measured: more than any block takes.
 const ENDLESS: u64 = 1_000_000_000_000_000;
@@ -227,11 +225,8 @@ pub(super) fn in_shuffled_rounds(
     mut work: impl FnMut(usize, f64) -> Result<(), BenchError>,
 ) -> Result<(), BenchError> {
     // The order is no secret and no physics: any fixed seed will do.
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
-    let mut order: Vec<usize> = (0..items).collect();
     for round in 0..rounds {
-        order.shuffle(&mut random);
-        for (done, &item) in order.iter().enumerate() {
+        for (done, item) in shuffled(items, 1, round).into_iter().enumerate() {
             work(
                 item,
                 (round * items + done) as f64 / (rounds * items) as f64,

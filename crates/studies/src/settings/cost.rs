@@ -55,16 +55,24 @@ impl Spread {
     /// Of these values; `None` where there is none.
     #[must_use]
     pub fn of(values: &[f64]) -> Option<Self> {
-        let mut sorted = values.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let n = sorted.len();
+        let [low, median, high] = lowest_median_highest(values)?;
         Some(Self {
-            low: *sorted.first()?,
-            high: *sorted.last()?,
-            median: 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]),
-            repeats: n,
+            median,
+            low,
+            high,
+            repeats: values.len(),
         })
     }
+}
+
+/// The smallest of these values, the middle one (the mean of the two in the middle where their number is even) and
+/// the largest; `None` where there is none.
+pub(crate) fn lowest_median_highest(values: &[f64]) -> Option<[f64; 3]> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let n = sorted.len();
+    let (lowest, highest) = (*sorted.first()?, *sorted.last()?);
+    Some([lowest, 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]), highest])
 }
 
 /// What settings cost.

@@ -57,7 +57,7 @@ const QUICK_FACTORS: [f64; 3] = [0.5, 2.0, 4.0];
 const METHODS: [&str; 4] = ["velocity-verlet", "respa", "pefrl", "blanes-moan"];
 
 /// Every truncation, with and without tail.
-const TRUNCATIONS: [(TruncationKind, bool); 5] = [
+pub(crate) const TRUNCATIONS: [(TruncationKind, bool); 5] = [
     (TruncationKind::Cut, true),
     (TruncationKind::Cut, false),
     (TruncationKind::Shift, false),

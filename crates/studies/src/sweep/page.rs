@@ -5,18 +5,8 @@ use lennard_report::{
     Section, Series, Symbol, Tone, significant, with_error,
 };
 
-use super::{Agreement, SweepRecord, SweptPoint, probability_words};
+use super::{Agreement, SweepRecord, probability_words};
 use crate::compare::{Row, Verdict, quantity_words};
-
-/// The row of one quantity of a point.
-pub(super) fn row<'a>(point: &'a SweptPoint, quantity: &str) -> Option<&'a Row> {
-    point
-        .compared
-        .as_ref()?
-        .rows
-        .iter()
-        .find(|r| r.quantity == quantity)
-}
 
 /// The points with U, P and c_v beside the equation of state, as CSV.
 pub(super) fn csv(record: &SweepRecord) -> String {
@@ -41,8 +31,11 @@ pub(super) fn csv(record: &SweepRecord) -> String {
             .as_ref()
             .map_or((0, 0), |c| (c.measured_steps, c.atoms));
         let phase = state.phase.map_or("unknown", |p| p.describe());
-        let mean =
-            |quantity: &str| row(point, quantity).map_or(String::new(), |r| r.measured.to_string());
+        let mean = |quantity: &str| {
+            point
+                .row(quantity)
+                .map_or(String::new(), |r| r.measured.to_string())
+        };
         text += &format!(
             "{},{},{},{},{},\"{phase}\",{steps},{atoms}",
             point.name,
@@ -52,7 +45,7 @@ pub(super) fn csv(record: &SweepRecord) -> String {
             mean("temperature_half_steps"),
         );
         for (quantity, _) in QUANTITIES {
-            match row(point, quantity) {
+            match point.row(quantity) {
                 None => text += ",,,,,,",
                 Some(r) => {
                     let optional = |x: Option<f64>| x.map(|x| x.to_string()).unwrap_or_default();
@@ -142,7 +135,7 @@ fn differences(record: &SweepRecord, quantity: &str, title: &str, unit: &str) ->
             .points
             .iter()
             .filter_map(|point| {
-                let r = row(point, quantity)?;
+                let r = point.row(quantity)?;
                 let state = &point.compared.as_ref()?.state;
                 let is_judged = state.is_single_stable_phase();
                 (is_judged == judged).then_some(Point {
@@ -268,11 +261,11 @@ fn table(record: &SweepRecord) -> PageTable {
             let state = &compared.state;
             let mut cells = vec![Cell::text(point.name.clone())];
             for quantity in ["temperature", "temperature_half_steps"] {
-                let mean = row(point, quantity).map(|r| r.measured);
+                let mean = point.row(quantity).map(|r| r.measured);
                 cells.push(Cell::number(mean.map_or("–".into(), |t| significant(t, 5))));
             }
             for quantity in ["potential_energy", "pressure", "heat_capacity"] {
-                let r = row(point, quantity);
+                let r = point.row(quantity);
                 cells.push(Cell::number(r.map_or("–".into(), |r| {
                     with_error(r.measured, r.standard_error)
                 })));

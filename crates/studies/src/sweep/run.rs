@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::threads::{threads_of, workers};
 use super::{Agreement, Point, Sweep, SweepError, agreement, page};
-use crate::compare::{ComparedRun, RunFolder, StateOfMatter, compare};
+use crate::compare::{ComparedRun, Row, RunFolder, StateOfMatter, compare};
 use crate::kept::same_scene;
 use crate::{Progress, run_page};
 
@@ -67,6 +67,15 @@ pub struct SweptPoint {
     pub wall_s: f64,
     /// Wall time for each particle and step in ns.
     pub ns_per_atom_step: f64,
+}
+
+impl SweptPoint {
+    /// One quantity of the run beside the literature, where there is one.
+    #[must_use]
+    pub fn row(&self, quantity: &str) -> Option<&Row> {
+        let rows = &self.compared.as_ref()?.rows;
+        rows.iter().find(|r| r.quantity == quantity)
+    }
 }
 
 /// A sweep and what came of it, as written to `sweep.json`.

@@ -10,20 +10,12 @@ use super::sample::Sample;
 use super::{TuneError, TuneOptions, Tuning, tune};
 use crate::Progress;
 use crate::jobs::side_by_side;
-use crate::settings::{Failed, Measured, Settings, Slopes, Value, Workbench, costs};
+use crate::settings::{Failed, Measured, Settings, Slopes, TRUNCATIONS, Value, Workbench, costs};
 
 /// Cutoffs of the grid, σ.
 const CUTOFFS: [f64; 5] = [2.0, 2.5, 3.0, 4.0, 5.0];
 /// Steps of the grid, τ.
 const STEPS: [f64; 6] = [0.002, 0.004, 0.008, 0.012, 0.016, 0.024];
-/// Truncations of the grid, with and without tail.
-const TRUNCATIONS: [(TruncationKind, bool); 5] = [
-    (TruncationKind::Cut, true),
-    (TruncationKind::Cut, false),
-    (TruncationKind::Shift, false),
-    (TruncationKind::ForceShift, false),
-    (TruncationKind::Switch, false),
-];
 /// The choice may cost so many times the cheapest setting of the grid that meets the target.
 pub const ALLOWED_FACTOR: f64 = 1.3;
 /// Step of the tight runs as a share of velocity Verlet's stability limit: the method of Blanes and Moan makes six

@@ -1,0 +1,64 @@
+//! Sums over pairs besides the forces, the same for every loop.
+
+use glam::DMat3;
+
+use super::lanes::Lanes;
+use super::pair_loop::ChunkTotals;
+use crate::potential::Pair;
+
+/// Running sums, a lane each.
+#[derive(Clone, Copy)]
+pub struct PairSums<L> {
+    energy: L,
+    laplacian: L,
+    /// xx, yy, zz, xy, xz, yz.
+    virial: [L; 6],
+    pairs: u32,
+}
+
+impl<L: Lanes> PairSums<L> {
+    /// No pair yet.
+    #[inline(always)]
+    pub fn nothing() -> Self {
+        let zero = L::splat(0.0);
+        Self {
+            energy: zero,
+            laplacian: zero,
+            virial: [zero; 6],
+            pairs: 0,
+        }
+    }
+
+    /// Adds the pairs `inside`, a distance `r_ij` apart, whose −U′/r is `f`, zero in all other lanes.
+    #[inline(always)]
+    pub fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, inside: L::Mask) {
+        let [dx, dy, dz] = r_ij;
+        self.pairs += L::count(inside);
+        self.energy = self.energy + pair.energy.keep(inside);
+        let curvature = pair.curvature.keep(inside);
+        self.laplacian = self.laplacian + f.mul_add(L::splat(-2.0), curvature);
+        let [xx, yy, zz, xy, xz, yz] = &mut self.virial;
+        let (fx, fy, fz) = (dx * f, dy * f, dz * f);
+        *xx = dx.mul_add(fx, *xx);
+        *yy = dy.mul_add(fy, *yy);
+        *zz = dz.mul_add(fz, *zz);
+        *xy = dx.mul_add(fy, *xy);
+        *xz = dx.mul_add(fz, *xz);
+        *yz = dy.mul_add(fz, *yz);
+    }
+
+    /// The sums over all lanes.
+    #[inline(always)]
+    pub fn totals(&self) -> ChunkTotals {
+        let [xx, yy, zz, xy, xz, yz] = self.virial;
+        let (xy, xz, yz) = (xy.sum(), xz.sum(), yz.sum());
+        let virial = [xx.sum(), xy, xz, xy, yy.sum(), yz, xz, yz, zz.sum()];
+        ChunkTotals {
+            energy: self.energy.sum(),
+            virial: DMat3::from_cols_array(&virial),
+            laplacian: self.laplacian.sum(),
+            pairs: u64::from(self.pairs),
+            broken: false,
+        }
+    }
+}
