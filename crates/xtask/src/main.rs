@@ -20,8 +20,8 @@ Every check with one command.
 Usage: cargo xtask COMMAND
 
 Commands:
-  test     All checks but the long ones: format, lints, documentation, Rust tests, release
-           build, tidiness, Python environment, validation by other people's tools
+  test     All checks but the long ones: format, lints, documentation, Rust tests, a short soak,
+           tidiness, Python environment, validation by other people's tools
   physics  The long checks: state points against the equation of state, error bars against
            independent seeds, Rust tests marked as ignored
   tidy     Paths and commands named in README.md exist, crates depend as designed, no machine
@@ -64,7 +64,7 @@ fn main() -> ExitCode {
     }
     match command {
         "test" => tiers::run_all(
-            &workspace,
+            &workspace.with_tested_binary(),
             &tiers::test(),
             &[
                 "physics: U and P at eight state points, error bars over ten seeds (cargo xtask physics)",

@@ -24,6 +24,8 @@ pub struct Workspace {
     pub target: PathBuf,
     /// All packages.
     pub packages: Vec<Package>,
+    /// The folder in `target` of the binary that is looked at.
+    folder: &'static str,
 }
 
 impl Workspace {
@@ -75,14 +77,24 @@ impl Workspace {
             root: text(metadata, "workspace_root")?.into(),
             target: text(metadata, "target_directory")?.into(),
             packages,
+            folder: "release",
         })
     }
 
-    /// The release binary.
+    /// The same, looking at the binary that `cargo test` has built: optimised too, with assertions, and already there.
+    #[must_use]
+    pub fn with_tested_binary(self) -> Self {
+        Self {
+            folder: "debug",
+            ..self
+        }
+    }
+
+    /// The binary that checks look at: the release one, unless [`Self::with_tested_binary`].
     #[must_use]
     pub fn binary(&self) -> PathBuf {
         self.target
-            .join("release")
+            .join(self.folder)
             .join(format!("lennard{}", std::env::consts::EXE_SUFFIX))
     }
 

@@ -27,7 +27,7 @@ use crate::settings::{LeftOut, Size, Slopes};
 use crate::{Progress, StudyError, files};
 
 /// Name and version of the schema of [`Chart`].
-const SCHEMA: &str = "lennard-chart/1";
+const SCHEMA: &str = "lennard-chart/2";
 
 /// Why a chart cannot be made.
 #[derive(Debug, thiserror::Error)]

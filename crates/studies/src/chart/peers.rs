@@ -52,8 +52,8 @@ struct Found {
     forces: Vec<f64>,
     short: Vec<f64>,
     back: Vec<f64>,
-    /// T, U, P and the conserved energy per particle.
-    series: Vec<[f64; 4]>,
+    /// T, U per particle and P of whole steps, the conserved energy per particle, and Σ|F|².
+    series: Vec<[f64; 5]>,
     seconds: Vec<f64>,
 }
 
@@ -267,7 +267,16 @@ fn measured(
     interval: f64,
 ) -> Result<Measured, StudyError> {
     let column = |i: usize| -> Vec<f64> { found.series.iter().map(|row| row[i]).collect() };
-    let [temperature, energy, pressure, conserved] = [0, 1, 2, 3].map(column);
+    let [whole, energy, mut pressure, conserved, squares] = [0, 1, 2, 3, 4].map(column);
+    // As for every run of ours: U and P at the temperature of half steps, K + (h²/8)·Σ|F|²/m.
+    let n_dof = (3 * bench.start().len() - 3) as f64;
+    let density = bench.start().density();
+    let mut temperature = whole.clone();
+    for ((t, p), square) in temperature.iter_mut().zip(&mut pressure).zip(&squares) {
+        let more = 0.25 * own.dt.powi(2) * square / n_dof;
+        *t += more;
+        *p += density * more;
+    }
     let cut = statistics::common_cut(&[&energy, &pressure]);
     let times: Vec<f64> = (1..=conserved.len()).map(|i| i as f64 * interval).collect();
     let line = statistics::drift(&times, &conserved);
@@ -290,7 +299,8 @@ fn measured(
     })?;
     Ok(Measured {
         time: times.last().copied().unwrap_or(0.0),
-        temperature: at,
+        temperature: of(&whole),
+        temperature_of_positions: at,
         configurational_temperature: nothing,
         temperature_difference: nothing,
         potential_energy: of(&energy),

@@ -63,7 +63,7 @@ pub struct Drift {
 /// settles at a temperature of its own, be compared.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Slopes {
-    /// The temperature at which all are compared, ε/k_B.
+    /// The temperature of the positions at which all are compared, ε/k_B.
     pub temperature: f64,
     /// ∂U/∂T, k_B.
     pub du_dt: f64,
@@ -78,9 +78,9 @@ pub struct Slopes {
 pub struct AgainstEquation {
     /// The equation.
     pub source: String,
-    /// U − U_EOS at the temperature of the run, ε.
+    /// U − U_EOS at the temperature of the positions, ε.
     pub potential_energy: Value,
-    /// P − P_EOS at the temperature of the run, ε/σ³.
+    /// P − P_EOS at the temperature of the positions, ε/σ³.
     pub pressure: Value,
     /// What the equation itself is off by, where that is known: U and P.
     pub own_uncertainty: Option<(f64, f64)>,
@@ -91,8 +91,11 @@ pub struct AgainstEquation {
 pub struct Measured {
     /// Simulated time that was sampled, τ.
     pub time: f64,
-    /// Kinetic temperature, ε/k_B.
+    /// Kinetic temperature of whole steps, ε/k_B.
     pub temperature: Value,
+    /// Temperature of the positions, ε/k_B: that of half steps where the method has them, else that of whole steps. U
+    /// and P are judged at this one, as those of any run.
+    pub temperature_of_positions: Value,
     /// Configurational temperature, ε/k_B.
     pub configurational_temperature: Value,
     /// The first less the second, sample by sample.
@@ -146,14 +149,14 @@ impl Workbench {
             found,
         );
         let rows = found.series();
+        let of = |column: &[f64]| Value::from(statistics::estimate_after(column, cut));
         let at_reference = |estimate: Estimate, slope: f64| {
-            let temperature = statistics::estimate_after(&rows.temperature, cut).mean;
+            let off = of(&rows.temperature_of_positions).mean - slopes.temperature;
             Value {
-                mean: estimate.mean - slope * (temperature - slopes.temperature),
+                mean: estimate.mean - slope * off,
                 ..Value::from(estimate)
             }
         };
-        let of = |column: &[f64]| Value::from(statistics::estimate_after(column, cut));
         let conservation = found.conservation();
         let entry = |name: &str| {
             let entries = comparison.entries.iter();
@@ -181,6 +184,7 @@ impl Workbench {
         Ok(Measured {
             time: parts[1].steps as f64 * dt,
             temperature: of(&rows.temperature),
+            temperature_of_positions: of(&rows.temperature_of_positions),
             configurational_temperature: statistics::ratio(
                 &rows.squared_force,
                 &rows.laplacian,
@@ -206,23 +210,12 @@ impl Workbench {
     }
 
     /// How U and P change with temperature: from the equation of state of the full Lennard-Jones fluid where it covers
-    /// the state, else from two runs of `tight` settings, the second with more kinetic energy. Zero where a heat bath
-    /// holds the temperature.
+    /// the state, else from two runs of `tight` settings, the second with more kinetic energy and a hotter bath.
     ///
     /// # Errors
     /// [`StudyError`] where those runs cannot be made or fail.
     pub fn slopes(&self, tight: &Settings, time: f64) -> Result<Slopes, StudyError> {
-        let stage = self.measured_stage();
-        let temperature = stage.temperature;
-        let none = Slopes {
-            temperature,
-            du_dt: 0.0,
-            dp_dt: 0.0,
-            source: "none needed: a heat bath holds the temperature".into(),
-        };
-        if stage.thermostat.is_some() {
-            return Ok(none);
-        }
+        let temperature = self.measured_stage().temperature;
         let equation = lennard_literature::thol_2016();
         let density = self.start().density();
         if matches!(self.scene().potential, PotentialOptions::LennardJones {})
@@ -236,13 +229,22 @@ impl Workbench {
                 source: equation.spec().name.clone(),
             });
         }
+        let none = Slopes {
+            temperature,
+            du_dt: 0.0,
+            dp_dt: 0.0,
+            source: String::new(),
+        };
         let colder = self.measure(tight, time, &none)?;
-        let mut start = self.start().clone();
+        let (mut scene, mut start) = (self.scene().clone(), self.start().clone());
+        for stage in &mut scene.stages {
+            stage.temperature *= HOTTER;
+        }
         for v in &mut start.velocities {
             *v *= HOTTER.sqrt();
         }
-        let hotter = Self::with_start(self.scene(), start).measure(tight, time, &none)?;
-        let rise = hotter.temperature.mean - colder.temperature.mean;
+        let hotter = Self::with_start(&scene, start).measure(tight, time, &none)?;
+        let rise = hotter.temperature_of_positions.mean - colder.temperature_of_positions.mean;
         Ok(Slopes {
             du_dt: (hotter.potential_energy.mean - colder.potential_energy.mean) / rise,
             dp_dt: (hotter.pressure.mean - colder.pressure.mean) / rise,
@@ -299,7 +301,7 @@ impl Workbench {
     }
 }
 
-/// Factor of the kinetic energy in the second run for the slopes.
+/// Factor of the kinetic energy, and of the bath's temperature, in the second run for the slopes.
 const HOTTER: f64 = 1.2;
 
 /// T − T_conf with its error: to first order it fluctuates as T_i − (F²_i − T_conf·L_i)/⟨L⟩, with F² the mean square
@@ -322,6 +324,7 @@ fn temperature_difference(found: &Thermodynamics, cut: usize) -> Value {
 #[cfg(test)]
 mod tests {
     use lennard_forcefield::TruncationKind;
+    use lennard_integrators::ThermostatOptions;
 
     use super::super::tests::scene;
     use super::*;
@@ -345,7 +348,7 @@ mod tests {
         assert!(d.mean.abs() < 5.0 * d.standard_error, "{d:?}");
         assert!((0.001..0.1).contains(&d.standard_error));
         // U and P are carried to the temperature at which all are compared.
-        let off = fine.temperature.mean - slopes.temperature;
+        let off = fine.temperature_of_positions.mean - slopes.temperature;
         let moved = fine.pressure.mean - fine.pressure_at_reference.mean;
         assert!((moved - slopes.dp_dt * off).abs() < 1e-12);
         assert!(fine.against_equation.is_none() && !fine.remarks.is_empty());
@@ -353,11 +356,41 @@ mod tests {
 
     #[test]
     fn slopes_without_an_equation_come_from_two_runs() {
-        let scene = scene(&[("potential.kind", "wca")]);
+        let free = scene(&[("potential.kind", "wca")]);
+        let mut held = free.clone();
+        for stage in &mut held.stages {
+            stage.thermostat = Some(ThermostatOptions::Bussi(Default::default()));
+        }
+        for scene in [free, held] {
+            let bench = Workbench::new(&scene).unwrap();
+            let slopes = bench.slopes(&Settings::of(&scene), 4.0).unwrap();
+            assert!(slopes.source.contains("two runs"), "{slopes:?}");
+            // Repulsive spheres at this density: both rise with temperature.
+            assert!(slopes.du_dt > 0.0 && slopes.dp_dt > 1.0, "{slopes:?}");
+        }
+    }
+
+    #[test]
+    fn u_at_the_temperature_of_positions_hardly_knows_the_step() {
+        // At the temperature of whole steps, U would be off by the difference of the two temperatures times ∂U/∂T.
+        let scene = scene(&[]);
         let bench = Workbench::new(&scene).unwrap();
-        let slopes = bench.slopes(&Settings::of(&scene), 4.0).unwrap();
-        assert!(slopes.source.contains("two runs"), "{slopes:?}");
-        // Repulsive spheres at this density: both rise with temperature.
-        assert!(slopes.du_dt > 0.0 && slopes.dp_dt > 1.0, "{slopes:?}");
+        let base = Settings::of(&scene).with_truncation(TruncationKind::Switch, 2.5, false);
+        let slopes = bench.slopes(&base, 1.0).unwrap();
+        let run = |dt: f64| {
+            let settings = Settings { dt, ..base.clone() };
+            bench.measure(&settings, 60.0, &slopes).unwrap()
+        };
+        let (coarse, fine) = (run(0.02), run(0.004));
+        let heat = coarse.temperature_of_positions.mean - coarse.temperature.mean;
+        let seen = slopes.du_dt * heat;
+        let off = coarse
+            .potential_energy_at_reference
+            .minus(&fine.potential_energy_at_reference);
+        assert!(seen > 5.0 * off.standard_error, "{seen} {off:?}");
+        assert!(
+            off.mean.abs() < 0.5 * seen + 3.0 * off.standard_error,
+            "{seen} {off:?}"
+        );
     }
 }

@@ -91,7 +91,7 @@ impl<'a> Models<'a> {
         });
         let like_verlet = method.name == "velocity-verlet" || !stands_for_itself(method.name);
         let (law, order) = if like_verlet && !langevin {
-            (survey.step_law(), 2)
+            (survey.step_law(method.half_kicks), 2)
         } else {
             let order = method.position_order.min(method.velocity_order) as i32;
             let order = if langevin { 2 } else { order };

@@ -200,16 +200,18 @@ impl Survey {
         }
     }
 
-    /// The coefficients of dt² in the errors of U and P that velocity Verlet makes at the kinetic temperature that it
-    /// shows.
+    /// The coefficients of dt² in the errors of U and P that velocity Verlet makes, at the temperature of half steps or at
+    /// that of whole ones.
     ///
     /// Velocity Verlet samples exp(−H̃/T̃) of its shadow Hamiltonian H̃ = H + h²·(pᵀ·∇∇U·p/12 − |∇U|²/24) exactly to
     /// this order (E. Hairer, C. Lubich and G. Wanner, Geometric Numerical Integration, IX.3). Integrated over p:
-    /// positions follow U + h²X with X = −|∇U|²/24 + T·∇²U/12, and the kinetic temperature shown is
-    /// T = T̃·(1 − h²ω²/6) with ω² = ⟨∇²U⟩/n_dof. At that temperature A is off by
-    /// h²·(ω²/(6T)·⟨δA δU⟩ − ⟨δA δX⟩/T); an oscillator gives the exact ⟨U⟩·h²ω²/4.
-    pub fn step_law(&self) -> [Value; 2] {
+    /// positions follow U + h²X with X = −|∇U|²/24 + T·∇²U/12, and the kinetic temperature of whole steps is
+    /// T̃·(1 − h²ω²/6) with ω² = ⟨∇²U⟩/n_dof; that of half steps is higher by T·h²ω²/4. At a temperature T̃·(1 − c·h²ω²)
+    /// A is off by h²·(c·ω²·⟨δA δU⟩ − ⟨δA δX⟩)/T. An oscillator gives nothing at half steps, and the exact ⟨U⟩·h²ω²/4 at
+    /// whole ones.
+    pub fn step_law(&self, half_steps: bool) -> [Value; 2] {
         let t = self.temperature;
+        let c = if half_steps { -1.0 / 12.0 } else { 1.0 / 6.0 };
         let frequency = statistics::mean(&self.series(|f| f.laplacian)) / self.n_dof;
         let total = self.series(|f| f.potential);
         let x = self.series(|f| -f.squared_force / 24.0 + t * f.laplacian / 12.0);
@@ -219,7 +221,7 @@ impl Survey {
             let z: Vec<f64> = with_u
                 .iter()
                 .zip(&with_x)
-                .map(|(u, x)| (frequency / 6.0 * u - x) / t)
+                .map(|(u, x)| (c * frequency * u - x) / t)
                 .collect();
             statistics::estimate_stationary(&z).into()
         })
