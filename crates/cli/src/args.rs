@@ -68,10 +68,12 @@ pub enum Command {
     Sweep(SweepArgs),
     /// Find the cheapest settings for the accuracy that a scene asks for, and keep them in a lock file.
     #[command(after_help = "The scene says how wrong the results may be:\n  \
-        accuracy = { potential_energy = 1e-3, pressure = 5e-3, drift = 1e-5 }\n\n\
+        accuracy = { potential_energy = 1e-3, pressure = 5e-3, drift = 1e-5 }\n\
+        A scene with settings of its own is asked for just that, and told the cheapest; no lock is written.\n\n\
         Examples:\n  \
         lennard tune inputs/fluid/accuracy.toml\n  \
         lennard run inputs/fluid/accuracy.toml\n  \
+        lennard tune inputs/verlet-1967/triple-point.toml\n  \
         lennard tune inputs/fluid/accuracy.toml --set accuracy.pressure=0.02 --lock coarse.lock.toml --json")]
     Tune(TuneArgs),
     /// Put finished runs beside the literature: every quantity with its difference in standard errors.

@@ -115,7 +115,42 @@ fn a_tuned_scene_runs_with_its_lock_and_always_to_the_same_bits() {
         &["plan", plain, "--lock", named],
         &["`accuracy`", "nothing to take"],
     );
-    refused(&["tune", plain], &["there is no `accuracy`"]);
+    refused(
+        &["tune", plain, "--lock", named],
+        &["there is no `accuracy`"],
+    );
+}
+
+#[test]
+fn a_scene_with_settings_of_its_own_is_told_the_cheapest_for_the_usual_accuracy() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("own.toml");
+    let text = SCENE
+        .replace("accuracy", "# accuracy")
+        .replace("0.3\n", "0.02\n")
+        + "[truncation]\nr_cut = 2.5\n[integrator]\ndt = 0.003\n[kernel]\nprecision = \"double\"\n";
+    std::fs::write(&path, text).unwrap();
+    let scene = path.to_str().unwrap();
+    let mut tune = vec!["tune", scene, "--set", "truncation.r_cut=3.5"];
+    tune.extend(SHORT);
+    let found = succeed(&tune);
+    assert!(found.contains("no lock is written"), "{found}");
+    // Nothing beside the scene, and a command that runs: what was fixed beside the file stays, the rest was chosen.
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    let command = found
+        .lines()
+        .rev()
+        .find(|l| l.contains("lennard run"))
+        .unwrap();
+    let words: Vec<&str> = command.split_whitespace().skip(2).collect();
+    assert!(command.contains("--set truncation.r_cut=3.5"), "{command}");
+    assert!(!command.contains("integrator.dt=0.003"), "{command}");
+    let out = folder.path().join("out");
+    let mut run = vec!["run", "--no-report", "--out", out.to_str().unwrap()];
+    run.extend(words);
+    succeed(&run);
+    let resolved = std::fs::read_to_string(out.join("scene.toml")).unwrap();
+    assert!(resolved.contains("r_cut = 3.5"), "{resolved}");
 }
 
 #[test]

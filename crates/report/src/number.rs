@@ -53,18 +53,32 @@ pub fn plain_or_scientific(value: f64) -> String {
     }
 }
 
-/// A value with its standard error in the last digits, `−5.4812(13)`; two digits of error.
+/// Below this, values with errors are written with a power of ten.
+const SMALL: f64 = 1e-3;
+
+/// A value with its standard error in the last digits, `−5.4812(13)`; two digits of error. Small ones share a power of
+/// ten, `−0.8(35)·10⁻⁶`.
 #[must_use]
 pub fn with_error(value: f64, error: f64) -> String {
     if !(value.is_finite() && error.is_finite() && error > 0.0) {
         return significant(value, 6);
     }
     let last = error.log10().floor() as i32 - 1;
+    let largest = value.abs().max(error);
+    let power = largest.log10().floor() as i32;
+    if last - power.min(0) < -12 {
+        return format!("{} ± {}", significant(value, 6), significant(error, 2));
+    }
+    if largest < SMALL {
+        let unit = 10f64.powi(power);
+        return format!(
+            "{}·10{}",
+            with_error(value / unit, error / unit),
+            superscript(power)
+        );
+    }
     if last >= 0 {
         return format!("{value:.0}({error:.0})").replace('-', "−");
-    }
-    if last < -12 {
-        return format!("{} ± {}", significant(value, 6), significant(error, 2));
     }
     let scaled = error / 10f64.powi(last);
     format!("{value:.*}({scaled:.0})", last.unsigned_abs() as usize).replace('-', "−")
@@ -91,5 +105,9 @@ mod tests {
         assert_eq!(with_error(-5.481_23, 0.001_27), "−5.4812(13)");
         assert_eq!(with_error(1234.0, 25.0), "1234(25)");
         assert_eq!(with_error(1.5, 0.0), "1.50000");
+        assert_eq!(with_error(-8.3e-7, 3.5e-6), "−0.8(35)·10⁻⁶");
+        assert_eq!(with_error(2.5e-4, 1.2e-5), "2.50(12)·10⁻⁴");
+        assert_eq!(with_error(0.0012, 0.0005), "0.00120(50)");
+        assert_eq!(with_error(1.5, 1e-14), "1.50000 ± 1.0·10⁻¹⁴");
     }
 }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::SceneError;
 use crate::read::Reader;
 use crate::reference;
+use crate::tree::{Table, Value};
 use crate::{Scene, Start};
 
 /// The largest errors that are accepted; what is not named is not asked for.
@@ -27,6 +28,13 @@ pub struct Accuracy {
 }
 
 impl Accuracy {
+    /// What is asked of a scene that asks for nothing: U to 1e-3 ε, P to 5e-3 ε/σ³, drift to 1e-5 ε/τ.
+    pub const USUAL: Self = Self {
+        potential_energy: Some(1e-3),
+        pressure: Some(5e-3),
+        drift: Some(1e-5),
+    };
+
     /// The errors asked for with their keys and units.
     #[must_use]
     pub fn asked(&self) -> Vec<(&'static str, f64, &'static str)> {
@@ -49,6 +57,26 @@ pub(crate) const CHOSEN: [&str; 5] = [
     "integrator.dt",
     "kernel.precision",
 ];
+
+/// [`Accuracy::USUAL`], as overrides.
+pub(crate) fn usual_overrides() -> Vec<(String, String)> {
+    let asked = Accuracy::USUAL.asked().into_iter();
+    asked
+        .map(|(key, value, _)| (format!("accuracy.{key}"), value.to_string()))
+        .collect()
+}
+
+/// Takes out of a scene what an accuracy chooses, and what belongs to that.
+pub(crate) fn free(root: &mut Table) {
+    let more = ["truncation.switch_from", "neighbor.skin"];
+    for key in CHOSEN.into_iter().chain(more) {
+        if let Some((table, key)) = key.split_once('.')
+            && let Some(Value::Table(table)) = root.get_mut(table).map(|node| &mut node.value)
+        {
+            table.remove(key);
+        }
+    }
+}
 
 impl Reader<'_> {
     /// The table, where there is one.

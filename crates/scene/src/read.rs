@@ -17,6 +17,27 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] for the first thing that is wrong.
     pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Self, SceneError> {
+        Self::load_after(path, overrides, |_| {})
+    }
+
+    /// Reads a scene file that has settings of its own as one that asks for the usual accuracy
+    /// ([`Accuracy::USUAL`](crate::Accuracy::USUAL)): what an accuracy chooses is taken out of the file, and what is among
+    /// `overrides` stays fixed.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn load_freed(path: &Path, overrides: &[(String, String)]) -> Result<Self, SceneError> {
+        let usual = accuracy::usual_overrides();
+        let overrides: Vec<_> = usual.into_iter().chain(overrides.iter().cloned()).collect();
+        Self::load_after(path, &overrides, accuracy::free)
+    }
+
+    /// Reads a scene file, with a change to what stands there before overrides are written over it.
+    fn load_after(
+        path: &Path,
+        overrides: &[(String, String)],
+        change: fn(&mut Table),
+    ) -> Result<Self, SceneError> {
         let file = path.display().to_string();
         let bytes = std::fs::read(path).map_err(|error| {
             SceneError::new(&file, "the scene file cannot be read")
@@ -45,7 +66,9 @@ impl Scene {
                     .allowed("the path of a file that can be read, relative to the scene file")
             })
         };
-        read(&text, &file, overrides, &resolve)
+        let mut root = tree::parse(&text, &file)?;
+        change(&mut root);
+        read(root, &file, overrides, &resolve)
     }
 
     /// Reads a scene from its text; `name` stands for the file in messages. No other file is looked at.
@@ -57,7 +80,9 @@ impl Scene {
         name: &str,
         overrides: &[(String, String)],
     ) -> Result<Self, SceneError> {
-        read(text, name, overrides, &|_, path| Ok(path.to_owned()))
+        read(tree::parse(text, name)?, name, overrides, &|_, path| {
+            Ok(path.to_owned())
+        })
     }
 }
 
@@ -65,12 +90,11 @@ impl Scene {
 pub(crate) type Resolve<'a> = &'a dyn Fn(&Source, &Path) -> Result<PathBuf, SceneError>;
 
 fn read(
-    text: &str,
+    mut root: Table,
     file: &str,
     overrides: &[(String, String)],
     resolve: Resolve<'_>,
 ) -> Result<Scene, SceneError> {
-    let mut root = tree::parse(text, file)?;
     overrides::apply(&mut root, overrides, file)?;
     let source = Source::new(file, tree::places(&root));
     let reader = Reader::new(&root, &source);

@@ -46,6 +46,31 @@ fn chosen() -> Chosen {
     }
 }
 
+#[test]
+fn a_scene_with_settings_can_be_freed_of_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("own.toml");
+    let text = ASKING.lines().skip(1).collect::<Vec<_>>().join("\n")
+        + "\n[truncation]\nkind = \"shift\"\nr_cut = 2.5\n[integrator]\nkind = \"leapfrog\"\ndt = 0.003\n";
+    std::fs::write(&path, text).unwrap();
+    let freed = Scene::load_freed(&path, &[]).unwrap();
+    assert_eq!(freed.accuracy, Some(lennard_scene::Accuracy::USUAL));
+    assert_eq!(freed.free, ALL_FREE);
+    // What is no setting stays, and so does what is given beside the file.
+    assert_eq!(freed.integrator.method.name(), "leapfrog");
+    let given = [("truncation.r_cut".to_owned(), "3.0".to_owned())];
+    let partly = Scene::load_freed(&path, &given).unwrap();
+    assert!(!partly.free.contains(&"truncation.r_cut"));
+    assert_eq!(partly.truncation.r_cut, 3.0);
+    // As overrides, what was chosen for it settles a scene without any lock.
+    let all: Vec<_> = given.into_iter().chain(chosen().overrides()).collect();
+    let settled = Scene::load(&path, &all).unwrap();
+    assert_eq!(settled.truncation, chosen().truncation);
+    assert_eq!(settled.neighbor, chosen().neighbor);
+    assert_eq!(settled.integrator.dt, chosen().dt);
+    assert_eq!(settled.kernel.precision, Precision::Mixed);
+}
+
 fn judged() -> Vec<Judged> {
     vec![Judged {
         quantity: "potential_energy".into(),

@@ -1,8 +1,9 @@
 //! `lennard tune`: settings for the accuracy that a scene asks for.
 
+use std::path::Path;
 use std::process::ExitCode;
 
-use lennard_scene::{Lock, Scene};
+use lennard_scene::{Chosen, Lock, Scene};
 use lennard_studies::tune::{self, TuneError, TuneOptions};
 
 use crate::args::TuneArgs;
@@ -11,14 +12,19 @@ use crate::failure::{Failure, INPUT, OTHER};
 use crate::progress::Display;
 use crate::show;
 
-/// Finds the settings, writes the lock file and prints what was wanted, predicted and measured.
+/// Finds the settings, writes the lock file and prints what was wanted, predicted and measured. A scene with settings of
+/// its own is asked for the usual accuracy, and nothing is written: it would not read a lock.
 pub fn tune(args: &TuneArgs) -> Result<ExitCode, Failure> {
-    let scene = Scene::load(&args.scene.scene, &args.scene.overrides())?;
-    let lock = args
-        .scene
-        .lock
-        .clone()
-        .unwrap_or_else(|| Lock::beside(&args.scene.scene));
+    let (path, overrides) = (&args.scene.scene, args.scene.overrides());
+    let asked = Scene::load(path, &overrides)?;
+    let named = args.scene.lock.clone();
+    let (scene, lock) = if asked.accuracy.is_some() {
+        (asked, Some(named.unwrap_or_else(|| Lock::beside(path))))
+    } else if named.is_some() {
+        return Err(TuneError::NoAccuracy(path.display().to_string()).into());
+    } else {
+        (Scene::load_freed(path, &overrides)?, None)
+    };
     let available = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.scene.threads.map_or(available, usize::from);
     let options = TuneOptions {
@@ -28,19 +34,45 @@ pub fn tune(args: &TuneArgs) -> Result<ExitCode, Failure> {
     let mut display = Display::of_study(args.quiet);
     let tuning = on_threads(threads, || Ok(tune::tune(&scene, &options, &mut display)?))?;
     drop(display);
-    let text = Lock::text(
-        &scene,
-        &tuning.chosen(),
-        &tuning.judged(),
-        &lennard_io::cpu_name(),
-    );
-    lennard_io::write_text_atomically(&lock, &text)?;
+    if let Some(lock) = &lock {
+        let text = Lock::text(
+            &scene,
+            &tuning.chosen(),
+            &tuning.judged(),
+            &lennard_io::cpu_name(),
+        );
+        lennard_io::write_text_atomically(lock, &text)?;
+    }
     if args.scene.json {
         print_json(&tuning)?;
     } else if !args.quiet {
-        show::tuning(&tuning, &lock);
+        show::tuning(&tuning);
+        match lock {
+            Some(lock) => println!(
+                "  {}; `lennard run` takes the settings from there",
+                lock.display()
+            ),
+            None => println!(
+                "  the scene has settings of its own and asks for no `accuracy`, so no lock is written; to run it with these:\n  {}",
+                with_settings(path, &overrides, &tuning.chosen())
+            ),
+        }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The command that runs a scene with chosen settings.
+fn with_settings(path: &Path, overrides: &[(String, String)], chosen: &Chosen) -> String {
+    let mut command = format!(
+        "lennard run {} --threads {}",
+        path.display(),
+        chosen.threads
+    );
+    let settings = chosen.overrides();
+    for (key, value) in overrides.iter().chain(&settings) {
+        command += &format!(" --set {key}={value}");
+    }
+    command
 }
 
 impl From<TuneError> for Failure {

@@ -1,14 +1,12 @@
 //! Settings for an accuracy, as a person reads them.
 
-use std::path::Path;
-
 use lennard_studies::settings::Cost;
 use lennard_studies::tune::Tuning;
 
 use super::{duration, table};
 
 /// What was chosen, what it errs and what it costs.
-pub fn tuning(tuning: &Tuning, lock: &Path) {
+pub fn tuning(tuning: &Tuning) {
     println!("{}", console::style(&tuning.scene).bold());
     println!(
         "  ρ = {:.4}, T = {:.4}; U and P wanted are those of {}",
@@ -83,11 +81,7 @@ pub fn tuning(tuning: &Tuning, lock: &Path) {
     for note in &tuning.notes {
         println!("  note: {note}");
     }
-    println!(
-        "  {} in {}; `lennard run` takes the settings from there",
-        lock.display(),
-        duration(tuning.seconds)
-    );
+    println!("  took {}", duration(tuning.seconds));
 }
 
 /// `+1.2e-4 ± 3.0e-5`, in powers of ten: errors are small.

@@ -39,6 +39,41 @@ pub(super) struct Pairs {
     pub precision: Precision,
 }
 
+impl Settings {
+    fn of(chosen: &Chosen) -> Self {
+        Self {
+            threads: chosen.threads,
+            truncation: chosen.truncation,
+            integrator: Step { dt: chosen.dt },
+            kernel: Pairs {
+                precision: chosen.precision,
+            },
+            neighbor: chosen.neighbor,
+        }
+    }
+}
+
+impl Chosen {
+    /// The settings but for the threads as keys and values of a scene, such as `("truncation.r_cut", "3.1")`.
+    ///
+    /// # Panics
+    /// Where a number does not fit TOML, which none does.
+    #[must_use]
+    pub fn overrides(&self) -> Vec<(String, String)> {
+        let all = toml::Table::try_from(Settings::of(self)).expect("every setting fits TOML");
+        let mut found = Vec::new();
+        for (table, values) in &all {
+            for (key, value) in values.as_table().into_iter().flatten() {
+                let value = value
+                    .as_str()
+                    .map_or_else(|| value.to_string(), str::to_owned);
+                found.push((format!("{table}.{key}"), value));
+            }
+        }
+        found
+    }
+}
+
 impl Lock {
     /// The text of a lock file. `scene` is the scene before any lock was applied; `processor` names the machine.
     ///
@@ -50,15 +85,7 @@ impl Lock {
             schema: SCHEMA,
             version: env!("CARGO_PKG_VERSION"),
             processor,
-            settings: Settings {
-                threads: chosen.threads,
-                truncation: chosen.truncation,
-                integrator: Step { dt: chosen.dt },
-                kernel: Pairs {
-                    precision: chosen.precision,
-                },
-                neighbor: chosen.neighbor,
-            },
+            settings: Settings::of(chosen),
             judged,
             scene: identity(scene),
         };

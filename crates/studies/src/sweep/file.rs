@@ -97,6 +97,8 @@ pub(super) struct Axes {
     pub(super) r_cut: Option<OneOrMany<f64>>,
     pub(super) dt: Option<OneOrMany<f64>>,
     pub(super) seed: Option<OneOrMany<u64>>,
+    /// How many times as many measured steps as the base scene.
+    pub(super) longer: Option<OneOrMany<f64>>,
 }
 
 #[derive(Debug, Deserialize)]

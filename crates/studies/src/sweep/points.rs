@@ -27,42 +27,52 @@ pub struct Point {
 /// A key of the sweep with its scene key and its short form in names.
 struct Key {
     name: &'static str,
-    scene: &'static str,
+    /// Absent for what is no state, and so has no place in a name either.
+    scene: Option<&'static str>,
     short: &'static str,
 }
 
-const KEYS: [Key; 6] = [
+const KEYS: [Key; 7] = [
     Key {
         name: "density",
-        scene: "system.density",
+        scene: Some("system.density"),
         short: "rho",
     },
     Key {
         name: "temperature",
-        scene: "system.temperature",
+        scene: Some("system.temperature"),
         short: "T",
     },
     Key {
         name: "n_atoms",
-        scene: "system.n_atoms",
+        scene: Some("system.n_atoms"),
         short: "N",
     },
     Key {
         name: "r_cut",
-        scene: "truncation.r_cut",
+        scene: Some("truncation.r_cut"),
         short: "rc",
     },
     Key {
         name: "dt",
-        scene: "integrator.dt",
+        scene: Some("integrator.dt"),
         short: "dt",
     },
     Key {
         name: "seed",
-        scene: "system.seed",
+        scene: Some("system.seed"),
         short: "seed",
     },
+    Key {
+        name: "longer",
+        scene: None,
+        short: "",
+    },
 ];
+/// Where `longer` stands in [`KEYS`].
+const LONGER: usize = KEYS.len() - 1;
+/// The most times that a point may be longer than the others.
+const MOST_LONGER: f64 = 1e6;
 
 /// The values of the keys of one point, as text; `None` where the base scene decides.
 type Choice = [Option<String>; KEYS.len()];
@@ -80,6 +90,7 @@ fn lists(axes: &Axes) -> [Option<Vec<String>>; KEYS.len()] {
         text(&axes.r_cut),
         text(&axes.dt),
         text(&axes.seed),
+        text(&axes.longer),
     ]
 }
 
@@ -120,11 +131,21 @@ pub(super) fn expand(
         value(
             "point".into(),
             "a sweep with no points".into(),
-            "[[point]] tables, or a [grid] of density, temperature, n_atoms, r_cut, dt and seed, with at least one value each",
+            "[[point]] tables, or a [grid] of density, temperature, n_atoms, r_cut, dt and seed, with at least one value each (`longer` makes none)",
         )
     };
     if points.is_empty() && grid.is_none() {
         return Err(no_points());
+    }
+    for longer in points.iter().chain(grid).flat_map(|axes| &axes.longer) {
+        let bad = longer
+            .values()
+            .into_iter()
+            .find(|x| !(*x > 0.0 && *x <= MOST_LONGER));
+        if let Some(bad) = bad {
+            let allowed = format!("a number above 0 and up to {MOST_LONGER}");
+            return Err(value("point.longer".into(), bad.to_string(), &allowed));
+        }
     }
     let listed: Vec<Choice> = if points.is_empty() {
         vec![Choice::default()]
@@ -157,7 +178,11 @@ pub(super) fn expand(
         }
     }
     // A list without values leaves no combination; a table without keys is no point.
-    if choices.is_empty() || choices.iter().any(|c| c.iter().all(Option::is_none)) {
+    if choices.is_empty()
+        || choices
+            .iter()
+            .any(|c| c[..LONGER].iter().all(Option::is_none))
+    {
         return Err(no_points());
     }
     let mut names = BTreeSet::new();
@@ -185,12 +210,13 @@ fn point(base: &Path, common: &[(String, String)], choice: &Choice) -> Result<Po
         .collect();
     let name = chosen
         .iter()
+        .filter(|(key, _)| key.scene.is_some())
         .map(|(key, value)| format!("{}{value}", key.short))
         .collect::<Vec<_>>()
         .join("-");
     let mut overrides: Vec<(String, String)> = chosen
         .iter()
-        .map(|(key, value)| (key.scene.to_owned(), (*value).clone()))
+        .filter_map(|(key, value)| Some((key.scene?.to_owned(), (*value).clone())))
         .collect();
     // What is typed for all points must not undo what makes the points different.
     let mut all: Vec<(String, String)> = common
@@ -204,7 +230,12 @@ fn point(base: &Path, common: &[(String, String)], choice: &Choice) -> Result<Po
         point: name.clone(),
         source,
     };
-    let scene = Scene::load(base, &all).map_err(refused)?;
+    let mut scene = Scene::load(base, &all).map_err(refused)?;
+    if let Some(longer) = choice[LONGER].as_ref().and_then(|x| x.parse::<f64>().ok()) {
+        for stage in scene.stages.iter_mut().filter(|stage| stage.measure) {
+            stage.steps = (stage.steps as f64 * longer).round() as u64;
+        }
+    }
     // A lock file belongs to one state: settings of a sweep are written by hand.
     scene.settled().map_err(refused)?;
     let (atoms, density) =
@@ -274,6 +305,11 @@ mod tests {
                 "[[point]]\ndensity = 0.5\n[[point]]\ndensity = 0.5\n",
                 "allowed: each point once",
             ),
+            ("[[point]]\nlonger = 2\n", "no points"),
+            (
+                "[[point]]\ndensity = 0.5\nlonger = -1\n",
+                "`point.longer` is not allowed\n  found:   -1",
+            ),
             ("[[point]]\ndensty = 0.5\n", "densty"),
             ("[[point]]\ndensity = -1.0\n", "system.density"),
             (
@@ -284,6 +320,29 @@ mod tests {
             let message = sweep_of(text).unwrap_err();
             assert!(message.contains(wanted), "{text}: {message}");
         }
+    }
+
+    #[test]
+    fn a_longer_point_has_more_measured_steps_and_no_other_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let base = inputs().join("verlet-1967/state-point.toml");
+        let path = folder.path().join("sweep.toml");
+        let text = "[[point]]\ndensity = 0.5\nlonger = 2.5\n[[point]]\ndensity = 0.6\n";
+        std::fs::write(&path, format!("base = {base:?}\n{text}")).unwrap();
+        let steps = [("stage.production.steps".to_owned(), "1001".to_owned())];
+        let sweep = load(&path, &steps).unwrap();
+        let found: Vec<_> = sweep
+            .points
+            .iter()
+            .map(|p| {
+                (
+                    p.name.as_str(),
+                    p.scene.stages[2].steps,
+                    p.scene.stages[1].steps,
+                )
+            })
+            .collect();
+        assert_eq!(found, [("rho0.5", 2503, 10_000), ("rho0.6", 1001, 10_000)]);
     }
 
     #[test]
