@@ -181,6 +181,25 @@ fn what_cannot_be_met_is_refused_with_what_can_and_leaves_no_lock() {
 }
 
 #[test]
+fn a_lock_that_cannot_be_written_is_refused_before_anything_is_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = write_scene(folder.path());
+    let nowhere = folder.path().join("nowhere/x.lock.toml");
+    refused(
+        &["tune", &scene, "--lock", nowhere.to_str().unwrap()],
+        &[
+            "tuning the scene: ",
+            "the lock file cannot be written there",
+            "no such folder",
+        ],
+    );
+    refused(
+        &["tune", &scene, "--lock", folder.path().to_str().unwrap()],
+        &["the lock file cannot be written there", "found:   a folder"],
+    );
+}
+
+#[test]
 fn a_time_too_short_to_tell_anything_is_refused() {
     refused(
         &["tune", "inputs/fluid/accuracy.toml", "--seconds", "1"],

@@ -47,8 +47,11 @@ const STATES: [State; 8] = [
 const ATOMS: usize = 864;
 /// Independent seeds.
 const SEEDS: u64 = 10;
-/// Length of each run of the choice and of each tight run, τ.
+/// Length of each run of the choice and of each tight run of a liquid, τ; a thin fluid costs less and forgets more slowly,
+/// and runs for longer as its density is lower.
 const TIMES: (f64, f64) = (50.0, 25.0);
+/// The density of a liquid whose runs have these lengths, σ⁻³.
+const LIQUID: f64 = 0.8;
 
 fn scene(state: &State) -> Result<Scene, Box<dyn Error>> {
     let [u, p, drift] = state.errors;
@@ -77,18 +80,10 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         }
     }
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let options = TrialOptions {
-        tune: TuneOptions { seconds, threads },
-        seeds: SEEDS,
-        time: share * TIMES.0,
-        tight_time: share * TIMES.1,
-    };
     println!(
-        "cargo xtask accuracy {}\n{}, {threads} threads; {ATOMS} particles, {SEEDS} seeds, {} τ each of the choice, {} τ each tight",
+        "cargo xtask accuracy {}\n{}, {threads} threads; {ATOMS} particles, {SEEDS} seeds",
         arguments.join(" "),
         lennard_io::cpu_name(),
-        options.time,
-        options.tight_time
     );
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -98,13 +93,20 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     for state in STATES.iter().filter(chosen) {
         let clock = Instant::now();
         let scene = scene(state)?;
+        let longer = share * (LIQUID / state.density).max(1.0);
+        let options = TrialOptions {
+            tune: TuneOptions { seconds, threads },
+            seeds: SEEDS,
+            time: longer * TIMES.0,
+            tight_time: longer * TIMES.1,
+        };
         let trial = pool.install(|| trial::run(&scene, &options, &mut Silent))?;
-        show(state, &trial, clock.elapsed().as_secs_f64());
+        show(state, &options, &trial, clock.elapsed().as_secs_f64());
         tried += 1;
         passed += usize::from(trial.meets && trial.is_cheap());
     }
     println!(
-        "\n{passed} of {tried} states: the target is met, and nothing that may meet it costs less by more than a factor of {ALLOWED_FACTOR}"
+        "\n{passed} of {tried} states: the target is met, and nothing that may meet it, by its runs and by the models, costs less by more than a factor of {ALLOWED_FACTOR}"
     );
     let all = passed == tried && tried > 0;
     Ok(if all {
@@ -114,11 +116,11 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     })
 }
 
-fn show(state: &State, trial: &Trial, seconds: f64) {
+fn show(state: &State, options: &TrialOptions, trial: &Trial, seconds: f64) {
     let t = &trial.tuning;
     println!(
-        "\n{}: ρ = {}, T = {}",
-        state.name, state.density, state.temperature
+        "\n{}: ρ = {}, T = {}; runs of {:.0} τ, tight ones of {:.0} τ",
+        state.name, state.density, state.temperature, options.time, options.tight_time
     );
     println!("  chosen in {:.0} s: {}", t.seconds, t.label);
     let relative = |cost: f64| cost / t.cost.wall.median;
@@ -157,7 +159,11 @@ fn show(state: &State, trial: &Trial, seconds: f64) {
     );
     let nearest = trial.cheaper.iter().filter(|c| c.misses.is_some()).take(3);
     for c in nearest.chain(open) {
-        let misses = c.misses.as_deref().unwrap_or("NOT SEEN TO MISS");
+        let misses = match (&c.misses, &c.predicted) {
+            (Some(misses), _) => misses.clone(),
+            (None, Some(predicted)) => format!("not seen to miss; predicted to: {predicted}"),
+            (None, None) => "NOT SEEN TO MISS".into(),
+        };
         println!("    {:.2} {}: {misses}", c.cost, c.label);
     }
     for note in &t.notes {

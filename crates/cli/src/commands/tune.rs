@@ -25,6 +25,9 @@ pub fn tune(args: &TuneArgs) -> Result<ExitCode, Failure> {
     } else {
         (Scene::load_freed(path, &overrides)?, None)
     };
+    if let Some(lock) = &lock {
+        can_be_written(lock)?;
+    }
     let available = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.scene.threads.map_or(available, usize::from);
     let options = TuneOptions {
@@ -59,6 +62,27 @@ pub fn tune(args: &TuneArgs) -> Result<ExitCode, Failure> {
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Refuses a lock file without a folder to write it to, before a minute is spent.
+fn can_be_written(lock: &Path) -> Result<(), Failure> {
+    let folder = match lock.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    if folder.is_dir() && !lock.is_dir() {
+        return Ok(());
+    }
+    let error = format!(
+        "{}: the lock file cannot be written there\n  found:   {}\n  allowed: a file in a folder that exists",
+        lock.display(),
+        if lock.is_dir() {
+            "a folder"
+        } else {
+            "no such folder"
+        }
+    );
+    Err(Failure::new("tuning the scene", error, INPUT))
 }
 
 /// The command that runs a scene with chosen settings.

@@ -16,8 +16,10 @@ const SMALLEST_CUTOFF: f64 = 2.0;
 const CUTOFF_STEP: f64 = 0.1;
 /// Smallest time step tried, as a share of the careful one.
 const SMALLEST_STEP: f64 = 0.2;
-/// A prediction must keep the target by so many of its standard errors.
+/// A prediction must keep the target by so many of its standard errors …
 const MARGIN: f64 = 1.0;
+/// … and by this share of what the cutoff leaves out, which is known to first order.
+const HIGHER_ORDERS: f64 = 1.0 / 3.0;
 
 /// What may be chosen among.
 #[derive(Debug, Clone)]
@@ -169,7 +171,11 @@ pub(super) struct Candidate {
 impl Candidate {
     /// The predicted error of a quantity with its uncertainty.
     pub fn reach(&self, key: &str) -> f64 {
-        let of = |p: &Prediction| p.total.mean.abs() + MARGIN * p.total.standard_error;
+        let of = |p: &Prediction| {
+            p.total.mean.abs()
+                + HIGHER_ORDERS * p.truncation.mean.abs()
+                + MARGIN * p.total.standard_error
+        };
         match key {
             "potential_energy" => of(&self.predicted[0]),
             "pressure" => of(&self.predicted[1]),

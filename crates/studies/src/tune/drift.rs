@@ -12,7 +12,7 @@ use crate::jobs::side_by_side;
 use crate::settings::{Failed, Settings, Workbench};
 
 /// Steps at which stability is tried, as shares of the rough limit.
-pub(super) const RUNGS: [f64; 4] = [0.25, 0.32, 0.40, 0.50];
+pub(super) const RUNGS: [f64; 7] = [0.25, 0.28, 0.32, 0.36, 0.40, 0.45, 0.50];
 /// Shortest run on a rung, τ: less does not tell a drift of 10⁻⁵.
 const SHORTEST_RUNG: f64 = 80.0;
 /// Without a wanted drift, a step is stable that drifts less than this: 10⁻³ ε/τ a particle is a per cent of T in ten τ.

@@ -20,9 +20,9 @@ use crate::settings::{Cost, Settings, Value, costs};
 
 /// Shares of the time for survey, stability, prices, and the runs that verify; the rest is for the start and the end.
 const SURVEY: f64 = 0.34;
-const STABILITY: f64 = 0.06;
+const STABILITY: f64 = 0.08;
 const PRICES: f64 = 0.10;
-const VERIFICATION: f64 = 0.34;
+const VERIFICATION: f64 = 0.32;
 /// Share of the verification that the safest settings take: they cost more, and both runs should err alike.
 const SAFEST_SHARE: f64 = 0.6;
 /// Settings that are verified at most, where the first miss.
@@ -31,6 +31,7 @@ const MOST_TRIALS: usize = 3;
 const LATER_SHARE: f64 = 0.3;
 /// Factor on the largest step after a run that drifted or failed.
 const SHORTER: f64 = 0.8;
+
 /// Finds the settings for the accuracy that a scene asks for.
 ///
 /// # Errors
@@ -41,6 +42,16 @@ pub fn tune(
     options: &TuneOptions,
     progress: &mut dyn Progress,
 ) -> Result<Tuning, TuneError> {
+    Ok(tune_and(scene, options, progress, |_| Ok(()))?.0)
+}
+
+/// As [`tune`], with something more that is asked of its models at the end.
+pub(super) fn tune_and<T>(
+    scene: &Scene,
+    options: &TuneOptions,
+    progress: &mut dyn Progress,
+    more: impl FnOnce(&mut Models<'_>) -> Result<T, TuneError>,
+) -> Result<(Tuning, T), TuneError> {
     let clock = Instant::now();
     let asked = scene.accuracy;
     let accuracy = asked.ok_or_else(|| TuneError::NoAccuracy(scene.source.file().to_owned()))?;
@@ -114,8 +125,9 @@ pub fn tune(
     notes.extend(advice::spending(&rows, relaxed.as_ref(), candidate.price));
     notes.extend(advice::cancelling(&candidate, &accuracy));
     notes.push(advice::beside_equation(&runs));
+    let more = more(&mut models)?;
     progress.update("done", 1.0);
-    Ok(Tuning {
+    let tuning = Tuning {
         schema: SCHEMA,
         scene: scene.name.clone(),
         density: survey.density(),
@@ -134,7 +146,8 @@ pub fn tune(
         runs,
         notes,
         seconds: clock.elapsed().as_secs_f64(),
-    })
+    };
+    Ok((tuning, more))
 }
 
 /// Settings that were run, with what that says.

@@ -7,7 +7,8 @@ use lennard_scene::{Accuracy, Scene};
 use serde::Serialize;
 
 use super::sample::Sample;
-use super::{TuneError, TuneOptions, Tuning, tune};
+use super::search::tune_and;
+use super::{TuneError, TuneOptions, Tuning};
 use crate::Progress;
 use crate::jobs::side_by_side;
 use crate::settings::{Failed, Measured, Settings, Slopes, TRUNCATIONS, Value, Workbench, costs};
@@ -16,6 +17,8 @@ use crate::settings::{Failed, Measured, Settings, Slopes, TRUNCATIONS, Value, Wo
 const CUTOFFS: [f64; 5] = [2.0, 2.5, 3.0, 4.0, 5.0];
 /// Steps of the grid, τ.
 const STEPS: [f64; 6] = [0.002, 0.004, 0.008, 0.012, 0.016, 0.024];
+/// Steps at which the settings of the grid are priced, τ.
+const PRICED_STEPS: [f64; 2] = [STEPS[1], STEPS[3]];
 /// The choice may cost so many times the cheapest setting of the grid that meets the target.
 pub const ALLOWED_FACTOR: f64 = 1.3;
 /// Step of the tight runs as a share of velocity Verlet's stability limit: the method of Blanes and Moan makes six
@@ -50,6 +53,8 @@ pub struct Cheaper {
     pub cost: f64,
     /// By what it misses; `None` where the runs cannot tell that it does.
     pub misses: Option<String>,
+    /// By what it misses as the models of the tuning have it, where they do.
+    pub predicted: Option<String>,
 }
 
 /// What came of it.
@@ -68,15 +73,24 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Whether no setting that costs so much less is known to meet the target, or may.
+    /// Whether every setting that costs so much less misses the target by its runs, or by the models where these cannot
+    /// tell.
     #[must_use]
     pub fn is_cheap(&self) -> bool {
-        self.cheaper.iter().all(|c| c.misses.is_some())
+        let misses = |c: &Cheaper| c.misses.is_some() || c.predicted.is_some();
+        self.cheaper.iter().all(misses)
     }
 }
 
 /// U, P and drift of one run.
 type Found = [f64; 3];
+
+/// Where a key of the accuracy stands in [`Found`].
+fn quantity(key: &str) -> Option<usize> {
+    ["potential_energy", "pressure", "drift"]
+        .iter()
+        .position(|k| *k == key)
+}
 
 /// Independent starts, and runs from them.
 struct Seeds {
@@ -143,14 +157,12 @@ fn over_seeds(runs: &[Found], tight: &[Found], which: usize) -> Value {
 }
 
 fn errors(accuracy: &Accuracy, runs: &[Found], tight: &[Found]) -> Vec<(String, f64, Value)> {
-    let which = |key: &str| match key {
-        "potential_energy" => 0,
-        "pressure" => 1,
-        _ => 2,
-    };
     let asked = accuracy.asked().into_iter();
     asked
-        .map(|(key, target, _)| (key.to_owned(), target, over_seeds(runs, tight, which(key))))
+        .filter_map(|(key, target, _)| {
+            let error = over_seeds(runs, tight, quantity(key)?);
+            Some((key.to_owned(), target, error))
+        })
         .collect()
 }
 
@@ -163,11 +175,16 @@ pub fn run(
     options: &TrialOptions,
     progress: &mut dyn Progress,
 ) -> Result<Trial, TuneError> {
-    let tuning = tune(scene, &options.tune, progress)?;
-    let accuracy = scene.accuracy.unwrap_or_default();
     progress.update("independent starts", 0.0);
     let seeds = Seeds::prepare(scene, options.seeds)?;
     let bench = &seeds.benches[0];
+    let grid = models_of_grid(bench);
+    let (tuning, predicted) = tune_and(scene, &options.tune, progress, |models| {
+        let all = grid.iter().flat_map(|model| STEPS.map(|dt| model.at(dt)));
+        all.map(|settings| Ok(models.of(&settings)?.map(|p| p.total)))
+            .collect::<Result<Vec<_>, TuneError>>()
+    })?;
+    let accuracy = scene.accuracy.unwrap_or_default();
     let tight = tight(bench);
     progress.update("tight runs", 0.1);
     let failed = |f: Failed| TuneError::Nothing(f.reason);
@@ -176,7 +193,22 @@ pub fn run(
     let runs = seeds.run(&tuning.settings, options.time)?.map_err(failed)?;
     let errors_found = errors(&accuracy, &runs, &of_tight);
     progress.update("cheaper settings", 0.8);
-    let cheaper = cheaper(&seeds, &tuning, &accuracy, &of_tight, options.time)?;
+    let mut cheaper = Vec::new();
+    for (settings, which, cost) in cheaper_than(&tuning, bench, &grid)? {
+        let all = accuracy.asked().into_iter();
+        cheaper.push(Cheaper {
+            label: settings.label(),
+            cost,
+            misses: misses(&seeds, &settings, &accuracy, &of_tight, options.time)?,
+            predicted: all
+                .filter_map(|(key, target, _)| {
+                    let error = predicted[which][quantity(key).filter(|q| *q < 2)?];
+                    miss(key, target, &error)
+                })
+                .next(),
+        });
+    }
+    cheaper.sort_by(|a, b| b.cost.total_cmp(&a.cost));
     let within = |(_, target, error): &(String, f64, Value)| {
         error.mean.abs() <= target + SIGNIFICANT * error.standard_error
     };
@@ -200,58 +232,96 @@ fn tight(bench: &Workbench) -> Settings {
     }
 }
 
-/// Every setting of the grid that would cost less than the choice by more than the factor allowed, with what it misses.
-fn cheaper(
-    seeds: &Seeds,
-    tuning: &Tuning,
-    accuracy: &Accuracy,
-    tight: &[Found],
-    time: f64,
-) -> Result<Vec<Cheaper>, TuneError> {
-    let bench = &seeds.benches[0];
+/// A model of the grid in both precisions.
+struct Model {
+    double: Settings,
+    mixed: Settings,
+}
+
+impl Model {
+    /// In mixed precision with a step: the errors of both precisions are the same at these targets.
+    fn at(&self, dt: f64) -> Settings {
+        Settings {
+            dt,
+            ..self.mixed.clone()
+        }
+    }
+}
+
+/// The truncations and cutoffs of the grid that fit the box.
+fn models_of_grid(bench: &Workbench) -> Vec<Model> {
     let base = Settings::of(bench.scene());
-    let mut models = vec![tuning.settings.clone()];
+    let mut models = Vec::new();
     for (kind, tail) in TRUNCATIONS {
         for r_cut in CUTOFFS {
-            let at = |precision| Settings {
+            let [double, mixed] = [Precision::Double, Precision::Mixed].map(|precision| Settings {
                 precision,
-                dt: STEPS[1],
                 ..base.with_truncation(kind, r_cut, tail)
-            };
-            if bench.check(&at(Precision::Double)).is_ok() {
-                models.extend([Precision::Double, Precision::Mixed].map(at));
+            });
+            if bench.check(&double).is_ok() {
+                models.push(Model { double, mixed });
             }
         }
     }
+    models
+}
+
+/// Every setting of the grid that would cost less than the choice by more than the factor allowed, with its number in
+/// the grid and its cost over that of the choice.
+fn cheaper_than(
+    tuning: &Tuning,
+    bench: &Workbench,
+    grid: &[Model],
+) -> Result<Vec<(Settings, usize, f64)>, TuneError> {
+    let mut priced = vec![tuning.settings.clone()];
+    for model in grid {
+        for settings in [&model.double, &model.mixed] {
+            priced.extend(PRICED_STEPS.map(|dt| Settings {
+                dt,
+                ..settings.clone()
+            }));
+        }
+    }
     let mut prices = Vec::new();
-    for (settings, cost) in models.iter().zip(costs(bench, &models, 3, 0.05, 1)?) {
+    for (settings, cost) in priced.iter().zip(costs(bench, &priced, 3, 0.05, 1)?) {
         let cost = cost.map_err(|f| TuneError::Nothing(f.reason))?;
         prices.push(cost.wall.low * settings.dt);
     }
     let chosen = prices[0] / tuning.settings.dt;
-    let mut found: Vec<Cheaper> = Vec::new();
-    for (pair, price) in models[1..].chunks(2).zip(prices[1..].chunks(2)) {
-        // Of two precisions the cheaper stands for both: their errors are the same at these targets.
-        let cheaper = usize::from(price.last() < price.first());
-        let (model, least) = (&pair[cheaper], price[cheaper]);
-        for dt in STEPS {
-            let cost = least / dt / chosen;
-            if cost * ALLOWED_FACTOR < 1.0 {
-                let settings = Settings {
+    // A longer step wants a new list sooner: the price of a step is a line in dt.
+    let price = |pair: &[f64], dt: f64| {
+        let [first, last] = PRICED_STEPS;
+        pair[0] + (pair[1] - pair[0]) * (dt - first) / (last - first)
+    };
+    let mut found = Vec::new();
+    for (m, (model, prices)) in grid.iter().zip(prices[1..].chunks(4)).enumerate() {
+        for (k, dt) in STEPS.into_iter().enumerate() {
+            // Of two precisions the cheaper stands for both.
+            let [double, mixed] = [price(&prices[..2], dt), price(&prices[2..], dt)];
+            let settings = match mixed < double {
+                true => model.at(dt),
+                false => Settings {
                     dt,
-                    ..model.clone()
-                };
-                let misses = misses(seeds, &settings, accuracy, tight, time)?;
-                found.push(Cheaper {
-                    label: settings.label(),
-                    cost,
-                    misses,
-                });
+                    ..model.double.clone()
+                },
+            };
+            let cost = mixed.min(double) / dt / chosen;
+            if cost * ALLOWED_FACTOR < 1.0 {
+                found.push((settings, m * STEPS.len() + k, cost));
             }
         }
     }
-    found.sort_by(|a, b| b.cost.total_cmp(&a.cost));
     Ok(found)
+}
+
+/// Whether an error misses its target by more than its uncertainty, in words.
+fn miss(key: &str, target: f64, error: &Value) -> Option<String> {
+    (error.mean.abs() > target + SIGNIFICANT * error.standard_error).then(|| {
+        format!(
+            "{key} off by {:+.1e} ± {:.0e}",
+            error.mean, error.standard_error
+        )
+    })
 }
 
 /// By what settings miss, where runs of growing length can tell.
@@ -268,11 +338,8 @@ fn misses(
             Err(failed) => return Ok(Some(failed.reason)),
         };
         for (key, target, error) in errors(accuracy, &runs, tight) {
-            if error.mean.abs() > target + SIGNIFICANT * error.standard_error {
-                return Ok(Some(format!(
-                    "{key} off by {:+.1e} ± {:.0e}",
-                    error.mean, error.standard_error
-                )));
+            if let Some(miss) = miss(&key, target, &error) {
+                return Ok(Some(miss));
             }
         }
     }
