@@ -53,7 +53,7 @@ pub struct Cheaper {
     pub cost: f64,
     /// By what it misses; `None` where the runs cannot tell that it does.
     pub misses: Option<String>,
-    /// By what it misses as the models of the tuning have it, where they do.
+    /// By what it misses as the models of the tuning expect it, where they do.
     pub predicted: Option<String>,
 }
 
@@ -203,7 +203,7 @@ pub fn run(
             predicted: all
                 .filter_map(|(key, target, _)| {
                     let error = predicted[which][quantity(key).filter(|q| *q < 2)?];
-                    miss(key, target, &error)
+                    (error.mean.abs() > target).then(|| off(key, &error))
                 })
                 .next(),
         });
@@ -316,12 +316,14 @@ fn cheaper_than(
 
 /// Whether an error misses its target by more than its uncertainty, in words.
 fn miss(key: &str, target: f64, error: &Value) -> Option<String> {
-    (error.mean.abs() > target + SIGNIFICANT * error.standard_error).then(|| {
-        format!(
-            "{key} off by {:+.1e} ± {:.0e}",
-            error.mean, error.standard_error
-        )
-    })
+    (error.mean.abs() > target + SIGNIFICANT * error.standard_error).then(|| off(key, error))
+}
+
+fn off(key: &str, error: &Value) -> String {
+    format!(
+        "{key} off by {:+.1e} ± {:.0e}",
+        error.mean, error.standard_error
+    )
 }
 
 /// By what settings miss, where runs of growing length can tell.

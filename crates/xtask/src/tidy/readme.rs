@@ -67,6 +67,12 @@ fn options_in(help: &str) -> Vec<String> {
         .collect()
 }
 
+/// Whether a path is that of the lock file which `lennard tune` makes beside a scene that is there.
+fn is_lock_of_a_scene(path: &str, root: &Path) -> bool {
+    path.strip_suffix(".lock.toml")
+        .is_some_and(|scene| root.join(format!("{scene}.toml")).exists())
+}
+
 /// Everything that the text names and that does not exist.
 fn faults(text: &str, root: &Path, lennard: &Commands) -> Vec<String> {
     let mut faults = Vec::new();
@@ -79,6 +85,7 @@ fn faults(text: &str, root: &Path, lennard: &Commands) -> Vec<String> {
             if !made
                 && let Some(path) = path_in(word, root)
                 && !root.join(&path).exists()
+                && !is_lock_of_a_scene(&path, root)
             {
                 tell(format!("there is no {path}"));
             }
@@ -238,9 +245,17 @@ mod tests {
     }
 
     #[test]
+    fn a_lock_file_is_made_beside_a_scene_that_is_there() {
+        assert!(is_lock_of_a_scene("Cargo.lock.toml", here()));
+        assert!(!is_lock_of_a_scene("absent.lock.toml", here()));
+        assert!(!is_lock_of_a_scene("Cargo.toml", here()));
+    }
+
+    #[test]
     fn what_does_not_exist_is_told_with_its_line() {
         for (text, fault) in [
             ("`src/absent.rs`", "there is no src/absent.rs"),
+            ("`src/absent.lock.toml`", "there is no src/absent.lock.toml"),
             ("`gone/scene.toml`", "there is no gone/scene.toml"),
             ("`src/nothing`", "there is no src/nothing"),
             ("`../elsewhere/x`", "there is no ../elsewhere/x"),
