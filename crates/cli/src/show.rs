@@ -94,8 +94,8 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
         scene.stages.len()
     );
     println!(
-        "  {threads} thread{}, output in {}",
-        if threads == 1 { "" } else { "s" },
+        "  {}, output in {}",
+        lennard_report::counted(threads, "thread"),
         folder.display()
     );
 }
@@ -268,10 +268,9 @@ pub fn plan(plan: &Plan) {
         plan.bytes as f64 / plan.atoms as f64
     );
     println!(
-        "  time: about {} on {} thread{} ({} a step with everything off, median of {} measured steps; shares are those of this measurement, and the start may differ from the rest)",
+        "  time: about {} on {} ({} a step with everything off, median of {} measured steps; shares are those of this measurement, and the start may differ from the rest)",
         duration(plan.estimated_seconds),
-        plan.threads,
-        if plan.threads == 1 { "" } else { "s" },
+        lennard_report::counted(plan.threads, "thread"),
         duration(plan.seconds_per_step),
         plan.measured_steps
     );

@@ -12,6 +12,12 @@ use rayon::prelude::*;
 /// Particles a chunk, a constant: part of the definition of every sum.
 pub const CHUNK: usize = 2048;
 
+/// Processors that this process may use; 1 where the system does not say.
+#[must_use]
+pub fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
 /// Looks for work that a waiting thread makes before it offers its processor to others.
 const LOOKS: u32 = 200;
 

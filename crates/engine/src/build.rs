@@ -359,6 +359,6 @@ fn force_jump(scene: &Scene) -> Result<f64, EngineError> {
 /// As many threads as pay for so many particles on this machine.
 #[must_use]
 pub fn recommended_threads(n_atoms: usize) -> usize {
-    let available = std::thread::available_parallelism().map_or(1, usize::from);
+    let available = lennard_core::parallel::processors();
     lennard_forcefield::recommended_threads(n_atoms, available)
 }

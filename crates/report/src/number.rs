@@ -53,6 +53,12 @@ pub fn plain_or_scientific(value: f64) -> String {
     }
 }
 
+/// A number of things: `1 thread`, `2 threads`.
+#[must_use]
+pub fn counted(n: usize, thing: &str) -> String {
+    format!("{n} {thing}{}", if n == 1 { "" } else { "s" })
+}
+
 /// Below this, values with errors are written with a power of ten.
 const SMALL: f64 = 1e-3;
 
@@ -98,6 +104,14 @@ mod tests {
         assert_eq!(significant(f64::NAN, 3), "not a number");
         assert_eq!(plain_or_scientific(-864.0), "−864");
         assert_eq!(superscript(-1_234_567_890), "⁻¹²³⁴⁵⁶⁷⁸⁹⁰");
+    }
+
+    #[test]
+    fn one_thing_is_no_plural() {
+        assert_eq!(
+            [0, 1, 2].map(|n| counted(n, "thread")),
+            ["0 threads", "1 thread", "2 threads"]
+        );
     }
 
     #[test]

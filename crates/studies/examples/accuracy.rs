@@ -79,7 +79,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             other => return Err(format!("unknown arguments: {}", other.join(" ")).into()),
         }
     }
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = lennard_core::parallel::processors();
     println!(
         "cargo xtask accuracy {}\n{}, {threads} threads; {ATOMS} particles, {SEEDS} seeds",
         arguments.join(" "),

@@ -104,9 +104,7 @@ fn machine() -> Vec<(String, String)> {
         ("processor".into(), lennard_io::cpu_name()),
         (
             "threads".into(),
-            std::thread::available_parallelism()
-                .map_or(1, usize::from)
-                .to_string(),
+            lennard_core::parallel::processors().to_string(),
         ),
         (
             "instruction sets".into(),

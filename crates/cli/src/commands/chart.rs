@@ -17,7 +17,7 @@ pub fn chart(args: &ChartArgs) -> Result<ExitCode, Failure> {
     let stop = signals::stop_flag()?;
     let scene = Scene::load(&args.scene, &args.set)?;
     let folder = resumable_folder(args.out.as_deref(), &format!("{}-chart", scene.name))?;
-    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    let processors = lennard_core::parallel::processors();
     let command = command(args, &folder.display().to_string());
     let options = ChartOptions {
         folder: &folder,

@@ -60,7 +60,7 @@ pub fn load_locked(args: &SceneArgs) -> Result<(Scene, Option<UsedLock>), Failur
 
 /// As many threads as asked for, or as the lock file says and this machine has, or as pay for so many particles.
 pub fn threads_with(asked: Option<u16>, lock: Option<&UsedLock>, n_atoms: usize) -> usize {
-    let available = std::thread::available_parallelism().map_or(1, usize::from);
+    let available = lennard_core::parallel::processors();
     match (asked, lock) {
         (None, Some(lock)) => lock.threads.min(available),
         _ => threads(asked, n_atoms),
@@ -158,7 +158,7 @@ pub fn version(json: bool) -> Result<ExitCode, Failure> {
         version: env!("CARGO_PKG_VERSION"),
         cpu: lennard_io::cpu_name(),
         isa: lennard_forcefield::available_isas(),
-        threads: std::thread::available_parallelism().map_or(1, usize::from),
+        threads: lennard_core::parallel::processors(),
     };
     if json {
         print_json(&version)?;

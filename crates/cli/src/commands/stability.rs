@@ -19,10 +19,9 @@ pub fn stability(args: &StabilityArgs) -> Result<ExitCode, Failure> {
     } else {
         "lennard stability"
     };
-    let threads = args.threads.map_or_else(
-        || std::thread::available_parallelism().map_or(1, usize::from),
-        usize::from,
-    );
+    let threads = args
+        .threads
+        .map_or_else(lennard_core::parallel::processors, usize::from);
     let options = StabilityOptions {
         quick: args.quick,
         command: command.to_owned(),

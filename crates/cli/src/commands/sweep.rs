@@ -19,10 +19,9 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let sweep = sweep::load(&args.sweep, &args.set)?;
     // What an earlier sweep has left there is looked at point by point.
     let folder = resumable_folder(args.out.as_deref(), &sweep.name)?;
-    let threads = args.threads.map_or_else(
-        || std::thread::available_parallelism().map_or(1, usize::from),
-        usize::from,
-    );
+    let threads = args
+        .threads
+        .map_or_else(lennard_core::parallel::processors, usize::from);
     let quiet = args.quiet || args.json;
     let again = format!(
         "lennard sweep {} --out {}",

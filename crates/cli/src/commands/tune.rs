@@ -28,7 +28,7 @@ pub fn tune(args: &TuneArgs) -> Result<ExitCode, Failure> {
     if let Some(lock) = &lock {
         can_be_written(lock)?;
     }
-    let available = std::thread::available_parallelism().map_or(1, usize::from);
+    let available = lennard_core::parallel::processors();
     let threads = args.scene.threads.map_or(available, usize::from);
     let options = TuneOptions {
         seconds: args.seconds,

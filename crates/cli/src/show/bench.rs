@@ -139,10 +139,9 @@ fn features(found: &FeatureStudy) {
     }
     println!("{t}");
     println!(
-        "  {} of {} thread{}",
+        "  {} of {}",
         found.clock,
-        found.threads,
-        if found.threads == 1 { "" } else { "s" }
+        lennard_report::counted(found.threads, "thread")
     );
     for left in &found.left_out {
         println!("  left out: {left}");

@@ -29,13 +29,12 @@ pub fn chart(chart: &Chart, folder: &Path) {
         }
         if let Some(cost) = own.cost() {
             println!(
-                "  their cost: {} µs per atom and τ ({} to {}, {} timings, {} thread{})",
+                "  their cost: {} µs per atom and τ ({} to {}, {} timings, {})",
                 significant(1e6 * cost.wall.median, 3),
                 significant(1e6 * cost.wall.low, 3),
                 significant(1e6 * cost.wall.high, 3),
                 cost.wall.repeats,
-                chart.plan.threads,
-                if chart.plan.threads == 1 { "" } else { "s" }
+                lennard_report::counted(chart.plan.threads, "thread")
             );
         }
     }

@@ -13,10 +13,9 @@ pub fn tuning(tuning: &Tuning) {
         tuning.density, tuning.temperature, tuning.about
     );
     println!(
-        "  chosen: {}, {} thread{}",
+        "  chosen: {}, {}",
         tuning.label,
-        tuning.threads,
-        if tuning.threads == 1 { "" } else { "s" }
+        lennard_report::counted(tuning.threads, "thread")
     );
     println!("  measured against: {}", tuning.safest);
     let mut errors = table(

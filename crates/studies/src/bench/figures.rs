@@ -103,7 +103,7 @@ fn speeds(study: &BenchStudy) -> Result<Drawn, StudyError> {
         .iter()
         .enumerate()
         .map(|(color, &threads)| BarSeries {
-            name: format!("{threads} thread{}", if threads == 1 { "" } else { "s" }),
+            name: lennard_report::counted(threads, "thread"),
             color,
             values: groups
                 .iter()
@@ -155,8 +155,8 @@ fn parts(study: &BenchStudy) -> Result<Drawn, StudyError> {
     let figure = BarFigure {
         name: "parts".into(),
         title: format!(
-            "Parts of a step, {fewest} thread{}",
-            if fewest == 1 { "" } else { "s" }
+            "Parts of a step, {}",
+            lennard_report::counted(fewest, "thread")
         ),
         axis: Axis::linear("ns an atom"),
         series: series

@@ -88,11 +88,10 @@ pub(super) fn measure(
     };
     Ok(Some(SkinStudy {
         with: format!(
-            "{} {}, {} thread{}, {}",
+            "{} {}, {}, {}",
             variant.isa,
             super::variants::precision_name(variant.precision),
-            variant.threads,
-            if variant.threads == 1 { "" } else { "s" },
+            lennard_report::counted(variant.threads, "thread"),
             if by_processor {
                 "processor time"
             } else {

@@ -98,7 +98,7 @@ pub(super) fn plan(
     };
     let isas = or(isas, lennard_forcefield::available_isas());
     let precisions = or(precisions, vec!["double", "mixed"]);
-    let available = std::thread::available_parallelism().map_or(1, usize::from);
+    let available = lennard_core::parallel::processors();
     let mut threads = match threads {
         [] => vec![1, available],
         given => given.to_vec(),

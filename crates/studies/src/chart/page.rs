@@ -50,10 +50,9 @@ pub(super) fn page(chart: &Chart, drawn: &[Captioned], command: &str) -> Result<
             (
                 "Costs".into(),
                 format!(
-                    "the engine's main loop without observables and output, {} thread{}; median and range of {} timings, each round in \
+                    "the engine's main loop without observables and output, {}; median and range of {} timings, each round in \
                      another order",
-                    plan.threads,
-                    if plan.threads == 1 { "" } else { "s" },
+                    lennard_report::counted(plan.threads, "thread"),
                     plan.repeats
                 ),
             ),

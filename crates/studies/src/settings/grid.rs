@@ -41,7 +41,7 @@ pub struct Grid {
 }
 
 /// Cutoffs beside that of the scene, σ.
-const CUTOFFS: [f64; 5] = [2.0, 2.5, 3.0, 4.0, 5.0];
+pub(crate) const CUTOFFS: [f64; 5] = [2.0, 2.5, 3.0, 4.0, 5.0];
 /// Those of the quick grid.
 const QUICK_CUTOFFS: [f64; 2] = [2.5, 4.0];
 /// Largest cutoffs beyond those are not tried: neighbors grow with the cube, σ.

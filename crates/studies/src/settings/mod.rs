@@ -16,7 +16,7 @@ mod workbench;
 pub use cost::{Cost, Spread, Timing, costs, modelled_work};
 pub(crate) use cost::{lowest_median_highest, shuffled};
 pub use forces::{ForceErrors, Untruncated};
-pub(crate) use grid::TRUNCATIONS;
+pub(crate) use grid::{CUTOFFS, TRUNCATIONS};
 pub use grid::{Grid, LeftOut, Size, grid};
 pub use measured::{AgainstEquation, Drift, Measured, Slopes, Value};
 pub use motion::{TightTrajectory, TrajectoryError};

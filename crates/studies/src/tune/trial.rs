@@ -11,10 +11,10 @@ use super::search::tune_and;
 use super::{TuneError, TuneOptions, Tuning};
 use crate::Progress;
 use crate::jobs::side_by_side;
-use crate::settings::{Failed, Measured, Settings, Slopes, TRUNCATIONS, Value, Workbench, costs};
+use crate::settings::{
+    CUTOFFS, Failed, Measured, Settings, Slopes, TRUNCATIONS, Value, Workbench, costs,
+};
 
-/// Cutoffs of the grid, σ.
-const CUTOFFS: [f64; 5] = [2.0, 2.5, 3.0, 4.0, 5.0];
 /// Steps of the grid, τ.
 const STEPS: [f64; 6] = [0.002, 0.004, 0.008, 0.012, 0.016, 0.024];
 /// Steps at which the settings of the grid are priced, τ.
