@@ -123,6 +123,33 @@ where
     }
 }
 
+/// Runs `work(first_index, chunk_a, chunk_b, chunk_c)` over chunks of three arrays of the same length.
+///
+/// # Panics
+/// As [`for_each_chunk_pair`].
+pub fn for_each_chunk_of_three<T, F>(a: &mut [T], b: &mut [T], c: &mut [T], work: F)
+where
+    T: Send,
+    F: Fn(usize, &mut [T], &mut [T], &mut [T]) + Sync,
+{
+    assert!(
+        a.len() == b.len() && b.len() == c.len(),
+        "all arrays hold one item a particle"
+    );
+    if a.len() <= CHUNK || rayon::current_num_threads() == 1 {
+        let rest = b.chunks_mut(CHUNK).zip(c.chunks_mut(CHUNK));
+        for (k, (x, (y, z))) in a.chunks_mut(CHUNK).zip(rest).enumerate() {
+            work(k * CHUNK, x, y, z);
+        }
+    } else {
+        let rest = b.par_chunks_mut(CHUNK).zip(c.par_chunks_mut(CHUNK));
+        a.par_chunks_mut(CHUNK)
+            .zip(rest)
+            .enumerate()
+            .for_each(|(k, (x, (y, z)))| work(k * CHUNK, x, y, z));
+    }
+}
+
 /// Runs `work(scratch, index, item)` over `items`, each thread with a scratch of its own.
 pub fn for_each_with<S, T, F>(items: &mut [T], work: F)
 where

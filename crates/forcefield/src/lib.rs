@@ -18,7 +18,6 @@ mod reference;
 mod simd;
 mod sums;
 mod tail;
-mod tiled;
 mod truncation;
 
 pub use catalog::{PotentialSpec, TruncationSpec, potentials, truncations};

@@ -5,20 +5,18 @@ use std::time::Instant;
 use glam::DVec3;
 use lennard_core::parallel::for_each_chunk;
 use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWriter};
-use lennard_neighbor::{Criterion, FIXED_UNITS, GridError, Images, NeighborList, Verdict};
+use lennard_neighbor::{
+    BLOCK, Criterion, FIXED_UNITS, GridError, Images, NeighborList, SHARERS, SharedList, Verdict,
+};
 use rayon::prelude::*;
 
 use crate::options::Precision;
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
-    self, ChunkTotals, DoubleRow, FixedRow, Level, Moved, PairJob, PerParticle, Wanted,
+    self, ChunkTotals, DoubleRow, FixedRow, Level, Moved, PairJob, PerParticle, SharedJob, Wanted,
 };
 use crate::sums::Totals;
-use crate::tiled::Tiled;
 use crate::truncation::PairForm;
-
-/// Pairs of particles of a tile.
-const PAIRS_OF_TILE: u64 = 16;
 
 /// Seconds spent, for the run record.
 #[derive(Debug, Clone, Copy, Default)]
@@ -33,8 +31,8 @@ pub struct Clock {
 enum Pairs {
     /// The neighbors of each particle.
     Rows(NeighborList, Rows),
-    /// Tiles of four by four pairs.
-    Tiles(Tiled),
+    /// The neighbors of every two particles.
+    Shared(SharedList, Vec<FixedRow>),
 }
 
 /// The private copy of the positions, by the list of each particle's neighbors.
@@ -66,8 +64,8 @@ pub enum Loop {
     Canonical,
     /// The neighbors of each particle, in a precision.
     Rows(Precision),
-    /// Tiles, in mixed precision.
-    Tiles,
+    /// The neighbors of every two particles, in mixed precision.
+    Shared,
 }
 
 impl Listed {
@@ -82,7 +80,7 @@ impl Listed {
     ) -> Self {
         // Distances in fixed point are off by about the unit of the longest side.
         let rounding = match kind {
-            Loop::Rows(Precision::Mixed) | Loop::Tiles => {
+            Loop::Rows(Precision::Mixed) | Loop::Shared => {
                 4.0 * cell.lengths().max_element() * f64::from(f32::EPSILON) / 256.0
                     + 4.0 * r_cut * f64::from(f32::EPSILON)
             }
@@ -108,7 +106,7 @@ impl Listed {
                 let images = if few { Images::Folded } else { Images::Ghosts };
                 Pairs::Rows(list(images, Precision::Mixed), Rows::Fixed(Vec::new()))
             }
-            Loop::Tiles => Pairs::Tiles(Tiled::new(cell, radius, level)),
+            Loop::Shared => Pairs::Shared(SharedList::new(cell, radius), Vec::new()),
         };
         Self {
             cell,
@@ -125,7 +123,7 @@ impl Listed {
     pub fn lanes(&self) -> u64 {
         match &self.pairs {
             Pairs::Rows(list, _) => list.lanes_listed(),
-            Pairs::Tiles(tiled) => 2 * PAIRS_OF_TILE * tiled.list().tiles(),
+            Pairs::Shared(list, _) => (SHARERS * BLOCK) as u64 * list.blocks(),
         }
     }
 
@@ -133,7 +131,7 @@ impl Listed {
     pub fn listed_pairs(&self) -> u64 {
         match &self.pairs {
             Pairs::Rows(list, _) => list.pairs(),
-            Pairs::Tiles(tiled) => PAIRS_OF_TILE * tiled.list().tiles(),
+            Pairs::Shared(list, _) => list.pairs(),
         }
     }
 
@@ -141,7 +139,7 @@ impl Listed {
     fn particles(&self) -> &[u32] {
         match &self.pairs {
             Pairs::Rows(list, _) => &list.table().particle,
-            Pairs::Tiles(tiled) => &tiled.list().table().particle,
+            Pairs::Shared(list, _) => &list.table().particle,
         }
     }
 
@@ -154,7 +152,7 @@ impl Listed {
     pub fn bytes(&self) -> u64 {
         let pairs = match &self.pairs {
             Pairs::Rows(list, rows) => list.bytes() + rows.bytes(),
-            Pairs::Tiles(tiled) => tiled.bytes(),
+            Pairs::Shared(list, rows) => list.bytes() + rows.capacity() * size_of::<FixedRow>(),
         };
         (pairs + 24 * self.built.capacity()) as u64
     }
@@ -193,7 +191,9 @@ impl Listed {
             Pairs::Rows(list, rows) => list
                 .build(positions, self.level.scanner())
                 .map(|()| rows.fit(list)),
-            Pairs::Tiles(tiled) => tiled.build(positions),
+            Pairs::Shared(list, rows) => list
+                .build(positions, self.level.shared_scanner())
+                .map(|()| rows.resize(positions.len(), FixedRow::default())),
         };
         built.map_err(
             |GridError::BadPosition { particle }| ForceError::NonFinitePosition { particle },
@@ -215,7 +215,10 @@ impl Listed {
     fn pack(&mut self, positions: &[DVec3]) -> Moved {
         match &mut self.pairs {
             Pairs::Rows(list, rows) => rows.pack(list, &self.cell, positions, &self.built),
-            Pairs::Tiles(tiled) => tiled.pack(positions, &self.built),
+            Pairs::Shared(list, rows) => {
+                let (table, lengths) = (list.table(), self.cell.lengths());
+                simd::pack_columns(table, positions, &self.built, lengths, rows)
+            }
         }
     }
 
@@ -241,7 +244,14 @@ impl Listed {
                 };
                 run.evaluate(rows, form, wanted, forces, each)
             }
-            Pairs::Tiles(tiled) => tiled.evaluate(form, self.r_cut, wanted, forces, each),
+            Pairs::Shared(list, rows) => {
+                let (level, chunks) = (self.level, list.chunks().len());
+                let scale = (self.cell.lengths() / FIXED_UNITS).to_array();
+                let job = SharedJob::new(form, self.r_cut, scale, rows, list, forces, each);
+                sum_chunks(chunks, wanted, &|c| {
+                    simd::run_shared(level, &job, c, wanted)
+                })
+            }
         };
         clock.force += start.elapsed().as_secs_f64();
         if broken {

@@ -159,8 +159,8 @@ pub enum Kernel {
     Reference,
     /// Each particle with a list of its neighbors, both ends of a pair alike.
     Rows,
-    /// Clusters of four against clusters of four, each pair once; in mixed precision alone.
-    Tiles,
+    /// Every two particles that lie side by side with one list of the neighbors of both; in mixed precision alone.
+    Shared,
 }
 
 /// In which precision pairs are computed; sums and integration are always in double.

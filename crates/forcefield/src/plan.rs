@@ -65,7 +65,7 @@ pub struct ForcePlan {
     pub skin: f64,
     /// The list radius r_cut + skin, σ; the cutoff where there is no list.
     pub r_list: f64,
-    /// The loop: `reference`, `direct`, `rows`, `tiles` or `canonical`.
+    /// The loop: `reference`, `direct`, `rows`, `shared` or `canonical`.
     pub kernel: &'static str,
     /// The instruction set of the loop: `avx512`, `avx2` or `portable`.
     pub isa: &'static str,
@@ -77,8 +77,8 @@ pub struct ForcePlan {
     pub estimated_bytes: u64,
 }
 
-/// From this many neighbors on, tiles are cheaper than rows (benches/NOTES.md).
-const NEIGHBORS_FOR_TILES: f64 = 30.0;
+/// From this many neighbors on, shared lists are cheaper than rows (benches/NOTES.md).
+const NEIGHBORS_FOR_SHARED: f64 = 30.0;
 
 /// The number of threads worth using for `n_atoms` particles, at most `available`.
 ///
@@ -127,14 +127,14 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
     let precision = match listed {
         Loop::Canonical => Precision::Double,
         Loop::Rows(precision) => precision,
-        Loop::Tiles => Precision::Mixed,
+        Loop::Shared => Precision::Mixed,
     };
     let kernel = match (search, listed) {
         (Search::Reference, _) => "reference",
         (Search::Direct, _) => "direct",
         (Search::Verlet, Loop::Canonical) => "canonical",
         (Search::Verlet, Loop::Rows(_)) => "rows",
-        (Search::Verlet, Loop::Tiles) => "tiles",
+        (Search::Verlet, Loop::Shared) => "shared",
     };
     let isa = if pure { Level::Portable } else { level };
     let mut reason = reason;
@@ -164,7 +164,7 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
 
 /// Chooses the loop that a list feeds.
 ///
-/// Tiles compute pairs that rows leave out, so they pay where a particle has many neighbors.
+/// Lists that two particles share hold pairs that rows leave out, so they pay where a particle has many neighbors.
 fn listed_loop(
     o: &ForceFieldOptions,
     c: &Conditions,
@@ -172,20 +172,20 @@ fn listed_loop(
     r_list: f64,
 ) -> Result<Loop, ForceFieldError> {
     let precision = o.kernel.precision;
-    if o.kernel.kernel == Kernel::Tiles && precision == Precision::Double {
-        return Err(ForceFieldError::TilesInDouble);
+    if o.kernel.kernel == Kernel::Shared && precision == Precision::Double {
+        return Err(ForceFieldError::SharedInDouble);
     }
     if pure {
         return Ok(Loop::Canonical);
     }
-    let many = neighbors(c, r_list) >= NEIGHBORS_FOR_TILES;
-    let tiles = match o.kernel.kernel {
-        Kernel::Tiles => true,
+    let many = neighbors(c, r_list) >= NEIGHBORS_FOR_SHARED;
+    let shared = match o.kernel.kernel {
+        Kernel::Shared => true,
         Kernel::Auto => precision == Precision::Mixed && many,
         Kernel::Rows | Kernel::Reference => false,
     };
-    Ok(if tiles {
-        Loop::Tiles
+    Ok(if shared {
+        Loop::Shared
     } else {
         Loop::Rows(precision)
     })
@@ -297,8 +297,12 @@ fn estimate_bytes(c: &Conditions, search: Search, r_list: f64, listed: Loop) -> 
     let lengths = c.cell.lengths();
     let rows = n * ((lengths + 2.0 * r_list) / lengths).element_product();
     let row_bytes = match listed {
-        // Partners of 4 bytes for 16 pairs of which some 70 % are near; rows, forces and tables.
-        Loop::Tiles => return (n * (0.36 * neighbors(c, r_list) + 24.0 + 48.0 + 90.0)) as u64,
+        // Blocks of 40 bytes for 16 entries, each list with a third more of them than one particle has, and half a block
+        // of padding; rows, tables and the positions of the build.
+        Loop::Shared => {
+            let entries = 0.5 * (1.33 * neighbors(c, r_list) + 8.0);
+            return (n * (2.5 * entries + 16.0 + 30.0 + 24.0)) as u64;
+        }
         Loop::Rows(Precision::Mixed) => 16.0 * n,
         Loop::Rows(Precision::Double) | Loop::Canonical => 32.0 * rows,
     };

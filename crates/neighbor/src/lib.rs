@@ -6,18 +6,21 @@
 //! periodic images are rows of their own (*ghosts*), so that a force loop needs no minimum image.
 
 mod brute;
-mod clusters;
+mod columns;
 mod criterion;
 mod grid;
 mod list;
 mod scan;
+mod shared;
 pub mod skin;
-mod tiles;
 
 pub use brute::{brute_force_pairs, for_each_pair};
-pub use clusters::{CLUSTER, ClusterRow, ClusterTable, FIXED_UNITS, to_fixed};
+pub use columns::{ColumnTable, FIXED_UNITS, to_fixed};
 pub use criterion::{Criterion, Verdict};
 pub use grid::{Ghost, GridError, RowTable};
 pub use list::{ATOMS_PER_CHUNK, Entries, Images, ListChunk, NeighborList};
 pub use scan::{Candidates, Center, Names, Nearby, PADDING, RowScanner, ScalarScanner};
-pub use tiles::{Bounds, ScalarTileScanner, TileChunk, TileList, TileScanner, TileSearch};
+pub use shared::{
+    Around, BLOCK, Block, ENTRY, Gathered, SHARERS, ScalarSharedScanner, SharedChunk, SharedList,
+    SharedScanner,
+};

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 use lennard_neighbor::{
-    Images, NeighborList, ScalarScanner, ScalarTileScanner, TileList, brute_force_pairs,
+    Images, NeighborList, ScalarScanner, ScalarSharedScanner, SharedList, brute_force_pairs,
 };
 use proptest::prelude::*;
 
@@ -122,17 +122,17 @@ proptest! {
         for pair in brute_force_pairs(&cell, &moved, r_cut) {
             prop_assert!(listed.contains(&pair), "{:?} of {}", pair, n);
         }
-        // Tiles hold more than what is near, but each pair in one tile.
-        let mut tiles = TileList::new(cell, r_cut + skin);
-        tiles.build(&start, &ScalarTileScanner).unwrap();
-        let mut tiled = BTreeSet::new();
-        for (i, neighbors) in tiles.neighbors().iter().enumerate() {
+        // Shared lists hold more than what is near, but each of it once.
+        let mut shared = SharedList::new(cell, r_cut + skin);
+        shared.build(&start, &ScalarSharedScanner).unwrap();
+        let mut listed = BTreeSet::new();
+        for (i, neighbors) in shared.neighbors().iter().enumerate() {
             prop_assert!(neighbors.windows(2).all(|w| w[0] < w[1]), "particle {}", i);
             prop_assert!(!neighbors.contains(&(i as u32)));
-            tiled.extend(neighbors.iter().map(|j| (i as u32, *j)));
+            listed.extend(neighbors.iter().map(|j| (i as u32, *j)));
         }
         for pair in brute_force_pairs(&cell, &moved, r_cut) {
-            prop_assert!(tiled.contains(&pair), "{:?} of {} in tiles", pair, n);
+            prop_assert!(listed.contains(&pair), "{:?} of {} in shared lists", pair, n);
         }
     }
 }

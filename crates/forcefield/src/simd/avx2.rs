@@ -5,12 +5,11 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use super::lanes::{Entry, Lanes};
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
-use super::tile_loop::{ForceRow, TileLanes, tile_entries};
+use super::shared_loop::{self, FixedLanes, SharedJob};
 use super::{DoubleRow, FixedRow};
 use crate::options::Precision;
 use crate::real::Real;
 use crate::truncation::PairForm;
-use lennard_neighbor::ClusterRow;
 
 /// Four doubles. Values of this type exist only inside functions that enable AVX2 and FMA.
 #[derive(Clone, Copy)]
@@ -140,7 +139,7 @@ impl Lanes for F64x4 {
     ) -> [Self; 3] {
         // SAFETY: four entries are readable, each names a readable row, and AVX2 is there.
         unsafe {
-            let row = |k: usize| _mm256_load_pd(rows.add((*entries.add(k)).index()).cast());
+            let row = |k: usize| _mm256_load_pd((*entries.add(k)).row(rows).cast());
             let (a, b, c, d) = (row(0), row(1), row(2), row(3));
             let xz_low = _mm256_unpacklo_pd(a, b);
             let y_low = _mm256_unpackhi_pd(a, b);
@@ -215,26 +214,9 @@ impl Lanes for F32x8 {
         rows: *const FixedRow,
         entries: *const E,
     ) -> [Self; 3] {
-        // SAFETY: eight entries are readable, each names a readable row, and AVX2 is there.
-        unsafe {
-            let row = |k: usize| _mm_load_si128(rows.add((*entries.add(k)).index()).cast());
-            let two =
-                |k: usize| _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(row(k)), row(k + 4));
-            let (a, b, c, d) = (two(0), two(1), two(2), two(3));
-            let xy_ab = _mm256_unpacklo_epi32(a, b);
-            let z_ab = _mm256_unpackhi_epi32(a, b);
-            let xy_cd = _mm256_unpacklo_epi32(c, d);
-            let z_cd = _mm256_unpackhi_epi32(c, d);
-            let x = _mm256_unpacklo_epi64(xy_ab, xy_cd);
-            let y = _mm256_unpackhi_epi64(xy_ab, xy_cd);
-            let z = _mm256_unpacklo_epi64(z_ab, z_cd);
-            let difference = |own, r| Self(_mm256_cvtepi32_ps(_mm256_sub_epi32(own, r)));
-            [
-                difference(own[0], x) * scale[0],
-                difference(own[1], y) * scale[1],
-                difference(own[2], z) * scale[2],
-            ]
-        }
+        // SAFETY: the contract is passed on.
+        let [x, y, z] = unsafe { Self::apart(own, Self::gather(rows, entries)) };
+        [x * scale[0], y * scale[1], z * scale[2]]
     }
 
     #[inline(always)]
@@ -272,86 +254,52 @@ impl Lanes for F32x8 {
     }
 }
 
-impl TileLanes for F32x8 {
-    const REGISTERS: usize = 2;
+impl FixedLanes for F32x8 {
     const CUBIC_LOOP: bool = true;
 
     #[inline(always)]
-    unsafe fn own(row: &ClusterRow, register: usize) -> Self::Own {
+    unsafe fn gather<E: Entry>(rows: *const FixedRow, entries: *const E) -> Self::Own {
+        // SAFETY: eight entries are readable, each names a readable row, and AVX2 is there.
+        unsafe {
+            let row = |k: usize| _mm_load_si128((*entries.add(k)).row(rows).cast());
+            let two =
+                |k: usize| _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(row(k)), row(k + 4));
+            let (a, b, c, d) = (two(0), two(1), two(2), two(3));
+            let xy_ab = _mm256_unpacklo_epi32(a, b);
+            let z_ab = _mm256_unpackhi_epi32(a, b);
+            let xy_cd = _mm256_unpacklo_epi32(c, d);
+            let z_cd = _mm256_unpackhi_epi32(c, d);
+            [
+                _mm256_unpacklo_epi64(xy_ab, xy_cd),
+                _mm256_unpackhi_epi64(xy_ab, xy_cd),
+                _mm256_unpacklo_epi64(z_ab, z_cd),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn apart(a: Self::Own, b: Self::Own) -> [Self; 3] {
         // SAFETY: AVX2 is there by contract.
         unsafe {
-            let axis = |axis: usize| {
-                let [a, b] = [row.0[axis][2 * register], row.0[axis][2 * register + 1]];
-                _mm256_setr_epi32(a, a, a, a, b, b, b, b)
-            };
-            [axis(0), axis(1), axis(2)]
+            [
+                Self(_mm256_cvtepi32_ps(_mm256_sub_epi32(a[0], b[0]))),
+                Self(_mm256_cvtepi32_ps(_mm256_sub_epi32(a[1], b[1]))),
+                Self(_mm256_cvtepi32_ps(_mm256_sub_epi32(a[2], b[2]))),
+            ]
         }
     }
 
     #[inline(always)]
-    unsafe fn others(row: *const ClusterRow) -> Self::Own {
-        // SAFETY: the row is readable and AVX2 is there by contract.
-        unsafe {
-            let axis = |axis: usize| {
-                _mm256_broadcastsi128_si256(_mm_load_si128(row.cast::<__m128i>().add(axis)))
-            };
-            [axis(0), axis(1), axis(2)]
-        }
-    }
-
-    #[inline(always)]
-    unsafe fn apart(own: Self::Own, others: Self::Own) -> [Self; 3] {
-        // SAFETY: AVX2 is there by contract.
-        unsafe {
-            let axis = |axis: usize| {
-                Self(_mm256_cvtepi32_ps(_mm256_sub_epi32(
-                    own[axis],
-                    others[axis],
-                )))
-            };
-            [axis(0), axis(1), axis(2)]
-        }
-    }
-
-    #[inline(always)]
-    fn among(mask: Self::Mask, tile: u16, register: usize) -> Self::Mask {
+    fn among(mask: Self::Mask, bits: u32) -> Self::Mask {
         // SAFETY: a value of this type proves AVX2.
         unsafe {
-            let bits = _mm256_set1_epi32(i32::from(tile >> (8 * register)));
+            let bits = _mm256_set1_epi32(bits as i32);
             let lane = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
             let set = _mm256_cmpeq_epi32(_mm256_and_si256(bits, lane), lane);
             _mm256_and_ps(mask, _mm256_castsi256_ps(set))
         }
     }
-
-    #[inline(always)]
-    unsafe fn take(force: [Self; 3], to: *mut ForceRow) {
-        for (axis, Self(f)) in force.into_iter().enumerate() {
-            // SAFETY: `to` is readable and writable, and AVX2 is there by contract.
-            unsafe {
-                let sum = _mm_add_ps(_mm256_castps256_ps128(f), _mm256_extractf128_ps::<1>(f));
-                let to = to.cast::<f32>().add(4 * axis);
-                _mm_store_ps(to, _mm_sub_ps(_mm_load_ps(to), sum));
-            }
-        }
-    }
-
-    #[inline(always)]
-    unsafe fn give(force: [Self; 3], register: usize, to: *mut ForceRow) {
-        for (axis, Self(f)) in force.into_iter().enumerate() {
-            // SAFETY: `to` is readable and writable, and AVX2 is there by contract.
-            unsafe {
-                let two = _mm256_hadd_ps(f, f);
-                let one = _mm256_hadd_ps(two, two);
-                let to = to.cast::<f32>().add(4 * axis + 2 * register);
-                *to += _mm_cvtss_f32(_mm256_castps256_ps128(one));
-                *to.add(1) += _mm_cvtss_f32(_mm256_extractf128_ps::<1>(one));
-            }
-        }
-    }
 }
-
-tile_entries!(F32x8, target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt"));
 
 /// The pair loop in double precision.
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
@@ -373,6 +321,17 @@ pub fn run_mixed<F: PairForm>(
 ) -> ChunkTotals {
     // SAFETY: as above.
     unsafe { run::<F32x8, F>(job, chunk, wanted) }
+}
+
+/// The loop over shared lists.
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+pub fn run_shared<F: PairForm>(
+    job: &SharedJob<'_, F>,
+    chunk: usize,
+    wanted: Wanted,
+) -> ChunkTotals {
+    // SAFETY: as above.
+    unsafe { shared_loop::run::<F32x8, F>(job, chunk, wanted) }
 }
 
 /// The arithmetic alone, of a number of rounds in a precision.

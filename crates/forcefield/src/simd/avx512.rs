@@ -7,12 +7,11 @@ use glam::DVec3;
 
 use super::lanes::{Entry, Lanes};
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
-use super::tile_loop::{ForceRow, TileLanes, tile_entries};
+use super::shared_loop::{self, FixedLanes, SharedJob};
 use super::{DoubleRow, FixedRow};
 use crate::options::Precision;
 use crate::real::Real;
 use crate::truncation::PairForm;
-use lennard_neighbor::ClusterRow;
 
 /// Eight doubles. Values of this type exist only inside functions that enable AVX-512.
 #[derive(Clone, Copy)]
@@ -135,7 +134,7 @@ impl Lanes for F64x8 {
     ) -> [Self; 3] {
         // SAFETY: eight entries are readable, each names a readable row, and AVX-512 is there.
         unsafe {
-            let row = |k: usize| rows.add((*entries.add(k)).index()).cast::<f64>();
+            let row = |k: usize| (*entries.add(k)).row(rows).cast::<f64>();
             let two = |k: usize| {
                 let low = _mm512_castpd256_pd512(_mm256_load_pd(row(k)));
                 _mm512_insertf64x4::<1>(low, _mm256_load_pd(row(k + 2)))
@@ -261,31 +260,9 @@ impl Lanes for F32x16 {
         rows: *const FixedRow,
         entries: *const E,
     ) -> [Self; 3] {
-        // SAFETY: sixteen entries are readable, each names a readable row, and AVX-512 is there.
-        unsafe {
-            let row = |k: usize| _mm_load_si128(rows.add((*entries.add(k)).index()).cast());
-            let four = |k: usize| {
-                let v = _mm512_castsi128_si512(row(k));
-                let v = _mm512_inserti32x4::<1>(v, row(k + 4));
-                let v = _mm512_inserti32x4::<2>(v, row(k + 8));
-                _mm512_inserti32x4::<3>(v, row(k + 12))
-            };
-            // Rows in fours, transposed within each quarter: lanes end in the order of the entries.
-            let (a, b, c, d) = (four(0), four(1), four(2), four(3));
-            let xy_ab = _mm512_unpacklo_epi32(a, b);
-            let z_ab = _mm512_unpackhi_epi32(a, b);
-            let xy_cd = _mm512_unpacklo_epi32(c, d);
-            let z_cd = _mm512_unpackhi_epi32(c, d);
-            let x = _mm512_unpacklo_epi64(xy_ab, xy_cd);
-            let y = _mm512_unpackhi_epi64(xy_ab, xy_cd);
-            let z = _mm512_unpacklo_epi64(z_ab, z_cd);
-            let difference = |own, r| Self(_mm512_cvtepi32_ps(_mm512_sub_epi32(own, r)));
-            [
-                difference(own[0], x) * scale[0],
-                difference(own[1], y) * scale[1],
-                difference(own[2], z) * scale[2],
-            ]
-        }
+        // SAFETY: the contract is passed on.
+        let [x, y, z] = unsafe { Self::apart(own, Self::gather(rows, entries)) };
+        [x * scale[0], y * scale[1], z * scale[2]]
     }
 
     #[inline(always)]
@@ -343,102 +320,96 @@ impl Lanes for F32x16 {
             DVec3::new(_mm_cvtsd_f64(xy), _mm_cvtsd_f64(y), _mm_cvtsd_f64(z))
         }
     }
+
+    #[inline(always)]
+    fn sum_both([a, b]: [[Self; 3]; 2]) -> [DVec3; 2] {
+        // SAFETY: as above.
+        unsafe {
+            // Each lane holds a handful of pairs, and five levels of single precision add little to their error.
+            let two = |p: Self, q: Self| {
+                _mm512_add_ps(_mm512_unpacklo_ps(p.0, q.0), _mm512_unpackhi_ps(p.0, q.0))
+            };
+            // Quarters of: a.x a.y a.x a.y, b.x b.y b.x b.y, a.z b.z a.z b.z.
+            let (axy, bxy) = (
+                _mm512_castps_pd(two(a[0], a[1])),
+                _mm512_castps_pd(two(b[0], b[1])),
+            );
+            let z = two(a[2], b[2]);
+            let xy = _mm512_add_ps(
+                _mm512_castpd_ps(_mm512_unpacklo_pd(axy, bxy)),
+                _mm512_castpd_ps(_mm512_unpackhi_pd(axy, bxy)),
+            );
+            // Quarters of xy, xy, z, z; then one of each.
+            let halves = _mm512_add_ps(
+                _mm512_shuffle_f32x4::<0b01_00_01_00>(xy, z),
+                _mm512_shuffle_f32x4::<0b11_10_11_10>(xy, z),
+            );
+            let all = _mm512_add_ps(
+                halves,
+                _mm512_shuffle_f32x4::<0b10_11_00_01>(halves, halves),
+            );
+            let xy = _mm256_cvtps_pd(_mm512_castps512_ps128(all));
+            let z = _mm512_extractf32x4_ps::<2>(all);
+            let z = _mm_cvtps_pd(_mm_add_ps(z, _mm_movehl_ps(z, z)));
+            let (axy, bxy) = (_mm256_castpd256_pd128(xy), _mm256_extractf128_pd::<1>(xy));
+            let y = |xy: __m128d| _mm_cvtsd_f64(_mm_unpackhi_pd(xy, xy));
+            [
+                DVec3::new(_mm_cvtsd_f64(axy), y(axy), _mm_cvtsd_f64(z)),
+                DVec3::new(
+                    _mm_cvtsd_f64(bxy),
+                    y(bxy),
+                    _mm_cvtsd_f64(_mm_unpackhi_pd(z, z)),
+                ),
+            ]
+        }
+    }
 }
 
-impl TileLanes for F32x16 {
-    const REGISTERS: usize = 1;
+impl FixedLanes for F32x16 {
     const CUBIC_LOOP: bool = true;
 
     #[inline(always)]
-    unsafe fn own(row: &ClusterRow, _register: usize) -> Self::Own {
+    unsafe fn gather<E: Entry>(rows: *const FixedRow, entries: *const E) -> Self::Own {
+        // SAFETY: sixteen entries are readable, each names a readable row, and AVX-512 is there.
+        unsafe {
+            let row = |k: usize| _mm_load_si128((*entries.add(k)).row(rows).cast());
+            let four = |k: usize| {
+                let v = _mm512_castsi128_si512(row(k));
+                let v = _mm512_inserti32x4::<1>(v, row(k + 4));
+                let v = _mm512_inserti32x4::<2>(v, row(k + 8));
+                _mm512_inserti32x4::<3>(v, row(k + 12))
+            };
+            // Rows in fours, transposed within each quarter: lanes end in the order of the entries.
+            let (a, b, c, d) = (four(0), four(1), four(2), four(3));
+            let xy_ab = _mm512_unpacklo_epi32(a, b);
+            let z_ab = _mm512_unpackhi_epi32(a, b);
+            let xy_cd = _mm512_unpacklo_epi32(c, d);
+            let z_cd = _mm512_unpackhi_epi32(c, d);
+            [
+                _mm512_unpacklo_epi64(xy_ab, xy_cd),
+                _mm512_unpackhi_epi64(xy_ab, xy_cd),
+                _mm512_unpacklo_epi64(z_ab, z_cd),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn apart(a: Self::Own, b: Self::Own) -> [Self; 3] {
         // SAFETY: AVX-512 is there by contract.
         unsafe {
-            let spread = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
-            let axis = |axis: usize| {
-                let four = _mm_load_si128(row.0[axis].as_ptr().cast());
-                _mm512_permutexvar_epi32(spread, _mm512_castsi128_si512(four))
-            };
-            [axis(0), axis(1), axis(2)]
+            [
+                Self(_mm512_cvtepi32_ps(_mm512_sub_epi32(a[0], b[0]))),
+                Self(_mm512_cvtepi32_ps(_mm512_sub_epi32(a[1], b[1]))),
+                Self(_mm512_cvtepi32_ps(_mm512_sub_epi32(a[2], b[2]))),
+            ]
         }
     }
 
     #[inline(always)]
-    unsafe fn others(row: *const ClusterRow) -> Self::Own {
-        // SAFETY: the row is readable and AVX-512 is there by contract.
-        unsafe {
-            let axis = |axis: usize| {
-                _mm512_broadcast_i32x4(_mm_load_si128(row.cast::<__m128i>().add(axis)))
-            };
-            [axis(0), axis(1), axis(2)]
-        }
-    }
-
-    #[inline(always)]
-    unsafe fn apart(own: Self::Own, others: Self::Own) -> [Self; 3] {
-        // SAFETY: AVX-512 is there by contract.
-        unsafe {
-            let axis = |axis: usize| {
-                Self(_mm512_cvtepi32_ps(_mm512_sub_epi32(
-                    own[axis],
-                    others[axis],
-                )))
-            };
-            [axis(0), axis(1), axis(2)]
-        }
-    }
-
-    #[inline(always)]
-    fn among(mask: Self::Mask, tile: u16, _register: usize) -> Self::Mask {
-        mask & tile
-    }
-
-    #[inline(always)]
-    unsafe fn take(force: [Self; 3], to: *mut ForceRow) {
-        let [Self(x), Self(y), Self(z)] = force;
-        // SAFETY: `to` is readable and writable, and AVX-512 is there by contract.
-        unsafe {
-            // Quarters hold the particles of the cluster: x0 + x2, x1 + x3, y0 + y2, y1 + y3.
-            let xy = _mm512_add_ps(
-                _mm512_shuffle_f32x4::<0b01_00_01_00>(x, y),
-                _mm512_shuffle_f32x4::<0b11_10_11_10>(x, y),
-            );
-            let z = _mm256_add_ps(_mm512_castps512_ps256(z), _mm512_extractf32x8_ps::<1>(z));
-            let z = _mm512_castps256_ps512(z);
-            let xyz = _mm512_add_ps(
-                _mm512_shuffle_f32x4::<0b00_00_10_00>(xy, z),
-                _mm512_shuffle_f32x4::<0b01_01_11_01>(xy, z),
-            );
-            let to = to.cast::<f32>();
-            _mm512_store_ps(to, _mm512_sub_ps(_mm512_load_ps(to), xyz));
-        }
-    }
-
-    #[inline(always)]
-    unsafe fn give(force: [Self; 3], _register: usize, to: *mut ForceRow) {
-        let [Self(x), Self(y), Self(z)] = force;
-        // SAFETY: `to` is readable and writable, and AVX-512 is there by contract.
-        unsafe {
-            let none = _mm512_setzero_ps();
-            let xy = _mm512_add_ps(_mm512_unpacklo_ps(x, y), _mm512_unpackhi_ps(x, y));
-            let z = _mm512_add_ps(_mm512_unpacklo_ps(z, none), _mm512_unpackhi_ps(z, none));
-            // xy: x y x y, z: z 0 z 0 in each quarter, which is one particle; to x y z 0.
-            let (xy, z) = (_mm512_castps_pd(xy), _mm512_castps_pd(z));
-            let xyz = _mm512_add_ps(
-                _mm512_castpd_ps(_mm512_unpacklo_pd(xy, z)),
-                _mm512_castpd_ps(_mm512_unpackhi_pd(xy, z)),
-            );
-            let by_axis = _mm512_setr_epi32(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
-            let xyz = _mm512_permutexvar_ps(by_axis, xyz);
-            let to = to.cast::<f32>();
-            _mm512_store_ps(to, _mm512_add_ps(_mm512_load_ps(to), xyz));
-        }
+    fn among(mask: Self::Mask, bits: u32) -> Self::Mask {
+        mask & bits as u16
     }
 }
-
-tile_entries!(
-    F32x16,
-    target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")
-);
 
 /// The pair loop in double precision.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
@@ -460,6 +431,17 @@ pub fn run_mixed<F: PairForm>(
 ) -> ChunkTotals {
     // SAFETY: as above.
     unsafe { run::<F32x16, F>(job, chunk, wanted) }
+}
+
+/// The loop over shared lists.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
+pub fn run_shared<F: PairForm>(
+    job: &SharedJob<'_, F>,
+    chunk: usize,
+    wanted: Wanted,
+) -> ChunkTotals {
+    // SAFETY: as above.
+    unsafe { shared_loop::run::<F32x16, F>(job, chunk, wanted) }
 }
 
 /// The arithmetic alone, of a number of rounds in a precision.

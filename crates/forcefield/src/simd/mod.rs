@@ -21,19 +21,19 @@ mod scan256;
 #[cfg(target_arch = "x86_64")]
 mod scan512;
 mod scatter;
-mod tile_loop;
+mod shared_loop;
 
 pub use packing::Moved;
 pub use pair_loop::{ChunkTotals, PairJob, PerParticle, Wanted};
 pub use scatter::Scatter;
-pub use tile_loop::{ForceRow, TileJob, add_each};
+pub use shared_loop::SharedJob;
 
 use crate::options::{Isa, Precision};
 use crate::truncation::PairForm;
 use glam::DVec3;
 use lennard_neighbor::{
-    CLUSTER, Candidates, Center, ClusterRow, Images, Names, Nearby, RowScanner, RowTable,
-    ScalarScanner, ScalarTileScanner, TileChunk, TileList, TileScanner, TileSearch,
+    Around, Candidates, Center, ColumnTable, Gathered, Images, Names, Nearby, RowScanner, RowTable,
+    SHARERS, ScalarScanner, ScalarSharedScanner, SharedScanner,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -132,14 +132,14 @@ impl Level {
         }
     }
 
-    /// The scanner that builds lists of tiles at this level.
-    pub fn tile_scanner(self) -> &'static dyn TileScanner {
+    /// The scanner that builds shared lists at this level.
+    pub fn shared_scanner(self) -> &'static dyn SharedScanner {
         match self {
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => &Avx512TileScanner,
+            Self::Avx512 => &Avx512Scanner,
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => &Avx2TileScanner,
-            _ => &ScalarTileScanner,
+            Self::Avx2 => &Avx2Scanner,
+            _ => &ScalarSharedScanner,
         }
     }
 }
@@ -184,139 +184,54 @@ macro_rules! scanner {
                 unsafe { $module::near_wide(nearby, center, radius2, found) }
             }
         }
+
+        #[cfg(target_arch = "x86_64")]
+        impl SharedScanner for $name {
+            fn gather(
+                &self,
+                table: &ColumnTable,
+                around: &Around,
+                runs: &[Range<u32>],
+                gathered: &mut Gathered,
+            ) {
+                // SAFETY: as above.
+                unsafe { $module::gather_shared(table, around, runs, gathered) }
+            }
+
+            fn near(
+                &self,
+                gathered: &Gathered,
+                around: &Around,
+                own: [[f32; 3]; SHARERS],
+                first: u32,
+                found: &mut [u32],
+            ) -> usize {
+                // SAFETY: as above.
+                unsafe { $module::near_shared(gathered, around, own, first, found) }
+            }
+        }
     };
 }
 
 scanner!(Avx512Scanner, scan512);
 scanner!(Avx2Scanner, scan256);
 
-macro_rules! tile_scanner {
-    ($name:ident, $module:ident, $scan:ident) => {
-        #[cfg(target_arch = "x86_64")]
-        struct $name;
-
-        #[cfg(target_arch = "x86_64")]
-        impl TileScanner for $name {
-            fn candidates(
-                &self,
-                search: &TileSearch<'_>,
-                runs: &[Range<u32>],
-                found: &mut [u32],
-            ) -> usize {
-                // SAFETY: this scanner is handed out by `Level::tile_scanner` of a level that is available.
-                unsafe { $scan::tile_candidates(search, runs, found) }
-            }
-
-            fn near(&self, search: &TileSearch<'_>, candidates: &mut [u32]) -> usize {
-                // SAFETY: as above.
-                unsafe { $module::near_tiles(search, candidates) }
-            }
-        }
-    };
-}
-
-tile_scanner!(Avx512TileScanner, avx512, scan512);
-tile_scanner!(Avx2TileScanner, avx2, scan256);
-
-/// Runs the tile loop over one chunk: adds forces to those of the clusters that the chunk meets.
-pub fn run_tiles<F: PairForm>(
+/// Runs the loop over shared lists over one chunk.
+pub fn run_shared<F: PairForm>(
     level: Level,
-    job: &TileJob<'_, F>,
-    chunk: &TileChunk,
+    job: &SharedJob<'_, F>,
+    chunk: usize,
     wanted: Wanted,
-    forces: &mut [ForceRow],
 ) -> ChunkTotals {
     match level {
         // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => unsafe { avx512::run_tiles(job, chunk, wanted, forces) },
+        Level::Avx512 => unsafe { avx512::run_shared(job, chunk, wanted) },
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => unsafe { avx2::run_tiles(job, chunk, wanted, forces) },
-        _ => portable::run_tiles(job, chunk, wanted, forces),
+        Level::Avx2 => unsafe { avx2::run_shared(job, chunk, wanted) },
+        _ => portable::run_shared(job, chunk, wanted),
     }
-}
-
-/// Clusters whose forces one task collects.
-const COLLECTED: usize = 256;
-
-/// Sums the forces of all chunks, in the order of chunks, and writes them by particle, times `unit`, the
-/// length in σ of a unit of the rows along x; gives whether one is not finite.
-pub fn collect_tiles(
-    level: Level,
-    list: &TileList,
-    chunks: &[Vec<ForceRow>],
-    unit: f64,
-    forces: &mut [DVec3],
-) -> bool {
-    let table = list.table();
-    assert_eq!(
-        forces.len(),
-        table.particle.len(),
-        "a force for each particle"
-    );
-    let clusters = table.clusters();
-    let forces = Scatter::new(forces);
-    let collect = |sums: &mut Vec<[f64; 12]>, task: usize| {
-        let range = task * COLLECTED..((task + 1) * COLLECTED).min(clusters);
-        sums.resize(range.len(), [0.0; 12]);
-        match level {
-            // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx512 => unsafe {
-                avx512::collect_tiles(list, chunks, range.clone(), sums);
-            },
-            // SAFETY: as above.
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx2 => unsafe {
-                avx2::collect_tiles(list, chunks, range.clone(), sums);
-            },
-            _ => portable::collect_tiles(list, chunks, range.clone(), sums),
-        }
-        let mut broken = false;
-        let places = range.start * CLUSTER..(range.end * CLUSTER).min(table.particle.len());
-        for (k, particle) in table.particle[places].iter().enumerate() {
-            let sum = &sums[k / CLUSTER];
-            let k = k % CLUSTER;
-            let force = DVec3::new(sum[k], sum[4 + k], sum[8 + k]) * unit;
-            broken |= !force.is_finite();
-            // SAFETY: each particle stands at one place, and each place in one task.
-            unsafe { forces.write(*particle as usize, force) };
-        }
-        broken
-    };
-    let tasks = clusters.div_ceil(COLLECTED);
-    if tasks == 1 || rayon::current_num_threads() == 1 {
-        let mut sums = Vec::new();
-        return (0..tasks).fold(false, |broken, task| broken | collect(&mut sums, task));
-    }
-    (0..tasks)
-        .into_par_iter()
-        .map_init(Vec::new, |sums, task| collect(sums, task))
-        .reduce(|| false, |a, b| a | b)
-}
-
-/// Writes the rows of all clusters, and of the first ones again behind them up to `rows.len()`; `built` holds
-/// the positions of the build by place. Gives the largest displacement since then.
-pub fn pack_clusters(
-    list: &TileList,
-    positions: &[DVec3],
-    built: &[DVec3],
-    lengths: DVec3,
-    rows: &mut [ClusterRow],
-) -> Moved {
-    let table = list.table();
-    let clusters = table.clusters();
-    let again = rows.len() - clusters;
-    let moved = {
-        let rows = Scatter::new(&mut rows[..clusters]);
-        in_tasks(clusters, |clusters| {
-            // SAFETY: tasks have disjoint clusters.
-            unsafe { packing::pack_clusters(table, positions, built, lengths, clusters, &rows) }
-        })
-    };
-    rows.copy_within(..again, clusters);
-    moved
 }
 
 /// Runs the pair loop over one chunk of the list.
@@ -421,6 +336,21 @@ pub fn pack_fixed(
         });
     }
     moved
+}
+
+/// Writes the rows of all places in fixed point; as [`pack_double`].
+pub fn pack_columns(
+    table: &ColumnTable,
+    positions: &[DVec3],
+    built: &[DVec3],
+    lengths: DVec3,
+    rows: &mut [FixedRow],
+) -> Moved {
+    let rows = Scatter::new(rows);
+    in_tasks(table.particle.len(), |places| {
+        // SAFETY: tasks have disjoint places.
+        unsafe { packing::pack_columns(table, positions, built, lengths, places, &rows) }
+    })
 }
 
 fn in_tasks(n: usize, task: impl Fn(Range<usize>) -> Moved + Sync) -> Moved {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use lennard_neighbor::{ClusterRow, ClusterTable, FIXED_UNITS, Images, RowTable, to_fixed};
+use lennard_neighbor::{ColumnTable, FIXED_UNITS, Images, RowTable, to_fixed};
 
 use super::{DoubleRow, FixedRow, Scatter};
 
@@ -142,29 +142,26 @@ pub unsafe fn copy_ghosts(table: &RowTable, ghosts: Range<usize>, rows: &Scatter
     }
 }
 
-/// Writes the rows of some clusters; `built` holds the positions of the build by place.
+/// Writes the rows of some places in fixed point; `built` holds the positions of the build by place.
 ///
 /// # Safety
-/// No other thread writes the rows of these clusters.
-#[inline(always)]
-pub unsafe fn pack_clusters(
-    table: &ClusterTable,
+/// No other thread writes the rows of these places.
+pub unsafe fn pack_columns(
+    table: &ColumnTable,
     positions: &[DVec3],
     built: &[DVec3],
     lengths: DVec3,
-    clusters: Range<usize>,
-    rows: &Scatter<'_, ClusterRow>,
+    places: Range<usize>,
+    rows: &Scatter<'_, FixedRow>,
 ) -> Moved {
     let units = FIXED_UNITS / lengths;
     let mut moved = Moved::NOTHING;
-    for cluster in clusters {
-        let row = table.row(cluster, lengths, units, |place| {
-            let r = positions[table.particle[place] as usize];
-            moved.include(r - built[place]);
-            r
-        });
-        // SAFETY: these clusters are this thread's.
-        unsafe { rows.write(cluster, row) };
+    for place in places {
+        let r = positions[table.particle[place] as usize];
+        moved.include(r - built[place]);
+        let [x, y, z] = table.fixed(place, r, lengths, units);
+        // SAFETY: these places are this thread's.
+        unsafe { rows.write(place, FixedRow([x, y, z, 0])) };
     }
     moved
 }

@@ -5,7 +5,7 @@ use lennard_neighbor::{Entries, ListChunk, NeighborList};
 
 use super::Scatter;
 use super::lanes::{Entry, Lanes};
-use super::pair_sums::PairSums;
+use super::pair_sums::{Besides, ForcesAlone, PairSums};
 use crate::truncation::PairForm;
 
 /// Energy (half of each pair), ε, and virial tensor (half of each pair), ε, of one particle.
@@ -115,16 +115,16 @@ pub unsafe fn run<L: Lanes, F: PairForm>(
     unsafe {
         let e = match &chunk.entries {
             // Above a million particles in a cube: one instance does for all that may be wanted.
-            Entries::Wide(e) => return sweep::<L, F, u32, true>(job, chunk, e),
+            Entries::Wide(e) => return sweep::<L, F, u32, PairSums<L>>(job, chunk, e),
             Entries::Narrow(e) => e,
         };
         // A constant alone in its condition: only so does the compiler leave out what it rules out.
         if F::RARE {
-            return sweep::<L, F, u16, true>(job, chunk, e);
+            return sweep::<L, F, u16, PairSums<L>>(job, chunk, e);
         }
         match wanted {
-            Wanted::Forces => sweep::<L, F, u16, false>(job, chunk, e),
-            _ => sweep::<L, F, u16, true>(job, chunk, e),
+            Wanted::Forces => sweep::<L, F, u16, ForcesAlone>(job, chunk, e),
+            _ => sweep::<L, F, u16, PairSums<L>>(job, chunk, e),
         }
     }
 }
@@ -132,7 +132,7 @@ pub unsafe fn run<L: Lanes, F: PairForm>(
 /// # Safety
 /// As [`run`]; `entries` are those of `chunk`, built by the list of `job`.
 #[inline(always)]
-unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
+unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, B: Besides<L>>(
     job: &PairJob<'_, L::Row, F>,
     chunk: &ListChunk,
     entries: &[E],
@@ -159,13 +159,13 @@ unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
         start = end;
 
         let mut force = [zero; 3];
-        let mut sums = PairSums::nothing();
+        let mut sums = B::nothing();
         let full = count / L::WIDTH;
         for block in 0..full {
             // SAFETY: `WIDTH` entries lie at this place of `mine`, and each names a row (see above).
             unsafe {
                 let at = mine.as_ptr().add(block * L::WIDTH);
-                add::<L, F, E, TOTALS>(
+                add::<L, F, E, B>(
                     &job.form,
                     own,
                     scale,
@@ -183,7 +183,7 @@ unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
             // SAFETY: entries are padded to whole registers with a row that exists.
             unsafe {
                 let at = mine.as_ptr().add(full * L::WIDTH);
-                add::<L, F, E, TOTALS>(
+                add::<L, F, E, B>(
                     &job.form, own, scale, rows, at, r_cut2, rest, &mut force, &mut sums,
                 );
             }
@@ -194,7 +194,7 @@ unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
         totals.broken |= !force.is_finite();
         // SAFETY: each particle stands at one place, and each place in one chunk.
         unsafe { job.forces.write(particle, force) };
-        if TOTALS {
+        if B::ANYTHING {
             let found = sums.totals();
             totals.energy += found.energy;
             totals.virial += found.virial;
@@ -215,7 +215,7 @@ unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
 /// As [`Lanes::differences`].
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-unsafe fn add<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
+unsafe fn add<L: Lanes, F: PairForm, E: Entry, B: Besides<L>>(
     form: &F,
     own: L::Own,
     scale: [L; 3],
@@ -224,7 +224,7 @@ unsafe fn add<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
     r_cut2: L,
     valid: usize,
     force: &mut [L; 3],
-    sums: &mut PairSums<L>,
+    sums: &mut B,
 ) {
     // SAFETY: the contract is passed on.
     let [dx, dy, dz] = unsafe { L::differences(own, scale, rows, entries) };
@@ -238,9 +238,7 @@ unsafe fn add<L: Lanes, F: PairForm, E: Entry, const TOTALS: bool>(
     force[0] = dx.mul_add(f, force[0]);
     force[1] = dy.mul_add(f, force[1]);
     force[2] = dz.mul_add(f, force[2]);
-    if TOTALS {
-        sums.add([dx, dy, dz], f, &pair, inside);
-    }
+    sums.add([dx, dy, dz], f, &pair, inside);
 }
 
 /// Registers' worth of independent pairs that [`arithmetic`] keeps in flight.

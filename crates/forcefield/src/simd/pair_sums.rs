@@ -16,10 +16,47 @@ pub struct PairSums<L> {
     pairs: u32,
 }
 
-impl<L: Lanes> PairSums<L> {
+/// What a loop sums besides the forces.
+pub trait Besides<L: Lanes>: Copy {
+    /// Whether that is anything.
+    const ANYTHING: bool;
+
     /// No pair yet.
+    fn nothing() -> Self;
+
+    /// Adds the pairs `inside`, a distance `r_ij` apart, whose −U′/r is `f`, zero in all other lanes.
+    fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, inside: L::Mask);
+
+    /// The sums over all lanes.
+    fn totals(&self) -> ChunkTotals;
+}
+
+/// Nothing: it takes no room, which a compiler would otherwise clear for every particle.
+#[derive(Clone, Copy)]
+pub struct ForcesAlone;
+
+impl<L: Lanes> Besides<L> for ForcesAlone {
+    const ANYTHING: bool = false;
+
     #[inline(always)]
-    pub fn nothing() -> Self {
+    fn nothing() -> Self {
+        Self
+    }
+
+    #[inline(always)]
+    fn add(&mut self, _r_ij: [L; 3], _f: L, _pair: &Pair<L>, _inside: L::Mask) {}
+
+    #[inline(always)]
+    fn totals(&self) -> ChunkTotals {
+        ChunkTotals::NOTHING
+    }
+}
+
+impl<L: Lanes> Besides<L> for PairSums<L> {
+    const ANYTHING: bool = true;
+
+    #[inline(always)]
+    fn nothing() -> Self {
         let zero = L::splat(0.0);
         Self {
             energy: zero,
@@ -29,9 +66,8 @@ impl<L: Lanes> PairSums<L> {
         }
     }
 
-    /// Adds the pairs `inside`, a distance `r_ij` apart, whose −U′/r is `f`, zero in all other lanes.
     #[inline(always)]
-    pub fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, inside: L::Mask) {
+    fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, inside: L::Mask) {
         let [dx, dy, dz] = r_ij;
         self.pairs += L::count(inside);
         self.energy = self.energy + pair.energy.keep(inside);
@@ -47,9 +83,8 @@ impl<L: Lanes> PairSums<L> {
         *yz = dy.mul_add(fz, *yz);
     }
 
-    /// The sums over all lanes.
     #[inline(always)]
-    pub fn totals(&self) -> ChunkTotals {
+    fn totals(&self) -> ChunkTotals {
         let [xx, yy, zz, xy, xz, yz] = self.virial;
         let (xy, xz, yz) = (xy.sum(), xz.sum(), yz.sum());
         let virial = [xx.sum(), xy, xz, xy, yy.sum(), yz, xz, yz, zz.sum()];

@@ -6,12 +6,11 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use super::lanes::{Entry, Lanes};
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
-use super::tile_loop::{ForceRow, TileLanes, tile_entries};
+use super::shared_loop::{self, FixedLanes, SharedJob};
 use super::{DoubleRow, FixedRow};
 use crate::options::Precision;
 use crate::real::Real;
 use crate::truncation::PairForm;
-use lennard_neighbor::ClusterRow;
 
 /// `N` numbers side by side.
 #[derive(Clone, Copy)]
@@ -137,7 +136,7 @@ impl<const N: usize> Lanes for Group<f64, N> {
         entries: *const E,
     ) -> [Self; 3] {
         // SAFETY: `N` entries are readable and each names a readable row.
-        let at: [&DoubleRow; N] = from_fn(|k| unsafe { &*rows.add((*entries.add(k)).index()) });
+        let at: [&DoubleRow; N] = from_fn(|k| unsafe { &*(*entries.add(k)).row(rows) });
         [0, 1, 2].map(|axis| Self(from_fn(|k| own[axis] - at[k].0[axis])))
     }
 
@@ -163,71 +162,34 @@ impl<const N: usize> Lanes for Group<f32, N> {
         rows: *const FixedRow,
         entries: *const E,
     ) -> [Self; 3] {
-        // SAFETY: `N` entries are readable and each names a readable row.
-        let at: [&FixedRow; N] = from_fn(|k| unsafe { &*rows.add((*entries.add(k)).index()) });
-        [0, 1, 2].map(|axis| {
-            Self(from_fn(|k| own[axis][k].wrapping_sub(at[k].0[axis]) as f32)) * scale[axis]
-        })
+        // SAFETY: the contract is passed on.
+        let [x, y, z] = unsafe { Self::apart(own, Self::gather(rows, entries)) };
+        [x * scale[0], y * scale[1], z * scale[2]]
     }
 
     masks!(f32);
 }
 
-impl TileLanes for Group<f32, 8> {
-    const REGISTERS: usize = 2;
+impl<const N: usize> FixedLanes for Group<f32, N> {
     const CUBIC_LOOP: bool = false;
 
     #[inline(always)]
-    unsafe fn own(row: &ClusterRow, register: usize) -> Self::Own {
-        row.0.map(|axis| from_fn(|k| axis[2 * register + k / 4]))
+    unsafe fn gather<E: Entry>(rows: *const FixedRow, entries: *const E) -> Self::Own {
+        // SAFETY: `N` entries are readable and each names a readable row.
+        let at: [&FixedRow; N] = from_fn(|k| unsafe { &*(*entries.add(k)).row(rows) });
+        from_fn(|axis| from_fn(|k| at[k].0[axis]))
     }
 
     #[inline(always)]
-    unsafe fn others(row: *const ClusterRow) -> Self::Own {
-        // SAFETY: the row is readable by contract.
-        let row = unsafe { &*row };
-        row.0.map(|axis| from_fn(|k| axis[k % 4]))
+    unsafe fn apart(a: Self::Own, b: Self::Own) -> [Self; 3] {
+        from_fn(|axis| Self(from_fn(|k| a[axis][k].wrapping_sub(b[axis][k]) as f32)))
     }
 
     #[inline(always)]
-    unsafe fn apart(own: Self::Own, others: Self::Own) -> [Self; 3] {
-        from_fn(|axis| {
-            Self(from_fn(|k| {
-                own[axis][k].wrapping_sub(others[axis][k]) as f32
-            }))
-        })
-    }
-
-    #[inline(always)]
-    fn among(mask: Self::Mask, tile: u16, register: usize) -> Self::Mask {
-        from_fn(|k| mask[k] && tile >> (8 * register + k) & 1 == 1)
-    }
-
-    #[inline(always)]
-    unsafe fn take(force: [Self; 3], to: *mut ForceRow) {
-        // SAFETY: `to` is readable and writable by contract.
-        let to = unsafe { &mut *to };
-        for (axis, f) in force.iter().enumerate() {
-            for j in 0..4 {
-                to.0[4 * axis + j] -= f.0[j] + f.0[4 + j];
-            }
-        }
-    }
-
-    #[inline(always)]
-    unsafe fn give(force: [Self; 3], register: usize, to: *mut ForceRow) {
-        // SAFETY: `to` is readable and writable by contract.
-        let to = unsafe { &mut *to };
-        for (axis, f) in force.iter().enumerate() {
-            for i in 0..2 {
-                let [a, b, c, d] = from_fn(|k| f.0[4 * i + k]);
-                to.0[4 * axis + 2 * register + i] += (a + b) + (c + d);
-            }
-        }
+    fn among(mask: Self::Mask, bits: u32) -> Self::Mask {
+        from_fn(|k| mask[k] && bits >> k & 1 == 1)
     }
 }
-
-tile_entries!(Group<f32, 8>);
 
 /// The pair loop in double precision.
 pub fn run_double<F: PairForm>(
@@ -247,6 +209,16 @@ pub fn run_mixed<F: PairForm>(
 ) -> ChunkTotals {
     // SAFETY: as above.
     unsafe { run::<Group<f32, 8>, F>(job, chunk, wanted) }
+}
+
+/// The loop over shared lists.
+pub fn run_shared<F: PairForm>(
+    job: &SharedJob<'_, F>,
+    chunk: usize,
+    wanted: Wanted,
+) -> ChunkTotals {
+    // SAFETY: as above.
+    unsafe { shared_loop::run::<Group<f32, 8>, F>(job, chunk, wanted) }
 }
 
 /// The arithmetic alone, of a number of rounds in a precision.

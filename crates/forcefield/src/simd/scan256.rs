@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::ops::Range;
 
-use lennard_neighbor::{Candidates, Center, Names, Nearby, TileSearch};
+use lennard_neighbor::{Around, Candidates, Center, ColumnTable, Gathered, Names, Nearby, SHARERS};
 
 use super::scan;
 
@@ -88,41 +88,38 @@ near!(near_narrow, u16, |to, names| {
 });
 near!(near_wide, u32, _mm256_storeu_si256);
 
-/// See [`lennard_neighbor::TileScanner::candidates`].
+/// See [`lennard_neighbor::SharedScanner::gather`].
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-pub fn tile_candidates(search: &TileSearch<'_>, runs: &[Range<u32>], found: &mut [u32]) -> usize {
-    search.check(runs, found.len());
-    let own = search.own as usize;
-    let center = search.bounds.center.each_ref().map(|axis| axis.as_ptr());
-    let half = search.bounds.half.each_ref().map(|axis| axis.as_ptr());
-    let mine = search.bounds.center.each_ref().map(|axis| axis[own]);
-    let my_half = search.bounds.half.each_ref().map(|axis| axis[own]);
+pub fn gather_shared(
+    table: &ColumnTable,
+    around: &Around,
+    runs: &[Range<u32>],
+    gathered: &mut Gathered,
+) {
+    gathered.make_room(table, runs);
+    let from = table.at.each_ref().map(|axis| axis.as_ptr());
+    let to = gathered.at.each_mut().map(|axis| axis.as_mut_ptr());
+    let to_place = gathered.place.as_mut_ptr();
+    let limit = _mm256_set1_ps(around.radius2);
     let zero = _mm256_setzero_ps();
-    let limit = _mm256_set1_ps(search.radius2);
-    let mut count = 0_usize;
+    let mut len = 0_usize;
     for run in runs {
-        let mut partner = run.start;
-        while partner < run.end {
-            let at = partner as usize;
+        let mut place = run.start;
+        while place < run.end {
+            let mut at = [zero; 3];
             let mut gap2 = zero;
             for axis in 0..3 {
-                // SAFETY: `at` is a cluster, and the arrays are padded by a register beyond, by the check.
-                let (theirs, their_half) = unsafe {
-                    (
-                        _mm256_loadu_si256(center[axis].add(at).cast()),
-                        _mm256_loadu_ps(half[axis].add(at)),
-                    )
-                };
-                let apart = _mm256_sub_epi32(_mm256_set1_epi32(mine[axis]), theirs);
-                // The one number without an absolute value is as far in floating point with its sign taken off.
-                let apart = _mm256_cvtepi32_ps(_mm256_abs_epi32(apart));
-                let apart = _mm256_andnot_ps(_mm256_set1_ps(-0.0), apart);
-                let halves = _mm256_add_ps(_mm256_set1_ps(my_half[axis]), their_half);
-                let scale = _mm256_set1_ps(search.scale[axis]);
-                let gap = _mm256_max_ps(_mm256_fmsub_ps(apart, scale, halves), zero);
+                // SAFETY: `place` is one, and the arrays are padded by a register beyond, by `make_room`.
+                let fixed = unsafe { _mm256_loadu_si256(from[axis].add(place as usize).cast()) };
+                let fixed = _mm256_sub_epi32(fixed, _mm256_set1_epi32(around.middle[axis]));
+                let scale = _mm256_set1_ps(around.scale[axis]);
+                at[axis] = _mm256_mul_ps(_mm256_cvtepi32_ps(fixed), scale);
+                let half = _mm256_set1_ps(around.half[axis]);
+                let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), at[axis]);
+                let gap = _mm256_max_ps(_mm256_sub_ps(size, half), zero);
                 gap2 = _mm256_fmadd_ps(gap, gap, gap2);
             }
-            let left = run.end - partner;
+            let left = run.end - place;
             let valid = if left >= 8 {
                 0xFF
             } else {
@@ -130,16 +127,82 @@ pub fn tile_candidates(search: &TileSearch<'_>, runs: &[Range<u32>], found: &mut
             };
             let near =
                 _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(gap2, limit)) as usize & valid;
-            // SAFETY: a row of the table is one register; `count` is at most the clusters looked at so far,
-            // and `found` is longer than all of them by more than a register.
+            // SAFETY: a row of the table is one register; `len` is at most the places looked at so far, and there is
+            // room for a register more than all.
             unsafe {
                 let lanes = _mm256_loadu_si256(PACKED[near].as_ptr().cast());
-                let packed = _mm256_add_epi32(lanes, _mm256_set1_epi32(partner as i32));
-                _mm256_storeu_si256(found.as_mut_ptr().add(count).cast(), packed);
+                for axis in 0..3 {
+                    let packed = _mm256_permutevar8x32_ps(at[axis], lanes);
+                    _mm256_storeu_ps(to[axis].add(len), packed);
+                }
+                let packed = _mm256_add_epi32(lanes, _mm256_set1_epi32(place as i32));
+                _mm256_storeu_si256(to_place.add(len).cast(), packed);
             }
-            count += near.count_ones() as usize;
-            partner += WIDTH as u32;
+            len += near.count_ones() as usize;
+            place += WIDTH as u32;
         }
+    }
+    gathered.finish(len);
+}
+
+/// See [`lennard_neighbor::SharedScanner::near`].
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+pub fn near_shared(
+    gathered: &Gathered,
+    around: &Around,
+    own: [[f32; 3]; SHARERS],
+    first: u32,
+    found: &mut [u32],
+) -> usize {
+    gathered.check(found);
+    let from = gathered.at.each_ref().map(|axis| axis.as_ptr());
+    let from_place = gathered.place.as_ptr();
+    let limit = _mm256_set1_ps(around.radius2);
+    let first = _mm256_set1_epi32(first as i32);
+    let last = _mm256_set1_epi32(SHARERS as i32 - 1);
+    let mut count = 0_usize;
+    for at in (0..gathered.len).step_by(WIDTH) {
+        // SAFETY: a register beyond the last element can be read, by the check.
+        let (x, y, z, place) = unsafe {
+            (
+                _mm256_loadu_ps(from[0].add(at)),
+                _mm256_loadu_ps(from[1].add(at)),
+                _mm256_loadu_ps(from[2].add(at)),
+                _mm256_loadu_si256(from_place.add(at).cast()),
+            )
+        };
+        let mut near = _mm256_setzero_ps();
+        for own in own {
+            let mut d = [
+                _mm256_sub_ps(x, _mm256_set1_ps(own[0])),
+                _mm256_sub_ps(y, _mm256_set1_ps(own[1])),
+                _mm256_sub_ps(z, _mm256_set1_ps(own[2])),
+            ];
+            if let Some(lengths) = around.folds {
+                for (d, length) in d.iter_mut().zip(lengths) {
+                    let boxes = _mm256_div_ps(*d, _mm256_set1_ps(length));
+                    let boxes =
+                        _mm256_round_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(boxes);
+                    *d = _mm256_fnmadd_ps(boxes, _mm256_set1_ps(length), *d);
+                }
+            }
+            let [dx, dy, dz] = d;
+            let r2 = _mm256_fmadd_ps(dz, dz, _mm256_fmadd_ps(dy, dy, _mm256_mul_ps(dx, dx)));
+            near = _mm256_or_ps(near, _mm256_cmp_ps::<_CMP_LE_OQ>(r2, limit));
+        }
+        // Sharers are those whose distance in number, without a sign, is at most `last`.
+        let apart = _mm256_sub_epi32(place, first);
+        let own = _mm256_cmpeq_epi32(_mm256_min_epu32(apart, last), apart);
+        let near = _mm256_andnot_ps(_mm256_castsi256_ps(own), near);
+        let near = _mm256_movemask_ps(near) as usize;
+        // SAFETY: a row of the table is one register; `count` is at most what was looked at so far, and `found` has
+        // room for a register more than all.
+        unsafe {
+            let lanes = _mm256_loadu_si256(PACKED[near].as_ptr().cast());
+            let packed = _mm256_permutevar8x32_epi32(place, lanes);
+            _mm256_storeu_si256(found.as_mut_ptr().add(count).cast(), packed);
+        }
+        count += near.count_ones() as usize;
     }
     count
 }

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::ops::Range;
 
-use lennard_neighbor::{Candidates, Center, Names, Nearby, TileSearch};
+use lennard_neighbor::{Around, Candidates, Center, ColumnTable, Gathered, Names, Nearby, SHARERS};
 
 use super::scan;
 
@@ -60,55 +60,111 @@ macro_rules! near {
 near!(near_narrow, u16, _mm512_cvtepi32_epi16, _mm256_storeu_si256);
 near!(near_wide, u32, std::convert::identity, _mm512_storeu_si512);
 
-/// See [`lennard_neighbor::TileScanner::candidates`].
+/// See [`lennard_neighbor::SharedScanner::gather`].
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
-pub fn tile_candidates(search: &TileSearch<'_>, runs: &[Range<u32>], found: &mut [u32]) -> usize {
-    search.check(runs, found.len());
-    let own = search.own as usize;
-    let center = search.bounds.center.each_ref().map(|axis| axis.as_ptr());
-    let half = search.bounds.half.each_ref().map(|axis| axis.as_ptr());
-    let mine = search.bounds.center.each_ref().map(|axis| axis[own]);
-    let my_half = search.bounds.half.each_ref().map(|axis| axis[own]);
+pub fn gather_shared(
+    table: &ColumnTable,
+    around: &Around,
+    runs: &[Range<u32>],
+    gathered: &mut Gathered,
+) {
+    gathered.make_room(table, runs);
+    let from = table.at.each_ref().map(|axis| axis.as_ptr());
+    let to = gathered.at.each_mut().map(|axis| axis.as_mut_ptr());
+    let to_place = gathered.place.as_mut_ptr();
+    let limit = _mm512_set1_ps(around.radius2);
     let zero = _mm512_setzero_ps();
-    let limit = _mm512_set1_ps(search.radius2);
     let ramp = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    let mut count = 0_usize;
+    let mut len = 0_usize;
     for run in runs {
-        let mut partner = run.start;
-        while partner < run.end {
-            let at = partner as usize;
+        let mut place = run.start;
+        while place < run.end {
+            let mut at = [zero; 3];
             let mut gap2 = zero;
             for axis in 0..3 {
-                // SAFETY: `at` is a cluster, and the arrays are padded by a register beyond, by the check.
-                let (theirs, their_half) = unsafe {
-                    (
-                        _mm512_loadu_si512(center[axis].add(at).cast()),
-                        _mm512_loadu_ps(half[axis].add(at)),
-                    )
-                };
-                let apart = _mm512_sub_epi32(_mm512_set1_epi32(mine[axis]), theirs);
-                // The one number without an absolute value is far enough as an unsigned one.
-                let apart = _mm512_cvtepu32_ps(_mm512_abs_epi32(apart));
-                let halves = _mm512_add_ps(_mm512_set1_ps(my_half[axis]), their_half);
-                let scale = _mm512_set1_ps(search.scale[axis]);
-                let gap = _mm512_max_ps(_mm512_fmsub_ps(apart, scale, halves), zero);
+                // SAFETY: `place` is one, and the arrays are padded by a register beyond, by `make_room`.
+                let fixed = unsafe { _mm512_loadu_si512(from[axis].add(place as usize).cast()) };
+                let fixed = _mm512_sub_epi32(fixed, _mm512_set1_epi32(around.middle[axis]));
+                let scale = _mm512_set1_ps(around.scale[axis]);
+                at[axis] = _mm512_mul_ps(_mm512_cvtepi32_ps(fixed), scale);
+                let half = _mm512_set1_ps(around.half[axis]);
+                let gap = _mm512_max_ps(_mm512_sub_ps(_mm512_abs_ps(at[axis]), half), zero);
                 gap2 = _mm512_fmadd_ps(gap, gap, gap2);
             }
-            let left = run.end - partner;
+            let left = run.end - place;
             let valid = if left >= 16 {
                 u16::MAX
             } else {
                 (1 << left) - 1
             };
             let near = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(valid, gap2, limit);
-            let number = _mm512_add_epi32(_mm512_set1_epi32(partner as i32), ramp);
-            let packed = _mm512_maskz_compress_epi32(near, number);
-            // SAFETY: `count` is at most the clusters looked at so far, and `found` is longer than all of
-            // them by a register.
-            unsafe { _mm512_storeu_si512(found.as_mut_ptr().add(count).cast(), packed) };
-            count += near.count_ones() as usize;
-            partner += WIDTH as u32;
+            let number = _mm512_add_epi32(_mm512_set1_epi32(place as i32), ramp);
+            // SAFETY: `len` is at most the places looked at so far, and there is room for a register more than all.
+            unsafe {
+                for axis in 0..3 {
+                    let packed = _mm512_maskz_compress_ps(near, at[axis]);
+                    _mm512_storeu_ps(to[axis].add(len), packed);
+                }
+                let packed = _mm512_maskz_compress_epi32(near, number);
+                _mm512_storeu_si512(to_place.add(len).cast(), packed);
+            }
+            len += near.count_ones() as usize;
+            place += WIDTH as u32;
         }
+    }
+    gathered.finish(len);
+}
+
+/// See [`lennard_neighbor::SharedScanner::near`].
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
+pub fn near_shared(
+    gathered: &Gathered,
+    around: &Around,
+    own: [[f32; 3]; SHARERS],
+    first: u32,
+    found: &mut [u32],
+) -> usize {
+    gathered.check(found);
+    let from = gathered.at.each_ref().map(|axis| axis.as_ptr());
+    let from_place = gathered.place.as_ptr();
+    let limit = _mm512_set1_ps(around.radius2);
+    let first = _mm512_set1_epi32(first as i32);
+    let sharers = _mm512_set1_epi32(SHARERS as i32);
+    let mut count = 0_usize;
+    for at in (0..gathered.len).step_by(WIDTH) {
+        // SAFETY: a register beyond the last element can be read, by the check.
+        let (x, y, z, place) = unsafe {
+            (
+                _mm512_loadu_ps(from[0].add(at)),
+                _mm512_loadu_ps(from[1].add(at)),
+                _mm512_loadu_ps(from[2].add(at)),
+                _mm512_loadu_si512(from_place.add(at).cast()),
+            )
+        };
+        let mut near = 0;
+        for own in own {
+            let mut d = [
+                _mm512_sub_ps(x, _mm512_set1_ps(own[0])),
+                _mm512_sub_ps(y, _mm512_set1_ps(own[1])),
+                _mm512_sub_ps(z, _mm512_set1_ps(own[2])),
+            ];
+            if let Some(lengths) = around.folds {
+                for (d, length) in d.iter_mut().zip(lengths) {
+                    let boxes = _mm512_div_ps(*d, _mm512_set1_ps(length));
+                    let boxes = _mm512_roundscale_ps::<_MM_FROUND_TO_NEAREST_INT>(boxes);
+                    *d = _mm512_fnmadd_ps(boxes, _mm512_set1_ps(length), *d);
+                }
+            }
+            let [dx, dy, dz] = d;
+            let r2 = _mm512_fmadd_ps(dz, dz, _mm512_fmadd_ps(dy, dy, _mm512_mul_ps(dx, dx)));
+            near |= _mm512_cmp_ps_mask::<_CMP_LE_OQ>(r2, limit);
+        }
+        let others = _mm512_cmpge_epu32_mask(_mm512_sub_epi32(place, first), sharers);
+        near &= others;
+        let packed = _mm512_maskz_compress_epi32(near, place);
+        // SAFETY: `count` is at most what was looked at so far, and `found` has room for a register more than all.
+        unsafe { _mm512_storeu_si512(found.as_mut_ptr().add(count).cast(), packed) };
+        count += near.count_ones() as usize;
     }
     count
 }

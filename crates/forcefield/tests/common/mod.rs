@@ -56,7 +56,7 @@ pub fn kernels() -> Vec<KernelOptions> {
     let loops = [
         (Kernel::Rows, Precision::Double),
         (Kernel::Rows, Precision::Mixed),
-        (Kernel::Tiles, Precision::Mixed),
+        (Kernel::Shared, Precision::Mixed),
     ];
     for isa in [Isa::Avx512, Isa::Avx2, Isa::Portable] {
         for (kernel, precision) in loops {

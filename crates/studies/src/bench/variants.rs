@@ -250,11 +250,9 @@ fn result(variant: &Variant, blocks: &[Block], start: &Start) -> Result<KernelRe
     } else {
         MEETINGS
     };
-    // The limit is that of the loops that compute in whole registers: no other loop could reach it. Tiles meet
-    // every pair once.
+    // The limit is that of the loops that compute in whole registers: no other loop could reach it.
     let ideal_meetings = match variant.kernel {
-        "rows" => Some(MEETINGS),
-        "tiles" => Some(1.0),
+        "rows" | "shared" => Some(MEETINGS),
         _ => None,
     };
     let limit =
