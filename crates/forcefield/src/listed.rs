@@ -31,7 +31,7 @@ pub struct Clock {
 enum Pairs {
     /// The neighbors of each particle.
     Rows(NeighborList, Rows),
-    /// The neighbors of every two particles.
+    /// The neighbors of every four particles.
     Shared(SharedList, Vec<FixedRow>),
 }
 
@@ -64,7 +64,7 @@ pub enum Loop {
     Canonical,
     /// The neighbors of each particle, in a precision.
     Rows(Precision),
-    /// The neighbors of every two particles, in mixed precision.
+    /// The neighbors of every four particles, in mixed precision.
     Shared,
 }
 

@@ -159,7 +159,7 @@ pub enum Kernel {
     Reference,
     /// Each particle with a list of its neighbors, both ends of a pair alike.
     Rows,
-    /// Every two particles that lie side by side with one list of the neighbors of both; in mixed precision alone.
+    /// Every four particles that lie side by side with one list of the neighbors of all; in mixed precision alone.
     Shared,
 }
 

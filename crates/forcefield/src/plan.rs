@@ -164,7 +164,7 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
 
 /// Chooses the loop that a list feeds.
 ///
-/// Lists that two particles share hold pairs that rows leave out, so they pay where a particle has many neighbors.
+/// Lists that four particles share hold pairs that rows leave out, so they pay where a particle has many neighbors.
 fn listed_loop(
     o: &ForceFieldOptions,
     c: &Conditions,
@@ -297,11 +297,11 @@ fn estimate_bytes(c: &Conditions, search: Search, r_list: f64, listed: Loop) -> 
     let lengths = c.cell.lengths();
     let rows = n * ((lengths + 2.0 * r_list) / lengths).element_product();
     let row_bytes = match listed {
-        // Blocks of 40 bytes for 16 entries, each list with a third more of them than one particle has, and half a block
+        // Blocks of 40 bytes for 16 entries, of which four particles have some 1.7 times as many as one, and half a block
         // of padding; rows, tables and the positions of the build.
         Loop::Shared => {
-            let entries = 0.5 * (1.33 * neighbors(c, r_list) + 8.0);
-            return (n * (2.5 * entries + 16.0 + 30.0 + 24.0)) as u64;
+            let entries = 0.25 * (1.7 * neighbors(c, r_list) + 8.0);
+            return (n * (2.5 * 1.05 * entries + 16.0 + 30.0 + 24.0)) as u64;
         }
         Loop::Rows(Precision::Mixed) => 16.0 * n,
         Loop::Rows(Precision::Double) | Loop::Canonical => 32.0 * rows,

@@ -14,7 +14,7 @@ pub const FIXED_UNITS: f64 = 4_294_967_296.0;
 
 /// Side of a column over the spacing of particles, (V/N)^{1/3}. Two particles that follow each other are
 /// nearest to each other at 1.3, and hardly farther apart at 1.7, where there are fewer columns to search.
-const COLUMN_OVER_SPACING: f64 = 1.75;
+const COLUMN_OVER_SPACING: f64 = 1.7;
 
 /// Particles a cell of the sort, along a column: few, so that a column is as good as sorted.
 const PARTICLES_PER_SLICE: f64 = 0.5;

@@ -1,4 +1,4 @@
-//! Lists that two particles share: each names all that is near to one of the two.
+//! Lists that four particles share: each names all that is near to one of the four.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ use crate::list::ATOMS_PER_CHUNK;
 use crate::scan::PADDING;
 
 /// Particles that share a list: those at consecutive places.
-pub const SHARERS: usize = 2;
+pub const SHARERS: usize = 4;
 /// Entries of a block.
 pub const BLOCK: usize = 16;
 /// What entries count in: eight times an entry is then the distance in bytes to a row of sixteen of them, which an
@@ -250,8 +250,8 @@ impl SharedScanner for ScalarSharedScanner {
     }
 }
 
-/// Full lists in fixed point, one for every two particles at consecutive places: everything, by the nearest image,
-/// within the list radius of one of the two is named once.
+/// Full lists in fixed point, one for every four particles at consecutive places: everything, by the nearest image,
+/// within the list radius of one of them is named once.
 #[derive(Debug, Clone)]
 pub struct SharedList {
     cell: PeriodicBox,

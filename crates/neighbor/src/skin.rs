@@ -2,7 +2,7 @@
 
 /// Cost of building the list over cost of one force loop with it, as `benches/NOTES.md` records it. The
 /// optimum is flat in it.
-const BUILD_OVER_FORCE: f64 = 3.5;
+const BUILD_OVER_FORCE: f64 = 2.0;
 /// Smallest skin that is ever chosen, σ: below it a list lasts a step or two.
 const SMALLEST_SKIN: f64 = 0.05;
 /// Largest skin that is ever chosen, σ.

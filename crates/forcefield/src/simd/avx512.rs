@@ -322,45 +322,42 @@ impl Lanes for F32x16 {
     }
 
     #[inline(always)]
-    fn sum_both([a, b]: [[Self; 3]; 2]) -> [DVec3; 2] {
+    fn sum_four([a, b, c, d]: [[Self; 3]; 4]) -> [DVec3; 4] {
         // SAFETY: as above.
         unsafe {
-            // Each lane holds a handful of pairs, and five levels of single precision add little to their error.
+            // Each lane holds a handful of pairs, and four levels of single precision add little to their error. One
+            // axis at a time: quarters of two, then of all four.
             let two = |p: Self, q: Self| {
-                _mm512_add_ps(_mm512_unpacklo_ps(p.0, q.0), _mm512_unpackhi_ps(p.0, q.0))
+                let sum = _mm512_add_ps(_mm512_unpacklo_ps(p.0, q.0), _mm512_unpackhi_ps(p.0, q.0));
+                _mm512_castps_pd(sum)
             };
-            // Quarters of: a.x a.y a.x a.y, b.x b.y b.x b.y, a.z b.z a.z b.z.
-            let (axy, bxy) = (
-                _mm512_castps_pd(two(a[0], a[1])),
-                _mm512_castps_pd(two(b[0], b[1])),
-            );
-            let z = two(a[2], b[2]);
+            let four = |p: __m512d, q: __m512d| {
+                _mm512_add_ps(
+                    _mm512_castpd_ps(_mm512_unpacklo_pd(p, q)),
+                    _mm512_castpd_ps(_mm512_unpackhi_pd(p, q)),
+                )
+            };
+            let x = four(two(a[0], b[0]), two(c[0], d[0]));
+            let y = four(two(a[1], b[1]), two(c[1], d[1]));
+            let z = four(two(a[2], b[2]), two(c[2], d[2]));
+            // Quarters of x, x, y, y; then one of each.
             let xy = _mm512_add_ps(
-                _mm512_castpd_ps(_mm512_unpacklo_pd(axy, bxy)),
-                _mm512_castpd_ps(_mm512_unpackhi_pd(axy, bxy)),
+                _mm512_shuffle_f32x4::<0b01_00_01_00>(x, y),
+                _mm512_shuffle_f32x4::<0b11_10_11_10>(x, y),
             );
-            // Quarters of xy, xy, z, z; then one of each.
-            let halves = _mm512_add_ps(
-                _mm512_shuffle_f32x4::<0b01_00_01_00>(xy, z),
-                _mm512_shuffle_f32x4::<0b11_10_11_10>(xy, z),
+            let xy = _mm512_add_ps(xy, _mm512_shuffle_f32x4::<0b10_11_00_01>(xy, xy));
+            let z = _mm256_add_ps(_mm512_castps512_ps256(z), _mm512_extractf32x8_ps::<1>(z));
+            let z = _mm_add_ps(_mm256_castps256_ps128(z), _mm256_extractf128_ps::<1>(z));
+            let mut sums = [[0.0; 4]; 3];
+            _mm256_storeu_pd(
+                sums[0].as_mut_ptr(),
+                _mm256_cvtps_pd(_mm512_castps512_ps128(xy)),
             );
-            let all = _mm512_add_ps(
-                halves,
-                _mm512_shuffle_f32x4::<0b10_11_00_01>(halves, halves),
-            );
-            let xy = _mm256_cvtps_pd(_mm512_castps512_ps128(all));
-            let z = _mm512_extractf32x4_ps::<2>(all);
-            let z = _mm_cvtps_pd(_mm_add_ps(z, _mm_movehl_ps(z, z)));
-            let (axy, bxy) = (_mm256_castpd256_pd128(xy), _mm256_extractf128_pd::<1>(xy));
-            let y = |xy: __m128d| _mm_cvtsd_f64(_mm_unpackhi_pd(xy, xy));
-            [
-                DVec3::new(_mm_cvtsd_f64(axy), y(axy), _mm_cvtsd_f64(z)),
-                DVec3::new(
-                    _mm_cvtsd_f64(bxy),
-                    y(bxy),
-                    _mm_cvtsd_f64(_mm_unpackhi_pd(z, z)),
-                ),
-            ]
+            let y = _mm512_extractf32x4_ps::<2>(xy);
+            _mm256_storeu_pd(sums[1].as_mut_ptr(), _mm256_cvtps_pd(y));
+            _mm256_storeu_pd(sums[2].as_mut_ptr(), _mm256_cvtps_pd(z));
+            let sum = |k: usize| DVec3::new(sums[0][k], sums[1][k], sums[2][k]);
+            [sum(0), sum(1), sum(2), sum(3)]
         }
     }
 }

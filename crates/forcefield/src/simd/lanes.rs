@@ -89,9 +89,14 @@ pub trait Lanes: Real {
     fn sum3(x: Self, y: Self, z: Self) -> DVec3 {
         DVec3::new(x.sum(), y.sum(), z.sum())
     }
-    /// The sums of two vectors of values at once, which costs less again.
+    /// The sums of four vectors of values at once, which costs less again.
     #[inline(always)]
-    fn sum_both([a, b]: [[Self; 3]; 2]) -> [DVec3; 2] {
-        [Self::sum3(a[0], a[1], a[2]), Self::sum3(b[0], b[1], b[2])]
+    fn sum_four([a, b, c, d]: [[Self; 3]; 4]) -> [DVec3; 4] {
+        [
+            Self::sum3(a[0], a[1], a[2]),
+            Self::sum3(b[0], b[1], b[2]),
+            Self::sum3(c[0], c[1], c[2]),
+            Self::sum3(d[0], d[1], d[2]),
+        ]
     }
 }

@@ -1,4 +1,4 @@
-//! The loop over lists that two particles share, written once over the lanes.
+//! The loop over lists that four particles share, written once over the lanes.
 
 use lennard_neighbor::{BLOCK, Block, SHARERS, SharedChunk, SharedList};
 
@@ -30,7 +30,7 @@ pub trait FixedLanes: Lanes<Row = FixedRow> {
     fn among(mask: Self::Mask, bits: u32) -> Self::Mask;
 }
 
-const _: () = assert!(SHARERS == 2, "the loop names both sharers");
+const _: () = assert!(SHARERS == 4, "the loop names each of the sharers");
 
 /// One evaluation, as the loop sees it.
 pub struct SharedJob<'a, F> {
@@ -156,12 +156,17 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, const CUBIC: bool>(
         // SAFETY: the instruction set is there by contract; entries of the list name places, and `SharedJob::new`
         // checked that each has a row.
         unsafe {
-            // A list of one particle repeats it.
-            let second = &job.rows[(first + 1).min(job.rows.len() - 1)];
-            let own = [L::spread(&job.rows[first]), L::spread(second)];
+            // A list of fewer particles repeats its last one.
+            let row = |sharer: usize| &job.rows[(first + sharer).min(job.rows.len() - 1)];
+            let own = [
+                L::spread(row(0)),
+                L::spread(row(1)),
+                L::spread(row(2)),
+                L::spread(row(3)),
+            ];
             if let [lead, rest @ ..] = masked {
                 // The sharers themselves are its first entries.
-                let but = [0b01, 0b10];
+                let but = [0b0001, 0b0010, 0b0100, 0b1000];
                 sums = add::<L, F, B, CUBIC, true>(&constants, own, job.rows, lead, but, sums);
                 for block in rest {
                     let but = [0; SHARERS];
@@ -173,7 +178,7 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, const CUBIC: bool>(
                 sums = add::<L, F, B, CUBIC, false>(&constants, own, job.rows, block, but, sums);
             }
         }
-        let pulls = L::sum_both([sums[0].pull, sums[1].pull]);
+        let pulls = L::sum_four([sums[0].pull, sums[1].pull, sums[2].pull, sums[3].pull]);
         for ((place, sums), pull) in (first..particle.len()).zip(&sums).zip(pulls) {
             let particle = particle[place] as usize;
             let force = pull * -sx;
@@ -219,10 +224,11 @@ unsafe fn add<L: FixedLanes, F: PairForm, B: Besides<L>, const CUBIC: bool, cons
             let others = L::gather(rows, entries.add(part * L::WIDTH));
             // By value and by constants: sums behind a reference would not stay in registers.
             let bits = |but: u16| u32::from(block.valid & !but) >> (part * L::WIDTH);
-            let (a, b) = (bits(but[0]), bits(but[1]));
             sums = [
-                meet::<L, F, B, CUBIC, MASKED>(constants, own[0], others, a, sums[0]),
-                meet::<L, F, B, CUBIC, MASKED>(constants, own[1], others, b, sums[1]),
+                meet::<L, F, B, CUBIC, MASKED>(constants, own[0], others, bits(but[0]), sums[0]),
+                meet::<L, F, B, CUBIC, MASKED>(constants, own[1], others, bits(but[1]), sums[1]),
+                meet::<L, F, B, CUBIC, MASKED>(constants, own[2], others, bits(but[2]), sums[2]),
+                meet::<L, F, B, CUBIC, MASKED>(constants, own[3], others, bits(but[3]), sums[3]),
             ];
         }
     }
