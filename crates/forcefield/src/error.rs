@@ -54,9 +54,6 @@ pub enum ForceFieldError {
     /// An instruction set that this processor lacks.
     #[error("this processor does not have the instruction set `{0}`")]
     IsaNotAvailable(&'static str),
-    /// Shared lists in double precision.
-    #[error("the loop over shared lists computes in mixed precision alone")]
-    SharedInDouble,
     /// A split radius outside (0, r_cut).
     #[error("the split radius must lie between 0 and r_cut = {r_cut}, found {found}")]
     BadSplit {
@@ -92,7 +89,6 @@ impl ForceFieldError {
                 "neighbor.skin"
             }
             Self::IsaNotAvailable(_) => "kernel.isa",
-            Self::SharedInDouble => "kernel.kernel",
             Self::BadSplit { .. } => "integrator.r_split",
             Self::BadSplitWidth(_) => "integrator.split_width",
             Self::NoParticles | Self::TooManyParticles(_) => "system.n_atoms",
@@ -116,7 +112,6 @@ impl ForceFieldError {
             Self::BadExponent(n) => n.to_string(),
             Self::SkinTooLarge { skin, .. } => skin.to_string(),
             Self::IsaNotAvailable(isa) => (*isa).into(),
-            Self::SharedInDouble => "shared with precision = \"double\"".into(),
             Self::NoParticles => "0".into(),
             Self::TooManyParticles(n) => n.to_string(),
         }
@@ -145,7 +140,6 @@ impl ForceFieldError {
                 format!("at most {largest}, so that r_cut + skin fits half the box")
             }
             Self::SkinWithoutList(_) => "only with mode = \"auto\" or \"verlet\"".into(),
-            Self::SharedInDouble => "rows, or precision = \"mixed\"".into(),
             Self::IsaNotAvailable(_) => "auto, or one that this processor has".into(),
             Self::BadSplit { r_cut, .. } => format!("above 0 and below r_cut = {r_cut}"),
             Self::BadSplitWidth(_) => "above 0 and at most r_split".into(),

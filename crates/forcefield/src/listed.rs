@@ -30,15 +30,14 @@ pub struct Clock {
 /// A list with the private copy of the positions that its loop reads.
 enum Pairs {
     /// The neighbors of each particle.
-    Rows(NeighborList, Rows),
+    Rows(Box<NeighborList>, Rows),
     /// The neighbors of every four particles.
-    Shared(SharedList, Vec<FixedRow>),
+    Shared(Box<SharedList>, Vec<FixedRow>),
 }
 
 /// The private copy of the positions, by the list of each particle's neighbors.
 enum Rows {
     Double(Vec<DoubleRow>),
-    Fixed(Vec<FixedRow>),
     /// Canonical loop: folded positions and sorted lists by particle.
     Pure {
         wrapped: Vec<DVec3>,
@@ -62,51 +61,33 @@ pub struct Listed {
 pub enum Loop {
     /// Forces that are a pure function of the positions.
     Canonical,
-    /// The neighbors of each particle, in a precision.
-    Rows(Precision),
+    /// The neighbors of each particle, in double precision.
+    Rows,
     /// The neighbors of every four particles, in mixed precision.
     Shared,
 }
 
 impl Listed {
     /// A list for `r_cut` and `skin` in σ.
-    pub fn new(
-        cell: PeriodicBox,
-        n_atoms: usize,
-        r_cut: f64,
-        skin: f64,
-        level: Level,
-        kind: Loop,
-    ) -> Self {
+    pub fn new(cell: PeriodicBox, r_cut: f64, skin: f64, level: Level, kind: Loop) -> Self {
         // Distances in fixed point are off by about the unit of the longest side.
         let rounding = match kind {
-            Loop::Rows(Precision::Mixed) | Loop::Shared => {
+            Loop::Shared => {
                 4.0 * cell.lengths().max_element() * f64::from(f32::EPSILON) / 256.0
                     + 4.0 * r_cut * f64::from(f32::EPSILON)
             }
-            Loop::Rows(Precision::Double) | Loop::Canonical => 0.0,
+            Loop::Rows | Loop::Canonical => 0.0,
         };
         let radius = r_cut + skin + rounding;
-        let list =
-            |images, precision| NeighborList::new(cell, radius, images, level.lanes(precision));
+        let lanes = level.lanes(Precision::Double);
+        let list = |images| Box::new(NeighborList::new(cell, radius, images, lanes));
         let pairs = match kind {
             Loop::Canonical => {
                 let (wrapped, lists) = (Vec::new(), Vec::new());
-                let list = list(Images::Folded, Precision::Double);
-                Pairs::Rows(list, Rows::Pure { wrapped, lists })
+                Pairs::Rows(list(Images::Folded), Rows::Pure { wrapped, lists })
             }
-            Loop::Rows(Precision::Double) => Pairs::Rows(
-                list(Images::Ghosts, Precision::Double),
-                Rows::Double(Vec::new()),
-            ),
-            Loop::Rows(Precision::Mixed) => {
-                // Wrap-around finds images, so ghosts would only cost; but where particles are more than 16
-                // bits can number, ghosts keep the neighbors of a chunk close together.
-                let few = n_atoms <= usize::from(u16::MAX) + 1;
-                let images = if few { Images::Folded } else { Images::Ghosts };
-                Pairs::Rows(list(images, Precision::Mixed), Rows::Fixed(Vec::new()))
-            }
-            Loop::Shared => Pairs::Shared(SharedList::new(cell, radius), Vec::new()),
+            Loop::Rows => Pairs::Rows(list(Images::Ghosts), Rows::Double(Vec::new())),
+            Loop::Shared => Pairs::Shared(Box::new(SharedList::new(cell, radius)), Vec::new()),
         };
         Self {
             cell,
@@ -295,7 +276,6 @@ impl Rows {
     fn bytes(&self) -> usize {
         match self {
             Self::Double(rows) => rows.capacity() * size_of::<DoubleRow>(),
-            Self::Fixed(rows) => rows.capacity() * size_of::<FixedRow>(),
             Self::Pure { wrapped, lists } => {
                 24 * wrapped.capacity() + lists.iter().map(|l| 24 + 4 * l.capacity()).sum::<usize>()
             }
@@ -306,7 +286,6 @@ impl Rows {
     fn fit(&mut self, list: &NeighborList) {
         match self {
             Self::Double(rows) => rows.resize(list.table().rows(), DoubleRow::default()),
-            Self::Fixed(rows) => rows.resize(list.targets(), FixedRow::default()),
             Self::Pure { lists, .. } => {
                 *lists = list.neighbors();
                 for list in lists {
@@ -326,9 +305,6 @@ impl Rows {
         let (table, lengths) = (list.table(), cell.lengths());
         match self {
             Self::Double(rows) => simd::pack_double(table, positions, built, lengths, rows),
-            Self::Fixed(rows) => {
-                simd::pack_fixed(table, list.images(), positions, built, lengths, rows)
-            }
             Self::Pure { wrapped, .. } => {
                 pure::wrap(cell, positions, wrapped);
                 let mut moved = Moved::NOTHING;
@@ -363,15 +339,10 @@ impl RowsRun<'_> {
         let chunks = list.chunks().len();
         match rows {
             Rows::Double(rows) => {
-                let job = PairJob::new(form, self.r_cut, [1.0; 3], rows, list, forces, each);
+                let job = PairJob::new(form, self.r_cut, rows, list, forces, each);
                 sum_chunks(chunks, wanted, &|c| {
                     simd::run_double(level, &job, c, wanted)
                 })
-            }
-            Rows::Fixed(rows) => {
-                let scale = (self.cell.lengths() / FIXED_UNITS).to_array();
-                let job = PairJob::new(form, self.r_cut, scale, rows, list, forces, each);
-                sum_chunks(chunks, wanted, &|c| simd::run_mixed(level, &job, c, wanted))
             }
             Rows::Pure { wrapped, lists } => {
                 let job = PureJob {

@@ -157,10 +157,6 @@ pub enum Kernel {
     Auto,
     /// The ten-line double loop over all pairs, scalar, serial: what every other one is judged by.
     Reference,
-    /// Each particle with a list of its neighbors, both ends of a pair alike.
-    Rows,
-    /// Every four particles that lie side by side with one list of the neighbors of all; in mixed precision alone.
-    Shared,
 }
 
 /// In which precision pairs are computed; sums and integration are always in double.

@@ -77,9 +77,6 @@ pub struct ForcePlan {
     pub estimated_bytes: u64,
 }
 
-/// From this many neighbors on, shared lists are cheaper than rows (benches/NOTES.md).
-const NEIGHBORS_FOR_SHARED: f64 = 30.0;
-
 /// The number of threads worth using for `n_atoms` particles, at most `available`.
 ///
 /// A pure function of its arguments; the bits of a run do not depend on it.
@@ -123,17 +120,16 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
 
     let tie = largest - r_cut < TIE_MARGIN * largest;
     let pure = o.canonical || search != Search::Verlet || tie;
-    let listed = listed_loop(o, c, pure, r_cut + skin)?;
-    let precision = match listed {
-        Loop::Canonical => Precision::Double,
-        Loop::Rows(precision) => precision,
-        Loop::Shared => Precision::Mixed,
+    let (listed, precision) = match o.kernel.precision {
+        Precision::Mixed if !pure => (Loop::Shared, Precision::Mixed),
+        Precision::Double if !pure => (Loop::Rows, Precision::Double),
+        _ => (Loop::Canonical, Precision::Double),
     };
     let kernel = match (search, listed) {
         (Search::Reference, _) => "reference",
         (Search::Direct, _) => "direct",
         (Search::Verlet, Loop::Canonical) => "canonical",
-        (Search::Verlet, Loop::Rows(_)) => "rows",
+        (Search::Verlet, Loop::Rows) => "rows",
         (Search::Verlet, Loop::Shared) => "shared",
     };
     let isa = if pure { Level::Portable } else { level };
@@ -159,35 +155,6 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
         level,
         listed,
         plan,
-    })
-}
-
-/// Chooses the loop that a list feeds.
-///
-/// Lists that four particles share hold pairs that rows leave out, so they pay where a particle has many neighbors.
-fn listed_loop(
-    o: &ForceFieldOptions,
-    c: &Conditions,
-    pure: bool,
-    r_list: f64,
-) -> Result<Loop, ForceFieldError> {
-    let precision = o.kernel.precision;
-    if o.kernel.kernel == Kernel::Shared && precision == Precision::Double {
-        return Err(ForceFieldError::SharedInDouble);
-    }
-    if pure {
-        return Ok(Loop::Canonical);
-    }
-    let many = neighbors(c, r_list) >= NEIGHBORS_FOR_SHARED;
-    let shared = match o.kernel.kernel {
-        Kernel::Shared => true,
-        Kernel::Auto => precision == Precision::Mixed && many,
-        Kernel::Rows | Kernel::Reference => false,
-    };
-    Ok(if shared {
-        Loop::Shared
-    } else {
-        Loop::Rows(precision)
     })
 }
 
@@ -303,8 +270,7 @@ fn estimate_bytes(c: &Conditions, search: Search, r_list: f64, listed: Loop) -> 
             let entries = 0.25 * (1.7 * neighbors(c, r_list) + 8.0);
             return (n * (2.5 * 1.05 * entries + 16.0 + 30.0 + 24.0)) as u64;
         }
-        Loop::Rows(Precision::Mixed) => 16.0 * n,
-        Loop::Rows(Precision::Double) | Loop::Canonical => 32.0 * rows,
+        Loop::Rows | Loop::Canonical => 32.0 * rows,
     };
     // Entries of 16 bits, padded by half a register on average; tables by place and by row.
     let entries = n * (neighbors(c, r_list) + 6.0) * 2.0;

@@ -56,7 +56,6 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions) -> Result<PairForces, ForceF
         let level = decision.level;
         Box::new(Listed::new(
             c.cell,
-            c.n_atoms,
             r_cut,
             plan.skin,
             level,

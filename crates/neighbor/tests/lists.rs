@@ -71,6 +71,29 @@ fn many_particles_get_wide_entries_only_where_narrow_ones_do_not_reach() {
     assert!(narrow > 0);
 }
 
+#[test]
+fn shared_lists_reach_over_more_places_than_an_entry_can_count() {
+    // A slab of a few columns along x: what is near across it stands 18,000 places away and more.
+    let cell = PeriodicBox::new(DVec3::new(6.0, 173.0, 173.0)).unwrap();
+    let positions = scatter(72_000, cell.lengths(), 0.0);
+    let mut shared = SharedList::new(cell, 1.5);
+    shared.build(&positions, &ScalarSharedScanner).unwrap();
+    let blocks = || shared.chunks().iter().flat_map(|c| &c.blocks);
+    assert!(blocks().any(|b| b.base > 0), "bases are in use");
+    let mut rows = NeighborList::new(cell, 1.5, Images::Ghosts, 8);
+    rows.build(&positions, &ScalarScanner).unwrap();
+    let mut shared_by_four = 0;
+    for (i, (rows, shared)) in rows.neighbors().iter().zip(shared.neighbors()).enumerate() {
+        assert!(shared.windows(2).all(|w| w[0] < w[1]), "{i} has each once");
+        assert!(rows.iter().all(|j| shared.binary_search(j).is_ok()), "{i}");
+        shared_by_four += shared.len();
+    }
+    assert!(
+        shared_by_four as u64 > 2 * rows.pairs(),
+        "others' neighbors too"
+    );
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 

@@ -207,7 +207,7 @@ static KEYS: &[KeyDoc] = keys! {
         "skin": NotNegative, "chosen from density, temperature and dt", "σ", "The list holds pairs up to r_cut + skin; that may not exceed half the shortest box side.";
     }
     "kernel" of any {
-        "kernel": Names(|| vec!["auto", "reference", "rows", "shared"]), "`\"auto\"`", "", "The fastest loop that suits the scene; the plain double loop that all others are judged by; a list of its neighbors for each particle; one list for every four particles that lie side by side, in mixed precision alone.";
+        "kernel": Names(|| vec!["auto", "reference"]), "`\"auto\"`", "", "The fastest loop that suits the scene; the plain double loop that all others are judged by.";
         "precision": Names(|| vec!["double", "mixed"]), "`\"double\"`", "", "Precision of the pair terms; sums and integration are always double.";
         "isa": Names(|| vec!["auto", "avx512", "avx2", "portable"]), "`\"auto\"`", "", "Instruction set of the loop.";
     }

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::lanes::{Entry, Lanes};
+use super::lanes::{Entry, Lanes, RowLanes, Scaled};
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
 use super::shared_loop::{self, FixedLanes, SharedJob};
 use super::{DoubleRow, FixedRow};
@@ -131,28 +131,6 @@ impl Lanes for F64x4 {
     }
 
     #[inline(always)]
-    unsafe fn differences<E: Entry>(
-        own: Self::Own,
-        _scale: [Self; 3],
-        rows: *const DoubleRow,
-        entries: *const E,
-    ) -> [Self; 3] {
-        // SAFETY: four entries are readable, each names a readable row, and AVX2 is there.
-        unsafe {
-            let row = |k: usize| _mm256_load_pd((*entries.add(k)).row(rows).cast());
-            let (a, b, c, d) = (row(0), row(1), row(2), row(3));
-            let xz_low = _mm256_unpacklo_pd(a, b);
-            let y_low = _mm256_unpackhi_pd(a, b);
-            let xz_high = _mm256_unpacklo_pd(c, d);
-            let y_high = _mm256_unpackhi_pd(c, d);
-            let x = _mm256_permute2f128_pd::<0x20>(xz_low, xz_high);
-            let y = _mm256_permute2f128_pd::<0x20>(y_low, y_high);
-            let z = _mm256_permute2f128_pd::<0x31>(xz_low, xz_high);
-            [own[0] - Self(x), own[1] - Self(y), own[2] - Self(z)]
-        }
-    }
-
-    #[inline(always)]
     fn at_most(self, limit: Self) -> Self::Mask {
         // SAFETY: a value of this type proves AVX2.
         unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, limit.0) }
@@ -189,6 +167,29 @@ impl Lanes for F64x4 {
     }
 }
 
+impl RowLanes for F64x4 {
+    #[inline(always)]
+    unsafe fn differences<E: Entry>(
+        own: Self::Own,
+        rows: *const DoubleRow,
+        entries: *const E,
+    ) -> [Self; 3] {
+        // SAFETY: four entries are readable, each names a readable row, and AVX2 is there.
+        unsafe {
+            let row = |k: usize| _mm256_load_pd((*entries.add(k)).row(rows).cast());
+            let (a, b, c, d) = (row(0), row(1), row(2), row(3));
+            let xz_low = _mm256_unpacklo_pd(a, b);
+            let y_low = _mm256_unpackhi_pd(a, b);
+            let xz_high = _mm256_unpacklo_pd(c, d);
+            let y_high = _mm256_unpackhi_pd(c, d);
+            let x = _mm256_permute2f128_pd::<0x20>(xz_low, xz_high);
+            let y = _mm256_permute2f128_pd::<0x20>(y_low, y_high);
+            let z = _mm256_permute2f128_pd::<0x31>(xz_low, xz_high);
+            [own[0] - Self(x), own[1] - Self(y), own[2] - Self(z)]
+        }
+    }
+}
+
 impl Lanes for F32x8 {
     const WIDTH: usize = 8;
     type Row = FixedRow;
@@ -205,18 +206,6 @@ impl Lanes for F32x8 {
                 _mm256_set1_epi32(row.0[2]),
             ]
         }
-    }
-
-    #[inline(always)]
-    unsafe fn differences<E: Entry>(
-        own: Self::Own,
-        scale: [Self; 3],
-        rows: *const FixedRow,
-        entries: *const E,
-    ) -> [Self; 3] {
-        // SAFETY: the contract is passed on.
-        let [x, y, z] = unsafe { Self::apart(own, Self::gather(rows, entries)) };
-        [x * scale[0], y * scale[1], z * scale[2]]
     }
 
     #[inline(always)]
@@ -258,7 +247,7 @@ impl FixedLanes for F32x8 {
     const CUBIC_LOOP: bool = true;
 
     #[inline(always)]
-    unsafe fn gather<E: Entry>(rows: *const FixedRow, entries: *const E) -> Self::Own {
+    unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own {
         // SAFETY: eight entries are readable, each names a readable row, and AVX2 is there.
         unsafe {
             let row = |k: usize| _mm_load_si128((*entries.add(k)).row(rows).cast());
@@ -310,17 +299,6 @@ pub fn run_double<F: PairForm>(
 ) -> ChunkTotals {
     // SAFETY: this function enables the instruction set; chunks are handed out once each.
     unsafe { run::<F64x4, F>(job, chunk, wanted) }
-}
-
-/// The pair loop in mixed precision.
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-pub fn run_mixed<F: PairForm>(
-    job: &PairJob<'_, FixedRow, F>,
-    chunk: usize,
-    wanted: Wanted,
-) -> ChunkTotals {
-    // SAFETY: as above.
-    unsafe { run::<F32x8, F>(job, chunk, wanted) }
 }
 
 /// The loop over shared lists.

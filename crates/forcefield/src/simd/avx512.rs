@@ -5,7 +5,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use glam::DVec3;
 
-use super::lanes::{Entry, Lanes};
+use super::lanes::{Entry, Lanes, RowLanes, Scaled};
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
 use super::shared_loop::{self, FixedLanes, SharedJob};
 use super::{DoubleRow, FixedRow};
@@ -126,33 +126,6 @@ impl Lanes for F64x8 {
     }
 
     #[inline(always)]
-    unsafe fn differences<E: Entry>(
-        own: Self::Own,
-        _scale: [Self; 3],
-        rows: *const DoubleRow,
-        entries: *const E,
-    ) -> [Self; 3] {
-        // SAFETY: eight entries are readable, each names a readable row, and AVX-512 is there.
-        unsafe {
-            let row = |k: usize| (*entries.add(k)).row(rows).cast::<f64>();
-            let two = |k: usize| {
-                let low = _mm512_castpd256_pd512(_mm256_load_pd(row(k)));
-                _mm512_insertf64x4::<1>(low, _mm256_load_pd(row(k + 2)))
-            };
-            // Rows in pairs, transposed: lanes end in the order of the entries.
-            let (a, b, c, d) = (two(0), two(1), two(4), two(5));
-            let xz_low = _mm512_unpacklo_pd(a, b);
-            let y_low = _mm512_unpackhi_pd(a, b);
-            let xz_high = _mm512_unpacklo_pd(c, d);
-            let y_high = _mm512_unpackhi_pd(c, d);
-            let x = _mm512_shuffle_f64x2::<0b10_00_10_00>(xz_low, xz_high);
-            let y = _mm512_shuffle_f64x2::<0b10_00_10_00>(y_low, y_high);
-            let z = _mm512_shuffle_f64x2::<0b11_01_11_01>(xz_low, xz_high);
-            [own[0] - Self(x), own[1] - Self(y), own[2] - Self(z)]
-        }
-    }
-
-    #[inline(always)]
     fn at_most(self, limit: Self) -> Self::Mask {
         // SAFETY: a value of this type proves AVX-512.
         unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, limit.0) }
@@ -193,6 +166,34 @@ impl Lanes for F64x8 {
             let z = _mm_add_pd(_mm256_castpd256_pd128(z), _mm256_extractf128_pd::<1>(z));
             let y = _mm_unpackhi_pd(xy, xy);
             DVec3::new(_mm_cvtsd_f64(xy), _mm_cvtsd_f64(y), _mm_cvtsd_f64(z))
+        }
+    }
+}
+
+impl RowLanes for F64x8 {
+    #[inline(always)]
+    unsafe fn differences<E: Entry>(
+        own: Self::Own,
+        rows: *const DoubleRow,
+        entries: *const E,
+    ) -> [Self; 3] {
+        // SAFETY: eight entries are readable, each names a readable row, and AVX-512 is there.
+        unsafe {
+            let row = |k: usize| (*entries.add(k)).row(rows).cast::<f64>();
+            let two = |k: usize| {
+                let low = _mm512_castpd256_pd512(_mm256_load_pd(row(k)));
+                _mm512_insertf64x4::<1>(low, _mm256_load_pd(row(k + 2)))
+            };
+            // Rows in pairs, transposed: lanes end in the order of the entries.
+            let (a, b, c, d) = (two(0), two(1), two(4), two(5));
+            let xz_low = _mm512_unpacklo_pd(a, b);
+            let y_low = _mm512_unpackhi_pd(a, b);
+            let xz_high = _mm512_unpacklo_pd(c, d);
+            let y_high = _mm512_unpackhi_pd(c, d);
+            let x = _mm512_shuffle_f64x2::<0b10_00_10_00>(xz_low, xz_high);
+            let y = _mm512_shuffle_f64x2::<0b10_00_10_00>(y_low, y_high);
+            let z = _mm512_shuffle_f64x2::<0b11_01_11_01>(xz_low, xz_high);
+            [own[0] - Self(x), own[1] - Self(y), own[2] - Self(z)]
         }
     }
 }
@@ -251,18 +252,6 @@ impl Lanes for F32x16 {
                 _mm512_set1_epi32(row.0[2]),
             ]
         }
-    }
-
-    #[inline(always)]
-    unsafe fn differences<E: Entry>(
-        own: Self::Own,
-        scale: [Self; 3],
-        rows: *const FixedRow,
-        entries: *const E,
-    ) -> [Self; 3] {
-        // SAFETY: the contract is passed on.
-        let [x, y, z] = unsafe { Self::apart(own, Self::gather(rows, entries)) };
-        [x * scale[0], y * scale[1], z * scale[2]]
     }
 
     #[inline(always)]
@@ -366,7 +355,7 @@ impl FixedLanes for F32x16 {
     const CUBIC_LOOP: bool = true;
 
     #[inline(always)]
-    unsafe fn gather<E: Entry>(rows: *const FixedRow, entries: *const E) -> Self::Own {
+    unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own {
         // SAFETY: sixteen entries are readable, each names a readable row, and AVX-512 is there.
         unsafe {
             let row = |k: usize| _mm_load_si128((*entries.add(k)).row(rows).cast());
@@ -417,17 +406,6 @@ pub fn run_double<F: PairForm>(
 ) -> ChunkTotals {
     // SAFETY: this function enables the instruction set; chunks are handed out once each.
     unsafe { run::<F64x8, F>(job, chunk, wanted) }
-}
-
-/// The pair loop in mixed precision.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
-pub fn run_mixed<F: PairForm>(
-    job: &PairJob<'_, FixedRow, F>,
-    chunk: usize,
-    wanted: Wanted,
-) -> ChunkTotals {
-    // SAFETY: as above.
-    unsafe { run::<F32x16, F>(job, chunk, wanted) }
 }
 
 /// The loop over shared lists.

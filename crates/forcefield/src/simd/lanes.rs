@@ -61,19 +61,6 @@ pub trait Lanes: Real {
     /// The processor has the instruction set of the implementation.
     unsafe fn spread(row: &Self::Row) -> Self::Own;
 
-    /// r_own − r_row in σ for the rows that `WIDTH` entries name, along x, y and z; `scale` is the
-    /// length in σ of one unit of each axis of the rows.
-    ///
-    /// # Safety
-    /// Each of the `WIDTH` readable entries at `entries` names a readable row, and
-    /// the processor has the instruction set of the implementation.
-    unsafe fn differences<E: Entry>(
-        own: Self::Own,
-        scale: [Self; 3],
-        rows: *const Self::Row,
-        entries: *const E,
-    ) -> [Self; 3];
-
     /// The lanes whose value is at most `limit`.
     fn at_most(self, limit: Self) -> Self::Mask;
     /// The lanes of `mask` among the first `count`.
@@ -99,4 +86,18 @@ pub trait Lanes: Real {
             Self::sum3(d[0], d[1], d[2]),
         ]
     }
+}
+
+/// Registers that read rows in σ.
+pub trait RowLanes: Lanes {
+    /// r_own − r_row in σ for the rows that `WIDTH` entries name, along x, y and z.
+    ///
+    /// # Safety
+    /// Each of the `WIDTH` readable entries at `entries` names a readable row, and the processor has the instruction set
+    /// of the implementation.
+    unsafe fn differences<E: Entry>(
+        own: Self::Own,
+        rows: *const Self::Row,
+        entries: *const E,
+    ) -> [Self; 3];
 }

@@ -32,7 +32,7 @@ use crate::options::{Isa, Precision};
 use crate::truncation::PairForm;
 use glam::DVec3;
 use lennard_neighbor::{
-    Around, Candidates, Center, ColumnTable, Gathered, Images, Names, Nearby, RowScanner, RowTable,
+    Around, Candidates, Center, ColumnTable, Gathered, Names, Nearby, RowScanner, RowTable,
     SHARERS, ScalarScanner, ScalarSharedScanner, SharedScanner,
 };
 use rayon::prelude::*;
@@ -252,24 +252,6 @@ pub fn run_double<F: PairForm>(
     }
 }
 
-/// Runs the pair loop over one chunk of the list, in mixed precision.
-pub fn run_mixed<F: PairForm>(
-    level: Level,
-    job: &PairJob<'_, FixedRow, F>,
-    chunk: usize,
-    wanted: Wanted,
-) -> ChunkTotals {
-    match level {
-        // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => unsafe { avx512::run_mixed(job, chunk, wanted) },
-        // SAFETY: as above.
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => unsafe { avx2::run_mixed(job, chunk, wanted) },
-        _ => portable::run_mixed(job, chunk, wanted),
-    }
-}
-
 /// The arithmetic of pairs with everything in registers; see [`pair_loop::arithmetic`].
 pub fn limit<F: PairForm>(
     level: Level,
@@ -311,30 +293,6 @@ pub fn pack_double(
         packing::pack_ghosts(table, lengths, ghosts, &rows);
         Moved::NOTHING
     });
-    moved
-}
-
-/// Writes all rows in fixed point, ghosts included where there are any; as [`pack_double`].
-pub fn pack_fixed(
-    table: &RowTable,
-    images: Images,
-    positions: &[DVec3],
-    built: &[DVec3],
-    lengths: DVec3,
-    rows: &mut [FixedRow],
-) -> Moved {
-    let rows = Scatter::new(rows);
-    // SAFETY: tasks have disjoint places, and places have distinct rows.
-    let moved = in_tasks(table.particle.len(), |places| unsafe {
-        packing::pack_fixed(table, images, positions, built, lengths, places, &rows)
-    });
-    if images == Images::Ghosts {
-        // SAFETY: tasks have disjoint ghosts, and all other rows are at rest.
-        in_tasks(table.ghosts.len(), |ghosts| unsafe {
-            packing::copy_ghosts(table, ghosts, &rows);
-            Moved::NOTHING
-        });
-    }
     moved
 }
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use lennard_neighbor::{ColumnTable, FIXED_UNITS, Images, RowTable, to_fixed};
+use lennard_neighbor::{ColumnTable, FIXED_UNITS, RowTable};
 
 use super::{DoubleRow, FixedRow, Scatter};
 
@@ -94,51 +94,6 @@ pub unsafe fn pack_ghosts(
         ];
         // SAFETY: each ghost has a row of its own.
         unsafe { rows.write(ghost.row as usize, DoubleRow(shifted)) };
-    }
-}
-
-/// Writes the rows of some places in fixed point; `built` holds the positions of the build by place, and
-/// rows are numbered as list entries are.
-///
-/// # Safety
-/// No other thread writes the rows of these places.
-pub unsafe fn pack_fixed(
-    table: &RowTable,
-    images: Images,
-    positions: &[DVec3],
-    built: &[DVec3],
-    lengths: DVec3,
-    places: Range<usize>,
-    rows: &Scatter<'_, FixedRow>,
-) -> Moved {
-    let units = FIXED_UNITS / lengths;
-    let mut moved = Moved::NOTHING;
-    let particles = table.particle[places.clone()]
-        .iter()
-        .zip(&table.image[places.clone()])
-        .zip(&built[places.clone()]);
-    for (place, ((particle, image), built)) in places.zip(particles) {
-        let r = positions[*particle as usize];
-        moved.include(r - *built);
-        let row = match images {
-            Images::Folded => place,
-            Images::Ghosts => table.row[place] as usize,
-        };
-        let [x, y, z] = to_fixed(r, *image, lengths, units);
-        // SAFETY: rows of places are distinct, and these places are this thread's.
-        unsafe { rows.write(row, FixedRow([x, y, z, 0])) };
-    }
-    moved
-}
-
-/// Refreshes some ghosts: in fixed point they are copies.
-///
-/// # Safety
-/// No other thread writes these ghosts, and none writes a row that is not a ghost.
-pub unsafe fn copy_ghosts(table: &RowTable, ghosts: Range<usize>, rows: &Scatter<'_, FixedRow>) {
-    for ghost in &table.ghosts[ghosts] {
-        // SAFETY: the source is no ghost, so nobody writes it now; each ghost has a row of its own.
-        unsafe { rows.write(ghost.row as usize, rows.read(ghost.source as usize)) };
     }
 }
 

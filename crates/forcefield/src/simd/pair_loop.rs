@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use lennard_neighbor::{Entries, ListChunk, NeighborList};
 
 use super::Scatter;
-use super::lanes::{Entry, Lanes};
+use super::lanes::{Entry, Lanes, RowLanes};
 use super::pair_sums::{Besides, ForcesAlone, PairSums};
 use crate::truncation::PairForm;
 
@@ -52,7 +52,6 @@ impl ChunkTotals {
 pub struct PairJob<'a, Row, F> {
     form: F,
     r_cut2: f64,
-    scale: [f64; 3],
     rows: &'a [Row],
     list: &'a NeighborList,
     forces: Scatter<'a, DVec3>,
@@ -60,15 +59,13 @@ pub struct PairJob<'a, Row, F> {
 }
 
 impl<'a, Row, F: PairForm> PairJob<'a, Row, F> {
-    /// Prepares an evaluation: `scale` is the length in σ of one unit of the rows along each axis,
-    /// `forces` (and `each`) have one element a particle.
+    /// Prepares an evaluation: `forces` (and `each`) have one element a particle.
     ///
     /// # Panics
     /// Where rows, list and arrays do not belong together: that is a bug of the caller.
     pub fn new(
         form: F,
         r_cut: f64,
-        scale: [f64; 3],
         rows: &'a [Row],
         list: &'a NeighborList,
         forces: &'a mut [DVec3],
@@ -86,7 +83,6 @@ impl<'a, Row, F: PairForm> PairJob<'a, Row, F> {
         Self {
             form,
             r_cut2: r_cut * r_cut,
-            scale,
             rows,
             list,
             forces: Scatter::new(forces),
@@ -100,7 +96,7 @@ impl<'a, Row, F: PairForm> PairJob<'a, Row, F> {
 /// # Safety
 /// The processor has the instruction set of `L`, and no other thread runs the same chunk.
 #[inline(always)]
-pub unsafe fn run<L: Lanes, F: PairForm>(
+pub unsafe fn run<L: RowLanes, F: PairForm>(
     job: &PairJob<'_, L::Row, F>,
     chunk: usize,
     wanted: Wanted,
@@ -132,15 +128,13 @@ pub unsafe fn run<L: Lanes, F: PairForm>(
 /// # Safety
 /// As [`run`]; `entries` are those of `chunk`, built by the list of `job`.
 #[inline(always)]
-unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, B: Besides<L>>(
+unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
     job: &PairJob<'_, L::Row, F>,
     chunk: &ListChunk,
     entries: &[E],
 ) -> ChunkTotals {
     let r_cut2 = L::splat(job.r_cut2);
     // No `array::map` over lanes anywhere here: it is a call, and a call leaves the instruction set behind.
-    let [sx, sy, sz] = job.scale;
-    let scale = [L::splat(sx), L::splat(sy), L::splat(sz)];
     let zero = L::splat(0.0);
     let mut totals = ChunkTotals::NOTHING;
     let mut start = 0;
@@ -168,7 +162,6 @@ unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, B: Besides<L>>(
                 add::<L, F, E, B>(
                     &job.form,
                     own,
-                    scale,
                     rows,
                     at,
                     r_cut2,
@@ -184,7 +177,7 @@ unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, B: Besides<L>>(
             unsafe {
                 let at = mine.as_ptr().add(full * L::WIDTH);
                 add::<L, F, E, B>(
-                    &job.form, own, scale, rows, at, r_cut2, rest, &mut force, &mut sums,
+                    &job.form, own, rows, at, r_cut2, rest, &mut force, &mut sums,
                 );
             }
         }
@@ -212,13 +205,12 @@ unsafe fn sweep<L: Lanes, F: PairForm, E: Entry, B: Besides<L>>(
 /// Adds the pairs of one register; the first `valid` lanes are pairs, the rest padding.
 ///
 /// # Safety
-/// As [`Lanes::differences`].
+/// As [`RowLanes::differences`].
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-unsafe fn add<L: Lanes, F: PairForm, E: Entry, B: Besides<L>>(
+unsafe fn add<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
     form: &F,
     own: L::Own,
-    scale: [L; 3],
     rows: *const L::Row,
     entries: *const E,
     r_cut2: L,
@@ -227,7 +219,7 @@ unsafe fn add<L: Lanes, F: PairForm, E: Entry, B: Besides<L>>(
     sums: &mut B,
 ) {
     // SAFETY: the contract is passed on.
-    let [dx, dy, dz] = unsafe { L::differences(own, scale, rows, entries) };
+    let [dx, dy, dz] = unsafe { L::differences(own, rows, entries) };
     let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx));
     let mut inside = r2.at_most(r_cut2);
     if valid < L::WIDTH {

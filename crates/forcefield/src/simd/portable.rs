@@ -4,7 +4,7 @@
 use std::array::from_fn;
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::lanes::{Entry, Lanes};
+use super::lanes::{Entry, Lanes, RowLanes, Scaled};
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
 use super::shared_loop::{self, FixedLanes, SharedJob};
 use super::{DoubleRow, FixedRow};
@@ -128,10 +128,13 @@ impl<const N: usize> Lanes for Group<f64, N> {
         [x, y, z]
     }
 
+    masks!(f64);
+}
+
+impl<const N: usize> RowLanes for Group<f64, N> {
     #[inline(always)]
     unsafe fn differences<E: Entry>(
         own: Self::Own,
-        _scale: [Self; 3],
         rows: *const DoubleRow,
         entries: *const E,
     ) -> [Self; 3] {
@@ -139,8 +142,6 @@ impl<const N: usize> Lanes for Group<f64, N> {
         let at: [&DoubleRow; N] = from_fn(|k| unsafe { &*(*entries.add(k)).row(rows) });
         [0, 1, 2].map(|axis| Self(from_fn(|k| own[axis] - at[k].0[axis])))
     }
-
-    masks!(f64);
 }
 
 impl<const N: usize> Lanes for Group<f32, N> {
@@ -155,18 +156,6 @@ impl<const N: usize> Lanes for Group<f32, N> {
         [[x; N], [y; N], [z; N]]
     }
 
-    #[inline(always)]
-    unsafe fn differences<E: Entry>(
-        own: Self::Own,
-        scale: [Self; 3],
-        rows: *const FixedRow,
-        entries: *const E,
-    ) -> [Self; 3] {
-        // SAFETY: the contract is passed on.
-        let [x, y, z] = unsafe { Self::apart(own, Self::gather(rows, entries)) };
-        [x * scale[0], y * scale[1], z * scale[2]]
-    }
-
     masks!(f32);
 }
 
@@ -174,7 +163,7 @@ impl<const N: usize> FixedLanes for Group<f32, N> {
     const CUBIC_LOOP: bool = false;
 
     #[inline(always)]
-    unsafe fn gather<E: Entry>(rows: *const FixedRow, entries: *const E) -> Self::Own {
+    unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own {
         // SAFETY: `N` entries are readable and each names a readable row.
         let at: [&FixedRow; N] = from_fn(|k| unsafe { &*(*entries.add(k)).row(rows) });
         from_fn(|axis| from_fn(|k| at[k].0[axis]))
@@ -199,16 +188,6 @@ pub fn run_double<F: PairForm>(
 ) -> ChunkTotals {
     // SAFETY: no instruction set is needed; chunks are handed out once each.
     unsafe { run::<Group<f64, 4>, F>(job, chunk, wanted) }
-}
-
-/// The pair loop in mixed precision.
-pub fn run_mixed<F: PairForm>(
-    job: &PairJob<'_, FixedRow, F>,
-    chunk: usize,
-    wanted: Wanted,
-) -> ChunkTotals {
-    // SAFETY: as above.
-    unsafe { run::<Group<f32, 8>, F>(job, chunk, wanted) }
 }
 
 /// The loop over shared lists.

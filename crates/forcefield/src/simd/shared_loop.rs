@@ -2,7 +2,7 @@
 
 use lennard_neighbor::{BLOCK, Block, SHARERS, SharedChunk, SharedList};
 
-use super::lanes::{Entry, Lanes, Scaled};
+use super::lanes::{Lanes, Scaled};
 use super::pair_loop::{ChunkTotals, PerParticle, Wanted};
 use super::pair_sums::{Besides, ForcesAlone, PairSums};
 use super::{FixedRow, Scatter};
@@ -17,8 +17,9 @@ pub trait FixedLanes: Lanes<Row = FixedRow> {
     /// The rows that `WIDTH` entries name, along x, y and z.
     ///
     /// # Safety
-    /// As [`Lanes::differences`].
-    unsafe fn gather<E: Entry>(rows: *const FixedRow, entries: *const E) -> Self::Own;
+    /// Each of the `WIDTH` readable entries at `entries` names a readable row, and the processor has the instruction set
+    /// of the implementation.
+    unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own;
 
     /// a − b along each axis, in units of the rows.
     ///

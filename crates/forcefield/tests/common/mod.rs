@@ -53,15 +53,10 @@ pub fn verlet(skin: Option<f64>) -> NeighborOptions {
 /// Every fast loop that this machine can run.
 pub fn kernels() -> Vec<KernelOptions> {
     let mut all = Vec::new();
-    let loops = [
-        (Kernel::Rows, Precision::Double),
-        (Kernel::Rows, Precision::Mixed),
-        (Kernel::Shared, Precision::Mixed),
-    ];
     for isa in [Isa::Avx512, Isa::Avx2, Isa::Portable] {
-        for (kernel, precision) in loops {
+        for precision in [Precision::Double, Precision::Mixed] {
             let kernel = KernelOptions {
-                kernel,
+                kernel: Kernel::Auto,
                 precision,
                 isa,
             };
