@@ -180,7 +180,7 @@ pub fn near_shared(
             ];
             if let Some(lengths) = around.folds {
                 for (d, length) in d.iter_mut().zip(lengths) {
-                    let boxes = _mm256_div_ps(*d, _mm256_set1_ps(length));
+                    let boxes = _mm256_mul_ps(*d, _mm256_set1_ps(1.0 / length));
                     let boxes =
                         _mm256_round_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(boxes);
                     *d = _mm256_fnmadd_ps(boxes, _mm256_set1_ps(length), *d);

@@ -150,7 +150,7 @@ pub fn near_shared(
             ];
             if let Some(lengths) = around.folds {
                 for (d, length) in d.iter_mut().zip(lengths) {
-                    let boxes = _mm512_div_ps(*d, _mm512_set1_ps(length));
+                    let boxes = _mm512_mul_ps(*d, _mm512_set1_ps(1.0 / length));
                     let boxes = _mm512_roundscale_ps::<_MM_FROUND_TO_NEAREST_INT>(boxes);
                     *d = _mm512_fnmadd_ps(boxes, _mm512_set1_ps(length), *d);
                 }
