@@ -1,8 +1,5 @@
 //! The skin near the cheapest, from a model of the costs: a function of the scene, never of a clock.
 
-/// Cost of building the list over cost of one force loop with it, as `benches/NOTES.md` records it. The
-/// optimum is flat in it.
-const BUILD_OVER_FORCE: f64 = 2.0;
 /// Smallest skin that is ever chosen, σ: below it a list lasts a step or two.
 const SMALLEST_SKIN: f64 = 0.05;
 /// Largest skin that is ever chosen, σ.
@@ -19,6 +16,9 @@ pub struct SkinInputs {
     pub dt: f64,
     /// Cutoff, σ.
     pub r_cut: f64,
+    /// Cost of building the list over cost of one force loop with it, as `benches/NOTES.md` records it. The optimum is
+    /// flat in it.
+    pub build_over_force: f64,
 }
 
 /// The speed that the fastest of `n` particles has, typically, in units of the thermal speed √T.
@@ -47,7 +47,7 @@ pub fn cheapest_skin(inputs: &SkinInputs) -> f64 {
     let speed = fastest_of(inputs.n_atoms) * inputs.temperature.max(0.0).sqrt();
     let closing = 2.0 * speed * inputs.dt;
     // d(cost)/ds = 0 is 3s² + 2k·s − k·r_cut = 0 with k = b·closing.
-    let k = BUILD_OVER_FORCE * closing;
+    let k = inputs.build_over_force * closing;
     let root = (-k + (k * k + 3.0 * k * inputs.r_cut).sqrt()) / 3.0;
     if root.is_finite() {
         root.clamp(SMALLEST_SKIN, LARGEST_SKIN)
@@ -66,6 +66,7 @@ mod tests {
             temperature,
             dt,
             r_cut: 2.5,
+            build_over_force: 3.5,
         }
     }
 
@@ -81,7 +82,7 @@ mod tests {
     fn the_chosen_skin_has_the_least_modelled_cost() {
         for (t, dt) in [(0.7, 0.005), (1.44, 0.004), (5.0, 0.001)] {
             let at = inputs(t, dt);
-            let k = BUILD_OVER_FORCE * 2.0 * fastest_of(at.n_atoms) * t.sqrt() * dt;
+            let k = at.build_over_force * 2.0 * fastest_of(at.n_atoms) * t.sqrt() * dt;
             let cost = |s: f64| (at.r_cut + s).powi(3) * (1.0 + k / s);
             let s = cheapest_skin(&at);
             assert!(cost(s) <= cost(s * 1.01) && cost(s) <= cost(s * 0.99));

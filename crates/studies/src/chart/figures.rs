@@ -159,9 +159,18 @@ fn one(chart: &Chart, point: &ChartedPoint, mark: &Mark, axis: Axis, color: usiz
             .wall_range
             .filter(|_| axis == Axis::Wall)
             .map(|(low, high)| (1e6 * low, 1e6 * high)),
-        label: mark.on_front(axis).then(|| mark.number.to_string()),
+        label: label(point, mark, axis),
     };
     Series::from_points("", look, color, vec![shown])
+}
+
+/// What stands beside a mark: the scene's own settings and the usual ones by name, those of the front by number.
+fn label(point: &ChartedPoint, mark: &Mark, axis: Axis) -> Option<String> {
+    match point {
+        _ if point.number == 1 => Some("scene".into()),
+        _ if point.engine.is_none() && point.settings.are_usual() => Some("usual".into()),
+        _ => mark.on_front(axis).then(|| mark.number.to_string()),
+    }
 }
 
 /// What a reader sees who points at a mark.

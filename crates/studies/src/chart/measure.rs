@@ -11,12 +11,11 @@ use super::store::Store;
 use super::{Chart, ChartError, ChartOptions, Plan, SCHEMA, panels, peers};
 use crate::jobs::side_by_side_on;
 use crate::settings::{
-    Failed, Grid, Settings, Size, Workbench, grid, modelled_work, shuffled, truncation_is_free,
+    COMMON_STEPS, Failed, Grid, Settings, Size, Workbench, grid, modelled_work, shuffled,
+    truncation_is_free,
 };
 use crate::{Progress, StudyError};
 
-/// Steps of the scene in the unit of the short trajectories: a whole number of steps of most of the grid.
-const SHORT_UNIT: f64 = 48.0;
 /// About this long are they, τ: before chaos takes over.
 const SHORT_TIME: f64 = 0.25;
 /// Shortest and longest runs that measure, τ.
@@ -210,7 +209,7 @@ fn plan(bench: &Workbench, grid: &Grid, tightest: usize, options: &ChartOptions<
     let planned = scene.stages.iter().filter(|s| s.measure);
     let planned: f64 = planned.map(|s| s.steps as f64 * scene.stage_dt(s)).sum();
     let time = time.clamp(SHORTEST, LONGEST.min(planned).max(SHORTEST));
-    let unit = SHORT_UNIT * bench.scene().integrator.dt;
+    let unit = COMMON_STEPS * bench.scene().integrator.dt;
     Plan {
         size: options.size,
         points: grid.settings.len(),

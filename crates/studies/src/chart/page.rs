@@ -202,7 +202,17 @@ fn summary(chart: &Chart) -> Section {
     let Some(own) = chart.points.first() else {
         return section;
     };
-    section = section.text(format!("Number 1 is the scene itself: {}.", own.label));
+    section = section.text(format!(
+        "Number 1, \"scene\" in the diagrams, is the scene itself: {}.",
+        own.label
+    ));
+    let mut others = chart.points[1..].iter();
+    if let Some(usual) = others.find(|p| p.engine.is_none() && p.settings.are_usual()) {
+        section = section.text(format!(
+            "Number {}, \"usual\", is what most people would take: {}.",
+            usual.number, usual.label
+        ));
+    }
     if let Some(m) = own.measured() {
         section = section.text(format!(
             "{} τ let U be known to ± {} ε ({:.0} independent samples), P to ± {} ε/σ³ ({:.0}), T to ± {} ({:.0}). A bias below that cannot be \

@@ -46,8 +46,9 @@ pub(crate) const CUTOFFS: [f64; 5] = [2.0, 2.5, 3.0, 4.0, 5.0];
 const QUICK_CUTOFFS: [f64; 2] = [2.5, 4.0];
 /// Largest cutoffs beyond those are not tried: neighbors grow with the cube, σ.
 const LARGEST_CUTOFF: f64 = 6.0;
-/// Steps as multiples of the scene's, for methods of second order. Times of 48 steps of the scene are whole numbers of
-/// each.
+/// Times of this many steps of the scene are whole numbers of steps of most of the grid: there trajectories are compared.
+pub(crate) const COMMON_STEPS: f64 = 48.0;
+/// Steps as multiples of the scene's, for methods of second order.
 const FACTORS: [f64; 6] = [0.5, 1.0, 2.0, 3.0, 4.0, 6.0];
 /// For methods that bear longer steps.
 const LONG_FACTORS: [f64; 6] = [1.0, 2.0, 4.0, 6.0, 8.0, 12.0];
@@ -74,6 +75,7 @@ pub fn grid(bench: &Workbench, size: Size) -> Grid {
     };
     let base = Settings::of(bench.scene());
     maker.take(&base);
+    maker.usual(&base);
     match size {
         Size::Quick => maker.quick(&base),
         Size::Default => maker.default(&base),
@@ -136,6 +138,22 @@ impl Maker<'_> {
                 self.leave_out(label, line);
             }
             Err(other) => self.leave_out(settings.label(), other.to_string()),
+        }
+    }
+
+    /// What most people would take, with a step as near to theirs as the common times allow.
+    fn usual(&mut self, base: &Settings) {
+        let largest = self.bench.start().cell.largest_cutoff();
+        let Some(usual) = base.usual(largest) else {
+            return;
+        };
+        if truncation_is_free(self.bench.scene()) && !base.are_usual() {
+            let common = COMMON_STEPS * base.dt;
+            let steps = (common / usual.dt).round().max(1.0);
+            self.take(&Settings {
+                dt: common / steps,
+                ..usual
+            });
         }
     }
 

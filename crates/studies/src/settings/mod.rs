@@ -16,7 +16,7 @@ mod workbench;
 pub use cost::{Cost, Spread, Timing, costs, modelled_work};
 pub(crate) use cost::{lowest_median_highest, shuffled};
 pub use forces::{ForceErrors, Untruncated};
-pub(crate) use grid::{CUTOFFS, TRUNCATIONS};
+pub(crate) use grid::{COMMON_STEPS, CUTOFFS, TRUNCATIONS};
 pub use grid::{Grid, LeftOut, Size, grid};
 pub use measured::{AgainstEquation, Drift, Measured, Slopes, Value};
 pub use motion::{TightTrajectory, TrajectoryError};
@@ -52,7 +52,37 @@ pub struct Settings {
     pub skin: Option<f64>,
 }
 
+/// The cutoff, σ, that most people take for a liquid.
+const USUAL_CUTOFF: f64 = 2.5;
+/// The time step, τ, that they take.
+const USUAL_DT: f64 = 0.004;
+
 impl Settings {
+    /// What most people would take in place of these: a cutoff of 2.5 σ with its tail and a step of 0.004 τ, in double
+    /// precision. None where these end the potential otherwise, or where the cutoff is over `largest_cutoff`.
+    #[must_use]
+    pub fn usual(&self, largest_cutoff: f64) -> Option<Self> {
+        let cut = self.truncation.kind == TruncationKind::Cut && self.truncation.tail_correction;
+        (cut && USUAL_CUTOFF <= largest_cutoff).then(|| Self {
+            dt: USUAL_DT,
+            precision: Precision::Double,
+            ..self.with_truncation(TruncationKind::Cut, USUAL_CUTOFF, true)
+        })
+    }
+
+    /// Whether these are [`Settings::usual`], but for a twentieth of the step.
+    #[must_use]
+    pub fn are_usual(&self) -> bool {
+        let usual = self.usual(f64::INFINITY);
+        usual.is_some_and(|usual| {
+            let alike = Self {
+                dt: usual.dt,
+                ..self.clone()
+            };
+            usual == alike && (self.dt / usual.dt - 1.0).abs() < 0.05
+        })
+    }
+
     /// Those of a scene.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {

@@ -1,6 +1,5 @@
 //! What is said about a choice: what cannot be met, what is spent below the noise, what was judged by what.
 
-use lennard_forcefield::TruncationKind;
 use lennard_scene::{Accuracy, Judged, Scene, SceneError};
 
 use super::choose::{Candidate, Choice, Freedom, choose};
@@ -94,7 +93,7 @@ impl Search<'_> {
             errors.join(", "),
             nearest.settings.label()
         );
-        let usual = usual(self.sample, self.base);
+        let usual = self.base.usual(self.sample.largest_cutoff);
         if let Some(usual) = usual {
             let ratio = nearest.price / self.prices.of(&usual);
             text += &format!(
@@ -112,17 +111,6 @@ fn round_up(x: f64) -> f64 {
     }
     let unit = 10_f64.powf(x.log10().floor() - 1.0);
     (x / unit).ceil() * unit
-}
-
-/// The settings that most people would take, where they fit and U and P of the full potential are wanted.
-pub(super) fn usual(sample: &Sample, base: &Settings) -> Option<Settings> {
-    const CUTOFF: f64 = 2.5;
-    let cut = base.truncation.kind == TruncationKind::Cut && base.truncation.tail_correction;
-    (cut && sample.largest_cutoff >= CUTOFF).then(|| Settings {
-        dt: 0.004,
-        precision: lennard_forcefield::Precision::Double,
-        ..base.with_truncation(TruncationKind::Cut, CUTOFF, true)
-    })
 }
 
 /// Whose U and P the accuracy is about.

@@ -102,7 +102,7 @@ pub(super) fn tune_and<T>(
     let (settings, threads) =
         list_and_threads(scene, &prices.bench, &candidate.settings, options.threads)?;
     let usual = if full {
-        advice::usual(&sample, &base)
+        base.usual(sample.largest_cutoff)
     } else {
         None
     };
