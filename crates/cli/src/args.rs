@@ -57,7 +57,8 @@ pub enum Command {
     /// Chart speed against accuracy: one scene with many settings, and which of them are worth their cost.
     #[command(after_help = "Examples:\n  \
         lennard chart inputs/verlet-1967/triple-point.toml --quick\n  \
-        lennard chart inputs/verlet-1967/triple-point.toml --out runs/chart\n\n\
+        lennard chart inputs/verlet-1967/triple-point.toml --out runs/chart\n  \
+        lennard chart inputs/fluid/accuracy.toml        with the settings that `lennard tune` found for it\n\n\
         Finished points are kept in the output folder: the same command goes on where it was stopped.")]
     Chart(ChartArgs),
     /// Run many state points side by side; finished ones are not run again.
@@ -284,6 +285,9 @@ pub struct ChartArgs {
     /// Override a key, such as `system.density=0.8`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub set: Vec<(String, String)>,
+    /// Lock file with the settings for the scene's `[accuracy]`; by default NAME.lock.toml beside NAME.toml.
+    #[arg(long, value_name = "FILE")]
+    pub lock: Option<PathBuf>,
     /// Output folder; finished points in it are kept. By default `runs/<scene>-chart-<n>` with the first free n.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

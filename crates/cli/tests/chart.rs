@@ -105,6 +105,17 @@ fn a_chart_has_everything_goes_on_where_it_stopped_and_refuses_other_folders() {
     assert!(html.contains("Point at a mark") && html.matches("<script>").count() == 1);
     assert!(!html.contains("http-equiv") && !html.contains("src=\"http"));
 
+    // The usual settings stand beside those of the scene, and both are named.
+    let usual = &first["points"][1]["settings"];
+    assert_eq!(usual["truncation"]["r_cut"], 2.5);
+    assert_eq!(usual["dt"].as_f64().unwrap(), 48.0 * 0.01 / 120.0);
+    let svg = std::fs::read_to_string(out.join("figures/energy-tightest-wall.svg")).unwrap();
+    assert!(svg.contains(">scene<") && svg.contains(">usual<"));
+    assert!(
+        html.contains("Number 2, &quot;usual&quot;"),
+        "the page says what is usual"
+    );
+
     // As if it had been interrupted: what is there is kept, what is missing comes out the same.
     let stored = |n: usize| out.join(format!("points/{n:04}.toml"));
     let kept = std::fs::read(stored(2)).unwrap();
@@ -133,6 +144,36 @@ fn a_chart_has_everything_goes_on_where_it_stopped_and_refuses_other_folders() {
         "its timings are of 1 threads",
     );
     refused(&["--out", "."], "no chart");
+}
+
+#[test]
+fn a_chart_takes_the_settings_of_a_lock_file_and_refuses_that_of_another_scene() {
+    let scene = "inputs/bad/lock-of-another-scene.toml";
+    let refused = lennard(&["chart", scene, "--quick"]);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(said.contains("the lock belongs to another"), "{said}");
+    let missing = lennard(&["chart", scene, "--quick", "--lock", "none.lock.toml"]);
+    let said = String::from_utf8_lossy(&missing.stderr).into_owned();
+    assert_eq!(missing.status.code(), Some(2), "{said}");
+    assert!(said.contains("none.lock.toml"), "{said}");
+    // With the density of the lock it fits, and the chart begins: a folder that holds something else ends it there.
+    let place = tempfile::tempdir().unwrap();
+    std::fs::write(place.path().join("notes.txt"), "mine").unwrap();
+    let out = place.path().display().to_string();
+    let fits = [
+        "chart",
+        scene,
+        "--set",
+        "system.density=0.8442",
+        "--out",
+        &out,
+    ];
+    let words = String::from_utf8_lossy(&lennard(&fits).stderr).into_owned();
+    assert!(
+        words.contains("it holds something that is no chart"),
+        "{words}"
+    );
 }
 
 #[test]

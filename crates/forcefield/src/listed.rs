@@ -10,7 +10,6 @@ use lennard_neighbor::{
 };
 use rayon::prelude::*;
 
-use crate::options::Precision;
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
     self, ChunkTotals, DoubleRow, FixedRow, Level, Moved, PairJob, PerParticle, SharedJob, Wanted,
@@ -79,8 +78,7 @@ impl Listed {
             Loop::Rows | Loop::Canonical => 0.0,
         };
         let radius = r_cut + skin + rounding;
-        let lanes = level.lanes(Precision::Double);
-        let list = |images| Box::new(NeighborList::new(cell, radius, images, lanes));
+        let list = |images| Box::new(NeighborList::new(cell, radius, images, level.lanes()));
         let pairs = match kind {
             Loop::Canonical => {
                 let (wrapped, lists) = (Vec::new(), Vec::new());

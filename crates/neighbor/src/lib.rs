@@ -1,9 +1,10 @@
 //! Neighbor lists: a cell grid with periodic images, full Verlet lists built from it, the displacement
 //! criterion that keeps them valid, and the brute-force twin that judges them.
 //!
-//! The list is a *full* one: each particle has all its neighbors, so a force loop writes to nobody
-//! else and gives the same bits for any number of threads. Particles are sorted in space into *rows*;
-//! periodic images are rows of their own (*ghosts*), so that a force loop needs no minimum image.
+//! Lists are *full*: they name all neighbors of a particle, so a force loop writes to nobody else and gives the
+//! same bits for any number of threads. A [`NeighborList`] has one for each particle, over particles sorted in space
+//! into *rows*, in which periodic images are rows of their own (*ghosts*), so that a force loop needs no minimum image.
+//! A [`SharedList`] has one for every four particles, over coordinates in fixed point, whose differences find the image.
 
 mod brute;
 mod columns;

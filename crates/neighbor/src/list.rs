@@ -124,12 +124,6 @@ impl NeighborList {
         &self.chunks
     }
 
-    /// What entries name.
-    #[must_use]
-    pub fn images(&self) -> Images {
-        self.images
-    }
-
     /// The list radius r_list, σ.
     #[must_use]
     pub fn radius(&self) -> f64 {

@@ -117,7 +117,7 @@ pub struct Gathered {
     pub at: [Vec<f32>; 3],
     /// Place of each.
     pub place: Vec<u32>,
-    /// How many there are; a register beyond them nothing is near to anything.
+    /// How many there are; what lies beyond them means nothing.
     pub len: usize,
 }
 
@@ -142,12 +142,6 @@ impl Gathered {
             }
             self.place.resize(total, 0);
         }
-    }
-
-    /// Ends the gathering: a register beyond, where distances overflow, nothing is near to anything.
-    pub fn finish(&mut self, len: usize) {
-        self.len = len;
-        self.at[0][len..len + PADDING].fill(f32::MAX);
     }
 
     /// Checks that a register beyond the last element can be read, and that `found` has room for a register more than
@@ -217,7 +211,7 @@ impl SharedScanner for ScalarSharedScanner {
             // Written always, counted only if near: no branch to mispredict.
             len += usize::from(gap2 <= around.radius2);
         }
-        gathered.finish(len);
+        gathered.len = len;
     }
 
     fn near(

@@ -2,12 +2,11 @@
 
 use std::process::ExitCode;
 
-use lennard_scene::Scene;
 use lennard_studies::chart::{self, ChartError, ChartOptions};
 use lennard_studies::settings::Size;
 
 use crate::args::ChartArgs;
-use crate::commands::{print_json, resumable_folder};
+use crate::commands::{load_file, print_json, resumable_folder};
 use crate::failure::{Failure, INPUT, STOPPED};
 use crate::progress::Display;
 use crate::{show, signals};
@@ -15,7 +14,7 @@ use crate::{show, signals};
 /// Measures what is not measured yet, and prints where the scene's own settings stand.
 pub fn chart(args: &ChartArgs) -> Result<ExitCode, Failure> {
     let stop = signals::stop_flag()?;
-    let scene = Scene::load(&args.scene, &args.set)?;
+    let (scene, _) = load_file(&args.scene, &args.set, args.lock.as_deref())?;
     let folder = resumable_folder(args.out.as_deref(), &format!("{}-chart", scene.name))?;
     let processors = lennard_core::parallel::processors();
     let command = command(args, &folder.display().to_string());
@@ -53,6 +52,9 @@ fn command(args: &ChartArgs, folder: &str) -> String {
     let mut line = format!("lennard chart {} --out {folder}", args.scene.display());
     for (key, value) in &args.set {
         line += &format!(" --set {key}={value}");
+    }
+    if let Some(lock) = &args.lock {
+        line += &format!(" --lock {}", lock.display());
     }
     for (wanted, flag) in [
         (args.quick, " --quick"),

@@ -42,11 +42,20 @@ pub struct UsedLock {
 /// The same, with the lock file that was used. Without one, a scene that leaves settings to be chosen is refused
 /// where it would be built.
 pub fn load_locked(args: &SceneArgs) -> Result<(Scene, Option<UsedLock>), Failure> {
-    let scene = Scene::load(&args.scene, &args.overrides())?;
-    let path = match &args.lock {
-        Some(named) => named.clone(),
+    load_file(&args.scene, &args.overrides(), args.lock.as_deref())
+}
+
+/// The same from a scene file, what is changed in it, and the lock file if it is named.
+pub fn load_file(
+    scene_file: &Path,
+    overrides: &[(String, String)],
+    lock: Option<&Path>,
+) -> Result<(Scene, Option<UsedLock>), Failure> {
+    let scene = Scene::load(scene_file, overrides)?;
+    let path = match lock {
+        Some(named) => named.to_path_buf(),
         None => {
-            let beside = Lock::beside(&args.scene);
+            let beside = Lock::beside(scene_file);
             if scene.free.is_empty() || !beside.exists() {
                 return Ok((scene, None));
             }

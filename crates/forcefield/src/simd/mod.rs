@@ -111,13 +111,11 @@ impl Level {
         }
     }
 
-    /// Lanes of one register in a precision: what list entries are padded to.
-    pub fn lanes(self, precision: Precision) -> usize {
-        match (self, precision) {
-            (Self::Avx512, Precision::Double) => 8,
-            (Self::Avx512, Precision::Mixed) => 16,
-            (Self::Avx2 | Self::Portable, Precision::Double) => 4,
-            (Self::Avx2 | Self::Portable, Precision::Mixed) => 8,
+    /// Doubles of one register: what entries of rows are padded to.
+    pub fn lanes(self) -> usize {
+        match self {
+            Self::Avx512 => 8,
+            Self::Avx2 | Self::Portable => 4,
         }
     }
 

@@ -53,3 +53,9 @@ pub fn gather<const WIDTH: usize>(
     }
     nearby.finish(len);
 }
+
+/// A bit for each lane of a register of which `left` elements are there, and more bits where there are more.
+#[inline(always)]
+pub fn among_first(left: usize) -> u32 {
+    (1_u64 << left.min(32)).wrapping_sub(1) as u32
+}

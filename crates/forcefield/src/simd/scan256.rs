@@ -119,12 +119,7 @@ pub fn gather_shared(
                 let gap = _mm256_max_ps(_mm256_sub_ps(size, half), zero);
                 gap2 = _mm256_fmadd_ps(gap, gap, gap2);
             }
-            let left = run.end - place;
-            let valid = if left >= 8 {
-                0xFF
-            } else {
-                (1_usize << left) - 1
-            };
+            let valid = scan::among_first((run.end - place) as usize) as usize & 0xFF;
             let near =
                 _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(gap2, limit)) as usize & valid;
             // SAFETY: a row of the table is one register; `len` is at most the places looked at so far, and there is
@@ -142,7 +137,7 @@ pub fn gather_shared(
             place += WIDTH as u32;
         }
     }
-    gathered.finish(len);
+    gathered.len = len;
 }
 
 /// See [`lennard_neighbor::SharedScanner::near`].
@@ -194,7 +189,8 @@ pub fn near_shared(
         let apart = _mm256_sub_epi32(place, first);
         let own = _mm256_cmpeq_epi32(_mm256_min_epu32(apart, last), apart);
         let near = _mm256_andnot_ps(_mm256_castsi256_ps(own), near);
-        let near = _mm256_movemask_ps(near) as usize;
+        let there = scan::among_first(gathered.len - at) & 0xFF;
+        let near = _mm256_movemask_ps(near) as usize & there as usize;
         // SAFETY: a row of the table is one register; `count` is at most what was looked at so far, and `found` has
         // room for a register more than all.
         unsafe {

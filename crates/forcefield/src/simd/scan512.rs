@@ -91,12 +91,7 @@ pub fn gather_shared(
                 let gap = _mm512_max_ps(_mm512_sub_ps(_mm512_abs_ps(at[axis]), half), zero);
                 gap2 = _mm512_fmadd_ps(gap, gap, gap2);
             }
-            let left = run.end - place;
-            let valid = if left >= 16 {
-                u16::MAX
-            } else {
-                (1 << left) - 1
-            };
+            let valid = scan::among_first((run.end - place) as usize) as u16;
             let near = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(valid, gap2, limit);
             let number = _mm512_add_epi32(_mm512_set1_epi32(place as i32), ramp);
             // SAFETY: `len` is at most the places looked at so far, and there is room for a register more than all.
@@ -112,7 +107,7 @@ pub fn gather_shared(
             place += WIDTH as u32;
         }
     }
-    gathered.finish(len);
+    gathered.len = len;
 }
 
 /// See [`lennard_neighbor::SharedScanner::near`].
@@ -160,7 +155,7 @@ pub fn near_shared(
             near |= _mm512_cmp_ps_mask::<_CMP_LE_OQ>(r2, limit);
         }
         let others = _mm512_cmpge_epu32_mask(_mm512_sub_epi32(place, first), sharers);
-        near &= others;
+        near &= others & scan::among_first(gathered.len - at) as u16;
         let packed = _mm512_maskz_compress_epi32(near, place);
         // SAFETY: `count` is at most what was looked at so far, and `found` has room for a register more than all.
         unsafe { _mm512_storeu_si512(found.as_mut_ptr().add(count).cast(), packed) };
