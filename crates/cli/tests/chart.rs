@@ -109,8 +109,9 @@ fn a_chart_has_everything_goes_on_where_it_stopped_and_refuses_other_folders() {
     let usual = &first["points"][1]["settings"];
     assert_eq!(usual["truncation"]["r_cut"], 2.5);
     assert_eq!(usual["dt"].as_f64().unwrap(), 48.0 * 0.01 / 120.0);
-    let svg = std::fs::read_to_string(out.join("figures/energy-tightest-wall.svg")).unwrap();
-    assert!(svg.contains(">scene<") && svg.contains(">usual<"));
+    let svg = std::fs::read_to_string(out.join("figures/energy-fluctuation-wall.svg")).unwrap();
+    let named = |label: &str| svg.contains(&format!("\n{label}\n</text>"));
+    assert!(named("scene") && named("usual"), "both are named");
     assert!(
         html.contains("Number 2, &quot;usual&quot;"),
         "the page says what is usual"
@@ -149,11 +150,13 @@ fn a_chart_has_everything_goes_on_where_it_stopped_and_refuses_other_folders() {
 #[test]
 fn a_chart_takes_the_settings_of_a_lock_file_and_refuses_that_of_another_scene() {
     let scene = "inputs/bad/lock-of-another-scene.toml";
-    let refused = lennard(&["chart", scene, "--quick"]);
+    let refused = lennard(&["chart", scene, "--quick"]).output().unwrap();
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert_eq!(refused.status.code(), Some(2), "{said}");
     assert!(said.contains("the lock belongs to another"), "{said}");
-    let missing = lennard(&["chart", scene, "--quick", "--lock", "none.lock.toml"]);
+    let missing = lennard(&["chart", scene, "--quick", "--lock", "none.lock.toml"])
+        .output()
+        .unwrap();
     let said = String::from_utf8_lossy(&missing.stderr).into_owned();
     assert_eq!(missing.status.code(), Some(2), "{said}");
     assert!(said.contains("none.lock.toml"), "{said}");
@@ -169,7 +172,8 @@ fn a_chart_takes_the_settings_of_a_lock_file_and_refuses_that_of_another_scene()
         "--out",
         &out,
     ];
-    let words = String::from_utf8_lossy(&lennard(&fits).stderr).into_owned();
+    let begun = lennard(&fits).output().unwrap();
+    let words = String::from_utf8_lossy(&begun.stderr).into_owned();
     assert!(
         words.contains("it holds something that is no chart"),
         "{words}"
