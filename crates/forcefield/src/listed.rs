@@ -97,8 +97,7 @@ impl Listed {
         }
     }
 
-    /// Lanes computed in one evaluation that meets every pair from both of its ends; a loop that meets it once
-    /// counts twice.
+    /// Lanes computed in one evaluation, which meets every pair from both of its ends.
     pub fn lanes(&self) -> u64 {
         match &self.pairs {
             Pairs::Rows(list, _) => list.lanes_listed(),

@@ -136,15 +136,6 @@ impl Lanes for F64x4 {
         unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, limit.0) }
     }
     #[inline(always)]
-    fn first(mask: Self::Mask, count: usize) -> Self::Mask {
-        // SAFETY: as above.
-        unsafe {
-            let limit = _mm256_set1_pd(count as f64);
-            let valid = _mm256_cmp_pd::<_CMP_LT_OQ>(_mm256_setr_pd(0.0, 1.0, 2.0, 3.0), limit);
-            _mm256_and_pd(mask, valid)
-        }
-    }
-    #[inline(always)]
     fn count(mask: Self::Mask) -> u32 {
         // SAFETY: as above.
         unsafe { _mm256_movemask_pd(mask).count_ones() }
@@ -188,6 +179,16 @@ impl RowLanes for F64x4 {
             [own[0] - Self(x), own[1] - Self(y), own[2] - Self(z)]
         }
     }
+
+    #[inline(always)]
+    fn first(mask: Self::Mask, count: usize) -> Self::Mask {
+        // SAFETY: as above.
+        unsafe {
+            let limit = _mm256_set1_pd(count as f64);
+            let valid = _mm256_cmp_pd::<_CMP_LT_OQ>(_mm256_setr_pd(0.0, 1.0, 2.0, 3.0), limit);
+            _mm256_and_pd(mask, valid)
+        }
+    }
 }
 
 impl Lanes for F32x8 {
@@ -212,15 +213,6 @@ impl Lanes for F32x8 {
     fn at_most(self, limit: Self) -> Self::Mask {
         // SAFETY: a value of this type proves AVX2.
         unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, limit.0) }
-    }
-    #[inline(always)]
-    fn first(mask: Self::Mask, count: usize) -> Self::Mask {
-        // SAFETY: as above.
-        unsafe {
-            let ramp = _mm256_setr_ps(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0);
-            let valid = _mm256_cmp_ps::<_CMP_LT_OQ>(ramp, _mm256_set1_ps(count as f32));
-            _mm256_and_ps(mask, valid)
-        }
     }
     #[inline(always)]
     fn count(mask: Self::Mask) -> u32 {

@@ -131,10 +131,6 @@ impl Lanes for F64x8 {
         unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, limit.0) }
     }
     #[inline(always)]
-    fn first(mask: Self::Mask, count: usize) -> Self::Mask {
-        mask & ((1_u32 << count) - 1) as u8
-    }
-    #[inline(always)]
     fn count(mask: Self::Mask) -> u32 {
         mask.count_ones()
     }
@@ -147,26 +143,6 @@ impl Lanes for F64x8 {
     fn sum(self) -> f64 {
         // SAFETY: as above.
         unsafe { _mm512_reduce_add_pd(self.0) }
-    }
-
-    #[inline(always)]
-    fn sum3(x: Self, y: Self, z: Self) -> DVec3 {
-        // SAFETY: as above.
-        unsafe {
-            let none = _mm512_setzero_pd();
-            let xy = _mm512_add_pd(_mm512_unpacklo_pd(x.0, y.0), _mm512_unpackhi_pd(x.0, y.0));
-            let z = _mm512_add_pd(_mm512_unpacklo_pd(z.0, none), _mm512_unpackhi_pd(z.0, none));
-            // xy: x y x y x y x y, z: z 0 z 0 z 0 z 0; to x y z 0 by quarters.
-            let low = _mm512_shuffle_f64x2::<0b01_00_01_00>(xy, z);
-            let high = _mm512_shuffle_f64x2::<0b11_10_11_10>(xy, z);
-            let halves = _mm512_add_pd(low, high);
-            let xy = _mm512_castpd512_pd256(halves);
-            let z = _mm512_extractf64x4_pd::<1>(halves);
-            let xy = _mm_add_pd(_mm256_castpd256_pd128(xy), _mm256_extractf128_pd::<1>(xy));
-            let z = _mm_add_pd(_mm256_castpd256_pd128(z), _mm256_extractf128_pd::<1>(z));
-            let y = _mm_unpackhi_pd(xy, xy);
-            DVec3::new(_mm_cvtsd_f64(xy), _mm_cvtsd_f64(y), _mm_cvtsd_f64(z))
-        }
     }
 }
 
@@ -194,6 +170,31 @@ impl RowLanes for F64x8 {
             let y = _mm512_shuffle_f64x2::<0b10_00_10_00>(y_low, y_high);
             let z = _mm512_shuffle_f64x2::<0b11_01_11_01>(xz_low, xz_high);
             [own[0] - Self(x), own[1] - Self(y), own[2] - Self(z)]
+        }
+    }
+
+    #[inline(always)]
+    fn first(mask: Self::Mask, count: usize) -> Self::Mask {
+        mask & ((1_u32 << count) - 1) as u8
+    }
+
+    #[inline(always)]
+    fn sum3(x: Self, y: Self, z: Self) -> DVec3 {
+        // SAFETY: as above.
+        unsafe {
+            let none = _mm512_setzero_pd();
+            let xy = _mm512_add_pd(_mm512_unpacklo_pd(x.0, y.0), _mm512_unpackhi_pd(x.0, y.0));
+            let z = _mm512_add_pd(_mm512_unpacklo_pd(z.0, none), _mm512_unpackhi_pd(z.0, none));
+            // xy: x y x y x y x y, z: z 0 z 0 z 0 z 0; to x y z 0 by quarters.
+            let low = _mm512_shuffle_f64x2::<0b01_00_01_00>(xy, z);
+            let high = _mm512_shuffle_f64x2::<0b11_10_11_10>(xy, z);
+            let halves = _mm512_add_pd(low, high);
+            let xy = _mm512_castpd512_pd256(halves);
+            let z = _mm512_extractf64x4_pd::<1>(halves);
+            let xy = _mm_add_pd(_mm256_castpd256_pd128(xy), _mm256_extractf128_pd::<1>(xy));
+            let z = _mm_add_pd(_mm256_castpd256_pd128(z), _mm256_extractf128_pd::<1>(z));
+            let y = _mm_unpackhi_pd(xy, xy);
+            DVec3::new(_mm_cvtsd_f64(xy), _mm_cvtsd_f64(y), _mm_cvtsd_f64(z))
         }
     }
 }
@@ -260,10 +261,6 @@ impl Lanes for F32x16 {
         unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, limit.0) }
     }
     #[inline(always)]
-    fn first(mask: Self::Mask, count: usize) -> Self::Mask {
-        mask & ((1_u32 << count) - 1) as u16
-    }
-    #[inline(always)]
     fn count(mask: Self::Mask) -> u32 {
         mask.count_ones()
     }
@@ -279,74 +276,6 @@ impl Lanes for F32x16 {
             let low = _mm512_cvtps_pd(_mm512_castps512_ps256(self.0));
             let high = _mm512_cvtps_pd(_mm512_extractf32x8_ps::<1>(self.0));
             _mm512_reduce_add_pd(_mm512_add_pd(low, high))
-        }
-    }
-
-    #[inline(always)]
-    fn sum3(x: Self, y: Self, z: Self) -> DVec3 {
-        // SAFETY: as above.
-        unsafe {
-            // Two levels in single precision, where each lane holds a handful of pairs, the rest in double.
-            let none = _mm512_setzero_ps();
-            let xy = _mm512_add_ps(_mm512_unpacklo_ps(x.0, y.0), _mm512_unpackhi_ps(x.0, y.0));
-            let z = _mm512_add_ps(_mm512_unpacklo_ps(z.0, none), _mm512_unpackhi_ps(z.0, none));
-            // xy: x y x y, z: z 0 z 0 in each quarter; to x y z 0.
-            let (xy, z) = (_mm512_castps_pd(xy), _mm512_castps_pd(z));
-            let quarters = _mm512_add_ps(
-                _mm512_castpd_ps(_mm512_unpacklo_pd(xy, z)),
-                _mm512_castpd_ps(_mm512_unpackhi_pd(xy, z)),
-            );
-            let low = _mm512_cvtps_pd(_mm512_castps512_ps256(quarters));
-            let high = _mm512_cvtps_pd(_mm512_extractf32x8_ps::<1>(quarters));
-            let both = _mm512_add_pd(low, high);
-            let xyz = _mm256_add_pd(
-                _mm512_castpd512_pd256(both),
-                _mm512_extractf64x4_pd::<1>(both),
-            );
-            let xy = _mm256_castpd256_pd128(xyz);
-            let z = _mm256_extractf128_pd::<1>(xyz);
-            let y = _mm_unpackhi_pd(xy, xy);
-            DVec3::new(_mm_cvtsd_f64(xy), _mm_cvtsd_f64(y), _mm_cvtsd_f64(z))
-        }
-    }
-
-    #[inline(always)]
-    fn sum_four([a, b, c, d]: [[Self; 3]; 4]) -> [DVec3; 4] {
-        // SAFETY: as above.
-        unsafe {
-            // Each lane holds a handful of pairs, and four levels of single precision add little to their error. One
-            // axis at a time: quarters of two, then of all four.
-            let two = |p: Self, q: Self| {
-                let sum = _mm512_add_ps(_mm512_unpacklo_ps(p.0, q.0), _mm512_unpackhi_ps(p.0, q.0));
-                _mm512_castps_pd(sum)
-            };
-            let four = |p: __m512d, q: __m512d| {
-                _mm512_add_ps(
-                    _mm512_castpd_ps(_mm512_unpacklo_pd(p, q)),
-                    _mm512_castpd_ps(_mm512_unpackhi_pd(p, q)),
-                )
-            };
-            let x = four(two(a[0], b[0]), two(c[0], d[0]));
-            let y = four(two(a[1], b[1]), two(c[1], d[1]));
-            let z = four(two(a[2], b[2]), two(c[2], d[2]));
-            // Quarters of x, x, y, y; then one of each.
-            let xy = _mm512_add_ps(
-                _mm512_shuffle_f32x4::<0b01_00_01_00>(x, y),
-                _mm512_shuffle_f32x4::<0b11_10_11_10>(x, y),
-            );
-            let xy = _mm512_add_ps(xy, _mm512_shuffle_f32x4::<0b10_11_00_01>(xy, xy));
-            let z = _mm256_add_ps(_mm512_castps512_ps256(z), _mm512_extractf32x8_ps::<1>(z));
-            let z = _mm_add_ps(_mm256_castps256_ps128(z), _mm256_extractf128_ps::<1>(z));
-            let mut sums = [[0.0; 4]; 3];
-            _mm256_storeu_pd(
-                sums[0].as_mut_ptr(),
-                _mm256_cvtps_pd(_mm512_castps512_ps128(xy)),
-            );
-            let y = _mm512_extractf32x4_ps::<2>(xy);
-            _mm256_storeu_pd(sums[1].as_mut_ptr(), _mm256_cvtps_pd(y));
-            _mm256_storeu_pd(sums[2].as_mut_ptr(), _mm256_cvtps_pd(z));
-            let sum = |k: usize| DVec3::new(sums[0][k], sums[1][k], sums[2][k]);
-            [sum(0), sum(1), sum(2), sum(3)]
         }
     }
 }
@@ -394,6 +323,46 @@ impl FixedLanes for F32x16 {
     #[inline(always)]
     fn among(mask: Self::Mask, bits: u32) -> Self::Mask {
         mask & bits as u16
+    }
+
+    #[inline(always)]
+    fn sum_four([a, b, c, d]: [[Self; 3]; 4]) -> [DVec3; 4] {
+        // SAFETY: as above.
+        unsafe {
+            // Each lane holds a handful of pairs, and four levels of single precision add little to their error. One
+            // axis at a time: quarters of two, then of all four.
+            let two = |p: Self, q: Self| {
+                let sum = _mm512_add_ps(_mm512_unpacklo_ps(p.0, q.0), _mm512_unpackhi_ps(p.0, q.0));
+                _mm512_castps_pd(sum)
+            };
+            let four = |p: __m512d, q: __m512d| {
+                _mm512_add_ps(
+                    _mm512_castpd_ps(_mm512_unpacklo_pd(p, q)),
+                    _mm512_castpd_ps(_mm512_unpackhi_pd(p, q)),
+                )
+            };
+            let x = four(two(a[0], b[0]), two(c[0], d[0]));
+            let y = four(two(a[1], b[1]), two(c[1], d[1]));
+            let z = four(two(a[2], b[2]), two(c[2], d[2]));
+            // Quarters of x, x, y, y; then one of each.
+            let xy = _mm512_add_ps(
+                _mm512_shuffle_f32x4::<0b01_00_01_00>(x, y),
+                _mm512_shuffle_f32x4::<0b11_10_11_10>(x, y),
+            );
+            let xy = _mm512_add_ps(xy, _mm512_shuffle_f32x4::<0b10_11_00_01>(xy, xy));
+            let z = _mm256_add_ps(_mm512_castps512_ps256(z), _mm512_extractf32x8_ps::<1>(z));
+            let z = _mm_add_ps(_mm256_castps256_ps128(z), _mm256_extractf128_ps::<1>(z));
+            let mut sums = [[0.0; 4]; 3];
+            _mm256_storeu_pd(
+                sums[0].as_mut_ptr(),
+                _mm256_cvtps_pd(_mm512_castps512_ps128(xy)),
+            );
+            let y = _mm512_extractf32x4_ps::<2>(xy);
+            _mm256_storeu_pd(sums[1].as_mut_ptr(), _mm256_cvtps_pd(y));
+            _mm256_storeu_pd(sums[2].as_mut_ptr(), _mm256_cvtps_pd(z));
+            let sum = |k: usize| DVec3::new(sums[0][k], sums[1][k], sums[2][k]);
+            [sum(0), sum(1), sum(2), sum(3)]
+        }
     }
 }
 

@@ -63,29 +63,12 @@ pub trait Lanes: Real {
 
     /// The lanes whose value is at most `limit`.
     fn at_most(self, limit: Self) -> Self::Mask;
-    /// The lanes of `mask` among the first `count`.
-    fn first(mask: Self::Mask, count: usize) -> Self::Mask;
     /// Number of lanes in a mask.
     fn count(mask: Self::Mask) -> u32;
     /// The value where the mask holds, zero elsewhere.
     fn keep(self, mask: Self::Mask) -> Self;
     /// The sum over all lanes, in double precision and a fixed order.
     fn sum(self) -> f64;
-    /// The sums over all lanes of three values at once, which costs less than three sums.
-    #[inline(always)]
-    fn sum3(x: Self, y: Self, z: Self) -> DVec3 {
-        DVec3::new(x.sum(), y.sum(), z.sum())
-    }
-    /// The sums of four vectors of values at once, which costs less again.
-    #[inline(always)]
-    fn sum_four([a, b, c, d]: [[Self; 3]; 4]) -> [DVec3; 4] {
-        [
-            Self::sum3(a[0], a[1], a[2]),
-            Self::sum3(b[0], b[1], b[2]),
-            Self::sum3(c[0], c[1], c[2]),
-            Self::sum3(d[0], d[1], d[2]),
-        ]
-    }
 }
 
 /// Registers that read rows in σ.
@@ -100,4 +83,13 @@ pub trait RowLanes: Lanes {
         rows: *const Self::Row,
         entries: *const E,
     ) -> [Self; 3];
+
+    /// The lanes of `mask` among the first `count`.
+    fn first(mask: Self::Mask, count: usize) -> Self::Mask;
+
+    /// The sums over all lanes of three values at once, which costs less than three sums.
+    #[inline(always)]
+    fn sum3(x: Self, y: Self, z: Self) -> DVec3 {
+        DVec3::new(x.sum(), y.sum(), z.sum())
+    }
 }

@@ -10,6 +10,7 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod lanes;
+mod output;
 mod packing;
 mod pair_loop;
 mod pair_sums;

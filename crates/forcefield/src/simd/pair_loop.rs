@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 use lennard_neighbor::{Entries, ListChunk, NeighborList};
 
-use super::Scatter;
 use super::lanes::{Entry, Lanes, RowLanes};
+use super::output::Output;
 use super::pair_sums::{Besides, ForcesAlone, PairSums};
 use crate::truncation::PairForm;
 
@@ -54,8 +54,7 @@ pub struct PairJob<'a, Row, F> {
     r_cut2: f64,
     rows: &'a [Row],
     list: &'a NeighborList,
-    forces: Scatter<'a, DVec3>,
-    each: Option<Scatter<'a, PerParticle>>,
+    output: Output<'a>,
 }
 
 impl<'a, Row, F: PairForm> PairJob<'a, Row, F> {
@@ -76,17 +75,12 @@ impl<'a, Row, F: PairForm> PairJob<'a, Row, F> {
             rows.len() >= list.targets(),
             "a row for each target of the list"
         );
-        assert_eq!(forces.len(), n, "a force for each particle");
-        if let Some(each) = &each {
-            assert_eq!(each.len(), n, "an entry for each particle");
-        }
         Self {
             form,
             r_cut2: r_cut * r_cut,
             rows,
             list,
-            forces: Scatter::new(forces),
-            each: each.map(Scatter::new),
+            output: Output::new(n, forces, each),
         }
     }
 }
@@ -184,20 +178,8 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
 
         let [fx, fy, fz] = force;
         let force = L::sum3(fx, fy, fz);
-        totals.broken |= !force.is_finite();
         // SAFETY: each particle stands at one place, and each place in one chunk.
-        unsafe { job.forces.write(particle, force) };
-        if B::ANYTHING {
-            let found = sums.totals();
-            totals.energy += found.energy;
-            totals.virial += found.virial;
-            totals.laplacian += found.laplacian;
-            totals.pairs += found.pairs;
-            if let Some(each) = &job.each {
-                // SAFETY: as for the forces.
-                unsafe { each.write(particle, (0.5 * found.energy, 0.5 * found.virial)) };
-            }
-        }
+        unsafe { job.output.write(particle, force, &sums, 1.0, &mut totals) };
     }
     totals
 }

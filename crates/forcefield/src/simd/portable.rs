@@ -98,10 +98,6 @@ macro_rules! masks {
             from_fn(|k| self.0[k] <= limit.0[k])
         }
         #[inline(always)]
-        fn first(mask: Self::Mask, count: usize) -> Self::Mask {
-            from_fn(|k| mask[k] && k < count)
-        }
-        #[inline(always)]
         fn count(mask: Self::Mask) -> u32 {
             mask.iter().map(|m| u32::from(*m)).sum()
         }
@@ -141,6 +137,11 @@ impl<const N: usize> RowLanes for Group<f64, N> {
         // SAFETY: `N` entries are readable and each names a readable row.
         let at: [&DoubleRow; N] = from_fn(|k| unsafe { &*(*entries.add(k)).row(rows) });
         [0, 1, 2].map(|axis| Self(from_fn(|k| own[axis] - at[k].0[axis])))
+    }
+
+    #[inline(always)]
+    fn first(mask: Self::Mask, count: usize) -> Self::Mask {
+        from_fn(|k| mask[k] && k < count)
     }
 }
 

@@ -2,10 +2,11 @@
 
 use lennard_neighbor::{BLOCK, Block, SHARERS, SharedChunk, SharedList};
 
+use super::FixedRow;
 use super::lanes::{Lanes, Scaled};
+use super::output::Output;
 use super::pair_loop::{ChunkTotals, PerParticle, Wanted};
 use super::pair_sums::{Besides, ForcesAlone, PairSums};
-use super::{FixedRow, Scatter};
 use crate::truncation::PairForm;
 use glam::DVec3;
 
@@ -29,6 +30,17 @@ pub trait FixedLanes: Lanes<Row = FixedRow> {
 
     /// The lanes of `mask` that are set in the lowest bits of `bits`.
     fn among(mask: Self::Mask, bits: u32) -> Self::Mask;
+
+    /// The sums over all lanes of four vectors at once, which may cost less than twelve sums.
+    #[inline(always)]
+    fn sum_four([a, b, c, d]: [[Self; 3]; SHARERS]) -> [DVec3; SHARERS] {
+        [
+            DVec3::new(a[0].sum(), a[1].sum(), a[2].sum()),
+            DVec3::new(b[0].sum(), b[1].sum(), b[2].sum()),
+            DVec3::new(c[0].sum(), c[1].sum(), c[2].sum()),
+            DVec3::new(d[0].sum(), d[1].sum(), d[2].sum()),
+        ]
+    }
 }
 
 const _: () = assert!(SHARERS == 4, "the loop names each of the sharers");
@@ -41,8 +53,7 @@ pub struct SharedJob<'a, F> {
     scale: [f64; 3],
     rows: &'a [FixedRow],
     list: &'a SharedList,
-    forces: Scatter<'a, DVec3>,
-    each: Option<Scatter<'a, PerParticle>>,
+    output: Output<'a>,
 }
 
 impl<'a, F: PairForm> SharedJob<'a, F> {
@@ -62,18 +73,13 @@ impl<'a, F: PairForm> SharedJob<'a, F> {
     ) -> Self {
         let n = list.table().particle.len();
         assert_eq!(rows.len(), n, "a row for each particle");
-        assert_eq!(forces.len(), n, "a force for each particle");
-        if let Some(each) = &each {
-            assert_eq!(each.len(), n, "an entry for each particle");
-        }
         Self {
             form,
             r_cut2: r_cut * r_cut,
             scale,
             rows,
             list,
-            forces: Scatter::new(forces),
-            each: each.map(Scatter::new),
+            output: Output::new(n, forces, each),
         }
     }
 }
@@ -182,22 +188,11 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, const CUBIC: bool>(
         let pulls = L::sum_four([sums[0].pull, sums[1].pull, sums[2].pull, sums[3].pull]);
         for ((place, sums), pull) in (first..particle.len()).zip(&sums).zip(pulls) {
             let particle = particle[place] as usize;
-            let force = pull * -sx;
-            // Not finite where one of them is not: single precision leaves no room for an overflow here.
-            totals.broken |= !force.element_sum().is_finite();
             // SAFETY: each particle stands at one place, each place in one list, and each list in one chunk.
-            unsafe { job.forces.write(particle, force) };
-            if B::ANYTHING {
-                let mut found = sums.besides.totals();
-                found.virial *= sx * sx;
-                totals.energy += found.energy;
-                totals.virial += found.virial;
-                totals.laplacian += found.laplacian;
-                totals.pairs += found.pairs;
-                if let Some(each) = &job.each {
-                    // SAFETY: as for the forces.
-                    unsafe { each.write(particle, (0.5 * found.energy, 0.5 * found.virial)) };
-                }
+            unsafe {
+                let (force, besides) = (pull * -sx, &sums.besides);
+                job.output
+                    .write(particle, force, besides, sx * sx, &mut totals);
             }
         }
     }

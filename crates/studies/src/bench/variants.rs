@@ -251,16 +251,11 @@ fn result(variant: &Variant, blocks: &[Block], start: &Start) -> Result<KernelRe
         MEETINGS
     };
     // The limit is that of the loops that compute in whole registers: no other loop could reach it.
-    let ideal_meetings = match variant.kernel {
-        "rows" | "shared" => Some(MEETINGS),
-        _ => None,
-    };
-    let limit =
-        ideal_meetings.and_then(|_| measure::arithmetic_limit(isa(variant.isa), variant.precision));
-    let ideal_ns = |limit: f64| {
-        let meetings = ideal_meetings.unwrap_or_default();
-        1e9 * meetings * start.pairs_per_atom / (limit * variant.threads as f64)
-    };
+    let limit = matches!(variant.kernel, "rows" | "shared")
+        .then(|| measure::arithmetic_limit(isa(variant.isa), variant.precision))
+        .flatten();
+    let ideal_ns =
+        |limit: f64| 1e9 * MEETINGS * start.pairs_per_atom / (limit * variant.threads as f64);
     Ok(KernelResult {
         kernel: variant.kernel.into(),
         isa: variant.isa.into(),
