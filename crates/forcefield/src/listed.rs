@@ -6,7 +6,7 @@ use glam::DVec3;
 use lennard_core::parallel::for_each_chunk;
 use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWriter};
 use lennard_neighbor::{
-    BLOCK, Criterion, FIXED_UNITS, GridError, Images, NeighborList, SHARERS, SharedList, Verdict,
+    Criterion, FIXED_UNITS, GridError, Images, NeighborList, SharedList, Verdict,
 };
 use rayon::prelude::*;
 
@@ -101,7 +101,7 @@ impl Listed {
     pub fn lanes(&self) -> u64 {
         match &self.pairs {
             Pairs::Rows(list, _) => list.lanes_listed(),
-            Pairs::Shared(list, _) => (SHARERS * BLOCK) as u64 * list.blocks(),
+            Pairs::Shared(list, _) => list.lanes(),
         }
     }
 

@@ -26,7 +26,7 @@ const TIE_MARGIN: f64 = 1e-9;
 /// steps cost the same at any value in between, and thicker skins keep lists below a fifth of a step.
 const ROWS_OVER_FORCE: f64 = 3.5;
 /// Cost of building shared lists over that of the force loop in mixed precision.
-const SHARED_OVER_FORCE: f64 = 2.5;
+const SHARED_OVER_FORCE: f64 = 3.5;
 /// Fewer particles than this for each thread cost more in waiting than they save.
 const ATOMS_PER_THREAD: usize = 400;
 

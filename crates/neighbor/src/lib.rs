@@ -6,6 +6,7 @@
 //! into *rows*, in which periodic images are rows of their own (*ghosts*), so that a force loop needs no minimum image.
 //! A [`SharedList`] has one for every four particles, over coordinates in fixed point, whose differences find the image.
 
+mod blocks;
 mod brute;
 mod columns;
 mod criterion;
@@ -13,15 +14,18 @@ mod grid;
 mod list;
 mod scan;
 mod shared;
+mod shared_scan;
 pub mod skin;
 
+pub use blocks::{BLOCK, Block, ENTRY, SharedBlocks, SharedChunk, Span, amid};
 pub use brute::{brute_force_pairs, for_each_pair};
 pub use columns::{ColumnTable, FIXED_UNITS, to_fixed};
 pub use criterion::{Criterion, Verdict};
 pub use grid::{Ghost, GridError, RowTable};
 pub use list::{ATOMS_PER_CHUNK, Entries, Images, ListChunk, NeighborList};
 pub use scan::{Candidates, Center, Names, Nearby, PADDING, RowScanner, ScalarScanner};
-pub use shared::{
-    Around, BLOCK, Block, ENTRY, Gathered, SHARERS, ScalarSharedScanner, SharedChunk, SharedList,
+pub use shared::SharedList;
+pub use shared_scan::{
+    Around, FOR_ALL, FOR_FIRST_TWO, FOR_LAST_TWO, Found, Gathered, SHARERS, ScalarSharedScanner,
     SharedScanner,
 };

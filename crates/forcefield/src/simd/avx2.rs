@@ -3,9 +3,9 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::lanes::{Entry, Lanes, RowLanes, Scaled};
+use super::lanes::{Entry, FixedLanes, Lanes, RowLanes, Scaled};
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
-use super::shared_loop::{self, FixedLanes, SharedJob};
+use super::shared_loop::{self, SharedJob};
 use super::{DoubleRow, FixedRow};
 use crate::options::Precision;
 use crate::real::Real;
@@ -236,7 +236,7 @@ impl Lanes for F32x8 {
 }
 
 impl FixedLanes for F32x8 {
-    const CUBIC_LOOP: bool = true;
+    const LOOP_FOR_TOGETHER: bool = true;
 
     #[inline(always)]
     unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own {

@@ -5,9 +5,9 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use glam::DVec3;
 
-use super::lanes::{Entry, Lanes, RowLanes, Scaled};
+use super::lanes::{Entry, FixedLanes, Lanes, RowLanes, Scaled};
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
-use super::shared_loop::{self, FixedLanes, SharedJob};
+use super::shared_loop::{self, SharedJob};
 use super::{DoubleRow, FixedRow};
 use crate::options::Precision;
 use crate::real::Real;
@@ -280,8 +280,12 @@ impl Lanes for F32x16 {
     }
 }
 
+/// Four sharers as seen from the point amid them, and that point.
+#[repr(C, align(64))]
+struct Seen([f32; 16], [i32; 4]);
+
 impl FixedLanes for F32x16 {
-    const CUBIC_LOOP: bool = true;
+    const LOOP_FOR_TOGETHER: bool = true;
 
     #[inline(always)]
     unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own {
@@ -323,6 +327,46 @@ impl FixedLanes for F32x16 {
     #[inline(always)]
     fn among(mask: Self::Mask, bits: u32) -> Self::Mask {
         mask & bits as u16
+    }
+
+    #[inline(always)]
+    unsafe fn from_amid(rows: [&FixedRow; 4], scale: [f64; 3]) -> (Self::Own, [[Self; 3]; 4]) {
+        // SAFETY: AVX-512 is there by contract.
+        unsafe {
+            let row = |k: usize| _mm_load_si128(rows[k].0.as_ptr().cast());
+            let half = _mm_srai_epi32::<1>(_mm_sub_epi32(row(2), row(1)));
+            let amid = _mm_add_epi32(row(1), half);
+            let four = _mm512_castsi128_si512(row(0));
+            let four = _mm512_inserti32x4::<1>(four, row(1));
+            let four = _mm512_inserti32x4::<2>(four, row(2));
+            let four = _mm512_inserti32x4::<3>(four, row(3));
+            let apart = _mm512_sub_epi32(four, _mm512_broadcast_i32x4(amid));
+            let (x, y, z) = (scale[0] as f32, scale[1] as f32, scale[2] as f32);
+            let scale = _mm512_broadcast_f32x4(_mm_setr_ps(x, y, z, 0.0));
+            let mut seen = Seen([0.0; 16], [0; 4]);
+            _mm512_store_ps(
+                seen.0.as_mut_ptr(),
+                _mm512_mul_ps(_mm512_cvtepi32_ps(apart), scale),
+            );
+            _mm_store_si128(seen.1.as_mut_ptr().cast(), amid);
+            // Each value is spread as it is loaded, which takes nothing from the ports of the arithmetic; without the box
+            // the compiler would make shuffles of it.
+            let Seen(own, amid) = std::hint::black_box(&seen);
+            let spread = |lane: usize| Self(_mm512_set1_ps(own[lane]));
+            (
+                [
+                    _mm512_set1_epi32(amid[0]),
+                    _mm512_set1_epi32(amid[1]),
+                    _mm512_set1_epi32(amid[2]),
+                ],
+                [
+                    [spread(0), spread(1), spread(2)],
+                    [spread(4), spread(5), spread(6)],
+                    [spread(8), spread(9), spread(10)],
+                    [spread(12), spread(13), spread(14)],
+                ],
+            )
+        }
     }
 
     #[inline(always)]

@@ -1,8 +1,9 @@
 //! What a register of lanes must do for the pair loop.
 
 use glam::DVec3;
-use lennard_neighbor::ENTRY;
+use lennard_neighbor::{ENTRY, SHARERS, amid};
 
+use super::FixedRow;
 use crate::real::Real;
 
 /// What names a row in a list.
@@ -93,3 +94,59 @@ pub trait RowLanes: Lanes {
         DVec3::new(x.sum(), y.sum(), z.sum())
     }
 }
+
+/// Registers of singles that read rows in fixed point.
+pub trait FixedLanes: Lanes<Row = FixedRow> {
+    /// Whether a loop of its own for sharers that are together is worth compiling.
+    const LOOP_FOR_TOGETHER: bool;
+
+    /// The rows that `WIDTH` entries name, along x, y and z.
+    ///
+    /// # Safety
+    /// Each of the `WIDTH` readable entries at `entries` names a readable row, and the processor has the instruction set
+    /// of the implementation.
+    unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own;
+
+    /// a − b along each axis, in units of the rows.
+    ///
+    /// # Safety
+    /// The processor has the instruction set of the implementation.
+    unsafe fn apart(a: Self::Own, b: Self::Own) -> [Self; 3];
+
+    /// The lanes of `mask` that are set in the lowest bits of `bits`.
+    fn among(mask: Self::Mask, bits: u32) -> Self::Mask;
+
+    /// The point [`amid`] the sharers, and the sharers as seen from there in σ, where units are `scale` σ long along
+    /// each axis.
+    ///
+    /// # Safety
+    /// As [`FixedLanes::apart`].
+    #[inline(always)]
+    unsafe fn from_amid(
+        rows: [&FixedRow; SHARERS],
+        scale: [f64; 3],
+    ) -> (Self::Own, [[Self; 3]; SHARERS]) {
+        let amid = FixedRow(amid(rows[1].0, rows[2].0));
+        let seen = |row: &FixedRow, axis: usize| {
+            let apart = row.0[axis].wrapping_sub(amid.0[axis]) as f32;
+            Self::splat(f64::from(apart * scale[axis] as f32))
+        };
+        let each = |row: &FixedRow| [seen(row, 0), seen(row, 1), seen(row, 2)];
+        let own = [each(rows[0]), each(rows[1]), each(rows[2]), each(rows[3])];
+        // SAFETY: the contract is passed on.
+        (unsafe { Self::spread(&amid) }, own)
+    }
+
+    /// The sums over all lanes of four vectors at once, which may cost less than twelve sums.
+    #[inline(always)]
+    fn sum_four([a, b, c, d]: [[Self; 3]; SHARERS]) -> [DVec3; SHARERS] {
+        [
+            DVec3::new(a[0].sum(), a[1].sum(), a[2].sum()),
+            DVec3::new(b[0].sum(), b[1].sum(), b[2].sum()),
+            DVec3::new(c[0].sum(), c[1].sum(), c[2].sum()),
+            DVec3::new(d[0].sum(), d[1].sum(), d[2].sum()),
+        ]
+    }
+}
+
+const _: () = assert!(SHARERS == 4, "the loop names each of the sharers");

@@ -15,6 +15,7 @@ mod packing;
 mod pair_loop;
 mod pair_sums;
 mod portable;
+mod reader;
 #[cfg(target_arch = "x86_64")]
 mod scan;
 #[cfg(target_arch = "x86_64")]
@@ -23,6 +24,7 @@ mod scan256;
 mod scan512;
 mod scatter;
 mod shared_loop;
+mod view;
 
 pub use packing::Moved;
 pub use pair_loop::{ChunkTotals, PairJob, PerParticle, Wanted};
@@ -33,7 +35,7 @@ use crate::options::{Isa, Precision};
 use crate::truncation::PairForm;
 use glam::DVec3;
 use lennard_neighbor::{
-    Around, Candidates, Center, ColumnTable, Gathered, Names, Nearby, RowScanner, RowTable,
+    Around, Candidates, Center, ColumnTable, Found, Gathered, Names, Nearby, RowScanner, RowTable,
     SHARERS, ScalarScanner, ScalarSharedScanner, SharedScanner,
 };
 use rayon::prelude::*;
@@ -203,8 +205,8 @@ macro_rules! scanner {
                 around: &Around,
                 own: [[f32; 3]; SHARERS],
                 first: u32,
-                found: &mut [u32],
-            ) -> usize {
+                found: &mut Found,
+            ) {
                 // SAFETY: as above.
                 unsafe { $module::near_shared(gathered, around, own, first, found) }
             }

@@ -29,8 +29,7 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Writes what was found for one particle and adds it to the totals of its chunk; `unit2` is the square of the
-    /// length in σ that distances in `besides` are counted in.
+    /// Writes what was found for one particle and adds it to the totals of its chunk.
     ///
     /// # Safety
     /// No other thread writes what belongs to this particle.
@@ -40,15 +39,12 @@ impl<'a> Output<'a> {
         particle: usize,
         force: DVec3,
         besides: &B,
-        unit2: f64,
         totals: &mut ChunkTotals,
     ) {
-        totals.broken |= !force.is_finite();
         // SAFETY: the contract is passed on.
         unsafe { self.forces.write(particle, force) };
         if B::ANYTHING {
-            let mut found = besides.totals();
-            found.virial *= unit2;
+            let found = besides.totals();
             totals.energy += found.energy;
             totals.virial += found.virial;
             totals.laplacian += found.laplacian;

@@ -131,6 +131,7 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
     // No `array::map` over lanes anywhere here: it is a call, and a call leaves the instruction set behind.
     let zero = L::splat(0.0);
     let mut totals = ChunkTotals::NOTHING;
+    let mut sum = DVec3::ZERO;
     let mut start = 0;
     // SAFETY: `PairJob::new` checked that every target of the list is a row; base plus entry is one.
     let rows = unsafe { job.rows.as_ptr().add(chunk.base as usize) };
@@ -178,9 +179,12 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
 
         let [fx, fy, fz] = force;
         let force = L::sum3(fx, fy, fz);
+        sum += force;
         // SAFETY: each particle stands at one place, and each place in one chunk.
-        unsafe { job.output.write(particle, force, &sums, 1.0, &mut totals) };
+        unsafe { job.output.write(particle, force, &sums, &mut totals) };
     }
+    // What is not finite never becomes finite again.
+    totals.broken = !sum.is_finite();
     totals
 }
 

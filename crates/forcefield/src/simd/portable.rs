@@ -4,9 +4,9 @@
 use std::array::from_fn;
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::lanes::{Entry, Lanes, RowLanes, Scaled};
+use super::lanes::{Entry, FixedLanes, Lanes, RowLanes, Scaled};
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
-use super::shared_loop::{self, FixedLanes, SharedJob};
+use super::shared_loop::{self, SharedJob};
 use super::{DoubleRow, FixedRow};
 use crate::options::Precision;
 use crate::real::Real;
@@ -161,7 +161,7 @@ impl<const N: usize> Lanes for Group<f32, N> {
 }
 
 impl<const N: usize> FixedLanes for Group<f32, N> {
-    const CUBIC_LOOP: bool = false;
+    const LOOP_FOR_TOGETHER: bool = false;
 
     #[inline(always)]
     unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own {

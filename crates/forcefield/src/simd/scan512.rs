@@ -3,7 +3,9 @@
 use std::arch::x86_64::*;
 use std::ops::Range;
 
-use lennard_neighbor::{Around, Candidates, Center, ColumnTable, Gathered, Names, Nearby, SHARERS};
+use lennard_neighbor::{
+    Around, Candidates, Center, ColumnTable, Found, Gathered, Names, Nearby, SHARERS,
+};
 
 use super::scan;
 
@@ -71,6 +73,7 @@ pub fn gather_shared(
     gathered.make_room(table, runs);
     let from = table.at.each_ref().map(|axis| axis.as_ptr());
     let to = gathered.at.each_mut().map(|axis| axis.as_mut_ptr());
+    let to_square = gathered.square.as_mut_ptr();
     let to_place = gathered.place.as_mut_ptr();
     let limit = _mm512_set1_ps(around.radius2);
     let zero = _mm512_setzero_ps();
@@ -80,7 +83,7 @@ pub fn gather_shared(
         let mut place = run.start;
         while place < run.end {
             let mut at = [zero; 3];
-            let mut gap2 = zero;
+            let (mut gap2, mut square) = (zero, zero);
             for axis in 0..3 {
                 // SAFETY: `place` is one, and the arrays are padded by a register beyond, by `make_room`.
                 let fixed = unsafe { _mm512_loadu_si512(from[axis].add(place as usize).cast()) };
@@ -90,6 +93,7 @@ pub fn gather_shared(
                 let half = _mm512_set1_ps(around.half[axis]);
                 let gap = _mm512_max_ps(_mm512_sub_ps(_mm512_abs_ps(at[axis]), half), zero);
                 gap2 = _mm512_fmadd_ps(gap, gap, gap2);
+                square = _mm512_fmadd_ps(at[axis], at[axis], square);
             }
             let valid = scan::among_first((run.end - place) as usize) as u16;
             let near = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(valid, gap2, limit);
@@ -100,6 +104,8 @@ pub fn gather_shared(
                     let packed = _mm512_maskz_compress_ps(near, at[axis]);
                     _mm512_storeu_ps(to[axis].add(len), packed);
                 }
+                let packed = _mm512_maskz_compress_ps(near, square);
+                _mm512_storeu_ps(to_square.add(len), packed);
                 let packed = _mm512_maskz_compress_epi32(near, number);
                 _mm512_storeu_si512(to_place.add(len).cast(), packed);
             }
@@ -117,49 +123,77 @@ pub fn near_shared(
     around: &Around,
     own: [[f32; 3]; SHARERS],
     first: u32,
-    found: &mut [u32],
-) -> usize {
+    found: &mut Found,
+) {
+    // Two loops, each of which has registers enough for its constants.
+    match around.folds {
+        None => near_folded::<false>(gathered, around, own, [0.0; 3], first, found),
+        Some(sides) => near_folded::<true>(gathered, around, own, sides, first, found),
+    }
+}
+
+/// What is near, with distances folded into a box of these sides or not.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
+fn near_folded<const FOLDED: bool>(
+    gathered: &Gathered,
+    around: &Around,
+    own: [[f32; 3]; SHARERS],
+    sides: [f32; 3],
+    first: u32,
+    found: &mut Found,
+) {
     gathered.check(found);
+    let to = found.places.each_mut().map(|places| places.as_mut_ptr());
     let from = gathered.at.each_ref().map(|axis| axis.as_ptr());
     let from_place = gathered.place.as_ptr();
-    let limit = _mm512_set1_ps(around.radius2);
+    let from_square = gathered.square.as_ptr();
+    let spheres = own.map(|own| around.sphere(own));
     let first = _mm512_set1_epi32(first as i32);
     let sharers = _mm512_set1_epi32(SHARERS as i32);
-    let mut count = 0_usize;
     for at in (0..gathered.len).step_by(WIDTH) {
         // SAFETY: a register beyond the last element can be read, by the check.
-        let (x, y, z, place) = unsafe {
+        let (square, x, y, z, place) = unsafe {
             (
+                _mm512_loadu_ps(from_square.add(at)),
                 _mm512_loadu_ps(from[0].add(at)),
                 _mm512_loadu_ps(from[1].add(at)),
                 _mm512_loadu_ps(from[2].add(at)),
                 _mm512_loadu_si512(from_place.add(at).cast()),
             )
         };
-        let mut near = 0;
-        for own in own {
-            let mut d = [
-                _mm512_sub_ps(x, _mm512_set1_ps(own[0])),
-                _mm512_sub_ps(y, _mm512_set1_ps(own[1])),
-                _mm512_sub_ps(z, _mm512_set1_ps(own[2])),
-            ];
-            if let Some(lengths) = around.folds {
-                for (d, length) in d.iter_mut().zip(lengths) {
-                    let boxes = _mm512_mul_ps(*d, _mm512_set1_ps(1.0 / length));
+        let mut near = [0; SHARERS];
+        for ((near, own), (t, limit)) in near.iter_mut().zip(own).zip(spheres) {
+            let (mut squares, mut limit) = (square, limit);
+            if FOLDED {
+                (squares, limit) = (_mm512_setzero_ps(), around.radius2);
+                for ((c, own), length) in [x, y, z].into_iter().zip(own).zip(sides) {
+                    let d = _mm512_sub_ps(c, _mm512_set1_ps(own));
+                    let boxes = _mm512_mul_ps(d, _mm512_set1_ps(1.0 / length));
                     let boxes = _mm512_roundscale_ps::<_MM_FROUND_TO_NEAREST_INT>(boxes);
-                    *d = _mm512_fnmadd_ps(boxes, _mm512_set1_ps(length), *d);
+                    let d = _mm512_fnmadd_ps(boxes, _mm512_set1_ps(length), d);
+                    squares = _mm512_fmadd_ps(d, d, squares);
+                }
+            } else {
+                for (c, t) in [x, y, z].into_iter().zip(t) {
+                    squares = _mm512_fnmadd_ps(c, _mm512_set1_ps(t), squares);
                 }
             }
-            let [dx, dy, dz] = d;
-            let r2 = _mm512_fmadd_ps(dz, dz, _mm512_fmadd_ps(dy, dy, _mm512_mul_ps(dx, dx)));
-            near |= _mm512_cmp_ps_mask::<_CMP_LE_OQ>(r2, limit);
+            *near = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(squares, _mm512_set1_ps(limit));
         }
         let others = _mm512_cmpge_epu32_mask(_mm512_sub_epi32(place, first), sharers);
-        near &= others & scan::among_first(gathered.len - at) as u16;
-        let packed = _mm512_maskz_compress_epi32(near, place);
-        // SAFETY: `count` is at most what was looked at so far, and `found` has room for a register more than all.
-        unsafe { _mm512_storeu_si512(found.as_mut_ptr().add(count).cast(), packed) };
-        count += near.count_ones() as usize;
+        let others = others & scan::among_first(gathered.len - at) as u16;
+        let (first_two, last_two) = (near[0] | near[1], near[2] | near[3]);
+        let whom = [
+            first_two & last_two & others,
+            first_two & !last_two & others,
+            last_two & !first_two & others,
+        ];
+        for ((to, len), whom) in to.iter().zip(&mut found.len).zip(whom) {
+            let packed = _mm512_maskz_compress_epi32(whom, place);
+            // SAFETY: `len` has grown by what was looked at so far at most, and `found` has room for a register more
+            // than all of it.
+            unsafe { _mm512_storeu_si512(to.add(*len).cast(), packed) };
+            *len += whom.count_ones() as usize;
+        }
     }
-    count
 }

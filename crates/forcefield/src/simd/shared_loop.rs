@@ -1,49 +1,16 @@
 //! The loop over lists that four particles share, written once over the lanes.
 
-use lennard_neighbor::{BLOCK, Block, SHARERS, SharedChunk, SharedList};
+use lennard_neighbor::{BLOCK, SHARERS, SharedChunk, SharedList, Span};
 
 use super::FixedRow;
-use super::lanes::{Lanes, Scaled};
+use super::lanes::FixedLanes;
 use super::output::Output;
 use super::pair_loop::{ChunkTotals, PerParticle, Wanted};
 use super::pair_sums::{Besides, ForcesAlone, PairSums};
+use super::reader::Reader;
+use super::view::{AsTheyAre, FromAmid, View};
 use crate::truncation::PairForm;
 use glam::DVec3;
-
-/// Registers of singles that read rows in fixed point.
-pub trait FixedLanes: Lanes<Row = FixedRow> {
-    /// Whether a loop of its own for cubic units is worth compiling.
-    const CUBIC_LOOP: bool;
-
-    /// The rows that `WIDTH` entries name, along x, y and z.
-    ///
-    /// # Safety
-    /// Each of the `WIDTH` readable entries at `entries` names a readable row, and the processor has the instruction set
-    /// of the implementation.
-    unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own;
-
-    /// a − b along each axis, in units of the rows.
-    ///
-    /// # Safety
-    /// The processor has the instruction set of the implementation.
-    unsafe fn apart(a: Self::Own, b: Self::Own) -> [Self; 3];
-
-    /// The lanes of `mask` that are set in the lowest bits of `bits`.
-    fn among(mask: Self::Mask, bits: u32) -> Self::Mask;
-
-    /// The sums over all lanes of four vectors at once, which may cost less than twelve sums.
-    #[inline(always)]
-    fn sum_four([a, b, c, d]: [[Self; 3]; SHARERS]) -> [DVec3; SHARERS] {
-        [
-            DVec3::new(a[0].sum(), a[1].sum(), a[2].sum()),
-            DVec3::new(b[0].sum(), b[1].sum(), b[2].sum()),
-            DVec3::new(c[0].sum(), c[1].sum(), c[2].sum()),
-            DVec3::new(d[0].sum(), d[1].sum(), d[2].sum()),
-        ]
-    }
-}
-
-const _: () = assert!(SHARERS == 4, "the loop names each of the sharers");
 
 /// One evaluation, as the loop sees it.
 pub struct SharedJob<'a, F> {
@@ -95,169 +62,219 @@ pub unsafe fn run<L: FixedLanes, F: PairForm>(
     wanted: Wanted,
 ) -> ChunkTotals {
     let chunk = &job.list.chunks()[chunk];
-    let [sx, sy, sz] = job.scale;
     // SAFETY: the contract is passed on.
     unsafe {
         // Constants stand alone in their conditions: only so does the compiler leave out what they rule out.
         if F::RARE {
-            return sweep::<L, F, PairSums<L>, false>(job, chunk);
-        }
-        if L::CUBIC_LOOP && sx == sy && sy == sz {
-            return match wanted {
-                Wanted::Forces => sweep::<L, F, ForcesAlone, true>(job, chunk),
-                _ => sweep::<L, F, PairSums<L>, true>(job, chunk),
-            };
+            return sweep::<L, F, PairSums<L>>(job, chunk);
         }
         match wanted {
-            Wanted::Forces => sweep::<L, F, ForcesAlone, false>(job, chunk),
-            _ => sweep::<L, F, PairSums<L>, false>(job, chunk),
+            Wanted::Forces => sweep::<L, F, ForcesAlone>(job, chunk),
+            _ => sweep::<L, F, PairSums<L>>(job, chunk),
         }
     }
 }
 
-/// What all blocks have in common.
-struct Constants<L, F> {
-    form: F,
-    r_cut2: L,
-    /// Length of a unit along y and z, in units along x.
-    stretch: [L; 2],
-    unit2: L,
+/// Forces are the same to the bit whatever else is summed.
+///
+/// # Safety
+/// As [`run`].
+#[inline(always)]
+unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>>(
+    job: &SharedJob<'_, F>,
+    chunk: &SharedChunk,
+) -> ChunkTotals {
+    let n = job.rows.len();
+    let particles = &job.list.table().particle;
+    let mut totals = ChunkTotals::NOTHING;
+    let mut sum = DVec3::ZERO;
+    // SAFETY: the instruction set is there by contract; entries of the list name places, and `SharedJob::new` checked
+    // that each has a row. Each particle stands at one place, each place in one list, and each list in one chunk.
+    unsafe {
+        let mut reader = Reader::new(job.rows, chunk);
+        let mut first = chunk.first_place as usize;
+        let mut begin = 0;
+        for span in &chunk.spans {
+            let counts = Counts::of(span, begin);
+            let own = if first + SHARERS <= n {
+                [
+                    &job.rows[first],
+                    &job.rows[first + 1],
+                    &job.rows[first + 2],
+                    &job.rows[first + 3],
+                ]
+            } else {
+                // A list of fewer particles repeats its last one.
+                let row = |sharer: usize| &job.rows[(first + sharer).min(n - 1)];
+                [row(0), row(1), row(2), row(3)]
+            };
+            let sums: [Sums<L, B>; SHARERS] = if F::RARE {
+                Meeting::new(job, AsTheyAre::new(own, job.scale)).all(counts, &mut reader)
+            } else if L::LOOP_FOR_TOGETHER && span.together {
+                Meeting::new(job, FromAmid::new(own, job.scale)).all(counts, &mut reader)
+            } else {
+                Meeting::new(job, AsTheyAre::new(own, job.scale)).all(counts, &mut reader)
+            };
+            let forces = [sums[0].force, sums[1].force, sums[2].force, sums[3].force];
+            let end = (first + SHARERS).min(n);
+            let each = particles[first..end].iter().zip(&sums);
+            for ((particle, sums), force) in each.zip(L::sum_four(forces)) {
+                sum += force;
+                job.output
+                    .write(*particle as usize, force, &sums.besides, &mut totals);
+            }
+            (first, begin) = (end, span.end);
+        }
+    }
+    // What is not finite never becomes finite again.
+    totals.broken = !sum.is_finite();
+    totals
+}
+
+/// How many blocks of each kind a list has.
+#[derive(Clone, Copy)]
+struct Counts {
+    halves: u32,
+    masked: u32,
+    plain: u32,
+}
+
+impl Counts {
+    #[inline(always)]
+    fn of(span: &Span, begin: u32) -> Self {
+        Self {
+            halves: (span.halves - begin) / 2,
+            masked: span.masked - span.halves,
+            plain: span.end - span.masked,
+        }
+    }
 }
 
 /// Sums of one of the sharers.
 #[derive(Clone, Copy)]
 struct Sums<L, B> {
-    /// Minus the force, in units of the rows along x times ε/σ².
-    pull: [L; 3],
+    /// ε/σ.
+    force: [L; 3],
     besides: B,
 }
 
-/// Distances stay in units of the rows along x, and only their squares and the finished sums are scaled.
-/// `CUBIC` leaves out a stretch by one. Forces are the same to the bit whatever else is summed.
-///
-/// # Safety
-/// As [`run`].
-#[inline(always)]
-unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, const CUBIC: bool>(
-    job: &SharedJob<'_, F>,
-    chunk: &SharedChunk,
-) -> ChunkTotals {
-    let [sx, sy, sz] = job.scale;
-    let constants = Constants {
-        form: job.form,
-        r_cut2: L::splat(job.r_cut2),
-        stretch: [L::splat(sy / sx), L::splat(sz / sx)],
-        unit2: L::splat(sx * sx),
-    };
-    let particle = &job.list.table().particle;
-    let nothing = Sums {
-        pull: [L::splat(0.0); 3],
-        besides: B::nothing(),
-    };
-    let mut totals = ChunkTotals::NOTHING;
-    for (k, span) in chunk.starts.windows(2).enumerate() {
-        let first = chunk.first_place as usize + k * SHARERS;
-        let blocks = &chunk.blocks[span[0] as usize..span[1] as usize];
-        let (masked, plain) = blocks.split_at(chunk.masked[k] as usize);
+/// The sharers of a list and those whom it names.
+struct Meeting<L, F, V> {
+    form: F,
+    r_cut2: L,
+    view: V,
+}
+
+impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
+    #[inline(always)]
+    fn new(job: &SharedJob<'_, F>, view: V) -> Self {
+        Self {
+            form: job.form,
+            r_cut2: L::splat(job.r_cut2),
+            view,
+        }
+    }
+
+    /// The sums over the list that comes next, which has so many blocks of each kind.
+    ///
+    /// # Safety
+    /// As [`run`]; the list is that of the sharers in view.
+    #[inline(always)]
+    unsafe fn all<B: Besides<L>>(
+        &self,
+        counts: Counts,
+        reader: &mut Reader<L>,
+    ) -> [Sums<L, B>; SHARERS] {
+        let nothing = Sums {
+            force: [L::splat(0.0); 3],
+            besides: B::nothing(),
+        };
         let mut sums = [nothing; SHARERS];
-        // SAFETY: the instruction set is there by contract; entries of the list name places, and `SharedJob::new`
-        // checked that each has a row.
+        let all = [u16::MAX; SHARERS];
+        // SAFETY: the contract is passed on.
         unsafe {
-            // A list of fewer particles repeats its last one.
-            let row = |sharer: usize| &job.rows[(first + sharer).min(job.rows.len() - 1)];
-            let own = [
-                L::spread(row(0)),
-                L::spread(row(1)),
-                L::spread(row(2)),
-                L::spread(row(3)),
-            ];
-            if let [lead, rest @ ..] = masked {
-                // The sharers themselves are its first entries.
-                let but = [0b0001, 0b0010, 0b0100, 0b1000];
-                sums = add::<L, F, B, CUBIC, true>(&constants, own, job.rows, lead, but, sums);
-                for block in rest {
-                    let but = [0; SHARERS];
-                    sums = add::<L, F, B, CUBIC, true>(&constants, own, job.rows, block, but, sums);
+            let own = self.view.own();
+            for _ in 0..counts.halves {
+                sums = self.add::<B, true, false, false>(own, reader, all, sums);
+                sums = self.add::<B, false, true, false>(own, reader, all, sums);
+            }
+            // The sharers themselves are the first entries of the first that is masked.
+            let mut but = [0b0001, 0b0010, 0b0100, 0b1000];
+            for _ in 0..counts.masked {
+                let valid = reader.valid();
+                let valid = [
+                    valid & !but[0],
+                    valid & !but[1],
+                    valid & !but[2],
+                    valid & !but[3],
+                ];
+                but = [0; SHARERS];
+                sums = self.add::<B, true, true, true>(own, reader, valid, sums);
+            }
+            for _ in 0..counts.plain {
+                sums = self.add::<B, true, true, false>(own, reader, all, sums);
+            }
+        }
+        sums
+    }
+
+    /// Adds the pairs of one block with the first two sharers, the last two, or all; where it is `MASKED`, those of its
+    /// entries that are `valid` for each.
+    ///
+    /// # Safety
+    /// As [`Meeting::all`].
+    #[inline(always)]
+    unsafe fn add<B: Besides<L>, const FIRST: bool, const LAST: bool, const MASKED: bool>(
+        &self,
+        own: [V::Own; SHARERS],
+        reader: &mut Reader<L>,
+        valid: [u16; SHARERS],
+        sums: [Sums<L, B>; SHARERS],
+    ) -> [Sums<L, B>; SHARERS] {
+        // By value and by constants: sums behind a reference would not stay in registers.
+        let [mut a, mut b, mut c, mut d] = sums;
+        // SAFETY: the contract is passed on.
+        unsafe {
+            for part in 0..BLOCK / L::WIDTH {
+                let others = self.view.others(reader.next(part));
+                let bits = |valid: u16| u32::from(valid) >> (part * L::WIDTH);
+                if FIRST {
+                    a = self.meet::<B, MASKED>(own[0], others, bits(valid[0]), a);
+                    b = self.meet::<B, MASKED>(own[1], others, bits(valid[1]), b);
+                }
+                if LAST {
+                    c = self.meet::<B, MASKED>(own[2], others, bits(valid[2]), c);
+                    d = self.meet::<B, MASKED>(own[3], others, bits(valid[3]), d);
                 }
             }
-            for block in plain {
-                let but = [0; SHARERS];
-                sums = add::<L, F, B, CUBIC, false>(&constants, own, job.rows, block, but, sums);
-            }
         }
-        let pulls = L::sum_four([sums[0].pull, sums[1].pull, sums[2].pull, sums[3].pull]);
-        for ((place, sums), pull) in (first..particle.len()).zip(&sums).zip(pulls) {
-            let particle = particle[place] as usize;
-            // SAFETY: each particle stands at one place, each place in one list, and each list in one chunk.
-            unsafe {
-                let (force, besides) = (pull * -sx, &sums.besides);
-                job.output
-                    .write(particle, force, besides, sx * sx, &mut totals);
-            }
-        }
+        [a, b, c, d]
     }
-    totals
-}
 
-/// Adds the pairs of one block; where it is `MASKED`, those of its entries that count, `but` some for each sharer.
-///
-/// # Safety
-/// As [`run`]; the block is one of the list of the rows.
-#[inline(always)]
-unsafe fn add<L: FixedLanes, F: PairForm, B: Besides<L>, const CUBIC: bool, const MASKED: bool>(
-    constants: &Constants<L, F>,
-    own: [L::Own; SHARERS],
-    rows: &[FixedRow],
-    block: &Block,
-    but: [u16; SHARERS],
-    mut sums: [Sums<L, B>; SHARERS],
-) -> [Sums<L, B>; SHARERS] {
-    // SAFETY: the contract is passed on; base plus entry names a row.
-    unsafe {
-        let rows = rows.as_ptr().add(block.base as usize);
-        let entries = block.entries.as_ptr().cast::<Scaled>();
-        for part in 0..BLOCK / L::WIDTH {
-            let others = L::gather(rows, entries.add(part * L::WIDTH));
-            // By value and by constants: sums behind a reference would not stay in registers.
-            let bits = |but: u16| u32::from(block.valid & !but) >> (part * L::WIDTH);
-            sums = [
-                meet::<L, F, B, CUBIC, MASKED>(constants, own[0], others, bits(but[0]), sums[0]),
-                meet::<L, F, B, CUBIC, MASKED>(constants, own[1], others, bits(but[1]), sums[1]),
-                meet::<L, F, B, CUBIC, MASKED>(constants, own[2], others, bits(but[2]), sums[2]),
-                meet::<L, F, B, CUBIC, MASKED>(constants, own[3], others, bits(but[3]), sums[3]),
-            ];
+    /// Adds the pairs of one particle with a register of others, those set in `bits` where they are `MASKED`.
+    ///
+    /// # Safety
+    /// As [`Meeting::all`].
+    #[inline(always)]
+    unsafe fn meet<B: Besides<L>, const MASKED: bool>(
+        &self,
+        own: V::Own,
+        others: V::Others,
+        bits: u32,
+        mut sums: Sums<L, B>,
+    ) -> Sums<L, B> {
+        // SAFETY: the contract is passed on.
+        let [dx, dy, dz] = unsafe { self.view.apart(own, others) };
+        let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx));
+        let mut inside = r2.at_most(self.r_cut2);
+        if MASKED {
+            inside = L::among(inside, bits);
         }
+        let pair = self.form.eval(r2);
+        let f = pair.force.keep(inside);
+        let [x, y, z] = sums.force;
+        sums.force = [dx.mul_add(f, x), dy.mul_add(f, y), dz.mul_add(f, z)];
+        sums.besides.add([dx, dy, dz], f, &pair, inside);
+        sums
     }
-    sums
-}
-
-/// Adds the pairs of one particle with a register of others, those set in `bits` where they are `MASKED`.
-///
-/// # Safety
-/// As [`run`].
-#[inline(always)]
-unsafe fn meet<L: FixedLanes, F: PairForm, B: Besides<L>, const CUBIC: bool, const MASKED: bool>(
-    constants: &Constants<L, F>,
-    own: L::Own,
-    others: L::Own,
-    bits: u32,
-    mut sums: Sums<L, B>,
-) -> Sums<L, B> {
-    // SAFETY: the contract is passed on.
-    let [dx, mut dy, mut dz] = unsafe { L::apart(others, own) };
-    if !CUBIC {
-        dy = dy * constants.stretch[0];
-        dz = dz * constants.stretch[1];
-    }
-    let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx)) * constants.unit2;
-    let mut inside = r2.at_most(constants.r_cut2);
-    if MASKED {
-        inside = L::among(inside, bits);
-    }
-    let pair = constants.form.eval(r2);
-    let f = pair.force.keep(inside);
-    let [x, y, z] = sums.pull;
-    sums.pull = [dx.mul_add(f, x), dy.mul_add(f, y), dz.mul_add(f, z)];
-    sums.besides.add([dx, dy, dz], f, &pair, inside);
-    sums
 }

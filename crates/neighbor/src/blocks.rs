@@ -1,0 +1,290 @@
+//! Neighbors in blocks of constant size, as a loop over shared lists reads them.
+
+use crate::shared_scan::{FOR_ALL, FOR_FIRST_TWO, FOR_LAST_TWO, Found, SHARERS};
+
+/// Entries of a block.
+pub const BLOCK: usize = 16;
+/// What entries count in: eight times an entry is then the distance in bytes to a row of sixteen of them, which an
+/// address reaches without a shift.
+pub const ENTRY: u16 = 2;
+/// How far places of a block may lie apart.
+const REACH: u32 = (u16::MAX / ENTRY) as u32;
+
+/// A point amid the four who share a list, the second and the third of whom are given in fixed point.
+#[inline(always)]
+#[must_use]
+pub fn amid<const N: usize>(second: [i32; N], third: [i32; N]) -> [i32; N] {
+    let mut amid = second;
+    for axis in 0..N {
+        amid[axis] = second[axis].wrapping_add(third[axis].wrapping_sub(second[axis]) >> 1);
+    }
+    amid
+}
+
+/// Some neighbors of those who share a list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Block {
+    /// What is added to each entry to give a place.
+    pub base: u32,
+    /// Which of the entries count, a bit each; the others name some place.
+    pub valid: u16,
+    /// [`ENTRY`] times the places less the base.
+    pub entries: [u16; BLOCK],
+}
+
+impl Block {
+    /// A block of [`BLOCK`] places.
+    fn full(base: u32, places: &[u32; BLOCK]) -> Self {
+        Self {
+            base,
+            valid: u16::MAX,
+            entries: places.map(|place| (place - base) as u16 * ENTRY),
+        }
+    }
+
+    /// A block of fewer places, at least one.
+    fn of(base: u32, places: &[u32]) -> Self {
+        let mut all = [base; BLOCK];
+        all[..places.len()].copy_from_slice(places);
+        Self {
+            valid: u16::MAX >> (BLOCK - places.len()),
+            ..Self::full(base, &all)
+        }
+    }
+
+    /// The places that count.
+    pub fn places(&self) -> impl Iterator<Item = u32> {
+        let Self {
+            base,
+            valid,
+            entries,
+        } = *self;
+        (0..BLOCK)
+            .filter(move |k| valid >> k & 1 == 1)
+            .map(move |k| base + u32::from(entries[k] / ENTRY))
+    }
+}
+
+/// Where the blocks of a list end among those of its chunk; each kind begins where the one before it ends, and the first
+/// where the list before ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Span {
+    /// Those in twos: one for the first two sharers alone, and one for the last two.
+    pub halves: u32,
+    /// Those for all four with entries that do not count for all of them. The first of these begins with the sharers
+    /// themselves.
+    pub masked: u32,
+    /// Those for all four.
+    pub end: u32,
+    /// Whether the sharers are so close together, and the box is so wide, that a loop may take all coordinates as seen
+    /// from the point [`amid`] them: nobody near lies more than half a box from it.
+    pub together: bool,
+}
+
+/// The lists of up to [`crate::ATOMS_PER_CHUNK`] consecutive places.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct SharedChunk {
+    /// The first place.
+    pub first_place: u32,
+    /// The ends of each list.
+    pub spans: Vec<Span>,
+    /// The blocks of one list after another, and one that belongs to none.
+    pub blocks: Vec<Block>,
+}
+
+/// The blocks of one list, by those whom they are for.
+#[derive(Debug, Clone, Copy)]
+pub struct SharedBlocks<'a> {
+    /// One for the first two sharers, and one for the last two.
+    pub halves: &'a [[Block; 2]],
+    /// For all, but with entries that do not count for each of them.
+    pub masked: &'a [Block],
+    /// For all.
+    pub plain: &'a [Block],
+    /// See [`Span::together`].
+    pub together: bool,
+}
+
+impl SharedBlocks<'_> {
+    /// The blocks for one of the sharers.
+    pub fn of(&self, sharer: usize) -> impl Iterator<Item = &Block> {
+        let half = 2 * sharer / SHARERS;
+        let halves = self.halves.iter().map(move |halves| &halves[half]);
+        halves.chain(self.masked).chain(self.plain)
+    }
+
+    /// Number of lanes that a loop computes.
+    #[must_use]
+    pub fn lanes(&self) -> usize {
+        BLOCK * SHARERS * (self.halves.len() + self.masked.len() + self.plain.len())
+    }
+}
+
+impl SharedChunk {
+    /// The list of the `k`th four.
+    #[inline(always)]
+    #[must_use]
+    pub fn list(&self, k: usize) -> SharedBlocks<'_> {
+        let span = &self.spans[k];
+        let begin = if k == 0 { 0 } else { self.spans[k - 1].end };
+        let between = |from: u32, to: u32| &self.blocks[from as usize..to as usize];
+        let (halves, _) = between(begin, span.halves).as_chunks();
+        SharedBlocks {
+            halves,
+            masked: between(span.halves, span.masked),
+            plain: between(span.masked, span.end),
+            together: span.together,
+        }
+    }
+
+    /// The first places and the lists of all fours.
+    #[inline(always)]
+    pub fn lists(&self) -> impl Iterator<Item = (usize, SharedBlocks<'_>)> {
+        let first = self.first_place as usize;
+        (0..self.spans.len()).map(move |k| (first + k * SHARERS, self.list(k)))
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.spans.clear();
+        self.blocks.clear();
+    }
+
+    /// Adds a list of what was found for four sharers; `narrow` says that places themselves fit into entries.
+    pub(crate) fn push(&mut self, found: &mut Found, together: bool, narrow: bool) {
+        self.push_halves(found, narrow);
+        let halves = self.blocks.len() as u32;
+        let masked = pack(found.of(FOR_ALL), narrow, &mut self.blocks);
+        self.spans.push(Span {
+            halves,
+            masked: halves + masked,
+            end: self.blocks.len() as u32,
+            together,
+        });
+    }
+
+    /// Writes whole blocks of what is near to two of the sharers alone, as many for the first two as for the last, and
+    /// leaves the rest to what is for all.
+    fn push_halves(&mut self, found: &mut Found, narrow: bool) {
+        let pairs = [FOR_FIRST_TWO, FOR_LAST_TWO];
+        let mut used = 0;
+        loop {
+            let [first, last] = pairs.map(|pair| found.of(pair).get(used..used + BLOCK));
+            let (Some(first), Some(last)) = (
+                first.and_then(<[u32]>::first_chunk),
+                last.and_then(<[u32]>::first_chunk),
+            ) else {
+                break;
+            };
+            if narrow {
+                self.blocks
+                    .extend([Block::full(0, first), Block::full(0, last)]);
+            } else {
+                let ((low, near), (low_last, near_last)) = (reached(first), reached(last));
+                if !(near && near_last) {
+                    break;
+                }
+                self.blocks
+                    .extend([Block::full(low, first), Block::full(low_last, last)]);
+            }
+            used += BLOCK;
+        }
+        for pair in pairs {
+            found.give_to_all(pair, used);
+        }
+    }
+
+    /// Ends the lists with a block that belongs to none, for loops that read ahead, and gives back what growth took too
+    /// much of, but for room for the next list.
+    pub(crate) fn finish(&mut self) {
+        self.blocks
+            .push(Block::of(self.first_place, &[self.first_place]));
+        let len = self.blocks.len();
+        if self.blocks.capacity() > len + len / 4 {
+            self.blocks.shrink_to(len + len / 16);
+        }
+    }
+
+    /// Bytes held beyond the structure itself.
+    pub(crate) fn bytes(&self) -> usize {
+        self.spans.capacity() * size_of::<Span>() + self.blocks.capacity() * size_of::<Block>()
+    }
+}
+
+/// Whether places themselves fit into entries, where there are `n` of them.
+pub(crate) fn is_narrow(n: usize) -> bool {
+    n <= REACH as usize + 1
+}
+
+/// The lowest of some places, and whether entries of one block reach all of them.
+fn reached(places: &[u32]) -> (u32, bool) {
+    let low = places.iter().copied().min().unwrap_or_default();
+    let high = places.iter().copied().max().unwrap_or_default();
+    (low, high - low <= REACH)
+}
+
+/// Writes the places of a list into blocks, those with entries that do not count for all sharers before the others,
+/// and returns how many these are.
+fn pack(list: &[u32], narrow: bool, blocks: &mut Vec<Block>) -> u32 {
+    let begin = blocks.len();
+    // The first block takes what does not fill whole ones, unless that is less than the sharers.
+    let rest = list.len() % BLOCK;
+    let lead = match rest {
+        0 => BLOCK,
+        1..SHARERS => (BLOCK + rest).min(list.len()),
+        _ => rest,
+    };
+    let mut masked = 0;
+    let (mut lead, full) = list.split_at(lead);
+    if narrow
+        && lead.len() < BLOCK
+        && let Some(places) = list.first_chunk()
+    {
+        // What does not count may name any place.
+        let mut block = Block::full(0, places);
+        block.valid = u16::MAX >> (BLOCK - lead.len());
+        blocks.push(block);
+        (lead, masked) = (&[], 1);
+    }
+    for places in lead.chunks(BLOCK) {
+        masked += if narrow {
+            blocks.push(Block::of(0, places));
+            1
+        } else {
+            pack_wide(places, begin + masked, masked == 0, blocks)
+        };
+    }
+    let (full, none) = full.as_chunks::<BLOCK>();
+    debug_assert!(none.is_empty(), "what is left fills whole blocks");
+    for places in full {
+        if narrow {
+            blocks.push(Block::full(0, places));
+        } else {
+            masked += pack_wide(places, begin + masked, false, blocks);
+        }
+    }
+    debug_assert!(
+        blocks[begin + masked..].iter().all(|b| b.valid == u16::MAX),
+        "blocks behind the masked ones are full"
+    );
+    masked as u32
+}
+
+/// Writes up to [`BLOCK`] places into one block if their numbers lie within 16 bits, into several otherwise: a full
+/// one at the end, others, and what `leads`, at `masked`. Returns how many went there.
+fn pack_wide(places: &[u32], masked: usize, leads: bool, blocks: &mut Vec<Block>) -> usize {
+    let (low, within_reach) = reached(places);
+    if within_reach {
+        let block = Block::of(low, places);
+        if places.len() == BLOCK && !leads {
+            blocks.push(block);
+            return 0;
+        }
+        blocks.insert(masked, block);
+        return 1;
+    }
+    // Sharers follow each other in number, and stay together.
+    let least = if leads { SHARERS } else { 1 };
+    let (first, second) = places.split_at((places.len() / 2).max(least));
+    let written = pack_wide(first, masked, leads, blocks);
+    written + pack_wide(second, masked + written, false, blocks)
+}
