@@ -6,13 +6,15 @@ use glam::DVec3;
 use lennard_core::parallel::for_each_chunk;
 use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWriter};
 use lennard_neighbor::{
-    Criterion, FIXED_UNITS, GridError, Images, NeighborList, SharedList, Verdict,
+    Criterion, FIXED_UNITS, Far, GridError, Images, NeighborList, SharedList, Verdict,
+    misses_a_pair,
 };
 use rayon::prelude::*;
 
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
-    self, ChunkTotals, DoubleRow, FixedRow, Level, Moved, PairJob, PerParticle, SharedJob, Wanted,
+    self, Built, ChunkTotals, DoubleRow, FixedRow, Level, Moved, PairJob, PerParticle, SharedJob,
+    Wanted,
 };
 use crate::sums::Totals;
 use crate::truncation::PairForm;
@@ -48,6 +50,8 @@ enum Rows {
 pub struct Listed {
     cell: PeriodicBox,
     r_cut: f64,
+    /// What lists reach to, σ: r_cut, the skin, and what fixed point may be off by.
+    radius: f64,
     level: Level,
     pairs: Pairs,
     criterion: Criterion,
@@ -90,6 +94,7 @@ impl Listed {
         Self {
             cell,
             r_cut,
+            radius,
             level,
             pairs,
             criterion: Criterion::new(skin),
@@ -143,22 +148,44 @@ impl Listed {
         } else {
             Moved {
                 largest2: f64::INFINITY,
-                finite: true,
+                ..Moved::NOTHING
             }
         };
         if !moved.finite {
             return Err(not_finite(positions));
         }
-        if self.criterion.check(moved.largest2) == Verdict::Build {
+        let mut valid = self.is_valid(&moved, positions);
+        if !valid {
             let build_start = Instant::now();
             self.build(positions)?;
             clock.neighbor += build_start.elapsed().as_secs_f64();
             clock.force -= build_start.elapsed().as_secs_f64();
             moved = self.pack(positions);
+            valid = self.is_valid(&moved, positions);
         }
-        self.criterion.used(moved.largest2);
+        self.criterion.used(valid);
         clock.force += start.elapsed().as_secs_f64();
         Ok(())
+    }
+
+    /// Whether the list names every pair that counts at `positions`.
+    fn is_valid(&self, moved: &Moved, positions: &[DVec3]) -> bool {
+        match self.criterion.check(moved.largest2) {
+            Verdict::Valid => true,
+            Verdict::Build => false,
+            Verdict::Doubtful => {
+                let particles = self.particles();
+                let far = |place: &u32| {
+                    let at = positions[particles[*place as usize] as usize];
+                    let moved = at - self.built[*place as usize];
+                    Far { at, moved }
+                };
+                let far: Vec<Far> = moved.far.iter().map(far).collect();
+                // A last place more: no pair that counts may look as if it did not.
+                let inner = (self.radius - self.criterion.skin()) * (1.0 + 1e-12);
+                !misses_a_pair(&self.cell, self.radius, inner, &far)
+            }
+        }
     }
 
     /// Builds the list for `positions`.
@@ -189,13 +216,17 @@ impl Listed {
         Ok(())
     }
 
-    /// Copies positions to the rows; gives the largest displacement since the build.
+    /// Copies positions to the rows; gives the displacements since the build.
     fn pack(&mut self, positions: &[DVec3]) -> Moved {
+        let built = Built {
+            at: &self.built,
+            far2: self.criterion.far2(),
+        };
         match &mut self.pairs {
-            Pairs::Rows(list, rows) => rows.pack(list, &self.cell, positions, &self.built),
+            Pairs::Rows(list, rows) => rows.pack(list, &self.cell, positions, built),
             Pairs::Shared(list, rows) => {
                 let (table, lengths) = (list.table(), self.cell.lengths());
-                simd::pack_columns(table, positions, &self.built, lengths, rows)
+                simd::pack_columns(table, positions, built, lengths, rows)
             }
         }
     }
@@ -297,7 +328,7 @@ impl Rows {
         list: &NeighborList,
         cell: &PeriodicBox,
         positions: &[DVec3],
-        built: &[DVec3],
+        built: Built<'_>,
     ) -> Moved {
         let (table, lengths) = (list.table(), cell.lengths());
         match self {
@@ -305,8 +336,9 @@ impl Rows {
             Self::Pure { wrapped, .. } => {
                 pure::wrap(cell, positions, wrapped);
                 let mut moved = Moved::NOTHING;
-                for (particle, built) in table.particle.iter().zip(built) {
-                    moved.include(positions[*particle as usize] - *built);
+                for (place, (particle, at)) in table.particle.iter().zip(built.at).enumerate() {
+                    let displacement = positions[*particle as usize] - *at;
+                    moved.include(place, displacement, built.far2);
                 }
                 moved
             }

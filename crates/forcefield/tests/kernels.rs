@@ -552,6 +552,35 @@ fn no_build_is_late_and_no_pair_is_missed_along_a_trajectory() {
     }
 }
 
+#[test]
+fn a_pair_that_comes_from_beyond_the_list_is_not_missed_and_others_do_not_cost_a_build() {
+    // Two that move by 0.16 σ each, more than half the skin of 0.3: together from 2.81 to 2.49 σ, or past each other.
+    let cell = PeriodicBox::new(DVec3::splat(30.0)).unwrap();
+    let mut start = scatter(500, cell.lengths() - DVec3::splat(6.0), 0.4);
+    let (a, b) = (DVec3::splat(27.0), DVec3::splat(27.0) + DVec3::X * 2.81);
+    start.extend([a, b]);
+    let n = start.len();
+    for kernel in kernels() {
+        for (direction, builds) in [(DVec3::X, 2), (DVec3::Y, 1)] {
+            let options = ForceFieldOptions {
+                potential: PotentialOptions::SoftSphere { exponent: 4 },
+                kernel,
+                neighbor: verlet(Some(0.3)),
+                ..ForceFieldOptions::default()
+            };
+            let mut forces = build(&options, &conditions(cell, n)).unwrap();
+            all(&mut forces, &start, Want::NOTHING);
+            let mut positions = start.clone();
+            positions[n - 2] += 0.16 * direction;
+            positions[n - 1] -= 0.16 * direction;
+            let (_, found) = all(&mut forces, &positions, Want::ENERGY);
+            assert_eq!(found.pairs, reference(&options, cell, &positions).1.pairs);
+            assert_eq!(forces.statistics().builds, builds, "{options:?}");
+            assert_eq!(forces.statistics().late_builds, 0);
+        }
+    }
+}
+
 /// A configuration of any shape: gas, liquid, a disturbed crystal, or a lump in a vacuum.
 #[derive(Debug, Clone)]
 struct Shape {

@@ -1,10 +1,18 @@
 //! The displacement criterion: when a list may still be used.
 
+/// Only particles that moved farther than this share of the skin can be part of a pair that a list misses, while none has
+/// moved farther than the rest of the skin. Smaller, lists would last longer, and more particles would have to be looked
+/// at.
+const FAR: f64 = 0.35;
+
 /// What the criterion says about a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// No pair inside the cutoff can be missing.
     Valid,
+    /// A pair inside the cutoff might be missing, of two particles that both moved far; where
+    /// [`misses_a_pair`](crate::misses_a_pair) finds none among these, there is none.
+    Doubtful,
     /// A pair inside the cutoff might be missing: build before use.
     Build,
 }
@@ -13,16 +21,19 @@ pub enum Verdict {
 ///
 /// A list built at positions x⁰ holds all pairs with r ≤ r_cut + skin. It may be used at positions x
 /// while 2·max|x_i − x⁰_i| ≤ skin, with unwrapped positions: two particles that each moved by at most
-/// half the skin have come closer by at most the skin.
+/// half the skin have come closer by at most the skin. Beyond, a pair can be missing only of two that moved by more
+/// than the skin together; while nobody moved by more than 0.65 of the skin, each of them moved by more than 0.35, and
+/// few did.
 ///
-/// A build is *late* if the list that it replaces was used at an evaluation for which that did not
-/// hold, so that a pair may have been missed. With the check before every use that cannot happen;
-/// the counter is the proof, and catches a caller that checks more rarely.
+/// A build is *late* if the list that it replaces was used at an evaluation for which a pair may have been missed. With
+/// the check before every use that cannot happen; the counter is the proof, and catches a caller that checks more rarely.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Criterion {
     skin: f64,
     /// Largest 4·|x − x⁰|² that is allowed, rounded down.
     limit: f64,
+    /// Largest |x − x⁰|² at which particles that moved far decide, rounded down.
+    doubtful: f64,
     used_while_invalid: bool,
     builds: u64,
     late_builds: u64,
@@ -36,6 +47,7 @@ impl Criterion {
             skin,
             // Rounding of |x − x⁰|² and skin² may each err by a few last bits: keep clear of them.
             limit: skin * skin * (1.0 - 8.0 * f64::EPSILON),
+            doubtful: ((1.0 - FAR) * skin).powi(2) * (1.0 - 8.0 * f64::EPSILON),
             used_while_invalid: false,
             builds: 0,
             late_builds: 0,
@@ -48,22 +60,28 @@ impl Criterion {
         self.skin
     }
 
+    /// The |x − x⁰|² beyond which a particle moved far, σ².
+    #[must_use]
+    pub fn far2(&self) -> f64 {
+        (FAR * self.skin).powi(2) * (1.0 - 8.0 * f64::EPSILON)
+    }
+
     /// Whether a list may be used where the largest |x − x⁰|² is `largest_displacement2` σ².
     #[must_use]
     pub fn check(&self, largest_displacement2: f64) -> Verdict {
         // With a skin of zero the list is good for the very positions of its build; NaN is never good.
         if 4.0 * largest_displacement2 <= self.limit {
             Verdict::Valid
+        } else if largest_displacement2 <= self.doubtful {
+            Verdict::Doubtful
         } else {
             Verdict::Build
         }
     }
 
-    /// Records that the list was used where the largest |x − x⁰|² was `largest_displacement2` σ².
-    pub fn used(&mut self, largest_displacement2: f64) {
-        if self.check(largest_displacement2) == Verdict::Build {
-            self.used_while_invalid = true;
-        }
+    /// Records that the list was used, and whether it was known to be valid there.
+    pub fn used(&mut self, valid: bool) {
+        self.used_while_invalid |= !valid;
     }
 
     /// Records that a list was built.
@@ -99,7 +117,10 @@ mod tests {
     fn a_list_is_valid_up_to_half_the_skin_and_no_further() {
         let criterion = Criterion::new(0.3);
         assert_eq!(criterion.check(0.1499_f64.powi(2)), Verdict::Valid);
-        assert_eq!(criterion.check(0.1501_f64.powi(2)), Verdict::Build);
+        assert_eq!(criterion.check(0.1501_f64.powi(2)), Verdict::Doubtful);
+        assert_eq!(criterion.check(0.1949_f64.powi(2)), Verdict::Doubtful);
+        assert_eq!(criterion.check(0.1951_f64.powi(2)), Verdict::Build);
+        assert!((criterion.far2().sqrt() - 0.105).abs() < 1e-12);
         assert_eq!(criterion.check(f64::NAN), Verdict::Build);
         assert_eq!(Criterion::new(0.0).check(0.0), Verdict::Valid);
         assert_eq!(Criterion::new(0.0).check(1e-300), Verdict::Build);
@@ -111,11 +132,11 @@ mod tests {
         let mut moved = 0.0_f64;
         for _ in 0..100 {
             moved += 0.02;
-            if criterion.check(moved * moved) == Verdict::Build {
+            if criterion.check(moved * moved) != Verdict::Valid {
                 criterion.built();
                 moved = 0.0;
             }
-            criterion.used(moved * moved);
+            criterion.used(criterion.check(moved * moved) == Verdict::Valid);
         }
         assert!(criterion.builds() > 10);
         assert_eq!(criterion.late_builds(), 0);
@@ -127,11 +148,11 @@ mod tests {
         let mut moved = 0.0_f64;
         for evaluation in 0..100 {
             moved += 0.02;
-            if evaluation % 10 == 9 && criterion.check(moved * moved) == Verdict::Build {
+            if evaluation % 10 == 9 && criterion.check(moved * moved) != Verdict::Valid {
                 criterion.built();
                 moved = 0.0;
             }
-            criterion.used(moved * moved);
+            criterion.used(criterion.check(moved * moved) == Verdict::Valid);
         }
         // Half the skin is passed at the eighth move of ten.
         assert_eq!(criterion.late_builds(), criterion.builds());

@@ -204,8 +204,8 @@ impl<'a> Search<'a> {
             let away = |at: &[i32; 3]| at[axis].wrapping_sub(amid[axis]).unsigned_abs();
             let farthest = sharers.iter().map(away).max().unwrap_or_default();
             let farthest = f64::from(farthest) * self.scale[axis];
-            // All may move by half the skin, the point amid them too, and a little by rounding.
-            farthest <= TOGETHER && (farthest + self.radius) * 1.001 < 0.5 * self.lengths[axis]
+            // All may move by 0.65 of the skin, the point amid them too, and a little by rounding.
+            farthest <= TOGETHER && farthest + 1.3 * self.radius < 0.5 * self.lengths[axis]
         })
     }
 

@@ -5,6 +5,10 @@ const SMALLEST_SKIN: f64 = 0.05;
 /// Largest skin that is ever chosen, σ.
 const LARGEST_SKIN: f64 = 1.5;
 
+/// How much longer a list lasts than until the fastest particle has crossed half a skin: until it may be in doubt, and has
+/// no pair missing then.
+const LONGER: f64 = 1.3;
+
 /// What the choice depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkinInputs {
@@ -37,15 +41,15 @@ pub fn fastest_of(n: usize) -> f64 {
 
 /// The skin in σ that makes a step cheapest, by the model
 ///
-/// cost(s) = (r_cut + s)³·(1 + b·2v·dt/s),
+/// cost(s) = (r_cut + s)³·(1 + b·2v·dt/(1.3·s)),
 ///
 /// in which the force loop and the build (b force loops) grow with the volume of the list sphere, and a
-/// list lasts for s/(2v·dt) steps with v the speed of the fastest particle, which moves freely while it
-/// crosses half a skin.
+/// list lasts for 1.3·s/(2v·dt) steps with v the speed of the fastest particle, which moves freely while it
+/// crosses 0.65 of a skin.
 #[must_use]
 pub fn cheapest_skin(inputs: &SkinInputs) -> f64 {
     let speed = fastest_of(inputs.n_atoms) * inputs.temperature.max(0.0).sqrt();
-    let closing = 2.0 * speed * inputs.dt;
+    let closing = 2.0 * speed * inputs.dt / LONGER;
     // d(cost)/ds = 0 is 3s² + 2k·s − k·r_cut = 0 with k = b·closing.
     let k = inputs.build_over_force * closing;
     let root = (-k + (k * k + 3.0 * k * inputs.r_cut).sqrt()) / 3.0;
@@ -82,7 +86,8 @@ mod tests {
     fn the_chosen_skin_has_the_least_modelled_cost() {
         for (t, dt) in [(0.7, 0.005), (1.44, 0.004), (5.0, 0.001)] {
             let at = inputs(t, dt);
-            let k = at.build_over_force * 2.0 * fastest_of(at.n_atoms) * t.sqrt() * dt;
+            let closing = 2.0 * fastest_of(at.n_atoms) * t.sqrt() * dt / LONGER;
+            let k = at.build_over_force * closing;
             let cost = |s: f64| (at.r_cut + s).powi(3) * (1.0 + k / s);
             let s = cheapest_skin(&at);
             assert!(cost(s) <= cost(s * 1.01) && cost(s) <= cost(s * 0.99));

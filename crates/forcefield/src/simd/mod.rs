@@ -26,7 +26,7 @@ mod scatter;
 mod shared_loop;
 mod view;
 
-pub use packing::Moved;
+pub use packing::{Built, Moved};
 pub use pair_loop::{ChunkTotals, PairJob, PerParticle, Wanted};
 pub use scatter::Scatter;
 pub use shared_loop::SharedJob;
@@ -275,12 +275,11 @@ pub fn limit<F: PairForm>(
 /// Places or ghosts packed by one task: a constant, though nothing depends on it but speed.
 const PACKED_PER_TASK: usize = 2048;
 
-/// Writes all rows in double precision, ghosts included; `built` holds the positions of the build by
-/// place. Gives the largest displacement since then.
+/// Writes all rows in double precision, ghosts included. Gives the displacements since the build.
 pub fn pack_double(
     table: &RowTable,
     positions: &[DVec3],
-    built: &[DVec3],
+    built: Built<'_>,
     lengths: DVec3,
     rows: &mut [DoubleRow],
 ) -> Moved {
@@ -301,7 +300,7 @@ pub fn pack_double(
 pub fn pack_columns(
     table: &ColumnTable,
     positions: &[DVec3],
-    built: &[DVec3],
+    built: Built<'_>,
     lengths: DVec3,
     rows: &mut [FixedRow],
 ) -> Moved {

@@ -7,13 +7,15 @@ use lennard_neighbor::{ColumnTable, FIXED_UNITS, RowTable};
 
 use super::{DoubleRow, FixedRow, Scatter};
 
-/// The largest |x − x⁰|² over some particles, σ², and whether all were finite.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How far some particles have moved since the list was built.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Moved {
     /// The largest |x − x⁰|² met, σ².
     pub largest2: f64,
     /// Whether every one was a finite number.
     pub finite: bool,
+    /// The places of those that moved far.
+    pub far: Vec<u32>,
 }
 
 impl Moved {
@@ -21,19 +23,26 @@ impl Moved {
     pub const NOTHING: Self = Self {
         largest2: 0.0,
         finite: true,
+        far: Vec::new(),
     };
 
     /// The union of two sets of particles.
-    pub fn and(self, other: Self) -> Self {
+    pub fn and(mut self, other: Self) -> Self {
+        self.far.extend(other.far);
         Self {
             largest2: self.largest2.max(other.largest2),
             finite: self.finite & other.finite,
+            far: self.far,
         }
     }
 
+    /// Includes the particle at a place; a displacement with a square above `far2` is far.
     #[inline(always)]
-    pub fn include(&mut self, displacement: DVec3) {
+    pub fn include(&mut self, place: usize, displacement: DVec3, far2: f64) {
         let d2 = displacement.length_squared();
+        if d2 > far2 {
+            self.far.push(place as u32);
+        }
         self.finite &= d2 < f64::INFINITY;
         self.largest2 = if d2 > self.largest2 {
             d2
@@ -43,15 +52,24 @@ impl Moved {
     }
 }
 
+/// The build that displacements are counted from.
+#[derive(Debug, Clone, Copy)]
+pub struct Built<'a> {
+    /// The positions of the build, by place, σ.
+    pub at: &'a [DVec3],
+    /// The |x − x⁰|² beyond which a particle moved far, σ².
+    pub far2: f64,
+}
+
 /// Writes the rows of some places in double precision: positions minus the image that each had when the
-/// list was built, so that rows move continuously; `built` holds the positions of the build by place.
+/// list was built, so that rows move continuously.
 ///
 /// # Safety
 /// No other thread writes the rows of these places.
 pub unsafe fn pack_double(
     table: &RowTable,
     positions: &[DVec3],
-    built: &[DVec3],
+    built: Built<'_>,
     lengths: DVec3,
     places: Range<usize>,
     rows: &Scatter<'_, DoubleRow>,
@@ -61,10 +79,10 @@ pub unsafe fn pack_double(
         .iter()
         .zip(&table.row[places.clone()])
         .zip(&table.image[places.clone()])
-        .zip(&built[places]);
-    for (((particle, row), image), built) in places {
+        .zip(built.at[places.clone()].iter().zip(places));
+    for (((particle, row), image), (at, place)) in places {
         let r = positions[*particle as usize];
-        moved.include(r - *built);
+        moved.include(place, r - *at, built.far2);
         let r = r - image.as_dvec3() * lengths;
         // SAFETY: rows of places are distinct, and these places are this thread's.
         unsafe { rows.write(*row as usize, DoubleRow([r.x, r.y, r.z, 0.0])) };
@@ -97,14 +115,14 @@ pub unsafe fn pack_ghosts(
     }
 }
 
-/// Writes the rows of some places in fixed point; `built` holds the positions of the build by place.
+/// Writes the rows of some places in fixed point.
 ///
 /// # Safety
 /// No other thread writes the rows of these places.
 pub unsafe fn pack_columns(
     table: &ColumnTable,
     positions: &[DVec3],
-    built: &[DVec3],
+    built: Built<'_>,
     lengths: DVec3,
     places: Range<usize>,
     rows: &Scatter<'_, FixedRow>,
@@ -113,7 +131,7 @@ pub unsafe fn pack_columns(
     let mut moved = Moved::NOTHING;
     for place in places {
         let r = positions[table.particle[place] as usize];
-        moved.include(r - built[place]);
+        moved.include(place, r - built.at[place], built.far2);
         let [x, y, z] = table.fixed(place, r, lengths, units);
         // SAFETY: these places are this thread's.
         unsafe { rows.write(place, FixedRow([x, y, z, 0])) };
