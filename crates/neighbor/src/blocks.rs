@@ -8,7 +8,7 @@ pub const BLOCK: usize = 16;
 /// address reaches without a shift.
 pub const ENTRY: u16 = 2;
 /// How far places of a block may lie apart.
-const REACH: u32 = (u16::MAX / ENTRY) as u32;
+pub(crate) const REACH: u32 = (u16::MAX / ENTRY) as u32;
 
 /// A point amid the four who share a list, the second and the third of whom are given in fixed point.
 #[inline(always)]
@@ -153,6 +153,9 @@ impl SharedChunk {
     pub(crate) fn push(&mut self, found: &mut Found, together: bool, narrow: bool) {
         self.push_halves(found, narrow);
         let halves = self.blocks.len() as u32;
+        if !narrow {
+            found.order_for_all(reached);
+        }
         let masked = pack(found.of(FOR_ALL), narrow, &mut self.blocks);
         self.spans.push(Span {
             halves,

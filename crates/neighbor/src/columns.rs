@@ -6,6 +6,7 @@ use glam::{DVec3, IVec3};
 use lennard_core::PeriodicBox;
 use lennard_core::parallel::{for_each_chunk, for_each_chunk_of_three};
 
+use crate::blocks::REACH;
 use crate::grid::{FARTHEST_IMAGE, GridError, fold};
 use crate::scan::PADDING;
 
@@ -70,11 +71,20 @@ pub struct ColumnTable {
     home: Vec<u32>,
 }
 
+/// Columns along x whose numbers stay within the reach of a block; lists name members of as many, seldom of one more.
+const COLUMNS_IN_REACH: f64 = 5.0;
+
+/// Fewest columns in the width of a strip: with fewer, most lists would cross from one strip to the next.
+const NARROWEST_STRIP: f64 = 8.0;
+
 /// The cells of the sort: `across` columns along x and y, each cut into slices along z.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Columns {
     pub across: [u32; 2],
     pub slices: u32,
+    /// Columns along y in a strip. Strips are numbered one after another, so that the numbers of neighbors along x stay
+    /// close to each other in boxes of any width.
+    strip: u32,
 }
 
 impl Columns {
@@ -86,7 +96,9 @@ impl Columns {
         let across = [count(lengths.x), count(lengths.y)];
         let columns = across[0] * across[1];
         let slices = (n / PARTICLES_PER_SLICE / columns).ceil();
+        let in_reach = f64::from(REACH) / (COLUMNS_IN_REACH * n / columns);
         Self {
+            strip: in_reach.clamp(NARROWEST_STRIP, across[1].max(NARROWEST_STRIP)) as u32,
             across: across.map(|c| c as u32),
             slices: slices.clamp(1.0, (most / columns).max(1.0)) as u32,
         }
@@ -105,12 +117,17 @@ impl Columns {
     /// The column at (x, y) of the grid, in the order of places.
     #[inline(always)]
     pub fn column(&self, x: u32, y: u32) -> u32 {
-        let y = if x % 2 == 1 {
-            self.across[1] - 1 - y
+        let [nx, ny] = self.across;
+        let begin = y / self.strip * self.strip;
+        let width = (ny - begin).min(self.strip);
+        let x = if begin / self.strip % 2 == 1 {
+            nx - 1 - x
         } else {
-            y
+            x
         };
-        x * self.across[1] + y
+        let y = y - begin;
+        let y = if x % 2 == 1 { width - 1 - y } else { y };
+        begin * nx + x * width + y
     }
 
     /// The cell of a column at a slice, in the order of places.

@@ -283,6 +283,10 @@ impl<'a> Search<'a> {
                 }
             }
         }
+        if !self.narrow {
+            // In the order of places, so that blocks seldom reach from one strip of columns to the next.
+            runs.sort_unstable_by_key(|run| run.start);
+        }
     }
 
     /// The columns along an axis that come within the radius of a box.

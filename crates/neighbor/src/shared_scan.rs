@@ -135,6 +135,18 @@ impl Found {
         &self.places[whom][..self.len[whom]]
     }
 
+    /// Orders what is for all by how far its places lie behind the sharers', where one block does not reach all of it, so
+    /// that few blocks have to be cut.
+    pub(crate) fn order_for_all(&mut self, reached: impl Fn(&[u32]) -> (u32, bool)) {
+        let len = self.len[FOR_ALL];
+        let places = &mut self.places[FOR_ALL][..len];
+        if let (_, false) = reached(places)
+            && let [first, rest @ ..] = places
+        {
+            rest.sort_unstable_by_key(|place| place.wrapping_sub(*first));
+        }
+    }
+
     /// Adds what is for two of the sharers, from an element on, to what is for all.
     pub(crate) fn give_to_all(&mut self, pair: usize, from: usize) {
         let [for_all, pairs @ ..] = &mut self.places;
