@@ -101,8 +101,6 @@ pub struct SharedBlocks<'a> {
     pub masked: &'a [Block],
     /// For all.
     pub plain: &'a [Block],
-    /// See [`Span::together`].
-    pub together: bool,
 }
 
 impl SharedBlocks<'_> {
@@ -122,9 +120,8 @@ impl SharedBlocks<'_> {
 
 impl SharedChunk {
     /// The list of the `k`th four.
-    #[inline(always)]
     #[must_use]
-    pub fn list(&self, k: usize) -> SharedBlocks<'_> {
+    fn list(&self, k: usize) -> SharedBlocks<'_> {
         let span = &self.spans[k];
         let begin = if k == 0 { 0 } else { self.spans[k - 1].end };
         let between = |from: u32, to: u32| &self.blocks[from as usize..to as usize];
@@ -133,12 +130,10 @@ impl SharedChunk {
             halves,
             masked: between(span.halves, span.masked),
             plain: between(span.masked, span.end),
-            together: span.together,
         }
     }
 
     /// The first places and the lists of all fours.
-    #[inline(always)]
     pub fn lists(&self) -> impl Iterator<Item = (usize, SharedBlocks<'_>)> {
         let first = self.first_place as usize;
         (0..self.spans.len()).map(move |k| (first + k * SHARERS, self.list(k)))

@@ -201,11 +201,18 @@ impl<'a> Search<'a> {
     fn are_together(&self, sharers: &[[i32; 3]; SHARERS]) -> bool {
         let amid = amid(sharers[1], sharers[2]);
         (0..3).all(|axis| {
-            let away = |at: &[i32; 3]| at[axis].wrapping_sub(amid[axis]).unsigned_abs();
-            let farthest = sharers.iter().map(away).max().unwrap_or_default();
-            let farthest = f64::from(farthest) * self.scale[axis];
-            // All may move by 0.65 of the skin, the point amid them too, and a little by rounding.
-            farthest <= TOGETHER && farthest + 1.3 * self.radius < 0.5 * self.lengths[axis]
+            let apart = |a: [i32; 3], b: [i32; 3]| {
+                let units = a[axis].wrapping_sub(b[axis]).unsigned_abs();
+                f64::from(units) * self.scale[axis]
+            };
+            let farthest = sharers
+                .iter()
+                .map(|at| apart(*at, amid))
+                .fold(0.0, f64::max);
+            // All may move by 0.65 of the skin, the point amid them too. Nobody near may come to lie beyond half a box,
+            // and the two may not, whose way to each other the point halves.
+            let reach = farthest.max(apart(sharers[1], sharers[2])) + 1.3 * self.radius;
+            farthest <= TOGETHER && reach < 0.5 * self.lengths[axis]
         })
     }
 
