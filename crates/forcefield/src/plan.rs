@@ -22,11 +22,9 @@ const DIRECT_OVER_USELESS_SKIN: usize = 32;
 /// Share of the box side by which r_cut must stay below half of it for ghosts to be unambiguous: at
 /// exactly half, two images of one particle are equally near.
 const TIE_MARGIN: f64 = 1e-9;
-/// Cost of building rows over that of the force loop in double precision. It is 2.5 where nothing else wants the caches;
-/// steps cost the same at any value in between, and thicker skins keep lists below a fifth of a step.
-const ROWS_OVER_FORCE: f64 = 3.5;
-/// Cost of building shared lists over that of the force loop in mixed precision.
-const SHARED_OVER_FORCE: f64 = 3.5;
+/// Cost of building lists over that of the force loop. It is 2.5 where nothing else wants the caches; steps cost the same at
+/// any value in between, and thicker skins keep lists below a fifth of a step.
+const BUILD_OVER_FORCE: f64 = 3.5;
 /// Fewer particles than this for each thread cost more in waiting than they save.
 const ATOMS_PER_THREAD: usize = 400;
 
@@ -217,10 +215,7 @@ fn search(
         temperature: c.temperature,
         dt: c.dt,
         r_cut,
-        build_over_force: match o.kernel.precision {
-            Precision::Double => ROWS_OVER_FORCE,
-            Precision::Mixed => SHARED_OVER_FORCE,
-        },
+        build_over_force: BUILD_OVER_FORCE,
     });
     let chosen = cheapest.min(largest_skin);
     match (o.neighbor.mode, o.neighbor.skin) {

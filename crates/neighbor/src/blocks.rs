@@ -42,6 +42,12 @@ impl Block {
         }
     }
 
+    /// A block of [`BLOCK`] places, if it reaches them all, as it does where places themselves fit into entries.
+    fn reaching(places: &[u32; BLOCK], narrow: bool) -> Option<Self> {
+        let base = if narrow { 0 } else { base_of(places)? };
+        Some(Self::full(base, places))
+    }
+
     /// A block of fewer places, at least one.
     fn of(base: u32, places: &[u32]) -> Self {
         let mut all = [base; BLOCK];
@@ -148,8 +154,8 @@ impl SharedChunk {
     pub(crate) fn push(&mut self, found: &mut Found, together: bool, narrow: bool) {
         self.push_halves(found, narrow);
         let halves = self.blocks.len() as u32;
-        if !narrow {
-            found.order_for_all(reached);
+        if !narrow && base_of(found.of(FOR_ALL)).is_none() {
+            found.order_for_all();
         }
         let masked = pack(found.of(FOR_ALL), narrow, &mut self.blocks);
         self.spans.push(Span {
@@ -166,24 +172,14 @@ impl SharedChunk {
         let pairs = [FOR_FIRST_TWO, FOR_LAST_TWO];
         let mut used = 0;
         loop {
-            let [first, last] = pairs.map(|pair| found.of(pair).get(used..used + BLOCK));
-            let (Some(first), Some(last)) = (
-                first.and_then(<[u32]>::first_chunk),
-                last.and_then(<[u32]>::first_chunk),
-            ) else {
+            let next = pairs.map(|pair| {
+                let places = found.of(pair)[used..].first_chunk()?;
+                Block::reaching(places, narrow)
+            });
+            let [Some(first), Some(last)] = next else {
                 break;
             };
-            if narrow {
-                self.blocks
-                    .extend([Block::full(0, first), Block::full(0, last)]);
-            } else {
-                let ((low, near), (low_last, near_last)) = (reached(first), reached(last));
-                if !(near && near_last) {
-                    break;
-                }
-                self.blocks
-                    .extend([Block::full(low, first), Block::full(low_last, last)]);
-            }
+            self.blocks.extend([first, last]);
             used += BLOCK;
         }
         for pair in pairs {
@@ -213,11 +209,11 @@ pub(crate) fn is_narrow(n: usize) -> bool {
     n <= REACH as usize + 1
 }
 
-/// The lowest of some places, and whether entries of one block reach all of them.
-fn reached(places: &[u32]) -> (u32, bool) {
+/// The base of a block of some places, the lowest of them; `None` where its entries do not reach them all.
+fn base_of(places: &[u32]) -> Option<u32> {
     let low = places.iter().copied().min().unwrap_or_default();
     let high = places.iter().copied().max().unwrap_or_default();
-    (low, high - low <= REACH)
+    (high - low <= REACH).then_some(low)
 }
 
 /// Writes the places of a list into blocks, those with entries that do not count for all sharers before the others,
@@ -270,9 +266,8 @@ fn pack(list: &[u32], narrow: bool, blocks: &mut Vec<Block>) -> u32 {
 /// Writes up to [`BLOCK`] places into one block if their numbers lie within 16 bits, into several otherwise: a full
 /// one at the end, others, and what `leads`, at `masked`. Returns how many went there.
 fn pack_wide(places: &[u32], masked: usize, leads: bool, blocks: &mut Vec<Block>) -> usize {
-    let (low, within_reach) = reached(places);
-    if within_reach {
-        let block = Block::of(low, places);
+    if let Some(base) = base_of(places) {
+        let block = Block::of(base, places);
         if places.len() == BLOCK && !leads {
             blocks.push(block);
             return 0;

@@ -5,6 +5,9 @@
 /// at.
 const FAR: f64 = 0.35;
 
+/// By how many skins two particles may have moved together before a list is built anew, whatever the pairs.
+pub(crate) const FARTHEST_TOGETHER: f64 = 2.0 * (1.0 - FAR);
+
 /// What the criterion says about a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {

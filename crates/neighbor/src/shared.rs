@@ -8,6 +8,7 @@ use lennard_core::parallel::for_each_with;
 
 use crate::blocks::{Block, SharedBlocks, SharedChunk, amid, is_narrow};
 use crate::columns::{ColumnTable, FIXED_UNITS};
+use crate::criterion::FARTHEST_TOGETHER;
 use crate::grid::GridError;
 use crate::list::ATOMS_PER_CHUNK;
 use crate::shared_scan::{Around, Found, Gathered, SHARERS, SharedScanner};
@@ -211,7 +212,8 @@ impl<'a> Search<'a> {
                 .fold(0.0, f64::max);
             // All may move by 0.65 of the skin, the point amid them too. Nobody near may come to lie beyond half a box,
             // and the two may not, whose way to each other the point halves.
-            let reach = farthest.max(apart(sharers[1], sharers[2])) + 1.3 * self.radius;
+            let reach = farthest.max(apart(sharers[1], sharers[2]));
+            let reach = reach + FARTHEST_TOGETHER * self.radius;
             farthest <= TOGETHER && reach < 0.5 * self.lengths[axis]
         })
     }

@@ -135,14 +135,10 @@ impl Found {
         &self.places[whom][..self.len[whom]]
     }
 
-    /// Orders what is for all by how far its places lie behind the sharers', where one block does not reach all of it, so
-    /// that few blocks have to be cut.
-    pub(crate) fn order_for_all(&mut self, reached: impl Fn(&[u32]) -> (u32, bool)) {
+    /// Orders what is for all by how far its places lie behind the sharers', so that few blocks have to be cut.
+    pub(crate) fn order_for_all(&mut self) {
         let len = self.len[FOR_ALL];
-        let places = &mut self.places[FOR_ALL][..len];
-        if let (_, false) = reached(places)
-            && let [first, rest @ ..] = places
-        {
+        if let [first, rest @ ..] = &mut self.places[FOR_ALL][..len] {
             rest.sort_unstable_by_key(|place| place.wrapping_sub(*first));
         }
     }

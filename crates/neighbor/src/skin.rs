@@ -1,13 +1,11 @@
 //! The skin near the cheapest, from a model of the costs: a function of the scene, never of a clock.
 
+use crate::criterion::FARTHEST_TOGETHER;
+
 /// Smallest skin that is ever chosen, σ: below it a list lasts a step or two.
 const SMALLEST_SKIN: f64 = 0.05;
 /// Largest skin that is ever chosen, σ.
 const LARGEST_SKIN: f64 = 1.5;
-
-/// How much longer a list lasts than until the fastest particle has crossed half a skin: until it may be in doubt, and has
-/// no pair missing then.
-const LONGER: f64 = 1.3;
 
 /// What the choice depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,7 +47,7 @@ pub fn fastest_of(n: usize) -> f64 {
 #[must_use]
 pub fn cheapest_skin(inputs: &SkinInputs) -> f64 {
     let speed = fastest_of(inputs.n_atoms) * inputs.temperature.max(0.0).sqrt();
-    let closing = 2.0 * speed * inputs.dt / LONGER;
+    let closing = 2.0 * speed * inputs.dt / FARTHEST_TOGETHER;
     // d(cost)/ds = 0 is 3s² + 2k·s − k·r_cut = 0 with k = b·closing.
     let k = inputs.build_over_force * closing;
     let root = (-k + (k * k + 3.0 * k * inputs.r_cut).sqrt()) / 3.0;
@@ -86,7 +84,7 @@ mod tests {
     fn the_chosen_skin_has_the_least_modelled_cost() {
         for (t, dt) in [(0.7, 0.005), (1.44, 0.004), (5.0, 0.001)] {
             let at = inputs(t, dt);
-            let closing = 2.0 * fastest_of(at.n_atoms) * t.sqrt() * dt / LONGER;
+            let closing = 2.0 * fastest_of(at.n_atoms) * t.sqrt() * dt / FARTHEST_TOGETHER;
             let k = at.build_over_force * closing;
             let cost = |s: f64| (at.r_cut + s).powi(3) * (1.0 + k / s);
             let s = cheapest_skin(&at);

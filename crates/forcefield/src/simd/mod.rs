@@ -207,8 +207,18 @@ macro_rules! scanner {
                 first: u32,
                 found: &mut Found,
             ) {
+                // Two loops, each of which has registers enough for its constants.
                 // SAFETY: as above.
-                unsafe { $module::near_shared(gathered, around, own, first, found) }
+                unsafe {
+                    match around.folds {
+                        None => $module::near_shared::<false>(
+                            gathered, around, own, [0.0; 3], first, found,
+                        ),
+                        Some(sides) => {
+                            $module::near_shared::<true>(gathered, around, own, sides, first, found)
+                        }
+                    }
+                }
             }
         }
     };

@@ -146,25 +146,9 @@ pub fn gather_shared(
     gathered.len = len;
 }
 
-/// See [`lennard_neighbor::SharedScanner::near`].
+/// See [`lennard_neighbor::SharedScanner::near`]; distances are folded into a box of these sides, or not.
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-pub fn near_shared(
-    gathered: &Gathered,
-    around: &Around,
-    own: [[f32; 3]; SHARERS],
-    first: u32,
-    found: &mut Found,
-) {
-    // Two loops, each of which has registers enough for its constants.
-    match around.folds {
-        None => near_folded::<false>(gathered, around, own, [0.0; 3], first, found),
-        Some(sides) => near_folded::<true>(gathered, around, own, sides, first, found),
-    }
-}
-
-/// What is near, with distances folded into a box of these sides or not.
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-fn near_folded<const FOLDED: bool>(
+pub fn near_shared<const FOLDED: bool>(
     gathered: &Gathered,
     around: &Around,
     own: [[f32; 3]; SHARERS],
