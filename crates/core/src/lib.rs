@@ -16,6 +16,7 @@ mod persist;
 pub mod random;
 mod state;
 pub mod sweeps;
+pub mod tasks;
 mod thermostat;
 
 pub use cell::{BoxError, PeriodicBox};

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rayon::prelude::*;
+use crate::tasks::{for_each_item, map_tasks};
 
 /// Particles a chunk, a constant: part of the definition of every sum.
 pub const CHUNK: usize = 2048;
@@ -72,14 +72,7 @@ where
 {
     let chunks = n.div_ceil(CHUNK);
     let range = |c: usize| c * CHUNK..((c + 1) * CHUNK).min(n);
-    if chunks <= 1 || rayon::current_num_threads() == 1 {
-        return (0..chunks).map(|c| partial(range(c))).sum();
-    }
-    let parts: Vec<T> = (0..chunks)
-        .into_par_iter()
-        .map(|c| partial(range(c)))
-        .collect();
-    parts.into_iter().sum()
+    map_tasks(chunks, |c| partial(range(c))).into_iter().sum()
 }
 
 /// Runs `work(first_index, chunk)` over chunks of `items`.
@@ -88,16 +81,9 @@ where
     T: Send,
     F: Fn(usize, &mut [T]) + Sync,
 {
-    if items.len() <= CHUNK || rayon::current_num_threads() == 1 {
-        for (c, chunk) in items.chunks_mut(CHUNK).enumerate() {
-            work(c * CHUNK, chunk);
-        }
-    } else {
-        items
-            .par_chunks_mut(CHUNK)
-            .enumerate()
-            .for_each(|(c, chunk)| work(c * CHUNK, chunk));
-    }
+    for_each_item(items.chunks_mut(CHUNK), |(), c, chunk| {
+        work(c * CHUNK, chunk);
+    });
 }
 
 /// Runs `work(first_index, chunk_a, chunk_b)` over chunks of two arrays of the same length.
@@ -111,16 +97,8 @@ where
     F: Fn(usize, &mut [A], &mut [B]) + Sync,
 {
     assert_eq!(a.len(), b.len(), "both arrays hold one item a particle");
-    if a.len() <= CHUNK || rayon::current_num_threads() == 1 {
-        for (c, (x, y)) in a.chunks_mut(CHUNK).zip(b.chunks_mut(CHUNK)).enumerate() {
-            work(c * CHUNK, x, y);
-        }
-    } else {
-        a.par_chunks_mut(CHUNK)
-            .zip(b.par_chunks_mut(CHUNK))
-            .enumerate()
-            .for_each(|(c, (x, y))| work(c * CHUNK, x, y));
-    }
+    let chunks = a.chunks_mut(CHUNK).zip(b.chunks_mut(CHUNK));
+    for_each_item(chunks, |(), c, (x, y)| work(c * CHUNK, x, y));
 }
 
 /// Runs `work(first_index, chunk_a, chunk_b, chunk_c)` over chunks of three arrays of the same length.
@@ -136,40 +114,9 @@ where
         a.len() == b.len() && b.len() == c.len(),
         "all arrays hold one item a particle"
     );
-    if a.len() <= CHUNK || rayon::current_num_threads() == 1 {
-        let rest = b.chunks_mut(CHUNK).zip(c.chunks_mut(CHUNK));
-        for (k, (x, (y, z))) in a.chunks_mut(CHUNK).zip(rest).enumerate() {
-            work(k * CHUNK, x, y, z);
-        }
-    } else {
-        let rest = b.par_chunks_mut(CHUNK).zip(c.par_chunks_mut(CHUNK));
-        a.par_chunks_mut(CHUNK)
-            .zip(rest)
-            .enumerate()
-            .for_each(|(k, (x, (y, z)))| work(k * CHUNK, x, y, z));
-    }
-}
-
-/// Runs `work(scratch, index, item)` over `items`, each thread with a scratch of its own.
-pub fn for_each_with<S, T, F>(items: &mut [T], work: F)
-where
-    S: Default,
-    T: Send,
-    F: Fn(&mut S, usize, &mut T) + Sync,
-{
-    if rayon::current_num_threads() == 1 {
-        let mut scratch = S::default();
-        for (index, item) in items.iter_mut().enumerate() {
-            work(&mut scratch, index, item);
-        }
-    } else {
-        items
-            .par_iter_mut()
-            .enumerate()
-            .for_each_init(S::default, |scratch, (index, item)| {
-                work(scratch, index, item)
-            });
-    }
+    let rest = b.chunks_mut(CHUNK).zip(c.chunks_mut(CHUNK));
+    let chunks = a.chunks_mut(CHUNK).zip(rest);
+    for_each_item(chunks, |(), k, (x, (y, z))| work(k * CHUNK, x, y, z));
 }
 
 #[cfg(test)]

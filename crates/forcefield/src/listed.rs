@@ -1,15 +1,16 @@
 //! A Verlet list at work: positions packed into rows, validity checked before each use, pairs summed.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use glam::DVec3;
 use lennard_core::parallel::for_each_chunk;
+use lennard_core::tasks::{for_each_task, map_tasks};
 use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWriter};
 use lennard_neighbor::{
     Criterion, FIXED_UNITS, Far, GridError, Images, NeighborList, SharedList, Verdict,
     misses_a_pair,
 };
-use rayon::prelude::*;
 
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
@@ -395,23 +396,16 @@ fn sum_chunks(
     wanted: Wanted,
     run: &(dyn Fn(usize) -> ChunkTotals + Sync),
 ) -> (Totals, bool) {
-    let serial = rayon::current_num_threads() == 1 || chunks <= 1;
     if wanted == Wanted::Forces {
-        let broken = if serial {
-            (0..chunks).fold(false, |broken, c| broken | run(c).broken)
-        } else {
-            (0..chunks)
-                .into_par_iter()
-                .map(|c| run(c).broken)
-                .reduce(|| false, |a, b| a | b)
-        };
-        return (Totals::NOTHING, broken);
+        let broken = AtomicBool::new(false);
+        for_each_task(chunks, |c| {
+            if run(c).broken {
+                broken.store(true, Ordering::Relaxed);
+            }
+        });
+        return (Totals::NOTHING, broken.into_inner());
     }
-    let totals: Vec<ChunkTotals> = if serial {
-        (0..chunks).map(run).collect()
-    } else {
-        (0..chunks).into_par_iter().map(run).collect()
-    };
+    let totals = map_tasks(chunks, run);
     (Totals::of_chunks(&totals), totals.iter().any(|c| c.broken))
 }
 

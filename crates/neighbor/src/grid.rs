@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::{DVec3, IVec3};
 use lennard_core::PeriodicBox;
 use lennard_core::parallel::{for_each_chunk, for_each_chunk_pair};
-use rayon::prelude::*;
+use lennard_core::tasks::map_items;
 
 use crate::scan::{Candidates, PADDING};
 
@@ -309,15 +309,8 @@ impl RowTable {
             ghosts
         };
         self.ghosts.clear();
-        if rayon::current_num_threads() == 1 {
-            for layer in layers {
-                self.ghosts.append(&mut fill(layer));
-            }
-        } else {
-            let parts: Vec<Vec<Ghost>> = layers.into_par_iter().map(fill).collect();
-            for mut part in parts {
-                self.ghosts.append(&mut part);
-            }
+        for mut part in map_items(layers.into_iter(), |_, layer| fill(layer)) {
+            self.ghosts.append(&mut part);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use lennard_core::PeriodicBox;
-use lennard_core::parallel::for_each_with;
+use lennard_core::tasks::for_each_item;
 use std::ops::Range;
 
 use crate::grid::{GridError, RowTable};
@@ -10,7 +10,7 @@ use crate::scan::{Center, Names, Nearby, PADDING, RowScanner};
 
 /// Particles a chunk of the list: a constant, so that sums over chunks have one order. Small, so that
 /// 864 particles still keep several threads busy.
-pub const ATOMS_PER_CHUNK: usize = 96;
+pub const ATOMS_PER_CHUNK: usize = 48;
 
 /// What list entries name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -179,7 +179,8 @@ impl NeighborList {
             lanes: self.lanes,
             scanner,
         };
-        for_each_with(&mut self.chunks, |scratch: &mut Scratch, c, chunk| {
+        let chunks = self.chunks.iter_mut();
+        for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
             let places = c * ATOMS_PER_CHUNK..((c + 1) * ATOMS_PER_CHUNK).min(n);
             filler.fill(places, scratch, chunk);
         });

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 use lennard_core::PeriodicBox;
-use lennard_core::parallel::for_each_with;
+use lennard_core::tasks::for_each_item;
 
 use crate::blocks::{Block, SharedBlocks, SharedChunk, amid, is_narrow};
 use crate::columns::{ColumnTable, FIXED_UNITS};
@@ -101,7 +101,8 @@ impl SharedList {
         self.chunks
             .resize_with(n.div_ceil(ATOMS_PER_CHUNK), SharedChunk::default);
         let search = Search::new(self.cell.lengths(), self.radius, &self.table, scanner);
-        for_each_with(&mut self.chunks, |scratch: &mut Scratch, c, chunk| {
+        let chunks = self.chunks.iter_mut();
+        for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
             let places = c * ATOMS_PER_CHUNK..((c + 1) * ATOMS_PER_CHUNK).min(n);
             search.fill(places, scratch, chunk);
         });

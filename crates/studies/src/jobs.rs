@@ -4,6 +4,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 
+use crate::StudyError;
+
 /// Runs `work` on every item, on as many threads as there are in the present pool, and returns the results
 /// in the order of the items. `done` is called on this thread after each with the share finished.
 ///
@@ -65,6 +67,14 @@ pub(crate) fn side_by_side_on<I: Sync, R: Send>(
         .into_iter()
         .filter_map(|slot| slot.into_inner().ok().flatten())
         .collect()
+}
+
+/// A pool of so many threads.
+pub(crate) fn pool(threads: usize) -> Result<rayon::ThreadPool, StudyError> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| StudyError::Threads(e.to_string()))
 }
 
 #[cfg(test)]

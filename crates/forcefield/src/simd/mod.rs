@@ -34,11 +34,11 @@ pub use shared_loop::SharedJob;
 use crate::options::{Isa, Precision};
 use crate::truncation::PairForm;
 use glam::DVec3;
+use lennard_core::tasks::map_tasks;
 use lennard_neighbor::{
     Around, Candidates, Center, ColumnTable, Found, Gathered, Names, Nearby, RowScanner, RowTable,
     SHARERS, ScalarScanner, ScalarSharedScanner, SharedScanner,
 };
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// A coordinate row in double precision: x, y, z in σ, and padding.
@@ -322,11 +322,8 @@ pub fn pack_columns(
 }
 
 fn in_tasks(n: usize, task: impl Fn(Range<usize>) -> Moved + Sync) -> Moved {
-    if n <= PACKED_PER_TASK || rayon::current_num_threads() == 1 {
-        return task(0..n);
-    }
-    (0..n.div_ceil(PACKED_PER_TASK))
-        .into_par_iter()
-        .map(|t| task(t * PACKED_PER_TASK..((t + 1) * PACKED_PER_TASK).min(n)))
-        .reduce(|| Moved::NOTHING, Moved::and)
+    let of_task = |t: usize| task(t * PACKED_PER_TASK..((t + 1) * PACKED_PER_TASK).min(n));
+    map_tasks(n.div_ceil(PACKED_PER_TASK), of_task)
+        .into_iter()
+        .fold(Moved::NOTHING, Moved::and)
 }

@@ -9,7 +9,7 @@ use lennard_scene::Scene;
 use super::point::{ChartedPoint, Errors, Outcome};
 use super::store::Store;
 use super::{Chart, ChartError, ChartOptions, Plan, SCHEMA, panels, peers};
-use crate::jobs::side_by_side_on;
+use crate::jobs::{pool, side_by_side_on};
 use crate::settings::{
     COMMON_STEPS, Failed, Grid, Settings, Size, Workbench, grid, modelled_work, shuffled,
     truncation_is_free,
@@ -134,13 +134,6 @@ fn set(slot: &Mutex<ChartedPoint>, point: ChartedPoint) {
     *slot
         .lock()
         .unwrap_or_else(std::sync::PoisonError::into_inner) = point;
-}
-
-fn pool(threads: usize) -> Result<rayon::ThreadPool, ChartError> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|e| StudyError::Threads(e.to_string()).into())
 }
 
 /// Adds the settings by which all others are judged, and gives their place.

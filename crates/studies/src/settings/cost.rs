@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::workbench::{Failed, Part, Workbench};
 use super::{Settings, Start};
 use crate::StudyError;
+use crate::jobs::pool;
 
 /// Seconds for one particle and one neighbor on an ordinary processor; only plans are made with it.
 const SECONDS_PER_NEIGHBOR: f64 = 1.5e-9;
@@ -209,25 +210,27 @@ impl Workbench {
     }
 }
 
-/// Times every one of these settings `repeats` times, one after the other, each round in another order, `seconds` each
-/// by the model; the shuffling is that of `seed`.
+/// Times every one of these settings on so many threads `repeats` times, one after the other, each round in another
+/// order, `seconds` each by the model; the shuffling is that of `seed`.
 ///
 /// # Errors
-/// [`StudyError`] where settings do not fit; a run that fails is a result.
+/// [`StudyError`] where settings do not fit or threads cannot be started; a run that fails is a result.
 pub fn costs(
     bench: &Workbench,
     settings: &[Settings],
+    threads: usize,
     repeats: usize,
     seconds: f64,
     seed: u64,
 ) -> Result<Vec<Result<Cost, Failed>>, StudyError> {
+    let pool = pool(threads)?;
     let mut timings: Vec<Result<Vec<Timing>, Failed>> = vec![Ok(Vec::new()); settings.len()];
     for round in 0..repeats {
         for i in shuffled(settings.len(), seed, round) {
             let Ok(so_far) = &mut timings[i] else {
                 continue;
             };
-            match bench.timing(&settings[i], seconds) {
+            match pool.install(|| bench.timing(&settings[i], seconds)) {
                 Ok(timing) => so_far.push(timing),
                 Err(error) => timings[i] = Err(Failed::from_error(error)?),
             }
@@ -293,7 +296,7 @@ mod tests {
         let split = bench.pair_forces(&respa, 5.0).unwrap();
         assert!(all < split && split < 3.5 * all, "{split}");
         let blown = Settings { dt: 0.1, ..base };
-        let failed = costs(&bench, &[blown], 1, 1e-6, 1).unwrap();
+        let failed = costs(&bench, &[blown], 1, 1, 1e-6, 1).unwrap();
         assert!(
             failed[0]
                 .as_ref()

@@ -50,7 +50,7 @@ pub(super) fn list_and_threads(
     let (repeats, seconds) = FINAL_TIMING;
     let lowest =
         |cost: &Result<Cost, _>| cost.as_ref().map_or(f64::INFINITY, |c: &Cost| c.wall.low);
-    let found = costs(bench, &tried, repeats, seconds, 2)?;
+    let found = costs(bench, &tried, 1, repeats, seconds, 2)?;
     let mut best = 0;
     for i in 1..tried.len() {
         if lowest(&found[i]) < WORTHWHILE * lowest(&found[0])
@@ -63,13 +63,8 @@ pub(super) fn list_and_threads(
     if threads == 1 {
         return Ok((chosen, 1));
     }
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    let alone = match pool {
-        Ok(pool) => {
-            pool.install(|| costs(bench, std::slice::from_ref(&chosen), repeats, seconds, 3))?
-        }
-        Err(e) => return Err(TuneError::Nothing(e.to_string())),
-    };
-    let pays = lowest(&found[best]) < WORTHWHILE * lowest(&alone[0]);
+    let all = std::slice::from_ref(&chosen);
+    let together = costs(bench, all, threads, repeats, seconds, 3)?;
+    let pays = lowest(&together[0]) < WORTHWHILE * lowest(&found[best]);
     Ok((chosen, if pays { threads } else { 1 }))
 }

@@ -109,7 +109,8 @@ pub(super) fn tune_and<T>(
     let mut timed = vec![settings.clone(), fitting(&safest, &prices.bench)];
     timed.extend(usual.clone());
     let mut found: Vec<Cost> = Vec::new();
-    for cost in costs(&prices.bench, &timed, FINAL_TIMING.0, FINAL_TIMING.1, 1)? {
+    let (repeats, each) = FINAL_TIMING;
+    for cost in costs(&prices.bench, &timed, threads, repeats, each, 1)? {
         found.push(cost.map_err(|failed| TuneError::Nothing(failed.reason))?);
     }
     let usual_errors = match &usual {

@@ -283,7 +283,7 @@ fn cheaper_than(
         }
     }
     let mut prices = Vec::new();
-    for (settings, cost) in priced.iter().zip(costs(bench, &priced, 3, 0.05, 1)?) {
+    for (settings, cost) in priced.iter().zip(costs(bench, &priced, 1, 3, 0.05, 1)?) {
         let cost = cost.map_err(|f| TuneError::Nothing(f.reason))?;
         prices.push(cost.wall.low * settings.dt);
     }
