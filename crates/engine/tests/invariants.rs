@@ -203,6 +203,34 @@ fn momentum_is_conserved_and_the_temperature_is_the_one_asked_for_at_the_start()
     assert!(s.dynamics.momentum(&s.state.velocities).length() < 2e-10);
 }
 
+/// A full list in single precision does not cancel a pair's forces to the last bit, so that momentum takes a random walk: each
+/// evaluation adds √N of forces that are off by δ·F_rms, N evaluations apart √steps of them, |P| ≈ δ·F_rms·dt·√(N·steps).
+#[test]
+fn momentum_of_mixed_precision_stays_below_a_random_walk_of_its_rounding() {
+    for steps in [100_u32, 2000] {
+        let mut s = build(&[
+            ("system.n_atoms", "864"),
+            ("kernel.precision", "mixed"),
+            ("stage.0.steps", &steps.to_string()),
+        ]);
+        s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+        let n = s.state.forces.len() as f64;
+        let squares: f64 = s.state.forces.iter().map(|f| f.length_squared()).sum();
+        // δ = 7e-7 of the force in mixed precision (benches/NOTES.md); the walk reaches three times its width one time in 400.
+        let walk = 7e-7 * (squares / n).sqrt() * 0.004 * (n * f64::from(steps)).sqrt();
+        let momentum = s.dynamics.momentum(&s.state.velocities).length();
+        assert!(
+            momentum < 3.0 * walk,
+            "{steps} steps: {momentum:e} of {walk:e}"
+        );
+        // It is the mixed loop that ran.
+        assert!(
+            momentum > 1e-3 * walk,
+            "{steps} steps: {momentum:e} of {walk:e}"
+        );
+    }
+}
+
 #[test]
 fn the_energy_fluctuation_falls_as_the_square_of_dt() {
     let rms = |dt: &str, steps: &str| {

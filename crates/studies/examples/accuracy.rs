@@ -132,7 +132,7 @@ fn show(state: &State, options: &TrialOptions, trial: &Trial, seconds: f64) {
     for (row, (key, target, error)) in t.rows.iter().zip(&trial.errors) {
         let j = &row.judged;
         println!(
-            "  {key:<17} target {target:.0e}  predicted {:+.1e} ± {:.0e}  verified {:+.1e} ± {:.0e}  ten seeds {:+.1e} ± {:.0e}",
+            "  {key:<17} target {target:e}  predicted {:+.1e} ± {:.0e}  verified {:+.1e} ± {:.0e}  ten seeds {:+.1e} ± {:.0e}",
             j.predicted,
             j.predicted_error,
             j.measured,
