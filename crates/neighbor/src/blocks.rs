@@ -153,14 +153,18 @@ impl SharedChunk {
     /// Adds a list of what was found for four sharers; `narrow` says that places themselves fit into entries.
     pub(crate) fn push(&mut self, found: &mut Found, together: bool, narrow: bool) {
         self.push_halves(found, narrow);
-        let halves = self.blocks.len() as u32;
-        if !narrow && base_of(found.of(FOR_ALL)).is_none() {
-            found.order_for_all();
-        }
-        let masked = pack(found.of(FOR_ALL), narrow, &mut self.blocks);
+        let halves = self.blocks.len();
+        let (near, base) = if narrow {
+            (found.of(FOR_ALL).len(), 0)
+        } else {
+            found.near_first()
+        };
+        let (near, far) = found.of(FOR_ALL).split_at(near);
+        let masked = pack(near, base, &mut self.blocks);
+        let masked = pack_far(far, masked, &mut self.blocks);
         self.spans.push(Span {
-            halves,
-            masked: halves + masked,
+            halves: halves as u32,
+            masked: masked as u32,
             end: self.blocks.len() as u32,
             together,
         });
@@ -216,10 +220,9 @@ fn base_of(places: &[u32]) -> Option<u32> {
     (high - low <= REACH).then_some(low)
 }
 
-/// Writes the places of a list into blocks, those with entries that do not count for all sharers before the others,
-/// and returns how many these are.
-fn pack(list: &[u32], narrow: bool, blocks: &mut Vec<Block>) -> u32 {
-    let begin = blocks.len();
+/// Writes the places of a list, all within reach of a base, into blocks, those with entries that do not count for all
+/// sharers before the others, and returns where these end.
+fn pack(list: &[u32], base: u32, blocks: &mut Vec<Block>) -> usize {
     // The first block takes what does not fill whole ones, unless that is less than the sharers.
     let rest = list.len() % BLOCK;
     let lead = match rest {
@@ -227,57 +230,37 @@ fn pack(list: &[u32], narrow: bool, blocks: &mut Vec<Block>) -> u32 {
         1..SHARERS => (BLOCK + rest).min(list.len()),
         _ => rest,
     };
-    let mut masked = 0;
-    let (mut lead, full) = list.split_at(lead);
-    if narrow
-        && lead.len() < BLOCK
+    let (lead, full) = list.split_at(lead);
+    if lead.len() < BLOCK
         && let Some(places) = list.first_chunk()
     {
         // What does not count may name any place.
-        let mut block = Block::full(0, places);
+        let mut block = Block::full(base, places);
         block.valid = u16::MAX >> (BLOCK - lead.len());
         blocks.push(block);
-        (lead, masked) = (&[], 1);
+    } else {
+        blocks.extend(lead.chunks(BLOCK).map(|places| Block::of(base, places)));
     }
-    for places in lead.chunks(BLOCK) {
-        masked += if narrow {
-            blocks.push(Block::of(0, places));
-            1
-        } else {
-            pack_wide(places, begin + masked, masked == 0, blocks)
-        };
-    }
-    let (full, none) = full.as_chunks::<BLOCK>();
+    let masked = blocks.len();
+    let (full, none) = full.as_chunks();
     debug_assert!(none.is_empty(), "what is left fills whole blocks");
-    for places in full {
-        if narrow {
-            blocks.push(Block::full(0, places));
-        } else {
-            masked += pack_wide(places, begin + masked, false, blocks);
-        }
-    }
-    debug_assert!(
-        blocks[begin + masked..].iter().all(|b| b.valid == u16::MAX),
-        "blocks behind the masked ones are full"
-    );
-    masked as u32
+    blocks.extend(full.iter().map(|places| Block::full(base, places)));
+    masked
 }
 
-/// Writes up to [`BLOCK`] places into one block if their numbers lie within 16 bits, into several otherwise: a full
-/// one at the end, others, and what `leads`, at `masked`. Returns how many went there.
-fn pack_wide(places: &[u32], masked: usize, leads: bool, blocks: &mut Vec<Block>) -> usize {
-    if let Some(base) = base_of(places) {
-        let block = Block::of(base, places);
-        if places.len() == BLOCK && !leads {
-            blocks.push(block);
-            return 0;
+/// Writes places in ascending order into blocks besides those of [`pack`], whose masked ones end at `masked`; returns where
+/// these end now.
+fn pack_far(mut list: &[u32], mut masked: usize, blocks: &mut Vec<Block>) -> usize {
+    while let Some(base) = list.first() {
+        let (within_reach, beyond) =
+            list.split_at(list.partition_point(|place| place - base <= REACH));
+        let (full, rest) = within_reach.as_chunks();
+        blocks.extend(full.iter().map(|places| Block::full(*base, places)));
+        if !rest.is_empty() {
+            blocks.insert(masked, Block::of(*base, rest));
+            masked += 1;
         }
-        blocks.insert(masked, block);
-        return 1;
+        list = beyond;
     }
-    // Sharers follow each other in number, and stay together.
-    let least = if leads { SHARERS } else { 1 };
-    let (first, second) = places.split_at((places.len() / 2).max(least));
-    let written = pack_wide(first, masked, leads, blocks);
-    written + pack_wide(second, masked + written, false, blocks)
+    masked
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::blocks::REACH;
 use crate::columns::ColumnTable;
 use crate::scan::PADDING;
 
@@ -113,6 +114,8 @@ pub struct Found {
     pub places: [Vec<u32>; 3],
     /// How many there are of each; what lies beyond them means nothing.
     pub len: [usize; 3],
+    /// Scratch of an ordering.
+    far: Vec<u32>,
 }
 
 impl Found {
@@ -135,12 +138,33 @@ impl Found {
         &self.places[whom][..self.len[whom]]
     }
 
-    /// Orders what is for all by how far its places lie behind the sharers', so that few blocks have to be cut.
-    pub(crate) fn order_for_all(&mut self) {
-        let len = self.len[FOR_ALL];
-        if let [first, rest @ ..] = &mut self.places[FOR_ALL][..len] {
-            rest.sort_unstable_by_key(|place| place.wrapping_sub(*first));
+    /// Orders what is for all: first the sharers and what a block reaches from a base together with them, then the others,
+    /// ascending. Gives how many come first, and the base.
+    pub(crate) fn near_first(&mut self) -> (usize, u32) {
+        let places = &mut self.places[FOR_ALL][..self.len[FOR_ALL]];
+        let (low, high) = places
+            .iter()
+            .fold((u32::MAX, 0), |(low, high), p| (low.min(*p), high.max(*p)));
+        if high.saturating_sub(low) <= REACH {
+            return (places.len(), low);
         }
+        let around_the_sharers = places[0].saturating_sub(REACH / 2);
+        let base = around_the_sharers.min(high - REACH).max(low);
+        self.far.clear();
+        let mut near = 0;
+        for at in 0..places.len() {
+            let place = places[at];
+            // Those below the base are beyond any reach.
+            if place.wrapping_sub(base) <= REACH {
+                places[near] = place;
+                near += 1;
+            } else {
+                self.far.push(place);
+            }
+        }
+        self.far.sort_unstable();
+        places[near..].copy_from_slice(&self.far);
+        (near, base)
     }
 
     /// Adds what is for two of the sharers, from an element on, to what is for all.
