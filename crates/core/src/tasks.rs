@@ -15,22 +15,27 @@ pub fn for_each_task(n: usize, task: impl Fn(usize) + Sync) {
     for_each_task_with(n, |(), index| task(index));
 }
 
+/// Whether one thread does so many tasks as well as several: there is no other, or nothing for it.
+fn is_for_one_thread(n: usize) -> bool {
+    n <= 1 || rayon::current_num_threads() == 1
+}
+
 /// Runs `task(scratch, 0)`, …, `task(scratch, n − 1)` on the current pool, in any order, each thread with a scratch of
 /// its own.
-pub fn for_each_task_with<S: Default>(n: usize, task: impl Fn(&mut S, usize) + Sync) {
-    let threads = rayon::current_num_threads();
-    if threads == 1 || n <= 1 {
+fn for_each_task_with<S: Default>(n: usize, task: impl Fn(&mut S, usize) + Sync) {
+    if is_for_one_thread(n) {
         let mut scratch = S::default();
         (0..n).for_each(|index| task(&mut scratch, index));
         return;
     }
+    let threads = rayon::current_num_threads().min(n);
     Team {
-        shares: Share::all(n, threads.min(n)),
+        shares: Share::all(n, threads),
         at_work: AtomicUsize::new(0),
         caller: rayon::current_thread_index(),
         task,
     }
-    .run();
+    .spread(threads);
 }
 
 /// What `task` gives for 0 to n − 1, in that order.
@@ -40,15 +45,14 @@ pub fn map_tasks<R: Send>(n: usize, task: impl Fn(usize) -> R + Sync) -> Vec<R> 
 
 /// What `work(index, item)` gives for each item, in their order.
 pub fn map_items<T: Send, R: Send>(
-    items: impl Iterator<Item = T>,
+    items: impl ExactSizeIterator<Item = T>,
     work: impl Fn(usize, T) -> R + Sync,
 ) -> Vec<R> {
-    if rayon::current_num_threads() == 1 {
+    if is_for_one_thread(items.len()) {
         return items.enumerate().map(|(i, item)| work(i, item)).collect();
     }
-    let items: Vec<T> = items.collect();
-    let mut found: Vec<Option<R>> = items.iter().map(|_| None).collect();
-    for_each_item(items.into_iter().zip(&mut found), |(), i, (item, slot)| {
+    let mut found: Vec<Option<R>> = (0..items.len()).map(|_| None).collect();
+    for_each_item(items.zip(&mut found), |(), i, (item, slot)| {
         *slot = Some(work(i, item));
     });
     found.into_iter().flatten().collect()
@@ -56,10 +60,10 @@ pub fn map_items<T: Send, R: Send>(
 
 /// Runs `work(scratch, index, item)` over items, in any order, each thread with a scratch of its own.
 pub fn for_each_item<S: Default, T: Send>(
-    items: impl Iterator<Item = T>,
+    items: impl ExactSizeIterator<Item = T>,
     work: impl Fn(&mut S, usize, T) + Sync,
 ) {
-    if rayon::current_num_threads() == 1 {
+    if is_for_one_thread(items.len()) {
         let mut scratch = S::default();
         items
             .enumerate()
@@ -87,13 +91,6 @@ struct Team<F> {
 }
 
 impl<F> Team<F> {
-    fn run<S: Default>(&self)
-    where
-        F: Fn(&mut S, usize) + Sync,
-    {
-        self.spread(self.shares.len());
-    }
-
     /// Sends so many threads to work. Those that come late find nothing left to do.
     fn spread<S: Default>(&self, threads: usize)
     where
