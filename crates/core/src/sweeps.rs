@@ -3,11 +3,11 @@
 use glam::DVec3;
 
 use crate::Masses;
-use crate::parallel::for_each_chunk;
+use crate::parallel::for_each_piece;
 
 /// Kick: v ← v + (h/m)·F, with `velocities` `[N]` in σ/τ, `forces` `[N]` in ε/σ, `h` in τ.
 pub fn kick(velocities: &mut [DVec3], forces: &[DVec3], masses: &Masses, h: f64) {
-    for_each_chunk(velocities, |first, chunk| match masses {
+    for_each_piece(velocities, |first, chunk| match masses {
         Masses::Uniform(m) => {
             let factor = h / m;
             for (v, f) in chunk.iter_mut().zip(&forces[first..]) {
@@ -24,7 +24,7 @@ pub fn kick(velocities: &mut [DVec3], forces: &[DVec3], masses: &Masses, h: f64)
 
 /// Drift: x ← x + h·v, with `positions` `[N]` in σ, `velocities` `[N]` in σ/τ, `h` in τ.
 pub fn drift(positions: &mut [DVec3], velocities: &[DVec3], h: f64) {
-    for_each_chunk(positions, |first, chunk| {
+    for_each_piece(positions, |first, chunk| {
         for (x, v) in chunk.iter_mut().zip(&velocities[first..]) {
             *x += h * *v;
         }
@@ -41,7 +41,7 @@ pub fn kick_and_drift(
     kick_h: f64,
     drift_h: f64,
 ) {
-    crate::parallel::for_each_chunk_pair(positions, velocities, |first, xs, vs| {
+    crate::parallel::for_each_piece_pair(positions, velocities, |first, xs, vs| {
         let forces = &forces[first..];
         match masses {
             Masses::Uniform(m) => {

@@ -10,11 +10,6 @@ use std::sync::{Mutex, PoisonError};
 /// soon sends it to sleep: some tens of microseconds.
 const LOOKS: u32 = 1000;
 
-/// Runs `task(0)`, …, `task(n − 1)` on the current pool, in any order.
-pub fn for_each_task(n: usize, task: impl Fn(usize) + Sync) {
-    for_each_task_with(n, |(), index| task(index));
-}
-
 /// Whether one thread does so many tasks as well as several: there is no other, or nothing for it.
 fn is_for_one_thread(n: usize) -> bool {
     n <= 1 || rayon::current_num_threads() == 1
@@ -22,7 +17,7 @@ fn is_for_one_thread(n: usize) -> bool {
 
 /// Runs `task(scratch, 0)`, …, `task(scratch, n − 1)` on the current pool, in any order, each thread with a scratch of
 /// its own.
-fn for_each_task_with<S: Default>(n: usize, task: impl Fn(&mut S, usize) + Sync) {
+pub fn for_each_task<S: Default>(n: usize, task: impl Fn(&mut S, usize) + Sync) {
     if is_for_one_thread(n) {
         let mut scratch = S::default();
         (0..n).for_each(|index| task(&mut scratch, index));
@@ -38,22 +33,27 @@ fn for_each_task_with<S: Default>(n: usize, task: impl Fn(&mut S, usize) + Sync)
     .spread(threads);
 }
 
-/// What `task` gives for 0 to n − 1, in that order.
-pub fn map_tasks<R: Send>(n: usize, task: impl Fn(usize) -> R + Sync) -> Vec<R> {
-    map_items(0..n, |_, index| task(index))
+/// What `task(scratch, index)` gives for 0 to n − 1, in that order, each thread with a scratch of its own.
+pub fn map_tasks<S: Default, R: Send>(
+    n: usize,
+    task: impl Fn(&mut S, usize) -> R + Sync,
+) -> Vec<R> {
+    map_items(0..n, |scratch, _, index| task(scratch, index))
 }
 
-/// What `work(index, item)` gives for each item, in their order.
-pub fn map_items<T: Send, R: Send>(
+/// What `work(scratch, index, item)` gives for each item, in their order, each thread with a scratch of its own.
+pub fn map_items<S: Default, T: Send, R: Send>(
     items: impl ExactSizeIterator<Item = T>,
-    work: impl Fn(usize, T) -> R + Sync,
+    work: impl Fn(&mut S, usize, T) -> R + Sync,
 ) -> Vec<R> {
     if is_for_one_thread(items.len()) {
-        return items.enumerate().map(|(i, item)| work(i, item)).collect();
+        let mut scratch = S::default();
+        let items = items.enumerate();
+        return items.map(|(i, item)| work(&mut scratch, i, item)).collect();
     }
     let mut found: Vec<Option<R>> = (0..items.len()).map(|_| None).collect();
-    for_each_item(items.zip(&mut found), |(), i, (item, slot)| {
-        *slot = Some(work(i, item));
+    for_each_item(items.zip(&mut found), |scratch, i, (item, slot)| {
+        *slot = Some(work(scratch, i, item));
     });
     found.into_iter().flatten().collect()
 }
@@ -72,7 +72,7 @@ pub fn for_each_item<S: Default, T: Send>(
     }
     // Nobody ever waits at a lock: each item is taken once.
     let items: Vec<Mutex<Option<T>>> = items.map(|item| Mutex::new(Some(item))).collect();
-    for_each_task_with(items.len(), |scratch, index| {
+    for_each_task(items.len(), |scratch, index| {
         let mut item = items[index].lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(item) = item.take() {
             work(scratch, index, item);
@@ -196,12 +196,12 @@ mod tests {
             for n in [0, 1, 2, 3, 7, 100, 1001] {
                 let runs: Vec<AtomicUsize> = (0..n).map(|_| AtomicUsize::new(0)).collect();
                 pool.install(|| {
-                    for_each_task(n, |index| {
+                    for_each_task(n, |(), index| {
                         runs[index].fetch_add(1, Ordering::Relaxed);
                     });
                 });
                 assert!(runs.iter().all(|r| r.load(Ordering::Relaxed) == 1));
-                let found = pool.install(|| map_tasks(n, |index| 3 * index));
+                let found = pool.install(|| map_tasks(n, |(), index| 3 * index));
                 assert_eq!(found, (0..n).map(|i| 3 * i).collect::<Vec<_>>());
                 let mut items = vec![0; n];
                 pool.install(|| for_each_item(items.iter_mut(), |(), i, item| *item += i + 1));
@@ -215,7 +215,7 @@ mod tests {
         for pool in pools() {
             let most = AtomicUsize::new(0);
             pool.install(|| {
-                for_each_task_with(100, |seen: &mut Vec<usize>, index| {
+                for_each_task(100, |seen: &mut Vec<usize>, index| {
                     seen.push(index);
                     most.fetch_max(seen.len(), Ordering::Relaxed);
                 });
@@ -240,7 +240,7 @@ mod tests {
     #[test]
     fn a_task_that_panics_is_not_lost() {
         for pool in pools() {
-            let tasks = || for_each_task(20, |index| assert_ne!(index, 13));
+            let tasks = || for_each_task(20, |(), index| assert_ne!(index, 13));
             let caught = pool.install(|| std::panic::catch_unwind(tasks));
             assert!(caught.is_err());
         }

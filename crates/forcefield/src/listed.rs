@@ -1,21 +1,19 @@
 //! A Verlet list at work: positions packed into rows, validity checked before each use, pairs summed.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use glam::DVec3;
-use lennard_core::parallel::for_each_chunk;
-use lennard_core::tasks::{for_each_task, map_tasks};
+use lennard_core::parallel::for_each_piece;
 use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWriter};
 use lennard_neighbor::{
     Criterion, FIXED_UNITS, Far, GridError, Images, NeighborList, SharedList, Verdict,
     misses_a_pair,
 };
 
+use crate::copies::{Copies, Fitness, Work};
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
-    self, Built, ChunkTotals, DoubleRow, FixedRow, Level, Moved, PairJob, PerParticle, SharedJob,
-    Wanted,
+    self, Built, DoubleRow, FixedRow, Level, Moved, PairJob, PerParticle, SharedJob, Source, Wanted,
 };
 use crate::sums::Totals;
 use crate::truncation::PairForm;
@@ -29,22 +27,21 @@ pub struct Clock {
     pub neighbor: f64,
 }
 
-/// A list with the private copy of the positions that its loop reads.
+/// A list with the private copies of the positions that its loop reads.
 enum Pairs {
+    /// The neighbors of each particle, for forces that are a pure function of the positions.
+    Canonical(Box<NeighborList>, Folded),
     /// The neighbors of each particle.
-    Rows(Box<NeighborList>, Rows),
+    Rows(Box<NeighborList>, Copies<DoubleRow>),
     /// The neighbors of every four particles.
-    Shared(Box<SharedList>, Vec<FixedRow>),
+    Shared(Box<SharedList>, Copies<FixedRow>),
 }
 
-/// The private copy of the positions, by the list of each particle's neighbors.
-enum Rows {
-    Double(Vec<DoubleRow>),
-    /// Canonical loop: folded positions and sorted lists by particle.
-    Pure {
-        wrapped: Vec<DVec3>,
-        lists: Vec<Vec<u32>>,
-    },
+/// Folded positions, and sorted lists by particle.
+#[derive(Default)]
+struct Folded {
+    wrapped: Vec<DVec3>,
+    lists: Vec<Vec<u32>>,
 }
 
 /// A list with everything that belongs to it.
@@ -85,12 +82,11 @@ impl Listed {
         let radius = r_cut + skin + rounding;
         let list = |images| Box::new(NeighborList::new(cell, radius, images, level.lanes()));
         let pairs = match kind {
-            Loop::Canonical => {
-                let (wrapped, lists) = (Vec::new(), Vec::new());
-                Pairs::Rows(list(Images::Folded), Rows::Pure { wrapped, lists })
+            Loop::Canonical => Pairs::Canonical(list(Images::Folded), Folded::default()),
+            Loop::Rows => Pairs::Rows(list(Images::Ghosts), Copies::default()),
+            Loop::Shared => {
+                Pairs::Shared(Box::new(SharedList::new(cell, radius)), Copies::default())
             }
-            Loop::Rows => Pairs::Rows(list(Images::Ghosts), Rows::Double(Vec::new())),
-            Loop::Shared => Pairs::Shared(Box::new(SharedList::new(cell, radius)), Vec::new()),
         };
         Self {
             cell,
@@ -106,7 +102,7 @@ impl Listed {
     /// Lanes computed in one evaluation, which meets every pair from both of its ends.
     pub fn lanes(&self) -> u64 {
         match &self.pairs {
-            Pairs::Rows(list, _) => list.lanes_listed(),
+            Pairs::Canonical(list, _) | Pairs::Rows(list, _) => list.lanes_listed(),
             Pairs::Shared(list, _) => list.lanes(),
         }
     }
@@ -114,7 +110,7 @@ impl Listed {
     /// Pairs listed, each counted once.
     pub fn listed_pairs(&self) -> u64 {
         match &self.pairs {
-            Pairs::Rows(list, _) => list.pairs(),
+            Pairs::Canonical(list, _) | Pairs::Rows(list, _) => list.pairs(),
             Pairs::Shared(list, _) => list.pairs(),
         }
     }
@@ -122,7 +118,7 @@ impl Listed {
     /// The particle at each place of the list's order.
     fn particles(&self) -> &[u32] {
         match &self.pairs {
-            Pairs::Rows(list, _) => &list.table().particle,
+            Pairs::Canonical(list, _) | Pairs::Rows(list, _) => &list.table().particle,
             Pairs::Shared(list, _) => &list.table().particle,
         }
     }
@@ -135,58 +131,11 @@ impl Listed {
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
         let pairs = match &self.pairs {
-            Pairs::Rows(list, rows) => list.bytes() + rows.bytes(),
-            Pairs::Shared(list, rows) => list.bytes() + rows.capacity() * size_of::<FixedRow>(),
+            Pairs::Canonical(list, folded) => list.bytes() + folded.bytes(),
+            Pairs::Rows(list, copies) => list.bytes() + copies.bytes(),
+            Pairs::Shared(list, copies) => list.bytes() + copies.bytes(),
         };
         (pairs + 24 * self.built.capacity()) as u64
-    }
-
-    /// Makes the list valid for `positions` and the rows hold them.
-    fn prepare(&mut self, positions: &[DVec3], clock: &mut Clock) -> Result<(), ForceError> {
-        let start = Instant::now();
-        let mut moved = if self.built.len() == positions.len() {
-            self.pack(positions)
-        } else {
-            Moved {
-                largest2: f64::INFINITY,
-                ..Moved::NOTHING
-            }
-        };
-        if !moved.finite {
-            return Err(not_finite(positions));
-        }
-        let mut valid = self.is_valid(&moved, positions);
-        if !valid {
-            let build_start = Instant::now();
-            self.build(positions)?;
-            clock.neighbor += build_start.elapsed().as_secs_f64();
-            clock.force -= build_start.elapsed().as_secs_f64();
-            moved = self.pack(positions);
-            valid = self.is_valid(&moved, positions);
-        }
-        self.criterion.used(valid);
-        clock.force += start.elapsed().as_secs_f64();
-        Ok(())
-    }
-
-    /// Whether the list names every pair that counts at `positions`.
-    fn is_valid(&self, moved: &Moved, positions: &[DVec3]) -> bool {
-        match self.criterion.check(moved.largest2) {
-            Verdict::Valid => true,
-            Verdict::Build => false,
-            Verdict::Doubtful => {
-                let particles = self.particles();
-                let far = |place: &u32| {
-                    let at = positions[particles[*place as usize] as usize];
-                    let moved = at - self.built[*place as usize];
-                    Far { at, moved }
-                };
-                let far: Vec<Far> = moved.far.iter().map(far).collect();
-                // A last place more: no pair that counts may look as if it did not.
-                let inner = (self.radius - self.criterion.skin()) * (1.0 + 1e-12);
-                !misses_a_pair(&self.cell, self.radius, inner, &far)
-            }
-        }
     }
 
     /// Builds the list for `positions`.
@@ -194,12 +143,11 @@ impl Listed {
         // Half-built tables must not look valid.
         self.built.clear();
         let built = match &mut self.pairs {
-            Pairs::Rows(list, rows) => list
+            Pairs::Canonical(list, folded) => list
                 .build(positions, self.level.scanner())
-                .map(|()| rows.fit(list)),
-            Pairs::Shared(list, rows) => list
-                .build(positions, self.level.shared_scanner())
-                .map(|()| rows.resize(positions.len(), FixedRow::default())),
+                .map(|()| folded.list(list)),
+            Pairs::Rows(list, _) => list.build(positions, self.level.scanner()),
+            Pairs::Shared(list, _) => list.build(positions, self.level.shared_scanner()),
         };
         built.map_err(
             |GridError::BadPosition { particle }| ForceError::NonFinitePosition { particle },
@@ -207,7 +155,7 @@ impl Listed {
         let mut built = std::mem::take(&mut self.built);
         let particles = self.particles();
         built.resize(particles.len(), DVec3::ZERO);
-        for_each_chunk(&mut built, |first, chunk| {
+        for_each_piece(&mut built, |first, chunk| {
             for (built, particle) in chunk.iter_mut().zip(&particles[first..]) {
                 *built = positions[*particle as usize];
             }
@@ -217,21 +165,6 @@ impl Listed {
         Ok(())
     }
 
-    /// Copies positions to the rows; gives the displacements since the build.
-    fn pack(&mut self, positions: &[DVec3]) -> Moved {
-        let built = Built {
-            at: &self.built,
-            far2: self.criterion.far2(),
-        };
-        match &mut self.pairs {
-            Pairs::Rows(list, rows) => rows.pack(list, &self.cell, positions, built),
-            Pairs::Shared(list, rows) => {
-                let (table, lengths) = (list.table(), self.cell.lengths());
-                simd::pack_columns(table, positions, built, lengths, rows)
-            }
-        }
-    }
-
     /// Writes forces (and `each`) at `positions` and returns the totals, which are those of `wanted`.
     pub fn evaluate<F: PairForm>(
         &mut self,
@@ -239,35 +172,121 @@ impl Listed {
         positions: &[DVec3],
         wanted: Wanted,
         forces: &mut [DVec3],
-        each: Option<&mut [PerParticle]>,
+        mut each: Option<&mut [PerParticle]>,
         clock: &mut Clock,
     ) -> Result<Totals, ForceError> {
-        self.prepare(positions, clock)?;
         let start = Instant::now();
-        let (totals, broken) = match &mut self.pairs {
-            Pairs::Rows(list, rows) => {
-                let run = RowsRun {
-                    cell: &self.cell,
-                    r_cut: self.r_cut,
-                    level: self.level,
-                    list,
-                };
-                run.evaluate(rows, form, wanted, forces, each)
-            }
-            Pairs::Shared(list, rows) => {
-                let (level, chunks) = (self.level, list.chunks().len());
-                let scale = (self.cell.lengths() / FIXED_UNITS).to_array();
-                let job = SharedJob::new(form, self.r_cut, scale, rows, list, forces, each);
-                sum_chunks(chunks, wanted, &|c| {
-                    simd::run_shared(level, &job, c, wanted)
-                })
-            }
-        };
-        clock.force += start.elapsed().as_secs_f64();
+        let mut building = 0.0;
+        let (mut fitness, mut totals, mut broken) = (Fitness::Stale, Totals::NOTHING, false);
+        if self.built.len() == positions.len() {
+            (fitness, totals, broken) =
+                self.attempt(form, positions, wanted, forces, each.as_deref_mut());
+        }
+        if fitness == Fitness::Stale {
+            let start = Instant::now();
+            self.build(positions)?;
+            building = start.elapsed().as_secs_f64();
+            (fitness, totals, broken) = self.attempt(form, positions, wanted, forces, each);
+        }
+        clock.neighbor += building;
+        clock.force += start.elapsed().as_secs_f64() - building;
+        self.criterion.used(fitness == Fitness::Fit);
+        if fitness == Fitness::Broken {
+            return Err(not_finite(positions));
+        }
+        assert_eq!(fitness, Fitness::Fit, "a list is fit where it was built");
         if broken {
             return Err(not_finite_force(forces));
         }
         Ok(totals)
+    }
+
+    /// Judges the list at `positions` and evaluates where it is fit; gives totals and whether a force was not finite.
+    fn attempt<F: PairForm>(
+        &mut self,
+        form: F,
+        positions: &[DVec3],
+        wanted: Wanted,
+        forces: &mut [DVec3],
+        each: Option<&mut [PerParticle]>,
+    ) -> (Fitness, Totals, bool) {
+        let (cell, r_cut, level) = (&self.cell, self.r_cut, self.level);
+        let (n, lengths) = (positions.len(), cell.lengths());
+        let built = Built {
+            at: &self.built,
+            far2: self.criterion.far2(),
+        };
+        let (radius, criterion) = (self.radius, &self.criterion);
+        let judge = |particles, moved: &Moved| {
+            let judge = Judge {
+                cell,
+                radius,
+                criterion,
+                built: built.at,
+                particles,
+                positions,
+            };
+            judge.fitness(moved)
+        };
+        match &mut self.pairs {
+            Pairs::Canonical(list, folded) => {
+                let particles = &list.table().particle;
+                let moved = folded.pack(cell, positions, built, particles);
+                let fitness = judge(particles, &moved);
+                if fitness != Fitness::Fit {
+                    return (fitness, Totals::NOTHING, false);
+                }
+                let job = PureJob {
+                    form,
+                    r_cut,
+                    cell,
+                    wrapped: &folded.wrapped,
+                    nearby: Nearby::Listed(&folded.lists),
+                };
+                let chunks = job.run(forces, each);
+                let broken = chunks.iter().any(|c| c.broken);
+                (fitness, Totals::of_chunks(&chunks), broken)
+            }
+            Pairs::Rows(list, copies) => {
+                let table = list.table();
+                let from = Source {
+                    table,
+                    positions,
+                    built,
+                    lengths,
+                };
+                let job = PairJob::new(form, r_cut, list, forces, each);
+                copies.run(&Work {
+                    n,
+                    rows: table.rows(),
+                    chunks: list.chunks().len(),
+                    wanted,
+                    pack: &|by, rows| simd::pack_double(level, by, from, rows),
+                    judge: &|moved| judge(&table.particle, moved),
+                    run: &|rows, c| simd::run_double(level, &job, rows, c, wanted),
+                })
+            }
+            Pairs::Shared(list, copies) => {
+                let table = list.table();
+                let from = Source {
+                    table,
+                    positions,
+                    built,
+                    lengths,
+                };
+                let scale = (lengths / FIXED_UNITS).to_array();
+                let job = SharedJob::new(form, r_cut, scale, list, forces, each);
+                copies.run(&Work {
+                    n,
+                    rows: n,
+                    chunks: list.chunks().len(),
+                    wanted,
+                    pack: &|by, rows| simd::pack_columns(level, by, from, rows),
+                    judge: &|moved| judge(&table.particle, moved),
+                    run: &|rows, c| simd::run_shared(level, &job, rows, c, wanted),
+                })
+            }
+        }
     }
 
     /// Writes what a restart needs: the positions of the build.
@@ -301,112 +320,79 @@ impl Listed {
     }
 }
 
-impl Rows {
+impl Folded {
     fn bytes(&self) -> usize {
-        match self {
-            Self::Double(rows) => rows.capacity() * size_of::<DoubleRow>(),
-            Self::Pure { wrapped, lists } => {
-                24 * wrapped.capacity() + lists.iter().map(|l| 24 + 4 * l.capacity()).sum::<usize>()
-            }
+        let lists = self.lists.iter().map(|l| 24 + 4 * l.capacity());
+        24 * self.wrapped.capacity() + lists.sum::<usize>()
+    }
+
+    /// Takes over a list that was just built.
+    fn list(&mut self, list: &NeighborList) {
+        self.lists = list.neighbors();
+        for list in &mut self.lists {
+            list.dedup();
         }
     }
 
-    /// Makes room for what a list that was just built names.
-    fn fit(&mut self, list: &NeighborList) {
-        match self {
-            Self::Double(rows) => rows.resize(list.table().rows(), DoubleRow::default()),
-            Self::Pure { lists, .. } => {
-                *lists = list.neighbors();
-                for list in lists {
-                    list.dedup();
-                }
-            }
-        }
-    }
-
+    /// Folds positions; gives the displacements since the build.
     fn pack(
         &mut self,
-        list: &NeighborList,
         cell: &PeriodicBox,
         positions: &[DVec3],
         built: Built<'_>,
+        particles: &[u32],
     ) -> Moved {
-        let (table, lengths) = (list.table(), cell.lengths());
-        match self {
-            Self::Double(rows) => simd::pack_double(table, positions, built, lengths, rows),
-            Self::Pure { wrapped, .. } => {
-                pure::wrap(cell, positions, wrapped);
-                let mut moved = Moved::NOTHING;
-                for (place, (particle, at)) in table.particle.iter().zip(built.at).enumerate() {
-                    let displacement = positions[*particle as usize] - *at;
-                    moved.include(place, displacement, built.far2);
-                }
-                moved
-            }
-        }
+        pure::wrap(cell, positions, &mut self.wrapped);
+        let moved = particles.iter().zip(built.at);
+        let squares: Vec<f64> = moved
+            .map(|(particle, at)| (positions[*particle as usize] - *at).length_squared())
+            .collect();
+        let mut moved = Moved::NOTHING;
+        moved.include(0, &squares, built.far2);
+        moved
     }
 }
 
-/// What a loop over rows needs besides the rows.
-struct RowsRun<'a> {
+/// Whether a list may be used.
+struct Judge<'a> {
     cell: &'a PeriodicBox,
-    r_cut: f64,
-    level: Level,
-    list: &'a NeighborList,
+    /// What the list reaches to, σ.
+    radius: f64,
+    criterion: &'a Criterion,
+    /// Positions of the build, by place.
+    built: &'a [DVec3],
+    /// The particle at each place.
+    particles: &'a [u32],
+    /// Where they are now.
+    positions: &'a [DVec3],
 }
 
-impl RowsRun<'_> {
-    /// Forces, totals and whether a force is not finite.
-    fn evaluate<F: PairForm>(
-        &self,
-        rows: &Rows,
-        form: F,
-        wanted: Wanted,
-        forces: &mut [DVec3],
-        each: Option<&mut [PerParticle]>,
-    ) -> (Totals, bool) {
-        let (list, level) = (self.list, self.level);
-        let chunks = list.chunks().len();
-        match rows {
-            Rows::Double(rows) => {
-                let job = PairJob::new(form, self.r_cut, rows, list, forces, each);
-                sum_chunks(chunks, wanted, &|c| {
-                    simd::run_double(level, &job, c, wanted)
-                })
-            }
-            Rows::Pure { wrapped, lists } => {
-                let job = PureJob {
-                    form,
-                    r_cut: self.r_cut,
-                    cell: self.cell,
-                    wrapped,
-                    nearby: Nearby::Listed(lists),
+impl Judge<'_> {
+    /// Whether the list names every pair that counts.
+    fn fitness(&self, moved: &Moved) -> Fitness {
+        if !moved.finite {
+            return Fitness::Broken;
+        }
+        match self.criterion.check(moved.largest2) {
+            Verdict::Valid => Fitness::Fit,
+            Verdict::Build => Fitness::Stale,
+            Verdict::Doubtful => {
+                let far = |place: &u32| {
+                    let at = self.positions[self.particles[*place as usize] as usize];
+                    let moved = at - self.built[*place as usize];
+                    Far { at, moved }
                 };
-                let chunks = job.run(forces, each);
-                (Totals::of_chunks(&chunks), chunks.iter().any(|c| c.broken))
+                let far: Vec<Far> = moved.far.iter().map(far).collect();
+                // A last place more: no pair that counts may look as if it did not.
+                let inner = (self.radius - self.criterion.skin()) * (1.0 + 1e-12);
+                if misses_a_pair(self.cell, self.radius, inner, &far) {
+                    Fitness::Stale
+                } else {
+                    Fitness::Fit
+                }
             }
         }
     }
-}
-
-/// Runs all chunks and adds their totals in order; whether a force was not finite comes second. One
-/// instance for all potentials: the loop over chunks is not worth another.
-fn sum_chunks(
-    chunks: usize,
-    wanted: Wanted,
-    run: &(dyn Fn(usize) -> ChunkTotals + Sync),
-) -> (Totals, bool) {
-    if wanted == Wanted::Forces {
-        let broken = AtomicBool::new(false);
-        for_each_task(chunks, |c| {
-            if run(c).broken {
-                broken.store(true, Ordering::Relaxed);
-            }
-        });
-        return (Totals::NOTHING, broken.into_inner());
-    }
-    let totals = map_tasks(chunks, run);
-    (Totals::of_chunks(&totals), totals.iter().any(|c| c.broken))
 }
 
 /// The error that names the first particle whose position is not finite.

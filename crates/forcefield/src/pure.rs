@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 use lennard_core::PeriodicBox;
-use lennard_core::parallel::for_each_chunk;
+use lennard_core::parallel::for_each_piece;
 use rayon::prelude::*;
 
 use crate::reference::outer;
@@ -41,7 +41,7 @@ pub struct PureJob<'a, F> {
 /// Folds positions into the home box.
 pub fn wrap(cell: &PeriodicBox, positions: &[DVec3], wrapped: &mut Vec<DVec3>) {
     wrapped.resize(positions.len(), DVec3::ZERO);
-    for_each_chunk(wrapped, |first, chunk| {
+    for_each_piece(wrapped, |first, chunk| {
         for (w, r) in chunk.iter_mut().zip(&positions[first..]) {
             *w = cell.wrap(*r);
         }

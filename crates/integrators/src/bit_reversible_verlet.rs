@@ -1,6 +1,6 @@
 //! The bit-reversible Verlet of Levesque and Verlet: positions are integers, and nothing is ever lost.
 
-use lennard_core::parallel::{for_each_chunk_pair, ordered_sum};
+use lennard_core::parallel::{for_each_piece_pair, ordered_sum};
 use lennard_core::{
     DVec3, Dynamics, ForceError, ForceProvider, Integrator, IntegratorSpec, Persist, RestoreError,
     State, StateReader, StateWriter, StepError, StepReport, Want,
@@ -115,7 +115,7 @@ impl BitReversibleVerlet {
     /// Publishes velocities from grid positions and forces.
     fn publish_velocities(&self, dynamics: &Dynamics, state: &mut State) {
         let forces = &state.forces;
-        lennard_core::parallel::for_each_chunk(&mut state.velocities, |first, vs| {
+        lennard_core::parallel::for_each_piece(&mut state.velocities, |first, vs| {
             for (i, v) in vs.iter_mut().enumerate() {
                 let i = first + i;
                 let push = self.rounded_push(dynamics, forces, i);
@@ -227,7 +227,7 @@ impl Integrator for BitReversibleVerlet {
         check_suited(&SPEC, forces, dt)?;
         // The new positions overwrite those of one step ago, which nobody needs any more.
         let mut next = std::mem::take(&mut self.previous);
-        for_each_chunk_pair(&mut state.positions, &mut next, |first, xs, nexts| {
+        for_each_piece_pair(&mut state.positions, &mut next, |first, xs, nexts| {
             for (i, (x, next)) in xs.iter_mut().zip(nexts).enumerate() {
                 let i = first + i;
                 let push = self.rounded_push(dynamics, &state.forces, i);

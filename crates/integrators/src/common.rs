@@ -1,6 +1,8 @@
 //! What the methods share: the checks at their door, the clock, and the force call.
 
-use lennard_core::parallel::{for_each_chunk, ordered_sum};
+use std::ops::Range;
+
+use lennard_core::parallel::{all_pieces, for_each_piece};
 use lennard_core::{
     Configuration, DVec3, Dynamics, ForceError, ForceProvider, Integrator, IntegratorSpec, Part,
     State, StepError, Want,
@@ -176,8 +178,8 @@ pub(crate) fn evaluate(
 ///
 /// One running sum is enough to see it: what is not finite never becomes finite again.
 pub(crate) fn check_finite(forces: &[DVec3]) -> Result<(), ForceError> {
-    let sum: DVec3 = ordered_sum(forces.len(), |range| forces[range].iter().sum());
-    if sum.is_finite() {
+    let is_finite = |range: Range<usize>| forces[range].iter().sum::<DVec3>().is_finite();
+    if all_pieces(forces.len(), is_finite) {
         return Ok(());
     }
     match forces.iter().position(|f| !f.is_finite()) {
@@ -195,7 +197,7 @@ pub(crate) fn scale_velocities(
     kinetic_before: f64,
     factor: f64,
 ) -> f64 {
-    for_each_chunk(&mut state.velocities, |_, chunk| {
+    for_each_piece(&mut state.velocities, |_, chunk| {
         for v in chunk {
             *v *= factor;
         }

@@ -1,6 +1,6 @@
 //! FIRE: relaxation of a configuration by damped dynamics, for starts that lie too close together.
 
-use lennard_core::parallel::{for_each_chunk_pair, ordered_sum};
+use lennard_core::parallel::{for_each_piece_pair, ordered_sum};
 use lennard_core::{Configuration, DVec3, ForceError, ForceProvider, Part, Want};
 use serde::{Deserialize, Serialize};
 
@@ -124,7 +124,7 @@ pub fn relax(
             if steps > DELAY {
                 dt = (dt * SHRINKAGE).max(SMALLEST_DT);
             }
-            for_each_chunk_pair(positions, &mut velocities, |_, xs, vs| {
+            for_each_piece_pair(positions, &mut velocities, |_, xs, vs| {
                 for (x, v) in xs.iter_mut().zip(vs) {
                     *x -= 0.5 * dt * *v;
                     *v = DVec3::ZERO;
@@ -176,7 +176,7 @@ fn step(
     max_displacement: f64,
 ) {
     let cap = max_displacement / dt;
-    for_each_chunk_pair(positions, velocities, |first, _, vs| {
+    for_each_piece_pair(positions, velocities, |first, _, vs| {
         for (v, f) in vs.iter_mut().zip(&force[first..]) {
             *v = (*v + dt * *f).clamp_length_max(cap);
         }
@@ -188,7 +188,7 @@ fn step(
     } else {
         0.0
     };
-    for_each_chunk_pair(positions, velocities, |first, xs, vs| {
+    for_each_piece_pair(positions, velocities, |first, xs, vs| {
         for ((x, v), f) in xs.iter_mut().zip(vs).zip(&force[first..]) {
             *v = ((1.0 - mixing) * *v + towards * *f).clamp_length_max(cap);
             *x += dt * *v;

@@ -1,6 +1,6 @@
 //! Conjugate gradients for a matrix that is known only by what it does to a vector.
 
-use lennard_core::parallel::{for_each_chunk_pair, ordered_sum};
+use lennard_core::parallel::{for_each_piece_pair, ordered_sum};
 use lennard_core::{DVec3, ForceError};
 
 /// How a solve ended.
@@ -69,7 +69,7 @@ where
         z = precondition(&residual);
         let next_rz = dot(&residual, &z);
         let beta = next_rz / rz;
-        for_each_chunk_pair(&mut direction, &mut z, |_, ds, zs| {
+        for_each_piece_pair(&mut direction, &mut z, |_, ds, zs| {
             for (d, z) in ds.iter_mut().zip(zs) {
                 *d = *z + beta * *d;
             }
@@ -92,7 +92,7 @@ pub(crate) fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
 
 /// y ← y + factor·x.
 fn add_scaled(y: &mut [DVec3], factor: f64, x: &[DVec3]) {
-    lennard_core::parallel::for_each_chunk(y, |first, chunk| {
+    lennard_core::parallel::for_each_piece(y, |first, chunk| {
         for (y, x) in chunk.iter_mut().zip(&x[first..]) {
             *y += factor * *x;
         }

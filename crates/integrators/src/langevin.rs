@@ -1,6 +1,6 @@
 //! Langevin dynamics by the BAOAB splitting.
 
-use lennard_core::parallel::for_each_chunk;
+use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
 use lennard_core::{
     DVec3, Dynamics, ForceProvider, Integrator, IntegratorSpec, State, StepError, StepReport,
@@ -100,7 +100,7 @@ impl Langevin {
         // 1 − c² without cancellation where the friction is small.
         let variance = -(-2.0 * self.friction * dt).exp_m1() * self.temperature;
         let step = state.step;
-        for_each_chunk(&mut state.velocities, |first, chunk| {
+        for_each_piece(&mut state.velocities, |first, chunk| {
             for (i, v) in chunk.iter_mut().enumerate() {
                 let particle = first + i;
                 let mut rng = self.noise.at(step, particle as u32);

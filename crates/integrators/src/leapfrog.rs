@@ -1,6 +1,6 @@
 //! Leapfrog: velocities live at half steps and positions leap over them.
 
-use lennard_core::parallel::for_each_chunk_pair;
+use lennard_core::parallel::for_each_piece_pair;
 use lennard_core::{
     DVec3, Dynamics, ForceProvider, Integrator, IntegratorSpec, Persist, RestoreError, State,
     StateReader, StateWriter, StepError, StepReport, Want, sweeps,
@@ -107,7 +107,7 @@ impl Integrator for Leapfrog {
         tick(state, dt);
         evaluate(&SPEC, state, forces, want)?;
         let accelerations = &state.forces;
-        for_each_chunk_pair(
+        for_each_piece_pair(
             &mut state.velocities,
             &mut self.half_step_velocities,
             |first, published, half| {

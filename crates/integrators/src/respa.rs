@@ -1,7 +1,7 @@
 //! Reversible RESPA: the near force with short steps inside long steps of the far force.
 
 use glam::DMat2;
-use lennard_core::parallel::for_each_chunk_pair;
+use lennard_core::parallel::for_each_piece_pair;
 use lennard_core::{
     Configuration, DVec3, Dynamics, Energetics, ForceProvider, Integrator, IntegratorSpec, Part,
     Persist, RestoreError, State, StateReader, StateWriter, StepError, StepReport, Want, sweeps,
@@ -105,7 +105,7 @@ impl Respa {
         let at = at_positions(state, state.time);
         let far = forces.evaluate(at, Part::Far, want, &mut self.far)?;
         let near_forces = &self.near;
-        for_each_chunk_pair(&mut state.forces, &mut self.far, |first, sums, fars| {
+        for_each_piece_pair(&mut state.forces, &mut self.far, |first, sums, fars| {
             for ((sum, far), near) in sums.iter_mut().zip(fars).zip(&near_forces[first..]) {
                 *sum = *near + *far;
             }

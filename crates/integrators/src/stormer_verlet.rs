@@ -1,6 +1,6 @@
 //! Störmer–Verlet on positions alone, as Verlet used it in 1967, with the Taylor start.
 
-use lennard_core::parallel::for_each_chunk_pair;
+use lennard_core::parallel::for_each_piece_pair;
 use lennard_core::{
     DVec3, Dynamics, ForceProvider, Integrator, IntegratorSpec, Persist, RestoreError, State,
     StateReader, StateWriter, StepError, StepReport, Want,
@@ -111,7 +111,7 @@ impl Recurrence {
         check_suited(self.spec, forces, dt)?;
         let (inertia, force_factor) = self.rule.factors(dt, self.last_dt);
         let old_forces = &state.forces;
-        for_each_chunk_pair(
+        for_each_piece_pair(
             &mut state.positions,
             &mut self.previous,
             |first, xs, previous| {
@@ -128,7 +128,7 @@ impl Recurrence {
         tick(state, dt);
         evaluate(self.spec, state, forces, want)?;
         let (positions, new_forces) = (&state.positions, &state.forces);
-        for_each_chunk_pair(
+        for_each_piece_pair(
             &mut state.velocities,
             &mut self.previous,
             |first, vs, previous| {

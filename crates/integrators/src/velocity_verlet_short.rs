@@ -1,6 +1,6 @@
 //! Velocity Verlet in its short form, with both forces in one velocity update.
 
-use lennard_core::parallel::{for_each_chunk, for_each_chunk_pair};
+use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
 use lennard_core::{
     DVec3, Dynamics, ForceProvider, Integrator, IntegratorSpec, State, StepError, StepReport, Want,
 };
@@ -76,7 +76,7 @@ impl Integrator for VelocityVerletShort {
         check_suited(&SPEC, forces, dt)?;
         self.old_forces.clone_from(&state.forces);
         let old_forces = &self.old_forces;
-        for_each_chunk_pair(
+        for_each_piece_pair(
             &mut state.positions,
             &mut state.velocities,
             |first, xs, vs| {
@@ -90,7 +90,7 @@ impl Integrator for VelocityVerletShort {
         tick(state, dt);
         evaluate(&SPEC, state, forces, want)?;
         let new_forces = &state.forces;
-        for_each_chunk(&mut state.velocities, |first, vs| {
+        for_each_piece(&mut state.velocities, |first, vs| {
             for (i, v) in vs.iter_mut().enumerate() {
                 let i = first + i;
                 *v += (0.5 * dt / dynamics.masses.of(i)) * (old_forces[i] + new_forces[i]);

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, IVec3};
 use lennard_core::PeriodicBox;
-use lennard_core::parallel::{for_each_chunk, for_each_chunk_of_three};
+use lennard_core::parallel::{for_each_piece, for_each_piece_of_three};
 
 use crate::blocks::REACH;
 use crate::grid::{FARTHEST_IMAGE, GridError, fold};
@@ -31,7 +31,7 @@ const SMALLEST_GRID: f64 = 64.0;
 const NEAR_IMAGE: f64 = 131_072.0;
 
 /// 1.5·2⁵²: added to a number below 2⁵¹, it leaves the nearest integer in the lowest bits.
-const ROUNDING: f64 = 6_755_399_441_055_744.0;
+pub const FIXED_ROUNDING: f64 = 6_755_399_441_055_744.0;
 
 /// A coordinate vector in fixed point, in units of L/2³² along each axis; `units` is 2³² over the box
 /// lengths, and `image` the boxes between `r` and the home box, more or less: its purpose is to leave a number
@@ -46,7 +46,7 @@ pub fn to_fixed(r: DVec3, image: IVec3, lengths: DVec3, units: DVec3) -> [i32; 3
     } else {
         r - image.as_dvec3() * lengths
     };
-    let scaled = home * units + ROUNDING;
+    let scaled = home * units + FIXED_ROUNDING;
     [scaled.x, scaled.y, scaled.z].map(|s| s.to_bits() as u32 as i32)
 }
 
@@ -150,6 +150,12 @@ impl Columns {
 }
 
 impl ColumnTable {
+    /// Whether all particles are so near to home that their images leave fixed coordinates as they are.
+    #[must_use]
+    pub fn is_near_home(&self) -> bool {
+        self.image.is_empty()
+    }
+
     /// The particle at `place`, which is at `r`, in fixed point; see [`to_fixed`].
     #[inline(always)]
     #[must_use]
@@ -185,7 +191,7 @@ impl ColumnTable {
         let grid = self.grid;
         let (all_near, all_usable) = (AtomicBool::new(true), AtomicBool::new(true));
         self.home.resize(n, 0);
-        for_each_chunk(&mut self.home, |first, chunk| {
+        for_each_piece(&mut self.home, |first, chunk| {
             for (home, r) in chunk.iter_mut().zip(&positions[first..]) {
                 // The comparisons are false for NaN.
                 let is_near = r.abs().cmple(near).all();
@@ -211,7 +217,7 @@ impl ColumnTable {
         if !all_near.into_inner() {
             self.image.resize(n, IVec3::ZERO);
             let particle = &self.particle;
-            for_each_chunk(&mut self.image, |first, images| {
+            for_each_piece(&mut self.image, |first, images| {
                 for (image, particle) in images.iter_mut().zip(&particle[first..]) {
                     let r = positions[*particle as usize];
                     if !r.abs().cmple(near).all() {
@@ -253,7 +259,7 @@ impl ColumnTable {
             axis.resize(n + PADDING, 0);
         }
         let [x, y, z] = &mut at;
-        for_each_chunk_of_three(&mut x[..n], &mut y[..n], &mut z[..n], |first, x, y, z| {
+        for_each_piece_of_three(&mut x[..n], &mut y[..n], &mut z[..n], |first, x, y, z| {
             for (k, ((x, y), z)) in x.iter_mut().zip(y).zip(z).enumerate() {
                 let place = first + k;
                 let r = positions[self.particle[place] as usize];

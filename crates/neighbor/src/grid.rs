@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, IVec3};
 use lennard_core::PeriodicBox;
-use lennard_core::parallel::{for_each_chunk, for_each_chunk_pair};
+use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
 use lennard_core::tasks::map_items;
 
 use crate::scan::{Candidates, PADDING};
@@ -148,7 +148,7 @@ impl RowTable {
         let far = lengths * FARTHEST_IMAGE;
         let bad = AtomicBool::new(false);
         cells.home.resize(n, 0);
-        for_each_chunk(&mut cells.home, |first, chunk| {
+        for_each_piece(&mut cells.home, |first, chunk| {
             let mut usable = true;
             for (home, r) in chunk.iter_mut().zip(&positions[first..]) {
                 // The comparison is false for NaN.
@@ -231,7 +231,7 @@ impl RowTable {
         let [_, ey, ez] = cells.extended();
         let [lx, ly, lz] = cells.layers;
         let (home, first_row, particles) = (&cells.home, &cells.first_row, &self.particle);
-        for_each_chunk_pair(
+        for_each_piece_pair(
             &mut self.row,
             &mut cells.cell_of_place,
             |first, rows, cells| {
@@ -245,7 +245,7 @@ impl RowTable {
                 }
             },
         );
-        for_each_chunk_pair(
+        for_each_piece_pair(
             &mut self.image,
             &mut cells.wrapped,
             |first, images, wrapped| {
@@ -309,7 +309,7 @@ impl RowTable {
             ghosts
         };
         self.ghosts.clear();
-        for mut part in map_items(layers.into_iter(), |_, layer| fill(layer)) {
+        for mut part in map_items(layers.into_iter(), |(), _, layer| fill(layer)) {
             self.ghosts.append(&mut part);
         }
     }

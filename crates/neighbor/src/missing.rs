@@ -18,18 +18,34 @@ const FEW_PAIRS: usize = 2000;
 /// Whether two of these are within `inner` σ of each other, by an image that was farther than `radius` σ away when the
 /// list was built, so that a list of that radius does not name it.
 ///
-/// One of two that came closer by more than the skin, which is the difference of the two distances, has moved by more than
-/// half of it, and few did.
+/// Two that came closer by more than the skin, which is the difference of the two distances, have moved by more than it
+/// relative to each other, and one of them by more than half of it: few did.
 #[must_use]
 pub fn misses_a_pair(cell: &PeriodicBox, radius: f64, inner: f64, far: &[Far]) -> bool {
-    let skin = radius - inner;
-    let moved_most = |i: &usize| 4.0 * far[*i].moved.length_squared() > skin * skin * (1.0 - 1e-9);
+    // With some care for roundings.
+    let skin = (radius - inner) * (1.0 - 1e-9);
+    let skin2 = skin * skin;
+    let most2 = far
+        .iter()
+        .map(|f| f.moved.length_squared())
+        .fold(0.0, f64::max);
+    let least2 = (skin - most2.sqrt()).max(0.0).powi(2) * (1.0 - 1e-9);
+    let far: Vec<Far> = far
+        .iter()
+        .filter(|f| f.moved.length_squared() >= least2)
+        .copied()
+        .collect();
+    let moved_most = |i: &usize| 4.0 * far[*i].moved.length_squared() > skin2;
     let leaders: Vec<usize> = (0..far.len()).filter(moved_most).collect();
     let (inner2, radius2) = (inner * inner, radius * radius);
     let is_missed = |a: &Far, b: &Far| {
+        let apart = a.moved - b.moved;
+        if apart.length_squared() <= skin2 {
+            return false;
+        }
         let now = cell.minimum_image(a.at - b.at);
         // The same image, at the build.
-        let then = now - (a.moved - b.moved);
+        let then = now - apart;
         now.length_squared() <= inner2 && then.length_squared() > radius2
     };
     if leaders.len() * far.len() <= FEW_PAIRS {
@@ -38,7 +54,7 @@ pub fn misses_a_pair(cell: &PeriodicBox, radius: f64, inner: f64, far: &[Far]) -
             others.any(|j| is_missed(&far[*i], &far[j]))
         });
     }
-    let grid = Grid::new(cell, inner, far);
+    let grid = Grid::new(cell, inner, &far);
     leaders.iter().any(|i| {
         grid.cells_around(*i).any(|members| {
             let mut others = members.iter().map(|j| *j as usize).filter(|j| j != i);

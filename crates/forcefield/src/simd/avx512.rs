@@ -413,23 +413,25 @@ impl FixedLanes for F32x16 {
 /// The pair loop in double precision.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
 pub fn run_double<F: PairForm>(
-    job: &PairJob<'_, DoubleRow, F>,
+    job: &PairJob<'_, F>,
+    rows: &[DoubleRow],
     chunk: usize,
     wanted: Wanted,
 ) -> ChunkTotals {
     // SAFETY: this function enables the instruction set; chunks are handed out once each.
-    unsafe { run::<F64x8, F>(job, chunk, wanted) }
+    unsafe { run::<F64x8, F>(job, rows, chunk, wanted) }
 }
 
 /// The loop over shared lists.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
 pub fn run_shared<F: PairForm>(
     job: &SharedJob<'_, F>,
+    rows: &[FixedRow],
     chunk: usize,
     wanted: Wanted,
 ) -> ChunkTotals {
     // SAFETY: as above.
-    unsafe { shared_loop::run::<F32x16, F>(job, chunk, wanted) }
+    unsafe { shared_loop::run::<F32x16, F>(job, rows, chunk, wanted) }
 }
 
 /// The arithmetic alone, of a number of rounds in a precision.

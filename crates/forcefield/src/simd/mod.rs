@@ -12,9 +12,12 @@ mod avx512;
 mod lanes;
 mod output;
 mod packing;
+#[cfg(target_arch = "x86_64")]
+mod packing256;
 mod pair_loop;
 mod pair_sums;
 mod portable;
+mod prefetch;
 mod reader;
 #[cfg(target_arch = "x86_64")]
 mod scan;
@@ -26,14 +29,13 @@ mod scatter;
 mod shared_loop;
 mod view;
 
-pub use packing::{Built, Moved};
+pub use packing::{Built, Moved, Source};
 pub use pair_loop::{ChunkTotals, PairJob, PerParticle, Wanted};
 pub use scatter::Scatter;
 pub use shared_loop::SharedJob;
 
 use crate::options::{Isa, Precision};
 use crate::truncation::PairForm;
-use glam::DVec3;
 use lennard_core::tasks::map_tasks;
 use lennard_neighbor::{
     Around, Candidates, Center, ColumnTable, Found, Gathered, Names, Nearby, RowScanner, RowTable,
@@ -231,35 +233,37 @@ scanner!(Avx2Scanner, scan256);
 pub fn run_shared<F: PairForm>(
     level: Level,
     job: &SharedJob<'_, F>,
+    rows: &[FixedRow],
     chunk: usize,
     wanted: Wanted,
 ) -> ChunkTotals {
     match level {
         // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => unsafe { avx512::run_shared(job, chunk, wanted) },
+        Level::Avx512 => unsafe { avx512::run_shared(job, rows, chunk, wanted) },
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => unsafe { avx2::run_shared(job, chunk, wanted) },
-        _ => portable::run_shared(job, chunk, wanted),
+        Level::Avx2 => unsafe { avx2::run_shared(job, rows, chunk, wanted) },
+        _ => portable::run_shared(job, rows, chunk, wanted),
     }
 }
 
 /// Runs the pair loop over one chunk of the list.
 pub fn run_double<F: PairForm>(
     level: Level,
-    job: &PairJob<'_, DoubleRow, F>,
+    job: &PairJob<'_, F>,
+    rows: &[DoubleRow],
     chunk: usize,
     wanted: Wanted,
 ) -> ChunkTotals {
     match level {
         // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => unsafe { avx512::run_double(job, chunk, wanted) },
+        Level::Avx512 => unsafe { avx512::run_double(job, rows, chunk, wanted) },
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => unsafe { avx2::run_double(job, chunk, wanted) },
-        _ => portable::run_double(job, chunk, wanted),
+        Level::Avx2 => unsafe { avx2::run_double(job, rows, chunk, wanted) },
+        _ => portable::run_double(job, rows, chunk, wanted),
     }
 }
 
@@ -283,24 +287,48 @@ pub fn limit<F: PairForm>(
 }
 
 /// Places or ghosts packed by one task: a constant, though nothing depends on it but speed.
-const PACKED_PER_TASK: usize = 2048;
+pub const PACKED_PER_TASK: usize = 2048;
+
+/// Who packs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum By {
+    /// The calling thread.
+    OneThread,
+    /// All threads of the pool.
+    All,
+}
 
 /// Writes all rows in double precision, ghosts included. Gives the displacements since the build.
 pub fn pack_double(
-    table: &RowTable,
-    positions: &[DVec3],
-    built: Built<'_>,
-    lengths: DVec3,
+    level: Level,
+    by: By,
+    from: Source<'_, RowTable>,
     rows: &mut [DoubleRow],
 ) -> Moved {
     let rows = Scatter::new(rows);
-    // SAFETY: tasks have disjoint places, places have distinct rows, and ghosts are written afterwards.
-    let moved = in_tasks(table.particle.len(), |places| unsafe {
-        packing::pack_double(table, positions, built, lengths, places, &rows)
+    let far2 = from.built.far2;
+    // SAFETY: tasks have disjoint places, places have distinct rows, and ghosts are written afterwards; a level is
+    // chosen by `Level::choose`, which gives available ones alone.
+    let moved = in_tasks(by, from.table.particle.len(), |places| {
+        packing::in_batches(places, far2, |places, squares| unsafe {
+            match level {
+                #[cfg(target_arch = "x86_64")]
+                Level::Avx512 | Level::Avx2 => {
+                    packing256::pack_double(from, places, squares, &rows);
+                }
+                _ => packing::pack_double(from, places, squares, &rows),
+            }
+        })
     });
-    // SAFETY: tasks have disjoint ghosts, and all other rows are at rest.
-    in_tasks(table.ghosts.len(), |ghosts| unsafe {
-        packing::pack_ghosts(table, lengths, ghosts, &rows);
+    // SAFETY: tasks have disjoint ghosts, and all other rows are at rest; the level is available.
+    in_tasks(by, from.table.ghosts.len(), |ghosts| unsafe {
+        match level {
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 | Level::Avx2 => {
+                packing256::pack_ghosts(from.table, from.lengths, ghosts, &rows);
+            }
+            _ => packing::pack_ghosts(from.table, from.lengths, ghosts, &rows),
+        }
         Moved::NOTHING
     });
     moved
@@ -308,21 +336,33 @@ pub fn pack_double(
 
 /// Writes the rows of all places in fixed point; as [`pack_double`].
 pub fn pack_columns(
-    table: &ColumnTable,
-    positions: &[DVec3],
-    built: Built<'_>,
-    lengths: DVec3,
+    level: Level,
+    by: By,
+    from: Source<'_, ColumnTable>,
     rows: &mut [FixedRow],
 ) -> Moved {
     let rows = Scatter::new(rows);
-    in_tasks(table.particle.len(), |places| {
-        // SAFETY: tasks have disjoint places.
-        unsafe { packing::pack_columns(table, positions, built, lengths, places, &rows) }
+    let far2 = from.built.far2;
+    // SAFETY: tasks have disjoint places; the level is available.
+    in_tasks(by, from.table.particle.len(), |places| {
+        packing::in_batches(places, far2, |places, squares| unsafe {
+            match level {
+                #[cfg(target_arch = "x86_64")]
+                Level::Avx512 | Level::Avx2 => {
+                    packing256::pack_columns(from, places, squares, &rows);
+                }
+                _ => packing::pack_columns(from, places, squares, &rows),
+            }
+        })
     })
 }
 
-fn in_tasks(n: usize, task: impl Fn(Range<usize>) -> Moved + Sync) -> Moved {
-    let of_task = |t: usize| task(t * PACKED_PER_TASK..((t + 1) * PACKED_PER_TASK).min(n));
+fn in_tasks(by: By, n: usize, task: impl Fn(Range<usize>) -> Moved + Sync) -> Moved {
+    if by == By::OneThread {
+        return task(0..n);
+    }
+    let of_task =
+        |(): &mut (), t: usize| task(t * PACKED_PER_TASK..((t + 1) * PACKED_PER_TASK).min(n));
     map_tasks(n.div_ceil(PACKED_PER_TASK), of_task)
         .into_iter()
         .fold(Moved::NOTHING, Moved::and)

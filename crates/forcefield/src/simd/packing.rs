@@ -36,20 +36,57 @@ impl Moved {
         }
     }
 
-    /// Includes the particle at a place; a displacement with a square above `far2` is far.
-    #[inline(always)]
-    pub fn include(&mut self, place: usize, displacement: DVec3, far2: f64) {
-        let d2 = displacement.length_squared();
-        if d2 > far2 {
-            self.far.push(place as u32);
+    /// Includes the places from `first` on, by the squares of their displacements; those above `far2` are far.
+    pub fn include(&mut self, first: usize, squares: &[f64], far2: f64) {
+        // No branch for each: which ones moved far is anybody's guess.
+        let mut largest2 = [self.largest2; 4];
+        let mut all_near = true;
+        let (fours, rest) = squares.as_chunks::<4>();
+        for four in fours {
+            for (largest2, d2) in largest2.iter_mut().zip(four) {
+                *largest2 = if *d2 > *largest2 { *d2 } else { *largest2 };
+                // False for NaN.
+                all_near &= *d2 <= far2;
+            }
         }
-        self.finite &= d2 < f64::INFINITY;
-        self.largest2 = if d2 > self.largest2 {
-            d2
-        } else {
-            self.largest2
-        };
+        for d2 in rest {
+            largest2[0] = if *d2 > largest2[0] { *d2 } else { largest2[0] };
+            all_near &= *d2 <= far2;
+        }
+        self.largest2 = largest2.into_iter().fold(0.0, f64::max);
+        if all_near {
+            return;
+        }
+        let mut len = self.far.len();
+        self.far.resize(len + squares.len(), 0);
+        for (place, d2) in (first..).zip(squares) {
+            self.far[len] = place as u32;
+            len += usize::from(*d2 > far2);
+            self.finite &= *d2 < f64::INFINITY;
+        }
+        self.far.truncate(len);
     }
+}
+
+/// Places whose displacements are looked at together.
+const BATCH: usize = 64;
+
+/// Packs places in batches by `pack(places, squares)`, which writes |x − x⁰|² of each.
+#[inline(always)]
+pub fn in_batches(
+    places: Range<usize>,
+    far2: f64,
+    mut pack: impl FnMut(Range<usize>, &mut [f64]),
+) -> Moved {
+    let mut moved = Moved::NOTHING;
+    let mut squares = [0.0; BATCH];
+    for first in places.clone().step_by(BATCH) {
+        let batch = first..places.end.min(first + BATCH);
+        let squares = &mut squares[..batch.len()];
+        pack(batch, squares);
+        moved.include(first, squares, far2);
+    }
+    moved
 }
 
 /// The build that displacements are counted from.
@@ -61,33 +98,48 @@ pub struct Built<'a> {
     pub far2: f64,
 }
 
-/// Writes the rows of some places in double precision: positions minus the image that each had when the
-/// list was built, so that rows move continuously.
+/// What the rows of all places are made from.
+#[derive(Debug)]
+pub struct Source<'a, Table> {
+    /// Who is where.
+    pub table: &'a Table,
+    /// Unwrapped, `[N]`, σ.
+    pub positions: &'a [DVec3],
+    /// The build that displacements are counted from.
+    pub built: Built<'a>,
+    /// The sides of the box, σ.
+    pub lengths: DVec3,
+}
+
+// By hand: derived ones would want tables to be copied.
+impl<Table> Clone for Source<'_, Table> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<Table> Copy for Source<'_, Table> {}
+
+/// Writes the rows of some places in double precision, positions minus the image that each had when the
+/// list was built, so that rows move continuously; and |x − x⁰|².
 ///
 /// # Safety
 /// No other thread writes the rows of these places.
 pub unsafe fn pack_double(
-    table: &RowTable,
-    positions: &[DVec3],
-    built: Built<'_>,
-    lengths: DVec3,
+    from: Source<'_, RowTable>,
     places: Range<usize>,
+    squares: &mut [f64],
     rows: &Scatter<'_, DoubleRow>,
-) -> Moved {
-    let mut moved = Moved::NOTHING;
-    let places = table.particle[places.clone()]
-        .iter()
-        .zip(&table.row[places.clone()])
-        .zip(&table.image[places.clone()])
-        .zip(built.at[places.clone()].iter().zip(places));
-    for (((particle, row), image), (at, place)) in places {
-        let r = positions[*particle as usize];
-        moved.include(place, r - *at, built.far2);
-        let r = r - image.as_dvec3() * lengths;
+) {
+    let table = from.table;
+    for (place, d2) in places.zip(squares) {
+        let r = from.positions[table.particle[place] as usize];
+        let home = r - table.image[place].as_dvec3() * from.lengths;
+        let row = DoubleRow([home.x, home.y, home.z, 0.0]);
         // SAFETY: rows of places are distinct, and these places are this thread's.
-        unsafe { rows.write(*row as usize, DoubleRow([r.x, r.y, r.z, 0.0])) };
+        unsafe { rows.write(table.row[place] as usize, row) };
+        *d2 = (r - from.built.at[place]).length_squared();
     }
-    moved
 }
 
 /// Refreshes some ghosts from the rows that they repeat.
@@ -115,26 +167,22 @@ pub unsafe fn pack_ghosts(
     }
 }
 
-/// Writes the rows of some places in fixed point.
+/// Writes the rows of some places in fixed point, and |x − x⁰|².
 ///
 /// # Safety
 /// No other thread writes the rows of these places.
 pub unsafe fn pack_columns(
-    table: &ColumnTable,
-    positions: &[DVec3],
-    built: Built<'_>,
-    lengths: DVec3,
+    from: Source<'_, ColumnTable>,
     places: Range<usize>,
+    squares: &mut [f64],
     rows: &Scatter<'_, FixedRow>,
-) -> Moved {
-    let units = FIXED_UNITS / lengths;
-    let mut moved = Moved::NOTHING;
-    for place in places {
-        let r = positions[table.particle[place] as usize];
-        moved.include(place, r - built.at[place], built.far2);
-        let [x, y, z] = table.fixed(place, r, lengths, units);
+) {
+    let units = FIXED_UNITS / from.lengths;
+    for (place, d2) in places.zip(squares) {
+        let r = from.positions[from.table.particle[place] as usize];
+        let [x, y, z] = from.table.fixed(place, r, from.lengths, units);
         // SAFETY: these places are this thread's.
         unsafe { rows.write(place, FixedRow([x, y, z, 0])) };
+        *d2 = (r - from.built.at[place]).length_squared();
     }
-    moved
 }

@@ -6,6 +6,7 @@ use lennard_neighbor::{Entries, ListChunk, NeighborList};
 use super::lanes::{Entry, Lanes, RowLanes};
 use super::output::Output;
 use super::pair_sums::{Besides, ForcesAlone, PairSums};
+use super::prefetch::prefetch;
 use crate::truncation::PairForm;
 
 /// Energy (half of each pair), ε, and virial tensor (half of each pair), ε, of one particle.
@@ -49,53 +50,65 @@ impl ChunkTotals {
 }
 
 /// One evaluation, as the pair loop sees it.
-pub struct PairJob<'a, Row, F> {
+pub struct PairJob<'a, F> {
     form: F,
     r_cut2: f64,
-    rows: &'a [Row],
     list: &'a NeighborList,
     output: Output<'a>,
 }
 
-impl<'a, Row, F: PairForm> PairJob<'a, Row, F> {
+impl<'a, F: PairForm> PairJob<'a, F> {
     /// Prepares an evaluation: `forces` (and `each`) have one element a particle.
     ///
     /// # Panics
-    /// Where rows, list and arrays do not belong together: that is a bug of the caller.
+    /// Where list and arrays do not belong together: that is a bug of the caller.
     pub fn new(
         form: F,
         r_cut: f64,
-        rows: &'a [Row],
         list: &'a NeighborList,
         forces: &'a mut [DVec3],
         each: Option<&'a mut [PerParticle]>,
     ) -> Self {
         let n = list.table().particle.len();
-        assert!(
-            rows.len() >= list.targets(),
-            "a row for each target of the list"
-        );
         Self {
             form,
             r_cut2: r_cut * r_cut,
-            rows,
             list,
             output: Output::new(n, forces, each),
         }
     }
 }
 
-/// Runs one chunk.
+/// Lines of the next chunk's arrays that are asked for while a chunk runs.
+pub const AHEAD: usize = 8;
+
+/// Runs one chunk over rows.
+///
+/// # Panics
+/// Where the list has no such rows: that is a bug of the caller.
 ///
 /// # Safety
 /// The processor has the instruction set of `L`, and no other thread runs the same chunk.
 #[inline(always)]
 pub unsafe fn run<L: RowLanes, F: PairForm>(
-    job: &PairJob<'_, L::Row, F>,
+    job: &PairJob<'_, F>,
+    rows: &[L::Row],
     chunk: usize,
     wanted: Wanted,
 ) -> ChunkTotals {
-    let chunk = &job.list.chunks()[chunk];
+    assert!(
+        rows.len() >= job.list.targets(),
+        "a row for each target of the list"
+    );
+    let chunks = job.list.chunks();
+    if let Some(next) = chunks.get(chunk + 1) {
+        prefetch(&next.counts, AHEAD);
+        match &next.entries {
+            Entries::Narrow(e) => prefetch(e, AHEAD),
+            Entries::Wide(e) => prefetch(e, AHEAD),
+        }
+    }
+    let chunk = &chunks[chunk];
     assert_eq!(
         job.list.lanes() % L::WIDTH,
         0,
@@ -105,16 +118,16 @@ pub unsafe fn run<L: RowLanes, F: PairForm>(
     unsafe {
         let e = match &chunk.entries {
             // Above a million particles in a cube: one instance does for all that may be wanted.
-            Entries::Wide(e) => return sweep::<L, F, u32, PairSums<L>>(job, chunk, e),
+            Entries::Wide(e) => return sweep::<L, F, u32, PairSums<L>>(job, rows, chunk, e),
             Entries::Narrow(e) => e,
         };
         // A constant alone in its condition: only so does the compiler leave out what it rules out.
         if F::RARE {
-            return sweep::<L, F, u16, PairSums<L>>(job, chunk, e);
+            return sweep::<L, F, u16, PairSums<L>>(job, rows, chunk, e);
         }
         match wanted {
-            Wanted::Forces => sweep::<L, F, u16, ForcesAlone>(job, chunk, e),
-            _ => sweep::<L, F, u16, PairSums<L>>(job, chunk, e),
+            Wanted::Forces => sweep::<L, F, u16, ForcesAlone>(job, rows, chunk, e),
+            _ => sweep::<L, F, u16, PairSums<L>>(job, rows, chunk, e),
         }
     }
 }
@@ -123,7 +136,8 @@ pub unsafe fn run<L: RowLanes, F: PairForm>(
 /// As [`run`]; `entries` are those of `chunk`, built by the list of `job`.
 #[inline(always)]
 unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
-    job: &PairJob<'_, L::Row, F>,
+    job: &PairJob<'_, F>,
+    rows: &[L::Row],
     chunk: &ListChunk,
     entries: &[E],
 ) -> ChunkTotals {
@@ -133,14 +147,14 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
     let mut totals = ChunkTotals::NOTHING;
     let mut sum = DVec3::ZERO;
     let mut start = 0;
-    // SAFETY: `PairJob::new` checked that every target of the list is a row; base plus entry is one.
-    let rows = unsafe { job.rows.as_ptr().add(chunk.base as usize) };
+    // SAFETY: `run` checked that every target of the list is a row; base plus entry is one.
+    let from_base = unsafe { rows.as_ptr().add(chunk.base as usize) };
     let padding = job.list.lanes();
     for (offset, count) in chunk.counts.iter().enumerate() {
         let count = *count as usize;
         let place = chunk.first_place as usize + offset;
         let particle = job.list.table().particle[place] as usize;
-        let own = &job.rows[job.list.target_of(place) as usize];
+        let own = &rows[job.list.target_of(place) as usize];
         // SAFETY: the instruction set is there by contract.
         let own = unsafe { L::spread(own) };
         let end = start + count.next_multiple_of(padding);
@@ -157,7 +171,7 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
                 add::<L, F, E, B>(
                     &job.form,
                     own,
-                    rows,
+                    from_base,
                     at,
                     r_cut2,
                     L::WIDTH,
@@ -172,7 +186,7 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
             unsafe {
                 let at = mine.as_ptr().add(full * L::WIDTH);
                 add::<L, F, E, B>(
-                    &job.form, own, rows, at, r_cut2, rest, &mut force, &mut sums,
+                    &job.form, own, from_base, at, r_cut2, rest, &mut force, &mut sums,
                 );
             }
         }

@@ -183,22 +183,24 @@ impl<const N: usize> FixedLanes for Group<f32, N> {
 
 /// The pair loop in double precision.
 pub fn run_double<F: PairForm>(
-    job: &PairJob<'_, DoubleRow, F>,
+    job: &PairJob<'_, F>,
+    rows: &[DoubleRow],
     chunk: usize,
     wanted: Wanted,
 ) -> ChunkTotals {
     // SAFETY: no instruction set is needed; chunks are handed out once each.
-    unsafe { run::<Group<f64, 4>, F>(job, chunk, wanted) }
+    unsafe { run::<Group<f64, 4>, F>(job, rows, chunk, wanted) }
 }
 
 /// The loop over shared lists.
 pub fn run_shared<F: PairForm>(
     job: &SharedJob<'_, F>,
+    rows: &[FixedRow],
     chunk: usize,
     wanted: Wanted,
 ) -> ChunkTotals {
     // SAFETY: as above.
-    unsafe { shared_loop::run::<Group<f32, 8>, F>(job, chunk, wanted) }
+    unsafe { shared_loop::run::<Group<f32, 8>, F>(job, rows, chunk, wanted) }
 }
 
 /// The arithmetic alone, of a number of rounds in a precision.

@@ -5,8 +5,9 @@ use lennard_neighbor::{BLOCK, SHARERS, SharedChunk, SharedList, Span};
 use super::FixedRow;
 use super::lanes::FixedLanes;
 use super::output::Output;
-use super::pair_loop::{ChunkTotals, PerParticle, Wanted};
+use super::pair_loop::{AHEAD, ChunkTotals, PerParticle, Wanted};
 use super::pair_sums::{Besides, ForcesAlone, PairSums};
+use super::prefetch::prefetch;
 use super::reader::Reader;
 use super::view::{AsTheyAre, FromAmid, View};
 use crate::truncation::PairForm;
@@ -18,59 +19,69 @@ pub struct SharedJob<'a, F> {
     r_cut2: f64,
     /// Length of a unit along each axis, σ.
     scale: [f64; 3],
-    rows: &'a [FixedRow],
     list: &'a SharedList,
     output: Output<'a>,
 }
 
 impl<'a, F: PairForm> SharedJob<'a, F> {
-    /// Prepares an evaluation: `scale` is the length in σ of one unit of the rows along each axis, and rows, forces
-    /// and `each` have one element a particle.
+    /// Prepares an evaluation: `scale` is the length in σ of one unit of the rows along each axis, and forces and `each`
+    /// have one element a particle.
     ///
     /// # Panics
-    /// Where rows, list and arrays do not belong together: that is a bug of the caller.
+    /// Where list and arrays do not belong together: that is a bug of the caller.
     pub fn new(
         form: F,
         r_cut: f64,
         scale: [f64; 3],
-        rows: &'a [FixedRow],
         list: &'a SharedList,
         forces: &'a mut [DVec3],
         each: Option<&'a mut [PerParticle]>,
     ) -> Self {
         let n = list.table().particle.len();
-        assert_eq!(rows.len(), n, "a row for each particle");
         Self {
             form,
             r_cut2: r_cut * r_cut,
             scale,
-            rows,
             list,
             output: Output::new(n, forces, each),
         }
     }
 }
 
-/// Runs one chunk.
+/// Runs one chunk over rows, one a particle.
+///
+/// # Panics
+/// Where the list has no such rows: that is a bug of the caller.
 ///
 /// # Safety
 /// The processor has the instruction set of `L`, and no other thread runs the same chunk.
 #[inline(always)]
 pub unsafe fn run<L: FixedLanes, F: PairForm>(
     job: &SharedJob<'_, F>,
+    rows: &[FixedRow],
     chunk: usize,
     wanted: Wanted,
 ) -> ChunkTotals {
-    let chunk = &job.list.chunks()[chunk];
+    assert_eq!(
+        rows.len(),
+        job.list.table().particle.len(),
+        "a row for each particle"
+    );
+    let chunks = job.list.chunks();
+    if let Some(next) = chunks.get(chunk + 1) {
+        prefetch(&next.spans, AHEAD);
+        prefetch(&next.blocks, AHEAD);
+    }
+    let chunk = &chunks[chunk];
     // SAFETY: the contract is passed on.
     unsafe {
         // Constants stand alone in their conditions: only so does the compiler leave out what they rule out.
         if F::RARE {
-            return sweep::<L, F, PairSums<L>>(job, chunk);
+            return sweep::<L, F, PairSums<L>>(job, rows, chunk);
         }
         match wanted {
-            Wanted::Forces => sweep::<L, F, ForcesAlone>(job, chunk),
-            _ => sweep::<L, F, PairSums<L>>(job, chunk),
+            Wanted::Forces => sweep::<L, F, ForcesAlone>(job, rows, chunk),
+            _ => sweep::<L, F, PairSums<L>>(job, rows, chunk),
         }
     }
 }
@@ -82,30 +93,31 @@ pub unsafe fn run<L: FixedLanes, F: PairForm>(
 #[inline(always)]
 unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>>(
     job: &SharedJob<'_, F>,
+    rows: &[FixedRow],
     chunk: &SharedChunk,
 ) -> ChunkTotals {
-    let n = job.rows.len();
+    let n = rows.len();
     let particles = &job.list.table().particle;
     let mut totals = ChunkTotals::NOTHING;
     let mut sum = DVec3::ZERO;
-    // SAFETY: the instruction set is there by contract; entries of the list name places, and `SharedJob::new` checked
+    // SAFETY: the instruction set is there by contract; entries of the list name places, and `run` checked
     // that each has a row. Each particle stands at one place, each place in one list, and each list in one chunk.
     unsafe {
-        let mut reader = Reader::new(job.rows, chunk);
+        let mut reader = Reader::new(rows, chunk);
         let mut first = chunk.first_place as usize;
         let mut begin = 0;
         for span in &chunk.spans {
             let counts = Counts::of(span, begin);
             let own = if first + SHARERS <= n {
                 [
-                    &job.rows[first],
-                    &job.rows[first + 1],
-                    &job.rows[first + 2],
-                    &job.rows[first + 3],
+                    &rows[first],
+                    &rows[first + 1],
+                    &rows[first + 2],
+                    &rows[first + 3],
                 ]
             } else {
                 // A list of fewer particles repeats its last one.
-                let row = |sharer: usize| &job.rows[(first + sharer).min(n - 1)];
+                let row = |sharer: usize| &rows[(first + sharer).min(n - 1)];
                 [row(0), row(1), row(2), row(3)]
             };
             let sums: [Sums<L, B>; SHARERS] = if F::RARE {

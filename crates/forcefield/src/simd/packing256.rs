@@ -1,0 +1,264 @@
+//! From particles to rows with AVX2, a register for each particle: the same bits as [`super::packing`].
+
+use std::arch::x86_64::*;
+use std::ops::Range;
+
+use glam::DVec3;
+use lennard_neighbor::{ColumnTable, FIXED_ROUNDING, FIXED_UNITS, RowTable};
+
+use super::packing::{self, Source};
+use super::{DoubleRow, FixedRow, Scatter};
+
+/// Elements in fours; the last ones, which make no four, are left to the plain loops.
+fn fours<T>(of: &[T]) -> std::slice::Iter<'_, [T; 4]> {
+    of.as_chunks().0.iter()
+}
+
+/// x, y, z and 0.
+#[target_feature(enable = "avx2")]
+#[inline]
+fn load(r: &DVec3) -> __m256d {
+    let xyz = _mm256_setr_epi64x(-1, -1, -1, 0);
+    let at: &[f64; 3] = r.as_ref();
+    // SAFETY: what the mask leaves out is not read.
+    unsafe { _mm256_maskload_pd(at.as_ptr(), xyz) }
+}
+
+/// |d|² of four vectors whose last component is 0, summed as [`DVec3::length_squared`] does.
+#[target_feature(enable = "avx2")]
+#[inline]
+fn squares([a, b, c, d]: [__m256d; 4]) -> __m256d {
+    let (a, b) = (_mm256_mul_pd(a, a), _mm256_mul_pd(b, b));
+    let (c, d) = (_mm256_mul_pd(c, c), _mm256_mul_pd(d, d));
+    // x + y of a and b, z of a and b; the same of c and d.
+    let (ab, cd) = (_mm256_hadd_pd(a, b), _mm256_hadd_pd(c, d));
+    _mm256_add_pd(
+        _mm256_permute2f128_pd::<0x20>(ab, cd),
+        _mm256_permute2f128_pd::<0x31>(ab, cd),
+    )
+}
+
+/// See [`packing::pack_double`].
+///
+/// # Safety
+/// As there.
+#[target_feature(enable = "avx2")]
+pub unsafe fn pack_double(
+    from: Source<'_, RowTable>,
+    places: Range<usize>,
+    to: &mut [f64],
+    rows: &Scatter<'_, DoubleRow>,
+) {
+    let lengths = load(&from.lengths);
+    let particles = fours(&from.table.particle[places.clone()]);
+    let own_rows = fours(&from.table.row[places.clone()]);
+    let images = fours(&from.table.image[places.clone()]);
+    let built = fours(&from.built.at[places.clone()]);
+    let all = particles.zip(own_rows).zip(images.zip(built));
+    for (((particles, own_rows), (images, built)), to) in all.zip(to.as_chunks_mut::<4>().0) {
+        let mut moved = [_mm256_setzero_pd(); 4];
+        for k in 0..4 {
+            let r = load(&from.positions[particles[k] as usize]);
+            let [x, y, z] = images[k].to_array();
+            let image = _mm256_cvtepi32_pd(_mm_setr_epi32(x, y, z, 0));
+            let home = _mm256_sub_pd(r, _mm256_mul_pd(image, lengths));
+            let mut row = DoubleRow::default();
+            // SAFETY: a row has four elements and the alignment of a register; rows of places are distinct, and these
+            // places are this thread's.
+            unsafe {
+                _mm256_store_pd(row.0.as_mut_ptr(), home);
+                rows.write(own_rows[k] as usize, row);
+            }
+            moved[k] = _mm256_sub_pd(r, load(&built[k]));
+        }
+        // SAFETY: there are four.
+        unsafe { _mm256_storeu_pd(to.as_mut_ptr(), squares(moved)) };
+    }
+    let done = places.len() / 4 * 4;
+    // SAFETY: the contract is passed on.
+    unsafe { packing::pack_double(from, places.start + done..places.end, &mut to[done..], rows) };
+}
+
+/// See [`packing::pack_ghosts`].
+///
+/// # Safety
+/// As there.
+#[target_feature(enable = "avx2")]
+pub unsafe fn pack_ghosts(
+    table: &RowTable,
+    lengths: DVec3,
+    ghosts: Range<usize>,
+    rows: &Scatter<'_, DoubleRow>,
+) {
+    let lengths = load(&lengths);
+    for ghost in &table.ghosts[ghosts] {
+        let [x, y, z] = ghost.shift;
+        let shift = _mm_cvtsi32_si128(i32::from_le_bytes([x, y, z, 0].map(|s| s as u8)));
+        let shift = _mm256_cvtepi32_pd(_mm_cvtepi8_epi32(shift));
+        // SAFETY: the source is no ghost, so nobody writes it now; each ghost has a row of its own; rows are aligned.
+        unsafe {
+            let source = rows.read(ghost.source as usize);
+            let source = _mm256_load_pd(source.0.as_ptr());
+            let mut row = DoubleRow::default();
+            let shifted = _mm256_add_pd(source, _mm256_mul_pd(shift, lengths));
+            _mm256_store_pd(row.0.as_mut_ptr(), shifted);
+            rows.write(ghost.row as usize, row);
+        }
+    }
+}
+
+/// See [`packing::pack_columns`].
+///
+/// # Safety
+/// As there.
+#[target_feature(enable = "avx2")]
+pub unsafe fn pack_columns(
+    from: Source<'_, ColumnTable>,
+    places: Range<usize>,
+    to: &mut [f64],
+    rows: &Scatter<'_, FixedRow>,
+) {
+    let mut done = 0;
+    if from.table.is_near_home() {
+        let units = load(&(FIXED_UNITS / from.lengths));
+        let rounding = _mm256_set1_pd(FIXED_ROUNDING);
+        let particles = fours(&from.table.particle[places.clone()]);
+        let built = fours(&from.built.at[places.clone()]);
+        for ((particles, built), to) in particles.zip(built).zip(to.as_chunks_mut::<4>().0) {
+            let mut moved = [_mm256_setzero_pd(); 4];
+            for k in 0..4 {
+                let r = load(&from.positions[particles[k] as usize]);
+                // Not fused: the list was built from the same bits.
+                let scaled = _mm256_add_pd(_mm256_mul_pd(r, units), rounding);
+                let low = _mm_castpd_ps(_mm256_castpd256_pd128(scaled));
+                let high = _mm_castpd_ps(_mm256_extractf128_pd::<1>(scaled));
+                let fixed = _mm_castps_si128(_mm_shuffle_ps::<0b10_00_10_00>(low, high));
+                let mut row = FixedRow::default();
+                // SAFETY: a row has four elements and the alignment of a register; these places are this thread's.
+                unsafe {
+                    _mm_store_si128(row.0.as_mut_ptr().cast(), fixed);
+                    rows.write(places.start + done + k, row);
+                }
+                moved[k] = _mm256_sub_pd(r, load(&built[k]));
+            }
+            // SAFETY: there are four.
+            unsafe { _mm256_storeu_pd(to.as_mut_ptr(), squares(moved)) };
+            done += 4;
+        }
+    }
+    // SAFETY: the contract is passed on.
+    unsafe { packing::pack_columns(from, places.start + done..places.end, &mut to[done..], rows) };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Built, By, Level, Moved, pack_columns, pack_double};
+    use super::*;
+    use lennard_core::PeriodicBox;
+
+    /// Rows and displacements of what is `shift` boxes away from home, at a level.
+    type Packed = (Vec<DoubleRow>, Moved, Vec<FixedRow>, Moved);
+
+    fn packed(level: Level, by: By, shift: f64, broken: bool) -> Packed {
+        let lengths = DVec3::new(9.0, 8.0, 10.0);
+        let cell = PeriodicBox::new(lengths).unwrap();
+        // No multiple of four or of a batch, and more than one task.
+        let n = 2307;
+        let noise = |k: usize| ((k as f64 * 12.9898).sin() * 43_758.545_3).rem_euclid(1.0);
+        let start: Vec<DVec3> = (0..n)
+            .map(|i| {
+                let at = DVec3::new(noise(i), noise(i + 5000), noise(i + 9000));
+                let image = if i % 3 == 0 {
+                    DVec3::splat(shift)
+                } else {
+                    DVec3::NEG_X
+                };
+                (at + image) * lengths
+            })
+            .collect();
+        let mut now: Vec<DVec3> = start.clone();
+        for (i, r) in now.iter_mut().enumerate() {
+            *r += DVec3::splat(noise(i + 777) - 0.5) * 0.3;
+        }
+        if broken {
+            now[1234].y = f64::NAN;
+        }
+        let built = |particles: &[u32]| -> Vec<DVec3> {
+            particles.iter().map(|p| start[*p as usize]).collect()
+        };
+        let mut by_cell = RowTable::default();
+        by_cell.sort(&cell, &start, 2.8).unwrap();
+        let at = built(&by_cell.particle);
+        let far2 = 0.01;
+        let mut double = vec![DoubleRow::default(); by_cell.rows()];
+        let from = Source {
+            table: &by_cell,
+            positions: &now,
+            built: Built { at: &at, far2 },
+            lengths,
+        };
+        let moved_double = pack_double(level, by, from, &mut double);
+        let mut columns = ColumnTable::default();
+        columns.sort(&cell, &start).unwrap();
+        assert_eq!(columns.is_near_home(), shift.abs() < 1e5);
+        let at = built(&columns.particle);
+        let mut fixed = vec![FixedRow::default(); n];
+        let from = Source {
+            table: &columns,
+            positions: &now,
+            built: Built { at: &at, far2 },
+            lengths,
+        };
+        let moved_fixed = pack_columns(level, by, from, &mut fixed);
+        (double, moved_double, fixed, moved_fixed)
+    }
+
+    /// NaN equals itself here.
+    fn bits((double, moved_double, fixed, moved_fixed): Packed) -> impl PartialEq {
+        let double: Vec<[u64; 4]> = double.iter().map(|r| r.0.map(f64::to_bits)).collect();
+        let bits = |m: Moved| (m.largest2.to_bits(), m.finite, m.far);
+        (double, bits(moved_double), fixed, bits(moved_fixed))
+    }
+
+    #[test]
+    #[allow(clippy::print_stdout)]
+    fn registers_pack_the_same_bits_as_plain_loops() {
+        if !Level::Avx2.is_available() {
+            println!("skipped: this processor has no AVX2");
+            return;
+        }
+        for shift in [0.0, 3.0, -3e6] {
+            for broken in [false, true] {
+                let plain = packed(Level::Portable, By::All, shift, broken);
+                for moved in [&plain.1, &plain.3] {
+                    assert_eq!(moved.finite, !broken);
+                    assert!(!moved.far.is_empty() && moved.largest2 > 0.06);
+                    assert!(moved.far.is_sorted());
+                }
+                let plain = bits(plain);
+                for by in [By::OneThread, By::All] {
+                    let found = bits(packed(Level::Avx2, by, shift, broken));
+                    assert!(
+                        found == plain,
+                        "{shift} boxes away, {by:?}, broken: {broken}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn those_that_moved_far_are_all_found() {
+        let squares: Vec<f64> = (0..203).map(|i| f64::from(i % 7)).collect();
+        let mut moved = Moved::NOTHING;
+        moved.include(1000, &squares[..101], 4.5);
+        moved.include(1101, &squares[101..], 4.5);
+        let far = (1000..).zip(&squares).filter(|(_, d2)| **d2 > 4.5);
+        assert_eq!(moved.far, far.map(|(place, _)| place).collect::<Vec<u32>>());
+        assert_eq!((moved.largest2, moved.finite), (6.0, true));
+        moved.include(2000, &[1.0, 2.0], 4.5);
+        assert_eq!((moved.largest2, moved.finite), (6.0, true));
+        moved.include(3000, &[0.0, f64::NAN, 1.0, 2.0, f64::INFINITY], 4.5);
+        assert!(!moved.finite && moved.far.last() == Some(&3004));
+    }
+}
