@@ -236,7 +236,7 @@ impl Lanes for F32x8 {
 }
 
 impl FixedLanes for F32x8 {
-    const LOOP_FOR_TOGETHER: bool = true;
+    const SPECIAL_LOOPS: bool = true;
 
     #[inline(always)]
     unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own {

@@ -285,7 +285,7 @@ impl Lanes for F32x16 {
 struct Seen([f32; 16], [i32; 4]);
 
 impl FixedLanes for F32x16 {
-    const LOOP_FOR_TOGETHER: bool = true;
+    const SPECIAL_LOOPS: bool = true;
 
     #[inline(always)]
     unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own {

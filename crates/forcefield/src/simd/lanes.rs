@@ -97,8 +97,8 @@ pub trait RowLanes: Lanes {
 
 /// Registers of singles that read rows in fixed point.
 pub trait FixedLanes: Lanes<Row = FixedRow> {
-    /// Whether a loop of its own for sharers that are together is worth compiling.
-    const LOOP_FOR_TOGETHER: bool;
+    /// Whether loops of their own are worth compiling for what is frequent: sharers that are together, totals of all.
+    const SPECIAL_LOOPS: bool;
 
     /// The rows that `WIDTH` entries name, along x, y and z.
     ///

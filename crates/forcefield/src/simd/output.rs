@@ -45,10 +45,7 @@ impl<'a> Output<'a> {
         unsafe { self.forces.write(particle, force) };
         if B::ANYTHING {
             let found = besides.totals();
-            totals.energy += found.energy;
-            totals.virial += found.virial;
-            totals.laplacian += found.laplacian;
-            totals.pairs += found.pairs;
+            totals.add(&found);
             if let Some(each) = &self.each {
                 // SAFETY: as above.
                 unsafe { each.write(particle, (0.5 * found.energy, 0.5 * found.virial)) };

@@ -47,6 +47,15 @@ impl ChunkTotals {
         pairs: 0,
         broken: false,
     };
+
+    /// Adds the sums over other pairs.
+    #[inline(always)]
+    pub fn add(&mut self, other: &Self) {
+        self.energy += other.energy;
+        self.virial += other.virial;
+        self.laplacian += other.laplacian;
+        self.pairs += other.pairs;
+    }
 }
 
 /// One evaluation, as the pair loop sees it.

@@ -161,7 +161,7 @@ impl<const N: usize> Lanes for Group<f32, N> {
 }
 
 impl<const N: usize> FixedLanes for Group<f32, N> {
-    const LOOP_FOR_TOGETHER: bool = false;
+    const SPECIAL_LOOPS: bool = false;
 
     #[inline(always)]
     unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own {

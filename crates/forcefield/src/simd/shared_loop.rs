@@ -77,21 +77,27 @@ pub unsafe fn run<L: FixedLanes, F: PairForm>(
     unsafe {
         // Constants stand alone in their conditions: only so does the compiler leave out what they rule out.
         if F::RARE {
-            return sweep::<L, F, PairSums<L>>(job, rows, chunk);
+            return sweep::<L, F, PairSums<L>, ForcesAlone>(job, rows, chunk);
         }
+        // A list of fewer than four repeats its last one, which must not count twice.
+        let full = chunk.first_place as usize + SHARERS * chunk.spans.len() <= rows.len();
         match wanted {
-            Wanted::Forces => sweep::<L, F, ForcesAlone>(job, rows, chunk),
-            _ => sweep::<L, F, PairSums<L>>(job, rows, chunk),
+            Wanted::Forces => sweep::<L, F, ForcesAlone, ForcesAlone>(job, rows, chunk),
+            Wanted::Totals if L::SPECIAL_LOOPS && full => {
+                sweep::<L, F, ForcesAlone, PairSums<L>>(job, rows, chunk)
+            }
+            _ => sweep::<L, F, PairSums<L>, ForcesAlone>(job, rows, chunk),
         }
     }
 }
 
-/// Forces are the same to the bit whatever else is summed.
+/// Sums `B` for each particle, and `C` for four of them together, which takes a fourth of the registers. Forces are the
+/// same to the bit whatever else is summed.
 ///
 /// # Safety
 /// As [`run`].
 #[inline(always)]
-unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>>(
+unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, C: Besides<L>>(
     job: &SharedJob<'_, F>,
     rows: &[FixedRow],
     chunk: &SharedChunk,
@@ -120,12 +126,25 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>>(
                 let row = |sharer: usize| &rows[(first + sharer).min(n - 1)];
                 [row(0), row(1), row(2), row(3)]
             };
+            let mut common = C::nothing();
             let sums: [Sums<L, B>; SHARERS] = if F::RARE {
-                Meeting::new(job, AsTheyAre::new(own, job.scale)).all(counts, &mut reader)
-            } else if L::LOOP_FOR_TOGETHER && span.together {
-                Meeting::new(job, FromAmid::new(own, job.scale)).all(counts, &mut reader)
+                Meeting::new(job, AsTheyAre::new(own, job.scale)).all(
+                    counts,
+                    &mut reader,
+                    &mut common,
+                )
+            } else if L::SPECIAL_LOOPS && span.together {
+                Meeting::new(job, FromAmid::new(own, job.scale)).all(
+                    counts,
+                    &mut reader,
+                    &mut common,
+                )
             } else {
-                Meeting::new(job, AsTheyAre::new(own, job.scale)).all(counts, &mut reader)
+                Meeting::new(job, AsTheyAre::new(own, job.scale)).all(
+                    counts,
+                    &mut reader,
+                    &mut common,
+                )
             };
             let forces = [sums[0].force, sums[1].force, sums[2].force, sums[3].force];
             let end = (first + SHARERS).min(n);
@@ -134,6 +153,9 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>>(
                 sum += force;
                 job.output
                     .write(*particle as usize, force, &sums.besides, &mut totals);
+            }
+            if C::ANYTHING {
+                totals.add(&common.totals());
             }
             (first, begin) = (end, span.end);
         }
@@ -192,10 +214,11 @@ impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
     /// # Safety
     /// As [`run`]; the list is that of the sharers in view.
     #[inline(always)]
-    unsafe fn all<B: Besides<L>>(
+    unsafe fn all<B: Besides<L>, C: Besides<L>>(
         &self,
         counts: Counts,
         reader: &mut Reader<L>,
+        common: &mut C,
     ) -> [Sums<L, B>; SHARERS] {
         let nothing = Sums {
             force: [L::splat(0.0); 3],
@@ -207,8 +230,8 @@ impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
         unsafe {
             let own = self.view.own();
             for _ in 0..counts.halves {
-                sums = self.add::<B, true, false, false>(own, reader, all, sums);
-                sums = self.add::<B, false, true, false>(own, reader, all, sums);
+                sums = self.add::<B, C, true, false, false>(own, reader, all, sums, common);
+                sums = self.add::<B, C, false, true, false>(own, reader, all, sums, common);
             }
             // The sharers themselves are the first entries of the first that is masked.
             let mut but = [0b0001, 0b0010, 0b0100, 0b1000];
@@ -221,10 +244,10 @@ impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
                     valid & !but[3],
                 ];
                 but = [0; SHARERS];
-                sums = self.add::<B, true, true, true>(own, reader, valid, sums);
+                sums = self.add::<B, C, true, true, true>(own, reader, valid, sums, common);
             }
             for _ in 0..counts.plain {
-                sums = self.add::<B, true, true, false>(own, reader, all, sums);
+                sums = self.add::<B, C, true, true, false>(own, reader, all, sums, common);
             }
         }
         sums
@@ -236,12 +259,19 @@ impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
     /// # Safety
     /// As [`Meeting::all`].
     #[inline(always)]
-    unsafe fn add<B: Besides<L>, const FIRST: bool, const LAST: bool, const MASKED: bool>(
+    unsafe fn add<
+        B: Besides<L>,
+        C: Besides<L>,
+        const FIRST: bool,
+        const LAST: bool,
+        const MASKED: bool,
+    >(
         &self,
         own: [V::Own; SHARERS],
         reader: &mut Reader<L>,
         valid: [u16; SHARERS],
         sums: [Sums<L, B>; SHARERS],
+        common: &mut C,
     ) -> [Sums<L, B>; SHARERS] {
         // By value and by constants: sums behind a reference would not stay in registers.
         let [mut a, mut b, mut c, mut d] = sums;
@@ -251,12 +281,12 @@ impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
                 let others = self.view.others(reader.next(part));
                 let bits = |valid: u16| u32::from(valid) >> (part * L::WIDTH);
                 if FIRST {
-                    a = self.meet::<B, MASKED>(own[0], others, bits(valid[0]), a);
-                    b = self.meet::<B, MASKED>(own[1], others, bits(valid[1]), b);
+                    a = self.meet::<B, C, MASKED>(own[0], others, bits(valid[0]), a, common);
+                    b = self.meet::<B, C, MASKED>(own[1], others, bits(valid[1]), b, common);
                 }
                 if LAST {
-                    c = self.meet::<B, MASKED>(own[2], others, bits(valid[2]), c);
-                    d = self.meet::<B, MASKED>(own[3], others, bits(valid[3]), d);
+                    c = self.meet::<B, C, MASKED>(own[2], others, bits(valid[2]), c, common);
+                    d = self.meet::<B, C, MASKED>(own[3], others, bits(valid[3]), d, common);
                 }
             }
         }
@@ -268,12 +298,13 @@ impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
     /// # Safety
     /// As [`Meeting::all`].
     #[inline(always)]
-    unsafe fn meet<B: Besides<L>, const MASKED: bool>(
+    unsafe fn meet<B: Besides<L>, C: Besides<L>, const MASKED: bool>(
         &self,
         own: V::Own,
         others: V::Others,
         bits: u32,
         mut sums: Sums<L, B>,
+        common: &mut C,
     ) -> Sums<L, B> {
         // SAFETY: the contract is passed on.
         let [dx, dy, dz] = unsafe { self.view.apart(own, others) };
@@ -287,6 +318,7 @@ impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
         let [x, y, z] = sums.force;
         sums.force = [dx.mul_add(f, x), dy.mul_add(f, y), dz.mul_add(f, z)];
         sums.besides.add([dx, dy, dz], f, &pair, inside);
+        common.add([dx, dy, dz], f, &pair, inside);
         sums
     }
 }
