@@ -1,6 +1,7 @@
 //! Whole steps of the cases A, B and C without the engine, for the comparison with other engines:
-//! `steps CASE [STEPS] [key=value ...]` with keys `threads`, `precision`, `repeats` and `warm`. Kernels, lists and skins
-//! are what `lennard bench` is for.
+//! `steps CASE [STEPS] [key=value ...]` with keys `threads`, `beside`, `precision`, `repeats` and `warm`. With `beside`, blocks on
+//! so many threads are taken in turn with those on `threads`, and the median of the ratios of neighboring blocks tells
+//! more than two runs on a machine whose clock drifts. Kernels, lists and skins are what `lennard bench` is for.
 #![allow(clippy::print_stdout)]
 
 use std::time::Instant;
@@ -32,29 +33,65 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         },
         ..KernelOptions::default()
     };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(value("threads", "1").parse()?)
-        .build()?;
+    let pool = |threads: &str| -> Result<rayon::ThreadPool, Box<dyn std::error::Error>> {
+        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.parse()?);
+        Ok(builder.build()?)
+    };
+    let (threads, beside) = (value("threads", "1"), value("beside", ""));
+    let mut pools = vec![pool(&threads)?];
+    if !beside.is_empty() {
+        pools.push(pool(&beside)?);
+    }
     let repeats: usize = value("repeats", "5").parse()?;
     let warm: usize = value("warm", "200").parse()?;
-    let mut run = pool.install(|| case.start(kernel, None, TruncationKind::Cut))?;
-    pool.install(|| run.steps(warm, Want::NOTHING))?;
-    let mut seconds = Vec::new();
-    for _ in 0..repeats.max(1) {
-        let start = Instant::now();
-        pool.install(|| awake(|| run.steps(steps, Want::NOTHING)))?;
-        seconds.push(start.elapsed().as_secs_f64());
+    let mut run = pools[0].install(|| case.start(kernel, None, TruncationKind::Cut))?;
+    pools[0].install(|| run.steps(warm, Want::NOTHING))?;
+    let mut seconds = vec![Vec::new(); pools.len()];
+    for round in 0..repeats.max(1) {
+        for k in 0..pools.len() {
+            // Neither always comes first.
+            let k = (k + round) % pools.len();
+            pools[k]
+                .install(|| -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+                    let mut block = |steps| awake(|| run.steps(steps, Want::NOTHING));
+                    if pools.len() > 1 {
+                        // What the other threads left in their caches is not this block's affair.
+                        block(steps.div_ceil(8))?;
+                    }
+                    let start = Instant::now();
+                    block(steps)?;
+                    seconds[k].push(start.elapsed().as_secs_f64());
+                    Ok(())
+                })
+                .map_err(|e| e.to_string())?;
+        }
     }
-    seconds.sort_by(f64::total_cmp);
-    let speed = |seconds: f64| (case.n_atoms() * steps) as f64 / seconds / 1e6;
     let s = run.provider.statistics();
-    println!(
-        "{name}: best {:.2} M/s, median {:.2} M/s; skin {:.3}, {:.1} steps a build, T {:.3}",
-        speed(seconds[0]),
-        speed(seconds[seconds.len() / 2]),
-        s.skin,
-        s.evaluations as f64 / s.builds as f64,
-        run.temperature(),
-    );
+    for (seconds, threads) in seconds.iter().zip([&threads, &beside]) {
+        println!(
+            "{name}: best {:.2} M/s, median {:.2} M/s; {threads} threads, skin {:.3}, {:.1} steps a build, T {:.3}",
+            case.n_atoms() as f64 * steps as f64 / quantile(seconds, 0.0) / 1e6,
+            case.n_atoms() as f64 * steps as f64 / quantile(seconds, 0.5) / 1e6,
+            s.skin,
+            s.evaluations as f64 / s.builds as f64,
+            run.temperature(),
+        );
+    }
+    if let [these, those] = &seconds[..] {
+        let ratios: Vec<f64> = those.iter().zip(these).map(|(b, a)| b / a).collect();
+        println!(
+            "{threads} threads over {beside}: median {:.2}, quartiles {:.2} and {:.2}",
+            quantile(&ratios, 0.5),
+            quantile(&ratios, 0.25),
+            quantile(&ratios, 0.75),
+        );
+    }
     Ok(())
+}
+
+/// The value below which a share of all lie.
+fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut values = values.to_vec();
+    values.sort_by(f64::total_cmp);
+    values[((values.len() - 1) as f64 * share).round() as usize]
 }
