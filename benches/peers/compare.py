@@ -12,6 +12,7 @@ within one round, since the clock of a shared machine drifts by more than engine
 """
 
 import argparse
+import functools
 import importlib.util
 import json
 import math
@@ -210,10 +211,13 @@ OWN = ("lennard double", "lennard mixed")
 def chosen(options):
     """The engines that were asked for, in the order of a round."""
     engines = dict(ENGINES)
-    if options.gmx:
-        gmx = str(options.gmx.resolve())
-        engines["gromacs (own build), mixed, strict list"] = lambda c, t: gromacs(c, t, True, gmx)
-        engines["gromacs (own build), mixed, default tolerance"] = lambda c, t: gromacs(c, t, False, gmx)
+    for path in options.gmx:
+        # The name that GROMACS gives to its programs in double precision.
+        precision = "double" if path.name.endswith("_d") else "mixed"
+        for strict, radius in ((True, "strict list"), (False, "default tolerance")):
+            engines[f"gromacs (own build), {precision}, {radius}"] = functools.partial(
+                gromacs, strict=strict, gmx=str(path.resolve())
+            )
     words = options.only.split(",") if options.only else [""]
     return {name: run for name, run in engines.items() if name in OWN or any(word in name for word in words)}
 
@@ -223,7 +227,8 @@ def main():
     parser.add_argument("--cases", default="AB")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--gmx", type=pathlib.Path, help="another gmx, such as one built for this processor")
+    parser.add_argument("--gmx", type=pathlib.Path, action="append", default=[],
+                        help="another gmx (or gmx_d), such as one built for this processor; may be repeated")
     parser.add_argument("--only", help="engines with one of these words, such as gromacs,lammps; Lennard always runs")
     parser.add_argument("--out", type=pathlib.Path)
     options = parser.parse_args()
