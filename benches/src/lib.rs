@@ -1,5 +1,7 @@
 //! The benchmark cases and a plain time loop around the forces, without the engine.
 
+pub mod arguments;
+
 use lennard_core::random::Streams;
 use lennard_core::sweeps::{kick, kick_and_drift};
 use lennard_core::{

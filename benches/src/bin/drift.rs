@@ -1,8 +1,10 @@
-//! Energy drift of a case: `drift CASE STEPS [precision=double,mixed] [truncation=shift]`, in ε an atom and τ, from
+//! Energy drift of a case: `drift CASE [STEPS] [precision=double,mixed] [truncation=shift]`, in ε an atom and τ, from
 //! a straight line through the conserved energy without the first fifth, with the standard error of ten block slopes.
 #![allow(clippy::print_stdout)]
 
-use lennard_benches::CASES;
+use std::process::ExitCode;
+
+use lennard_benches::arguments::{Arguments, exit_code};
 use lennard_core::{DVec3, ForceProvider, Want};
 use lennard_forcefield::{KernelOptions, Precision, TruncationKind};
 
@@ -10,34 +12,34 @@ use lennard_forcefield::{KernelOptions, Precision, TruncationKind};
 const EVERY: usize = 10;
 /// Blocks for the standard error.
 const BLOCKS: usize = 10;
+/// With fewer, a block of what is kept would be a single point.
+const FEWEST_STEPS: usize = EVERY * BLOCKS * 2 * 5 / 4;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let value = |key: &str, default: &str| -> String {
-        arguments
-            .iter()
-            .find_map(|a| a.strip_prefix(key)?.strip_prefix('='))
-            .unwrap_or(default)
-            .to_owned()
-    };
-    let case = *CASES
-        .iter()
-        .find(|c| Some(c.name) == arguments.first().map(String::as_str))
-        .ok_or("the cases are A, B and C")?;
-    let steps: usize = arguments.get(1).ok_or("how many steps?")?.parse()?;
-    let truncation = match value("truncation", "shift").as_str() {
-        "cut" => TruncationKind::Cut,
-        "shift" => TruncationKind::Shift,
-        "force-shift" => TruncationKind::ForceShift,
-        "switch" => TruncationKind::Switch,
-        other => return Err(format!("no truncation `{other}`").into()),
-    };
-    for precision in value("precision", "double,mixed").split(',') {
+const TRUNCATIONS: [(&str, TruncationKind); 4] = [
+    ("shift", TruncationKind::Shift),
+    ("cut", TruncationKind::Cut),
+    ("force-shift", TruncationKind::ForceShift),
+    ("switch", TruncationKind::Switch),
+];
+
+fn main() -> ExitCode {
+    exit_code(measure())
+}
+
+fn measure() -> Result<(), Box<dyn std::error::Error>> {
+    let given = Arguments::read(std::env::args().skip(1), &["precision", "truncation"])?;
+    let case = given.case()?;
+    let steps = given.steps(3000, FEWEST_STEPS)?;
+    let truncation = given.one_of("truncation", &TRUNCATIONS)?;
+    let both = [("double", Precision::Double), ("mixed", Precision::Mixed)];
+    let choices = [
+        ("double,mixed", &both[..]),
+        ("double", &both[..1]),
+        ("mixed", &both[1..]),
+    ];
+    for (name, precision) in given.one_of("precision", &choices)? {
         let kernel = KernelOptions {
-            precision: match precision {
-                "mixed" => Precision::Mixed,
-                _ => Precision::Double,
-            },
+            precision: *precision,
             ..KernelOptions::default()
         };
         let mut run = case.start(kernel, None, truncation)?;
@@ -62,7 +64,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let momentum = run.velocities.iter().sum::<DVec3>().length() / n;
         let s = run.provider.statistics();
         println!(
-            "{} {precision} {truncation:?}, {steps} steps: drift {drift:+.2e} ± {error:.1e} ε/atom/τ, RMS {rms:.1e}, momentum {momentum:.1e} an atom, {} builds, {} late",
+            "{} {name} {truncation:?}, {steps} steps: drift {drift:+.2e} ± {error:.1e} ε/atom/τ, RMS {rms:.1e}, momentum {momentum:.1e} an atom, {} builds, {} late",
             case.name, s.builds, s.late_builds
         );
     }

@@ -4,50 +4,44 @@
 //! more than two runs on a machine whose clock drifts. Kernels, lists and skins are what `lennard bench` is for.
 #![allow(clippy::print_stdout)]
 
+use std::process::ExitCode;
 use std::time::Instant;
 
-use lennard_benches::CASES;
+use lennard_benches::arguments::{Arguments, exit_code};
 use lennard_core::parallel::awake;
 use lennard_core::{ForceProvider, Want};
 use lennard_forcefield::{KernelOptions, Precision, TruncationKind};
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let value = |key: &str, default: &str| -> String {
-        let found = arguments
-            .iter()
-            .find_map(|a| a.strip_prefix(key)?.strip_prefix('='));
-        found.unwrap_or(default).to_owned()
-    };
-    let name = arguments.first().map_or("A", String::as_str);
-    let case = *CASES
-        .iter()
-        .find(|c| c.name == name)
-        .ok_or("the cases are A, B and C")?;
-    let steps: usize = arguments.get(1).map_or(Ok(200), |s| s.parse())?;
+const KEYS: [&str; 5] = ["threads", "beside", "precision", "repeats", "warm"];
+
+fn main() -> ExitCode {
+    exit_code(measure())
+}
+
+fn measure() -> Result<(), Box<dyn std::error::Error>> {
+    let given = Arguments::read(std::env::args().skip(1), &KEYS)?;
+    let case = given.case()?;
+    let name = case.name;
+    let steps = given.steps(200, 1)?;
+    let precisions = [("double", Precision::Double), ("mixed", Precision::Mixed)];
     let kernel = KernelOptions {
-        precision: match value("precision", "double").as_str() {
-            "double" => Precision::Double,
-            "mixed" => Precision::Mixed,
-            _ => return Err("precision is double or mixed".into()),
-        },
+        precision: given.one_of("precision", &precisions)?,
         ..KernelOptions::default()
     };
-    let pool = |threads: &str| -> Result<rayon::ThreadPool, Box<dyn std::error::Error>> {
-        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.parse()?);
-        Ok(builder.build()?)
-    };
-    let (threads, beside) = (value("threads", "1"), value("beside", ""));
-    let mut pools = vec![pool(&threads)?];
-    if !beside.is_empty() {
-        pools.push(pool(&beside)?);
-    }
-    let repeats: usize = value("repeats", "5").parse()?;
-    let warm: usize = value("warm", "200").parse()?;
+    let threads = given.number("threads", 1)?.unwrap_or(1);
+    let beside = given.number("beside", 1)?;
+    let repeats = given.number("repeats", 1)?.unwrap_or(5);
+    let warm = given.number("warm", 0)?.unwrap_or(200);
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let counts: Vec<usize> = [threads].into_iter().chain(beside).collect();
+    let pools = counts
+        .iter()
+        .map(|n| pool(*n))
+        .collect::<Result<Vec<_>, _>>()?;
     let mut run = pools[0].install(|| case.start(kernel, None, TruncationKind::Cut))?;
     pools[0].install(|| run.steps(warm, Want::NOTHING))?;
     let mut seconds = vec![Vec::new(); pools.len()];
-    for round in 0..repeats.max(1) {
+    for round in 0..repeats {
         for k in 0..pools.len() {
             // Neither always comes first.
             let k = (k + round) % pools.len();
@@ -67,11 +61,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     let s = run.provider.statistics();
-    for (seconds, threads) in seconds.iter().zip([&threads, &beside]) {
+    let speed = |seconds: f64| (case.n_atoms() * steps) as f64 / seconds / 1e6;
+    for (seconds, threads) in seconds.iter().zip(&counts) {
         println!(
             "{name}: best {:.2} M/s, median {:.2} M/s; {threads} threads, skin {:.3}, {:.1} steps a build, T {:.3}",
-            case.n_atoms() as f64 * steps as f64 / quantile(seconds, 0.0) / 1e6,
-            case.n_atoms() as f64 * steps as f64 / quantile(seconds, 0.5) / 1e6,
+            speed(quantile(seconds, 0.0)),
+            speed(quantile(seconds, 0.5)),
             s.skin,
             s.evaluations as f64 / s.builds as f64,
             run.temperature(),
@@ -80,7 +75,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if let [these, those] = &seconds[..] {
         let ratios: Vec<f64> = those.iter().zip(these).map(|(b, a)| b / a).collect();
         println!(
-            "{threads} threads over {beside}: median {:.2}, quartiles {:.2} and {:.2}",
+            "{} threads over {}: median {:.2}, quartiles {:.2} and {:.2}",
+            counts[0],
+            counts[1],
             quantile(&ratios, 0.5),
             quantile(&ratios, 0.25),
             quantile(&ratios, 0.75),

@@ -21,6 +21,12 @@ fn piece(n: usize) -> usize {
         .clamp(FEWEST, CHUNK)
 }
 
+/// The `k`th of the ranges of `size` that make up `0..n`; the last one may be shorter.
+#[must_use]
+pub fn part(k: usize, size: usize, n: usize) -> Range<usize> {
+    k * size..((k + 1) * size).min(n)
+}
+
 /// Processors that this process may use; 1 where the system does not say.
 #[must_use]
 pub fn processors() -> usize {
@@ -80,8 +86,7 @@ where
     F: Fn(Range<usize>) -> T + Sync,
 {
     let chunks = n.div_ceil(CHUNK);
-    let range = |c: usize| c * CHUNK..((c + 1) * CHUNK).min(n);
-    map_tasks(chunks, |(), c| partial(range(c)))
+    map_tasks(chunks, |(), c| partial(part(c, CHUNK, n)))
         .into_iter()
         .sum()
 }
@@ -94,7 +99,7 @@ where
     let size = piece(n);
     let holds = AtomicBool::new(true);
     for_each_task(n.div_ceil(size), |(): &mut (), t| {
-        if !check(t * size..((t + 1) * size).min(n)) {
+        if !check(part(t, size, n)) {
             holds.store(false, Ordering::Relaxed);
         }
     });

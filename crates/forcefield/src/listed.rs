@@ -13,7 +13,7 @@ use lennard_neighbor::{
 use crate::copies::{Copies, Fitness, Work};
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
-    self, Built, DoubleRow, FixedRow, Level, Moved, PairJob, PerParticle, SharedJob, Source, Wanted,
+    self, DoubleRow, FixedRow, Level, Motion, Moved, PairJob, PerParticle, SharedJob, Wanted,
 };
 use crate::sums::Totals;
 use crate::truncation::PairForm;
@@ -211,28 +211,23 @@ impl Listed {
         each: Option<&mut [PerParticle]>,
     ) -> (Fitness, Totals, bool) {
         let (cell, r_cut, level) = (&self.cell, self.r_cut, self.level);
-        let (n, lengths) = (positions.len(), cell.lengths());
-        let built = Built {
-            at: &self.built,
+        let motion = Motion {
+            positions,
+            built: &self.built,
             far2: self.criterion.far2(),
+            lengths: cell.lengths(),
         };
-        let (radius, criterion) = (self.radius, &self.criterion);
-        let judge = |particles, moved: &Moved| {
-            let judge = Judge {
-                cell,
-                radius,
-                criterion,
-                built: built.at,
-                particles,
-                positions,
-            };
-            judge.fitness(moved)
+        let judge = Judge {
+            cell,
+            radius: self.radius,
+            criterion: &self.criterion,
+            motion,
         };
         match &mut self.pairs {
             Pairs::Canonical(list, folded) => {
                 let particles = &list.table().particle;
-                let moved = folded.pack(cell, positions, built, particles);
-                let fitness = judge(particles, &moved);
+                let moved = folded.pack(cell, particles, motion);
+                let fitness = judge.fitness(particles, &moved);
                 if fitness != Fitness::Fit {
                     return (fitness, Totals::NOTHING, false);
                 }
@@ -249,40 +244,28 @@ impl Listed {
             }
             Pairs::Rows(list, copies) => {
                 let table = list.table();
-                let from = Source {
-                    table,
-                    positions,
-                    built,
-                    lengths,
-                };
                 let job = PairJob::new(form, r_cut, list, forces, each);
                 copies.run(&Work {
-                    n,
+                    n: positions.len(),
                     rows: table.rows(),
                     chunks: list.chunks().len(),
                     wanted,
-                    pack: &|by, rows| simd::pack_double(level, by, from, rows),
-                    judge: &|moved| judge(&table.particle, moved),
+                    pack: &|by, rows| simd::pack_double(level, by, table, motion, rows),
+                    judge: &|moved| judge.fitness(&table.particle, moved),
                     run: &|rows, c| simd::run_double(level, &job, rows, c, wanted),
                 })
             }
             Pairs::Shared(list, copies) => {
                 let table = list.table();
-                let from = Source {
-                    table,
-                    positions,
-                    built,
-                    lengths,
-                };
-                let scale = (lengths / FIXED_UNITS).to_array();
+                let scale = (motion.lengths / FIXED_UNITS).to_array();
                 let job = SharedJob::new(form, r_cut, scale, list, forces, each);
                 copies.run(&Work {
-                    n,
-                    rows: n,
+                    n: positions.len(),
+                    rows: positions.len(),
                     chunks: list.chunks().len(),
                     wanted,
-                    pack: &|by, rows| simd::pack_columns(level, by, from, rows),
-                    judge: &|moved| judge(&table.particle, moved),
+                    pack: &|by, rows| simd::pack_columns(level, by, table, motion, rows),
+                    judge: &|moved| judge.fitness(&table.particle, moved),
                     run: &|rows, c| simd::run_shared(level, &job, rows, c, wanted),
                 })
             }
@@ -335,20 +318,14 @@ impl Folded {
     }
 
     /// Folds positions; gives the displacements since the build.
-    fn pack(
-        &mut self,
-        cell: &PeriodicBox,
-        positions: &[DVec3],
-        built: Built<'_>,
-        particles: &[u32],
-    ) -> Moved {
-        pure::wrap(cell, positions, &mut self.wrapped);
-        let moved = particles.iter().zip(built.at);
+    fn pack(&mut self, cell: &PeriodicBox, particles: &[u32], motion: Motion<'_>) -> Moved {
+        pure::wrap(cell, motion.positions, &mut self.wrapped);
+        let moved = particles.iter().zip(motion.built);
         let squares: Vec<f64> = moved
-            .map(|(particle, at)| (positions[*particle as usize] - *at).length_squared())
+            .map(|(particle, at)| (motion.positions[*particle as usize] - *at).length_squared())
             .collect();
         let mut moved = Moved::NOTHING;
-        moved.include(0, &squares, built.far2);
+        moved.include(0, &squares, motion.far2);
         moved
     }
 }
@@ -359,17 +336,12 @@ struct Judge<'a> {
     /// What the list reaches to, σ.
     radius: f64,
     criterion: &'a Criterion,
-    /// Positions of the build, by place.
-    built: &'a [DVec3],
-    /// The particle at each place.
-    particles: &'a [u32],
-    /// Where they are now.
-    positions: &'a [DVec3],
+    motion: Motion<'a>,
 }
 
 impl Judge<'_> {
-    /// Whether the list names every pair that counts.
-    fn fitness(&self, moved: &Moved) -> Fitness {
+    /// Whether the list, with these particles at its places, names every pair that counts.
+    fn fitness(&self, particles: &[u32], moved: &Moved) -> Fitness {
         if !moved.finite {
             return Fitness::Broken;
         }
@@ -378,8 +350,8 @@ impl Judge<'_> {
             Verdict::Build => Fitness::Stale,
             Verdict::Doubtful => {
                 let far = |place: &u32| {
-                    let at = self.positions[self.particles[*place as usize] as usize];
-                    let moved = at - self.built[*place as usize];
+                    let at = self.motion.positions[particles[*place as usize] as usize];
+                    let moved = at - self.motion.built[*place as usize];
                     Far { at, moved }
                 };
                 let far: Vec<Far> = moved.far.iter().map(far).collect();

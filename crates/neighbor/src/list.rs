@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use lennard_core::PeriodicBox;
+use lennard_core::parallel::part;
 use lennard_core::tasks::for_each_item;
 use std::ops::Range;
 
@@ -181,7 +182,7 @@ impl NeighborList {
         };
         let chunks = self.chunks.iter_mut();
         for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
-            let places = c * ATOMS_PER_CHUNK..((c + 1) * ATOMS_PER_CHUNK).min(n);
+            let places = part(c, ATOMS_PER_CHUNK, n);
             filler.fill(places, scratch, chunk);
         });
         Ok(())

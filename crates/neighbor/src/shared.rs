@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 use lennard_core::PeriodicBox;
+use lennard_core::parallel::part;
 use lennard_core::tasks::for_each_item;
 
 use crate::blocks::{Block, SharedBlocks, SharedChunk, amid, is_narrow};
@@ -103,7 +104,7 @@ impl SharedList {
         let search = Search::new(self.cell.lengths(), self.radius, &self.table, scanner);
         let chunks = self.chunks.iter_mut();
         for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
-            let places = c * ATOMS_PER_CHUNK..((c + 1) * ATOMS_PER_CHUNK).min(n);
+            let places = part(c, ATOMS_PER_CHUNK, n);
             search.fill(places, scratch, chunk);
         });
         Ok(())

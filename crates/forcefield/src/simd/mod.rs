@@ -29,13 +29,14 @@ mod scatter;
 mod shared_loop;
 mod view;
 
-pub use packing::{Built, Moved, Source};
+pub use packing::{Motion, Moved};
 pub use pair_loop::{ChunkTotals, PairJob, PerParticle, Wanted};
 pub use scatter::Scatter;
 pub use shared_loop::SharedJob;
 
 use crate::options::{Isa, Precision};
 use crate::truncation::PairForm;
+use lennard_core::parallel::part;
 use lennard_core::tasks::map_tasks;
 use lennard_neighbor::{
     Around, Candidates, Center, ColumnTable, Found, Gathered, Names, Nearby, RowScanner, RowTable,
@@ -302,32 +303,32 @@ pub enum By {
 pub fn pack_double(
     level: Level,
     by: By,
-    from: Source<'_, RowTable>,
+    table: &RowTable,
+    motion: Motion<'_>,
     rows: &mut [DoubleRow],
 ) -> Moved {
     let rows = Scatter::new(rows);
-    let far2 = from.built.far2;
     // SAFETY: tasks have disjoint places, places have distinct rows, and ghosts are written afterwards; a level is
     // chosen by `Level::choose`, which gives available ones alone.
-    let moved = in_tasks(by, from.table.particle.len(), |places| {
-        packing::in_batches(places, far2, |places, squares| unsafe {
+    let moved = in_tasks(by, table.particle.len(), |places| {
+        packing::in_batches(places, motion.far2, |places, squares| unsafe {
             match level {
                 #[cfg(target_arch = "x86_64")]
                 Level::Avx512 | Level::Avx2 => {
-                    packing256::pack_double(from, places, squares, &rows);
+                    packing256::pack_double(table, motion, places, squares, &rows);
                 }
-                _ => packing::pack_double(from, places, squares, &rows),
+                _ => packing::pack_double(table, motion, places, squares, &rows),
             }
         })
     });
     // SAFETY: tasks have disjoint ghosts, and all other rows are at rest; the level is available.
-    in_tasks(by, from.table.ghosts.len(), |ghosts| unsafe {
+    in_tasks(by, table.ghosts.len(), |ghosts| unsafe {
         match level {
             #[cfg(target_arch = "x86_64")]
             Level::Avx512 | Level::Avx2 => {
-                packing256::pack_ghosts(from.table, from.lengths, ghosts, &rows);
+                packing256::pack_ghosts(table, motion.lengths, ghosts, &rows);
             }
-            _ => packing::pack_ghosts(from.table, from.lengths, ghosts, &rows),
+            _ => packing::pack_ghosts(table, motion.lengths, ghosts, &rows),
         }
         Moved::NOTHING
     });
@@ -338,20 +339,20 @@ pub fn pack_double(
 pub fn pack_columns(
     level: Level,
     by: By,
-    from: Source<'_, ColumnTable>,
+    table: &ColumnTable,
+    motion: Motion<'_>,
     rows: &mut [FixedRow],
 ) -> Moved {
     let rows = Scatter::new(rows);
-    let far2 = from.built.far2;
     // SAFETY: tasks have disjoint places; the level is available.
-    in_tasks(by, from.table.particle.len(), |places| {
-        packing::in_batches(places, far2, |places, squares| unsafe {
+    in_tasks(by, table.particle.len(), |places| {
+        packing::in_batches(places, motion.far2, |places, squares| unsafe {
             match level {
                 #[cfg(target_arch = "x86_64")]
                 Level::Avx512 | Level::Avx2 => {
-                    packing256::pack_columns(from, places, squares, &rows);
+                    packing256::pack_columns(table, motion, places, squares, &rows);
                 }
-                _ => packing::pack_columns(from, places, squares, &rows),
+                _ => packing::pack_columns(table, motion, places, squares, &rows),
             }
         })
     })
@@ -361,8 +362,7 @@ fn in_tasks(by: By, n: usize, task: impl Fn(Range<usize>) -> Moved + Sync) -> Mo
     if by == By::OneThread {
         return task(0..n);
     }
-    let of_task =
-        |(): &mut (), t: usize| task(t * PACKED_PER_TASK..((t + 1) * PACKED_PER_TASK).min(n));
+    let of_task = |(): &mut (), t: usize| task(part(t, PACKED_PER_TASK, n));
     map_tasks(n.div_ceil(PACKED_PER_TASK), of_task)
         .into_iter()
         .fold(Moved::NOTHING, Moved::and)

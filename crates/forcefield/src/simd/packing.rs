@@ -89,36 +89,18 @@ pub fn in_batches(
     moved
 }
 
-/// The build that displacements are counted from.
+/// Where particles are, and where they were when the list was built.
 #[derive(Debug, Clone, Copy)]
-pub struct Built<'a> {
-    /// The positions of the build, by place, σ.
-    pub at: &'a [DVec3],
+pub struct Motion<'a> {
+    /// Unwrapped, by particle, `[N]`, σ.
+    pub positions: &'a [DVec3],
+    /// The positions of the build, by place, `[N]`, σ.
+    pub built: &'a [DVec3],
     /// The |x − x⁰|² beyond which a particle moved far, σ².
     pub far2: f64,
-}
-
-/// What the rows of all places are made from.
-#[derive(Debug)]
-pub struct Source<'a, Table> {
-    /// Who is where.
-    pub table: &'a Table,
-    /// Unwrapped, `[N]`, σ.
-    pub positions: &'a [DVec3],
-    /// The build that displacements are counted from.
-    pub built: Built<'a>,
     /// The sides of the box, σ.
     pub lengths: DVec3,
 }
-
-// By hand: derived ones would want tables to be copied.
-impl<Table> Clone for Source<'_, Table> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<Table> Copy for Source<'_, Table> {}
 
 /// Writes the rows of some places in double precision, positions minus the image that each had when the
 /// list was built, so that rows move continuously; and |x − x⁰|².
@@ -126,19 +108,19 @@ impl<Table> Copy for Source<'_, Table> {}
 /// # Safety
 /// No other thread writes the rows of these places.
 pub unsafe fn pack_double(
-    from: Source<'_, RowTable>,
+    table: &RowTable,
+    motion: Motion<'_>,
     places: Range<usize>,
     squares: &mut [f64],
     rows: &Scatter<'_, DoubleRow>,
 ) {
-    let table = from.table;
     for (place, d2) in places.zip(squares) {
-        let r = from.positions[table.particle[place] as usize];
-        let home = r - table.image[place].as_dvec3() * from.lengths;
+        let r = motion.positions[table.particle[place] as usize];
+        let home = r - table.image[place].as_dvec3() * motion.lengths;
         let row = DoubleRow([home.x, home.y, home.z, 0.0]);
         // SAFETY: rows of places are distinct, and these places are this thread's.
         unsafe { rows.write(table.row[place] as usize, row) };
-        *d2 = (r - from.built.at[place]).length_squared();
+        *d2 = (r - motion.built[place]).length_squared();
     }
 }
 
@@ -172,17 +154,18 @@ pub unsafe fn pack_ghosts(
 /// # Safety
 /// No other thread writes the rows of these places.
 pub unsafe fn pack_columns(
-    from: Source<'_, ColumnTable>,
+    table: &ColumnTable,
+    motion: Motion<'_>,
     places: Range<usize>,
     squares: &mut [f64],
     rows: &Scatter<'_, FixedRow>,
 ) {
-    let units = FIXED_UNITS / from.lengths;
+    let units = FIXED_UNITS / motion.lengths;
     for (place, d2) in places.zip(squares) {
-        let r = from.positions[from.table.particle[place] as usize];
-        let [x, y, z] = from.table.fixed(place, r, from.lengths, units);
+        let r = motion.positions[table.particle[place] as usize];
+        let [x, y, z] = table.fixed(place, r, motion.lengths, units);
         // SAFETY: these places are this thread's.
         unsafe { rows.write(place, FixedRow([x, y, z, 0])) };
-        *d2 = (r - from.built.at[place]).length_squared();
+        *d2 = (r - motion.built[place]).length_squared();
     }
 }

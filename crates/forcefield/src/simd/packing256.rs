@@ -6,7 +6,7 @@ use std::ops::Range;
 use glam::DVec3;
 use lennard_neighbor::{ColumnTable, FIXED_ROUNDING, FIXED_UNITS, RowTable};
 
-use super::packing::{self, Source};
+use super::packing::{self, Motion};
 use super::{DoubleRow, FixedRow, Scatter};
 
 /// Elements in fours; the last ones, which make no four, are left to the plain loops.
@@ -44,21 +44,22 @@ fn squares([a, b, c, d]: [__m256d; 4]) -> __m256d {
 /// As there.
 #[target_feature(enable = "avx2")]
 pub unsafe fn pack_double(
-    from: Source<'_, RowTable>,
+    table: &RowTable,
+    motion: Motion<'_>,
     places: Range<usize>,
     to: &mut [f64],
     rows: &Scatter<'_, DoubleRow>,
 ) {
-    let lengths = load(&from.lengths);
-    let particles = fours(&from.table.particle[places.clone()]);
-    let own_rows = fours(&from.table.row[places.clone()]);
-    let images = fours(&from.table.image[places.clone()]);
-    let built = fours(&from.built.at[places.clone()]);
+    let lengths = load(&motion.lengths);
+    let particles = fours(&table.particle[places.clone()]);
+    let own_rows = fours(&table.row[places.clone()]);
+    let images = fours(&table.image[places.clone()]);
+    let built = fours(&motion.built[places.clone()]);
     let all = particles.zip(own_rows).zip(images.zip(built));
     for (((particles, own_rows), (images, built)), to) in all.zip(to.as_chunks_mut::<4>().0) {
         let mut moved = [_mm256_setzero_pd(); 4];
         for k in 0..4 {
-            let r = load(&from.positions[particles[k] as usize]);
+            let r = load(&motion.positions[particles[k] as usize]);
             let [x, y, z] = images[k].to_array();
             let image = _mm256_cvtepi32_pd(_mm_setr_epi32(x, y, z, 0));
             let home = _mm256_sub_pd(r, _mm256_mul_pd(image, lengths));
@@ -76,7 +77,15 @@ pub unsafe fn pack_double(
     }
     let done = places.len() / 4 * 4;
     // SAFETY: the contract is passed on.
-    unsafe { packing::pack_double(from, places.start + done..places.end, &mut to[done..], rows) };
+    unsafe {
+        packing::pack_double(
+            table,
+            motion,
+            places.start + done..places.end,
+            &mut to[done..],
+            rows,
+        )
+    };
 }
 
 /// See [`packing::pack_ghosts`].
@@ -113,21 +122,22 @@ pub unsafe fn pack_ghosts(
 /// As there.
 #[target_feature(enable = "avx2")]
 pub unsafe fn pack_columns(
-    from: Source<'_, ColumnTable>,
+    table: &ColumnTable,
+    motion: Motion<'_>,
     places: Range<usize>,
     to: &mut [f64],
     rows: &Scatter<'_, FixedRow>,
 ) {
     let mut done = 0;
-    if from.table.is_near_home() {
-        let units = load(&(FIXED_UNITS / from.lengths));
+    if table.is_near_home() {
+        let units = load(&(FIXED_UNITS / motion.lengths));
         let rounding = _mm256_set1_pd(FIXED_ROUNDING);
-        let particles = fours(&from.table.particle[places.clone()]);
-        let built = fours(&from.built.at[places.clone()]);
+        let particles = fours(&table.particle[places.clone()]);
+        let built = fours(&motion.built[places.clone()]);
         for ((particles, built), to) in particles.zip(built).zip(to.as_chunks_mut::<4>().0) {
             let mut moved = [_mm256_setzero_pd(); 4];
             for k in 0..4 {
-                let r = load(&from.positions[particles[k] as usize]);
+                let r = load(&motion.positions[particles[k] as usize]);
                 // Not fused: the list was built from the same bits.
                 let scaled = _mm256_add_pd(_mm256_mul_pd(r, units), rounding);
                 let low = _mm_castpd_ps(_mm256_castpd256_pd128(scaled));
@@ -147,12 +157,20 @@ pub unsafe fn pack_columns(
         }
     }
     // SAFETY: the contract is passed on.
-    unsafe { packing::pack_columns(from, places.start + done..places.end, &mut to[done..], rows) };
+    unsafe {
+        packing::pack_columns(
+            table,
+            motion,
+            places.start + done..places.end,
+            &mut to[done..],
+            rows,
+        )
+    };
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Built, By, Level, Moved, pack_columns, pack_double};
+    use super::super::{By, Level, Moved, pack_columns, pack_double};
     use super::*;
     use lennard_core::PeriodicBox;
 
@@ -186,30 +204,23 @@ mod tests {
         let built = |particles: &[u32]| -> Vec<DVec3> {
             particles.iter().map(|p| start[*p as usize]).collect()
         };
+        let motion = |at| Motion {
+            positions: &now,
+            built: at,
+            far2: 0.01,
+            lengths,
+        };
         let mut by_cell = RowTable::default();
         by_cell.sort(&cell, &start, 2.8).unwrap();
         let at = built(&by_cell.particle);
-        let far2 = 0.01;
         let mut double = vec![DoubleRow::default(); by_cell.rows()];
-        let from = Source {
-            table: &by_cell,
-            positions: &now,
-            built: Built { at: &at, far2 },
-            lengths,
-        };
-        let moved_double = pack_double(level, by, from, &mut double);
+        let moved_double = pack_double(level, by, &by_cell, motion(&at), &mut double);
         let mut columns = ColumnTable::default();
         columns.sort(&cell, &start).unwrap();
         assert_eq!(columns.is_near_home(), shift.abs() < 1e5);
         let at = built(&columns.particle);
         let mut fixed = vec![FixedRow::default(); n];
-        let from = Source {
-            table: &columns,
-            positions: &now,
-            built: Built { at: &at, far2 },
-            lengths,
-        };
-        let moved_fixed = pack_columns(level, by, from, &mut fixed);
+        let moved_fixed = pack_columns(level, by, &columns, motion(&at), &mut fixed);
         (double, moved_double, fixed, moved_fixed)
     }
 

@@ -88,9 +88,6 @@ impl<'a, F: PairForm> PairJob<'a, F> {
     }
 }
 
-/// Lines of the next chunk's arrays that are asked for while a chunk runs.
-pub const AHEAD: usize = 8;
-
 /// Runs one chunk over rows.
 ///
 /// # Panics
@@ -111,10 +108,10 @@ pub unsafe fn run<L: RowLanes, F: PairForm>(
     );
     let chunks = job.list.chunks();
     if let Some(next) = chunks.get(chunk + 1) {
-        prefetch(&next.counts, AHEAD);
+        prefetch(&next.counts);
         match &next.entries {
-            Entries::Narrow(e) => prefetch(e, AHEAD),
-            Entries::Wide(e) => prefetch(e, AHEAD),
+            Entries::Narrow(e) => prefetch(e),
+            Entries::Wide(e) => prefetch(e),
         }
     }
     let chunk = &chunks[chunk];

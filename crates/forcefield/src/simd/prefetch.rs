@@ -3,12 +3,15 @@
 /// Bytes of a cache line.
 const LINE: usize = 64;
 
-/// Asks for up to so many lines from the beginning of an array that will soon be read. What goes on in order a processor
+/// Lines that are asked for.
+const AHEAD: usize = 8;
+
+/// Asks for the first lines of an array that will soon be read. What goes on in order a processor
 /// finds by itself, but not where it begins.
 #[inline(always)]
-pub fn prefetch<T>(array: &[T], lines: usize) {
+pub fn prefetch<T>(array: &[T]) {
     #[cfg(target_arch = "x86_64")]
-    for line in 0..lines.min(size_of_val(array).div_ceil(LINE)) {
+    for line in 0..AHEAD.min(size_of_val(array).div_ceil(LINE)) {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
         // SAFETY: every processor of this architecture has the instruction, and it reads nothing.
         unsafe {
@@ -16,5 +19,5 @@ pub fn prefetch<T>(array: &[T], lines: usize) {
         }
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = (array, lines);
+    let _ = array;
 }

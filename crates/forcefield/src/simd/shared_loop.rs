@@ -5,7 +5,7 @@ use lennard_neighbor::{BLOCK, SHARERS, SharedChunk, SharedList, Span};
 use super::FixedRow;
 use super::lanes::FixedLanes;
 use super::output::Output;
-use super::pair_loop::{AHEAD, ChunkTotals, PerParticle, Wanted};
+use super::pair_loop::{ChunkTotals, PerParticle, Wanted};
 use super::pair_sums::{Besides, ForcesAlone, PairSums};
 use super::prefetch::prefetch;
 use super::reader::Reader;
@@ -69,8 +69,8 @@ pub unsafe fn run<L: FixedLanes, F: PairForm>(
     );
     let chunks = job.list.chunks();
     if let Some(next) = chunks.get(chunk + 1) {
-        prefetch(&next.spans, AHEAD);
-        prefetch(&next.blocks, AHEAD);
+        prefetch(&next.spans);
+        prefetch(&next.blocks);
     }
     let chunk = &chunks[chunk];
     // SAFETY: the contract is passed on.
