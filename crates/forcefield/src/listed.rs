@@ -6,7 +6,7 @@ use glam::DVec3;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWriter};
 use lennard_neighbor::{
-    Criterion, FIXED_UNITS, Far, GridError, Images, NeighborList, SharedList, Verdict,
+    Cells, Criterion, FIXED_UNITS, GridError, Images, Moves, NeighborList, SharedList, Verdict,
     misses_a_pair,
 };
 
@@ -84,9 +84,10 @@ impl Listed {
         let pairs = match kind {
             Loop::Canonical => Pairs::Canonical(list(Images::Folded), Folded::default()),
             Loop::Rows => Pairs::Rows(list(Images::Ghosts), Copies::default()),
-            Loop::Shared => {
-                Pairs::Shared(Box::new(SharedList::new(cell, radius)), Copies::default())
-            }
+            Loop::Shared => Pairs::Shared(
+                Box::new(SharedList::new(cell, r_cut, radius)),
+                Copies::default(),
+            ),
         };
         Self {
             cell,
@@ -225,9 +226,9 @@ impl Listed {
         };
         match &mut self.pairs {
             Pairs::Canonical(list, folded) => {
-                let particles = &list.table().particle;
+                let (table, particles) = (list.table(), &list.table().particle);
                 let moved = folded.pack(cell, particles, motion);
-                let fitness = judge.fitness(particles, &moved);
+                let fitness = judge.fitness(table, particles, &moved);
                 if fitness != Fitness::Fit {
                     return (fitness, Totals::NOTHING, false);
                 }
@@ -251,7 +252,7 @@ impl Listed {
                     chunks: list.chunks().len(),
                     wanted,
                     pack: &|by, rows| simd::pack_double(level, by, table, motion, rows),
-                    judge: &|moved| judge.fitness(&table.particle, moved),
+                    judge: &|moved| judge.fitness(table, &table.particle, moved),
                     run: &|rows, c| simd::run_double(level, &job, rows, c, wanted),
                 })
             }
@@ -265,7 +266,7 @@ impl Listed {
                     chunks: list.chunks().len(),
                     wanted,
                     pack: &|by, rows| simd::pack_columns(level, by, table, motion, rows),
-                    judge: &|moved| judge.fitness(&table.particle, moved),
+                    judge: &|moved| judge.fitness(table, &table.particle, moved),
                     run: &|rows, c| simd::run_shared(level, &job, rows, c, wanted),
                 })
             }
@@ -340,24 +341,29 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// Whether the list, with these particles at its places, names every pair that counts.
-    fn fitness(&self, particles: &[u32], moved: &Moved) -> Fitness {
+    /// Whether the list, which was sorted into `cells` with these particles at its places, names every pair that counts.
+    fn fitness<C: Cells>(&self, cells: &C, particles: &[u32], moved: &Moved) -> Fitness {
         if !moved.finite {
             return Fitness::Broken;
         }
-        match self.criterion.check(moved.largest2) {
+        let Motion {
+            positions, built, ..
+        } = self.motion;
+        match self
+            .criterion
+            .check(moved.largest2, moved.far.len(), particles.len())
+        {
             Verdict::Valid => Fitness::Fit,
             Verdict::Build => Fitness::Stale,
             Verdict::Doubtful => {
-                let far = |place: &u32| {
-                    let at = self.motion.positions[particles[*place as usize] as usize];
-                    let moved = at - self.motion.built[*place as usize];
-                    Far { at, moved }
-                };
-                let far: Vec<Far> = moved.far.iter().map(far).collect();
                 // A last place more: no pair that counts may look as if it did not.
                 let inner = (self.radius - self.criterion.skin()) * (1.0 + 1e-12);
-                if misses_a_pair(self.cell, self.radius, inner, &far) {
+                let moves = Moves {
+                    positions,
+                    particle: particles,
+                    built,
+                };
+                if misses_a_pair(self.cell, self.radius, inner, moves, cells, &moved.far) {
                     Fitness::Stale
                 } else {
                     Fitness::Fit

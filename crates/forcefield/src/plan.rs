@@ -22,9 +22,9 @@ const DIRECT_OVER_USELESS_SKIN: usize = 32;
 /// Share of the box side by which r_cut must stay below half of it for ghosts to be unambiguous: at
 /// exactly half, two images of one particle are equally near.
 const TIE_MARGIN: f64 = 1e-9;
-/// Cost of building lists over that of the force loop. It is 2.5 where nothing else wants the caches; steps cost the same at
+/// Cost of building lists over that of the force loop. It is 2.5 to 3 where nothing else wants the caches; steps cost the same at
 /// any value in between, and thicker skins keep lists below a fifth of a step.
-const BUILD_OVER_FORCE: f64 = 3.5;
+const BUILD_OVER_FORCE: f64 = 4.0;
 /// Fewer particles than this for each thread cost more in waiting than they save.
 const ATOMS_PER_THREAD: usize = 400;
 
@@ -212,6 +212,7 @@ fn search(
     }
     let cheapest = cheapest_skin(&SkinInputs {
         n_atoms: n,
+        density: n as f64 / c.cell.volume(),
         temperature: c.temperature,
         dt: c.dt,
         r_cut,

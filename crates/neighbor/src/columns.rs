@@ -1,5 +1,6 @@
 //! Particles sorted into columns along z, in fixed point, so that particles that follow each other lie side by side.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, IVec3};
@@ -8,6 +9,7 @@ use lennard_core::parallel::{for_each_piece, for_each_piece_of_three};
 
 use crate::blocks::REACH;
 use crate::grid::{FARTHEST_IMAGE, GridError, fold};
+use crate::missing::Cells;
 use crate::scan::PADDING;
 
 /// 2³², the units of a coordinate in fixed point along each side of the box.
@@ -118,9 +120,14 @@ impl Columns {
     #[inline(always)]
     pub fn column(&self, x: u32, y: u32) -> u32 {
         let [nx, ny] = self.across;
-        let begin = y / self.strip * self.strip;
+        // Most boxes have one strip, and divisions are slow.
+        let begin = if y < self.strip {
+            0
+        } else {
+            y / self.strip * self.strip
+        };
         let width = (ny - begin).min(self.strip);
-        let x = if begin / self.strip % 2 == 1 {
+        let x = if begin > 0 && begin / self.strip % 2 == 1 {
             nx - 1 - x
         } else {
             x
@@ -271,12 +278,24 @@ impl ColumnTable {
 
     /// The places of the particles of a column from one slice to another, both included.
     #[inline(always)]
-    pub(crate) fn places_of(&self, column: u32, slices: [u32; 2]) -> std::ops::Range<u32> {
+    pub(crate) fn places_of(&self, column: u32, slices: [u32; 2]) -> Range<u32> {
         let (a, b) = (
             self.grid.cell(column, slices[0]),
             self.grid.cell(column, slices[1]),
         );
         self.first[a.min(b)]..self.first[a.max(b) + 1]
+    }
+}
+
+impl Cells for ColumnTable {
+    fn count(&self) -> [u32; 3] {
+        let [x, y] = self.grid.across;
+        [x, y, self.grid.slices]
+    }
+
+    #[inline(always)]
+    fn places(&self, x: u32, y: u32, slices: [u32; 2]) -> Range<u32> {
+        self.places_of(self.grid.column(x, y), slices)
     }
 }
 

@@ -1,20 +1,19 @@
 //! The displacement criterion: when a list may still be used.
 
-/// Only particles that moved farther than this share of the skin can be part of a pair that a list misses, while none has
-/// moved farther than the rest of the skin. Smaller, lists would last longer, and more particles would have to be looked
-/// at.
-const FAR: f64 = 0.35;
-
 /// By how many skins two particles may have moved together before a list is built anew, whatever the pairs.
-pub(crate) const FARTHEST_TOGETHER: f64 = 2.0 * (1.0 - FAR);
+pub(crate) const FARTHEST_TOGETHER: f64 = 2.0;
+
+/// One of how many particles may have moved far: to look ahead of more of them would cost more than lists that last longer
+/// save.
+const FAR_AMONG: usize = 32;
 
 /// What the criterion says about a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// No pair inside the cutoff can be missing.
     Valid,
-    /// A pair inside the cutoff might be missing, of two particles that both moved far; where
-    /// [`misses_a_pair`](crate::misses_a_pair) finds none among these, there is none.
+    /// A pair inside the cutoff might be missing, ahead of a particle that moved far; where
+    /// [`misses_a_pair`](crate::misses_a_pair) finds none, there is none.
     Doubtful,
     /// A pair inside the cutoff might be missing: build before use.
     Build,
@@ -24,9 +23,9 @@ pub enum Verdict {
 ///
 /// A list built at positions x⁰ holds all pairs with r ≤ r_cut + skin. It may be used at positions x
 /// while 2·max|x_i − x⁰_i| ≤ skin, with unwrapped positions: two particles that each moved by at most
-/// half the skin have come closer by at most the skin. Beyond, a pair can be missing only of two that moved by more
-/// than the skin together; while nobody moved by more than 0.65 of the skin, each of them moved by more than 0.35, and
-/// few did.
+/// half the skin have come closer by at most the skin. Beyond, a pair can be missing only of two of which one moved by
+/// more than half the skin toward the other; while such particles are few and none moved by more than the whole skin,
+/// it is looked for ahead of them.
 ///
 /// A build is *late* if the list that it replaces was used at an evaluation for which a pair may have been missed. With
 /// the check before every use that cannot happen; the counter is the proof, and catches a caller that checks more rarely.
@@ -50,7 +49,7 @@ impl Criterion {
             skin,
             // Rounding of |x − x⁰|² and skin² may each err by a few last bits: keep clear of them.
             limit: skin * skin * (1.0 - 8.0 * f64::EPSILON),
-            doubtful: ((1.0 - FAR) * skin).powi(2) * (1.0 - 8.0 * f64::EPSILON),
+            doubtful: (0.5 * FARTHEST_TOGETHER * skin).powi(2) * (1.0 - 8.0 * f64::EPSILON),
             used_while_invalid: false,
             builds: 0,
             late_builds: 0,
@@ -63,19 +62,20 @@ impl Criterion {
         self.skin
     }
 
-    /// The |x − x⁰|² beyond which a particle moved far, σ².
+    /// The |x − x⁰|² beyond which a particle moved far, that is by more than half the skin, σ².
     #[must_use]
     pub fn far2(&self) -> f64 {
-        (FAR * self.skin).powi(2) * (1.0 - 8.0 * f64::EPSILON)
+        0.25 * self.limit
     }
 
-    /// Whether a list may be used where the largest |x − x⁰|² is `largest_displacement2` σ².
+    /// Whether a list may be used where the largest |x − x⁰|² is `largest_displacement2` σ², and `far` of `n` particles
+    /// moved far.
     #[must_use]
-    pub fn check(&self, largest_displacement2: f64) -> Verdict {
+    pub fn check(&self, largest_displacement2: f64, far: usize, n: usize) -> Verdict {
         // With a skin of zero the list is good for the very positions of its build; NaN is never good.
         if 4.0 * largest_displacement2 <= self.limit {
             Verdict::Valid
-        } else if largest_displacement2 <= self.doubtful {
+        } else if largest_displacement2 <= self.doubtful && far * FAR_AMONG <= n {
             Verdict::Doubtful
         } else {
             Verdict::Build
@@ -119,14 +119,16 @@ mod tests {
     #[test]
     fn a_list_is_valid_up_to_half_the_skin_and_no_further() {
         let criterion = Criterion::new(0.3);
-        assert_eq!(criterion.check(0.1499_f64.powi(2)), Verdict::Valid);
-        assert_eq!(criterion.check(0.1501_f64.powi(2)), Verdict::Doubtful);
-        assert_eq!(criterion.check(0.1949_f64.powi(2)), Verdict::Doubtful);
-        assert_eq!(criterion.check(0.1951_f64.powi(2)), Verdict::Build);
-        assert!((criterion.far2().sqrt() - 0.105).abs() < 1e-12);
-        assert_eq!(criterion.check(f64::NAN), Verdict::Build);
-        assert_eq!(Criterion::new(0.0).check(0.0), Verdict::Valid);
-        assert_eq!(Criterion::new(0.0).check(1e-300), Verdict::Build);
+        let check = |moved: f64, far| criterion.check(moved.powi(2), far, 128);
+        assert_eq!(check(0.1499, 0), Verdict::Valid);
+        assert_eq!(check(0.1501, 1), Verdict::Doubtful);
+        assert_eq!(check(0.2999, 4), Verdict::Doubtful);
+        assert_eq!(check(0.2999, 5), Verdict::Build);
+        assert_eq!(check(0.3001, 1), Verdict::Build);
+        assert!((criterion.far2().sqrt() - 0.15).abs() < 1e-12);
+        assert_eq!(check(f64::NAN, 1), Verdict::Build);
+        assert_eq!(Criterion::new(0.0).check(0.0, 0, 128), Verdict::Valid);
+        assert_eq!(Criterion::new(0.0).check(1e-300, 1, 128), Verdict::Build);
     }
 
     #[test]
@@ -135,11 +137,11 @@ mod tests {
         let mut moved = 0.0_f64;
         for _ in 0..100 {
             moved += 0.02;
-            if criterion.check(moved * moved) != Verdict::Valid {
+            if criterion.check(moved * moved, 1, 100) != Verdict::Valid {
                 criterion.built();
                 moved = 0.0;
             }
-            criterion.used(criterion.check(moved * moved) == Verdict::Valid);
+            criterion.used(criterion.check(moved * moved, 1, 100) == Verdict::Valid);
         }
         assert!(criterion.builds() > 10);
         assert_eq!(criterion.late_builds(), 0);
@@ -151,11 +153,11 @@ mod tests {
         let mut moved = 0.0_f64;
         for evaluation in 0..100 {
             moved += 0.02;
-            if evaluation % 10 == 9 && criterion.check(moved * moved) != Verdict::Valid {
+            if evaluation % 10 == 9 && criterion.check(moved * moved, 1, 100) != Verdict::Valid {
                 criterion.built();
                 moved = 0.0;
             }
-            criterion.used(criterion.check(moved * moved) == Verdict::Valid);
+            criterion.used(criterion.check(moved * moved, 1, 100) == Verdict::Valid);
         }
         // Half the skin is passed at the eighth move of ten.
         assert_eq!(criterion.late_builds(), criterion.builds());

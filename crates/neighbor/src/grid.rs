@@ -8,6 +8,7 @@ use lennard_core::PeriodicBox;
 use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
 use lennard_core::tasks::map_items;
 
+use crate::missing::Cells;
 use crate::scan::{Candidates, PADDING};
 
 /// Cells an axis across the search radius. Two waste less volume than one, and cost more cells.
@@ -86,6 +87,8 @@ pub(crate) struct CellRows {
     layers: [usize; 3],
     /// Cell edges, σ.
     edge: DVec3,
+    /// First place of each home cell, and the end, `[home cells + 1]`.
+    first_place: Vec<u32>,
     /// First row of each cell of the extended grid, and the end, `[cells + 1]`.
     first_row: Vec<u32>,
     /// The extended cell of each place, `[N]`.
@@ -124,7 +127,7 @@ impl RowTable {
         n * (4 + 4 + 12 + 4 + 4 + size_of::<DVec3>())
             + rows * (4 + 12)
             + self.ghosts.capacity() * size_of::<Ghost>()
-            + self.cells.first_row.capacity() * 4
+            + (self.cells.first_row.capacity() + self.cells.first_place.capacity()) * 4
     }
 
     /// Sorts `positions` (unwrapped, σ) for a search within `radius` σ.
@@ -168,19 +171,20 @@ impl RowTable {
         {
             return Err(GridError::BadPosition { particle });
         }
-        let first_place = self.sort_by_home_cell(n);
-        self.number_rows(&first_place);
-        self.place_particles(&first_place, positions, lengths);
-        self.fill_rows(&first_place, lengths);
+        self.sort_by_home_cell(n);
+        self.number_rows();
+        self.place_particles(positions, lengths);
+        self.fill_rows(lengths);
         Ok(())
     }
 
-    /// Counting sort by home cell, stable by particle number; gives the first place of each home cell,
-    /// and the end.
-    fn sort_by_home_cell(&mut self, n: usize) -> Vec<u32> {
+    /// Counting sort by home cell, stable by particle number.
+    fn sort_by_home_cell(&mut self, n: usize) {
         let count: usize = self.cells.inner.iter().product();
         // Two ahead: after the scatter, entry c + 1 has moved from the first place of c to that of c + 1.
-        let mut first = vec![0_u32; count + 2];
+        let mut first = std::mem::take(&mut self.cells.first_place);
+        first.clear();
+        first.resize(count + 2, 0);
         for home in &self.cells.home {
             first[*home as usize + 2] += 1;
         }
@@ -194,11 +198,11 @@ impl RowTable {
             *place += 1;
         }
         first.truncate(count + 1);
-        first
+        self.cells.first_place = first;
     }
 
     /// Numbers the rows of the extended grid, ghosts included.
-    fn number_rows(&mut self, first_place: &[u32]) {
+    fn number_rows(&mut self) {
         let cells = &mut self.cells;
         let axes = [0, 1, 2].map(|a| cells.axis(a));
         let mut first_row = std::mem::take(&mut cells.first_row);
@@ -209,7 +213,7 @@ impl RowTable {
                 for (hz, _) in &axes[2] {
                     let home = cells.home_index(*hx, *hy, *hz);
                     first_row.push(rows);
-                    rows += first_place[home + 1] - first_place[home];
+                    rows += cells.first_place[home + 1] - cells.first_place[home];
                 }
             }
         }
@@ -220,7 +224,7 @@ impl RowTable {
     }
 
     /// Fills everything that goes by place.
-    fn place_particles(&mut self, first_place: &[u32], positions: &[DVec3], lengths: DVec3) {
+    fn place_particles(&mut self, positions: &[DVec3], lengths: DVec3) {
         let n = self.particle.len();
         self.row.resize(n, 0);
         self.image.resize(n, IVec3::ZERO);
@@ -230,7 +234,8 @@ impl RowTable {
         let [_, ny, nz] = cells.inner;
         let [_, ey, ez] = cells.extended();
         let [lx, ly, lz] = cells.layers;
-        let (home, first_row, particles) = (&cells.home, &cells.first_row, &self.particle);
+        let (home, particles) = (&cells.home, &self.particle);
+        let (first_row, first_place) = (&cells.first_row, &cells.first_place);
         for_each_piece_pair(
             &mut self.row,
             &mut cells.cell_of_place,
@@ -258,8 +263,9 @@ impl RowTable {
     }
 
     /// Fills everything that goes by row, one layer of cells after another.
-    fn fill_rows(&mut self, first_place: &[u32], lengths: DVec3) {
+    fn fill_rows(&mut self, lengths: DVec3) {
         let cells = &self.cells;
+        let first_place = &cells.first_place;
         let [_, ey, ez] = cells.extended();
         let axes = [0, 1, 2].map(|a| cells.axis(a));
         let (own_rows, wrapped) = (&self.row, &cells.wrapped);
@@ -362,6 +368,19 @@ impl RowTable {
         // Each of two coordinates is off by half a last place of `extent`, on three axes, and the
         // distance is rounded a few times more: eight last places cover it.
         8.0 * extent * f64::from(f32::EPSILON)
+    }
+}
+
+impl Cells for RowTable {
+    fn count(&self) -> [u32; 3] {
+        self.cells.inner.map(|count| count as u32)
+    }
+
+    #[inline(always)]
+    fn places(&self, x: u32, y: u32, z: [u32; 2]) -> Range<u32> {
+        let home = |z: u32| self.cells.home_index(x as usize, y as usize, z as usize);
+        let first = &self.cells.first_place;
+        first[home(z[0])]..first[home(z[1]) + 1]
     }
 }
 

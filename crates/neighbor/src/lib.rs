@@ -24,7 +24,7 @@ pub use columns::{ColumnTable, FIXED_ROUNDING, FIXED_UNITS, to_fixed};
 pub use criterion::{Criterion, Verdict};
 pub use grid::{Ghost, GridError, RowTable};
 pub use list::{ATOMS_PER_CHUNK, Entries, Images, ListChunk, NeighborList};
-pub use missing::{Far, misses_a_pair};
+pub use missing::{Cells, Moves, misses_a_pair};
 pub use scan::{Candidates, Center, Names, Nearby, PADDING, RowScanner, ScalarScanner};
 pub use shared::SharedList;
 pub use shared_scan::{

@@ -31,17 +31,20 @@ const TOGETHER: f64 = 3.0;
 pub struct SharedList {
     cell: PeriodicBox,
     radius: f64,
+    /// How far from each other two were at most, at the build, that are within the cutoff while the list is in use, σ.
+    farthest: f64,
     table: ColumnTable,
     chunks: Vec<SharedChunk>,
 }
 
 impl SharedList {
-    /// An empty list for a box and a list radius r_list in σ, at most half the shortest side.
+    /// An empty list for a box, a cutoff, and a list radius r_list in σ, at most half the shortest side.
     #[must_use]
-    pub fn new(cell: PeriodicBox, radius: f64) -> Self {
+    pub fn new(cell: PeriodicBox, r_cut: f64, radius: f64) -> Self {
         Self {
             cell,
             radius,
+            farthest: r_cut + FARTHEST_TOGETHER * (radius - r_cut),
             table: ColumnTable::default(),
             chunks: Vec::new(),
         }
@@ -101,12 +104,13 @@ impl SharedList {
         let n = positions.len();
         self.chunks
             .resize_with(n.div_ceil(ATOMS_PER_CHUNK), SharedChunk::default);
-        let search = Search::new(self.cell.lengths(), self.radius, &self.table, scanner);
-        let chunks = self.chunks.iter_mut();
-        for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
+        let mut chunks = std::mem::take(&mut self.chunks);
+        let search = Search::new(self, scanner);
+        for_each_item(chunks.iter_mut(), |scratch: &mut Scratch, c, chunk| {
             let places = part(c, ATOMS_PER_CHUNK, n);
             search.fill(places, scratch, chunk);
         });
+        self.chunks = chunks;
         Ok(())
     }
 
@@ -150,24 +154,24 @@ struct Search<'a> {
     scale: [f64; 3],
     /// The list radius with what coordinates in fixed point are off by, σ.
     radius: f64,
+    /// See [`SharedList`].
+    farthest: f64,
     /// Whether places themselves fit into entries.
     narrow: bool,
 }
 
 impl<'a> Search<'a> {
-    fn new(
-        lengths: DVec3,
-        radius: f64,
-        table: &'a ColumnTable,
-        scanner: &'a dyn SharedScanner,
-    ) -> Self {
+    fn new(list: &'a SharedList, scanner: &'a dyn SharedScanner) -> Self {
+        let lengths = list.cell.lengths();
+        let rounding = 4.0 * lengths.max_element() / FIXED_UNITS;
         Self {
-            table,
+            table: &list.table,
             scanner,
             lengths: lengths.to_array(),
             scale: (lengths / FIXED_UNITS).to_array(),
-            radius: radius + 4.0 * lengths.max_element() / FIXED_UNITS,
-            narrow: is_narrow(table.particle.len()),
+            radius: list.radius + rounding,
+            farthest: list.farthest + rounding,
+            narrow: is_narrow(list.table.particle.len()),
         }
     }
 
@@ -212,10 +216,9 @@ impl<'a> Search<'a> {
                 .iter()
                 .map(|at| apart(*at, amid))
                 .fold(0.0, f64::max);
-            // All may move by 0.65 of the skin, the point amid them too. Nobody near may come to lie beyond half a box,
-            // and the two may not, whose way to each other the point halves.
-            let reach = farthest.max(apart(sharers[1], sharers[2]));
-            let reach = reach + FARTHEST_TOGETHER * self.radius;
+            // All may move by a skin, the point amid them too. Nobody near may come to lie beyond half a box, and the two
+            // may not, whose way to each other the point halves.
+            let reach = farthest.max(apart(sharers[1], sharers[2])) + self.farthest;
             farthest <= TOGETHER && reach < 0.5 * self.lengths[axis]
         })
     }

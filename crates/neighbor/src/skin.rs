@@ -1,17 +1,23 @@
 //! The skin near the cheapest, from a model of the costs: a function of the scene, never of a clock.
 
-use crate::criterion::FARTHEST_TOGETHER;
+use std::f64::consts::PI;
 
 /// Smallest skin that is ever chosen, σ: below it a list lasts a step or two.
 const SMALLEST_SKIN: f64 = 0.05;
 /// Largest skin that is ever chosen, σ.
 const LARGEST_SKIN: f64 = 1.5;
 
+/// Half the skin over the way of one particle in 32, in units of thermal speeds: when so many moved farther, a list is
+/// built anew. The chance of a speed beyond u is erfc(u/√2) + √(2/π)·u·exp(−u²/2).
+const ONE_IN_32: f64 = 2.975;
+
 /// What the choice depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkinInputs {
     /// Number of particles.
     pub n_atoms: usize,
+    /// Density, σ⁻³.
+    pub density: f64,
     /// Temperature, ε/k_B, of particles of unit mass.
     pub temperature: f64,
     /// Time step, τ.
@@ -23,39 +29,48 @@ pub struct SkinInputs {
     pub build_over_force: f64,
 }
 
-/// The speed that the fastest of `n` particles has, typically, in units of the thermal speed √T.
+/// The speed at which some pair among `pairs` comes closer, typically, in units of the thermal speed √T.
 ///
-/// The root u of n·√(2/π)·u·exp(−u²/2) = 1: the expected number of particles beyond it is one.
+/// √2·u, with u the root of pairs·φ(u)/u³ = 1, φ the normal density: of pairs that start beyond r_list, N·2πr²ρ·s within
+/// a skin s of it, one is expected to have crossed the skin.
 #[must_use]
-pub fn fastest_of(n: usize) -> f64 {
-    let n = n.max(2) as f64;
-    let mut u = (2.0 * n.ln()).sqrt();
-    for _ in 0..20 {
-        let argument = n * (2.0 / std::f64::consts::PI).sqrt() * u;
+pub fn fastest_closing(pairs: f64) -> f64 {
+    let mut u = 3.0_f64;
+    for _ in 0..50 {
+        let argument = pairs / ((2.0 * PI).sqrt() * u.powi(3));
         u = (2.0 * argument.max(1.5).ln()).sqrt();
     }
-    u
+    2.0_f64.sqrt() * u
+}
+
+/// The speed at which a skin of `skin` σ is used up, σ/τ: that of the first pair, or that at which too many have moved far.
+fn closing(inputs: &SkinInputs, skin: f64) -> f64 {
+    let radius = inputs.r_cut + skin;
+    let pairs = inputs.n_atoms as f64 * 2.0 * PI * radius * radius * inputs.density * skin;
+    let thermal = inputs.temperature.max(0.0).sqrt();
+    fastest_closing(pairs).max(2.0 * ONE_IN_32) * thermal
 }
 
 /// The skin in σ that makes a step cheapest, by the model
 ///
-/// cost(s) = (r_cut + s)³·(1 + b·2v·dt/(1.3·s)),
+/// cost(s) = (r_cut + s)³·(1 + b·c·dt/s),
 ///
 /// in which the force loop and the build (b force loops) grow with the volume of the list sphere, and a
-/// list lasts for 1.3·s/(2v·dt) steps with v the speed of the fastest particle, which moves freely while it
-/// crosses 0.65 of a skin.
+/// list lasts for s/(c·dt) steps, with c the speed of the pair that closes in fastest, in free flight.
 #[must_use]
 pub fn cheapest_skin(inputs: &SkinInputs) -> f64 {
-    let speed = fastest_of(inputs.n_atoms) * inputs.temperature.max(0.0).sqrt();
-    let closing = 2.0 * speed * inputs.dt / FARTHEST_TOGETHER;
-    // d(cost)/ds = 0 is 3s² + 2k·s − k·r_cut = 0 with k = b·closing.
-    let k = inputs.build_over_force * closing;
-    let root = (-k + (k * k + 3.0 * k * inputs.r_cut).sqrt()) / 3.0;
-    if root.is_finite() {
-        root.clamp(SMALLEST_SKIN, LARGEST_SKIN)
-    } else {
-        LARGEST_SKIN
+    let mut skin = 0.1 * inputs.r_cut;
+    // The speed hardly depends on the skin.
+    for _ in 0..20 {
+        // d(cost)/ds = 0 is 3s² + 2k·s − k·r_cut = 0 with k = b·c·dt.
+        let k = inputs.build_over_force * closing(inputs, skin) * inputs.dt;
+        let root = (-k + (k * k + 3.0 * k * inputs.r_cut).sqrt()) / 3.0;
+        if !root.is_finite() {
+            return LARGEST_SKIN;
+        }
+        skin = root.clamp(SMALLEST_SKIN, LARGEST_SKIN);
     }
+    skin
 }
 
 #[cfg(test)]
@@ -65,6 +80,7 @@ mod tests {
     fn inputs(temperature: f64, dt: f64) -> SkinInputs {
         SkinInputs {
             n_atoms: 32_000,
+            density: 0.8442,
             temperature,
             dt,
             r_cut: 2.5,
@@ -73,21 +89,25 @@ mod tests {
     }
 
     #[test]
-    fn the_fastest_of_many_particles_follows_the_maxwell_tail() {
-        // The number expected beyond u is n·(erfc(u/√2) + √(2/π)·u·exp(−u²/2)), a little over 1.
-        let u = fastest_of(32_000);
-        let beyond = 32_000.0 * (2.0 / std::f64::consts::PI).sqrt() * u * (-u * u / 2.0).exp();
-        assert!((beyond - 1.0).abs() < 1e-6, "{beyond}");
+    fn one_pair_is_expected_to_have_closed_in() {
+        for (pairs, least) in [(1e3, 3.2), (3e5, 5.0), (1e8, 6.5)] {
+            let c = fastest_closing(pairs);
+            let u = c / 2.0_f64.sqrt();
+            let expected = pairs * (-0.5 * u * u).exp() / (2.0 * PI).sqrt() / u.powi(3);
+            assert!((expected - 1.0).abs() < 1e-6, "{expected}");
+            assert!((least..1.25 * least).contains(&c), "{c}");
+        }
+        // Where there are hardly any pairs, nothing is near zero or no number.
+        assert!((1.0..2.0).contains(&fastest_closing(0.0)));
     }
 
     #[test]
     fn the_chosen_skin_has_the_least_modelled_cost() {
         for (t, dt) in [(0.7, 0.005), (1.44, 0.004), (5.0, 0.001)] {
             let at = inputs(t, dt);
-            let closing = 2.0 * fastest_of(at.n_atoms) * t.sqrt() * dt / FARTHEST_TOGETHER;
-            let k = at.build_over_force * closing;
-            let cost = |s: f64| (at.r_cut + s).powi(3) * (1.0 + k / s);
             let s = cheapest_skin(&at);
+            let k = at.build_over_force * closing(&at, s) * dt;
+            let cost = |s: f64| (at.r_cut + s).powi(3) * (1.0 + k / s);
             assert!(cost(s) <= cost(s * 1.01) && cost(s) <= cost(s * 0.99));
         }
     }

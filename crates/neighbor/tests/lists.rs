@@ -76,7 +76,7 @@ fn shared_lists_reach_over_more_places_than_an_entry_can_count() {
     // A slab of a few columns along x: what is near across it stands 18,000 places away and more.
     let cell = PeriodicBox::new(DVec3::new(6.0, 173.0, 173.0)).unwrap();
     let positions = scatter(72_000, cell.lengths(), 0.0);
-    let mut shared = SharedList::new(cell, 1.5);
+    let mut shared = SharedList::new(cell, 1.4, 1.5);
     shared.build(&positions, &ScalarSharedScanner).unwrap();
     let blocks = || shared.chunks().iter().flat_map(|c| &c.blocks);
     assert!(blocks().any(|b| b.base > 0), "bases are in use");
@@ -98,7 +98,7 @@ fn shared_lists_reach_over_more_places_than_an_entry_can_count() {
 fn shared_lists_of_a_wide_box_cost_few_lanes_more() {
     let lanes_an_atom = |n: usize| {
         let cell = PeriodicBox::new(DVec3::splat((n as f64 / 0.85).cbrt())).unwrap();
-        let mut list = SharedList::new(cell, 2.8);
+        let mut list = SharedList::new(cell, 2.5, 2.8);
         list.build(&scatter(n, cell.lengths(), 0.0), &ScalarSharedScanner)
             .unwrap();
         list.lanes() as f64 / n as f64
@@ -160,7 +160,7 @@ proptest! {
             prop_assert!(listed.contains(&pair), "{:?} of {}", pair, n);
         }
         // Shared lists hold more than what is near, but each of it once.
-        let mut shared = SharedList::new(cell, r_cut + skin);
+        let mut shared = SharedList::new(cell, r_cut, r_cut + skin);
         shared.build(&start, &ScalarSharedScanner).unwrap();
         let mut listed = BTreeSet::new();
         for (i, neighbors) in shared.neighbors().iter().enumerate() {

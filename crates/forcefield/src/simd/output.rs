@@ -29,6 +29,14 @@ impl<'a> Output<'a> {
         }
     }
 
+    /// Says that forces of these particles will soon be written.
+    #[inline(always)]
+    pub fn prefetch(&self, particles: &[u32]) {
+        for particle in particles {
+            self.forces.prefetch(*particle as usize);
+        }
+    }
+
     /// Writes what was found for one particle and adds it to the totals of its chunk.
     ///
     /// # Safety

@@ -2,6 +2,8 @@
 
 use std::marker::PhantomData;
 
+use super::prefetch::prefetch_write;
+
 /// An array to which several threads write, each to elements of its own.
 pub struct Scatter<'a, T> {
     start: *mut T,
@@ -22,6 +24,12 @@ impl<'a, T: Copy> Scatter<'a, T> {
             len: array.len(),
             array: PhantomData,
         }
+    }
+
+    /// Says that an element will soon be written.
+    #[inline(always)]
+    pub fn prefetch(&self, index: usize) {
+        prefetch_write(self.start.wrapping_add(index));
     }
 
     /// Writes one element.

@@ -114,6 +114,12 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, C: Besides<L>>(
         let mut begin = 0;
         for span in &chunk.spans {
             let counts = Counts::of(span, begin);
+            // Their forces lie anywhere in memory.
+            if L::SPECIAL_LOOPS
+                && let Some(next) = particles.get(first + SHARERS..first + 2 * SHARERS)
+            {
+                job.output.prefetch(next);
+            }
             let own = if first + SHARERS <= n {
                 [
                     &rows[first],
