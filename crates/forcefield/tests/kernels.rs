@@ -670,9 +670,9 @@ fn agrees_with_the_reference(shape: &Shape) -> Result<(), TestCaseError> {
     let start = shape.positions(lengths);
     let near = moved(&start, 0.49 * skin);
     agrees_there(shape.n, cell, skin, (&start, &near), true)?;
-    let mut far = moved(&start, 0.3 * skin);
+    let mut far = near;
     for (k, place) in (0..shape.n).step_by(MOVED_FAR).skip(1).enumerate() {
-        let share = 0.5 + 0.1 * (k % 5) as f64;
+        let share = 0.9 + 0.02 * (k % 5) as f64;
         far[place] = moved(&start, share * skin)[place];
     }
     agrees_there(shape.n, cell, skin, (&start, &far), false)
