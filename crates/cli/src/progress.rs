@@ -68,6 +68,20 @@ impl Display {
     }
 }
 
+impl Display {
+    /// Whether it is time to show how far things are.
+    fn is_due(&self, changed: bool, ended: bool, now: Instant) -> bool {
+        let interval = if self.bar.is_some() {
+            BAR_INTERVAL
+        } else {
+            LINE_INTERVAL
+        };
+        // A study has a stage for each variant, too many for a line each.
+        let told = self.bar.is_some() || self.what == What::Steps || self.label.is_empty();
+        ended || changed && told || now.duration_since(self.last) >= interval
+    }
+}
+
 impl Progress for Display {
     fn update(&mut self, stage: &str, done: u64, total: u64) {
         if self.silent {
@@ -75,12 +89,7 @@ impl Progress for Display {
         }
         let changed = self.label != stage;
         let now = Instant::now();
-        let interval = if self.bar.is_some() {
-            BAR_INTERVAL
-        } else {
-            LINE_INTERVAL
-        };
-        if !changed && done < total && now.duration_since(self.last) < interval {
+        if !self.is_due(changed, done >= total, now) {
             return;
         }
         self.last = now;
@@ -130,5 +139,30 @@ impl Drop for Display {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_few_where_there_is_no_terminal() {
+        let lines = |what, label: &str| Display {
+            bar: None,
+            label: label.to_owned(),
+            what,
+            ..Display::counting(what, true)
+        };
+        let study = lines(What::Share, "a kernel");
+        let soon = study.last + Duration::from_secs(1);
+        assert!(!study.is_due(true, false, soon), "the next kernel");
+        assert!(study.is_due(true, false, study.last + LINE_INTERVAL));
+        assert!(study.is_due(false, true, soon), "the end");
+        let beginning = lines(What::Share, "");
+        assert!(beginning.is_due(true, false, beginning.last));
+        let run = lines(What::Steps, "melting");
+        assert!(run.is_due(true, false, run.last), "the next stage");
+        assert!(!run.is_due(false, false, run.last));
     }
 }
