@@ -122,7 +122,7 @@ def test_fluctuation_of_the_energy_follows_the_square_of_the_step(tmp_path):
             dt=dt,
             equilibrate=0,
             # The same crystal melts over the same time with each step.
-            steps=round(16.0 / dt),
+            steps=round(96.0 / dt),
             output="thermo_every = 1",
         ).run(tmp_path, name)
         series = production(found)
@@ -138,7 +138,8 @@ def test_fluctuation_of_the_energy_follows_the_square_of_the_step(tmp_path):
 
     smooth = deviation("switch")
     RESULTS.append(f"physical_validation: largest deviation from the dt squared law {smooth:.3f} (switch)")
-    # The trajectories part after some time, and each has its own fluctuation to a few per cent.
+    # The trajectories part after some time, and each has its own fluctuation: 0.004 to 0.040 with eight seeds, and 0.30
+    # to 0.79 with the jump. Over a sixth of this time half of the seeds exceed the bound.
     assert smooth < 0.1
     # A force that jumps at the cutoff breaks the law: that is seen.
     assert deviation("shift") > 0.1
