@@ -58,9 +58,9 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
             .collect();
         let mean = blocks.iter().sum::<f64>() / blocks.len() as f64;
         let spread = blocks.iter().map(|b| (b - mean).powi(2)).sum::<f64>();
-        // The slope of a whole line is known BLOCKS times better than the mean of the slopes of its blocks.
-        let error =
-            (spread / (blocks.len() - 1) as f64 / blocks.len() as f64).sqrt() / BLOCKS as f64;
+        // Energy walks: what one block gains the next one keeps, so that the slope of the whole is known no better than
+        // the mean of the slopes of its blocks.
+        let error = (spread / (blocks.len() - 1) as f64 / blocks.len() as f64).sqrt();
         let momentum = run.velocities.iter().sum::<DVec3>().length() / n;
         let s = run.provider.statistics();
         println!(
