@@ -221,9 +221,11 @@ def chosen(options, refuse):
             engines[f"gromacs (own build), {precision}, {radius}"] = functools.partial(
                 gromacs, strict=strict, gmx=str(path.resolve())
             )
-    words = options.only.split(",") if options.only is not None else [""]
+    if options.only is None:
+        return engines
+    words = options.only.split(",")
     for word in words:
-        if not any(word in name for name in engines) or (options.only is not None and not word):
+        if not word or not any(word in name for name in engines):
             refuse(f"argument --only: no engine has `{word}` in its name; there are: {'; '.join(engines)}")
     return {name: run for name, run in engines.items() if name in OWN or any(word in name for word in words)}
 

@@ -7,13 +7,12 @@ use std::process::ExitCode;
 use lennard_benches::arguments::{Arguments, exit_code};
 use lennard_core::{DVec3, ForceProvider, Want};
 use lennard_forcefield::{KernelOptions, Precision, TruncationKind};
+use lennard_observables::statistics::drift;
 
 /// Steps between two energies.
 const EVERY: usize = 10;
-/// Blocks for the standard error.
-const BLOCKS: usize = 10;
-/// With fewer, a block of what is kept would be a single point.
-const FEWEST_STEPS: usize = EVERY * BLOCKS * 2 * 5 / 4;
+/// Fewest steps, of which 20 energies are kept: hardly enough for an error.
+const FEWEST_STEPS: usize = 250;
 
 const TRUNCATIONS: [(&str, TruncationKind); 4] = [
     ("shift", TruncationKind::Shift),
@@ -49,44 +48,17 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
             let u = run.steps(EVERY, Want::ENERGY)?.conserved_potential;
             energies.push((u.ok_or("no energy")? + run.kinetic_energy()) / n);
         }
-        let kept = &energies[energies.len() / 5..];
-        let interval = EVERY as f64 * case.dt;
-        let (drift, rms) = line(kept, interval);
-        let blocks: Vec<f64> = kept
-            .chunks_exact(kept.len() / BLOCKS)
-            .map(|b| line(b, interval).0)
+        let settled = energies.len() / 5..;
+        let times: Vec<f64> = (0..energies.len())
+            .map(|k| (k * EVERY) as f64 * case.dt)
             .collect();
-        let mean = blocks.iter().sum::<f64>() / blocks.len() as f64;
-        let spread = blocks.iter().map(|b| (b - mean).powi(2)).sum::<f64>();
-        // Energy walks: what one block gains the next one keeps, so that the slope of the whole is known no better than
-        // the mean of the slopes of its blocks.
-        let error = (spread / (blocks.len() - 1) as f64 / blocks.len() as f64).sqrt();
+        let line = drift(&times[settled.clone()], &energies[settled]);
         let momentum = run.velocities.iter().sum::<DVec3>().length() / n;
         let s = run.provider.statistics();
         println!(
-            "{} {name} {truncation:?}, {steps} steps: drift {drift:+.2e} ± {error:.1e} ε/atom/τ, RMS {rms:.1e}, momentum {momentum:.1e} an atom, {} builds, {} late",
-            case.name, s.builds, s.late_builds
+            "{} {name} {truncation:?}, {steps} steps: drift {:+.2e} ± {:.1e} ε/atom/τ, RMS {:.1e}, momentum {momentum:.1e} an atom, {} builds, {} late",
+            case.name, line.slope, line.standard_error, line.rms, s.builds, s.late_builds
         );
     }
     Ok(())
-}
-
-/// Slope of a straight line through values at equal intervals, and the RMS about it.
-fn line(values: &[f64], interval: f64) -> (f64, f64) {
-    let n = values.len() as f64;
-    let middle = (n - 1.0) / 2.0;
-    let mean = values.iter().sum::<f64>() / n;
-    let (mut xy, mut xx) = (0.0, 0.0);
-    for (k, v) in values.iter().enumerate() {
-        let x = k as f64 - middle;
-        xy += x * (v - mean);
-        xx += x * x;
-    }
-    let slope = xy / xx;
-    let rest = values
-        .iter()
-        .enumerate()
-        .map(|(k, v)| (v - mean - slope * (k as f64 - middle)).powi(2))
-        .sum::<f64>();
-    (slope / interval, (rest / n).sqrt())
 }

@@ -226,9 +226,8 @@ impl Listed {
         };
         match &mut self.pairs {
             Pairs::Canonical(list, folded) => {
-                let (table, particles) = (list.table(), &list.table().particle);
-                let moved = folded.pack(cell, particles, motion);
-                let fitness = judge.fitness(table, particles, &moved);
+                let moved = folded.pack(cell, &list.table().particle, motion);
+                let fitness = judge.fitness(list.table(), &moved);
                 if fitness != Fitness::Fit {
                     return (fitness, Totals::NOTHING, false);
                 }
@@ -252,7 +251,7 @@ impl Listed {
                     chunks: list.chunks().len(),
                     wanted,
                     pack: &|by, rows| simd::pack_double(level, by, table, motion, rows),
-                    judge: &|moved| judge.fitness(table, &table.particle, moved),
+                    judge: &|moved| judge.fitness(table, moved),
                     run: &|rows, c| simd::run_double(level, &job, rows, c, wanted),
                 })
             }
@@ -266,7 +265,7 @@ impl Listed {
                     chunks: list.chunks().len(),
                     wanted,
                     pack: &|by, rows| simd::pack_columns(level, by, table, motion, rows),
-                    judge: &|moved| judge.fitness(table, &table.particle, moved),
+                    judge: &|moved| judge.fitness(table, moved),
                     run: &|rows, c| simd::run_shared(level, &job, rows, c, wanted),
                 })
             }
@@ -341,8 +340,8 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// Whether the list, which was sorted into `cells` with these particles at its places, names every pair that counts.
-    fn fitness<C: Cells>(&self, cells: &C, particles: &[u32], moved: &Moved) -> Fitness {
+    /// Whether the list, which was sorted into `cells`, names every pair that counts.
+    fn fitness<C: Cells>(&self, cells: &C, moved: &Moved) -> Fitness {
         if !moved.finite {
             return Fitness::Broken;
         }
@@ -351,7 +350,7 @@ impl Judge<'_> {
         } = self.motion;
         match self
             .criterion
-            .check(moved.largest2, moved.far.len(), particles.len())
+            .check(moved.largest2, moved.far.len(), positions.len())
         {
             Verdict::Valid => Fitness::Fit,
             Verdict::Build => Fitness::Stale,
@@ -359,11 +358,11 @@ impl Judge<'_> {
                 // A last place more: no pair that counts may look as if it did not.
                 let inner = (self.radius - self.criterion.skin()) * (1.0 + 1e-12);
                 let moves = Moves {
+                    cells,
                     positions,
-                    particle: particles,
                     built,
                 };
-                if misses_a_pair(self.cell, self.radius, inner, moves, cells, &moved.far) {
+                if misses_a_pair(self.cell, self.radius, inner, moves, &moved.far) {
                     Fitness::Stale
                 } else {
                     Fitness::Fit

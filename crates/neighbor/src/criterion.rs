@@ -5,7 +5,7 @@ pub(crate) const FARTHEST_TOGETHER: f64 = 2.0;
 
 /// One of how many particles may have moved far: to look ahead of more of them would cost more than lists that last longer
 /// save.
-const FAR_AMONG: usize = 32;
+pub(crate) const FAR_AMONG: usize = 32;
 
 /// What the criterion says about a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -13,6 +13,7 @@ mod criterion;
 mod grid;
 mod list;
 mod missing;
+mod reach;
 mod scan;
 mod shared;
 mod shared_scan;

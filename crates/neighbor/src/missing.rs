@@ -7,9 +7,13 @@ use lennard_core::PeriodicBox;
 use lennard_core::parallel::all_pieces;
 
 use crate::columns::FIXED_ROUNDING;
+use crate::reach::Reach;
 
 /// Particles sorted into columns of cells along z, as they were when a list was built.
 pub trait Cells: Sync {
+    /// The particle at each place, `[N]`.
+    fn particles(&self) -> &[u32];
+
     /// Cells along each axis.
     fn count(&self) -> [u32; 3];
 
@@ -18,21 +22,21 @@ pub trait Cells: Sync {
 }
 
 /// How particles moved since a list was built.
-#[derive(Debug, Clone, Copy)]
-pub struct Moves<'a> {
+#[derive(Debug)]
+pub struct Moves<'a, C> {
+    /// Who stood where.
+    pub cells: &'a C,
     /// Where they are, by particle, unwrapped, `[N]`, σ.
     pub positions: &'a [DVec3],
-    /// The particle at each place, `[N]`.
-    pub particle: &'a [u32],
     /// Where they were, by place, unwrapped, `[N]`, σ.
     pub built: &'a [DVec3],
 }
 
-impl Moves<'_> {
+impl<C: Cells> Moves<'_, C> {
     /// Where the particle at a place is now, and how it moved.
     #[inline(always)]
     fn of(&self, place: u32) -> (DVec3, DVec3) {
-        let at = self.positions[self.particle[place as usize] as usize];
+        let at = self.positions[self.cells.particles()[place as usize] as usize];
         (at, at - self.built[place as usize])
     }
 }
@@ -54,17 +58,15 @@ pub fn misses_a_pair<C: Cells>(
     cell: &PeriodicBox,
     radius: f64,
     inner: f64,
-    moves: Moves<'_>,
-    cells: &C,
+    moves: Moves<'_, C>,
     far: &[u32],
 ) -> bool {
     let moved2 = |place: &u32| moves.of(*place).1.length_squared();
     let farthest = far.iter().map(moved2).fold(0.0, f64::max).sqrt();
     let lengths = cell.lengths();
     let search = Search {
+        count: moves.cells.count(),
         moves,
-        cells,
-        count: cells.count(),
         lengths,
         boxes: 1.0 / lengths,
         // With some care for roundings.
@@ -81,8 +83,7 @@ pub fn misses_a_pair<C: Cells>(
 }
 
 struct Search<'a, C> {
-    moves: Moves<'a>,
-    cells: &'a C,
+    moves: Moves<'a, C>,
     count: [u32; 3],
     lengths: DVec3,
     /// One over the lengths.
@@ -131,9 +132,7 @@ impl<C: Cells> Search<'_, C> {
         x.around(nx).any(|x| {
             y.around(ny).any(|y| {
                 z.runs(nz)
-                    .into_iter()
-                    .flatten()
-                    .any(|z| self.cells.places(x, y, z).any(is_missed))
+                    .any(|z| self.moves.cells.places(x, y, z).any(is_missed))
             })
         })
     }
@@ -174,94 +173,54 @@ impl<C: Cells> Search<'_, C> {
         }
     }
 
-    /// The shortest image of a difference, σ.
+    /// The shortest image of a difference, σ: [`PeriodicBox::minimum_image`] without a call for each axis.
     #[inline(always)]
     fn nearest(&self, d: DVec3) -> DVec3 {
         d - self.lengths * ((d * self.boxes + FIXED_ROUNDING) - FIXED_ROUNDING)
     }
 }
 
-/// Cells along an axis, both included, counted beyond the faces of the box.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Reach {
-    first: i64,
-    last: i64,
-}
-
-impl Reach {
-    /// Where there are more than all, all, and each once.
-    fn among(self, count: u32) -> Self {
-        let all = i64::from(count);
-        if self.last - self.first + 1 < all {
-            return self;
-        }
-        Self {
-            first: 0,
-            last: all - 1,
-        }
-    }
-
-    /// The cells in the box.
-    fn around(self, count: u32) -> impl Iterator<Item = u32> {
-        let Self { first, last } = self.among(count);
-        (first..=last).map(move |k| k.rem_euclid(i64::from(count)) as u32)
-    }
-
-    /// The cells in the box, in one run or two.
-    fn runs(self, count: u32) -> [Option<[u32; 2]>; 2] {
-        let Self { first, last } = self.among(count);
-        let [a, b] = [first, last].map(|k| k.rem_euclid(i64::from(count)) as u32);
-        if a <= b {
-            [Some([a, b]), None]
-        } else {
-            [Some([a, count - 1]), Some([0, b])]
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ColumnTable, RowTable};
+    use crate::{ColumnTable, RowTable, for_each_pair};
     use lennard_core::random::Streams;
     use rand::RngExt;
 
-    /// Whether a pair is missed by a list built at `built`, looked for among all pairs and images.
+    /// Whether a list built at `built` misses one of the pairs that are near now.
     fn by_all_pairs(
-        lengths: DVec3,
+        cell: &PeriodicBox,
         radius: f64,
         inner: f64,
         built: &[DVec3],
         now: &[DVec3],
     ) -> bool {
-        let n = built.len();
-        (0..n).any(|i| {
-            (0..n).filter(|j| *j != i).any(|j| {
-                let d = now[i] - now[j];
-                let d = d - lengths * (d / lengths).round();
-                let then = d - ((now[i] - built[i]) - (now[j] - built[j]));
-                d.length() <= inner && then.length() > radius
-            })
-        })
+        let mut misses = false;
+        for_each_pair(cell, now, inner, |i, j, r_ij| {
+            let then = r_ij - ((now[i] - built[i]) - (now[j] - built[j]));
+            misses |= then.length() > radius;
+        });
+        misses
     }
 
-    /// The same by [`misses_a_pair`] with cells that have these particles at their places.
+    /// The same by [`misses_a_pair`] with these cells.
     fn by_cells_of<C: Cells>(
         (cell, radius, inner): (&PeriodicBox, f64, f64),
-        (particle, cells): (&[u32], &C),
+        cells: &C,
         (built, now): (&[DVec3], &[DVec3]),
     ) -> bool {
-        let built: Vec<DVec3> = particle.iter().map(|p| built[*p as usize]).collect();
+        let particles = cells.particles();
+        let built: Vec<DVec3> = particles.iter().map(|p| built[*p as usize]).collect();
         let moves = Moves {
+            cells,
             positions: now,
-            particle,
             built: &built,
         };
         let half = 0.5 * (radius - inner);
-        let far: Vec<u32> = (0..particle.len() as u32)
+        let far: Vec<u32> = (0..particles.len() as u32)
             .filter(|place| moves.of(*place).1.length() > half)
             .collect();
-        misses_a_pair(cell, radius, inner, moves, cells, &far)
+        misses_a_pair(cell, radius, inner, moves, &far)
     }
 
     /// The same with both kinds of cells.
@@ -277,8 +236,8 @@ mod tests {
         let mut rows = RowTable::default();
         rows.sort(cell, built, radius).unwrap();
         let (list, moves) = ((cell, radius, inner), (built, now));
-        let found = by_cells_of(list, (&columns.particle, &columns), moves);
-        assert_eq!(found, by_cells_of(list, (&rows.particle, &rows), moves));
+        let found = by_cells_of(list, &columns, moves);
+        assert_eq!(found, by_cells_of(list, &rows, moves));
         found
     }
 
@@ -345,23 +304,11 @@ mod tests {
                     |width: f64| DVec3::from([0; 3].map(|_| random.random_range(-width..width)));
                 let built: Vec<DVec3> = (0..n).map(|_| vector(1.5) * lengths).collect();
                 let now: Vec<DVec3> = built.iter().map(|at| *at + vector(width)).collect();
-                let all = by_all_pairs(lengths, 2.54, 2.5, &built, &now);
+                let all = by_all_pairs(&cell, 2.54, 2.5, &built, &now);
                 assert_eq!(by_cells(&cell, 2.54, 2.5, &built, &now), all);
                 found += usize::from(all);
             }
             assert!((50..290).contains(&found), "{found} of 300 miss a pair");
         }
-    }
-
-    #[test]
-    fn a_reach_beyond_the_faces_is_taken_around_and_no_cell_comes_twice() {
-        let around = |first, last| Reach { first, last }.around(5).collect::<Vec<_>>();
-        assert_eq!(around(-2, 1), [3, 4, 0, 1]);
-        assert_eq!(around(4, 8), [0, 1, 2, 3, 4]);
-        assert_eq!(around(-7, 9), [0, 1, 2, 3, 4]);
-        let runs = |first, last| Reach { first, last }.runs(5);
-        assert_eq!(runs(-2, 1), [Some([3, 4]), Some([0, 1])]);
-        assert_eq!(runs(6, 8), [Some([1, 3]), None]);
-        assert_eq!(runs(-1, 6), [Some([0, 4]), None]);
     }
 }

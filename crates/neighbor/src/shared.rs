@@ -12,6 +12,7 @@ use crate::columns::{ColumnTable, FIXED_UNITS};
 use crate::criterion::FARTHEST_TOGETHER;
 use crate::grid::GridError;
 use crate::list::ATOMS_PER_CHUNK;
+use crate::reach::{Reach, home};
 use crate::shared_scan::{Around, Found, Gathered, SHARERS, SharedScanner};
 
 /// Particles whose surroundings are gathered together.
@@ -290,9 +291,7 @@ impl<'a> Search<'a> {
                 let column = self.table.grid.column(x.number, y.number);
                 // Two units more than what is left: coordinates are rounded.
                 let reach = ((half + left.sqrt()) * units) as i64 + 2;
-                let (slices, around_the_end) = self.slices(around.middle[2], reach);
-                runs.push(self.table.places_of(column, slices));
-                if let Some(slices) = around_the_end {
+                for slices in self.slices(around.middle[2], reach) {
                     runs.push(self.table.places_of(column, slices));
                 }
             }
@@ -328,15 +327,8 @@ impl<'a> Search<'a> {
             let above = low - (k + 1) as f64 * edge;
             // Places were found in fixed point: a last place of care.
             let gap = below.max(above).max(0.0) * (1.0 - 1e-9);
-            let number = if k < 0 {
-                k + count
-            } else if k >= count {
-                k - count
-            } else {
-                k
-            };
             parts.push(Part {
-                number: number as u32,
+                number: home(k, count as u32),
                 gap2: gap * gap,
             });
         }
@@ -344,26 +336,13 @@ impl<'a> Search<'a> {
 
     /// The slices of a column within `reach` units of a point along z, in one run or two.
     #[inline(always)]
-    fn slices(&self, middle: i32, reach: i64) -> ([u32; 2], Option<[u32; 2]>) {
-        let count = i64::from(self.table.grid.slices);
+    fn slices(&self, middle: i32, reach: i64) -> impl Iterator<Item = [u32; 2]> {
+        let slices = self.table.grid.slices;
         let middle = i64::from(middle as u32);
         // Up to 2³⁴ times the number of slices, which is far below 2²⁹.
-        let part = |z: i64| (z * count) >> 32;
+        let part = |z: i64| (z * i64::from(slices)) >> 32;
         let (first, last) = (part(middle - reach), part(middle + reach));
-        if last - first + 1 >= count {
-            return ([0, count as u32 - 1], None);
-        }
-        // The box is longer than the run, and the run begins or ends in it.
-        let around = |slice: i64| {
-            let slice = if slice < 0 { slice + count } else { slice };
-            (if slice >= count { slice - count } else { slice }) as u32
-        };
-        let (a, b) = (around(first), around(last));
-        if a <= b {
-            ([a, b], None)
-        } else {
-            ([a, count as u32 - 1], Some([0, b]))
-        }
+        Reach { first, last }.runs(slices)
     }
 }
 

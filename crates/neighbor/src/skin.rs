@@ -7,9 +7,9 @@ const SMALLEST_SKIN: f64 = 0.05;
 /// Largest skin that is ever chosen, σ.
 const LARGEST_SKIN: f64 = 1.5;
 
-/// Half the skin over the way of one particle in 32, in units of thermal speeds: when so many moved farther, a list is
-/// built anew. The chance of a speed beyond u is erfc(u/√2) + √(2/π)·u·exp(−u²/2).
-const ONE_IN_32: f64 = 2.975;
+/// The speed that one particle in [`FAR_AMONG`](crate::criterion::FAR_AMONG) exceeds, in units of the thermal speed: when
+/// so many moved by more than half the skin, a list is built anew.
+const FEW_EXCEED: f64 = 2.975;
 
 /// What the choice depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +48,7 @@ fn closing(inputs: &SkinInputs, skin: f64) -> f64 {
     let radius = inputs.r_cut + skin;
     let pairs = inputs.n_atoms as f64 * 2.0 * PI * radius * radius * inputs.density * skin;
     let thermal = inputs.temperature.max(0.0).sqrt();
-    fastest_closing(pairs).max(2.0 * ONE_IN_32) * thermal
+    fastest_closing(pairs).max(2.0 * FEW_EXCEED) * thermal
 }
 
 /// The skin in σ that makes a step cheapest, by the model
@@ -76,6 +76,7 @@ pub fn cheapest_skin(inputs: &SkinInputs) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::criterion::FAR_AMONG;
 
     fn inputs(temperature: f64, dt: f64) -> SkinInputs {
         SkinInputs {
@@ -99,6 +100,18 @@ mod tests {
         }
         // Where there are hardly any pairs, nothing is near zero or no number.
         assert!((1.0..2.0).contains(&fastest_closing(0.0)));
+    }
+
+    #[test]
+    fn as_many_are_fast_as_the_criterion_lets_move_far() {
+        // The Maxwell density √(2/π)·u²·exp(−u²/2), in the middle of steps; nobody is faster than 12.
+        let width = 1e-3;
+        let steps = ((12.0 - FEW_EXCEED) / width) as usize;
+        let density = |u: f64| (2.0 / PI).sqrt() * u * u * (-0.5 * u * u).exp();
+        let chance: f64 = (0..steps)
+            .map(|k| width * density(FEW_EXCEED + (k as f64 + 0.5) * width))
+            .sum();
+        assert!((chance * FAR_AMONG as f64 - 1.0).abs() < 0.01, "{chance}");
     }
 
     #[test]
