@@ -6,7 +6,7 @@ use lennard_core::random::Streams;
 use lennard_core::sweeps::{kick, kick_and_drift};
 use lennard_core::{
     Configuration, DVec3, Dynamics, Energetics, ForceError, ForceProvider, Masses, Part,
-    PeriodicBox, Want,
+    PeriodicBox, Stride, Want,
 };
 use lennard_forcefield::{
     Conditions, ForceFieldError, ForceFieldOptions, KernelOptions, NeighborOptions, PairForces,
@@ -185,30 +185,36 @@ impl Run {
         provider.evaluate(at, Part::All, Want::NOTHING, &mut self.forces)
     }
 
-    /// Takes `steps` steps of velocity Verlet, the closing kick of one fused with the opening kick of the
-    /// next, and gives what `want` asks for at the last one.
+    /// Takes `steps` steps of velocity Verlet, as many as possible in strides, and gives what `want` asks for at the last one.
     ///
     /// # Errors
     /// [`ForceError`] where a force is not finite.
     pub fn steps(&mut self, steps: usize, want: Want) -> Result<Energetics, ForceError> {
         let dt = self.dt;
         let mut energetics = Energetics::default();
-        for step in 0..steps {
-            // Two half kicks at one place are one whole kick.
-            let opening = if step == 0 { 0.5 * dt } else { dt };
+        let mut left = steps;
+        while left > 0 {
             kick_and_drift(
                 &mut self.positions,
                 &mut self.velocities,
                 &self.forces,
                 &self.masses,
-                opening,
+                0.5 * dt,
                 dt,
             );
-            self.time += dt;
-            let last = step + 1 == steps;
-            energetics = self.evaluate(if last { want } else { Want::NOTHING })?;
+            let stride = Stride {
+                positions: &mut self.positions,
+                velocities: &mut self.velocities,
+                masses: &self.masses,
+                dt,
+                steps: left as u64 - 1,
+            };
+            let taken = 1 + self.provider.stride(stride) as usize;
+            self.time += dt * taken as f64;
+            left -= taken;
+            energetics = self.evaluate(if left == 0 { want } else { Want::NOTHING })?;
+            kick(&mut self.velocities, &self.forces, &self.masses, 0.5 * dt);
         }
-        kick(&mut self.velocities, &self.forces, &self.masses, 0.5 * dt);
         Ok(energetics)
     }
 

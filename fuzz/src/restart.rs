@@ -26,6 +26,10 @@ impl Follower for AFew {
         Want::ENERGY_AND_VIRIAL
     }
 
+    fn looks_at(&self, _: &Scene, _: u64, _: bool) -> bool {
+        true
+    }
+
     fn after_step(&mut self, _: &mut Simulation) -> Result<Verdict, EngineError> {
         self.0 -= 1;
         Ok(if self.0 == 0 {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{Configuration, Energetics, Part, Persist, Want};
+use crate::{Configuration, Energetics, Masses, Part, Persist, Want};
 
 /// Why forces cannot be given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -59,6 +59,25 @@ pub struct ForceStatistics {
     pub bytes: u64,
 }
 
+/// Steps of kick-drift-kick that follow each other and that nobody looks at in between.
+///
+/// It begins where forces are due: after a drift, with half a kick given. Each of its steps is F at x,
+/// v ← v + (h/2m)·F twice (the closing half kick of one step and the opening one of the next), x ← x + h·v, so that it
+/// ends where forces are due again.
+#[derive(Debug)]
+pub struct Stride<'a> {
+    /// Unwrapped positions, `[N]`, σ.
+    pub positions: &'a mut [DVec3],
+    /// Velocities, `[N]`, σ/τ.
+    pub velocities: &'a mut [DVec3],
+    /// The masses.
+    pub masses: &'a Masses,
+    /// The step h, τ.
+    pub dt: f64,
+    /// How many to take.
+    pub steps: u64,
+}
+
 /// Gives forces; knows of lists, box and potentials, none of which an integrator sees.
 pub trait ForceProvider: Persist {
     /// Writes F = −∂U/∂r at `at` to `forces` (`[N]`, ε/σ) and returns what `want` asks for.
@@ -74,6 +93,16 @@ pub trait ForceProvider: Persist {
         want: Want,
         forces: &mut [DVec3],
     ) -> Result<Energetics, ForceError>;
+
+    /// Takes steps in one go, and says how many: as many as were asked for, fewer, or none. Positions and velocities are
+    /// then those of that many steps, the same to the bit as by [`ForceProvider::evaluate`] and [`crate::sweeps`]; forces
+    /// are nowhere written. It never fails: what it leaves is for the caller to do step by step, who meets any error there.
+    ///
+    /// The default takes none.
+    fn stride(&mut self, stride: Stride<'_>) -> u64 {
+        let _ = stride;
+        0
+    }
 
     /// What kind of force this is.
     fn properties(&self) -> ForceProperties;

@@ -144,4 +144,24 @@ pub trait Integrator: Persist + Send {
         dt: f64,
         want: Want,
     ) -> Result<StepReport, StepError>;
+
+    /// Advances by up to `steps` steps of `dt` that nobody looks at in between, at least one, with the same bits as
+    /// [`Integrator::step`] one by one; gives how many were taken, and what happened in them. The forces at the new time
+    /// are asked for `want` where all were taken.
+    ///
+    /// # Errors
+    /// As [`Integrator::step`], at the step where that would fail.
+    fn stride(
+        &mut self,
+        dynamics: &Dynamics,
+        state: &mut State,
+        forces: &mut dyn ForceProvider,
+        dt: f64,
+        steps: u64,
+        want: Want,
+    ) -> Result<(u64, StepReport), StepError> {
+        let want = if steps == 1 { want } else { Want::NOTHING };
+        let report = self.step(dynamics, state, forces, dt, want)?;
+        Ok((1, report))
+    }
 }

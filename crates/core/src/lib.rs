@@ -21,7 +21,7 @@ mod thermostat;
 
 pub use cell::{BoxError, PeriodicBox};
 pub use dynamics::{Constraint, Dynamics, ExactSolution, Masses};
-pub use force::{ForceError, ForceProperties, ForceProvider, ForceStatistics};
+pub use force::{ForceError, ForceProperties, ForceProvider, ForceStatistics, Stride};
 pub use glam::{DMat3, DVec3};
 pub use integrator::{Integrator, IntegratorSpec, StepError, StepReport};
 pub use observable::{

@@ -96,14 +96,26 @@ pub fn all_pieces<F>(n: usize, check: F) -> bool
 where
     F: Fn(Range<usize>) -> bool + Sync,
 {
-    let size = piece(n);
     let holds = AtomicBool::new(true);
-    for_each_task(n.div_ceil(size), |(): &mut (), t| {
-        if !check(part(t, size, n)) {
+    for_each_range(n, |range| {
+        if !check(range) {
             holds.store(false, Ordering::Relaxed);
         }
     });
     holds.into_inner()
+}
+
+/// Runs `work` for each range of some that make up `0..n`, in any order: for element-wise work.
+pub fn for_each_range(n: usize, work: impl Fn(Range<usize>) + Sync) {
+    let size = piece(n);
+    for_each_task(n.div_ceil(size), |(): &mut (), t| work(part(t, size, n)));
+}
+
+/// What `work` gives for each range of some that make up `0..n`, in their order. How many there are depends on the number of
+/// threads.
+pub fn map_ranges<R: Send>(n: usize, work: impl Fn(Range<usize>) -> R + Sync) -> Vec<R> {
+    let size = piece(n);
+    map_tasks(n.div_ceil(size), |(): &mut (), t| work(part(t, size, n)))
 }
 
 /// Runs `work(first_index, piece)` over pieces of `items`, which may have any size: for element-wise work.

@@ -19,7 +19,7 @@ use crate::{EngineError, record};
 /// hundred steps is far below 1 % of them.
 pub const SET_ASIDE_EVERY: u64 = 100;
 
-/// Told how far a run is, after every step.
+/// Told how far a run is, time and again.
 pub trait Progress: Send {
     /// `done` of `total` steps, in the stage of this name.
     fn update(&mut self, stage: &str, done: u64, total: u64);
@@ -35,9 +35,9 @@ pub struct RunOptions<'a> {
     pub folder: &'a Path,
     /// Threads in use, for the record.
     pub threads: usize,
-    /// Set from outside to stop after the current step.
+    /// Set from outside to stop after the steps under way, at most [`crate::watchdog::EVERY`].
     pub stop: &'a AtomicBool,
-    /// When to stop by itself, after the step under way.
+    /// When to stop by itself, likewise.
     pub deadline: Option<Instant>,
     /// Told how far the run is.
     pub progress: &'a mut dyn Progress,
@@ -162,18 +162,14 @@ impl Recorder<'_> {
     }
 
     fn write(&mut self, simulation: &Simulation) -> Result<(), EngineError> {
-        let step = simulation.state.step;
-        let output = &simulation.scene.output;
+        let measured = simulation.current_stage().measure;
+        let (row, frame) = due(&simulation.scene, simulation.state.step, measured);
         let marks = self.files.marks();
         let mut written = Ok(());
-        if step.is_multiple_of(output.thermo_every) {
+        if row {
             written = self.files.write_thermo(simulation);
         }
-        if simulation.current_stage().measure
-            && output
-                .trajectory_every
-                .is_some_and(|e| step.is_multiple_of(e))
-        {
+        if frame {
             written = written.and_then(|()| self.files.write_frame(simulation));
         }
         written.map_err(|error| {
@@ -287,17 +283,17 @@ impl Recorder<'_> {
 
 impl Follower for Recorder<'_> {
     fn want(&self, scene: &Scene, step: u64, measured: bool) -> Want {
-        let output = &scene.output;
-        let row = step.is_multiple_of(output.thermo_every);
-        let frame = measured
-            && output
-                .trajectory_every
-                .is_some_and(|e| step.is_multiple_of(e));
+        let (row, frame) = due(scene, step, measured);
         if row || frame {
             Want::ENERGY_AND_VIRIAL
         } else {
             Want::NOTHING
         }
+    }
+
+    fn looks_at(&self, scene: &Scene, step: u64, measured: bool) -> bool {
+        let (row, frame) = due(scene, step, measured);
+        row || frame || step.is_multiple_of(SET_ASIDE_EVERY) || self.checkpoints.is_due(step)
     }
 
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
@@ -323,6 +319,16 @@ impl Follower for Recorder<'_> {
         }
         Ok(Verdict::Continue)
     }
+}
+
+/// Whether a row of the thermodynamics and a frame are written after a step.
+fn due(scene: &Scene, step: u64, measured: bool) -> (bool, bool) {
+    let output = &scene.output;
+    let frame = |every| measured && step.is_multiple_of(every);
+    (
+        step.is_multiple_of(output.thermo_every),
+        output.trajectory_every.is_some_and(frame),
+    )
 }
 
 /// Copies a state into the memory of another.

@@ -79,9 +79,12 @@ const SHORT_STEPS_UP_TO: usize = 50_000;
 
 /// What the main loop hands to those outside after each step.
 pub trait Follower {
-    /// The steps at which this follower wants something from the forces.
+    /// What this follower wants from the forces at a step.
     fn want(&self, scene: &Scene, step: u64, measured: bool) -> Want;
-    /// Called after each step with the simulation as it is; an error ends the run.
+    /// Whether it has to be called after a step. Where nobody looks, several steps are taken in one go; up to
+    /// [`watchdog::EVERY`] without a call.
+    fn looks_at(&self, scene: &Scene, step: u64, measured: bool) -> bool;
+    /// Called after steps with the simulation as it is; an error ends the run.
     ///
     /// # Errors
     /// Whatever keeps the run from going on (a full disk).
@@ -103,6 +106,9 @@ pub struct Nobody;
 impl Follower for Nobody {
     fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
         Want::NOTHING
+    }
+    fn looks_at(&self, _scene: &Scene, _step: u64, _measured: bool) -> bool {
+        false
     }
     fn after_step(&mut self, _simulation: &mut Simulation) -> Result<Verdict, crate::EngineError> {
         Ok(Verdict::Continue)
@@ -126,7 +132,7 @@ impl Simulation {
         while self.enter_next_stage()? {
             let steps = self.current_stage().steps;
             while self.stage_run().steps_done < steps {
-                self.step(follower)?;
+                self.go_on(follower)?;
                 if follower.after_step(self)? == Verdict::Stop {
                     return Ok(false);
                 }
@@ -135,26 +141,16 @@ impl Simulation {
         Ok(true)
     }
 
-    /// One step: advance, couple to the bath, watch, sample.
-    fn step(&mut self, follower: &dyn Follower) -> Result<(), crate::EngineError> {
-        let next = self.state.step + 1;
+    /// To the next step that somebody looks at: advance, couple to the bath, watch, sample.
+    fn go_on(&mut self, follower: &dyn Follower) -> Result<(), crate::EngineError> {
+        let next = self.next_look(follower);
         let want =
             self.wanted_at(next) | follower.want(&self.scene, next, self.current_stage().measure);
-        let stage = self.stage.as_mut().expect("a stage has been entered");
         let clock = Instant::now();
-        let report = stage
-            .method
-            .step(
-                &self.dynamics,
-                &mut self.state,
-                self.forces.as_mut(),
-                stage.dt,
-                want,
-            )
-            .map_err(|error| self.failed(error))?;
+        while self.state.step < next {
+            self.advance(next, want)?;
+        }
         let stage = self.stage.as_mut().expect("a stage has been entered");
-        stage.steps_done += 1;
-        stage.heat += report.heat;
         let noise = self.streams.noise("thermostat");
         let heat = stage
             .thermostat
@@ -181,6 +177,60 @@ impl Simulation {
         Ok(())
     }
 
+    /// Advances by as many steps as the method takes at once, at most to step `next`.
+    fn advance(&mut self, next: u64, want: Want) -> Result<(), crate::EngineError> {
+        let stage = self.stage.as_mut().expect("a stage has been entered");
+        let before = self.state.step;
+        let advanced = stage.method.stride(
+            &self.dynamics,
+            &mut self.state,
+            self.forces.as_mut(),
+            stage.dt,
+            next - before,
+            want,
+        );
+        match advanced {
+            Ok((steps, report)) => {
+                stage.steps_done += steps;
+                stage.heat += report.heat;
+                if self.current_stage().measure {
+                    self.measured_steps += steps;
+                }
+                Ok(())
+            }
+            Err(error) => {
+                // The last one that began was not done.
+                stage.steps_done += (self.state.step - before).saturating_sub(1);
+                Err(self.failed(error))
+            }
+        }
+    }
+
+    /// The next step that somebody looks at: a heat bath, an observable, the watchdog, the follower.
+    fn next_look(&self, follower: &dyn Follower) -> u64 {
+        let stage = self.stage_run();
+        let plan = self.current_stage();
+        let end = self.state.step + (plan.steps - stage.steps_done);
+        let next = self.state.step + 1;
+        if stage.thermostat.is_some() {
+            return next;
+        }
+        (next..end)
+            .find(|step| {
+                step.is_multiple_of(watchdog::EVERY)
+                    || self.samples_at(*step)
+                    || follower.looks_at(&self.scene, *step, plan.measure)
+            })
+            .unwrap_or(end)
+    }
+
+    /// Whether an observable looks at a step.
+    fn samples_at(&self, step: u64) -> bool {
+        let due = |every: u64| step.is_multiple_of(every);
+        self.current_stage().measure
+            && (due(self.scene.output.thermo_every) || self.observers.iter().any(|o| due(o.every)))
+    }
+
     /// What the observables want at a step.
     fn wanted_at(&self, step: u64) -> Want {
         if !self.current_stage().measure {
@@ -205,7 +255,6 @@ impl Simulation {
         if !self.current_stage().measure {
             return;
         }
-        self.measured_steps += 1;
         let clock = Instant::now();
         let stage = self.stage.as_ref();
         let view = view(&self.state, &self.dynamics, &self.cell, self.tail, stage);

@@ -15,6 +15,9 @@ impl Follower for AFew {
     fn want(&self, _: &Scene, _: u64, _: bool) -> Want {
         Want::ENERGY_AND_VIRIAL
     }
+    fn looks_at(&self, _: &Scene, _: u64, _: bool) -> bool {
+        true
+    }
     fn after_step(&mut self, _: &mut Simulation) -> Result<Verdict, EngineError> {
         self.0 -= 1;
         Ok(if self.0 == 0 {

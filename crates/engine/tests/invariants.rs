@@ -71,6 +71,9 @@ impl Follower for StopAt {
     fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
         Want::NOTHING
     }
+    fn looks_at(&self, _scene: &Scene, step: u64, _measured: bool) -> bool {
+        step == self.0
+    }
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
         Ok(if simulation.state.step == self.0 {
             Verdict::Stop
@@ -185,13 +188,72 @@ fn every_method_goes_on_from_a_saved_state_to_the_bit() {
 
 #[test]
 fn observing_changes_no_bit_of_the_trajectory() {
-    let mut bare = build(&[("output.thermo_every", "1000")]);
-    bare.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
     let every = r#"[{kind="rdf", every=7}, {kind="msd", every=3}, {kind="vacf", every=5}, {kind="pressure-tensor", every=2}, {kind="momentum", every=1}]"#;
-    let mut watched = build(&[("output.thermo_every", "1"), ("observable", every)]);
-    watched.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
-    assert!(bits(&watched) == bits(&bare));
-    assert!(watched.thermodynamics.series().time.len() > bare.thermodynamics.series().time.len());
+    // Where nobody looks, several steps are taken in one go; in double precision where particles are many.
+    for (precision, n, steps) in [
+        ("double", "256", "1000"),
+        ("double", "2048", "90"),
+        ("double", "2916", "90"),
+        ("mixed", "500", "990"),
+    ] {
+        let fluid = [
+            ("kernel.precision", precision),
+            ("system.n_atoms", n),
+            ("stage.0.steps", steps),
+            ("neighbor.mode", "verlet"),
+        ];
+        let run = |more: &[(&str, &str)]| {
+            let mut s = build(&[&fluid, more].concat());
+            s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+            s
+        };
+        let bare = run(&[("output.thermo_every", "1000")]);
+        let watched = run(&[("output.thermo_every", "1"), ("observable", every)]);
+        let what = format!("{n} particles in {precision} precision");
+        assert!(bits(&watched) == bits(&bare), "{what}");
+        let samples = |s: &Simulation| s.thermodynamics.series().time.len();
+        assert!(samples(&watched) > samples(&bare), "{what}");
+        let (a, b) = (bare.forces.statistics(), watched.forces.statistics());
+        assert_eq!(
+            (a.evaluations, a.builds),
+            (b.evaluations, b.builds),
+            "{what}"
+        );
+    }
+}
+
+/// Looks at every step, and wants nothing.
+struct Onlooker;
+
+impl Follower for Onlooker {
+    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
+        Want::NOTHING
+    }
+    fn looks_at(&self, _scene: &Scene, _step: u64, _measured: bool) -> bool {
+        true
+    }
+    fn after_step(&mut self, _simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+        Ok(Verdict::Continue)
+    }
+}
+
+#[test]
+fn a_run_that_goes_wrong_says_the_same_whether_it_was_looked_at_or_not() {
+    for (dt, temperature) in [("0.05", "3.0"), ("0.5", "30.0"), ("0.03", "9.0")] {
+        let run = |follower: &mut dyn Follower| {
+            let mut s = build(&[
+                ("integrator.dt", dt),
+                ("system.temperature", temperature),
+                ("system.n_atoms", "500"),
+                ("kernel.precision", "mixed"),
+                ("neighbor.mode", "verlet"),
+                ("output.thermo_every", "1000"),
+            ]);
+            let error = s.run(follower).expect_err("the step is too long");
+            (error.to_string(), s.state.step, s.stage_run().steps_done)
+        };
+        assert_eq!(run(&mut Nobody), run(&mut Onlooker), "dt = {dt}");
+    }
 }
 
 #[test]
@@ -345,6 +407,9 @@ struct TurnBack {
 impl Follower for TurnBack {
     fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
         Want::NOTHING
+    }
+    fn looks_at(&self, _scene: &Scene, step: u64, _measured: bool) -> bool {
+        step == 1 || step == self.turn
     }
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
         if simulation.state.step == 1 {

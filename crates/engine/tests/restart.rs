@@ -32,7 +32,7 @@ const LIQUID: &str = r#"
     name = "production"
     steps = 140
     [output]
-    thermo_every = 10
+    thermo_every = 9
     trajectory_every = 20
 "#;
 
@@ -47,12 +47,12 @@ fn scene(overrides: &[(&str, &str)]) -> Option<Simulation> {
     prepare(scene).ok()
 }
 
-/// Asks to stop after a step.
+/// Asks to stop once a step is done; several may be taken in one go.
 struct StopAt<'a>(u64, &'a AtomicBool);
 
 impl Progress for StopAt<'_> {
     fn update(&mut self, _stage: &str, done: u64, _total: u64) {
-        if done == self.0 {
+        if self.0 > 0 && done >= self.0 {
             self.1.store(true, Ordering::Relaxed);
         }
     }

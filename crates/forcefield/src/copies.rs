@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use lennard_core::tasks::{for_each_task, map_tasks};
 
-use crate::simd::{By, ChunkTotals, Moved, PACKED_PER_TASK, Wanted};
+use crate::simd::{By, ChunkTotals, FEW, Moved, Wanted};
 use crate::sums::Totals;
 
 /// Whether a list may be used at some positions.
@@ -61,7 +61,7 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
 
     /// Packs, judges, and runs all chunks where the list is fit. Gives the totals, and whether a force was not finite.
     pub fn run(&mut self, work: &Work<'_, Row>) -> (Fitness, Totals, bool) {
-        let few = work.n <= PACKED_PER_TASK;
+        let few = work.n <= FEW;
         let copies = if few { rayon::current_num_threads() } else { 1 };
         self.0.resize_with(copies, Mutex::default);
         if few {
@@ -98,6 +98,14 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
         // Without particles, nothing is missed.
         let fitness = fitness.into_inner().unwrap_or(Fitness::Fit);
         (fitness, totals, broken)
+    }
+
+    /// The one copy that all threads read.
+    pub fn shared_by_all(&mut self, rows: usize) -> &mut Vec<Row> {
+        self.0.resize_with(self.0.len().max(1), Mutex::default);
+        let copy = self.0[0].get_mut().unwrap_or_else(PoisonError::into_inner);
+        copy.resize(rows, Row::default());
+        copy
     }
 
     fn pack(&self, copy: usize, by: By, work: &Work<'_, Row>) -> (MutexGuard<'_, Vec<Row>>, Moved) {

@@ -19,7 +19,9 @@ mod reference;
 mod simd;
 mod sums;
 mod tail;
+mod terms;
 mod truncation;
+mod underway;
 
 pub use catalog::{PotentialSpec, TruncationSpec, potentials, truncations};
 pub use error::ForceFieldError;

@@ -4,19 +4,18 @@ use std::time::Instant;
 
 use glam::DVec3;
 use lennard_core::parallel::for_each_piece;
-use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWriter};
-use lennard_neighbor::{
-    Cells, Criterion, FIXED_UNITS, GridError, Images, Moves, NeighborList, SharedList, Verdict,
-    misses_a_pair,
-};
+use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWriter, Stride};
+use lennard_neighbor::{Criterion, GridError, Images, NeighborList, SharedList};
 
 use crate::copies::{Copies, Fitness, Work};
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
-    self, DoubleRow, FixedRow, Level, Motion, Moved, PairJob, PerParticle, SharedJob, Wanted,
+    DoubleRow, FEW, FixedRow, Level, Motion, Moved, Output, Pace, PairList, PerParticle, Wanted,
 };
 use crate::sums::Totals;
+use crate::terms::Terms;
 use crate::truncation::PairForm;
+use crate::underway::Underway;
 
 /// Seconds spent, for the run record.
 #[derive(Debug, Clone, Copy, Default)]
@@ -32,9 +31,16 @@ enum Pairs {
     /// The neighbors of each particle, for forces that are a pure function of the positions.
     Canonical(Box<NeighborList>, Folded),
     /// The neighbors of each particle.
-    Rows(Box<NeighborList>, Copies<DoubleRow>),
+    Rows(Box<NeighborList>, Laid<DoubleRow>),
     /// The neighbors of every four particles.
-    Shared(Box<SharedList>, Copies<FixedRow>),
+    Shared(Box<SharedList>, Laid<FixedRow>),
+}
+
+/// Particles as a loop reads them, at rest and underway.
+#[derive(Default)]
+struct Laid<Row> {
+    copies: Copies<Row>,
+    underway: Underway,
 }
 
 /// Folded positions, and sorted lists by particle.
@@ -44,17 +50,13 @@ struct Folded {
     lists: Vec<Vec<u32>>,
 }
 
+/// Fewest steps that are worth laying particles out for.
+const FEWEST_STEPS: u64 = 3;
+
 /// A list with everything that belongs to it.
 pub struct Listed {
-    cell: PeriodicBox,
-    r_cut: f64,
-    /// What lists reach to, σ: r_cut, the skin, and what fixed point may be off by.
-    radius: f64,
-    level: Level,
+    terms: Terms,
     pairs: Pairs,
-    criterion: Criterion,
-    /// Positions of the build, by place; empty before the first.
-    built: Vec<DVec3>,
 }
 
 /// Which loop a list feeds.
@@ -83,21 +85,21 @@ impl Listed {
         let list = |images| Box::new(NeighborList::new(cell, radius, images, level.lanes()));
         let pairs = match kind {
             Loop::Canonical => Pairs::Canonical(list(Images::Folded), Folded::default()),
-            Loop::Rows => Pairs::Rows(list(Images::Ghosts), Copies::default()),
+            Loop::Rows => Pairs::Rows(list(Images::Ghosts), Laid::default()),
             Loop::Shared => Pairs::Shared(
                 Box::new(SharedList::new(cell, r_cut, radius)),
-                Copies::default(),
+                Laid::default(),
             ),
         };
-        Self {
+        let terms = Terms {
             cell,
             r_cut,
             radius,
             level,
-            pairs,
             criterion: Criterion::new(skin),
             built: Vec::new(),
-        }
+        };
+        Self { terms, pairs }
     }
 
     /// Lanes computed in one evaluation, which meets every pair from both of its ends.
@@ -126,34 +128,34 @@ impl Listed {
 
     /// The criterion with its counters.
     pub fn criterion(&self) -> &Criterion {
-        &self.criterion
+        &self.terms.criterion
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
         let pairs = match &self.pairs {
             Pairs::Canonical(list, folded) => list.bytes() + folded.bytes(),
-            Pairs::Rows(list, copies) => list.bytes() + copies.bytes(),
-            Pairs::Shared(list, copies) => list.bytes() + copies.bytes(),
+            Pairs::Rows(list, laid) => list.bytes() + laid.bytes(),
+            Pairs::Shared(list, laid) => list.bytes() + laid.bytes(),
         };
-        (pairs + 24 * self.built.capacity()) as u64
+        (pairs + 24 * self.terms.built.capacity()) as u64
     }
 
     /// Builds the list for `positions`.
     pub fn build(&mut self, positions: &[DVec3]) -> Result<(), ForceError> {
         // Half-built tables must not look valid.
-        self.built.clear();
+        self.terms.built.clear();
         let built = match &mut self.pairs {
             Pairs::Canonical(list, folded) => list
-                .build(positions, self.level.scanner())
+                .build(positions, self.terms.level.scanner())
                 .map(|()| folded.list(list)),
-            Pairs::Rows(list, _) => list.build(positions, self.level.scanner()),
-            Pairs::Shared(list, _) => list.build(positions, self.level.shared_scanner()),
+            Pairs::Rows(list, _) => list.build(positions, self.terms.level.scanner()),
+            Pairs::Shared(list, _) => list.build(positions, self.terms.level.shared_scanner()),
         };
         built.map_err(
             |GridError::BadPosition { particle }| ForceError::NonFinitePosition { particle },
         )?;
-        let mut built = std::mem::take(&mut self.built);
+        let mut built = std::mem::take(&mut self.terms.built);
         let particles = self.particles();
         built.resize(particles.len(), DVec3::ZERO);
         for_each_piece(&mut built, |first, chunk| {
@@ -161,8 +163,8 @@ impl Listed {
                 *built = positions[*particle as usize];
             }
         });
-        self.built = built;
-        self.criterion.built();
+        self.terms.built = built;
+        self.terms.criterion.built();
         Ok(())
     }
 
@@ -179,7 +181,7 @@ impl Listed {
         let start = Instant::now();
         let mut building = 0.0;
         let (mut fitness, mut totals, mut broken) = (Fitness::Stale, Totals::NOTHING, false);
-        if self.built.len() == positions.len() {
+        if self.terms.built.len() == positions.len() {
             (fitness, totals, broken) =
                 self.attempt(form, positions, wanted, forces, each.as_deref_mut());
         }
@@ -191,7 +193,7 @@ impl Listed {
         }
         clock.neighbor += building;
         clock.force += start.elapsed().as_secs_f64() - building;
-        self.criterion.used(fitness == Fitness::Fit);
+        self.terms.criterion.used(fitness == Fitness::Fit);
         if fitness == Fitness::Broken {
             return Err(not_finite(positions));
         }
@@ -211,30 +213,20 @@ impl Listed {
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
     ) -> (Fitness, Totals, bool) {
-        let (cell, r_cut, level) = (&self.cell, self.r_cut, self.level);
-        let motion = Motion {
-            positions,
-            built: &self.built,
-            far2: self.criterion.far2(),
-            lengths: cell.lengths(),
-        };
-        let judge = Judge {
-            cell,
-            radius: self.radius,
-            criterion: &self.criterion,
-            motion,
-        };
+        let terms = &self.terms;
         match &mut self.pairs {
             Pairs::Canonical(list, folded) => {
-                let moved = folded.pack(cell, &list.table().particle, motion);
-                let fitness = judge.fitness(list.table(), &moved);
+                let particles = &list.table().particle;
+                let moved = folded.pack(&terms.cell, terms.motion(positions, particles));
+                let at = |place| positions[particles[place as usize] as usize];
+                let fitness = terms.fitness(list.table(), &moved, at);
                 if fitness != Fitness::Fit {
                     return (fitness, Totals::NOTHING, false);
                 }
                 let job = PureJob {
                     form,
-                    r_cut,
-                    cell,
+                    r_cut: terms.r_cut,
+                    cell: &terms.cell,
                     wrapped: &folded.wrapped,
                     nearby: Nearby::Listed(&folded.lists),
                 };
@@ -242,44 +234,87 @@ impl Listed {
                 let broken = chunks.iter().any(|c| c.broken);
                 (fitness, Totals::of_chunks(&chunks), broken)
             }
-            Pairs::Rows(list, copies) => {
-                let table = list.table();
-                let job = PairJob::new(form, r_cut, list, forces, each);
-                copies.run(&Work {
-                    n: positions.len(),
-                    rows: table.rows(),
-                    chunks: list.chunks().len(),
-                    wanted,
-                    pack: &|by, rows| simd::pack_double(level, by, table, motion, rows),
-                    judge: &|moved| judge.fitness(table, moved),
-                    run: &|rows, c| simd::run_double(level, &job, rows, c, wanted),
-                })
+            Pairs::Rows(list, laid) => {
+                let output = Output::new(forces, each, list.particles(), 0);
+                laid.sum(terms, &**list, form, positions, wanted, &output)
             }
-            Pairs::Shared(list, copies) => {
-                let table = list.table();
-                let scale = (motion.lengths / FIXED_UNITS).to_array();
-                let job = SharedJob::new(form, r_cut, scale, list, forces, each);
-                copies.run(&Work {
-                    n: positions.len(),
-                    rows: positions.len(),
-                    chunks: list.chunks().len(),
-                    wanted,
-                    pack: &|by, rows| simd::pack_columns(level, by, table, motion, rows),
-                    judge: &|moved| judge.fitness(table, moved),
-                    run: &|rows, c| simd::run_shared(level, &job, rows, c, wanted),
-                })
+            Pairs::Shared(list, laid) => {
+                let output = Output::new(forces, each, list.particles(), 0);
+                laid.sum(terms, &**list, form, positions, wanted, &output)
             }
+        }
+    }
+
+    /// Takes steps of a stride: see [`lennard_core::ForceProvider::stride`].
+    pub fn stride<F: PairForm>(
+        &mut self,
+        form: F,
+        stride: &mut Stride<'_>,
+        pace: Pace,
+        clock: &mut Clock,
+    ) -> u64 {
+        if !self.is_worth_strides(stride.positions.len()) || stride.steps < FEWEST_STEPS {
+            return 0;
+        }
+        let start = Instant::now();
+        let (mut taken, mut building) = (0, 0.0);
+        let mut fitness = Fitness::Stale;
+        if self.terms.built.len() == stride.positions.len() {
+            fitness = self.begin(stride.positions);
+        }
+        while taken < stride.steps && fitness != Fitness::Broken {
+            if fitness == Fitness::Stale {
+                let start = Instant::now();
+                let built = self.build(stride.positions);
+                building += start.elapsed().as_secs_f64();
+                if built.is_err() {
+                    break;
+                }
+                fitness = self.begin(stride.positions);
+                assert_ne!(fitness, Fitness::Stale, "a list is fit where it was built");
+                continue;
+            }
+            let limits = (stride.steps - taken, pace);
+            let done;
+            (done, fitness) = match &mut self.pairs {
+                Pairs::Canonical(..) => break,
+                Pairs::Rows(list, laid) => laid.go(&self.terms, &**list, form, stride, limits),
+                Pairs::Shared(list, laid) => laid.go(&self.terms, &**list, form, stride, limits),
+            };
+            taken += done;
+        }
+        clock.neighbor += building;
+        clock.force += start.elapsed().as_secs_f64() - building;
+        taken
+    }
+
+    /// Where forces are a pure function of the positions, nothing else is wanted of them; and few particles are packed by each
+    /// thread for itself, ghosts among them, which costs less than to wait for others' rows.
+    fn is_worth_strides(&self, n: usize) -> bool {
+        match self.pairs {
+            Pairs::Canonical(..) => false,
+            Pairs::Rows(..) => n > FEW,
+            Pairs::Shared(..) => true,
+        }
+    }
+
+    /// Lays the particles out for a stride and judges the list there.
+    fn begin(&mut self, positions: &[DVec3]) -> Fitness {
+        match &mut self.pairs {
+            Pairs::Canonical(..) => Fitness::Broken,
+            Pairs::Rows(list, laid) => laid.begin(&self.terms, &**list, positions),
+            Pairs::Shared(list, laid) => laid.begin(&self.terms, &**list, positions),
         }
     }
 
     /// Writes what a restart needs: the positions of the build.
     pub fn save(&self, to: &mut StateWriter<'_>) {
-        let mut by_particle = vec![DVec3::ZERO; self.built.len()];
-        for (particle, r) in self.particles().iter().zip(&self.built) {
+        let mut by_particle = vec![DVec3::ZERO; self.terms.built.len()];
+        for (particle, r) in self.particles().iter().zip(&self.terms.built) {
             by_particle[*particle as usize] = *r;
         }
         to.put_vec3("built_at", &by_particle);
-        let c = &self.criterion;
+        let c = &self.terms.criterion;
         to.put_u64("counters", &[c.builds(), c.late_builds()]);
     }
 
@@ -295,10 +330,10 @@ impl Listed {
             self.build(built)
                 .map_err(|e| from.misfit("built_at", e.to_string()))?;
         } else {
-            self.built.clear();
+            self.terms.built.clear();
         }
         let [builds, late] = from.u64s("counters")?;
-        self.criterion.set_counters(builds, late);
+        self.terms.criterion.set_counters(builds, late);
         Ok(())
     }
 }
@@ -318,9 +353,9 @@ impl Folded {
     }
 
     /// Folds positions; gives the displacements since the build.
-    fn pack(&mut self, cell: &PeriodicBox, particles: &[u32], motion: Motion<'_>) -> Moved {
+    fn pack(&mut self, cell: &PeriodicBox, motion: Motion<'_>) -> Moved {
         pure::wrap(cell, motion.positions, &mut self.wrapped);
-        let moved = particles.iter().zip(motion.built);
+        let moved = motion.order.iter().zip(motion.built);
         let squares: Vec<f64> = moved
             .map(|(particle, at)| (motion.positions[*particle as usize] - *at).length_squared())
             .collect();
@@ -330,45 +365,58 @@ impl Folded {
     }
 }
 
-/// Whether a list may be used.
-struct Judge<'a> {
-    cell: &'a PeriodicBox,
-    /// What the list reaches to, σ.
-    radius: f64,
-    criterion: &'a Criterion,
-    motion: Motion<'a>,
-}
+impl<Row: Copy + Default + Send + Sync> Laid<Row> {
+    fn bytes(&self) -> usize {
+        self.copies.bytes() + self.underway.bytes()
+    }
 
-impl Judge<'_> {
-    /// Whether the list, which was sorted into `cells`, names every pair that counts.
-    fn fitness<C: Cells>(&self, cells: &C, moved: &Moved) -> Fitness {
-        if !moved.finite {
-            return Fitness::Broken;
-        }
-        let Motion {
-            positions, built, ..
-        } = self.motion;
-        match self
-            .criterion
-            .check(moved.largest2, moved.far.len(), positions.len())
-        {
-            Verdict::Valid => Fitness::Fit,
-            Verdict::Build => Fitness::Stale,
-            Verdict::Doubtful => {
-                // A last place more: no pair that counts may look as if it did not.
-                let inner = (self.radius - self.criterion.skin()) * (1.0 + 1e-12);
-                let moves = Moves {
-                    cells,
-                    positions,
-                    built,
-                };
-                if misses_a_pair(self.cell, self.radius, inner, moves, &moved.far) {
-                    Fitness::Stale
-                } else {
-                    Fitness::Fit
-                }
-            }
-        }
+    /// Packs, judges, and runs all chunks where the list is fit.
+    fn sum<P: PairList<Row = Row>, F: PairForm>(
+        &mut self,
+        terms: &Terms,
+        list: &P,
+        form: F,
+        positions: &[DVec3],
+        wanted: Wanted,
+        output: &Output<'_>,
+    ) -> (Fitness, Totals, bool) {
+        let particles = list.particles();
+        let motion = terms.motion(positions, particles);
+        let at = |place| positions[particles[place as usize] as usize];
+        let job = list.job(form, terms.r_cut, motion.lengths);
+        self.copies.run(&Work {
+            n: positions.len(),
+            rows: list.rows(),
+            chunks: list.chunks(),
+            wanted,
+            pack: &|by, rows| list.pack(terms.level, by, motion, rows),
+            judge: &|moved| terms.fitness(list.cells(), moved, at),
+            run: &|rows, c| P::run(terms.level, &job, rows, c, wanted, output),
+        })
+    }
+
+    /// See [`Underway::begin`].
+    fn begin<P: PairList<Row = Row>>(
+        &mut self,
+        terms: &Terms,
+        list: &P,
+        positions: &[DVec3],
+    ) -> Fitness {
+        let rows = self.copies.shared_by_all(list.rows());
+        self.underway.begin(terms, list, rows, positions)
+    }
+
+    /// See [`Underway::go`].
+    fn go<P: PairList<Row = Row>, F: PairForm>(
+        &mut self,
+        terms: &Terms,
+        list: &P,
+        form: F,
+        stride: &mut Stride<'_>,
+        limits: (u64, Pace),
+    ) -> (u64, Fitness) {
+        let rows = self.copies.shared_by_all(list.rows());
+        self.underway.go(terms, (list, rows), form, stride, limits)
     }
 }
 

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use glam::{DMat3, DVec3};
 use lennard_core::{
-    Configuration, Energetics, ForceError, ForceProperties, ForceProvider, ForceStatistics, Part,
-    PeriodicBox, Persist, RestoreError, StateReader, StateWriter, Want,
+    Configuration, Energetics, ForceError, ForceProperties, ForceProvider, ForceStatistics, Masses,
+    Part, PeriodicBox, Persist, RestoreError, StateReader, StateWriter, Stride, Want,
 };
 
 use crate::error::ForceFieldError;
@@ -15,7 +15,7 @@ use crate::options::{ForceFieldOptions, SplitOptions};
 use crate::plan::{Conditions, ForcePlan, Search, decide};
 use crate::pure::{self, Nearby, PureJob};
 use crate::reference;
-use crate::simd::{PerParticle, Wanted};
+use crate::simd::{Pace, PerParticle, Wanted};
 use crate::sums::Totals;
 use crate::truncation::PairForm;
 
@@ -212,6 +212,24 @@ impl ForceProvider for PairForces {
             self.model.energy_at_cutoff
         };
         Ok(totals.deliver(want, jump, each))
+    }
+
+    fn stride(&mut self, mut stride: Stride<'_>) -> u64 {
+        let Masses::Uniform(mass) = stride.masses else {
+            return 0;
+        };
+        let pace = Pace {
+            half_kick: 0.5 * stride.dt / mass,
+            dt: stride.dt,
+        };
+        let Strategy::Verlet(listed) = &mut self.strategy else {
+            return 0;
+        };
+        let clock = &mut self.clock;
+        let taken =
+            with_form!(self.model.form, form => listed.stride(form, &mut stride, pace, clock));
+        self.evaluations += taken;
+        taken
     }
 
     fn properties(&self) -> ForceProperties {

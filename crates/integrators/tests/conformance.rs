@@ -13,7 +13,7 @@ use lennard_integrators::measure::{
 };
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces};
 use lennard_integrators::{IntegratorEntry, OscillatorModel, integrators};
-use shared::{Cluster, cluster};
+use shared::{Cluster, StridingCluster, cluster};
 
 /// Rounding of a one-step map with entries of the order 1, as the issue sets it.
 const ROUNDING: f64 = 1e-13;
@@ -54,6 +54,61 @@ fn steps(
             .step(dynamics, state, forces, dt, Want::NOTHING)
             .unwrap();
     }
+}
+
+#[test]
+fn strides_of_any_method_have_the_bits_of_its_steps() {
+    let mut longest = 0;
+    for entry in general_methods() {
+        let (dynamics, start) = moving_cluster();
+        let (mut one, mut all) = (start.clone(), start);
+        let (mut method, mut other) = (entry.build(), entry.build());
+        let dt = 0.001;
+        let begin = |method: &mut dyn Integrator, state: &mut State| {
+            method
+                .start(&dynamics, state, &mut StridingCluster, dt, Want::ENERGY)
+                .unwrap();
+        };
+        begin(&mut *method, &mut one);
+        begin(&mut *other, &mut all);
+        let (mut evaluations, mut heat) = (0, 0.0);
+        for step in 1..=13 {
+            let want = if step == 13 {
+                Want::ENERGY
+            } else {
+                Want::NOTHING
+            };
+            let report = method
+                .step(&dynamics, &mut one, &mut StridingCluster, dt, want)
+                .unwrap();
+            evaluations += report.force_evaluations;
+            heat += report.heat;
+        }
+        while all.step < 13 {
+            let before = all.step;
+            let (taken, report) = other
+                .stride(
+                    &dynamics,
+                    &mut all,
+                    &mut StridingCluster,
+                    dt,
+                    13 - before,
+                    Want::ENERGY,
+                )
+                .unwrap();
+            assert_eq!(all.step, before + taken, "{}", entry.spec.name);
+            evaluations -= report.force_evaluations;
+            heat -= report.heat;
+            longest = longest.max(taken);
+        }
+        assert!(
+            format!("{one:?}") == format!("{all:?}"),
+            "{}: {one:?}\n{all:?}",
+            entry.spec.name
+        );
+        assert_eq!((evaluations, heat), (0, 0.0), "{}", entry.spec.name);
+    }
+    assert_eq!(longest, 3, "two at once, and the one that ends the stride");
 }
 
 #[test]

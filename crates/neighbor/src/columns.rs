@@ -288,11 +288,6 @@ impl ColumnTable {
 }
 
 impl Cells for ColumnTable {
-    #[inline(always)]
-    fn particles(&self) -> &[u32] {
-        &self.particle
-    }
-
     fn count(&self) -> [u32; 3] {
         let [x, y] = self.grid.across;
         [x, y, self.grid.slices]

@@ -372,11 +372,6 @@ impl RowTable {
 }
 
 impl Cells for RowTable {
-    #[inline(always)]
-    fn particles(&self) -> &[u32] {
-        &self.particle
-    }
-
     fn count(&self) -> [u32; 3] {
         self.cells.inner.map(|count| count as u32)
     }

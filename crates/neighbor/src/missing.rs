@@ -11,9 +11,6 @@ use crate::reach::Reach;
 
 /// Particles sorted into columns of cells along z, as they were when a list was built.
 pub trait Cells: Sync {
-    /// The particle at each place, `[N]`.
-    fn particles(&self) -> &[u32];
-
     /// Cells along each axis.
     fn count(&self) -> [u32; 3];
 
@@ -23,20 +20,20 @@ pub trait Cells: Sync {
 
 /// How particles moved since a list was built.
 #[derive(Debug)]
-pub struct Moves<'a, C> {
-    /// Who stood where.
+pub struct Moves<'a, C, A> {
+    /// Which places were in each cell.
     pub cells: &'a C,
-    /// Where they are, by particle, unwrapped, `[N]`, σ.
-    pub positions: &'a [DVec3],
+    /// Where the particle at a place is, unwrapped, σ.
+    pub at: A,
     /// Where they were, by place, unwrapped, `[N]`, σ.
     pub built: &'a [DVec3],
 }
 
-impl<C: Cells> Moves<'_, C> {
+impl<C: Cells, A: Fn(u32) -> DVec3> Moves<'_, C, A> {
     /// Where the particle at a place is now, and how it moved.
     #[inline(always)]
     fn of(&self, place: u32) -> (DVec3, DVec3) {
-        let at = self.positions[self.cells.particles()[place as usize] as usize];
+        let at = (self.at)(place);
         (at, at - self.built[place as usize])
     }
 }
@@ -54,11 +51,11 @@ const BESIDE: f64 = 1e-3;
 /// the other is looked for ahead, in the part of a shell that a cone cuts out, cos θ ≥ ½·skin/|m|: few did move so far, and
 /// most of these hardly farther.
 #[must_use]
-pub fn misses_a_pair<C: Cells>(
+pub fn misses_a_pair<C: Cells, A: Fn(u32) -> DVec3 + Sync>(
     cell: &PeriodicBox,
     radius: f64,
     inner: f64,
-    moves: Moves<'_, C>,
+    moves: Moves<'_, C, A>,
     far: &[u32],
 ) -> bool {
     let moved2 = |place: &u32| moves.of(*place).1.length_squared();
@@ -82,8 +79,8 @@ pub fn misses_a_pair<C: Cells>(
     })
 }
 
-struct Search<'a, C> {
-    moves: Moves<'a, C>,
+struct Search<'a, C, A> {
+    moves: Moves<'a, C, A>,
     count: [u32; 3],
     lengths: DVec3,
     /// One over the lengths.
@@ -96,7 +93,7 @@ struct Search<'a, C> {
     farthest: f64,
 }
 
-impl<C: Cells> Search<'_, C> {
+impl<C: Cells, A: Fn(u32) -> DVec3> Search<'_, C, A> {
     /// Whether the list misses somebody ahead of the particle at a place.
     fn misses_ahead_of(&self, place: u32) -> bool {
         let (at, moved) = self.moves.of(place);
@@ -206,14 +203,13 @@ mod tests {
     /// The same by [`misses_a_pair`] with these cells.
     fn by_cells_of<C: Cells>(
         (cell, radius, inner): (&PeriodicBox, f64, f64),
-        cells: &C,
+        (cells, particles): (&C, &[u32]),
         (built, now): (&[DVec3], &[DVec3]),
     ) -> bool {
-        let particles = cells.particles();
         let built: Vec<DVec3> = particles.iter().map(|p| built[*p as usize]).collect();
         let moves = Moves {
             cells,
-            positions: now,
+            at: |place| now[particles[place as usize] as usize],
             built: &built,
         };
         let half = 0.5 * (radius - inner);
@@ -236,8 +232,8 @@ mod tests {
         let mut rows = RowTable::default();
         rows.sort(cell, built, radius).unwrap();
         let (list, moves) = ((cell, radius, inner), (built, now));
-        let found = by_cells_of(list, &columns, moves);
-        assert_eq!(found, by_cells_of(list, &rows, moves));
+        let found = by_cells_of(list, (&columns, &columns.particle), moves);
+        assert_eq!(found, by_cells_of(list, (&rows, &rows.particle), moves));
         found
     }
 

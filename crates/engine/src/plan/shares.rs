@@ -333,6 +333,10 @@ impl Follower for ForAWhile {
         Want::NOTHING
     }
 
+    fn looks_at(&self, _scene: &Scene, _step: u64, _measured: bool) -> bool {
+        true
+    }
+
     fn after_step(&mut self, _simulation: &mut Simulation) -> Result<Verdict, EngineError> {
         let now = Instant::now();
         self.steps.push((now - self.last).as_secs_f64());

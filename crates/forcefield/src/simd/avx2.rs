@@ -4,6 +4,7 @@ use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Neg, Sub};
 
 use super::lanes::{Entry, FixedLanes, Lanes, RowLanes, Scaled};
+use super::output::Output;
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
 use super::shared_loop::{self, SharedJob};
 use super::{DoubleRow, FixedRow};
@@ -289,9 +290,10 @@ pub fn run_double<F: PairForm>(
     rows: &[DoubleRow],
     chunk: usize,
     wanted: Wanted,
+    output: &Output<'_>,
 ) -> ChunkTotals {
     // SAFETY: this function enables the instruction set; chunks are handed out once each.
-    unsafe { run::<F64x4, F>(job, rows, chunk, wanted) }
+    unsafe { run::<F64x4, F>(job, rows, chunk, wanted, output) }
 }
 
 /// The loop over shared lists.
@@ -301,9 +303,10 @@ pub fn run_shared<F: PairForm>(
     rows: &[FixedRow],
     chunk: usize,
     wanted: Wanted,
+    output: &Output<'_>,
 ) -> ChunkTotals {
     // SAFETY: as above.
-    unsafe { shared_loop::run::<F32x8, F>(job, rows, chunk, wanted) }
+    unsafe { shared_loop::run::<F32x8, F>(job, rows, chunk, wanted, output) }
 }
 
 /// The arithmetic alone, of a number of rounds in a precision.

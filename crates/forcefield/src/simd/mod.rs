@@ -9,11 +9,13 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod course;
 mod lanes;
 mod output;
 mod packing;
 #[cfg(target_arch = "x86_64")]
 mod packing256;
+mod pair_list;
 mod pair_loop;
 mod pair_sums;
 mod portable;
@@ -29,15 +31,18 @@ mod scatter;
 mod shared_loop;
 mod view;
 
-pub use packing::{Motion, Moved};
+pub use course::{advance, bring_back, take};
+pub use output::Output;
+pub use packing::{Motion, Moved, Pace};
+pub use pair_list::PairList;
 pub use pair_loop::{ChunkTotals, PairJob, PerParticle, Wanted};
 pub use scatter::Scatter;
 pub use shared_loop::SharedJob;
 
 use crate::options::{Isa, Precision};
 use crate::truncation::PairForm;
-use lennard_core::parallel::part;
-use lennard_core::tasks::map_tasks;
+use glam::DVec3;
+use lennard_core::parallel::map_ranges;
 use lennard_neighbor::{
     Around, Candidates, Center, ColumnTable, Found, Gathered, Names, Nearby, RowScanner, RowTable,
     SHARERS, ScalarScanner, ScalarSharedScanner, SharedScanner,
@@ -237,15 +242,16 @@ pub fn run_shared<F: PairForm>(
     rows: &[FixedRow],
     chunk: usize,
     wanted: Wanted,
+    output: &Output<'_>,
 ) -> ChunkTotals {
     match level {
         // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => unsafe { avx512::run_shared(job, rows, chunk, wanted) },
+        Level::Avx512 => unsafe { avx512::run_shared(job, rows, chunk, wanted, output) },
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => unsafe { avx2::run_shared(job, rows, chunk, wanted) },
-        _ => portable::run_shared(job, rows, chunk, wanted),
+        Level::Avx2 => unsafe { avx2::run_shared(job, rows, chunk, wanted, output) },
+        _ => portable::run_shared(job, rows, chunk, wanted, output),
     }
 }
 
@@ -256,15 +262,16 @@ pub fn run_double<F: PairForm>(
     rows: &[DoubleRow],
     chunk: usize,
     wanted: Wanted,
+    output: &Output<'_>,
 ) -> ChunkTotals {
     match level {
         // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => unsafe { avx512::run_double(job, rows, chunk, wanted) },
+        Level::Avx512 => unsafe { avx512::run_double(job, rows, chunk, wanted, output) },
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => unsafe { avx2::run_double(job, rows, chunk, wanted) },
-        _ => portable::run_double(job, rows, chunk, wanted),
+        Level::Avx2 => unsafe { avx2::run_double(job, rows, chunk, wanted, output) },
+        _ => portable::run_double(job, rows, chunk, wanted, output),
     }
 }
 
@@ -287,8 +294,8 @@ pub fn limit<F: PairForm>(
     }
 }
 
-/// Places or ghosts packed by one task: a constant, though nothing depends on it but speed.
-pub const PACKED_PER_TASK: usize = 2048;
+/// Up to so many particles each thread may pack rows of its own.
+pub const FEW: usize = 2048;
 
 /// Who packs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -311,13 +318,13 @@ pub fn pack_double(
     // SAFETY: tasks have disjoint places, places have distinct rows, and ghosts are written afterwards; a level is
     // chosen by `Level::choose`, which gives available ones alone.
     let moved = in_tasks(by, table.particle.len(), |places| {
-        packing::in_batches(places, motion.far2, |places, squares| unsafe {
+        packing::in_batches(motion, places, |motion, first, squares| unsafe {
             match level {
                 #[cfg(target_arch = "x86_64")]
                 Level::Avx512 | Level::Avx2 => {
-                    packing256::pack_double(table, motion, places, squares, &rows);
+                    packing256::pack_double(table, motion, first, squares, &rows);
                 }
-                _ => packing::pack_double(table, motion, places, squares, &rows),
+                _ => packing::pack_double(table, motion, first, squares, &rows),
             }
         })
     });
@@ -346,24 +353,41 @@ pub fn pack_columns(
     let rows = Scatter::new(rows);
     // SAFETY: tasks have disjoint places; the level is available.
     in_tasks(by, table.particle.len(), |places| {
-        packing::in_batches(places, motion.far2, |places, squares| unsafe {
+        packing::in_batches(motion, places, |motion, first, squares| unsafe {
             match level {
                 #[cfg(target_arch = "x86_64")]
                 Level::Avx512 | Level::Avx2 => {
-                    packing256::pack_columns(table, motion, places, squares, &rows);
+                    packing256::pack_columns(table, motion, first, squares, &rows);
                 }
-                _ => packing::pack_columns(table, motion, places, squares, &rows),
+                _ => packing::pack_columns(table, motion, first, squares, &rows),
             }
         })
     })
+}
+
+/// Two half kicks and a drift of some particles; see [`packing::go_on`].
+fn go_on(
+    level: Level,
+    positions: &mut [DVec3],
+    velocities: &mut [DVec3],
+    forces: &[DVec3],
+    pace: Pace,
+) {
+    match level {
+        // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 | Level::Avx2 => unsafe {
+            packing256::go_on(positions, velocities, forces, pace);
+        },
+        _ => packing::go_on(positions, velocities, forces, pace),
+    }
 }
 
 fn in_tasks(by: By, n: usize, task: impl Fn(Range<usize>) -> Moved + Sync) -> Moved {
     if by == By::OneThread {
         return task(0..n);
     }
-    let of_task = |(): &mut (), t: usize| task(part(t, PACKED_PER_TASK, n));
-    map_tasks(n.div_ceil(PACKED_PER_TASK), of_task)
+    map_ranges(n, task)
         .into_iter()
         .fold(Moved::NOTHING, Moved::and)
 }

@@ -11,52 +11,67 @@ use super::pair_sums::Besides;
 pub struct Output<'a> {
     forces: Scatter<'a, DVec3>,
     each: Option<Scatter<'a, PerParticle>>,
+    /// The element that belongs to each place from `first` on.
+    order: &'a [u32],
+    first: usize,
 }
 
 impl<'a> Output<'a> {
-    /// Arrays with one element for each of `n` particles.
+    /// Arrays with one element for each place from `first` on, in an order: that of the particles, each of which stands at
+    /// one place.
     ///
     /// # Panics
     /// Where that is not so: that is a bug of the caller.
-    pub fn new(n: usize, forces: &'a mut [DVec3], each: Option<&'a mut [PerParticle]>) -> Self {
-        assert_eq!(forces.len(), n, "a force for each particle");
+    pub fn new(
+        forces: &'a mut [DVec3],
+        each: Option<&'a mut [PerParticle]>,
+        order: &'a [u32],
+        first: usize,
+    ) -> Self {
+        assert_eq!(forces.len(), order.len(), "a force for each particle");
         if let Some(each) = &each {
-            assert_eq!(each.len(), n, "an entry for each particle");
+            assert_eq!(each.len(), order.len(), "an entry for each particle");
         }
         Self {
             forces: Scatter::new(forces),
             each: each.map(Scatter::new),
+            order,
+            first,
         }
     }
 
-    /// Says that forces of these particles will soon be written.
+    /// Says that the forces of so many places from one on will soon be written.
     #[inline(always)]
-    pub fn prefetch(&self, particles: &[u32]) {
-        for particle in particles {
-            self.forces.prefetch(*particle as usize);
+    pub fn prefetch(&self, place: usize, count: usize) {
+        let begin = place - self.first;
+        if let Some(order) = self.order.get(begin..begin + count) {
+            for at in order {
+                self.forces.prefetch(*at as usize);
+            }
         }
     }
 
-    /// Writes what was found for one particle and adds it to the totals of its chunk.
+    /// Writes what was found for the particle at a place and adds it to the totals of its chunk.
     ///
     /// # Safety
-    /// No other thread writes what belongs to this particle.
+    /// No other thread writes what belongs to this place.
     #[inline(always)]
     pub unsafe fn write<L: Lanes, B: Besides<L>>(
         &self,
-        particle: usize,
+        place: usize,
         force: DVec3,
         besides: &B,
         totals: &mut ChunkTotals,
     ) {
+        let at = self.order[place - self.first] as usize;
         // SAFETY: the contract is passed on.
-        unsafe { self.forces.write(particle, force) };
+        unsafe { self.forces.write(at, force) };
         if B::ANYTHING {
             let found = besides.totals();
             totals.add(&found);
             if let Some(each) = &self.each {
                 // SAFETY: as above.
-                unsafe { each.write(particle, (0.5 * found.energy, 0.5 * found.virial)) };
+                unsafe { each.write(at, (0.5 * found.energy, 0.5 * found.virial)) };
             }
         }
     }

@@ -71,30 +71,32 @@ impl Moved {
 /// Places whose displacements are looked at together.
 const BATCH: usize = 64;
 
-/// Packs places in batches by `pack(places, squares)`, which writes |x − x⁰|² of each.
+/// Packs places in batches by `pack(motion, first, squares)`, which writes |x − x⁰|² of each place from `first` on.
 #[inline(always)]
 pub fn in_batches(
+    motion: Motion<'_>,
     places: Range<usize>,
-    far2: f64,
-    mut pack: impl FnMut(Range<usize>, &mut [f64]),
+    mut pack: impl FnMut(Motion<'_>, usize, &mut [f64]),
 ) -> Moved {
     let mut moved = Moved::NOTHING;
     let mut squares = [0.0; BATCH];
     for first in places.clone().step_by(BATCH) {
         let batch = first..places.end.min(first + BATCH);
         let squares = &mut squares[..batch.len()];
-        pack(batch, squares);
-        moved.include(first, squares, far2);
+        pack(motion.part(batch), first, squares);
+        moved.include(first, squares, motion.far2);
     }
     moved
 }
 
-/// Where particles are, and where they were when the list was built.
+/// Where the particles at some places are, and where they were when the list was built.
 #[derive(Debug, Clone, Copy)]
 pub struct Motion<'a> {
-    /// Unwrapped, by particle, `[N]`, σ.
+    /// Unwrapped positions, σ.
     pub positions: &'a [DVec3],
-    /// The positions of the build, by place, `[N]`, σ.
+    /// Which of them belongs to each place.
+    pub order: &'a [u32],
+    /// The positions of the build, by place, σ.
     pub built: &'a [DVec3],
     /// The |x − x⁰|² beyond which a particle moved far, σ².
     pub far2: f64,
@@ -102,7 +104,64 @@ pub struct Motion<'a> {
     pub lengths: DVec3,
 }
 
-/// Writes the rows of some places in double precision, positions minus the image that each had when the
+impl Motion<'_> {
+    /// That of some of the places.
+    #[inline(always)]
+    pub fn part(self, places: Range<usize>) -> Self {
+        Self {
+            order: &self.order[places.clone()],
+            built: &self.built[places],
+            ..self
+        }
+    }
+
+    /// Where the particle at the `k`th place is, and |x − x⁰|².
+    #[inline(always)]
+    fn of(&self, k: usize) -> (DVec3, f64) {
+        let r = self.positions[self.order[k] as usize];
+        (r, (r - self.built[k]).length_squared())
+    }
+}
+
+/// How particles go on.
+#[derive(Debug, Clone, Copy)]
+pub struct Pace {
+    /// Half a step over the mass, τ.
+    pub half_kick: f64,
+    /// The step, τ.
+    pub dt: f64,
+}
+
+/// Two half kicks and a drift, v ← v + (h/2m)·F twice, x ← x + h·v: the bits of [`lennard_core::sweeps`].
+#[inline(always)]
+pub fn go_on(positions: &mut [DVec3], velocities: &mut [DVec3], forces: &[DVec3], pace: Pace) {
+    let Pace { half_kick, dt } = pace;
+    // By component: registers have no room for three.
+    let all = components_mut(positions)
+        .iter_mut()
+        .zip(components_mut(velocities));
+    for ((x, v), f) in all.zip(components(forces)) {
+        let kick = half_kick * *f;
+        *v += kick;
+        *v += kick;
+        *x += dt * *v;
+    }
+}
+
+const _: () =
+    assert!(size_of::<DVec3>() == 3 * size_of::<f64>() && align_of::<DVec3>() == align_of::<f64>());
+
+fn components(vectors: &[DVec3]) -> &[f64] {
+    // SAFETY: a vector is three numbers that follow each other, `repr(C)`.
+    unsafe { std::slice::from_raw_parts(vectors.as_ptr().cast(), 3 * vectors.len()) }
+}
+
+fn components_mut(vectors: &mut [DVec3]) -> &mut [f64] {
+    // SAFETY: as above.
+    unsafe { std::slice::from_raw_parts_mut(vectors.as_mut_ptr().cast(), 3 * vectors.len()) }
+}
+
+/// Writes the rows of the places from `first` on in double precision, positions minus the image that each had when the
 /// list was built, so that rows move continuously; and |x − x⁰|².
 ///
 /// # Safety
@@ -110,17 +169,18 @@ pub struct Motion<'a> {
 pub unsafe fn pack_double(
     table: &RowTable,
     motion: Motion<'_>,
-    places: Range<usize>,
+    first: usize,
     squares: &mut [f64],
     rows: &Scatter<'_, DoubleRow>,
 ) {
-    for (place, d2) in places.zip(squares) {
-        let r = motion.positions[table.particle[place] as usize];
+    for (k, d2) in squares.iter_mut().enumerate() {
+        let place = first + k;
+        let r;
+        (r, *d2) = motion.of(k);
         let home = r - table.image[place].as_dvec3() * motion.lengths;
         let row = DoubleRow([home.x, home.y, home.z, 0.0]);
         // SAFETY: rows of places are distinct, and these places are this thread's.
         unsafe { rows.write(table.row[place] as usize, row) };
-        *d2 = (r - motion.built[place]).length_squared();
     }
 }
 
@@ -149,23 +209,24 @@ pub unsafe fn pack_ghosts(
     }
 }
 
-/// Writes the rows of some places in fixed point, and |x − x⁰|².
+/// Writes the rows of the places from `first` on in fixed point, and |x − x⁰|².
 ///
 /// # Safety
 /// No other thread writes the rows of these places.
 pub unsafe fn pack_columns(
     table: &ColumnTable,
     motion: Motion<'_>,
-    places: Range<usize>,
+    first: usize,
     squares: &mut [f64],
     rows: &Scatter<'_, FixedRow>,
 ) {
     let units = FIXED_UNITS / motion.lengths;
-    for (place, d2) in places.zip(squares) {
-        let r = motion.positions[table.particle[place] as usize];
+    for (k, d2) in squares.iter_mut().enumerate() {
+        let place = first + k;
+        let r;
+        (r, *d2) = motion.of(k);
         let [x, y, z] = table.fixed(place, r, motion.lengths, units);
         // SAFETY: these places are this thread's.
         unsafe { rows.write(place, FixedRow([x, y, z, 0])) };
-        *d2 = (r - motion.built[place]).length_squared();
     }
 }

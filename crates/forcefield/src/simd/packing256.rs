@@ -6,7 +6,7 @@ use std::ops::Range;
 use glam::DVec3;
 use lennard_neighbor::{ColumnTable, FIXED_ROUNDING, FIXED_UNITS, RowTable};
 
-use super::packing::{self, Motion};
+use super::packing::{self, Motion, Pace};
 use super::{DoubleRow, FixedRow, Scatter};
 
 /// Elements in fours; the last ones, which make no four, are left to the plain loops.
@@ -46,20 +46,21 @@ fn squares([a, b, c, d]: [__m256d; 4]) -> __m256d {
 pub unsafe fn pack_double(
     table: &RowTable,
     motion: Motion<'_>,
-    places: Range<usize>,
+    first: usize,
     to: &mut [f64],
     rows: &Scatter<'_, DoubleRow>,
 ) {
     let lengths = load(&motion.lengths);
-    let particles = fours(&table.particle[places.clone()]);
+    let places = first..first + to.len();
     let own_rows = fours(&table.row[places.clone()]);
-    let images = fours(&table.image[places.clone()]);
-    let built = fours(&motion.built[places.clone()]);
-    let all = particles.zip(own_rows).zip(images.zip(built));
-    for (((particles, own_rows), (images, built)), to) in all.zip(to.as_chunks_mut::<4>().0) {
+    let images = fours(&table.image[places]);
+    let all = fours(motion.order)
+        .zip(own_rows)
+        .zip(images.zip(fours(motion.built)));
+    for (((order, own_rows), (images, built)), to) in all.zip(to.as_chunks_mut::<4>().0) {
         let mut moved = [_mm256_setzero_pd(); 4];
         for k in 0..4 {
-            let r = load(&motion.positions[particles[k] as usize]);
+            let r = load(&motion.positions[order[k] as usize]);
             let [x, y, z] = images[k].to_array();
             let image = _mm256_cvtepi32_pd(_mm_setr_epi32(x, y, z, 0));
             let home = _mm256_sub_pd(r, _mm256_mul_pd(image, lengths));
@@ -75,17 +76,16 @@ pub unsafe fn pack_double(
         // SAFETY: there are four.
         unsafe { _mm256_storeu_pd(to.as_mut_ptr(), squares(moved)) };
     }
-    let done = places.len() / 4 * 4;
+    let (done, all) = (to.len() / 4 * 4, to.len());
+    let rest = motion.part(done..all);
     // SAFETY: the contract is passed on.
-    unsafe {
-        packing::pack_double(
-            table,
-            motion,
-            places.start + done..places.end,
-            &mut to[done..],
-            rows,
-        )
-    };
+    unsafe { packing::pack_double(table, rest, first + done, &mut to[done..], rows) };
+}
+
+/// See [`packing::go_on`].
+#[target_feature(enable = "avx2")]
+pub fn go_on(positions: &mut [DVec3], velocities: &mut [DVec3], forces: &[DVec3], pace: Pace) {
+    packing::go_on(positions, velocities, forces, pace);
 }
 
 /// See [`packing::pack_ghosts`].
@@ -124,7 +124,7 @@ pub unsafe fn pack_ghosts(
 pub unsafe fn pack_columns(
     table: &ColumnTable,
     motion: Motion<'_>,
-    places: Range<usize>,
+    first: usize,
     to: &mut [f64],
     rows: &Scatter<'_, FixedRow>,
 ) {
@@ -132,12 +132,11 @@ pub unsafe fn pack_columns(
     if table.is_near_home() {
         let units = load(&(FIXED_UNITS / motion.lengths));
         let rounding = _mm256_set1_pd(FIXED_ROUNDING);
-        let particles = fours(&table.particle[places.clone()]);
-        let built = fours(&motion.built[places.clone()]);
-        for ((particles, built), to) in particles.zip(built).zip(to.as_chunks_mut::<4>().0) {
+        let all = fours(motion.order).zip(fours(motion.built));
+        for ((order, built), to) in all.zip(to.as_chunks_mut::<4>().0) {
             let mut moved = [_mm256_setzero_pd(); 4];
             for k in 0..4 {
-                let r = load(&motion.positions[particles[k] as usize]);
+                let r = load(&motion.positions[order[k] as usize]);
                 // Not fused: the list was built from the same bits.
                 let scaled = _mm256_add_pd(_mm256_mul_pd(r, units), rounding);
                 let low = _mm_castpd_ps(_mm256_castpd256_pd128(scaled));
@@ -147,7 +146,7 @@ pub unsafe fn pack_columns(
                 // SAFETY: a row has four elements and the alignment of a register; these places are this thread's.
                 unsafe {
                     _mm_store_si128(row.0.as_mut_ptr().cast(), fixed);
-                    rows.write(places.start + done + k, row);
+                    rows.write(first + done + k, row);
                 }
                 moved[k] = _mm256_sub_pd(r, load(&built[k]));
             }
@@ -156,16 +155,9 @@ pub unsafe fn pack_columns(
             done += 4;
         }
     }
+    let rest = motion.part(done..to.len());
     // SAFETY: the contract is passed on.
-    unsafe {
-        packing::pack_columns(
-            table,
-            motion,
-            places.start + done..places.end,
-            &mut to[done..],
-            rows,
-        )
-    };
+    unsafe { packing::pack_columns(table, rest, first + done, &mut to[done..], rows) };
 }
 
 #[cfg(test)]
@@ -177,9 +169,10 @@ mod tests {
     /// Rows and displacements of what is `shift` boxes away from home, at a level.
     type Packed = (Vec<DoubleRow>, Moved, Vec<FixedRow>, Moved);
 
+    const LENGTHS: DVec3 = DVec3::new(9.0, 8.0, 10.0);
+
     fn packed(level: Level, by: By, shift: f64, broken: bool) -> Packed {
-        let lengths = DVec3::new(9.0, 8.0, 10.0);
-        let cell = PeriodicBox::new(lengths).unwrap();
+        let cell = PeriodicBox::new(LENGTHS).unwrap();
         // No multiple of four or of a batch, and more than one task.
         let n = 2307;
         let noise = |k: usize| ((k as f64 * 12.9898).sin() * 43_758.545_3).rem_euclid(1.0);
@@ -191,7 +184,7 @@ mod tests {
                 } else {
                     DVec3::NEG_X
                 };
-                (at + image) * lengths
+                (at + image) * LENGTHS
             })
             .collect();
         let mut now: Vec<DVec3> = start.clone();
@@ -204,23 +197,38 @@ mod tests {
         let built = |particles: &[u32]| -> Vec<DVec3> {
             particles.iter().map(|p| start[*p as usize]).collect()
         };
-        let motion = |at| Motion {
-            positions: &now,
-            built: at,
-            far2: 0.01,
-            lengths,
-        };
+        fn motion<'a>(positions: &'a [DVec3], order: &'a [u32], built: &'a [DVec3]) -> Motion<'a> {
+            Motion {
+                positions,
+                order,
+                built,
+                far2: 0.01,
+                lengths: LENGTHS,
+            }
+        }
         let mut by_cell = RowTable::default();
         by_cell.sort(&cell, &start, 2.8).unwrap();
         let at = built(&by_cell.particle);
         let mut double = vec![DoubleRow::default(); by_cell.rows()];
-        let moved_double = pack_double(level, by, &by_cell, motion(&at), &mut double);
+        let moved_double = pack_double(
+            level,
+            by,
+            &by_cell,
+            motion(&now, &by_cell.particle, &at),
+            &mut double,
+        );
         let mut columns = ColumnTable::default();
         columns.sort(&cell, &start).unwrap();
         assert_eq!(columns.is_near_home(), shift.abs() < 1e5);
         let at = built(&columns.particle);
         let mut fixed = vec![FixedRow::default(); n];
-        let moved_fixed = pack_columns(level, by, &columns, motion(&at), &mut fixed);
+        let moved_fixed = pack_columns(
+            level,
+            by,
+            &columns,
+            motion(&now, &columns.particle, &at),
+            &mut fixed,
+        );
         (double, moved_double, fixed, moved_fixed)
     }
 

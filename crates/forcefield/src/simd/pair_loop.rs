@@ -63,27 +63,15 @@ pub struct PairJob<'a, F> {
     form: F,
     r_cut2: f64,
     list: &'a NeighborList,
-    output: Output<'a>,
 }
 
 impl<'a, F: PairForm> PairJob<'a, F> {
-    /// Prepares an evaluation: `forces` (and `each`) have one element a particle.
-    ///
-    /// # Panics
-    /// Where list and arrays do not belong together: that is a bug of the caller.
-    pub fn new(
-        form: F,
-        r_cut: f64,
-        list: &'a NeighborList,
-        forces: &'a mut [DVec3],
-        each: Option<&'a mut [PerParticle]>,
-    ) -> Self {
-        let n = list.table().particle.len();
+    /// Prepares an evaluation.
+    pub fn new(form: F, r_cut: f64, list: &'a NeighborList) -> Self {
         Self {
             form,
             r_cut2: r_cut * r_cut,
             list,
-            output: Output::new(n, forces, each),
         }
     }
 }
@@ -91,7 +79,7 @@ impl<'a, F: PairForm> PairJob<'a, F> {
 /// Runs one chunk over rows.
 ///
 /// # Panics
-/// Where the list has no such rows: that is a bug of the caller.
+/// Where the list has no such rows, or the output no such places: that is a bug of the caller.
 ///
 /// # Safety
 /// The processor has the instruction set of `L`, and no other thread runs the same chunk.
@@ -101,6 +89,7 @@ pub unsafe fn run<L: RowLanes, F: PairForm>(
     rows: &[L::Row],
     chunk: usize,
     wanted: Wanted,
+    output: &Output<'_>,
 ) -> ChunkTotals {
     assert!(
         rows.len() >= job.list.targets(),
@@ -124,16 +113,18 @@ pub unsafe fn run<L: RowLanes, F: PairForm>(
     unsafe {
         let e = match &chunk.entries {
             // Above a million particles in a cube: one instance does for all that may be wanted.
-            Entries::Wide(e) => return sweep::<L, F, u32, PairSums<L>>(job, rows, chunk, e),
+            Entries::Wide(e) => {
+                return sweep::<L, F, u32, PairSums<L>>(job, rows, chunk, e, output);
+            }
             Entries::Narrow(e) => e,
         };
         // A constant alone in its condition: only so does the compiler leave out what it rules out.
         if F::RARE {
-            return sweep::<L, F, u16, PairSums<L>>(job, rows, chunk, e);
+            return sweep::<L, F, u16, PairSums<L>>(job, rows, chunk, e, output);
         }
         match wanted {
-            Wanted::Forces => sweep::<L, F, u16, ForcesAlone>(job, rows, chunk, e),
-            _ => sweep::<L, F, u16, PairSums<L>>(job, rows, chunk, e),
+            Wanted::Forces => sweep::<L, F, u16, ForcesAlone>(job, rows, chunk, e, output),
+            _ => sweep::<L, F, u16, PairSums<L>>(job, rows, chunk, e, output),
         }
     }
 }
@@ -146,6 +137,7 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
     rows: &[L::Row],
     chunk: &ListChunk,
     entries: &[E],
+    output: &Output<'_>,
 ) -> ChunkTotals {
     let r_cut2 = L::splat(job.r_cut2);
     // No `array::map` over lanes anywhere here: it is a call, and a call leaves the instruction set behind.
@@ -159,7 +151,6 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
     for (offset, count) in chunk.counts.iter().enumerate() {
         let count = *count as usize;
         let place = chunk.first_place as usize + offset;
-        let particle = job.list.table().particle[place] as usize;
         let own = &rows[job.list.target_of(place) as usize];
         // SAFETY: the instruction set is there by contract.
         let own = unsafe { L::spread(own) };
@@ -201,7 +192,7 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
         let force = L::sum3(fx, fy, fz);
         sum += force;
         // SAFETY: each particle stands at one place, and each place in one chunk.
-        unsafe { job.output.write(particle, force, &sums, &mut totals) };
+        unsafe { output.write(place, force, &sums, &mut totals) };
     }
     // What is not finite never becomes finite again.
     totals.broken = !sum.is_finite();

@@ -5,6 +5,7 @@ use std::array::from_fn;
 use std::ops::{Add, Mul, Neg, Sub};
 
 use super::lanes::{Entry, FixedLanes, Lanes, RowLanes, Scaled};
+use super::output::Output;
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
 use super::shared_loop::{self, SharedJob};
 use super::{DoubleRow, FixedRow};
@@ -187,9 +188,10 @@ pub fn run_double<F: PairForm>(
     rows: &[DoubleRow],
     chunk: usize,
     wanted: Wanted,
+    output: &Output<'_>,
 ) -> ChunkTotals {
     // SAFETY: no instruction set is needed; chunks are handed out once each.
-    unsafe { run::<Group<f64, 4>, F>(job, rows, chunk, wanted) }
+    unsafe { run::<Group<f64, 4>, F>(job, rows, chunk, wanted, output) }
 }
 
 /// The loop over shared lists.
@@ -198,9 +200,10 @@ pub fn run_shared<F: PairForm>(
     rows: &[FixedRow],
     chunk: usize,
     wanted: Wanted,
+    output: &Output<'_>,
 ) -> ChunkTotals {
     // SAFETY: as above.
-    unsafe { shared_loop::run::<Group<f32, 8>, F>(job, rows, chunk, wanted) }
+    unsafe { shared_loop::run::<Group<f32, 8>, F>(job, rows, chunk, wanted, output) }
 }
 
 /// The arithmetic alone, of a number of rounds in a precision.

@@ -22,6 +22,15 @@ pub fn prefetch<T>(array: &[T]) {
     let _ = array;
 }
 
+/// Asks for a short array that will soon be read and written.
+#[inline(always)]
+pub fn prefetch_write_all<T>(array: &[T]) {
+    let start: *const u8 = array.as_ptr().cast();
+    for line in 0..size_of_val(array).div_ceil(LINE) {
+        prefetch_write(start.wrapping_add(line * LINE));
+    }
+}
+
 /// Asks for the line of something that will soon be written, and for leave to write it.
 #[inline(always)]
 pub fn prefetch_write<T>(what: *const T) {

@@ -1,6 +1,7 @@
 //! Writes from several threads to distinct places of one array.
 
 use std::marker::PhantomData;
+use std::ops::Range;
 
 use super::prefetch::prefetch_write;
 
@@ -30,6 +31,18 @@ impl<'a, T: Copy> Scatter<'a, T> {
     #[inline(always)]
     pub fn prefetch(&self, index: usize) {
         prefetch_write(self.start.wrapping_add(index));
+    }
+
+    /// Some of the elements.
+    ///
+    /// # Safety
+    /// While they are borrowed, nobody else reads or writes one of them.
+    #[inline(always)]
+    #[allow(clippy::mut_from_ref)]
+    pub unsafe fn part(&self, range: Range<usize>) -> &mut [T] {
+        assert!(range.start <= range.end && range.end <= self.len);
+        // SAFETY: in bounds by the assertion; unshared by the contract of this function.
+        unsafe { std::slice::from_raw_parts_mut(self.start.add(range.start), range.len()) }
     }
 
     /// Writes one element.

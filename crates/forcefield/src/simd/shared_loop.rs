@@ -5,7 +5,7 @@ use lennard_neighbor::{BLOCK, SHARERS, SharedChunk, SharedList, Span};
 use super::FixedRow;
 use super::lanes::FixedLanes;
 use super::output::Output;
-use super::pair_loop::{ChunkTotals, PerParticle, Wanted};
+use super::pair_loop::{ChunkTotals, Wanted};
 use super::pair_sums::{Besides, ForcesAlone, PairSums};
 use super::prefetch::prefetch;
 use super::reader::Reader;
@@ -20,30 +20,16 @@ pub struct SharedJob<'a, F> {
     /// Length of a unit along each axis, σ.
     scale: [f64; 3],
     list: &'a SharedList,
-    output: Output<'a>,
 }
 
 impl<'a, F: PairForm> SharedJob<'a, F> {
-    /// Prepares an evaluation: `scale` is the length in σ of one unit of the rows along each axis, and forces and `each`
-    /// have one element a particle.
-    ///
-    /// # Panics
-    /// Where list and arrays do not belong together: that is a bug of the caller.
-    pub fn new(
-        form: F,
-        r_cut: f64,
-        scale: [f64; 3],
-        list: &'a SharedList,
-        forces: &'a mut [DVec3],
-        each: Option<&'a mut [PerParticle]>,
-    ) -> Self {
-        let n = list.table().particle.len();
+    /// Prepares an evaluation: `scale` is the length in σ of one unit of the rows along each axis.
+    pub fn new(form: F, r_cut: f64, scale: [f64; 3], list: &'a SharedList) -> Self {
         Self {
             form,
             r_cut2: r_cut * r_cut,
             scale,
             list,
-            output: Output::new(n, forces, each),
         }
     }
 }
@@ -51,7 +37,7 @@ impl<'a, F: PairForm> SharedJob<'a, F> {
 /// Runs one chunk over rows, one a particle.
 ///
 /// # Panics
-/// Where the list has no such rows: that is a bug of the caller.
+/// Where the list has no such rows, or the output no such places: that is a bug of the caller.
 ///
 /// # Safety
 /// The processor has the instruction set of `L`, and no other thread runs the same chunk.
@@ -61,6 +47,7 @@ pub unsafe fn run<L: FixedLanes, F: PairForm>(
     rows: &[FixedRow],
     chunk: usize,
     wanted: Wanted,
+    output: &Output<'_>,
 ) -> ChunkTotals {
     assert_eq!(
         rows.len(),
@@ -77,16 +64,16 @@ pub unsafe fn run<L: FixedLanes, F: PairForm>(
     unsafe {
         // Constants stand alone in their conditions: only so does the compiler leave out what they rule out.
         if F::RARE {
-            return sweep::<L, F, PairSums<L>, ForcesAlone>(job, rows, chunk);
+            return sweep::<L, F, PairSums<L>, ForcesAlone>(job, rows, chunk, output);
         }
         // A list of fewer than four repeats its last one, which must not count twice.
         let full = chunk.first_place as usize + SHARERS * chunk.spans.len() <= rows.len();
         match wanted {
-            Wanted::Forces => sweep::<L, F, ForcesAlone, ForcesAlone>(job, rows, chunk),
+            Wanted::Forces => sweep::<L, F, ForcesAlone, ForcesAlone>(job, rows, chunk, output),
             Wanted::Totals if L::SPECIAL_LOOPS && full => {
-                sweep::<L, F, ForcesAlone, PairSums<L>>(job, rows, chunk)
+                sweep::<L, F, ForcesAlone, PairSums<L>>(job, rows, chunk, output)
             }
-            _ => sweep::<L, F, PairSums<L>, ForcesAlone>(job, rows, chunk),
+            _ => sweep::<L, F, PairSums<L>, ForcesAlone>(job, rows, chunk, output),
         }
     }
 }
@@ -101,9 +88,9 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, C: Besides<L>>(
     job: &SharedJob<'_, F>,
     rows: &[FixedRow],
     chunk: &SharedChunk,
+    output: &Output<'_>,
 ) -> ChunkTotals {
     let n = rows.len();
-    let particles = &job.list.table().particle;
     let mut totals = ChunkTotals::NOTHING;
     let mut sum = DVec3::ZERO;
     // SAFETY: the instruction set is there by contract; entries of the list name places, and `run` checked
@@ -115,10 +102,8 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, C: Besides<L>>(
         for span in &chunk.spans {
             let counts = Counts::of(span, begin);
             // Their forces lie anywhere in memory.
-            if L::SPECIAL_LOOPS
-                && let Some(next) = particles.get(first + SHARERS..first + 2 * SHARERS)
-            {
-                job.output.prefetch(next);
+            if L::SPECIAL_LOOPS {
+                output.prefetch(first + SHARERS, SHARERS);
             }
             let own = if first + SHARERS <= n {
                 [
@@ -154,11 +139,9 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, C: Besides<L>>(
             };
             let forces = [sums[0].force, sums[1].force, sums[2].force, sums[3].force];
             let end = (first + SHARERS).min(n);
-            let each = particles[first..end].iter().zip(&sums);
-            for ((particle, sums), force) in each.zip(L::sum_four(forces)) {
+            for ((place, sums), force) in (first..end).zip(&sums).zip(L::sum_four(forces)) {
                 sum += force;
-                job.output
-                    .write(*particle as usize, force, &sums.besides, &mut totals);
+                output.write(place, force, &sums.besides, &mut totals);
             }
             if C::ANYTHING {
                 totals.add(&common.totals());

@@ -4,7 +4,7 @@
 use lennard_core::random::Streams;
 use lennard_core::{
     Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceProvider, Part, Persist,
-    RestoreError, StateReader, StateWriter, Want,
+    RestoreError, StateReader, StateWriter, Stride, Want, sweeps,
 };
 use rand::RngExt;
 
@@ -63,6 +63,52 @@ impl ForceProvider for Cluster {
             splits: true,
             ..ForceProperties::default()
         }
+    }
+}
+
+/// The same, with strides of up to two steps.
+pub struct StridingCluster;
+
+impl Persist for StridingCluster {
+    fn save(&self, _to: &mut StateWriter<'_>) {}
+    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
+        Ok(())
+    }
+}
+
+impl ForceProvider for StridingCluster {
+    fn evaluate(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        Cluster.evaluate(at, part, want, forces)
+    }
+
+    fn stride(&mut self, stride: Stride<'_>) -> u64 {
+        let steps = stride.steps.min(2);
+        let mut forces = vec![DVec3::ZERO; stride.positions.len()];
+        for _ in 0..steps {
+            let at = Configuration {
+                positions: stride.positions,
+                velocities: None,
+                time: 0.0,
+            };
+            Cluster
+                .evaluate(at, Part::All, Want::NOTHING, &mut forces)
+                .unwrap();
+            for _ in 0..2 {
+                sweeps::kick(stride.velocities, &forces, stride.masses, 0.5 * stride.dt);
+            }
+            sweeps::drift(stride.positions, stride.velocities, stride.dt);
+        }
+        steps
+    }
+
+    fn properties(&self) -> ForceProperties {
+        Cluster.properties()
     }
 }
 

@@ -58,11 +58,11 @@ impl Start {
             let end = Instant::now() + WARM_FOR;
             let mut done = 0;
             while done < steps && Instant::now() < end {
-                simulation.run(&mut AFew::of(SETTLING))?;
+                take(&mut simulation, SETTLING)?;
                 done += SETTLING;
             }
             let clock = Instant::now();
-            simulation.run(&mut AFew::of(FEWEST_STEPS))?;
+            take(&mut simulation, FEWEST_STEPS)?;
             Ok(clock.elapsed().as_secs_f64() / FEWEST_STEPS as f64)
         })?;
         let state = simulation.state.clone();
@@ -90,7 +90,7 @@ impl Start {
             relax: false,
         };
         let mut simulation = prepare_from(scene.clone(), beginning)?;
-        simulation.run(&mut AFew::of(SETTLING))?;
+        take(&mut simulation, SETTLING)?;
         Ok(simulation)
     }
 }
@@ -103,30 +103,37 @@ pub(super) fn pool(threads: usize) -> Result<rayon::ThreadPool, BenchError> {
         .map_err(|source| BenchError::Threads { threads, source })
 }
 
+/// Takes some steps.
+pub(super) fn take(simulation: &mut Simulation, steps: u64) -> Result<(), EngineError> {
+    take_wanting(simulation, steps, Want::NOTHING)
+}
+
 /// Takes some steps and wants the same of each.
-pub(super) struct AFew {
-    left: u64,
+pub(super) fn take_wanting(
+    simulation: &mut Simulation,
+    steps: u64,
+    want: Want,
+) -> Result<(), EngineError> {
+    let end = simulation.state.step + steps;
+    simulation.run(&mut Until { end, want }).map(|_| ())
+}
+
+struct Until {
+    end: u64,
     want: Want,
 }
 
-impl AFew {
-    pub(super) fn of(steps: u64) -> Self {
-        Self::wanting(steps, Want::NOTHING)
-    }
-
-    pub(super) fn wanting(steps: u64, want: Want) -> Self {
-        Self { left: steps, want }
-    }
-}
-
-impl Follower for AFew {
+impl Follower for Until {
     fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
         self.want
     }
 
-    fn after_step(&mut self, _simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        self.left -= 1;
-        Ok(if self.left == 0 {
+    fn looks_at(&self, _scene: &Scene, step: u64, _measured: bool) -> bool {
+        step == self.end || !self.want.is_nothing()
+    }
+
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+        Ok(if simulation.state.step == self.end {
             Verdict::Stop
         } else {
             Verdict::Continue

@@ -11,7 +11,7 @@ use lennard_observables::ObservableOptions;
 use lennard_scene::{ObservableTable, Scene};
 use serde::Serialize;
 
-use super::blocks::{AFew, SETTLING, Start, pool};
+use super::blocks::{SETTLING, Start, pool, take_wanting};
 use super::clock::{Clock, tells_processor_time};
 use super::variants::{Variant, in_shuffled_rounds};
 use super::{BenchError, BenchOptions, Spread};
@@ -234,7 +234,7 @@ fn block(on: &On, scene: &Scene, start: &Start, scratch: &Path) -> Result<f64, B
     let timed = |scene: &Scene, want: Want| -> Result<f64, BenchError> {
         let mut simulation = start.simulation(scene)?;
         let clock = Clock::start();
-        simulation.run(&mut AFew::wanting(start.steps, want))?;
+        take_wanting(&mut simulation, start.steps, want)?;
         Ok(clock.on_processor())
     };
     match on {
@@ -247,7 +247,7 @@ fn block(on: &On, scene: &Scene, start: &Start, scratch: &Path) -> Result<f64, B
             let files = RunFiles::create(scratch, &simulation)?;
             let mut writing = Writing {
                 files,
-                left: start.steps,
+                end: simulation.state.step + start.steps,
             };
             let clock = Clock::start();
             simulation.run(&mut writing)?;
@@ -265,8 +265,11 @@ fn bare(scene: &Scene, start: &Start) -> Result<f64, BenchError> {
     let dt = scene.stage_dt(&scene.stages[0]);
     method.start(&dynamics, &mut state, &mut forces, dt, Want::NOTHING)?;
     let mut steps = |count: u64| -> Result<(), BenchError> {
-        for _ in 0..count {
-            method.step(&dynamics, &mut state, &mut forces, dt, Want::NOTHING)?;
+        let mut left = count;
+        while left > 0 {
+            let (taken, _) =
+                method.stride(&dynamics, &mut state, &mut forces, dt, left, Want::NOTHING)?;
+            left -= taken;
         }
         Ok(())
     };
@@ -279,7 +282,7 @@ fn bare(scene: &Scene, start: &Start) -> Result<f64, BenchError> {
 /// Writes rows and frames as a run does.
 struct Writing {
     files: RunFiles,
-    left: u64,
+    end: u64,
 }
 
 impl Writing {
@@ -300,6 +303,10 @@ impl Follower for Writing {
         }
     }
 
+    fn looks_at(&self, scene: &Scene, step: u64, _measured: bool) -> bool {
+        step == self.end || Self::due(scene, step) != (false, false)
+    }
+
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
         let (row, frame) = Self::due(&simulation.scene, simulation.state.step);
         if row {
@@ -308,8 +315,7 @@ impl Follower for Writing {
         if frame {
             self.files.write_frame(simulation)?;
         }
-        self.left -= 1;
-        Ok(if self.left == 0 {
+        Ok(if simulation.state.step == self.end {
             Verdict::Stop
         } else {
             Verdict::Continue

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::blocks::{AFew, Start, pool};
+use super::blocks::{Start, pool, take};
 use super::clock::{Clock, tells_processor_time};
 use super::variants::{Variant, in_shuffled_rounds};
 use super::{BenchError, BenchOptions, Spread};
@@ -61,7 +61,7 @@ pub(super) fn measure(
         let time = pool.install(|| -> Result<f64, BenchError> {
             let mut simulation = start.simulation(&scene)?;
             let clock = Clock::start();
-            simulation.run(&mut AFew::of(start.steps))?;
+            take(&mut simulation, start.steps)?;
             Ok(if by_processor {
                 clock.on_processor()
             } else {

@@ -4,7 +4,7 @@ use lennard_forcefield::{Isa, Precision, measure};
 use lennard_scene::Scene;
 use serde::Serialize;
 
-use super::blocks::{AFew, Start, pool};
+use super::blocks::{Start, pool, take};
 use super::clock::{Clock, tells_processor_time};
 use super::{BenchError, BenchOptions, Spread, Subject};
 use crate::Progress;
@@ -170,7 +170,7 @@ fn block(variant: &Variant, start: &Start) -> Result<Block, BenchError> {
         let mut simulation = start.simulation(&variant.scene)?;
         let before = simulation.forces.statistics();
         let clock = Clock::start();
-        simulation.run(&mut AFew::of(start.steps))?;
+        take(&mut simulation, start.steps)?;
         let (seconds, on_processor) = (clock.wall(), clock.on_processor());
         let after = simulation.forces.statistics();
         drop(simulation);

@@ -136,6 +136,9 @@ impl Follower for Stopwatch {
     fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
         Want::NOTHING
     }
+    fn looks_at(&self, _scene: &Scene, step: u64, _measured: bool) -> bool {
+        step == WARM_UP
+    }
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
         if simulation.state.step == WARM_UP {
             let evaluations = simulation.forces.statistics().evaluations;

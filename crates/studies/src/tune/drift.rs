@@ -190,6 +190,10 @@ mod tests {
             }
         }
 
+        fn looks_at(&self, _: &Scene, step: u64, _: bool) -> bool {
+            step.is_multiple_of(self.every)
+        }
+
         fn after_step(
             &mut self,
             simulation: &mut lennard_engine::Simulation,

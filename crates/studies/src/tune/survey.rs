@@ -71,6 +71,10 @@ impl Follower for Watcher<'_> {
         }
     }
 
+    fn looks_at(&self, _scene: &Scene, step: u64, _measured: bool) -> bool {
+        step.is_multiple_of(self.every)
+    }
+
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
         let state = &simulation.state;
         if !state.step.is_multiple_of(self.every) || state.step < self.from {

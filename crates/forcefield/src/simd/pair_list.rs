@@ -1,0 +1,134 @@
+//! The two kinds of lists, each with the rows that its loop reads.
+
+use glam::DVec3;
+use lennard_neighbor::{Cells, FIXED_UNITS, NeighborList, SharedList};
+
+use super::packing::{Motion, Moved};
+use super::{
+    By, ChunkTotals, DoubleRow, FixedRow, Level, Output, PairJob, SharedJob, Wanted, pack_columns,
+    pack_double, run_double, run_shared,
+};
+use crate::truncation::PairForm;
+
+/// A list with its rows and its loop.
+pub trait PairList: Sync {
+    /// Coordinates as the loop reads them.
+    type Row: Copy + Default + Send + Sync;
+    /// Where particles were sorted.
+    type Cells: Cells;
+    /// One evaluation.
+    type Job<'a, F>: Sync
+    where
+        Self: 'a,
+        F: PairForm;
+
+    /// The cells of the sort.
+    fn cells(&self) -> &Self::Cells;
+    /// The particle at each place: each stands at one.
+    fn particles(&self) -> &[u32];
+    /// Rows, ghosts included.
+    fn rows(&self) -> usize;
+    /// Chunks.
+    fn chunks(&self) -> usize;
+    /// Prepares an evaluation in a box of these sides.
+    fn job<F: PairForm>(&self, form: F, r_cut: f64, lengths: DVec3) -> Self::Job<'_, F>;
+    /// Writes all rows.
+    fn pack(&self, level: Level, by: By, motion: Motion<'_>, rows: &mut [Self::Row]) -> Moved;
+    /// Runs one chunk.
+    fn run<F: PairForm>(
+        level: Level,
+        job: &Self::Job<'_, F>,
+        rows: &[Self::Row],
+        chunk: usize,
+        wanted: Wanted,
+        output: &Output<'_>,
+    ) -> ChunkTotals;
+}
+
+impl PairList for NeighborList {
+    type Row = DoubleRow;
+    type Cells = lennard_neighbor::RowTable;
+    type Job<'a, F>
+        = PairJob<'a, F>
+    where
+        F: PairForm;
+
+    fn cells(&self) -> &Self::Cells {
+        self.table()
+    }
+
+    fn particles(&self) -> &[u32] {
+        &self.table().particle
+    }
+
+    fn rows(&self) -> usize {
+        self.table().rows()
+    }
+
+    fn chunks(&self) -> usize {
+        self.chunks().len()
+    }
+
+    fn job<F: PairForm>(&self, form: F, r_cut: f64, _lengths: DVec3) -> PairJob<'_, F> {
+        PairJob::new(form, r_cut, self)
+    }
+
+    fn pack(&self, level: Level, by: By, motion: Motion<'_>, rows: &mut [DoubleRow]) -> Moved {
+        pack_double(level, by, self.table(), motion, rows)
+    }
+
+    fn run<F: PairForm>(
+        level: Level,
+        job: &PairJob<'_, F>,
+        rows: &[DoubleRow],
+        chunk: usize,
+        wanted: Wanted,
+        output: &Output<'_>,
+    ) -> ChunkTotals {
+        run_double(level, job, rows, chunk, wanted, output)
+    }
+}
+
+impl PairList for SharedList {
+    type Row = FixedRow;
+    type Cells = lennard_neighbor::ColumnTable;
+    type Job<'a, F>
+        = SharedJob<'a, F>
+    where
+        F: PairForm;
+
+    fn cells(&self) -> &Self::Cells {
+        self.table()
+    }
+
+    fn particles(&self) -> &[u32] {
+        &self.table().particle
+    }
+
+    fn rows(&self) -> usize {
+        self.table().particle.len()
+    }
+
+    fn chunks(&self) -> usize {
+        self.chunks().len()
+    }
+
+    fn job<F: PairForm>(&self, form: F, r_cut: f64, lengths: DVec3) -> SharedJob<'_, F> {
+        SharedJob::new(form, r_cut, (lengths / FIXED_UNITS).to_array(), self)
+    }
+
+    fn pack(&self, level: Level, by: By, motion: Motion<'_>, rows: &mut [FixedRow]) -> Moved {
+        pack_columns(level, by, self.table(), motion, rows)
+    }
+
+    fn run<F: PairForm>(
+        level: Level,
+        job: &SharedJob<'_, F>,
+        rows: &[FixedRow],
+        chunk: usize,
+        wanted: Wanted,
+        output: &Output<'_>,
+    ) -> ChunkTotals {
+        run_shared(level, job, rows, chunk, wanted, output)
+    }
+}

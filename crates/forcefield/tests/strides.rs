@@ -1,0 +1,226 @@
+//! Steps taken in one go are those taken one by one, to the bit.
+
+mod common;
+
+use common::*;
+use lennard_core::sweeps::{drift, kick};
+use lennard_core::{
+    Configuration, DVec3, ForceError, ForceProvider, Masses, Part, PeriodicBox, Stride, Want,
+};
+use lennard_forcefield::{
+    ForceFieldOptions, Kernel, KernelOptions, ListMode, NeighborOptions, PairForces, Precision,
+    TruncationKind, TruncationOptions, build,
+};
+
+const DT: f64 = 0.004;
+
+/// A fluid where forces are due.
+#[derive(Clone, PartialEq)]
+struct Fluid {
+    positions: Vec<DVec3>,
+    velocities: Vec<DVec3>,
+}
+
+impl Fluid {
+    fn start(positions: Vec<DVec3>) -> Self {
+        let noise = scatter(positions.len(), DVec3::splat(4.0), 0.7);
+        Self {
+            positions,
+            velocities: noise.iter().map(|v| *v - DVec3::splat(2.0)).collect(),
+        }
+    }
+
+    /// What a stride says that it does, written out.
+    fn step(&mut self, forces: &mut PairForces, masses: &Masses) -> Result<(), ForceError> {
+        let (f, _) = evaluate(forces, &self.positions, Part::All, Want::NOTHING)?;
+        kick(&mut self.velocities, &f, masses, 0.5 * DT);
+        kick(&mut self.velocities, &f, masses, 0.5 * DT);
+        drift(&mut self.positions, &self.velocities, DT);
+        Ok(())
+    }
+
+    fn stride(&mut self, forces: &mut PairForces, masses: &Masses, steps: u64) -> u64 {
+        forces.stride(Stride {
+            positions: &mut self.positions,
+            velocities: &mut self.velocities,
+            masses,
+            dt: DT,
+            steps,
+        })
+    }
+}
+
+/// A list short-lived enough for several builds in the steps below.
+fn options(kernel: KernelOptions, kind: TruncationKind) -> ForceFieldOptions {
+    ForceFieldOptions {
+        kernel,
+        truncation: TruncationOptions::new(kind, 2.3),
+        neighbor: verlet(Some(0.15)),
+        ..ForceFieldOptions::default()
+    }
+}
+
+#[test]
+fn strides_of_any_length_have_the_bits_of_single_steps() {
+    // No multiples of four or of a chunk; rows packed by each thread, and by all together.
+    for (k, shift) in [([7, 8, 9], 0.0), ([13, 14, 13], -3e6)] {
+        let (cell, start) = liquid(k, 0.8, 0.1);
+        let home = shift * cell.lengths();
+        let start = Fluid::start(start.into_iter().map(|r| r + home).collect());
+        for kernel in kernels() {
+            for (kind, mass) in [(TruncationKind::Shift, 1.0), (TruncationKind::Switch, 2.5)] {
+                let masses = Masses::Uniform(mass);
+                let at = conditions(cell, start.positions.len());
+                let fresh = || build(&options(kernel, kind), &at).unwrap();
+                let (mut one, mut forces) = (start.clone(), fresh());
+                for _ in 0..60 {
+                    one.step(&mut forces, &masses).unwrap();
+                }
+                let expected = forces.statistics();
+                assert!((3..40).contains(&expected.builds), "{}", expected.builds);
+                for (threads, lengths) in [(1, [60, 0]), (2, [59, 1]), (3, [7, 9])] {
+                    let (mut all, mut forces) = (start.clone(), fresh());
+                    in_threads(threads, || {
+                        let mut left = 60;
+                        for length in lengths.into_iter().cycle() {
+                            left -= all.stride(&mut forces, &masses, length.min(left));
+                            if left == 0 {
+                                break;
+                            }
+                            // As a method does between two strides.
+                            all.step(&mut forces, &masses).unwrap();
+                            left -= 1;
+                        }
+                    });
+                    let what = format!("{kernel:?}, {kind:?}, {threads} threads, {lengths:?}");
+                    assert!(all == one, "{what}");
+                    let found = forces.statistics();
+                    assert_eq!(
+                        (found.builds, found.late_builds, found.evaluations),
+                        (expected.builds, 0, expected.evaluations),
+                        "{what}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Takes all that a stride takes, and then single steps up to the one that fails.
+fn fails(fluid: &mut Fluid, forces: &mut PairForces, strides: bool) -> (u64, ForceError) {
+    let masses = Masses::Uniform(1.0);
+    let mut done = 0;
+    if strides {
+        done = fluid.stride(forces, &masses, 50);
+        assert!(fluid.positions.iter().all(|r| r.is_finite()));
+    }
+    loop {
+        if let Err(error) = fluid.step(forces, &masses) {
+            return (done, error);
+        }
+        done += 1;
+        assert!(done < 50, "nothing failed");
+    }
+}
+
+#[test]
+fn a_stride_leaves_what_is_not_finite_to_single_steps() {
+    let (cell, positions) = liquid([8, 8, 8], 0.8, 0.1);
+    let sound = Fluid::start(positions);
+    // A velocity that leads nowhere, one that leads too far, and two particles that meet in one point after four steps.
+    let (mut nowhere, mut far) = (sound.clone(), sound.clone());
+    nowhere.velocities[77].y = f64::INFINITY;
+    far.velocities[77].y = 1e12;
+    let dilute = PeriodicBox::new(DVec3::splat(40.0)).unwrap();
+    let meeting = Fluid {
+        positions: [10.0, 30.0].map(|x| DVec3::new(x, 20.0, 20.0)).to_vec(),
+        velocities: [2.5, -2.5].map(|x| DVec3::X * (x / DT)).to_vec(),
+    };
+    for kernel in kernels() {
+        for (cell, start, least) in [(cell, &nowhere, 1), (cell, &far, 2), (dilute, &meeting, 4)] {
+            let at = conditions(cell, start.positions.len());
+            let fresh = || build(&options(kernel, TruncationKind::Shift), &at).unwrap();
+            let (mut one, mut all) = (start.clone(), start.clone());
+            let expected = fails(&mut one, &mut fresh(), false);
+            assert!(expected.0 >= least, "{expected:?}");
+            assert_eq!(fails(&mut all, &mut fresh(), true), expected, "{kernel:?}");
+        }
+        // What was left is as it was.
+        let (mut all, mut forces) = (
+            nowhere.clone(),
+            build(
+                &options(kernel, TruncationKind::Shift),
+                &conditions(cell, 512),
+            )
+            .unwrap(),
+        );
+        assert_eq!(all.stride(&mut forces, &Masses::Uniform(1.0), 9), 0);
+        assert!(all == nowhere);
+    }
+}
+
+#[test]
+fn forces_without_a_list_in_that_order_take_no_strides() {
+    let (cell, positions) = liquid([8, 8, 8], 0.8, 0.1);
+    let start = Fluid::start(positions);
+    let base = options(KernelOptions::default(), TruncationKind::Shift);
+    let canonical = ForceFieldOptions {
+        canonical: true,
+        ..base
+    };
+    let direct = ForceFieldOptions {
+        neighbor: NeighborOptions {
+            mode: ListMode::Direct,
+            skin: None,
+        },
+        ..base
+    };
+    let mut reference = ForceFieldOptions {
+        neighbor: NeighborOptions::default(),
+        ..base
+    };
+    reference.kernel.kernel = Kernel::Reference;
+    let (same, each) = (Masses::Uniform(1.0), Masses::Each(vec![1.0; 512]));
+    for (options, masses) in [
+        (canonical, &same),
+        (direct, &same),
+        (reference, &same),
+        (base, &each),
+    ] {
+        let mut forces = build(&options, &conditions(cell, 512)).unwrap();
+        let mut fluid = start.clone();
+        assert_eq!(fluid.stride(&mut forces, masses, 20), 0, "{options:?}");
+        assert!(fluid == start);
+        assert_eq!(forces.statistics().evaluations, 0);
+    }
+    // Few particles in double precision, whose rows each thread packs for itself.
+    let mut few = build(&base, &conditions(cell, 512)).unwrap();
+    assert_eq!(start.clone().stride(&mut few, &same, 20), 0);
+    // A stride that is not worth its trouble.
+    let mixed = ForceFieldOptions {
+        kernel: KernelOptions {
+            precision: Precision::Mixed,
+            ..base.kernel
+        },
+        ..base
+    };
+    let mut forces = build(&mixed, &conditions(cell, 512)).unwrap();
+    assert_eq!(start.clone().stride(&mut forces, &same, 2), 0);
+    assert_eq!(start.clone().stride(&mut forces, &same, 20), 20);
+    let at = Configuration {
+        positions: &start.positions,
+        velocities: None,
+        time: 0.0,
+    };
+    // An evaluation elsewhere right after a stride finds its own list.
+    let mut f = vec![DVec3::ZERO; 512];
+    forces
+        .evaluate(at, Part::All, Want::NOTHING, &mut f)
+        .unwrap();
+    let mut fresh = build(&mixed, &conditions(cell, 512)).unwrap();
+    let (expected, _) = all(&mut fresh, &start.positions, Want::NOTHING);
+    let size: f64 = expected.iter().map(|f| f.length()).fold(0.0, f64::max);
+    for (f, e) in f.iter().zip(&expected) {
+        assert!((*f - *e).length() < 1e-5 * size);
+    }
+}
