@@ -163,7 +163,7 @@ impl Recorder<'_> {
 
     fn write(&mut self, simulation: &Simulation) -> Result<(), EngineError> {
         let measured = simulation.current_stage().measure;
-        let (row, frame) = due(&simulation.scene, simulation.state.step, measured);
+        let (row, frame) = simulation.scene.output.due(simulation.state.step, measured);
         let marks = self.files.marks();
         let mut written = Ok(());
         if row {
@@ -283,7 +283,7 @@ impl Recorder<'_> {
 
 impl Follower for Recorder<'_> {
     fn want(&self, scene: &Scene, step: u64, measured: bool) -> Want {
-        let (row, frame) = due(scene, step, measured);
+        let (row, frame) = scene.output.due(step, measured);
         if row || frame {
             Want::ENERGY_AND_VIRIAL
         } else {
@@ -292,7 +292,7 @@ impl Follower for Recorder<'_> {
     }
 
     fn looks_at(&self, scene: &Scene, step: u64, measured: bool) -> bool {
-        let (row, frame) = due(scene, step, measured);
+        let (row, frame) = scene.output.due(step, measured);
         row || frame || step.is_multiple_of(SET_ASIDE_EVERY) || self.checkpoints.is_due(step)
     }
 
@@ -319,16 +319,6 @@ impl Follower for Recorder<'_> {
         }
         Ok(Verdict::Continue)
     }
-}
-
-/// Whether a row of the thermodynamics and a frame are written after a step.
-fn due(scene: &Scene, step: u64, measured: bool) -> (bool, bool) {
-    let output = &scene.output;
-    let frame = |every| measured && step.is_multiple_of(every);
-    (
-        step.is_multiple_of(output.thermo_every),
-        output.trajectory_every.is_some_and(frame),
-    )
 }
 
 /// Copies a state into the memory of another.

@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use glam::DVec3;
-use lennard_core::parallel::for_each_piece;
 use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWriter, Stride};
 use lennard_neighbor::{Criterion, GridError, Images, NeighborList, SharedList};
 
@@ -11,6 +10,7 @@ use crate::copies::{Copies, Fitness, Work};
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
     DoubleRow, FEW, FixedRow, Level, Motion, Moved, Output, Pace, PairList, PerParticle, Wanted,
+    take,
 };
 use crate::sums::Totals;
 use crate::terms::Terms;
@@ -156,13 +156,7 @@ impl Listed {
             |GridError::BadPosition { particle }| ForceError::NonFinitePosition { particle },
         )?;
         let mut built = std::mem::take(&mut self.terms.built);
-        let particles = self.particles();
-        built.resize(particles.len(), DVec3::ZERO);
-        for_each_piece(&mut built, |first, chunk| {
-            for (built, particle) in chunk.iter_mut().zip(&particles[first..]) {
-                *built = positions[*particle as usize];
-            }
-        });
+        take(self.particles(), positions, &mut built);
         self.terms.built = built;
         self.terms.criterion.built();
         Ok(())

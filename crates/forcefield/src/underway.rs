@@ -32,7 +32,7 @@ impl Underway {
         rows: &mut [P::Row],
         positions: &[DVec3],
     ) -> Fitness {
-        take(list, positions, &mut self.positions);
+        take(list.particles(), positions, &mut self.positions);
         self.in_order.clear();
         self.in_order.extend(0..positions.len() as u32);
         self.pack(terms, list, rows)
@@ -48,7 +48,7 @@ impl Underway {
         stride: &mut Stride<'_>,
         (most, pace): (u64, Pace),
     ) -> (u64, Fitness) {
-        take(list, stride.velocities, &mut self.velocities);
+        take(list.particles(), stride.velocities, &mut self.velocities);
         let job = list.job(form, terms.r_cut, terms.cell.lengths());
         let (mut taken, mut fitness) = (0, Fitness::Fit);
         while taken < most && fitness == Fitness::Fit {

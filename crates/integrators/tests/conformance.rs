@@ -13,7 +13,7 @@ use lennard_integrators::measure::{
 };
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces};
 use lennard_integrators::{IntegratorEntry, OscillatorModel, integrators};
-use shared::{Cluster, StridingCluster, cluster};
+use shared::{Cluster, cluster};
 
 /// Rounding of a one-step map with entries of the order 1, as the issue sets it.
 const ROUNDING: f64 = 1e-13;
@@ -66,7 +66,7 @@ fn strides_of_any_method_have_the_bits_of_its_steps() {
         let dt = 0.001;
         let begin = |method: &mut dyn Integrator, state: &mut State| {
             method
-                .start(&dynamics, state, &mut StridingCluster, dt, Want::ENERGY)
+                .start(&dynamics, state, &mut Cluster, dt, Want::ENERGY)
                 .unwrap();
         };
         begin(&mut *method, &mut one);
@@ -79,7 +79,7 @@ fn strides_of_any_method_have_the_bits_of_its_steps() {
                 Want::NOTHING
             };
             let report = method
-                .step(&dynamics, &mut one, &mut StridingCluster, dt, want)
+                .step(&dynamics, &mut one, &mut Cluster, dt, want)
                 .unwrap();
             evaluations += report.force_evaluations;
             heat += report.heat;
@@ -90,7 +90,7 @@ fn strides_of_any_method_have_the_bits_of_its_steps() {
                 .stride(
                     &dynamics,
                     &mut all,
-                    &mut StridingCluster,
+                    &mut Cluster,
                     dt,
                     13 - before,
                     Want::ENERGY,

@@ -46,9 +46,8 @@ pub fn advance<P: PairList, F: PairForm>(
     });
 }
 
-/// Takes from an array by particle what belongs to each place.
-pub fn take<P: PairList>(list: &P, from: &[DVec3], to: &mut Vec<DVec3>) {
-    let order = list.particles();
+/// Takes from an array by particle what belongs to each place, where `order` has the particle of each.
+pub fn take(order: &[u32], from: &[DVec3], to: &mut Vec<DVec3>) {
     to.resize(order.len(), DVec3::ZERO);
     for_each_piece(to, |first, piece| {
         for (to, at) in piece.iter_mut().zip(&order[first..]) {

@@ -1,7 +1,7 @@
 //! The one module with `unsafe` code: registers of lanes, the pair loop over them, and writes to
 //! scattered but distinct places.
 //!
-//! Everything that callers must guarantee is checked once per evaluation by [`PairJob::new`]; the
+//! Everything that callers must guarantee is checked where arrays come in, [`Output::new`] first of all; the
 //! physics is in the formulas that are passed in, none of which names an instruction set.
 #![allow(unsafe_code)]
 
@@ -234,46 +234,6 @@ macro_rules! scanner {
 
 scanner!(Avx512Scanner, scan512);
 scanner!(Avx2Scanner, scan256);
-
-/// Runs the loop over shared lists over one chunk.
-pub fn run_shared<F: PairForm>(
-    level: Level,
-    job: &SharedJob<'_, F>,
-    rows: &[FixedRow],
-    chunk: usize,
-    wanted: Wanted,
-    output: &Output<'_>,
-) -> ChunkTotals {
-    match level {
-        // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => unsafe { avx512::run_shared(job, rows, chunk, wanted, output) },
-        // SAFETY: as above.
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => unsafe { avx2::run_shared(job, rows, chunk, wanted, output) },
-        _ => portable::run_shared(job, rows, chunk, wanted, output),
-    }
-}
-
-/// Runs the pair loop over one chunk of the list.
-pub fn run_double<F: PairForm>(
-    level: Level,
-    job: &PairJob<'_, F>,
-    rows: &[DoubleRow],
-    chunk: usize,
-    wanted: Wanted,
-    output: &Output<'_>,
-) -> ChunkTotals {
-    match level {
-        // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => unsafe { avx512::run_double(job, rows, chunk, wanted, output) },
-        // SAFETY: as above.
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => unsafe { avx2::run_double(job, rows, chunk, wanted, output) },
-        _ => portable::run_double(job, rows, chunk, wanted, output),
-    }
-}
 
 /// The arithmetic of pairs with everything in registers; see [`pair_loop::arithmetic`].
 pub fn limit<F: PairForm>(

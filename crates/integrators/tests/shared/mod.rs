@@ -10,7 +10,7 @@ use rand::RngExt;
 
 /// Lennard-Jones particles without any cutoff or box, a double loop, U = Σ 4·(r⁻¹² − r⁻⁶).
 ///
-/// Split for RESPA by the potential's own two terms: near r⁻¹², far −r⁻⁶.
+/// Split for RESPA by the potential's own two terms: near r⁻¹², far −r⁻⁶. Takes up to two steps in one go.
 pub struct Cluster;
 
 impl Persist for Cluster {
@@ -58,35 +58,6 @@ impl ForceProvider for Cluster {
         })
     }
 
-    fn properties(&self) -> ForceProperties {
-        ForceProperties {
-            splits: true,
-            ..ForceProperties::default()
-        }
-    }
-}
-
-/// The same, with strides of up to two steps.
-pub struct StridingCluster;
-
-impl Persist for StridingCluster {
-    fn save(&self, _to: &mut StateWriter<'_>) {}
-    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
-        Ok(())
-    }
-}
-
-impl ForceProvider for StridingCluster {
-    fn evaluate(
-        &mut self,
-        at: Configuration<'_>,
-        part: Part,
-        want: Want,
-        forces: &mut [DVec3],
-    ) -> Result<Energetics, ForceError> {
-        Cluster.evaluate(at, part, want, forces)
-    }
-
     fn stride(&mut self, stride: Stride<'_>) -> u64 {
         let steps = stride.steps.min(2);
         let mut forces = vec![DVec3::ZERO; stride.positions.len()];
@@ -96,8 +67,7 @@ impl ForceProvider for StridingCluster {
                 velocities: None,
                 time: 0.0,
             };
-            Cluster
-                .evaluate(at, Part::All, Want::NOTHING, &mut forces)
+            self.evaluate(at, Part::All, Want::NOTHING, &mut forces)
                 .unwrap();
             for _ in 0..2 {
                 sweeps::kick(stride.velocities, &forces, stride.masses, 0.5 * stride.dt);
@@ -108,7 +78,10 @@ impl ForceProvider for StridingCluster {
     }
 
     fn properties(&self) -> ForceProperties {
-        Cluster.properties()
+        ForceProperties {
+            splits: true,
+            ..ForceProperties::default()
+        }
     }
 }
 

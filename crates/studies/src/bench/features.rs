@@ -285,30 +285,20 @@ struct Writing {
     end: u64,
 }
 
-impl Writing {
-    fn due(scene: &Scene, step: u64) -> (bool, bool) {
-        let output = &scene.output;
-        let frame = output
-            .trajectory_every
-            .is_some_and(|every| step.is_multiple_of(every));
-        (step.is_multiple_of(output.thermo_every), frame)
-    }
-}
-
 impl Follower for Writing {
     fn want(&self, scene: &Scene, step: u64, _measured: bool) -> Want {
-        match Self::due(scene, step) {
+        match scene.output.due(step, true) {
             (false, false) => Want::NOTHING,
             _ => Want::ENERGY_AND_VIRIAL,
         }
     }
 
     fn looks_at(&self, scene: &Scene, step: u64, _measured: bool) -> bool {
-        step == self.end || Self::due(scene, step) != (false, false)
+        step == self.end || scene.output.due(step, true) != (false, false)
     }
 
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        let (row, frame) = Self::due(&simulation.scene, simulation.state.step);
+        let (row, frame) = simulation.scene.output.due(simulation.state.step, true);
         if row {
             self.files.write_thermo(simulation)?;
         }
