@@ -88,7 +88,8 @@ impl Default for ListChunk {
     }
 }
 
-/// A full Verlet list: for each particle, everything within the list radius.
+/// A full Verlet list: for each particle, everything within the list radius. The search is wider than that by a margin for
+/// its roundings, and what lies in the margin may be listed for one of the two alone.
 #[derive(Debug, Clone)]
 pub struct NeighborList {
     cell: PeriodicBox,
