@@ -42,10 +42,9 @@ impl Block {
         }
     }
 
-    /// A block of [`BLOCK`] places, if it reaches them all, as it does where places themselves fit into entries.
-    fn reaching(places: &[u32; BLOCK], narrow: bool) -> Option<Self> {
-        let base = if narrow { 0 } else { base_of(places)? };
-        Some(Self::full(base, places))
+    /// A block of [`BLOCK`] places, from a base that is known to reach them all, or else from one of its own, if there is one.
+    fn reaching(places: &[u32; BLOCK], base: Option<u32>) -> Option<Self> {
+        Some(Self::full(base.or_else(|| base_of(places))?, places))
     }
 
     /// A block of fewer places, at least one.
@@ -150,14 +149,13 @@ impl SharedChunk {
         self.blocks.clear();
     }
 
-    /// Adds a list of what was found for four sharers; `narrow` says that places themselves fit into entries.
-    pub(crate) fn push(&mut self, found: &mut Found, together: bool, narrow: bool) {
-        self.push_halves(found, narrow);
+    /// Adds a list of what was found for four sharers; `base` is one that is known to reach all of it, if there is one.
+    pub(crate) fn push(&mut self, found: &mut Found, together: bool, base: Option<u32>) {
+        self.push_halves(found, base);
         let halves = self.blocks.len();
-        let (near, base) = if narrow {
-            (found.of(FOR_ALL).len(), 0)
-        } else {
-            found.near_first()
+        let (near, base) = match base {
+            Some(base) => (found.of(FOR_ALL).len(), base),
+            None => found.near_first(),
         };
         let (near, far) = found.of(FOR_ALL).split_at(near);
         let masked = pack(near, base, &mut self.blocks);
@@ -172,13 +170,13 @@ impl SharedChunk {
 
     /// Writes whole blocks of what is near to two of the sharers alone, as many for the first two as for the last, and
     /// leaves the rest to what is for all.
-    fn push_halves(&mut self, found: &mut Found, narrow: bool) {
+    fn push_halves(&mut self, found: &mut Found, base: Option<u32>) {
         let pairs = [FOR_FIRST_TWO, FOR_LAST_TWO];
         let mut used = 0;
         loop {
             let next = pairs.map(|pair| {
                 let places = found.of(pair)[used..].first_chunk()?;
-                Block::reaching(places, narrow)
+                Block::reaching(places, base)
             });
             let [Some(first), Some(last)] = next else {
                 break;
@@ -206,11 +204,6 @@ impl SharedChunk {
     pub(crate) fn bytes(&self) -> usize {
         self.spans.capacity() * size_of::<Span>() + self.blocks.capacity() * size_of::<Block>()
     }
-}
-
-/// Whether places themselves fit into entries, where there are `n` of them.
-pub(crate) fn is_narrow(n: usize) -> bool {
-    n <= REACH as usize + 1
 }
 
 /// The base of a block of some places, the lowest of them; `None` where its entries do not reach them all.

@@ -116,6 +116,11 @@ impl Columns {
         ((u64::from(coordinate as u32) * u64::from(count)) >> 32) as u32
     }
 
+    /// How many columns later the last one comes that is within so many of one along x and y.
+    fn ahead(&self, [x, y]: [u32; 2]) -> u32 {
+        x * self.strip.min(self.across[1]) + y
+    }
+
     /// The column at (x, y) of the grid, in the order of places.
     #[inline(always)]
     pub fn column(&self, x: u32, y: u32) -> u32 {
@@ -183,6 +188,18 @@ impl ColumnTable {
                 .sum::<usize>()
             + self.first.capacity() * 4
             + self.home.capacity() * 4
+    }
+
+    /// How many places later the last one comes, in an even fluid, that is within `radius` σ.
+    pub(crate) fn ahead(&self, cell: &PeriodicBox, radius: f64) -> usize {
+        let across = self.grid.across;
+        let columns = across[0] as usize * across[1] as usize;
+        let reach = [0, 1].map(|axis| {
+            let side = cell.lengths()[axis] / f64::from(across[axis]);
+            (radius / side).ceil() as u32
+        });
+        // One column more: every other one is walked from its end.
+        (self.grid.ahead(reach) as usize + 1) * self.particle.len() / columns
     }
 
     /// Sorts `positions` (unwrapped, σ).

@@ -7,7 +7,7 @@ use lennard_core::PeriodicBox;
 use lennard_core::parallel::part;
 use lennard_core::tasks::for_each_item;
 
-use crate::blocks::{Block, SharedBlocks, SharedChunk, amid, is_narrow};
+use crate::blocks::{Block, REACH, SharedBlocks, SharedChunk, amid};
 use crate::columns::{ColumnTable, FIXED_UNITS};
 use crate::criterion::FARTHEST_TOGETHER;
 use crate::grid::GridError;
@@ -35,6 +35,8 @@ pub struct SharedList {
     /// How far from each other two were at most, at the build, that are within the cutoff while the list is in use, σ.
     farthest: f64,
     table: ColumnTable,
+    /// How many places after its own a list reaches, more or less.
+    ahead: usize,
     chunks: Vec<SharedChunk>,
 }
 
@@ -47,6 +49,7 @@ impl SharedList {
             radius,
             farthest: r_cut + FARTHEST_TOGETHER * (radius - r_cut),
             table: ColumnTable::default(),
+            ahead: 0,
             chunks: Vec::new(),
         }
     }
@@ -61,6 +64,13 @@ impl SharedList {
     #[must_use]
     pub fn chunks(&self) -> &[SharedChunk] {
         &self.chunks
+    }
+
+    /// The places that come into reach with the particles at some places, more or less, so that a loop may ask for what it
+    /// reads there.
+    #[must_use]
+    pub fn comes_into_reach(&self, places: &Range<usize>) -> Range<usize> {
+        places.start + self.ahead..places.end + self.ahead
     }
 
     /// Number of lanes that a loop over all lists computes.
@@ -102,6 +112,7 @@ impl SharedList {
         scanner: &dyn SharedScanner,
     ) -> Result<(), GridError> {
         self.table.sort(&self.cell, positions)?;
+        self.ahead = self.table.ahead(&self.cell, self.radius);
         let n = positions.len();
         self.chunks
             .resize_with(n.div_ceil(ATOMS_PER_CHUNK), SharedChunk::default);
@@ -157,8 +168,6 @@ struct Search<'a> {
     radius: f64,
     /// See [`SharedList`].
     farthest: f64,
-    /// Whether places themselves fit into entries.
-    narrow: bool,
 }
 
 impl<'a> Search<'a> {
@@ -172,7 +181,6 @@ impl<'a> Search<'a> {
             scale: (lengths / FIXED_UNITS).to_array(),
             radius: list.radius + rounding,
             farthest: list.farthest + rounding,
-            narrow: is_narrow(list.table.particle.len()),
         }
     }
 
@@ -183,6 +191,7 @@ impl<'a> Search<'a> {
             let group = group..(group + GROUP).min(places.end);
             let around = self.around(group.clone());
             self.find_runs(&around, scratch);
+            let base = self.base(&mut scratch.runs);
             let Scratch {
                 runs,
                 gathered,
@@ -199,7 +208,7 @@ impl<'a> Search<'a> {
                 let own = sharers.map(|at| around.relative(at));
                 self.scanner
                     .near(gathered, &around, own, first as u32, found);
-                chunk.push(found, self.are_together(&sharers), self.narrow);
+                chunk.push(found, self.are_together(&sharers), base);
             }
         }
         chunk.finish();
@@ -296,10 +305,22 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        if !self.narrow {
-            // In the order of places, so that blocks seldom reach from one strip of columns to the next.
-            runs.sort_unstable_by_key(|run| run.start);
+    }
+
+    /// A base from which entries reach the places of all runs. Where there is none, puts the runs in order, so that blocks
+    /// seldom reach from one strip of columns to the next.
+    fn base(&self, runs: &mut [Range<u32>]) -> Option<u32> {
+        let n = self.table.particle.len() as u32;
+        if n <= REACH + 1 {
+            return Some(0);
         }
+        let low = runs.iter().map(|run| run.start).min()?;
+        let high = runs.iter().map(|run| run.end).max()?;
+        if high - low <= REACH + 1 {
+            return Some(low);
+        }
+        runs.sort_unstable_by_key(|run| run.start);
+        None
     }
 
     /// The columns along an axis that come within the radius of a box.

@@ -1,13 +1,14 @@
 //! The loop over lists that four particles share, written once over the lanes.
 
-use lennard_neighbor::{BLOCK, SHARERS, SharedChunk, SharedList, Span};
+use lennard_core::parallel::part;
+use lennard_neighbor::{ATOMS_PER_CHUNK, BLOCK, Block, SHARERS, SharedChunk, SharedList, Span};
 
 use super::FixedRow;
 use super::lanes::FixedLanes;
 use super::output::Output;
 use super::pair_loop::{ChunkTotals, Wanted};
 use super::pair_sums::{Besides, ForcesAlone, PairSums};
-use super::prefetch::prefetch;
+use super::prefetch::{prefetch, prefetch_part};
 use super::reader::Reader;
 use super::view::{AsTheyAre, FromAmid, View};
 use crate::truncation::PairForm;
@@ -57,29 +58,33 @@ pub unsafe fn run<L: FixedLanes, F: PairForm>(
     let chunks = job.list.chunks();
     if let Some(next) = chunks.get(chunk + 1) {
         prefetch(&next.spans);
-        prefetch(&next.blocks);
+        let places = part(chunk + 1, ATOMS_PER_CHUNK, rows.len());
+        prefetch_part(rows, job.list.comes_into_reach(&places));
     }
+    let later = chunks.get(chunk + 2).map_or(&[][..], |later| &later.blocks);
     let chunk = &chunks[chunk];
     // SAFETY: the contract is passed on.
     unsafe {
         // Constants stand alone in their conditions: only so does the compiler leave out what they rule out.
         if F::RARE {
-            return sweep::<L, F, PairSums<L>, ForcesAlone>(job, rows, chunk, output);
+            return sweep::<L, F, PairSums<L>, ForcesAlone>(job, rows, chunk, later, output);
         }
         // A list of fewer than four repeats its last one, which must not count twice.
         let full = chunk.first_place as usize + SHARERS * chunk.spans.len() <= rows.len();
         match wanted {
-            Wanted::Forces => sweep::<L, F, ForcesAlone, ForcesAlone>(job, rows, chunk, output),
-            Wanted::Totals if L::SPECIAL_LOOPS && full => {
-                sweep::<L, F, ForcesAlone, PairSums<L>>(job, rows, chunk, output)
+            Wanted::Forces => {
+                sweep::<L, F, ForcesAlone, ForcesAlone>(job, rows, chunk, later, output)
             }
-            _ => sweep::<L, F, PairSums<L>, ForcesAlone>(job, rows, chunk, output),
+            Wanted::Totals if L::SPECIAL_LOOPS && full => {
+                sweep::<L, F, ForcesAlone, PairSums<L>>(job, rows, chunk, later, output)
+            }
+            _ => sweep::<L, F, PairSums<L>, ForcesAlone>(job, rows, chunk, later, output),
         }
     }
 }
 
 /// Sums `B` for each particle, and `C` for four of them together, which takes a fourth of the registers. Forces are the
-/// same to the bit whatever else is summed.
+/// same to the bit whatever else is summed. The blocks of a `later` chunk are asked for, some with each list.
 ///
 /// # Safety
 /// As [`run`].
@@ -88,9 +93,11 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, C: Besides<L>>(
     job: &SharedJob<'_, F>,
     rows: &[FixedRow],
     chunk: &SharedChunk,
+    later: &[Block],
     output: &Output<'_>,
 ) -> ChunkTotals {
     let n = rows.len();
+    let share = later.len().div_ceil(chunk.spans.len().max(1));
     let mut totals = ChunkTotals::NOTHING;
     let mut sum = DVec3::ZERO;
     // SAFETY: the instruction set is there by contract; entries of the list name places, and `run` checked
@@ -99,7 +106,8 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, C: Besides<L>>(
         let mut reader = Reader::new(rows, chunk);
         let mut first = chunk.first_place as usize;
         let mut begin = 0;
-        for span in &chunk.spans {
+        for (list, span) in chunk.spans.iter().enumerate() {
+            prefetch_part(later, share * list..share * (list + 1));
             let counts = Counts::of(span, begin);
             // Their forces lie anywhere in memory.
             if L::SPECIAL_LOOPS {
