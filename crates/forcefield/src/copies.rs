@@ -100,14 +100,6 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
         (fitness, totals, broken)
     }
 
-    /// The one copy that all threads read.
-    pub fn shared_by_all(&mut self, rows: usize) -> &mut Vec<Row> {
-        self.0.resize_with(self.0.len().max(1), Mutex::default);
-        let copy = self.0[0].get_mut().unwrap_or_else(PoisonError::into_inner);
-        copy.resize(rows, Row::default());
-        copy
-    }
-
     fn pack(&self, copy: usize, by: By, work: &Work<'_, Row>) -> (MutexGuard<'_, Vec<Row>>, Moved) {
         let mut rows = lock(&self.0[copy]);
         rows.resize(work.rows, Row::default());

@@ -9,8 +9,7 @@ use lennard_neighbor::{Criterion, GridError, Images, NeighborList, SharedList};
 use crate::copies::{Copies, Fitness, Work};
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
-    DoubleRow, FEW, FixedRow, Level, Motion, Moved, Output, Pace, PairList, PerParticle, Wanted,
-    take,
+    DoubleRow, FixedRow, Level, Motion, Moved, Output, Pace, PairList, PerParticle, Wanted, take,
 };
 use crate::sums::Totals;
 use crate::terms::Terms;
@@ -247,58 +246,42 @@ impl Listed {
         pace: Pace,
         clock: &mut Clock,
     ) -> u64 {
-        if !self.is_worth_strides(stride.positions.len()) || stride.steps < FEWEST_STEPS {
+        // Of forces that are a pure function of the positions nothing else is wanted.
+        if matches!(self.pairs, Pairs::Canonical(..)) || stride.steps < FEWEST_STEPS {
             return 0;
         }
         let start = Instant::now();
         let (mut taken, mut building) = (0, 0.0);
-        let mut fitness = Fitness::Stale;
-        if self.terms.built.len() == stride.positions.len() {
-            fitness = self.begin(stride.positions);
-        }
-        while taken < stride.steps && fitness != Fitness::Broken {
-            if fitness == Fitness::Stale {
+        let mut is_built = self.terms.built.len() == stride.positions.len();
+        while taken < stride.steps {
+            let is_new = !is_built;
+            if is_new {
                 let start = Instant::now();
                 let built = self.build(stride.positions);
                 building += start.elapsed().as_secs_f64();
                 if built.is_err() {
                     break;
                 }
-                fitness = self.begin(stride.positions);
-                assert_ne!(fitness, Fitness::Stale, "a list is fit where it was built");
-                continue;
             }
             let limits = (stride.steps - taken, pace);
-            let done;
-            (done, fitness) = match &mut self.pairs {
+            let (done, fitness) = match &mut self.pairs {
                 Pairs::Canonical(..) => break,
                 Pairs::Rows(list, laid) => laid.go(&self.terms, &**list, form, stride, limits),
                 Pairs::Shared(list, laid) => laid.go(&self.terms, &**list, form, stride, limits),
             };
             taken += done;
+            if fitness == Fitness::Broken {
+                break;
+            }
+            is_built = fitness == Fitness::Fit;
+            assert!(
+                is_built || done > 0 || !is_new,
+                "a list is fit where it was built"
+            );
         }
         clock.neighbor += building;
         clock.force += start.elapsed().as_secs_f64() - building;
         taken
-    }
-
-    /// Where forces are a pure function of the positions, nothing else is wanted of them; and few particles are packed by each
-    /// thread for itself, ghosts among them, which costs less than to wait for others' rows.
-    fn is_worth_strides(&self, n: usize) -> bool {
-        match self.pairs {
-            Pairs::Canonical(..) => false,
-            Pairs::Rows(..) => n > FEW,
-            Pairs::Shared(..) => true,
-        }
-    }
-
-    /// Lays the particles out for a stride and judges the list there.
-    fn begin(&mut self, positions: &[DVec3]) -> Fitness {
-        match &mut self.pairs {
-            Pairs::Canonical(..) => Fitness::Broken,
-            Pairs::Rows(list, laid) => laid.begin(&self.terms, &**list, positions),
-            Pairs::Shared(list, laid) => laid.begin(&self.terms, &**list, positions),
-        }
     }
 
     /// Writes what a restart needs: the positions of the build.
@@ -389,17 +372,6 @@ impl<Row: Copy + Default + Send + Sync> Laid<Row> {
         })
     }
 
-    /// See [`Underway::begin`].
-    fn begin<P: PairList<Row = Row>>(
-        &mut self,
-        terms: &Terms,
-        list: &P,
-        positions: &[DVec3],
-    ) -> Fitness {
-        let rows = self.copies.shared_by_all(list.rows());
-        self.underway.begin(terms, list, rows, positions)
-    }
-
     /// See [`Underway::go`].
     fn go<P: PairList<Row = Row>, F: PairForm>(
         &mut self,
@@ -409,8 +381,8 @@ impl<Row: Copy + Default + Send + Sync> Laid<Row> {
         stride: &mut Stride<'_>,
         limits: (u64, Pace),
     ) -> (u64, Fitness) {
-        let rows = self.copies.shared_by_all(list.rows());
-        self.underway.go(terms, (list, rows), form, stride, limits)
+        let lists = (list, &mut self.copies);
+        self.underway.go(terms, lists, form, stride, limits)
     }
 }
 

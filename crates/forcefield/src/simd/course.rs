@@ -2,48 +2,84 @@
 
 use glam::DVec3;
 use lennard_core::parallel::{for_each_piece, for_each_range, part};
-use lennard_core::tasks::for_each_task;
 use lennard_neighbor::ATOMS_PER_CHUNK;
 
 use super::packing::Pace;
 use super::prefetch::prefetch_write_all;
-use super::{Level, Output, PairList, Scatter, Wanted, go_on};
+use super::{FEW, Output, PairList, Scatter, Wanted, go_on};
+use crate::copies::{Copies, Fitness, Work};
+use crate::terms::Terms;
 use crate::truncation::PairForm;
 
-/// One step of `positions`, σ, and `velocities`, σ/τ, both by place, with the forces that are found from `rows`; one that is
-/// not finite leaves a position that is not. `in_order` numbers the places.
+/// Particles by place.
+pub struct OnTheWay<'a> {
+    /// Positions, σ.
+    pub positions: &'a mut [DVec3],
+    /// Where those of the next step are written, σ; in place where there is nothing, as only many particles allow.
+    pub next: Option<&'a mut Vec<DVec3>>,
+    /// Velocities, σ/τ.
+    pub velocities: &'a mut [DVec3],
+    /// The numbers of the places.
+    pub in_order: &'a [u32],
+}
+
+/// Judges the list, and takes one step where it is fit. Where a number is not finite, what was written is worth nothing.
 pub fn advance<P: PairList, F: PairForm>(
-    level: Level,
+    terms: &Terms,
+    (list, copies): (&P, &mut Copies<P::Row>),
     job: &P::Job<'_, F>,
-    rows: &[P::Row],
-    (positions, velocities): (&mut [DVec3], &mut [DVec3]),
-    in_order: &[u32],
+    particles: OnTheWay<'_>,
     pace: Pace,
-) {
+) -> Fitness {
+    let in_order = particles.in_order;
     let n = in_order.len();
     assert!(
-        positions.len() == n && velocities.len() == n,
+        particles.positions.len() == n && particles.velocities.len() == n,
         "vectors for each place"
     );
-    let (positions, velocities) = (Scatter::new(positions), Scatter::new(velocities));
-    for_each_task(n.div_ceil(ATOMS_PER_CHUNK), |(): &mut (), chunk| {
-        let places = part(chunk, ATOMS_PER_CHUNK, n);
-        // SAFETY: the places of a chunk are no other's.
-        let (positions, velocities) = unsafe {
-            (
-                positions.part(places.clone()),
-                velocities.part(places.clone()),
-            )
-        };
-        // Needed at once after the forces, and too short for a processor to take them for streams.
-        prefetch_write_all(positions);
-        prefetch_write_all(velocities);
-        let mut forces = [DVec3::ZERO; ATOMS_PER_CHUNK];
-        let forces = &mut forces[..places.len()];
-        let output = Output::new(forces, None, &in_order[..places.len()], places.start);
-        P::run(level, job, rows, chunk, Wanted::Forces, &output);
-        go_on(level, positions, velocities, forces, pace);
+    assert!(
+        particles.next.is_some() || n > FEW,
+        "few particles are packed while chunks run"
+    );
+    let positions = Scatter::new(particles.positions);
+    let velocities = Scatter::new(particles.velocities);
+    let next = particles.next.map(|next| Scatter::new(next));
+    // SAFETY: asked for while rows are packed and the list is judged, which for many particles is over before the first
+    // chunk runs, and by the chunks of few, whose positions are written elsewhere.
+    let now = || unsafe { positions.all() };
+    let (fitness, _, broken) = copies.run(&Work {
+        n,
+        rows: list.rows(),
+        chunks: list.chunks(),
+        wanted: Wanted::Forces,
+        pack: &|by, rows| list.pack(terms.level, by, terms.motion(now(), in_order), rows),
+        judge: &|moved| terms.fitness(list.cells(), moved, |place| now()[place as usize]),
+        run: &|rows, chunk| {
+            let places = part(chunk, ATOMS_PER_CHUNK, n);
+            // SAFETY: the places of a chunk are no other's.
+            let (positions, velocities) = unsafe {
+                let positions = match &next {
+                    Some(next) => {
+                        let next = next.part(places.clone());
+                        next.copy_from_slice(&now()[places.clone()]);
+                        next
+                    }
+                    None => positions.part(places.clone()),
+                };
+                (positions, velocities.part(places.clone()))
+            };
+            // Needed at once after the forces, and too short for a processor to take them for streams.
+            prefetch_write_all(positions);
+            prefetch_write_all(velocities);
+            let mut forces = [DVec3::ZERO; ATOMS_PER_CHUNK];
+            let forces = &mut forces[..places.len()];
+            let output = Output::new(forces, None, &in_order[..places.len()], places.start);
+            let totals = P::run(terms.level, job, rows, chunk, Wanted::Forces, &output);
+            go_on(terms.level, positions, velocities, forces, pace);
+            totals
+        },
     });
+    if broken { Fitness::Broken } else { fitness }
 }
 
 /// Takes from an array by particle what belongs to each place, where `order` has the particle of each.

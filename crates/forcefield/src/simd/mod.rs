@@ -31,7 +31,7 @@ mod scatter;
 mod shared_loop;
 mod view;
 
-pub use course::{advance, bring_back, take};
+pub use course::{OnTheWay, advance, bring_back, take};
 pub use output::Output;
 pub use packing::{Motion, Moved, Pace};
 pub use pair_list::PairList;

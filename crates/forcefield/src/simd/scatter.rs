@@ -33,6 +33,16 @@ impl<'a, T: Copy> Scatter<'a, T> {
         prefetch_write(self.start.wrapping_add(index));
     }
 
+    /// All elements.
+    ///
+    /// # Safety
+    /// While they are borrowed, nobody writes one of them.
+    #[inline(always)]
+    pub unsafe fn all(&self) -> &[T] {
+        // SAFETY: it is the slice that was given; nobody writes to it by the contract of this function.
+        unsafe { std::slice::from_raw_parts(self.start, self.len) }
+    }
+
     /// Some of the elements.
     ///
     /// # Safety
