@@ -1,6 +1,7 @@
 //! The arguments of the programs here: words first, then `key=value`.
 
 use std::error::Error;
+use std::io;
 use std::process::ExitCode;
 
 use crate::{CASES, Case};
@@ -106,12 +107,13 @@ fn number(what: &str, found: &str, least: usize) -> Result<usize, BadArgument> {
     })
 }
 
-/// Tells what went wrong: 2 for arguments, 1 for anything else.
+/// Tells what went wrong: 2 for arguments, 1 for anything else, and nothing where whoever read the output has gone.
 #[allow(clippy::print_stderr)]
 #[must_use]
 pub fn exit_code(result: Result<(), Box<dyn Error>>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if has_no_reader(&*error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::from(if error.is::<BadArgument>() { 2 } else { 1 })
@@ -119,9 +121,22 @@ pub fn exit_code(result: Result<(), Box<dyn Error>>) -> ExitCode {
     }
 }
 
+fn has_no_reader(error: &(dyn Error + 'static)) -> bool {
+    let error = error.downcast_ref::<io::Error>();
+    error.is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn output_that_nobody_reads_is_no_error() {
+        let gone = io::Error::from(io::ErrorKind::BrokenPipe);
+        assert!(has_no_reader(&gone));
+        assert!(!has_no_reader(&io::Error::from(io::ErrorKind::StorageFull)));
+        assert!(!has_no_reader(&BadArgument(String::new())));
+    }
 
     fn read(line: &str) -> Result<Arguments, BadArgument> {
         let words = line.split_whitespace().map(str::to_owned);

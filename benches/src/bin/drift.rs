@@ -1,7 +1,7 @@
 //! Energy drift of a case: `drift CASE [STEPS] [precision=double,mixed] [truncation=shift]`, in ε an atom and τ, from
 //! a straight line through the conserved energy without the first fifth, with the standard error of ten block slopes.
-#![allow(clippy::print_stdout)]
 
+use std::io::{Write, stdout};
 use std::process::ExitCode;
 
 use lennard_benches::arguments::{Arguments, exit_code};
@@ -55,10 +55,16 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
         let line = drift(&times[settled.clone()], &energies[settled]);
         let momentum = run.velocities.iter().sum::<DVec3>().length() / n;
         let s = run.provider.statistics();
-        println!(
+        writeln!(
+            stdout(),
             "{} {name} {truncation:?}, {steps} steps: drift {:+.2e} ± {:.1e} ε/atom/τ, RMS {:.1e}, momentum {momentum:.1e} an atom, {} builds, {} late",
-            case.name, line.slope, line.standard_error, line.rms, s.builds, s.late_builds
-        );
+            case.name,
+            line.slope,
+            line.standard_error,
+            line.rms,
+            s.builds,
+            s.late_builds
+        )?;
     }
     Ok(())
 }

@@ -2,8 +2,8 @@
 //! `steps CASE [STEPS] [key=value ...]` with keys `threads`, `beside`, `precision`, `repeats` and `warm`. With `beside`, blocks on
 //! so many threads are taken in turn with those on `threads`, and the median of the ratios of neighboring blocks tells
 //! more than two runs on a machine whose clock drifts. Kernels, lists and skins are what `lennard bench` is for.
-#![allow(clippy::print_stdout)]
 
+use std::io::{Write, stdout};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -63,25 +63,27 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
     let s = run.provider.statistics();
     let speed = |seconds: f64| (case.n_atoms() * steps) as f64 / seconds / 1e6;
     for (seconds, threads) in seconds.iter().zip(&counts) {
-        println!(
+        writeln!(
+            stdout(),
             "{name}: best {:.2} M/s, median {:.2} M/s; {threads} threads, skin {:.3}, {:.1} steps a build, T {:.3}",
             speed(quantile(seconds, 0.0)),
             speed(quantile(seconds, 0.5)),
             s.skin,
             s.evaluations as f64 / s.builds as f64,
             run.temperature(),
-        );
+        )?;
     }
     if let [these, those] = &seconds[..] {
         let ratios: Vec<f64> = those.iter().zip(these).map(|(b, a)| b / a).collect();
-        println!(
+        writeln!(
+            stdout(),
             "{} threads over {}: median {:.2}, quartiles {:.2} and {:.2}",
             counts[0],
             counts[1],
             quantile(&ratios, 0.5),
             quantile(&ratios, 0.25),
             quantile(&ratios, 0.75),
-        );
+        )?;
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use lennard_core::tasks::{for_each_task, map_tasks};
 
-use crate::simd::{By, ChunkTotals, FEW, Moved, Wanted};
+use crate::simd::{By, ChunkTotals, Moved, Wanted};
 use crate::sums::Totals;
 
 /// Whether a list may be used at some positions.
@@ -37,6 +37,12 @@ pub struct Work<'a, Row> {
     pub run: &'a (dyn Fn(&[Row], usize) -> ChunkTotals + Sync),
 }
 
+/// Whether so many particles are so few that each thread packs them all for itself, before its first chunk, while others may
+/// be at theirs.
+pub fn are_few(n: usize) -> bool {
+    n <= 2048
+}
+
 /// One copy that all threads read; or, where particles are so few that one thread packs them all, one for each.
 ///
 /// Few particles are packed faster than their rows, ghosts among them, come from another processor's cache, and all
@@ -61,7 +67,7 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
 
     /// Packs, judges, and runs all chunks where the list is fit. Gives the totals, and whether a force was not finite.
     pub fn run(&mut self, work: &Work<'_, Row>) -> (Fitness, Totals, bool) {
-        let few = work.n <= FEW;
+        let few = are_few(work.n);
         let copies = if few { rayon::current_num_threads() } else { 1 };
         self.0.resize_with(copies, Mutex::default);
         if few {

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use lennard_core::Stride;
 
-use crate::copies::{Copies, Fitness};
-use crate::simd::{FEW, OnTheWay, Pace, PairList, advance, bring_back, take};
+use crate::copies::{Copies, Fitness, are_few};
+use crate::simd::{OnTheWay, Pace, PairList, advance, bring_back, take};
 use crate::terms::Terms;
 use crate::truncation::PairForm;
 
@@ -41,16 +41,15 @@ impl Underway {
         take(list.particles(), stride.velocities, &mut self.velocities);
         self.in_order.clear();
         self.in_order.extend(0..n as u32);
-        // Few particles are packed by each thread for itself, and none waits for the others.
-        let in_place = n > FEW;
-        self.next.resize(if in_place { 0 } else { n }, DVec3::ZERO);
+        let few = are_few(n);
+        self.next.resize(if few { n } else { 0 }, DVec3::ZERO);
         let job = list.job(form, terms.r_cut, terms.cell.lengths());
         let mut taken = 0;
         let mut fitness = Fitness::Fit;
         while taken < most {
             let particles = OnTheWay {
                 positions: &mut self.positions,
-                next: (!in_place).then_some(&mut self.next),
+                next: few.then_some(&mut self.next[..]),
                 velocities: &mut self.velocities,
                 in_order: &self.in_order,
             };
@@ -58,7 +57,7 @@ impl Underway {
             if fitness != Fitness::Fit {
                 break;
             }
-            if !in_place {
+            if few {
                 std::mem::swap(&mut self.positions, &mut self.next);
             }
             taken += 1;

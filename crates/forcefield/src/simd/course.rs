@@ -6,8 +6,8 @@ use lennard_neighbor::ATOMS_PER_CHUNK;
 
 use super::packing::Pace;
 use super::prefetch::prefetch_write_all;
-use super::{FEW, Output, PairList, Scatter, Wanted, go_on};
-use crate::copies::{Copies, Fitness, Work};
+use super::{Output, PairList, Scatter, Wanted, go_on};
+use crate::copies::{Copies, Fitness, Work, are_few};
 use crate::terms::Terms;
 use crate::truncation::PairForm;
 
@@ -16,7 +16,7 @@ pub struct OnTheWay<'a> {
     /// Positions, σ.
     pub positions: &'a mut [DVec3],
     /// Where those of the next step are written, σ; in place where there is nothing, as only many particles allow.
-    pub next: Option<&'a mut Vec<DVec3>>,
+    pub next: Option<&'a mut [DVec3]>,
     /// Velocities, σ/τ.
     pub velocities: &'a mut [DVec3],
     /// The numbers of the places.
@@ -38,12 +38,12 @@ pub fn advance<P: PairList, F: PairForm>(
         "vectors for each place"
     );
     assert!(
-        particles.next.is_some() || n > FEW,
+        particles.next.is_some() || !are_few(n),
         "few particles are packed while chunks run"
     );
     let positions = Scatter::new(particles.positions);
     let velocities = Scatter::new(particles.velocities);
-    let next = particles.next.map(|next| Scatter::new(next));
+    let next = particles.next.map(Scatter::new);
     // SAFETY: asked for while rows are packed and the list is judged, which for many particles is over before the first
     // chunk runs, and by the chunks of few, whose positions are written elsewhere.
     let now = || unsafe { positions.all() };

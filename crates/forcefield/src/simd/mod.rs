@@ -254,9 +254,6 @@ pub fn limit<F: PairForm>(
     }
 }
 
-/// Up to so many particles each thread may pack rows of its own.
-pub const FEW: usize = 2048;
-
 /// Who packs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum By {
