@@ -6,7 +6,7 @@ use glam::DVec3;
 use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWriter, Stride};
 use lennard_neighbor::{Criterion, GridError, Images, NeighborList, SharedList};
 
-use crate::copies::{Copies, Fitness, Work};
+use crate::copies::{Copies, Fitness};
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
     DoubleRow, FixedRow, Level, Motion, Moved, Output, Pace, PairList, PerParticle, Wanted, take,
@@ -252,9 +252,12 @@ impl Listed {
         }
         let start = Instant::now();
         let (mut taken, mut building) = (0, 0.0);
-        let mut is_built = self.terms.built.len() == stride.positions.len();
-        while taken < stride.steps {
-            let is_new = !is_built;
+        let mut fitness = Fitness::Stale;
+        if self.terms.built.len() == stride.positions.len() {
+            fitness = Fitness::Fit;
+        }
+        while taken < stride.steps && fitness != Fitness::Broken {
+            let is_new = fitness == Fitness::Stale;
             if is_new {
                 let start = Instant::now();
                 let built = self.build(stride.positions);
@@ -264,18 +267,15 @@ impl Listed {
                 }
             }
             let limits = (stride.steps - taken, pace);
-            let (done, fitness) = match &mut self.pairs {
+            let done;
+            (done, fitness) = match &mut self.pairs {
                 Pairs::Canonical(..) => break,
                 Pairs::Rows(list, laid) => laid.go(&self.terms, &**list, form, stride, limits),
                 Pairs::Shared(list, laid) => laid.go(&self.terms, &**list, form, stride, limits),
             };
             taken += done;
-            if fitness == Fitness::Broken {
-                break;
-            }
-            is_built = fitness == Fitness::Fit;
             assert!(
-                is_built || done > 0 || !is_new,
+                done > 0 || fitness != Fitness::Stale || !is_new,
                 "a list is fit where it was built"
             );
         }
@@ -357,19 +357,10 @@ impl<Row: Copy + Default + Send + Sync> Laid<Row> {
         wanted: Wanted,
         output: &Output<'_>,
     ) -> (Fitness, Totals, bool) {
-        let particles = list.particles();
-        let motion = terms.motion(positions, particles);
-        let at = |place| positions[particles[place as usize] as usize];
-        let job = list.job(form, terms.r_cut, motion.lengths);
-        self.copies.run(&Work {
-            n: positions.len(),
-            rows: list.rows(),
-            chunks: list.chunks(),
-            wanted,
-            pack: &|by, rows| list.pack(terms.level, by, motion, rows),
-            judge: &|moved| terms.fitness(list.cells(), moved, at),
-            run: &|rows, c| P::run(terms.level, &job, rows, c, wanted, output),
-        })
+        let job = list.job(form, terms.r_cut, terms.cell.lengths());
+        let run = |rows: &[Row], c| P::run(terms.level, &job, rows, c, wanted, output);
+        let lists = (list, &mut self.copies);
+        terms.use_list(lists, || positions, list.particles(), wanted, &run)
     }
 
     /// See [`Underway::go`].

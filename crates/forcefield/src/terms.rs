@@ -4,8 +4,9 @@ use glam::DVec3;
 use lennard_core::PeriodicBox;
 use lennard_neighbor::{Cells, Criterion, Moves, Verdict, misses_a_pair};
 
-use crate::copies::Fitness;
-use crate::simd::{Level, Motion, Moved};
+use crate::copies::{Copies, Fitness, Work};
+use crate::simd::{ChunkTotals, Level, Motion, Moved, PairList, Wanted};
+use crate::sums::Totals;
 
 /// The terms on which a list is used.
 pub struct Terms {
@@ -24,6 +25,28 @@ pub struct Terms {
 }
 
 impl Terms {
+    /// Packs rows of the positions that are `now`, σ, of which `order` says which belongs to each place, judges the list
+    /// there, and runs its chunks where it is fit. Gives the totals, and whether a force was not finite.
+    pub fn use_list<'p, P: PairList>(
+        &self,
+        (list, copies): (&P, &mut Copies<P::Row>),
+        now: impl Fn() -> &'p [DVec3] + Sync,
+        order: &[u32],
+        wanted: Wanted,
+        run: &(dyn Fn(&[P::Row], usize) -> ChunkTotals + Sync),
+    ) -> (Fitness, Totals, bool) {
+        let at = |place: u32| now()[order[place as usize] as usize];
+        copies.run(&Work {
+            n: order.len(),
+            rows: list.rows(),
+            chunks: list.chunks(),
+            wanted,
+            pack: &|by, rows| list.pack(self.level, by, self.motion(now(), order), rows),
+            judge: &|moved| self.fitness(list.cells(), moved, at),
+            run,
+        })
+    }
+
     /// How particles moved since the build: where they are, σ, and which of these positions belongs to each place.
     pub fn motion<'a>(&'a self, positions: &'a [DVec3], order: &'a [u32]) -> Motion<'a> {
         Motion {

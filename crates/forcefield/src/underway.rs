@@ -39,8 +39,9 @@ impl Underway {
         let n = stride.positions.len();
         take(list.particles(), stride.positions, &mut self.positions);
         take(list.particles(), stride.velocities, &mut self.velocities);
-        self.in_order.clear();
-        self.in_order.extend(0..n as u32);
+        if self.in_order.len() != n {
+            self.in_order = (0..n as u32).collect();
+        }
         let few = are_few(n);
         self.next.resize(if few { n } else { 0 }, DVec3::ZERO);
         let job = list.job(form, terms.r_cut, terms.cell.lengths());

@@ -116,11 +116,6 @@ impl Columns {
         ((u64::from(coordinate as u32) * u64::from(count)) >> 32) as u32
     }
 
-    /// How many columns later the last one comes that is within so many of one along x and y.
-    fn ahead(&self, [x, y]: [u32; 2]) -> u32 {
-        x * self.strip.min(self.across[1]) + y
-    }
-
     /// The column at (x, y) of the grid, in the order of places.
     #[inline(always)]
     pub fn column(&self, x: u32, y: u32) -> u32 {
@@ -192,14 +187,15 @@ impl ColumnTable {
 
     /// How many places later the last one comes, in an even fluid, that is within `radius` σ.
     pub(crate) fn ahead(&self, cell: &PeriodicBox, radius: f64) -> usize {
-        let across = self.grid.across;
-        let columns = across[0] as usize * across[1] as usize;
-        let reach = [0, 1].map(|axis| {
+        let Columns { across, strip, .. } = self.grid;
+        let [x, y] = [0, 1].map(|axis| {
             let side = cell.lengths()[axis] / f64::from(across[axis]);
-            (radius / side).ceil() as u32
+            (radius / side).ceil() as usize
         });
+        let [nx, ny] = across.map(|count| count as usize);
         // One column more: every other one is walked from its end.
-        (self.grid.ahead(reach) as usize + 1) * self.particle.len() / columns
+        let columns = x * ny.min(strip as usize) + y + 1;
+        columns * self.particle.len() / (nx * ny)
     }
 
     /// Sorts `positions` (unwrapped, σ).

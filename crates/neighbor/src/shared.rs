@@ -35,8 +35,6 @@ pub struct SharedList {
     /// How far from each other two were at most, at the build, that are within the cutoff while the list is in use, σ.
     farthest: f64,
     table: ColumnTable,
-    /// How many places after its own a list reaches, more or less.
-    ahead: usize,
     chunks: Vec<SharedChunk>,
 }
 
@@ -49,7 +47,6 @@ impl SharedList {
             radius,
             farthest: r_cut + FARTHEST_TOGETHER * (radius - r_cut),
             table: ColumnTable::default(),
-            ahead: 0,
             chunks: Vec::new(),
         }
     }
@@ -66,11 +63,10 @@ impl SharedList {
         &self.chunks
     }
 
-    /// The places that come into reach with the particles at some places, more or less, so that a loop may ask for what it
-    /// reads there.
+    /// How many places after its own a list reaches, more or less: a loop may ask for what comes into reach there.
     #[must_use]
-    pub fn comes_into_reach(&self, places: &Range<usize>) -> Range<usize> {
-        places.start + self.ahead..places.end + self.ahead
+    pub fn reaches_ahead(&self) -> usize {
+        self.table.ahead(&self.cell, self.radius)
     }
 
     /// Number of lanes that a loop over all lists computes.
@@ -112,7 +108,6 @@ impl SharedList {
         scanner: &dyn SharedScanner,
     ) -> Result<(), GridError> {
         self.table.sort(&self.cell, positions)?;
-        self.ahead = self.table.ahead(&self.cell, self.radius);
         let n = positions.len();
         self.chunks
             .resize_with(n.div_ceil(ATOMS_PER_CHUNK), SharedChunk::default);

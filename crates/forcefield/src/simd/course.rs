@@ -7,7 +7,7 @@ use lennard_neighbor::ATOMS_PER_CHUNK;
 use super::packing::Pace;
 use super::prefetch::prefetch_write_all;
 use super::{Output, PairList, Scatter, Wanted, go_on};
-use crate::copies::{Copies, Fitness, Work, are_few};
+use crate::copies::{Copies, Fitness, are_few};
 use crate::terms::Terms;
 use crate::truncation::PairForm;
 
@@ -26,7 +26,7 @@ pub struct OnTheWay<'a> {
 /// Judges the list, and takes one step where it is fit. Where a number is not finite, what was written is worth nothing.
 pub fn advance<P: PairList, F: PairForm>(
     terms: &Terms,
-    (list, copies): (&P, &mut Copies<P::Row>),
+    lists: (&P, &mut Copies<P::Row>),
     job: &P::Job<'_, F>,
     particles: OnTheWay<'_>,
     pace: Pace,
@@ -47,38 +47,31 @@ pub fn advance<P: PairList, F: PairForm>(
     // SAFETY: asked for while rows are packed and the list is judged, which for many particles is over before the first
     // chunk runs, and by the chunks of few, whose positions are written elsewhere.
     let now = || unsafe { positions.all() };
-    let (fitness, _, broken) = copies.run(&Work {
-        n,
-        rows: list.rows(),
-        chunks: list.chunks(),
-        wanted: Wanted::Forces,
-        pack: &|by, rows| list.pack(terms.level, by, terms.motion(now(), in_order), rows),
-        judge: &|moved| terms.fitness(list.cells(), moved, |place| now()[place as usize]),
-        run: &|rows, chunk| {
-            let places = part(chunk, ATOMS_PER_CHUNK, n);
-            // SAFETY: the places of a chunk are no other's.
-            let (positions, velocities) = unsafe {
-                let positions = match &next {
-                    Some(next) => {
-                        let next = next.part(places.clone());
-                        next.copy_from_slice(&now()[places.clone()]);
-                        next
-                    }
-                    None => positions.part(places.clone()),
-                };
-                (positions, velocities.part(places.clone()))
+    let run = |rows: &[P::Row], chunk| {
+        let places = part(chunk, ATOMS_PER_CHUNK, n);
+        // SAFETY: the places of a chunk are no other's.
+        let (positions, velocities) = unsafe {
+            let positions = match &next {
+                Some(next) => {
+                    let next = next.part(places.clone());
+                    next.copy_from_slice(&now()[places.clone()]);
+                    next
+                }
+                None => positions.part(places.clone()),
             };
-            // Needed at once after the forces, and too short for a processor to take them for streams.
-            prefetch_write_all(positions);
-            prefetch_write_all(velocities);
-            let mut forces = [DVec3::ZERO; ATOMS_PER_CHUNK];
-            let forces = &mut forces[..places.len()];
-            let output = Output::new(forces, None, &in_order[..places.len()], places.start);
-            let totals = P::run(terms.level, job, rows, chunk, Wanted::Forces, &output);
-            go_on(terms.level, positions, velocities, forces, pace);
-            totals
-        },
-    });
+            (positions, velocities.part(places.clone()))
+        };
+        // Needed at once after the forces, and too short for a processor to take them for streams.
+        prefetch_write_all(positions);
+        prefetch_write_all(velocities);
+        let mut forces = [DVec3::ZERO; ATOMS_PER_CHUNK];
+        let forces = &mut forces[..places.len()];
+        let output = Output::new(forces, None, &in_order[..places.len()], places.start);
+        let totals = P::run(terms.level, job, rows, chunk, Wanted::Forces, &output);
+        go_on(terms.level, positions, velocities, forces, pace);
+        totals
+    };
+    let (fitness, _, broken) = terms.use_list(lists, now, in_order, Wanted::Forces, &run);
     if broken { Fitness::Broken } else { fitness }
 }
 

@@ -5,6 +5,21 @@
 //! physics is in the formulas that are passed in, none of which names an instruction set.
 #![allow(unsafe_code)]
 
+/// Calls what the module of a level's instruction set has under a name.
+macro_rules! by_level {
+    ($level:expr, $function:ident($($argument:expr),*)) => {
+        match $level {
+            // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 => unsafe { crate::simd::avx512::$function($($argument),*) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2 => unsafe { crate::simd::avx2::$function($($argument),*) },
+            _ => crate::simd::portable::$function($($argument),*),
+        }
+    };
+}
+
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -243,15 +258,7 @@ pub fn limit<F: PairForm>(
     r_cut: f64,
     rounds: u64,
 ) -> (u64, f64) {
-    match level {
-        // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => unsafe { avx512::limit(form, r_cut, rounds, precision) },
-        // SAFETY: as above.
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => unsafe { avx2::limit(form, r_cut, rounds, precision) },
-        _ => portable::limit(form, r_cut, rounds, precision),
-    }
+    by_level!(level, limit(form, r_cut, rounds, precision))
 }
 
 /// Who packs.

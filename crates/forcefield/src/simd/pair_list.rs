@@ -6,10 +6,8 @@ use lennard_neighbor::{Cells, FIXED_UNITS, NeighborList, SharedList};
 use super::packing::{Motion, Moved};
 use super::{
     By, ChunkTotals, DoubleRow, FixedRow, Level, Output, PairJob, SharedJob, Wanted, pack_columns,
-    pack_double, portable,
+    pack_double,
 };
-#[cfg(target_arch = "x86_64")]
-use super::{avx2, avx512};
 use crate::truncation::PairForm;
 
 /// A list with its rows and its loop.
@@ -87,15 +85,7 @@ impl PairList for NeighborList {
         wanted: Wanted,
         output: &Output<'_>,
     ) -> ChunkTotals {
-        match level {
-            // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx512 => unsafe { avx512::run_double(job, rows, chunk, wanted, output) },
-            // SAFETY: as above.
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx2 => unsafe { avx2::run_double(job, rows, chunk, wanted, output) },
-            _ => portable::run_double(job, rows, chunk, wanted, output),
-        }
+        by_level!(level, run_double(job, rows, chunk, wanted, output))
     }
 }
 
@@ -139,14 +129,6 @@ impl PairList for SharedList {
         wanted: Wanted,
         output: &Output<'_>,
     ) -> ChunkTotals {
-        match level {
-            // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx512 => unsafe { avx512::run_shared(job, rows, chunk, wanted, output) },
-            // SAFETY: as above.
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx2 => unsafe { avx2::run_shared(job, rows, chunk, wanted, output) },
-            _ => portable::run_shared(job, rows, chunk, wanted, output),
-        }
+        by_level!(level, run_shared(job, rows, chunk, wanted, output))
     }
 }

@@ -21,6 +21,8 @@ pub struct SharedJob<'a, F> {
     /// Length of a unit along each axis, σ.
     scale: [f64; 3],
     list: &'a SharedList,
+    /// How many places after its own a list reaches, more or less.
+    ahead: usize,
 }
 
 impl<'a, F: PairForm> SharedJob<'a, F> {
@@ -31,6 +33,7 @@ impl<'a, F: PairForm> SharedJob<'a, F> {
             r_cut2: r_cut * r_cut,
             scale,
             list,
+            ahead: list.reaches_ahead(),
         }
     }
 }
@@ -59,7 +62,7 @@ pub unsafe fn run<L: FixedLanes, F: PairForm>(
     if let Some(next) = chunks.get(chunk + 1) {
         prefetch(&next.spans);
         let places = part(chunk + 1, ATOMS_PER_CHUNK, rows.len());
-        prefetch_part(rows, job.list.comes_into_reach(&places));
+        prefetch_part(rows, places.start + job.ahead..places.end + job.ahead);
     }
     let later = chunks.get(chunk + 2).map_or(&[][..], |later| &later.blocks);
     let chunk = &chunks[chunk];
