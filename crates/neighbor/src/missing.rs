@@ -1,5 +1,6 @@
 //! Whether a list misses a pair, looked for ahead of the particles that moved far since it was built.
 
+use std::hint::black_box;
 use std::ops::Range;
 
 use glam::DVec3;
@@ -42,6 +43,10 @@ impl<C: Cells, A: Fn(u32) -> DVec3> Moves<'_, C, A> {
 /// another rounding.
 const BESIDE: f64 = 1e-3;
 
+/// Particles that moved far whose surroundings are found before any of them is looked at: what memory is asked for then
+/// comes at the same time, and not one after the other.
+const TOGETHER: usize = 16;
+
 /// Whether two particles are within `inner` σ of each other, by an image that was farther than `radius` σ away when the
 /// list was built, so that a list of that radius does not name it. `far` has the places of all particles that moved by more
 /// than half the skin, which is the difference of the two distances.
@@ -73,10 +78,23 @@ pub fn misses_a_pair<C: Cells, A: Fn(u32) -> DVec3 + Sync>(
         farthest,
     };
     !all_pieces(far.len(), |range| {
+        let mut ahead = Vec::new();
         !far[range]
-            .iter()
-            .any(|place| search.misses_ahead_of(*place))
+            .chunks(TOGETHER)
+            .any(|some| search.misses_ahead_of(some, &mut ahead))
     })
+}
+
+/// A particle that moved far.
+#[derive(Clone, Copy)]
+struct Mover {
+    place: u32,
+    /// Where it is, σ.
+    at: DVec3,
+    /// How it moved, σ.
+    moved: DVec3,
+    /// How far from where it was one may have been at the build that is near to it now, σ.
+    farthest: f64,
 }
 
 struct Search<'a, C, A> {
@@ -94,44 +112,78 @@ struct Search<'a, C, A> {
 }
 
 impl<C: Cells, A: Fn(u32) -> DVec3> Search<'_, C, A> {
-    /// Whether the list misses somebody ahead of the particle at a place.
-    fn misses_ahead_of(&self, place: u32) -> bool {
+    /// Whether the list misses somebody ahead of one of the particles at some places; `ahead` is scratch.
+    fn misses_ahead_of(&self, places: &[u32], ahead: &mut Vec<(Mover, Range<u32>)>) -> bool {
+        ahead.clear();
+        for place in places {
+            self.look_ahead_of(*place, ahead);
+        }
+        // Nothing depends on what is read here, so that a processor waits for none of it.
+        let first = |(_, others): &(Mover, Range<u32>)| {
+            let first = self.moves.built.get(others.start as usize);
+            first.map_or(0, |at| at.x.to_bits())
+        };
+        black_box(ahead.iter().map(first).fold(0, |all, bits| all ^ bits));
+        ahead.iter().any(|(mover, others)| {
+            others.clone().any(|other| self.is_missed(mover, other))
+        })
+    }
+
+    /// Adds the places of those who were ahead of the particle at a place.
+    fn look_ahead_of(&self, place: u32, ahead: &mut Vec<(Mover, Range<u32>)>) {
         let (at, moved) = self.moves.of(place);
         let way = moved.length();
         if way <= self.half {
-            return false;
+            return;
         }
         let before = at - moved;
-        let shell = [self.radius, self.inner + way + self.farthest];
+        let farthest = self.inner + way + self.farthest;
+        let shell = [self.radius, farthest];
         let cosine = self.half / way;
         let axis = |axis: usize| self.ahead(axis, before[axis], moved[axis] / way, cosine, shell);
         let [x, y, z] = [axis(0), axis(1), axis(2)];
-        let nobody_comes_around = 2.0 * shell[1] * (1.0 + 1e-9) < self.lengths.min_element();
-        let is_missed = |other: u32| {
-            if nobody_comes_around {
-                let then2 = self
-                    .nearest(before - self.moves.built[other as usize])
-                    .length_squared();
-                if then2 <= self.radius * self.radius || then2 > shell[1] * shell[1] * (1.0 + 1e-9)
-                {
-                    return false;
-                }
-            }
-            let (at_other, moved_other) = self.moves.of(other);
-            let now = self.nearest(at - at_other);
-            // The same image, at the build.
-            let then = now - (moved - moved_other);
-            now.length_squared() <= self.inner * self.inner
-                && then.length_squared() > self.radius * self.radius
-                && other != place
+        let mover = Mover {
+            place,
+            at,
+            moved,
+            farthest,
         };
         let [nx, ny, nz] = self.count;
-        x.around(nx).any(|x| {
-            y.around(ny).any(|y| {
-                z.runs(nz)
-                    .any(|z| self.moves.cells.places(x, y, z).any(is_missed))
-            })
-        })
+        for x in x.around(nx) {
+            for y in y.around(ny) {
+                for z in z.runs(nz) {
+                    ahead.push((mover, self.moves.cells.places(x, y, z)));
+                }
+            }
+        }
+    }
+
+    /// Whether the particle at the place `other` is near now, and was too far away to be listed.
+    #[inline(always)]
+    fn is_missed(&self, mover: &Mover, other: u32) -> bool {
+        let Mover {
+            place,
+            at,
+            moved,
+            farthest,
+        } = *mover;
+        // Where nobody comes around the box.
+        if 2.0 * farthest * (1.0 + 1e-9) < self.lengths.min_element() {
+            let before = at - moved;
+            let then2 = self
+                .nearest(before - self.moves.built[other as usize])
+                .length_squared();
+            if then2 <= self.radius * self.radius || then2 > farthest * farthest * (1.0 + 1e-9) {
+                return false;
+            }
+        }
+        let (at_other, moved_other) = self.moves.of(other);
+        let now = self.nearest(at - at_other);
+        // The same image, at the build.
+        let then = now - (moved - moved_other);
+        now.length_squared() <= self.inner * self.inner
+            && then.length_squared() > self.radius * self.radius
+            && other != place
     }
 
     /// The cells along an axis that a part of a shell reaches to: seen from `from` σ in the box, in directions whose cosine
