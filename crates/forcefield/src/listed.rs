@@ -4,12 +4,12 @@ use std::time::Instant;
 
 use glam::DVec3;
 use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWriter, Stride};
-use lennard_neighbor::{Criterion, GridError, Images, NeighborList, SharedList};
+use lennard_neighbor::{Criterion, Images, NeighborList, SharedList};
 
 use crate::copies::{Copies, Fitness};
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
-    DoubleRow, FixedRow, Level, Motion, Moved, Output, Pace, PairList, PerParticle, Wanted, take,
+    DoubleRow, FixedRow, Level, Motion, Moved, Output, Pace, PairList, PerParticle, Wanted,
 };
 use crate::sums::Totals;
 use crate::terms::Terms;
@@ -142,23 +142,16 @@ impl Listed {
 
     /// Builds the list for `positions`.
     pub fn build(&mut self, positions: &[DVec3]) -> Result<(), ForceError> {
-        // Half-built tables must not look valid.
-        self.terms.built.clear();
-        let built = match &mut self.pairs {
-            Pairs::Canonical(list, folded) => list
-                .build(positions, self.terms.level.scanner())
-                .map(|()| folded.list(list)),
-            Pairs::Rows(list, _) => list.build(positions, self.terms.level.scanner()),
-            Pairs::Shared(list, _) => list.build(positions, self.terms.level.shared_scanner()),
-        };
-        built.map_err(
-            |GridError::BadPosition { particle }| ForceError::NonFinitePosition { particle },
-        )?;
-        let mut built = std::mem::take(&mut self.terms.built);
-        take(self.particles(), positions, &mut built);
-        self.terms.built = built;
-        self.terms.criterion.built();
-        Ok(())
+        let terms = &mut self.terms;
+        match &mut self.pairs {
+            Pairs::Canonical(list, folded) => {
+                terms.build(&mut **list, positions, false)?;
+                folded.list(list);
+                Ok(())
+            }
+            Pairs::Rows(list, _) => terms.build(&mut **list, positions, false),
+            Pairs::Shared(list, _) => terms.build(&mut **list, positions, false),
+        }
     }
 
     /// Writes forces (and `each`) at `positions` and returns the totals, which are those of `wanted`.
@@ -246,39 +239,17 @@ impl Listed {
         pace: Pace,
         clock: &mut Clock,
     ) -> u64 {
-        // Of forces that are a pure function of the positions nothing else is wanted.
-        if matches!(self.pairs, Pairs::Canonical(..)) || stride.steps < FEWEST_STEPS {
+        if stride.steps < FEWEST_STEPS {
             return 0;
         }
         let start = Instant::now();
-        let (mut taken, mut building) = (0, 0.0);
-        let mut fitness = Fitness::Stale;
-        if self.terms.built.len() == stride.positions.len() {
-            fitness = Fitness::Fit;
-        }
-        while taken < stride.steps && fitness != Fitness::Broken {
-            let is_new = fitness == Fitness::Stale;
-            if is_new {
-                let start = Instant::now();
-                let built = self.build(stride.positions);
-                building += start.elapsed().as_secs_f64();
-                if built.is_err() {
-                    break;
-                }
-            }
-            let limits = (stride.steps - taken, pace);
-            let done;
-            (done, fitness) = match &mut self.pairs {
-                Pairs::Canonical(..) => break,
-                Pairs::Rows(list, laid) => laid.go(&self.terms, &**list, form, stride, limits),
-                Pairs::Shared(list, laid) => laid.go(&self.terms, &**list, form, stride, limits),
-            };
-            taken += done;
-            assert!(
-                done > 0 || fitness != Fitness::Stale || !is_new,
-                "a list is fit where it was built"
-            );
-        }
+        let terms = &mut self.terms;
+        let (taken, building) = match &mut self.pairs {
+            // Of forces that are a pure function of the positions nothing else is wanted.
+            Pairs::Canonical(..) => return 0,
+            Pairs::Rows(list, laid) => laid.go(terms, &mut **list, form, stride, pace),
+            Pairs::Shared(list, laid) => laid.go(terms, &mut **list, form, stride, pace),
+        };
         clock.neighbor += building;
         clock.force += start.elapsed().as_secs_f64() - building;
         taken
@@ -366,14 +337,14 @@ impl<Row: Copy + Default + Send + Sync> Laid<Row> {
     /// See [`Underway::go`].
     fn go<P: PairList<Row = Row>, F: PairForm>(
         &mut self,
-        terms: &Terms,
-        list: &P,
+        terms: &mut Terms,
+        list: &mut P,
         form: F,
         stride: &mut Stride<'_>,
-        limits: (u64, Pace),
-    ) -> (u64, Fitness) {
+        pace: Pace,
+    ) -> (u64, f64) {
         let lists = (list, &mut self.copies);
-        self.underway.go(terms, lists, form, stride, limits)
+        self.underway.go(terms, lists, form, stride, pace)
     }
 }
 

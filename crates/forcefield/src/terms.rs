@@ -1,11 +1,11 @@
 //! What holds for a list of any kind: the box, what it reaches to, and when it may be used.
 
 use glam::DVec3;
-use lennard_core::PeriodicBox;
-use lennard_neighbor::{Cells, Criterion, Moves, Verdict, misses_a_pair};
+use lennard_core::{ForceError, PeriodicBox};
+use lennard_neighbor::{Cells, Criterion, GridError, Moves, Verdict, misses_a_pair};
 
 use crate::copies::{Copies, Fitness, Work};
-use crate::simd::{ChunkTotals, Level, Motion, Moved, PairList, Wanted};
+use crate::simd::{ChunkTotals, Level, Motion, Moved, PairList, Wanted, take};
 use crate::sums::Totals;
 
 /// The terms on which a list is used.
@@ -25,6 +25,25 @@ pub struct Terms {
 }
 
 impl Terms {
+    /// Builds a list for positions, σ, that are given by particle, or `again` by the places that it has.
+    pub fn build<P: PairList>(
+        &mut self,
+        list: &mut P,
+        positions: &[DVec3],
+        again: bool,
+    ) -> Result<(), ForceError> {
+        // Half-built tables must not look valid.
+        let mut built = std::mem::take(&mut self.built);
+        let done = list.build(self.level, positions, again);
+        done.map_err(
+            |GridError::BadPosition { particle }| ForceError::NonFinitePosition { particle },
+        )?;
+        take(list.from(), positions, &mut built);
+        self.built = built;
+        self.criterion.built();
+        Ok(())
+    }
+
     /// Packs rows of the positions that are `now`, σ, of which `order` says which belongs to each place, judges the list
     /// there, and runs its chunks where it is fit. Gives the totals, and whether a force was not finite.
     pub fn use_list<'p, P: PairList>(

@@ -1,4 +1,6 @@
-//! Steps that follow each other between two builds of a list, particles by place.
+//! Steps that follow each other, particles by place.
+
+use std::time::Instant;
 
 use glam::DVec3;
 use lennard_core::Stride;
@@ -15,6 +17,8 @@ pub struct Underway {
     velocities: Vec<DVec3>,
     /// Where positions of the next step are written while others still read those of this one; empty where nobody does.
     next: Vec<DVec3>,
+    /// Velocities at the last build of this stride, in the order of the places before it.
+    at_build: Vec<DVec3>,
     /// 0, 1, …
     in_order: Vec<u32>,
 }
@@ -22,31 +26,113 @@ pub struct Underway {
 impl Underway {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        let vectors = self.positions.capacity() + self.velocities.capacity() + self.next.capacity();
+        let vectors = [
+            &self.positions,
+            &self.velocities,
+            &self.next,
+            &self.at_build,
+        ];
+        let vectors: usize = vectors.iter().map(|v| v.capacity()).sum();
         24 * vectors + 4 * self.in_order.capacity()
     }
 
-    /// Takes up to so many steps of a stride, while the list is fit. Gives how many were taken, and what ended them. Where a
-    /// number is not finite, none was taken.
+    /// Takes the steps of a stride, and builds the list wherever it is not fit. Gives how many were taken, and how long
+    /// building took, s. Where a number is not finite, those are taken that come before the last build.
     pub fn go<P: PairList, F: PairForm>(
         &mut self,
-        terms: &Terms,
-        (list, copies): (&P, &mut Copies<P::Row>),
+        terms: &mut Terms,
+        (list, copies): (&mut P, &mut Copies<P::Row>),
         form: F,
         stride: &mut Stride<'_>,
-        (most, pace): (u64, Pace),
-    ) -> (u64, Fitness) {
+        pace: Pace,
+    ) -> (u64, f64) {
+        let (mut taken, mut building) = (0, 0.0);
+        if terms.built.len() != stride.positions.len() {
+            let start = Instant::now();
+            let built = terms.build(list, stride.positions, false);
+            building += start.elapsed().as_secs_f64();
+            if built.is_err() {
+                return (0, building);
+            }
+        }
+        self.lay_out(list, stride);
+        let mut before_build = None;
+        loop {
+            let most = stride.steps - taken;
+            let (done, fitness) = self.advance(terms, (list, copies), form, most, pace);
+            match fitness {
+                Fitness::Fit => {
+                    taken += done;
+                    break;
+                }
+                Fitness::Broken => {
+                    let Some(before_build) = before_build else {
+                        return (0, building);
+                    };
+                    self.return_to_build(list, &terms.built);
+                    taken = before_build;
+                    break;
+                }
+                Fitness::Stale => {
+                    taken += done;
+                    assert!(
+                        done > 0 || before_build.is_none(),
+                        "a list is fit where it was built"
+                    );
+                    let start = Instant::now();
+                    let built = terms.build(list, &self.positions, true);
+                    if built.is_err() {
+                        break;
+                    }
+                    self.regroup(list, &terms.built);
+                    building += start.elapsed().as_secs_f64();
+                    before_build = Some(taken);
+                }
+            }
+        }
+        if taken > 0 {
+            bring_back(list, &self.positions, stride.positions);
+            bring_back(list, &self.velocities, stride.velocities);
+        }
+        (taken, building)
+    }
+
+    fn lay_out<P: PairList>(&mut self, list: &P, stride: &Stride<'_>) {
         let n = stride.positions.len();
         take(list.particles(), stride.positions, &mut self.positions);
         take(list.particles(), stride.velocities, &mut self.velocities);
         if self.in_order.len() != n {
             self.in_order = (0..n as u32).collect();
         }
-        let few = are_few(n);
-        self.next.resize(if few { n } else { 0 }, DVec3::ZERO);
+        self.next
+            .resize(if are_few(n) { n } else { 0 }, DVec3::ZERO);
+    }
+
+    /// Puts particles in the order of a list that was built anew, at these positions by place.
+    fn regroup<P: PairList>(&mut self, list: &P, built: &[DVec3]) {
+        self.positions.copy_from_slice(built);
+        std::mem::swap(&mut self.velocities, &mut self.at_build);
+        take(list.from(), &self.at_build, &mut self.velocities);
+    }
+
+    /// Puts particles where they were at the last build, which was at these positions by place.
+    fn return_to_build<P: PairList>(&mut self, list: &P, built: &[DVec3]) {
+        self.positions.copy_from_slice(built);
+        take(list.from(), &self.at_build, &mut self.velocities);
+    }
+
+    /// Takes up to so many steps, while the list is fit. Gives how many were taken, and what ended them.
+    fn advance<P: PairList, F: PairForm>(
+        &mut self,
+        terms: &Terms,
+        (list, copies): (&P, &mut Copies<P::Row>),
+        form: F,
+        most: u64,
+        pace: Pace,
+    ) -> (u64, Fitness) {
+        let few = are_few(self.in_order.len());
         let job = list.job(form, terms.r_cut, terms.cell.lengths());
         let mut taken = 0;
-        let mut fitness = Fitness::Fit;
         while taken < most {
             let particles = OnTheWay {
                 positions: &mut self.positions,
@@ -54,22 +140,15 @@ impl Underway {
                 velocities: &mut self.velocities,
                 in_order: &self.in_order,
             };
-            fitness = advance::<P, F>(terms, (list, copies), &job, particles, pace);
+            let fitness = advance::<P, F>(terms, (list, copies), &job, particles, pace);
             if fitness != Fitness::Fit {
-                break;
+                return (taken, fitness);
             }
             if few {
                 std::mem::swap(&mut self.positions, &mut self.next);
             }
             taken += 1;
         }
-        if fitness == Fitness::Broken {
-            return (0, fitness);
-        }
-        if taken > 0 {
-            bring_back(list, &self.positions, stride.positions);
-            bring_back(list, &self.velocities, stride.velocities);
-        }
-        (taken, fitness)
+        (taken, Fitness::Fit)
     }
 }

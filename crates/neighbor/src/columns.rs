@@ -8,6 +8,7 @@ use lennard_core::PeriodicBox;
 use lennard_core::parallel::{for_each_piece, for_each_piece_of_three};
 
 use crate::blocks::REACH;
+use crate::counting::Standing;
 use crate::grid::{FARTHEST_IMAGE, GridError, fold};
 use crate::missing::Cells;
 use crate::scan::PADDING;
@@ -67,10 +68,7 @@ pub struct ColumnTable {
     /// Coordinates of each place along each axis in fixed point, `[N]` and [`PADDING`].
     pub at: [Vec<i32>; 3],
     pub(crate) grid: Columns,
-    /// First place of each cell of the sort, and the end.
-    first: Vec<u32>,
-    /// Scratch: the cell of each particle.
-    home: Vec<u32>,
+    standing: Standing,
 }
 
 /// Columns along x whose numbers stay within the reach of a block; lists name members of as many, seldom of one more.
@@ -181,8 +179,7 @@ impl ColumnTable {
                 .iter()
                 .map(|axis| 4 * axis.capacity())
                 .sum::<usize>()
-            + self.first.capacity() * 4
-            + self.home.capacity() * 4
+            + self.standing.bytes()
     }
 
     /// How many places later the last one comes, in an even fluid, that is within `radius` σ.
@@ -198,11 +195,30 @@ impl ColumnTable {
         columns * self.particle.len() / (nx * ny)
     }
 
-    /// Sorts `positions` (unwrapped, σ).
+    /// Which of the positions that were sorted stands at each place, `[N]`.
+    #[must_use]
+    pub fn from(&self) -> &[u32] {
+        &self.standing.from
+    }
+
+    /// Sorts `positions` (unwrapped, σ), given by particle.
     ///
     /// # Errors
     /// [`GridError::BadPosition`] where a position cannot be placed; the table is then unusable.
     pub fn sort(&mut self, cell: &PeriodicBox, positions: &[DVec3]) -> Result<(), GridError> {
+        self.sort_given(cell, positions, false)
+    }
+
+    /// Sorts `positions` (unwrapped, σ) `again`, given by place, or given by particle. What comes of it is the same.
+    ///
+    /// # Errors
+    /// As [`ColumnTable::sort`].
+    pub(crate) fn sort_given(
+        &mut self,
+        cell: &PeriodicBox,
+        positions: &[DVec3],
+        again: bool,
+    ) -> Result<(), GridError> {
         let n = positions.len();
         let lengths = cell.lengths();
         let units = FIXED_UNITS / lengths;
@@ -210,8 +226,8 @@ impl ColumnTable {
         self.grid = Columns::choose(lengths, n);
         let grid = self.grid;
         let (all_near, all_usable) = (AtomicBool::new(true), AtomicBool::new(true));
-        self.home.resize(n, 0);
-        for_each_piece(&mut self.home, |first, chunk| {
+        self.standing.home.resize(n, 0);
+        for_each_piece(&mut self.standing.home, |first, chunk| {
             for (home, r) in chunk.iter_mut().zip(&positions[first..]) {
                 // The comparisons are false for NaN.
                 let is_near = r.abs().cmple(near).all();
@@ -228,18 +244,18 @@ impl ColumnTable {
             }
         });
         if !all_usable.into_inner()
-            && let Some(particle) = positions.iter().position(|r| !r.abs().cmple(far).all())
+            && let Some(bad) = positions.iter().position(|r| !r.abs().cmple(far).all())
         {
-            return Err(GridError::BadPosition { particle });
+            return Err(GridError::bad_position(bad, &self.particle, again));
         }
-        self.sort_by_home();
+        self.standing.sort(grid.cells(), &mut self.particle, again);
+        let from = &self.standing.from;
         self.image.clear();
         if !all_near.into_inner() {
             self.image.resize(n, IVec3::ZERO);
-            let particle = &self.particle;
             for_each_piece(&mut self.image, |first, images| {
-                for (image, particle) in images.iter_mut().zip(&particle[first..]) {
-                    let r = positions[*particle as usize];
+                for (image, from) in images.iter_mut().zip(&from[first..]) {
+                    let r = positions[*from as usize];
                     if !r.abs().cmple(near).all() {
                         *image = fold(r, lengths).1;
                     }
@@ -248,27 +264,6 @@ impl ColumnTable {
         }
         self.fill(positions, lengths, units);
         Ok(())
-    }
-
-    /// Counting sort by home cell, stable by particle number.
-    fn sort_by_home(&mut self) {
-        // Two ahead: after the scatter, entry c + 1 has moved from the first place of c to that of c + 1.
-        self.first.clear();
-        self.first.resize(self.grid.cells() + 2, 0);
-        for home in &self.home {
-            self.first[*home as usize + 2] += 1;
-        }
-        let mut before = 0;
-        for first in &mut self.first {
-            before += *first;
-            *first = before;
-        }
-        self.particle.resize(self.home.len(), 0);
-        for (particle, home) in self.home.iter().enumerate() {
-            let place = &mut self.first[*home as usize + 1];
-            self.particle[*place as usize] = particle as u32;
-            *place += 1;
-        }
     }
 
     /// Fills the coordinates of the places.
@@ -282,7 +277,7 @@ impl ColumnTable {
         for_each_piece_of_three(&mut x[..n], &mut y[..n], &mut z[..n], |first, x, y, z| {
             for (k, ((x, y), z)) in x.iter_mut().zip(y).zip(z).enumerate() {
                 let place = first + k;
-                let r = positions[self.particle[place] as usize];
+                let r = positions[self.standing.from[place] as usize];
                 [*x, *y, *z] = self.fixed(place, r, lengths, units);
             }
         });
@@ -296,7 +291,8 @@ impl ColumnTable {
             self.grid.cell(column, slices[0]),
             self.grid.cell(column, slices[1]),
         );
-        self.first[a.min(b)]..self.first[a.max(b) + 1]
+        let first = &self.standing.first;
+        first[a.min(b)]..first[a.max(b) + 1]
     }
 }
 

@@ -8,6 +8,7 @@ use lennard_core::PeriodicBox;
 use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
 use lennard_core::tasks::map_items;
 
+use crate::counting::Standing;
 use crate::missing::Cells;
 use crate::scan::{Candidates, PADDING};
 
@@ -35,6 +36,18 @@ pub enum GridError {
         /// Index of the particle, from 0.
         particle: usize,
     },
+}
+
+impl GridError {
+    /// Of the position with this number, given by the places of a table `again`, or by particle.
+    pub(crate) fn bad_position(number: usize, particle: &[u32], again: bool) -> Self {
+        let particle = if again {
+            particle[number] as usize
+        } else {
+            number
+        };
+        Self::BadPosition { particle }
+    }
 }
 
 /// A row that repeats another one in a neighboring box.
@@ -87,16 +100,14 @@ pub(crate) struct CellRows {
     layers: [usize; 3],
     /// Cell edges, σ.
     edge: DVec3,
-    /// First place of each home cell, and the end, `[home cells + 1]`.
-    first_place: Vec<u32>,
+    /// Who stands in each home cell.
+    standing: Standing,
     /// First row of each cell of the extended grid, and the end, `[cells + 1]`.
     first_row: Vec<u32>,
     /// The extended cell of each place, `[N]`.
     cell_of_place: Vec<u32>,
     /// The columns of cells around each cell.
     columns: Vec<Column>,
-    /// Scratch: home cell of each particle.
-    home: Vec<u32>,
     /// Scratch: folded position of each place.
     wrapped: Vec<DVec3>,
 }
@@ -124,13 +135,20 @@ impl RowTable {
     pub fn bytes(&self) -> usize {
         let n = self.particle.capacity();
         let rows = self.place.capacity();
-        n * (4 + 4 + 12 + 4 + 4 + size_of::<DVec3>())
+        n * (4 + 4 + 12 + 4 + size_of::<DVec3>())
             + rows * (4 + 12)
             + self.ghosts.capacity() * size_of::<Ghost>()
-            + (self.cells.first_row.capacity() + self.cells.first_place.capacity()) * 4
+            + self.cells.first_row.capacity() * 4
+            + self.cells.standing.bytes()
     }
 
-    /// Sorts `positions` (unwrapped, σ) for a search within `radius` σ.
+    /// Which of the positions that were sorted stands at each place, `[N]`.
+    #[must_use]
+    pub fn from(&self) -> &[u32] {
+        &self.cells.standing.from
+    }
+
+    /// Sorts `positions` (unwrapped, σ), given by particle, for a search within `radius` σ.
     ///
     /// # Errors
     /// [`GridError::BadPosition`] where a position cannot be placed; the table is then unusable.
@@ -139,6 +157,20 @@ impl RowTable {
         cell: &PeriodicBox,
         positions: &[DVec3],
         radius: f64,
+    ) -> Result<(), GridError> {
+        self.sort_given(cell, positions, radius, false)
+    }
+
+    /// Sorts `positions` (unwrapped, σ) `again`, given by place, or given by particle. What comes of it is the same.
+    ///
+    /// # Errors
+    /// As [`RowTable::sort`].
+    pub(crate) fn sort_given(
+        &mut self,
+        cell: &PeriodicBox,
+        positions: &[DVec3],
+        radius: f64,
+        again: bool,
     ) -> Result<(), GridError> {
         let n = positions.len();
         let lengths = cell.lengths();
@@ -150,8 +182,8 @@ impl RowTable {
         let cells = &mut self.cells;
         let far = lengths * FARTHEST_IMAGE;
         let bad = AtomicBool::new(false);
-        cells.home.resize(n, 0);
-        for_each_piece(&mut cells.home, |first, chunk| {
+        cells.standing.home.resize(n, 0);
+        for_each_piece(&mut cells.standing.home, |first, chunk| {
             let mut usable = true;
             for (home, r) in chunk.iter_mut().zip(&positions[first..]) {
                 // The comparison is false for NaN.
@@ -167,38 +199,15 @@ impl RowTable {
             }
         });
         if bad.into_inner()
-            && let Some(particle) = positions.iter().position(|r| !r.abs().cmple(far).all())
+            && let Some(bad) = positions.iter().position(|r| !r.abs().cmple(far).all())
         {
-            return Err(GridError::BadPosition { particle });
+            return Err(GridError::bad_position(bad, &self.particle, again));
         }
-        self.sort_by_home_cell(n);
+        cells.standing.sort(nx * ny * nz, &mut self.particle, again);
         self.number_rows();
         self.place_particles(positions, lengths);
         self.fill_rows(lengths);
         Ok(())
-    }
-
-    /// Counting sort by home cell, stable by particle number.
-    fn sort_by_home_cell(&mut self, n: usize) {
-        let count: usize = self.cells.inner.iter().product();
-        // Two ahead: after the scatter, entry c + 1 has moved from the first place of c to that of c + 1.
-        let mut first = std::mem::take(&mut self.cells.first_place);
-        first.clear();
-        first.resize(count + 2, 0);
-        for home in &self.cells.home {
-            first[*home as usize + 2] += 1;
-        }
-        for c in 1..first.len() {
-            first[c] += first[c - 1];
-        }
-        self.particle.resize(n, 0);
-        for (particle, home) in self.cells.home.iter().enumerate() {
-            let place = &mut first[*home as usize + 1];
-            self.particle[*place as usize] = particle as u32;
-            *place += 1;
-        }
-        first.truncate(count + 1);
-        self.cells.first_place = first;
     }
 
     /// Numbers the rows of the extended grid, ghosts included.
@@ -213,7 +222,7 @@ impl RowTable {
                 for (hz, _) in &axes[2] {
                     let home = cells.home_index(*hx, *hy, *hz);
                     first_row.push(rows);
-                    rows += cells.first_place[home + 1] - cells.first_place[home];
+                    rows += cells.standing.first[home + 1] - cells.standing.first[home];
                 }
             }
         }
@@ -234,15 +243,15 @@ impl RowTable {
         let [_, ny, nz] = cells.inner;
         let [_, ey, ez] = cells.extended();
         let [lx, ly, lz] = cells.layers;
-        let (home, particles) = (&cells.home, &self.particle);
-        let (first_row, first_place) = (&cells.first_row, &cells.first_place);
+        let Standing { home, first, from } = &cells.standing;
+        let (first_row, first_place) = (&cells.first_row, first);
         for_each_piece_pair(
             &mut self.row,
             &mut cells.cell_of_place,
             |first, rows, cells| {
                 for (k, (row, cell)) in rows.iter_mut().zip(cells).enumerate() {
                     let place = first + k;
-                    let home = home[particles[place] as usize] as usize;
+                    let home = home[from[place] as usize] as usize;
                     let (x, y, z) = (home / (ny * nz), home / nz % ny, home % nz);
                     let extended = ((x + lx) * ey + y + ly) * ez + z + lz;
                     *cell = extended as u32;
@@ -254,9 +263,9 @@ impl RowTable {
             &mut self.image,
             &mut cells.wrapped,
             |first, images, wrapped| {
-                let particles = &particles[first..];
-                for ((image, wrapped), particle) in images.iter_mut().zip(wrapped).zip(particles) {
-                    (*wrapped, *image) = fold(positions[*particle as usize], lengths);
+                let all = images.iter_mut().zip(wrapped).zip(&from[first..]);
+                for ((image, wrapped), from) in all {
+                    (*wrapped, *image) = fold(positions[*from as usize], lengths);
                 }
             },
         );
@@ -265,7 +274,7 @@ impl RowTable {
     /// Fills everything that goes by row, one layer of cells after another.
     fn fill_rows(&mut self, lengths: DVec3) {
         let cells = &self.cells;
-        let first_place = &cells.first_place;
+        let first_place = &cells.standing.first;
         let [_, ey, ez] = cells.extended();
         let axes = [0, 1, 2].map(|a| cells.axis(a));
         let (own_rows, wrapped) = (&self.row, &cells.wrapped);
@@ -379,7 +388,7 @@ impl Cells for RowTable {
     #[inline(always)]
     fn places(&self, x: u32, y: u32, z: [u32; 2]) -> Range<u32> {
         let home = |z: u32| self.cells.home_index(x as usize, y as usize, z as usize);
-        let first = &self.cells.first_place;
+        let first = &self.cells.standing.first;
         first[home(z[0])]..first[home(z[1]) + 1]
     }
 }

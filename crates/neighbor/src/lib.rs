@@ -9,6 +9,7 @@
 mod blocks;
 mod brute;
 mod columns;
+mod counting;
 mod criterion;
 mod grid;
 mod list;

@@ -124,9 +124,9 @@ impl<C: Cells, A: Fn(u32) -> DVec3> Search<'_, C, A> {
             first.map_or(0, |at| at.x.to_bits())
         };
         black_box(ahead.iter().map(first).fold(0, |all, bits| all ^ bits));
-        ahead.iter().any(|(mover, others)| {
-            others.clone().any(|other| self.is_missed(mover, other))
-        })
+        ahead
+            .iter()
+            .any(|(mover, others)| others.clone().any(|other| self.is_missed(mover, other)))
     }
 
     /// Adds the places of those who were ahead of the particle at a place.

@@ -81,6 +81,86 @@ fn a_bad_position_is_named_and_does_not_hang() {
 }
 
 #[test]
+fn lists_built_again_by_place_are_those_of_positions_by_particle() {
+    for (sides, n) in [
+        (DVec3::new(9.0, 8.0, 11.0), 700),
+        (DVec3::new(6.0, 30.0, 20.0), 3000),
+        // Several particles in most cells of the sort.
+        (DVec3::splat(3000.0), 60),
+        (DVec3::splat(5.5), 1),
+    ] {
+        let cell = PeriodicBox::new(sides).unwrap();
+        let filled = if n == 60 { DVec3::splat(2.0) } else { sides };
+        let before = scatter(n, filled, 0.0);
+        let mut shared = SharedList::new(cell, 2.5, 2.7);
+        let mut rows = NeighborList::new(cell, 2.7, Images::Ghosts, 8);
+        shared.build(&before, &ScalarSharedScanner).unwrap();
+        rows.build(&before, &ScalarScanner).unwrap();
+        // Farther than from cell to cell, also out of the box.
+        let now: Vec<DVec3> = before
+            .iter()
+            .zip(scatter(n, DVec3::splat(3.0), 77.0))
+            .map(|(r, way)| *r + way - DVec3::splat(1.5))
+            .collect();
+        let mut new_shared = SharedList::new(cell, 2.5, 2.7);
+        let mut new_rows = NeighborList::new(cell, 2.7, Images::Ghosts, 8);
+        new_shared.build(&now, &ScalarSharedScanner).unwrap();
+        new_rows.build(&now, &ScalarScanner).unwrap();
+
+        let by_place = |particles: &[u32]| -> Vec<DVec3> {
+            particles.iter().map(|p| now[*p as usize]).collect()
+        };
+        let (places, row_places) = (
+            shared.table().particle.clone(),
+            rows.table().particle.clone(),
+        );
+        shared
+            .build_again(&by_place(&places), &ScalarSharedScanner)
+            .unwrap();
+        rows.build_again(&by_place(&row_places), &ScalarScanner)
+            .unwrap();
+        for (table, from, places) in [
+            (&shared.table().particle, shared.table().from(), &places),
+            (&rows.table().particle, rows.table().from(), &row_places),
+        ] {
+            for (particle, from) in table.iter().zip(from) {
+                assert_eq!(*particle, places[*from as usize]);
+            }
+        }
+        assert_eq!(shared.table().particle, new_shared.table().particle);
+        assert_eq!(shared.table().at, new_shared.table().at);
+        assert_eq!(shared.chunks(), new_shared.chunks());
+        assert_eq!(rows.table().particle, new_rows.table().particle);
+        assert_eq!(rows.table().row, new_rows.table().row);
+        assert_eq!(rows.neighbors(), new_rows.neighbors());
+    }
+}
+
+#[test]
+fn a_bad_position_by_place_is_named_by_its_particle() {
+    let cell = PeriodicBox::new(DVec3::splat(9.0)).unwrap();
+    let positions = scatter(50, cell.lengths(), 0.0);
+    let mut shared = SharedList::new(cell, 2.5, 2.7);
+    let mut rows = NeighborList::new(cell, 2.7, Images::Ghosts, 8);
+    shared.build(&positions, &ScalarSharedScanner).unwrap();
+    rows.build(&positions, &ScalarScanner).unwrap();
+    let bad = |particles: &[u32]| -> Vec<DVec3> {
+        let position = |p: &u32| match p {
+            17 => DVec3::splat(f64::NAN),
+            _ => positions[*p as usize],
+        };
+        particles.iter().map(position).collect()
+    };
+    let (of_shared, of_rows) = (bad(&shared.table().particle), bad(&rows.table().particle));
+    let error = shared
+        .build_again(&of_shared, &ScalarSharedScanner)
+        .unwrap_err();
+    assert!(error.to_string().contains("particle 17"));
+    let error = rows.build_again(&of_rows, &ScalarScanner).unwrap_err();
+    assert!(error.to_string().contains("particle 17"));
+}
+
+#[test]
 fn a_cluster_in_a_vacuum_does_not_pay_for_the_vacuum() {
     let cell = PeriodicBox::new(DVec3::splat(3000.0)).unwrap();
     let positions = scatter(200, DVec3::splat(8.0), 0.0);

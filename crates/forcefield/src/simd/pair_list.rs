@@ -1,7 +1,7 @@
 //! The two kinds of lists, each with the rows that its loop reads.
 
 use glam::DVec3;
-use lennard_neighbor::{Cells, FIXED_UNITS, NeighborList, SharedList};
+use lennard_neighbor::{Cells, FIXED_UNITS, GridError, NeighborList, SharedList};
 
 use super::packing::{Motion, Moved};
 use super::{
@@ -26,6 +26,10 @@ pub trait PairList: Sync {
     fn cells(&self) -> &Self::Cells;
     /// The particle at each place: each stands at one.
     fn particles(&self) -> &[u32];
+    /// Which of the positions that the list was built from stands at each place.
+    fn from(&self) -> &[u32];
+    /// Builds the list for positions that are given by particle, or `again` by the places that it has.
+    fn build(&mut self, level: Level, positions: &[DVec3], again: bool) -> Result<(), GridError>;
     /// Rows, ghosts included.
     fn rows(&self) -> usize;
     /// Chunks.
@@ -59,6 +63,18 @@ impl PairList for NeighborList {
 
     fn particles(&self) -> &[u32] {
         &self.table().particle
+    }
+
+    fn from(&self) -> &[u32] {
+        self.table().from()
+    }
+
+    fn build(&mut self, level: Level, positions: &[DVec3], again: bool) -> Result<(), GridError> {
+        let scanner = level.scanner();
+        match again {
+            true => self.build_again(positions, scanner),
+            false => self.build(positions, scanner),
+        }
     }
 
     fn rows(&self) -> usize {
@@ -103,6 +119,18 @@ impl PairList for SharedList {
 
     fn particles(&self) -> &[u32] {
         &self.table().particle
+    }
+
+    fn from(&self) -> &[u32] {
+        self.table().from()
+    }
+
+    fn build(&mut self, level: Level, positions: &[DVec3], again: bool) -> Result<(), GridError> {
+        let scanner = level.shared_scanner();
+        match again {
+            true => self.build_again(positions, scanner),
+            false => self.build(positions, scanner),
+        }
     }
 
     fn rows(&self) -> usize {
