@@ -21,9 +21,13 @@ pub struct SharedJob<'a, F> {
     /// Length of a unit along each axis, σ.
     scale: [f64; 3],
     list: &'a SharedList,
-    /// How many places after its own a list reaches, more or less.
-    ahead: usize,
+    /// How many places after its own a list reaches, more or less, where what comes is asked for ahead.
+    ahead: Option<usize>,
 }
+
+/// Fewest particles whose rows and lists are asked for ahead: those of fewer lie in a cache, or stream from one that is near
+/// enough, and asking costs 1 % of a step.
+const MANY: usize = 131_072;
 
 impl<'a, F: PairForm> SharedJob<'a, F> {
     /// Prepares an evaluation: `scale` is the length in σ of one unit of the rows along each axis.
@@ -33,7 +37,7 @@ impl<'a, F: PairForm> SharedJob<'a, F> {
             r_cut2: r_cut * r_cut,
             scale,
             list,
-            ahead: list.reaches_ahead(),
+            ahead: (list.table().particle.len() >= MANY).then(|| list.reaches_ahead()),
         }
     }
 }
@@ -61,10 +65,15 @@ pub unsafe fn run<L: FixedLanes, F: PairForm>(
     let chunks = job.list.chunks();
     if let Some(next) = chunks.get(chunk + 1) {
         prefetch(&next.spans);
-        let places = part(chunk + 1, ATOMS_PER_CHUNK, rows.len());
-        prefetch_part(rows, places.start + job.ahead..places.end + job.ahead);
+        if let Some(ahead) = job.ahead {
+            let places = part(chunk + 1, ATOMS_PER_CHUNK, rows.len());
+            prefetch_part(rows, places.start + ahead..places.end + ahead);
+        }
     }
-    let later = chunks.get(chunk + 2).map_or(&[][..], |later| &later.blocks);
+    let later = match (job.ahead, chunks.get(chunk + 2)) {
+        (Some(_), Some(later)) => &later.blocks[..],
+        _ => &[],
+    };
     let chunk = &chunks[chunk];
     // SAFETY: the contract is passed on.
     unsafe {
