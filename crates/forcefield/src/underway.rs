@@ -110,9 +110,8 @@ impl Underway {
 
     /// Puts particles in the order of a list that was built anew, at these positions by place.
     fn regroup<P: PairList>(&mut self, list: &P, built: &[DVec3]) {
-        self.positions.copy_from_slice(built);
         std::mem::swap(&mut self.velocities, &mut self.at_build);
-        take(list.from(), &self.at_build, &mut self.velocities);
+        self.return_to_build(list, built);
     }
 
     /// Puts particles where they were at the last build, which was at these positions by place.

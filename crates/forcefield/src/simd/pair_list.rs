@@ -71,9 +71,10 @@ impl PairList for NeighborList {
 
     fn build(&mut self, level: Level, positions: &[DVec3], again: bool) -> Result<(), GridError> {
         let scanner = level.scanner();
-        match again {
-            true => self.build_again(positions, scanner),
-            false => self.build(positions, scanner),
+        if again {
+            self.build_again(positions, scanner)
+        } else {
+            self.build(positions, scanner)
         }
     }
 
@@ -127,9 +128,10 @@ impl PairList for SharedList {
 
     fn build(&mut self, level: Level, positions: &[DVec3], again: bool) -> Result<(), GridError> {
         let scanner = level.shared_scanner();
-        match again {
-            true => self.build_again(positions, scanner),
-            false => self.build(positions, scanner),
+        if again {
+            self.build_again(positions, scanner)
+        } else {
+            self.build(positions, scanner)
         }
     }
 
