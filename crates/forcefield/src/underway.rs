@@ -17,8 +17,6 @@ pub struct Underway {
     velocities: Vec<DVec3>,
     /// Where positions of the next step are written while others still read those of this one; empty where nobody does.
     next: Vec<DVec3>,
-    /// Velocities at the last build of this stride, in the order of the places before it.
-    at_build: Vec<DVec3>,
     /// 0, 1, …
     in_order: Vec<u32>,
 }
@@ -26,18 +24,13 @@ pub struct Underway {
 impl Underway {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        let vectors = [
-            &self.positions,
-            &self.velocities,
-            &self.next,
-            &self.at_build,
-        ];
+        let vectors = [&self.positions, &self.velocities, &self.next];
         let vectors: usize = vectors.iter().map(|v| v.capacity()).sum();
         24 * vectors + 4 * self.in_order.capacity()
     }
 
     /// Takes the steps of a stride, and builds the list wherever it is not fit. Gives how many were taken, and how long
-    /// building took, s. Where a number is not finite, those are taken that come before the last build.
+    /// building took, s. Where a number is not finite, none was taken.
     pub fn go<P: PairList, F: PairForm>(
         &mut self,
         terms: &mut Terms,
@@ -56,29 +49,16 @@ impl Underway {
             }
         }
         self.lay_out(list, stride);
-        let mut before_build = None;
+        let mut is_new = false;
         loop {
             let most = stride.steps - taken;
             let (done, fitness) = self.advance(terms, (list, copies), form, most, pace);
+            taken += done;
             match fitness {
-                Fitness::Fit => {
-                    taken += done;
-                    break;
-                }
-                Fitness::Broken => {
-                    let Some(before_build) = before_build else {
-                        return (0, building);
-                    };
-                    self.return_to_build(list, &terms.built);
-                    taken = before_build;
-                    break;
-                }
+                Fitness::Fit => break,
+                Fitness::Broken => return (0, building),
                 Fitness::Stale => {
-                    taken += done;
-                    assert!(
-                        done > 0 || before_build.is_none(),
-                        "a list is fit where it was built"
-                    );
+                    assert!(done > 0 || !is_new, "a list is fit where it was built");
                     let start = Instant::now();
                     let built = terms.build(list, &self.positions, true);
                     if built.is_err() {
@@ -86,7 +66,7 @@ impl Underway {
                     }
                     self.regroup(list, &terms.built);
                     building += start.elapsed().as_secs_f64();
-                    before_build = Some(taken);
+                    is_new = true;
                 }
             }
         }
@@ -110,14 +90,10 @@ impl Underway {
 
     /// Puts particles in the order of a list that was built anew, at these positions by place.
     fn regroup<P: PairList>(&mut self, list: &P, built: &[DVec3]) {
-        std::mem::swap(&mut self.velocities, &mut self.at_build);
-        self.return_to_build(list, built);
-    }
-
-    /// Puts particles where they were at the last build, which was at these positions by place.
-    fn return_to_build<P: PairList>(&mut self, list: &P, built: &[DVec3]) {
+        // Where positions were there is room for velocities.
+        take(list.from(), &self.velocities, &mut self.positions);
+        std::mem::swap(&mut self.positions, &mut self.velocities);
         self.positions.copy_from_slice(built);
-        take(list.from(), &self.at_build, &mut self.velocities);
     }
 
     /// Takes up to so many steps, while the list is fit. Gives how many were taken, and what ended them.

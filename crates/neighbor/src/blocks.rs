@@ -189,20 +189,24 @@ impl SharedChunk {
         }
     }
 
-    /// Ends the lists with a block that belongs to none, for loops that read ahead, and gives back what growth took too
-    /// much of, but for room for the next list.
+    /// Ends the lists with a block that belongs to none, for loops that read ahead.
     pub(crate) fn finish(&mut self) {
         self.blocks
             .push(Block::of(self.first_place, &[self.first_place]));
-        let len = self.blocks.len();
-        if self.blocks.capacity() > len + len / 4 {
-            self.blocks.shrink_to(len + len / 16);
-        }
+        give_back(&mut self.blocks);
     }
 
     /// Bytes held beyond the structure itself.
     pub(crate) fn bytes(&self) -> usize {
         self.spans.capacity() * size_of::<Span>() + self.blocks.capacity() * size_of::<Block>()
+    }
+}
+
+/// Gives back what growth took too much of, but for room for the next list.
+pub(crate) fn give_back<T>(list: &mut Vec<T>) {
+    let len = list.len();
+    if list.capacity() > len + len / 4 {
+        list.shrink_to(len + len / 16);
     }
 }
 

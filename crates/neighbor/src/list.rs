@@ -6,6 +6,7 @@ use lennard_core::parallel::part;
 use lennard_core::tasks::for_each_item;
 use std::ops::Range;
 
+use crate::blocks::give_back;
 use crate::grid::{GridError, RowTable};
 use crate::scan::{Center, Names, Nearby, PADDING, RowScanner};
 
@@ -396,6 +397,7 @@ impl Filler<'_> {
             }
             first = end;
         }
+        give_back(&mut entries);
         entries
     }
 }
