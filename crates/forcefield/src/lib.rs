@@ -4,6 +4,7 @@
 //! reference loop stays for ever, and every other one is compared with it.
 
 mod catalog;
+mod clock;
 mod copies;
 mod error;
 mod form;

@@ -1,11 +1,10 @@
 //! A Verlet list at work: positions packed into rows, validity checked before each use, pairs summed.
 
-use std::time::Instant;
-
 use glam::DVec3;
 use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWriter, Stride};
-use lennard_neighbor::{Criterion, Images, NeighborList, SharedList};
+use lennard_neighbor::{Criterion, Given, Images, NeighborList, SharedList};
 
+use crate::clock::Clock;
 use crate::copies::{Copies, Fitness};
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
@@ -15,15 +14,6 @@ use crate::sums::Totals;
 use crate::terms::Terms;
 use crate::truncation::PairForm;
 use crate::underway::Underway;
-
-/// Seconds spent, for the run record.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Clock {
-    /// In pair loops.
-    pub force: f64,
-    /// In building lists.
-    pub neighbor: f64,
-}
 
 /// A list with the private copies of the positions that its loop reads.
 enum Pairs {
@@ -142,15 +132,15 @@ impl Listed {
 
     /// Builds the list for `positions`.
     pub fn build(&mut self, positions: &[DVec3]) -> Result<(), ForceError> {
-        let terms = &mut self.terms;
+        let (terms, given) = (&mut self.terms, Given::ByParticle(positions));
         match &mut self.pairs {
             Pairs::Canonical(list, folded) => {
-                terms.build(&mut **list, positions, false)?;
+                terms.build(&mut **list, given)?;
                 folded.list(list);
                 Ok(())
             }
-            Pairs::Rows(list, _) => terms.build(&mut **list, positions, false),
-            Pairs::Shared(list, _) => terms.build(&mut **list, positions, false),
+            Pairs::Rows(list, _) => terms.build(&mut **list, given),
+            Pairs::Shared(list, _) => terms.build(&mut **list, given),
         }
     }
 
@@ -164,21 +154,16 @@ impl Listed {
         mut each: Option<&mut [PerParticle]>,
         clock: &mut Clock,
     ) -> Result<Totals, ForceError> {
-        let start = Instant::now();
-        let mut building = 0.0;
-        let (mut fitness, mut totals, mut broken) = (Fitness::Stale, Totals::NOTHING, false);
-        if self.terms.built.len() == positions.len() {
-            (fitness, totals, broken) =
-                self.attempt(form, positions, wanted, forces, each.as_deref_mut());
-        }
-        if fitness == Fitness::Stale {
-            let start = Instant::now();
-            self.build(positions)?;
-            building = start.elapsed().as_secs_f64();
-            (fitness, totals, broken) = self.attempt(form, positions, wanted, forces, each);
-        }
-        clock.neighbor += building;
-        clock.force += start.elapsed().as_secs_f64() - building;
+        let (fitness, totals, broken) = clock.using(|clock| {
+            if self.terms.built.len() == positions.len() {
+                let found = self.attempt(form, positions, wanted, forces, each.as_deref_mut());
+                if found.0 != Fitness::Stale {
+                    return Ok(found);
+                }
+            }
+            clock.building(|| self.build(positions))?;
+            Ok(self.attempt(form, positions, wanted, forces, each))
+        })?;
         self.terms.criterion.used(fitness == Fitness::Fit);
         if fitness == Fitness::Broken {
             return Err(not_finite(positions));
@@ -242,17 +227,13 @@ impl Listed {
         if stride.steps < FEWEST_STEPS {
             return 0;
         }
-        let start = Instant::now();
         let terms = &mut self.terms;
-        let (taken, building) = match &mut self.pairs {
+        clock.using(|clock| match &mut self.pairs {
             // Of forces that are a pure function of the positions nothing else is wanted.
-            Pairs::Canonical(..) => return 0,
-            Pairs::Rows(list, laid) => laid.go(terms, &mut **list, form, stride, pace),
-            Pairs::Shared(list, laid) => laid.go(terms, &mut **list, form, stride, pace),
-        };
-        clock.neighbor += building;
-        clock.force += start.elapsed().as_secs_f64() - building;
-        taken
+            Pairs::Canonical(..) => 0,
+            Pairs::Rows(list, laid) => laid.go(terms, &mut **list, form, stride, pace, clock),
+            Pairs::Shared(list, laid) => laid.go(terms, &mut **list, form, stride, pace, clock),
+        })
     }
 
     /// Writes what a restart needs: the positions of the build.
@@ -342,9 +323,10 @@ impl<Row: Copy + Default + Send + Sync> Laid<Row> {
         form: F,
         stride: &mut Stride<'_>,
         pace: Pace,
-    ) -> (u64, f64) {
+        clock: &mut Clock,
+    ) -> u64 {
         let lists = (list, &mut self.copies);
-        self.underway.go(terms, lists, form, stride, pace)
+        self.underway.go(terms, lists, form, stride, pace, clock)
     }
 }
 

@@ -8,9 +8,10 @@ use lennard_core::{
     Part, PeriodicBox, Persist, RestoreError, StateReader, StateWriter, Stride, Want,
 };
 
+use crate::clock::Clock;
 use crate::error::ForceFieldError;
 use crate::form::{Model, SplitWeights, with_form};
-use crate::listed::{Clock, Listed, not_finite, not_finite_force};
+use crate::listed::{Listed, not_finite, not_finite_force};
 use crate::options::{ForceFieldOptions, SplitOptions};
 use crate::plan::{Conditions, ForcePlan, Search, decide};
 use crate::pure::{self, Nearby, PureJob};

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use lennard_core::{ForceError, PeriodicBox};
-use lennard_neighbor::{Cells, Criterion, GridError, Moves, Verdict, misses_a_pair};
+use lennard_neighbor::{Cells, Criterion, Given, GridError, Moves, Verdict, misses_a_pair};
 
 use crate::copies::{Copies, Fitness, Work};
 use crate::simd::{ChunkTotals, Level, Motion, Moved, PairList, Wanted, take};
@@ -25,20 +25,15 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// Builds a list for positions, σ, that are given by particle, or `again` by the places that it has.
-    pub fn build<P: PairList>(
-        &mut self,
-        list: &mut P,
-        positions: &[DVec3],
-        again: bool,
-    ) -> Result<(), ForceError> {
+    /// Builds a list.
+    pub fn build<P: PairList>(&mut self, list: &mut P, given: Given<'_>) -> Result<(), ForceError> {
         // Half-built tables must not look valid.
         let mut built = std::mem::take(&mut self.built);
-        let done = list.build(self.level, positions, again);
+        let done = list.build(self.level, given);
         done.map_err(
             |GridError::BadPosition { particle }| ForceError::NonFinitePosition { particle },
         )?;
-        take(list.from(), positions, &mut built);
+        take(list.from(), given.positions(), &mut built);
         self.built = built;
         self.criterion.built();
         Ok(())

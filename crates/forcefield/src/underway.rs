@@ -1,10 +1,10 @@
 //! Steps that follow each other, particles by place.
 
-use std::time::Instant;
-
 use glam::DVec3;
-use lennard_core::Stride;
+use lennard_core::{ForceError, Stride};
+use lennard_neighbor::Given;
 
+use crate::clock::Clock;
 use crate::copies::{Copies, Fitness, are_few};
 use crate::simd::{OnTheWay, Pace, PairList, advance, bring_back, take};
 use crate::terms::Terms;
@@ -29,8 +29,8 @@ impl Underway {
         24 * vectors + 4 * self.in_order.capacity()
     }
 
-    /// Takes the steps of a stride, and builds the list wherever it is not fit. Gives how many were taken, and how long
-    /// building took, s. Where a number is not finite, none was taken.
+    /// Takes the steps of a stride, and builds the list wherever it is not fit. Gives how many were
+    /// taken: where a number is not finite, none.
     pub fn go<P: PairList, F: PairForm>(
         &mut self,
         terms: &mut Terms,
@@ -38,34 +38,33 @@ impl Underway {
         form: F,
         stride: &mut Stride<'_>,
         pace: Pace,
-    ) -> (u64, f64) {
-        let (mut taken, mut building) = (0, 0.0);
-        if terms.built.len() != stride.positions.len() {
-            let start = Instant::now();
-            let built = terms.build(list, stride.positions, false);
-            building += start.elapsed().as_secs_f64();
-            if built.is_err() {
-                return (0, building);
-            }
+        clock: &mut Clock,
+    ) -> u64 {
+        let given = Given::ByParticle(stride.positions);
+        if terms.built.len() != stride.positions.len()
+            && clock.building(|| terms.build(list, given)).is_err()
+        {
+            return 0;
         }
         self.lay_out(list, stride);
-        let mut is_new = false;
+        let (mut taken, mut is_new) = (0, false);
         loop {
             let most = stride.steps - taken;
             let (done, fitness) = self.advance(terms, (list, copies), form, most, pace);
             taken += done;
             match fitness {
                 Fitness::Fit => break,
-                Fitness::Broken => return (0, building),
+                Fitness::Broken => return 0,
                 Fitness::Stale => {
                     assert!(done > 0 || !is_new, "a list is fit where it was built");
-                    let start = Instant::now();
-                    let built = terms.build(list, &self.positions, true);
+                    let built = clock.building(|| {
+                        terms.build(list, Given::ByPlace(&self.positions))?;
+                        self.regroup(list, &terms.built);
+                        Ok::<_, ForceError>(())
+                    });
                     if built.is_err() {
                         break;
                     }
-                    self.regroup(list, &terms.built);
-                    building += start.elapsed().as_secs_f64();
                     is_new = true;
                 }
             }
@@ -74,7 +73,7 @@ impl Underway {
             bring_back(list, &self.positions, stride.positions);
             bring_back(list, &self.velocities, stride.velocities);
         }
-        (taken, building)
+        taken
     }
 
     fn lay_out<P: PairList>(&mut self, list: &P, stride: &Stride<'_>) {

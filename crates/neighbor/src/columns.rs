@@ -8,7 +8,7 @@ use lennard_core::PeriodicBox;
 use lennard_core::parallel::{for_each_piece, for_each_piece_of_three};
 
 use crate::blocks::REACH;
-use crate::counting::Standing;
+use crate::counting::{Given, Standing};
 use crate::grid::{FARTHEST_IMAGE, GridError, fold};
 use crate::missing::Cells;
 use crate::scan::PADDING;
@@ -201,24 +201,12 @@ impl ColumnTable {
         &self.standing.from
     }
 
-    /// Sorts `positions` (unwrapped, σ), given by particle.
+    /// Sorts positions.
     ///
     /// # Errors
     /// [`GridError::BadPosition`] where a position cannot be placed; the table is then unusable.
-    pub fn sort(&mut self, cell: &PeriodicBox, positions: &[DVec3]) -> Result<(), GridError> {
-        self.sort_given(cell, positions, false)
-    }
-
-    /// Sorts `positions` (unwrapped, σ) `again`, given by place, or given by particle. What comes of it is the same.
-    ///
-    /// # Errors
-    /// As [`ColumnTable::sort`].
-    pub(crate) fn sort_given(
-        &mut self,
-        cell: &PeriodicBox,
-        positions: &[DVec3],
-        again: bool,
-    ) -> Result<(), GridError> {
+    pub fn sort(&mut self, cell: &PeriodicBox, given: Given<'_>) -> Result<(), GridError> {
+        let positions = given.positions();
         let n = positions.len();
         let lengths = cell.lengths();
         let units = FIXED_UNITS / lengths;
@@ -246,9 +234,10 @@ impl ColumnTable {
         if !all_usable.into_inner()
             && let Some(bad) = positions.iter().position(|r| !r.abs().cmple(far).all())
         {
-            return Err(GridError::bad_position(bad, &self.particle, again));
+            let particle = given.particle_of(bad, &self.particle);
+            return Err(GridError::BadPosition { particle });
         }
-        self.standing.sort(grid.cells(), &mut self.particle, again);
+        self.standing.sort(grid.cells(), &mut self.particle, given);
         let from = &self.standing.from;
         self.image.clear();
         if !all_near.into_inner() {
@@ -319,7 +308,7 @@ mod tests {
             .map(|i| DVec3::new(0.819, 0.671, 0.5497) * f64::from(i) * 9.7 - DVec3::splat(500.0))
             .collect();
         let mut table = ColumnTable::default();
-        table.sort(&cell, &positions).unwrap();
+        table.sort(&cell, Given::ByParticle(&positions)).unwrap();
         let mut seen = vec![false; 601];
         for particle in &table.particle {
             assert!(!std::mem::replace(&mut seen[*particle as usize], true));

@@ -1,6 +1,34 @@
 //! The counting sort by cell, which both kinds of tables are made with.
 
+use glam::DVec3;
 use lennard_core::parallel::for_each_piece;
+
+/// Positions (unwrapped, σ) to sort. What comes of them is the same either way.
+#[derive(Debug, Clone, Copy)]
+pub enum Given<'a> {
+    /// In the order of the particles.
+    ByParticle(&'a [DVec3]),
+    /// In the order of the places that the same particles have since the last sort, which takes less time, since places
+    /// change little.
+    ByPlace(&'a [DVec3]),
+}
+
+impl<'a> Given<'a> {
+    /// The positions, in their order.
+    #[must_use]
+    pub fn positions(self) -> &'a [DVec3] {
+        let (Self::ByParticle(positions) | Self::ByPlace(positions)) = self;
+        positions
+    }
+
+    /// Whose a position is, where `particle` has the particle of each place.
+    pub(crate) fn particle_of(self, position: usize, particle: &[u32]) -> usize {
+        match self {
+            Self::ByParticle(_) => position,
+            Self::ByPlace(_) => particle[position] as usize,
+        }
+    }
+}
 
 /// Which of the positions that a table was sorted from stands at each place, and whose it is.
 #[derive(Debug, Clone, Default)]
@@ -14,10 +42,9 @@ pub(crate) struct Standing {
 }
 
 impl Standing {
-    /// Sorts positions, whose cells are in `home`, into that many `cells`, and those of one cell by particle. `particle`
-    /// has the particle of each place: where `again`, that of each position, given in the order of the last sort; otherwise
-    /// positions are given by particle.
-    pub fn sort(&mut self, cells: usize, particle: &mut Vec<u32>, again: bool) {
+    /// Sorts what is `given`, whose cells are in `home`, into that many `cells`, and those of one cell by particle;
+    /// `particle` has the particle of each place, before and after.
+    pub fn sort(&mut self, cells: usize, particle: &mut Vec<u32>, given: Given<'_>) {
         let Self { home, first, from } = self;
         // Two ahead: after the scatter, entry c + 1 has moved from the first place of c to that of c + 1.
         first.clear();
@@ -37,7 +64,7 @@ impl Standing {
             *place += 1;
         }
         first.truncate(cells + 1);
-        if !again {
+        if let Given::ByParticle(_) = given {
             particle.clone_from(from);
             return;
         }

@@ -8,7 +8,7 @@ use lennard_core::PeriodicBox;
 use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
 use lennard_core::tasks::map_items;
 
-use crate::counting::Standing;
+use crate::counting::{Given, Standing};
 use crate::missing::Cells;
 use crate::scan::{Candidates, PADDING};
 
@@ -36,18 +36,6 @@ pub enum GridError {
         /// Index of the particle, from 0.
         particle: usize,
     },
-}
-
-impl GridError {
-    /// Of the position with this number, given by the places of a table `again`, or by particle.
-    pub(crate) fn bad_position(number: usize, particle: &[u32], again: bool) -> Self {
-        let particle = if again {
-            particle[number] as usize
-        } else {
-            number
-        };
-        Self::BadPosition { particle }
-    }
 }
 
 /// A row that repeats another one in a neighboring box.
@@ -148,30 +136,17 @@ impl RowTable {
         &self.cells.standing.from
     }
 
-    /// Sorts `positions` (unwrapped, σ), given by particle, for a search within `radius` σ.
+    /// Sorts positions for a search within `radius` σ.
     ///
     /// # Errors
     /// [`GridError::BadPosition`] where a position cannot be placed; the table is then unusable.
     pub fn sort(
         &mut self,
         cell: &PeriodicBox,
-        positions: &[DVec3],
+        given: Given<'_>,
         radius: f64,
     ) -> Result<(), GridError> {
-        self.sort_given(cell, positions, radius, false)
-    }
-
-    /// Sorts `positions` (unwrapped, σ) `again`, given by place, or given by particle. What comes of it is the same.
-    ///
-    /// # Errors
-    /// As [`RowTable::sort`].
-    pub(crate) fn sort_given(
-        &mut self,
-        cell: &PeriodicBox,
-        positions: &[DVec3],
-        radius: f64,
-        again: bool,
-    ) -> Result<(), GridError> {
+        let positions = given.positions();
         let n = positions.len();
         let lengths = cell.lengths();
         self.cells.choose(lengths, n, radius);
@@ -201,9 +176,10 @@ impl RowTable {
         if bad.into_inner()
             && let Some(bad) = positions.iter().position(|r| !r.abs().cmple(far).all())
         {
-            return Err(GridError::bad_position(bad, &self.particle, again));
+            let particle = given.particle_of(bad, &self.particle);
+            return Err(GridError::BadPosition { particle });
         }
-        cells.standing.sort(nx * ny * nz, &mut self.particle, again);
+        cells.standing.sort(nx * ny * nz, &mut self.particle, given);
         self.number_rows();
         self.place_particles(positions, lengths);
         self.fill_rows(lengths);

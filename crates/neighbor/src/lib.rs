@@ -23,6 +23,7 @@ pub mod skin;
 pub use blocks::{BLOCK, Block, ENTRY, SharedBlocks, SharedChunk, Span, amid};
 pub use brute::{brute_force_pairs, for_each_pair};
 pub use columns::{ColumnTable, FIXED_ROUNDING, FIXED_UNITS, to_fixed};
+pub use counting::Given;
 pub use criterion::{Criterion, Verdict};
 pub use grid::{Ghost, GridError, RowTable};
 pub use list::{ATOMS_PER_CHUNK, Entries, Images, ListChunk, NeighborList};

@@ -1,12 +1,12 @@
 //! Full Verlet lists in chunks of constant size.
 
-use glam::DVec3;
 use lennard_core::PeriodicBox;
 use lennard_core::parallel::part;
 use lennard_core::tasks::for_each_item;
 use std::ops::Range;
 
 use crate::blocks::give_back;
+use crate::counting::Given;
 use crate::grid::{GridError, RowTable};
 use crate::scan::{Center, Names, Nearby, PADDING, RowScanner};
 
@@ -157,44 +157,17 @@ impl NeighborList {
         }
     }
 
-    /// Builds the list for `positions` (unwrapped, σ).
+    /// Builds the list for positions.
     ///
     /// The result is a pure function of the positions and of what was given to [`NeighborList::new`].
     ///
     /// # Errors
     /// [`GridError`] where a position cannot be placed.
-    pub fn build(
-        &mut self,
-        positions: &[DVec3],
-        scanner: &dyn RowScanner,
-    ) -> Result<(), GridError> {
-        self.build_given(positions, scanner, false)
-    }
-
-    /// Builds the list anew for `positions` (unwrapped, σ) of the same particles, given by the places that they have: what
-    /// comes of it is the same, and takes less time, since places change little.
-    ///
-    /// # Errors
-    /// As [`NeighborList::build`].
-    pub fn build_again(
-        &mut self,
-        positions: &[DVec3],
-        scanner: &dyn RowScanner,
-    ) -> Result<(), GridError> {
-        self.build_given(positions, scanner, true)
-    }
-
-    fn build_given(
-        &mut self,
-        positions: &[DVec3],
-        scanner: &dyn RowScanner,
-        again: bool,
-    ) -> Result<(), GridError> {
-        self.table
-            .sort_given(&self.cell, positions, self.radius, again)?;
+    pub fn build(&mut self, given: Given<'_>, scanner: &dyn RowScanner) -> Result<(), GridError> {
+        self.table.sort(&self.cell, given, self.radius)?;
         let margin = self.table.search_margin();
         let radius2 = (self.radius + margin).powi(2) as f32 * (1.0 + 4.0 * f32::EPSILON);
-        let n = positions.len();
+        let n = self.table.particle.len();
         self.chunks
             .resize_with(n.div_ceil(ATOMS_PER_CHUNK), ListChunk::default);
         let table = &self.table;

@@ -95,6 +95,8 @@ struct Mover {
     moved: DVec3,
     /// How far from where it was one may have been at the build that is near to it now, σ.
     farthest: f64,
+    /// Whether nobody that far away comes around the box.
+    nobody_comes_around: bool,
 }
 
 struct Search<'a, C, A> {
@@ -147,6 +149,7 @@ impl<C: Cells, A: Fn(u32) -> DVec3> Search<'_, C, A> {
             at,
             moved,
             farthest,
+            nobody_comes_around: 2.0 * farthest * (1.0 + 1e-9) < self.lengths.min_element(),
         };
         let [nx, ny, nz] = self.count;
         for x in x.around(nx) {
@@ -166,9 +169,9 @@ impl<C: Cells, A: Fn(u32) -> DVec3> Search<'_, C, A> {
             at,
             moved,
             farthest,
+            nobody_comes_around,
         } = *mover;
-        // Where nobody comes around the box.
-        if 2.0 * farthest * (1.0 + 1e-9) < self.lengths.min_element() {
+        if nobody_comes_around {
             let before = at - moved;
             let then2 = self
                 .nearest(before - self.moves.built[other as usize])
@@ -232,7 +235,7 @@ impl<C: Cells, A: Fn(u32) -> DVec3> Search<'_, C, A> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ColumnTable, RowTable, for_each_pair};
+    use crate::{ColumnTable, Given, RowTable, for_each_pair};
     use lennard_core::random::Streams;
     use rand::RngExt;
 
@@ -280,9 +283,9 @@ mod tests {
         now: &[DVec3],
     ) -> bool {
         let mut columns = ColumnTable::default();
-        columns.sort(cell, built).unwrap();
+        columns.sort(cell, Given::ByParticle(built)).unwrap();
         let mut rows = RowTable::default();
-        rows.sort(cell, built, radius).unwrap();
+        rows.sort(cell, Given::ByParticle(built), radius).unwrap();
         let (list, moves) = ((cell, radius, inner), (built, now));
         let found = by_cells_of(list, (&columns, &columns.particle), moves);
         assert_eq!(found, by_cells_of(list, (&rows, &rows.particle), moves));

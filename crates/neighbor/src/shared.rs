@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
 use lennard_core::PeriodicBox;
 use lennard_core::parallel::part;
 use lennard_core::tasks::for_each_item;
 
 use crate::blocks::{Block, REACH, SharedBlocks, SharedChunk, amid};
 use crate::columns::{ColumnTable, FIXED_UNITS};
+use crate::counting::Given;
 use crate::criterion::FARTHEST_TOGETHER;
 use crate::grid::GridError;
 use crate::list::ATOMS_PER_CHUNK;
@@ -98,39 +98,17 @@ impl SharedList {
         self.table.bytes() + chunks + self.chunks.capacity() * size_of::<SharedChunk>()
     }
 
-    /// Builds the lists for `positions` (unwrapped, σ): a pure function of them.
+    /// Builds the lists for positions: a pure function of them.
     ///
     /// # Errors
     /// [`GridError`] where a position cannot be placed.
     pub fn build(
         &mut self,
-        positions: &[DVec3],
+        given: Given<'_>,
         scanner: &dyn SharedScanner,
     ) -> Result<(), GridError> {
-        self.build_given(positions, scanner, false)
-    }
-
-    /// Builds the lists anew for `positions` (unwrapped, σ) of the same particles, given by the places that they have: what
-    /// comes of it is the same, and takes less time, since places change little.
-    ///
-    /// # Errors
-    /// As [`SharedList::build`].
-    pub fn build_again(
-        &mut self,
-        positions: &[DVec3],
-        scanner: &dyn SharedScanner,
-    ) -> Result<(), GridError> {
-        self.build_given(positions, scanner, true)
-    }
-
-    fn build_given(
-        &mut self,
-        positions: &[DVec3],
-        scanner: &dyn SharedScanner,
-        again: bool,
-    ) -> Result<(), GridError> {
-        self.table.sort_given(&self.cell, positions, again)?;
-        let n = positions.len();
+        self.table.sort(&self.cell, given)?;
+        let n = self.table.particle.len();
         self.chunks
             .resize_with(n.div_ceil(ATOMS_PER_CHUNK), SharedChunk::default);
         let mut chunks = std::mem::take(&mut self.chunks);

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 use lennard_neighbor::{
-    Images, NeighborList, ScalarScanner, ScalarSharedScanner, SharedList, brute_force_pairs,
+    Given, Images, NeighborList, ScalarScanner, ScalarSharedScanner, SharedList, brute_force_pairs,
 };
 use proptest::prelude::*;
 
@@ -55,7 +55,8 @@ fn both_ends_know_of_each_other_but_for_what_lies_in_the_margin_for_roundings() 
         .map(|r| r + DVec3::splat(origin))
         .collect();
     let mut list = NeighborList::new(cell, radius, Images::Ghosts, 8);
-    list.build(&positions, &ScalarScanner).unwrap();
+    list.build(Given::ByParticle(&positions), &ScalarScanner)
+        .unwrap();
     let listed = pairs_of(&list);
     assert_eq!(
         listed_by_one_alone(&cell, &positions, radius, &listed),
@@ -75,7 +76,9 @@ fn a_bad_position_is_named_and_does_not_hang() {
         let mut positions = scatter(50, cell.lengths(), 0.0);
         positions[17].z = bad;
         let mut list = NeighborList::new(cell, 3.0, Images::Ghosts, 8);
-        let error = list.build(&positions, &ScalarScanner).unwrap_err();
+        let error = list
+            .build(Given::ByParticle(&positions), &ScalarScanner)
+            .unwrap_err();
         assert!(error.to_string().contains("17"));
     }
 }
@@ -94,8 +97,11 @@ fn lists_built_again_by_place_are_those_of_positions_by_particle() {
         let before = scatter(n, filled, 0.0);
         let mut shared = SharedList::new(cell, 2.5, 2.7);
         let mut rows = NeighborList::new(cell, 2.7, Images::Ghosts, 8);
-        shared.build(&before, &ScalarSharedScanner).unwrap();
-        rows.build(&before, &ScalarScanner).unwrap();
+        shared
+            .build(Given::ByParticle(&before), &ScalarSharedScanner)
+            .unwrap();
+        rows.build(Given::ByParticle(&before), &ScalarScanner)
+            .unwrap();
         // Farther than from cell to cell, also out of the box.
         let now: Vec<DVec3> = before
             .iter()
@@ -104,8 +110,12 @@ fn lists_built_again_by_place_are_those_of_positions_by_particle() {
             .collect();
         let mut new_shared = SharedList::new(cell, 2.5, 2.7);
         let mut new_rows = NeighborList::new(cell, 2.7, Images::Ghosts, 8);
-        new_shared.build(&now, &ScalarSharedScanner).unwrap();
-        new_rows.build(&now, &ScalarScanner).unwrap();
+        new_shared
+            .build(Given::ByParticle(&now), &ScalarSharedScanner)
+            .unwrap();
+        new_rows
+            .build(Given::ByParticle(&now), &ScalarScanner)
+            .unwrap();
 
         let by_place = |particles: &[u32]| -> Vec<DVec3> {
             particles.iter().map(|p| now[*p as usize]).collect()
@@ -115,9 +125,9 @@ fn lists_built_again_by_place_are_those_of_positions_by_particle() {
             rows.table().particle.clone(),
         );
         shared
-            .build_again(&by_place(&places), &ScalarSharedScanner)
+            .build(Given::ByPlace(&by_place(&places)), &ScalarSharedScanner)
             .unwrap();
-        rows.build_again(&by_place(&row_places), &ScalarScanner)
+        rows.build(Given::ByPlace(&by_place(&row_places)), &ScalarScanner)
             .unwrap();
         for (table, from, places) in [
             (&shared.table().particle, shared.table().from(), &places),
@@ -142,8 +152,11 @@ fn a_bad_position_by_place_is_named_by_its_particle() {
     let positions = scatter(50, cell.lengths(), 0.0);
     let mut shared = SharedList::new(cell, 2.5, 2.7);
     let mut rows = NeighborList::new(cell, 2.7, Images::Ghosts, 8);
-    shared.build(&positions, &ScalarSharedScanner).unwrap();
-    rows.build(&positions, &ScalarScanner).unwrap();
+    shared
+        .build(Given::ByParticle(&positions), &ScalarSharedScanner)
+        .unwrap();
+    rows.build(Given::ByParticle(&positions), &ScalarScanner)
+        .unwrap();
     let bad = |particles: &[u32]| -> Vec<DVec3> {
         let position = |p: &u32| match p {
             17 => DVec3::splat(f64::NAN),
@@ -153,10 +166,12 @@ fn a_bad_position_by_place_is_named_by_its_particle() {
     };
     let (of_shared, of_rows) = (bad(&shared.table().particle), bad(&rows.table().particle));
     let error = shared
-        .build_again(&of_shared, &ScalarSharedScanner)
+        .build(Given::ByPlace(&of_shared), &ScalarSharedScanner)
         .unwrap_err();
     assert!(error.to_string().contains("particle 17"));
-    let error = rows.build_again(&of_rows, &ScalarScanner).unwrap_err();
+    let error = rows
+        .build(Given::ByPlace(&of_rows), &ScalarScanner)
+        .unwrap_err();
     assert!(error.to_string().contains("particle 17"));
 }
 
@@ -165,7 +180,8 @@ fn a_cluster_in_a_vacuum_does_not_pay_for_the_vacuum() {
     let cell = PeriodicBox::new(DVec3::splat(3000.0)).unwrap();
     let positions = scatter(200, DVec3::splat(8.0), 0.0);
     let mut list = NeighborList::new(cell, 2.8, Images::Ghosts, 8);
-    list.build(&positions, &ScalarScanner).unwrap();
+    list.build(Given::ByParticle(&positions), &ScalarScanner)
+        .unwrap();
     // A grid of cells as small as the list radius would have 1.2e9 of them.
     assert!(list.bytes() < 2_000_000, "{}", list.bytes());
     let wanted = brute_force_pairs(&cell, &positions, 2.8).len() as u64;
@@ -183,7 +199,8 @@ fn many_particles_get_wide_entries_only_where_narrow_ones_do_not_reach() {
     let cell = PeriodicBox::new(DVec3::new(9.0, 9.0, 30_000.0)).unwrap();
     let positions = scatter(60_000, cell.lengths(), 0.0);
     let mut list = NeighborList::new(cell, 1.5, Images::Folded, 8);
-    list.build(&positions, &ScalarScanner).unwrap();
+    list.build(Given::ByParticle(&positions), &ScalarScanner)
+        .unwrap();
     let narrow = list
         .chunks()
         .iter()
@@ -198,11 +215,14 @@ fn shared_lists_reach_over_more_places_than_an_entry_can_count() {
     let cell = PeriodicBox::new(DVec3::new(6.0, 173.0, 173.0)).unwrap();
     let positions = scatter(72_000, cell.lengths(), 0.0);
     let mut shared = SharedList::new(cell, 1.4, 1.5);
-    shared.build(&positions, &ScalarSharedScanner).unwrap();
+    shared
+        .build(Given::ByParticle(&positions), &ScalarSharedScanner)
+        .unwrap();
     let blocks = || shared.chunks().iter().flat_map(|c| &c.blocks);
     assert!(blocks().any(|b| b.base > 0), "bases are in use");
     let mut rows = NeighborList::new(cell, 1.5, Images::Ghosts, 8);
-    rows.build(&positions, &ScalarScanner).unwrap();
+    rows.build(Given::ByParticle(&positions), &ScalarScanner)
+        .unwrap();
     let mut shared_by_four = 0;
     for (i, (rows, shared)) in rows.neighbors().iter().zip(shared.neighbors()).enumerate() {
         assert!(shared.windows(2).all(|w| w[0] < w[1]), "{i} has each once");
@@ -220,8 +240,11 @@ fn shared_lists_of_a_wide_box_cost_few_lanes_more() {
     let lanes_an_atom = |n: usize| {
         let cell = PeriodicBox::new(DVec3::splat((n as f64 / 0.85).cbrt())).unwrap();
         let mut list = SharedList::new(cell, 2.5, 2.8);
-        list.build(&scatter(n, cell.lengths(), 0.0), &ScalarSharedScanner)
-            .unwrap();
+        list.build(
+            Given::ByParticle(&scatter(n, cell.lengths(), 0.0)),
+            &ScalarSharedScanner,
+        )
+        .unwrap();
         list.lanes() as f64 / n as f64
     };
     // Blocks that are cut where places lie too far apart made it 1.13 times as many.
@@ -252,7 +275,7 @@ proptest! {
             .collect();
         let images = if folded { Images::Folded } else { Images::Ghosts };
         let mut list = NeighborList::new(cell, r_cut + skin, images, 8);
-        list.build(&start, &ScalarScanner).unwrap();
+        list.build(Given::ByParticle(&start), &ScalarScanner).unwrap();
 
         let listed = pairs_of(&list);
         // A full list: both ends know of each other.
@@ -281,7 +304,7 @@ proptest! {
         }
         // Shared lists hold more than what is near, but each of it once.
         let mut shared = SharedList::new(cell, r_cut, r_cut + skin);
-        shared.build(&start, &ScalarSharedScanner).unwrap();
+        shared.build(Given::ByParticle(&start), &ScalarSharedScanner).unwrap();
         let mut listed = BTreeSet::new();
         for (i, neighbors) in shared.neighbors().iter().enumerate() {
             prop_assert!(neighbors.windows(2).all(|w| w[0] < w[1]), "particle {}", i);

@@ -165,6 +165,7 @@ mod tests {
     use super::super::{By, Level, Moved, pack_columns, pack_double};
     use super::*;
     use lennard_core::PeriodicBox;
+    use lennard_neighbor::Given;
 
     /// Rows and displacements of what is `shift` boxes away from home, at a level.
     type Packed = (Vec<DoubleRow>, Moved, Vec<FixedRow>, Moved);
@@ -207,7 +208,7 @@ mod tests {
             }
         }
         let mut by_cell = RowTable::default();
-        by_cell.sort(&cell, &start, 2.8).unwrap();
+        by_cell.sort(&cell, Given::ByParticle(&start), 2.8).unwrap();
         let at = built(&by_cell.particle);
         let mut double = vec![DoubleRow::default(); by_cell.rows()];
         let moved_double = pack_double(
@@ -218,7 +219,7 @@ mod tests {
             &mut double,
         );
         let mut columns = ColumnTable::default();
-        columns.sort(&cell, &start).unwrap();
+        columns.sort(&cell, Given::ByParticle(&start)).unwrap();
         assert_eq!(columns.is_near_home(), shift.abs() < 1e5);
         let at = built(&columns.particle);
         let mut fixed = vec![FixedRow::default(); n];

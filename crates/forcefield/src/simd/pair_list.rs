@@ -1,7 +1,7 @@
 //! The two kinds of lists, each with the rows that its loop reads.
 
 use glam::DVec3;
-use lennard_neighbor::{Cells, FIXED_UNITS, GridError, NeighborList, SharedList};
+use lennard_neighbor::{Cells, FIXED_UNITS, Given, GridError, NeighborList, SharedList};
 
 use super::packing::{Motion, Moved};
 use super::{
@@ -28,8 +28,8 @@ pub trait PairList: Sync {
     fn particles(&self) -> &[u32];
     /// Which of the positions that the list was built from stands at each place.
     fn from(&self) -> &[u32];
-    /// Builds the list for positions that are given by particle, or `again` by the places that it has.
-    fn build(&mut self, level: Level, positions: &[DVec3], again: bool) -> Result<(), GridError>;
+    /// Builds the list.
+    fn build(&mut self, level: Level, given: Given<'_>) -> Result<(), GridError>;
     /// Rows, ghosts included.
     fn rows(&self) -> usize;
     /// Chunks.
@@ -69,13 +69,8 @@ impl PairList for NeighborList {
         self.table().from()
     }
 
-    fn build(&mut self, level: Level, positions: &[DVec3], again: bool) -> Result<(), GridError> {
-        let scanner = level.scanner();
-        if again {
-            self.build_again(positions, scanner)
-        } else {
-            self.build(positions, scanner)
-        }
+    fn build(&mut self, level: Level, given: Given<'_>) -> Result<(), GridError> {
+        self.build(given, level.scanner())
     }
 
     fn rows(&self) -> usize {
@@ -126,13 +121,8 @@ impl PairList for SharedList {
         self.table().from()
     }
 
-    fn build(&mut self, level: Level, positions: &[DVec3], again: bool) -> Result<(), GridError> {
-        let scanner = level.shared_scanner();
-        if again {
-            self.build_again(positions, scanner)
-        } else {
-            self.build(positions, scanner)
-        }
+    fn build(&mut self, level: Level, given: Given<'_>) -> Result<(), GridError> {
+        self.build(given, level.shared_scanner())
     }
 
     fn rows(&self) -> usize {
