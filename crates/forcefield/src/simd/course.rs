@@ -5,7 +5,6 @@ use lennard_core::parallel::{for_each_piece, for_each_range, part};
 use lennard_neighbor::ATOMS_PER_CHUNK;
 
 use super::packing::Pace;
-use super::prefetch::prefetch_write_all;
 use super::{Output, PairList, Scatter, Wanted, go_on};
 use crate::copies::{Copies, Fitness, are_few};
 use crate::terms::Terms;
@@ -47,6 +46,8 @@ pub fn advance<P: PairList, F: PairForm>(
     // SAFETY: asked for while rows are packed and the list is judged, which for many particles is over before the first
     // chunk runs, and by the chunks of few, whose positions are written elsewhere.
     let now = || unsafe { positions.all() };
+    // Those of few lie in a cache, and the next chunk may be another thread's.
+    let state = next.is_none().then_some([&positions, &velocities]);
     let run = |rows: &[P::Row], chunk| {
         let places = part(chunk, ATOMS_PER_CHUNK, n);
         // SAFETY: the places of a chunk are no other's.
@@ -61,12 +62,9 @@ pub fn advance<P: PairList, F: PairForm>(
             };
             (positions, velocities.part(places.clone()))
         };
-        // Needed at once after the forces, and too short for a processor to take them for streams.
-        prefetch_write_all(positions);
-        prefetch_write_all(velocities);
         let mut forces = [DVec3::ZERO; ATOMS_PER_CHUNK];
         let forces = &mut forces[..places.len()];
-        let output = Output::new(forces, None, &in_order[..places.len()], places.start);
+        let output = Output::on_the_way(forces, &in_order[..places.len()], places.start, state);
         let totals = P::run(terms.level, job, rows, chunk, Wanted::Forces, &output);
         go_on(terms.level, positions, velocities, forces, pace);
         totals

@@ -1,6 +1,7 @@
 //! What a loop over lists writes for each particle.
 
 use glam::DVec3;
+use lennard_neighbor::ATOMS_PER_CHUNK;
 
 use super::Scatter;
 use super::lanes::Lanes;
@@ -14,6 +15,18 @@ pub struct Output<'a> {
     /// The element that belongs to each place from `first` on.
     order: &'a [u32],
     first: usize,
+    soon: Soon<'a>,
+}
+
+/// What is asked for while forces are summed, since it will soon be written.
+enum Soon<'a> {
+    /// Forces, which lie anywhere in memory.
+    Forces,
+    /// Positions and velocities by place, as many as those whose forces are summed, for the next chunk. At once, they would
+    /// keep all else from coming.
+    State([&'a Scatter<'a, DVec3>; 2]),
+    /// All is near.
+    Nothing,
 }
 
 impl<'a> Output<'a> {
@@ -37,17 +50,47 @@ impl<'a> Output<'a> {
             each: each.map(Scatter::new),
             order,
             first,
+            soon: Soon::Forces,
         }
     }
 
-    /// Says that the forces of so many places from one on will soon be written.
+    /// Forces of particles on their way, from the place `first` on; their positions and velocities, all of them by place, are
+    /// written after those, and asked for where they are given.
+    ///
+    /// # Panics
+    /// As [`Output::new`].
+    pub fn on_the_way(
+        forces: &'a mut [DVec3],
+        order: &'a [u32],
+        first: usize,
+        state: Option<[&'a Scatter<'a, DVec3>; 2]>,
+    ) -> Self {
+        Self {
+            soon: state.map_or(Soon::Nothing, Soon::State),
+            ..Self::new(forces, None, order, first)
+        }
+    }
+
+    /// Says that so many places from one on come next.
     #[inline(always)]
     pub fn prefetch(&self, place: usize, count: usize) {
-        let begin = place - self.first;
-        if let Some(order) = self.order.get(begin..begin + count) {
-            for at in order {
-                self.forces.prefetch(*at as usize);
+        match self.soon {
+            Soon::Forces => {
+                let begin = place - self.first;
+                if let Some(order) = self.order.get(begin..begin + count) {
+                    for at in order {
+                        self.forces.prefetch(*at as usize);
+                    }
+                }
             }
+            Soon::State(state) => {
+                let later = place + ATOMS_PER_CHUNK;
+                for array in state {
+                    array.prefetch(later);
+                    array.prefetch(later + count - 1);
+                }
+            }
+            Soon::Nothing => {}
         }
     }
 

@@ -26,12 +26,6 @@ pub fn prefetch_part<T>(array: &[T], part: Range<usize>) {
     }
 }
 
-/// Asks for a short array that will soon be read and written.
-#[inline(always)]
-pub fn prefetch_write_all<T>(array: &[T]) {
-    lines(array).for_each(prefetch_write);
-}
-
 /// An address in each line of an array.
 #[inline(always)]
 fn lines<T>(array: &[T]) -> impl Iterator<Item = *const u8> {

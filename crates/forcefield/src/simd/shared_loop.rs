@@ -121,7 +121,6 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, C: Besides<L>>(
         for (list, span) in chunk.spans.iter().enumerate() {
             prefetch_part(later, share * list..share * (list + 1));
             let counts = Counts::of(span, begin);
-            // Their forces lie anywhere in memory.
             if L::SPECIAL_LOOPS {
                 output.prefetch(first + SHARERS, SHARERS);
             }
