@@ -85,6 +85,8 @@ pub(crate) struct Columns {
     /// Columns along y in a strip. Strips are numbered one after another, so that the numbers of neighbors along x stay
     /// close to each other in boxes of any width.
     strip: u32,
+    /// 2³² over that, rounded up: a division takes as long as all else that numbers a column.
+    strip_inverse: u64,
 }
 
 impl Columns {
@@ -97,8 +99,10 @@ impl Columns {
         let columns = across[0] * across[1];
         let slices = (n / PARTICLES_PER_SLICE / columns).ceil();
         let in_reach = f64::from(REACH) / (COLUMNS_IN_REACH * n / columns);
+        let strip = in_reach.clamp(NARROWEST_STRIP, across[1].max(NARROWEST_STRIP)) as u32;
         Self {
-            strip: in_reach.clamp(NARROWEST_STRIP, across[1].max(NARROWEST_STRIP)) as u32,
+            strip,
+            strip_inverse: (1_u64 << 32).div_ceil(u64::from(strip)),
             across: across.map(|c| c as u32),
             slices: slices.clamp(1.0, (most / columns).max(1.0)) as u32,
         }
@@ -118,18 +122,11 @@ impl Columns {
     #[inline(always)]
     pub fn column(&self, x: u32, y: u32) -> u32 {
         let [nx, ny] = self.across;
-        // Most boxes have one strip, and divisions are slow.
-        let begin = if y < self.strip {
-            0
-        } else {
-            y / self.strip * self.strip
-        };
+        // Exact, since y times the width of a strip is less than 2³².
+        let number = ((u64::from(y) * self.strip_inverse) >> 32) as u32;
+        let begin = number * self.strip;
         let width = (ny - begin).min(self.strip);
-        let x = if begin > 0 && begin / self.strip % 2 == 1 {
-            nx - 1 - x
-        } else {
-            x
-        };
+        let x = if number % 2 == 1 { nx - 1 - x } else { x };
         let y = y - begin;
         let y = if x % 2 == 1 { width - 1 - y } else { y };
         begin * nx + x * width + y
@@ -300,6 +297,33 @@ impl Cells for ColumnTable {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn each_column_of_any_strip_has_a_number_and_neighbors_in_it_follow_each_other() {
+        for (x, y, n) in [(3.0, 700.0, 40_000), (90.0, 95.0, 700_000), (9.0, 9.0, 600)] {
+            let grid = Columns::choose(DVec3::new(x, y, 100.0), n);
+            let [nx, ny] = grid.across;
+            let mut seen = vec![false; (nx * ny) as usize];
+            for y in 0..ny {
+                let strip = y / grid.strip;
+                for x in 0..nx {
+                    let column = grid.column(x, y);
+                    assert!(!std::mem::replace(&mut seen[column as usize], true));
+                    assert!(
+                        (strip * grid.strip * nx..(strip + 1) * grid.strip * nx).contains(&column)
+                    );
+                    if y > 0 && (y - 1) / grid.strip == strip {
+                        assert_eq!(column.abs_diff(grid.column(x, y - 1)), 1);
+                    }
+                }
+            }
+        }
+        // The widest that there can be: a slab of as many columns as any box may have.
+        let widest = Columns::choose(DVec3::new(1.0, 1e9, 1.0), 1 << 30);
+        for y in [0, 1, widest.strip - 1, widest.strip, widest.across[1] - 1] {
+            assert_eq!(widest.column(0, y) / widest.strip, y / widest.strip);
+        }
+    }
 
     #[test]
     fn places_of_a_column_hold_its_particles_and_every_particle_has_one_place() {
