@@ -318,10 +318,14 @@ mod tests {
                 }
             }
         }
-        // The widest that there can be: a slab of as many columns as any box may have.
-        let widest = Columns::choose(DVec3::new(1.0, 1e9, 1.0), 1 << 30);
-        for y in [0, 1, widest.strip - 1, widest.strip, widest.across[1] - 1] {
-            assert_eq!(widest.column(0, y) / widest.strip, y / widest.strip);
+        // As many columns across as there can be, in strips as narrow and as wide as there can be.
+        for (x, z, strip) in [(1.0, 1.0, 8..9), (1e9, 1e-9, 26_000..27_000)] {
+            let grid = Columns::choose(DVec3::new(x, 1e9, z), 1 << 28);
+            let [nx, ny] = grid.across;
+            assert!(ny == 1 << 15 && strip.contains(&grid.strip));
+            for y in (0..ny).filter(|y| y % grid.strip < 2 || y % grid.strip > grid.strip - 2) {
+                assert_eq!(grid.column(0, y) / (nx * grid.strip), y / grid.strip);
+            }
         }
     }
 

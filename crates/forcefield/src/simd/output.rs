@@ -15,18 +15,8 @@ pub struct Output<'a> {
     /// The element that belongs to each place from `first` on.
     order: &'a [u32],
     first: usize,
-    soon: Soon<'a>,
-}
-
-/// What is asked for while forces are summed, since it will soon be written.
-enum Soon<'a> {
-    /// Forces, which lie anywhere in memory.
-    Forces,
-    /// Positions and velocities by place, as many as those whose forces are summed, for the next chunk. At once, they would
-    /// keep all else from coming.
-    State([&'a Scatter<'a, DVec3>; 2]),
-    /// All is near.
-    Nothing,
+    /// Positions and velocities by place, all of them, where they are written after the forces of a chunk and asked for.
+    state: Option<[&'a Scatter<'a, DVec3>; 2]>,
 }
 
 impl<'a> Output<'a> {
@@ -50,7 +40,7 @@ impl<'a> Output<'a> {
             each: each.map(Scatter::new),
             order,
             first,
-            soon: Soon::Forces,
+            state: None,
         }
     }
 
@@ -66,31 +56,30 @@ impl<'a> Output<'a> {
         state: Option<[&'a Scatter<'a, DVec3>; 2]>,
     ) -> Self {
         Self {
-            soon: state.map_or(Soon::Nothing, Soon::State),
+            state,
             ..Self::new(forces, None, order, first)
         }
     }
 
-    /// Says that so many places from one on come next.
+    /// Says that the forces of so many places from one on, which lie anywhere in memory, will soon be written.
     #[inline(always)]
     pub fn prefetch(&self, place: usize, count: usize) {
-        match self.soon {
-            Soon::Forces => {
-                let begin = place - self.first;
-                if let Some(order) = self.order.get(begin..begin + count) {
-                    for at in order {
-                        self.forces.prefetch(*at as usize);
-                    }
-                }
+        let begin = place - self.first;
+        if let Some(order) = self.order.get(begin..begin + count) {
+            for at in order {
+                self.forces.prefetch(*at as usize);
             }
-            Soon::State(state) => {
-                let later = place + ATOMS_PER_CHUNK;
-                for array in state {
-                    array.prefetch(later);
-                    array.prefetch(later + count - 1);
-                }
-            }
-            Soon::Nothing => {}
+        }
+    }
+
+    /// Says that the loop has come to so many places from one on: as much is asked for of the state of the next chunk, which
+    /// would keep all else from coming if it were asked for at once.
+    #[inline(always)]
+    pub fn prefetch_state(&self, place: usize, count: usize) {
+        let later = place + ATOMS_PER_CHUNK;
+        for array in self.state.iter().flatten() {
+            array.prefetch(later);
+            array.prefetch(later + count - 1);
         }
     }
 
