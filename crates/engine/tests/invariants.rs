@@ -295,7 +295,7 @@ fn momentum_of_mixed_precision_stays_below_a_random_walk_of_its_rounding() {
 
 #[test]
 fn the_energy_fluctuation_falls_as_the_square_of_dt() {
-    let rms = |dt: &str, steps: &str| {
+    let rms = |seed: &str, dt: &str, steps: &str| {
         let melt = [
             "[{name=\"melt\", steps=2000, thermostat=\"bussi\", temperature=0.8, dt=0.004}, {name=\"production\", steps=",
             steps,
@@ -303,6 +303,7 @@ fn the_energy_fluctuation_falls_as_the_square_of_dt() {
         ];
         let stages = melt.concat();
         let mut s = build(&[
+            ("system.seed", seed),
             ("integrator.dt", dt),
             ("stage", &stages),
             ("output.thermo_every", "1"),
@@ -310,13 +311,13 @@ fn the_energy_fluctuation_falls_as_the_square_of_dt() {
         s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
         s.thermodynamics.conservation().energy_rms_per_atom
     };
-    // The same 8 τ of the same liquid at both steps.
-    let (coarse, fine) = (rms("0.008", "1000"), rms("0.002", "4000"));
-    let exponent = (coarse / fine).ln() / 4.0_f64.ln();
-    assert!(
-        (exponent - 2.0).abs() < 0.1,
-        "RMS {coarse:e} at dt = 0.008, {fine:e} at 0.002: exponent {exponent}"
-    );
+    // The same 8 τ of the same liquid at both steps; one of them scatters by 0.035, and the mean of four by half as much.
+    let exponents = ["11", "12", "13", "14"].map(|seed| {
+        let (coarse, fine) = (rms(seed, "0.008", "1000"), rms(seed, "0.002", "4000"));
+        (coarse / fine).ln() / 4.0_f64.ln()
+    });
+    let mean = exponents.iter().sum::<f64>() / 4.0;
+    assert!((mean - 2.0).abs() < 0.07, "exponents {exponents:?}");
 }
 
 #[test]

@@ -4,20 +4,26 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use lennard_core::tasks::{for_each_task, map_tasks};
+use lennard_neighbor::{MANY, Way};
 
 use crate::simd::{By, ChunkTotals, Moved, Wanted};
 use crate::sums::Totals;
 
 /// Whether a list may be used at some positions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Fitness {
     /// It names every pair that counts.
     Fit,
+    /// It lacks a few, of the particles at these places.
+    Lacks(Vec<[u32; 2]>),
     /// It may miss one.
     Stale,
     /// A position is not a finite number.
     Broken,
 }
+
+/// Packing, by one thread or by all.
+pub type Pack<'a, Row> = dyn Fn(By, &mut [Row], Option<&mut [Way]>) -> Moved + Sync + 'a;
 
 /// What a loop over a list does at some positions.
 pub struct Work<'a, Row> {
@@ -29,10 +35,12 @@ pub struct Work<'a, Row> {
     pub chunks: usize,
     /// What is summed.
     pub wanted: Wanted,
-    /// Writes all rows and gives the displacements since the build.
-    pub pack: &'a (dyn Fn(By, &mut [Row]) -> Moved + Sync),
-    /// Judges the list by them: a pure function.
-    pub judge: &'a (dyn Fn(&Moved) -> Fitness + Sync),
+    /// Whether the list was judged at these very positions just now, and names by now what it lacked.
+    pub is_judged: bool,
+    /// Writes all rows, and ways where they are wanted, and gives the displacements since the build.
+    pub pack: &'a Pack<'a, Row>,
+    /// Judges the list by displacements, and by ways where they were written: with or without them the same.
+    pub judge: &'a (dyn Fn(&Moved, Option<&[Way]>) -> Fitness + Sync),
     /// Runs a chunk.
     pub run: &'a (dyn Fn(&[Row], usize) -> ChunkTotals + Sync),
 }
@@ -48,7 +56,31 @@ pub fn are_few(n: usize) -> bool {
 /// Few particles are packed faster than their rows, ghosts among them, come from another processor's cache, and all
 /// is done in one parallel section. Nothing but speed depends on it.
 #[derive(Debug)]
-pub struct Copies<Row>(Vec<Mutex<Vec<Row>>>);
+pub struct Copies<Row>(Vec<Mutex<Packed<Row>>>);
+
+/// What one thread packs.
+#[derive(Debug)]
+struct Packed<Row> {
+    rows: Vec<Row>,
+    /// How the particle at each place moved since the build, where that was wanted.
+    ways: Vec<Way>,
+    /// How many had moved far at the last time.
+    far: usize,
+}
+
+/// Ways of [`MANY`] particles are written where one of so many had moved far at the last time: to look ahead of fewer takes
+/// less time than to write all ways. Nothing but speed depends on it.
+const FAR_AMONG: usize = 256;
+
+impl<Row> Default for Packed<Row> {
+    fn default() -> Self {
+        Self {
+            rows: Vec::new(),
+            ways: Vec::new(),
+            far: 0,
+        }
+    }
+}
 
 impl<Row> Default for Copies<Row> {
     fn default() -> Self {
@@ -61,7 +93,8 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
     pub fn bytes(&self) -> usize {
         self.0
             .iter()
-            .map(|rows| lock(rows).capacity() * size_of::<Row>())
+            .map(lock)
+            .map(|packed| packed.rows.capacity() * size_of::<Row>() + 4 * packed.ways.capacity())
             .sum()
     }
 
@@ -73,11 +106,15 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
         if few {
             return self.run_few(work);
         }
-        let rows = self.pack(0, By::All, work);
-        let (rows, moved) = (&*rows.0, rows.1);
-        match (work.judge)(&moved) {
+        let (packed, fitness) = if work.is_judged {
+            (lock(&self.0[0]), Fitness::Fit)
+        } else {
+            self.pack(0, By::All, work)
+        };
+        let packed = &*packed;
+        match fitness {
             Fitness::Fit => {
-                let (totals, broken) = sum_chunks(work, &|(), c| (work.run)(rows, c));
+                let (totals, broken) = sum_chunks(work, &|(), c| (work.run)(&packed.rows, c));
                 (Fitness::Fit, totals, broken)
             }
             unfit => (unfit, Totals::NOTHING, false),
@@ -87,16 +124,16 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
     /// Each thread packs a copy of its own before its first chunk, and all come to the same judgement.
     fn run_few<'a>(&'a self, work: &Work<'_, Row>) -> (Fitness, Totals, bool) {
         let fitness = OnceLock::new();
-        let run = |mine: &mut Option<MutexGuard<'a, Vec<Row>>>, c: usize| {
-            let rows = mine.get_or_insert_with(|| {
+        let run = |mine: &mut Option<MutexGuard<'a, Packed<Row>>>, c: usize| {
+            let packed = mine.get_or_insert_with(|| {
                 let me = rayon::current_thread_index().unwrap_or(0);
-                let (rows, moved) = self.pack(me % self.0.len(), By::OneThread, work);
                 // Each thread judges by itself, alike: waiting for another may mean to sleep.
-                let _ = fitness.set((work.judge)(&moved));
-                rows
+                let (packed, judged) = self.pack(me % self.0.len(), By::OneThread, work);
+                let _ = fitness.set(judged);
+                packed
             });
             match fitness.get() {
-                Some(Fitness::Fit) => (work.run)(rows, c),
+                Some(Fitness::Fit) => (work.run)(&packed.rows, c),
                 _ => ChunkTotals::NOTHING,
             }
         };
@@ -106,17 +143,30 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
         (fitness, totals, broken)
     }
 
-    fn pack(&self, copy: usize, by: By, work: &Work<'_, Row>) -> (MutexGuard<'_, Vec<Row>>, Moved) {
-        let mut rows = lock(&self.0[copy]);
+    /// Packs a copy and judges the list.
+    fn pack(
+        &self,
+        copy: usize,
+        by: By,
+        work: &Work<'_, Row>,
+    ) -> (MutexGuard<'_, Packed<Row>>, Fitness) {
+        let mut packed = lock(&self.0[copy]);
+        let Packed { rows, ways, far } = &mut *packed;
         rows.resize(work.rows, Row::default());
-        let moved = (work.pack)(by, &mut rows);
-        (rows, moved)
+        let are_wanted = work.n >= MANY && *far * FAR_AMONG > work.n;
+        if are_wanted {
+            ways.resize(work.n, Way::default());
+        }
+        let moved = (work.pack)(by, rows, are_wanted.then_some(&mut *ways));
+        *far = moved.far.len();
+        let fitness = (work.judge)(&moved, are_wanted.then_some(&*ways));
+        (packed, fitness)
     }
 }
 
 /// Nobody ever waits: each thread has a copy of its own, or one thread locks for all.
-fn lock<Row>(rows: &Mutex<Vec<Row>>) -> MutexGuard<'_, Vec<Row>> {
-    rows.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock<Row>(packed: &Mutex<Packed<Row>>) -> MutexGuard<'_, Packed<Row>> {
+    packed.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Runs all chunks and adds their totals in order; whether a force was not finite comes second. One

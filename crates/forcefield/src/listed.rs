@@ -8,7 +8,7 @@ use crate::clock::Clock;
 use crate::copies::{Copies, Fitness};
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
-    DoubleRow, FixedRow, Level, Motion, Moved, Output, Pace, PairList, PerParticle, Wanted,
+    DoubleRow, FixedRow, Level, Motion, Moved, Output, Pace, PairList, PerParticle, Wanted, moved,
 };
 use crate::sums::Totals;
 use crate::terms::Terms;
@@ -87,6 +87,7 @@ impl Listed {
             level,
             criterion: Criterion::new(skin),
             built: Vec::new(),
+            named: Vec::new(),
         };
         Self { terms, pairs }
     }
@@ -144,6 +145,15 @@ impl Listed {
         }
     }
 
+    /// Names pairs that the list lacks; gives whether it can.
+    fn name(&mut self, pairs: &[[u32; 2]]) -> bool {
+        let terms = &mut self.terms;
+        match &mut self.pairs {
+            Pairs::Canonical(list, _) | Pairs::Rows(list, _) => terms.name(&mut **list, pairs),
+            Pairs::Shared(list, _) => terms.name(&mut **list, pairs),
+        }
+    }
+
     /// Writes forces (and `each`) at `positions` and returns the totals, which are those of `wanted`.
     pub fn evaluate<F: PairForm>(
         &mut self,
@@ -155,14 +165,18 @@ impl Listed {
         clock: &mut Clock,
     ) -> Result<Totals, ForceError> {
         let (fitness, totals, broken) = clock.using(|clock| {
-            if self.terms.built.len() == positions.len() {
-                let found = self.attempt(form, positions, wanted, forces, each.as_deref_mut());
-                if found.0 != Fitness::Stale {
-                    return Ok(found);
+            let mut is_judged = false;
+            while self.terms.built.len() == positions.len() {
+                let sums = (wanted, is_judged);
+                let found = self.attempt(form, positions, sums, forces, each.as_deref_mut());
+                match found.0 {
+                    Fitness::Lacks(pairs) if self.name(&pairs) => is_judged = true,
+                    Fitness::Stale | Fitness::Lacks(_) => break,
+                    Fitness::Fit | Fitness::Broken => return Ok(found),
                 }
             }
             clock.building(|| self.build(positions))?;
-            Ok(self.attempt(form, positions, wanted, forces, each))
+            Ok(self.attempt(form, positions, (wanted, false), forces, each))
         })?;
         self.terms.criterion.used(fitness == Fitness::Fit);
         if fitness == Fitness::Broken {
@@ -175,12 +189,12 @@ impl Listed {
         Ok(totals)
     }
 
-    /// Judges the list at `positions` and evaluates where it is fit; gives totals and whether a force was not finite.
+    /// Judges the list at `positions`, unless that was done just now, and evaluates where it is fit; gives totals and whether a force was not finite.
     fn attempt<F: PairForm>(
         &mut self,
         form: F,
         positions: &[DVec3],
-        wanted: Wanted,
+        wanted: (Wanted, bool),
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
     ) -> (Fitness, Totals, bool) {
@@ -190,7 +204,7 @@ impl Listed {
                 let particles = &list.table().particle;
                 let moved = folded.pack(&terms.cell, terms.motion(positions, particles));
                 let at = |place| positions[particles[place as usize] as usize];
-                let fitness = terms.fitness(list.table(), &moved, at);
+                let fitness = terms.fitness(&**list, &moved, None, at);
                 if fitness != Fitness::Fit {
                     return (fitness, Totals::NOTHING, false);
                 }
@@ -243,11 +257,19 @@ impl Listed {
             by_particle[*particle as usize] = *r;
         }
         to.put_vec3("built_at", &by_particle);
+        let named: Vec<u64> = self
+            .terms
+            .named
+            .iter()
+            .flatten()
+            .map(|p| (*p).into())
+            .collect();
+        to.put_u64("named", &named);
         let c = &self.terms.criterion;
         to.put_u64("counters", &[c.builds(), c.late_builds()]);
     }
 
-    /// Builds the list of the saved run again, from the positions that it was built at.
+    /// Builds the list of the saved run again, from the positions that it was built at, and names what was named since.
     pub fn restore(&mut self, from: &StateReader<'_>, n: usize) -> Result<(), RestoreError> {
         let built = from.vec3("built_at")?;
         if !built.is_empty() {
@@ -258,12 +280,35 @@ impl Listed {
             }
             self.build(built)
                 .map_err(|e| from.misfit("built_at", e.to_string()))?;
+            self.restore_named(from, n)?;
         } else {
             self.terms.built.clear();
         }
         let [builds, late] = from.u64s("counters")?;
         self.terms.criterion.set_counters(builds, late);
         Ok(())
+    }
+
+    fn restore_named(&mut self, from: &StateReader<'_>, n: usize) -> Result<(), RestoreError> {
+        let named = match from.u64("named") {
+            // Of a run by a version that named nothing.
+            Err(RestoreError::Missing(_)) => return Ok(()),
+            named => named?,
+        };
+        let (pairs, rest) = named.as_chunks::<2>();
+        let is_pair = |[a, b]: &[u64; 2]| a < b && *b < n as u64;
+        let pairs: Vec<[u32; 2]> = pairs
+            .iter()
+            .filter(|pair| is_pair(pair))
+            .map(|pair| pair.map(|place| place as u32))
+            .collect();
+        if 2 * pairs.len() == named.len() && rest.is_empty() && self.name(&pairs) {
+            return Ok(());
+        }
+        Err(from.misfit(
+            "named",
+            format!("no pairs of {n} places that this list can name"),
+        ))
     }
 }
 
@@ -284,13 +329,7 @@ impl Folded {
     /// Folds positions; gives the displacements since the build.
     fn pack(&mut self, cell: &PeriodicBox, motion: Motion<'_>) -> Moved {
         pure::wrap(cell, motion.positions, &mut self.wrapped);
-        let moved = motion.order.iter().zip(motion.built);
-        let squares: Vec<f64> = moved
-            .map(|(particle, at)| (motion.positions[*particle as usize] - *at).length_squared())
-            .collect();
-        let mut moved = Moved::NOTHING;
-        moved.include(0, &squares, motion.far2);
-        moved
+        moved(motion)
     }
 }
 
@@ -306,13 +345,19 @@ impl<Row: Copy + Default + Send + Sync> Laid<Row> {
         list: &P,
         form: F,
         positions: &[DVec3],
-        wanted: Wanted,
+        (wanted, is_judged): (Wanted, bool),
         output: &Output<'_>,
     ) -> (Fitness, Totals, bool) {
         let job = list.job(form, terms.r_cut, terms.cell.lengths());
         let run = |rows: &[Row], c| P::run(terms.level, &job, rows, c, wanted, output);
         let lists = (list, &mut self.copies);
-        terms.use_list(lists, || positions, list.particles(), wanted, &run)
+        terms.use_list(
+            lists,
+            || positions,
+            list.particles(),
+            (wanted, is_judged),
+            &run,
+        )
     }
 
     /// See [`Underway::go`].

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use lennard_core::{ForceError, PeriodicBox};
-use lennard_neighbor::{Cells, Criterion, Given, GridError, Moves, Verdict, misses_a_pair};
+use lennard_neighbor::{Criterion, Given, GridError, Moves, Verdict, Way, missed_pairs};
 
 use crate::copies::{Copies, Fitness, Work};
 use crate::simd::{ChunkTotals, Level, Motion, Moved, PairList, Wanted, take};
@@ -22,6 +22,8 @@ pub struct Terms {
     pub criterion: Criterion,
     /// Positions of the build, by place, σ; empty before the first.
     pub built: Vec<DVec3>,
+    /// The places of pairs that were named since then, in this order.
+    pub named: Vec<[u32; 2]>,
 }
 
 impl Terms {
@@ -35,18 +37,26 @@ impl Terms {
         )?;
         take(list.from(), given.positions(), &mut built);
         self.built = built;
+        self.named.clear();
         self.criterion.built();
         Ok(())
     }
 
+    /// Names pairs that a list lacks; gives whether it can.
+    pub fn name<P: PairList>(&mut self, list: &mut P, pairs: &[[u32; 2]]) -> bool {
+        let all = pairs.iter().all(|pair| list.name(*pair));
+        self.named.extend(pairs);
+        all
+    }
+
     /// Packs rows of the positions that are `now`, σ, of which `order` says which belongs to each place, judges the list
-    /// there, and runs its chunks where it is fit. Gives the totals, and whether a force was not finite.
+    /// there, unless that was done just now, and runs its chunks where it is fit. Gives the totals, and whether a force was not finite.
     pub fn use_list<'p, P: PairList>(
         &self,
         (list, copies): (&P, &mut Copies<P::Row>),
         now: impl Fn() -> &'p [DVec3] + Sync,
         order: &[u32],
-        wanted: Wanted,
+        (wanted, is_judged): (Wanted, bool),
         run: &(dyn Fn(&[P::Row], usize) -> ChunkTotals + Sync),
     ) -> (Fitness, Totals, bool) {
         let at = |place: u32| now()[order[place as usize] as usize];
@@ -55,8 +65,11 @@ impl Terms {
             rows: list.rows(),
             chunks: list.chunks(),
             wanted,
-            pack: &|by, rows| list.pack(self.level, by, self.motion(now(), order), rows),
-            judge: &|moved| self.fitness(list.cells(), moved, at),
+            is_judged,
+            pack: &|by, rows, ways| {
+                list.pack(self.level, by, self.motion(now(), order), rows, ways)
+            },
+            judge: &|moved, ways| self.fitness(list, moved, ways, at),
             run,
         })
     }
@@ -72,12 +85,13 @@ impl Terms {
         }
     }
 
-    /// Whether the list, which was sorted into `cells`, names every pair that counts where particles moved so and the one of
-    /// each place is `at` it.
-    pub fn fitness<C: Cells>(
+    /// Whether a list names every pair that counts where particles moved so, and these are their ways if they are known, and the one of each
+    /// place is `at` it.
+    pub fn fitness<P: PairList>(
         &self,
-        cells: &C,
+        list: &P,
         moved: &Moved,
+        ways: Option<&[Way]>,
         at: impl Fn(u32) -> DVec3 + Sync,
     ) -> Fitness {
         if !moved.finite {
@@ -91,14 +105,18 @@ impl Terms {
                 // A last place more: no pair that counts may look as if it did not.
                 let inner = (self.radius - self.criterion.skin()) * (1.0 + 1e-12);
                 let moves = Moves {
-                    cells,
+                    cells: list.cells(),
                     at,
                     built: &self.built,
+                    ways,
+                    largest2,
                 };
-                if misses_a_pair(&self.cell, self.radius, inner, moves, &moved.far) {
-                    Fitness::Stale
-                } else {
+                let mut missed = missed_pairs(&self.cell, self.radius, inner, moves, &moved.far);
+                missed.retain(|pair| !list.names(*pair));
+                if missed.is_empty() {
                     Fitness::Fit
+                } else {
+                    Fitness::Lacks(missed)
                 }
             }
         }

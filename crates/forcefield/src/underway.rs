@@ -47,15 +47,18 @@ impl Underway {
             return 0;
         }
         self.lay_out(list, stride);
-        let (mut taken, mut is_new) = (0, false);
+        let (mut taken, mut is_new, mut is_judged) = (0, false, false);
         loop {
             let most = stride.steps - taken;
-            let (done, fitness) = self.advance(terms, (list, copies), form, most, pace);
+            let (done, fitness) =
+                self.advance(terms, (list, copies), form, most, (pace, is_judged));
             taken += done;
+            is_judged = false;
             match fitness {
                 Fitness::Fit => break,
                 Fitness::Broken => return 0,
-                Fitness::Stale => {
+                Fitness::Lacks(pairs) if terms.name(list, &pairs) => is_judged = true,
+                Fitness::Stale | Fitness::Lacks(_) => {
                     assert!(done > 0 || !is_new, "a list is fit where it was built");
                     let built = clock.building(|| {
                         terms.build(list, Given::ByPlace(&self.positions))?;
@@ -95,26 +98,27 @@ impl Underway {
         self.positions.copy_from_slice(built);
     }
 
-    /// Takes up to so many steps, while the list is fit. Gives how many were taken, and what ended them.
+    /// Takes up to so many steps, while the list is fit; it may be judged for the first one already. Gives how many were taken, and what ended them.
     fn advance<P: PairList, F: PairForm>(
         &mut self,
         terms: &Terms,
         (list, copies): (&P, &mut Copies<P::Row>),
         form: F,
         most: u64,
-        pace: Pace,
+        (pace, is_judged): (Pace, bool),
     ) -> (u64, Fitness) {
         let few = are_few(self.in_order.len());
         let job = list.job(form, terms.r_cut, terms.cell.lengths());
         let mut taken = 0;
         while taken < most {
+            let now = (pace, is_judged && taken == 0);
             let particles = OnTheWay {
                 positions: &mut self.positions,
                 next: few.then_some(&mut self.next[..]),
                 velocities: &mut self.velocities,
                 in_order: &self.in_order,
             };
-            let fitness = advance::<P, F>(terms, (list, copies), &job, particles, pace);
+            let fitness = advance::<P, F>(terms, (list, copies), &job, particles, now);
             if fitness != Fitness::Fit {
                 return (taken, fitness);
             }

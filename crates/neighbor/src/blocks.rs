@@ -57,6 +57,22 @@ impl Block {
         }
     }
 
+    /// Whether a place counts.
+    fn names(&self, place: u32) -> bool {
+        self.places().any(|named| named == place)
+    }
+
+    /// Names a place where another one does not count, if there is such an entry and it reaches there.
+    fn take_in(&mut self, place: u32) -> bool {
+        let free = self.valid.trailing_ones() as usize;
+        let reaches = (self.base..=self.base + REACH).contains(&place);
+        if free < BLOCK && reaches {
+            self.valid |= 1 << free;
+            self.entries[free] = (place - self.base) as u16 * ENTRY;
+        }
+        free < BLOCK && reaches
+    }
+
     /// The places that count.
     pub fn places(&self) -> impl Iterator<Item = u32> {
         let Self {
@@ -142,6 +158,42 @@ impl SharedChunk {
     pub fn lists(&self) -> impl Iterator<Item = (usize, SharedBlocks<'_>)> {
         let first = self.first_place as usize;
         (0..self.spans.len()).map(move |k| (first + k * SHARERS, self.list(k)))
+    }
+
+    /// Whether the list of the `k`th four names a place for one of them.
+    pub(crate) fn names(&self, k: usize, sharer: usize, place: u32) -> bool {
+        self.list(k).of(sharer).any(|block| block.names(place))
+    }
+
+    /// Names a place in the list of the `k`th four, for one of whom it is not named yet: for all of them, once.
+    pub(crate) fn name(&mut self, k: usize, place: u32) {
+        let begin = if k == 0 {
+            0
+        } else {
+            self.spans[k - 1].end as usize
+        };
+        let mut halves = self.list(k).halves.iter();
+        let for_two = halves.position(|halves| halves.iter().any(|block| block.names(place)));
+        let span = &mut self.spans[k];
+        let masked = span.halves as usize..span.masked as usize;
+        if let Some(pair) = for_two {
+            // From now on all look at what these two blocks name, behind the one that begins with the sharers.
+            self.blocks[begin + 2 * pair..masked.end].rotate_left(2);
+            span.halves -= 2;
+            return;
+        }
+        let blocks = &mut self.blocks[masked.clone()];
+        if blocks.iter_mut().any(|block| block.take_in(place)) {
+            return;
+        }
+        self.blocks.insert(masked.end, Block::of(place, &[place]));
+        span.masked += 1;
+        span.end += 1;
+        for span in &mut self.spans[k + 1..] {
+            span.halves += 1;
+            span.masked += 1;
+            span.end += 1;
+        }
     }
 
     pub(crate) fn clear(&mut self) {

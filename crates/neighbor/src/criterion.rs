@@ -1,19 +1,26 @@
 //! The displacement criterion: when a list may still be used.
 
 /// By how many skins two particles may have moved together before a list is built anew, whatever the pairs.
-pub(crate) const FARTHEST_TOGETHER: f64 = 2.0;
+pub(crate) const FARTHEST_TOGETHER: f64 = 3.0;
 
 /// One of how many particles may have moved far: to look ahead of more of them would cost more than lists that last longer
 /// save.
 pub(crate) const FAR_AMONG: usize = 32;
+
+/// The same of [`MANY`] particles, whose lists take more time to build.
+const FAR_AMONG_MANY: usize = 16;
+
+/// Fewest particles that no cache holds: what comes in reach is asked for ahead, and what is looked at is kept small. That of
+/// fewer lies in a cache, or streams from one that is near enough.
+pub const MANY: usize = 131_072;
 
 /// What the criterion says about a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// No pair inside the cutoff can be missing.
     Valid,
-    /// A pair inside the cutoff might be missing, ahead of a particle that moved far; where
-    /// [`misses_a_pair`](crate::misses_a_pair) finds none, there is none.
+    /// Pairs inside the cutoff might be missing, ahead of particles that moved far:
+    /// [`missed_pairs`](crate::missed_pairs) finds them all.
     Doubtful,
     /// A pair inside the cutoff might be missing: build before use.
     Build,
@@ -24,8 +31,8 @@ pub enum Verdict {
 /// A list built at positions x⁰ holds all pairs with r ≤ r_cut + skin. It may be used at positions x
 /// while 2·max|x_i − x⁰_i| ≤ skin, with unwrapped positions: two particles that each moved by at most
 /// half the skin have come closer by at most the skin. Beyond, a pair can be missing only of two of which one moved by
-/// more than half the skin toward the other; while such particles are few and none moved by more than the whole skin,
-/// it is looked for ahead of them.
+/// more than half the skin toward the other; while such particles are few and none moved by more than one and a half
+/// skins, it is looked for ahead of them, and named where the list can take it in.
 ///
 /// A build is *late* if the list that it replaces was used at an evaluation for which a pair may have been missed. With
 /// the check before every use that cannot happen; the counter is the proof, and catches a caller that checks more rarely.
@@ -72,10 +79,11 @@ impl Criterion {
     /// moved far.
     #[must_use]
     pub fn check(&self, largest_displacement2: f64, far: usize, n: usize) -> Verdict {
+        let among = if n < MANY { FAR_AMONG } else { FAR_AMONG_MANY };
         // With a skin of zero the list is good for the very positions of its build; NaN is never good.
         if 4.0 * largest_displacement2 <= self.limit {
             Verdict::Valid
-        } else if largest_displacement2 <= self.doubtful && far * FAR_AMONG <= n {
+        } else if largest_displacement2 <= self.doubtful && far * among <= n {
             Verdict::Doubtful
         } else {
             Verdict::Build
@@ -122,9 +130,12 @@ mod tests {
         let check = |moved: f64, far| criterion.check(moved.powi(2), far, 128);
         assert_eq!(check(0.1499, 0), Verdict::Valid);
         assert_eq!(check(0.1501, 1), Verdict::Doubtful);
-        assert_eq!(check(0.2999, 4), Verdict::Doubtful);
-        assert_eq!(check(0.2999, 5), Verdict::Build);
-        assert_eq!(check(0.3001, 1), Verdict::Build);
+        assert_eq!(check(0.4499, 4), Verdict::Doubtful);
+        assert_eq!(check(0.4499, 5), Verdict::Build);
+        assert_eq!(check(0.4501, 1), Verdict::Build);
+        let among_many = |far| criterion.check(0.04, far, MANY);
+        assert_eq!(among_many(8192), Verdict::Doubtful);
+        assert_eq!(among_many(8193), Verdict::Build);
         assert!((criterion.far2().sqrt() - 0.15).abs() < 1e-12);
         assert_eq!(check(f64::NAN, 1), Verdict::Build);
         assert_eq!(Criterion::new(0.0).check(0.0, 0, 128), Verdict::Valid);

@@ -24,10 +24,10 @@ pub use blocks::{BLOCK, Block, ENTRY, SharedBlocks, SharedChunk, Span, amid};
 pub use brute::{brute_force_pairs, for_each_pair};
 pub use columns::{ColumnTable, FIXED_ROUNDING, FIXED_UNITS, to_fixed};
 pub use counting::Given;
-pub use criterion::{Criterion, Verdict};
+pub use criterion::{Criterion, MANY, Verdict};
 pub use grid::{Ghost, GridError, RowTable};
 pub use list::{ATOMS_PER_CHUNK, Entries, Images, ListChunk, NeighborList};
-pub use missing::{Cells, Moves, misses_a_pair};
+pub use missing::{Cells, Mover, Moves, Way, Ways, missed_pairs};
 pub use scan::{Candidates, Center, Names, Nearby, PADDING, RowScanner, ScalarScanner};
 pub use shared::SharedList;
 pub use shared_scan::{

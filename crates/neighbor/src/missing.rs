@@ -1,11 +1,11 @@
-//! Whether a list misses a pair, looked for ahead of the particles that moved far since it was built.
+//! The pairs that a list misses, looked for ahead of the particles that moved far since it was built.
 
 use std::hint::black_box;
 use std::ops::Range;
 
 use glam::DVec3;
 use lennard_core::PeriodicBox;
-use lennard_core::parallel::all_pieces;
+use lennard_core::parallel::map_ranges;
 
 use crate::columns::FIXED_ROUNDING;
 use crate::reach::Reach;
@@ -28,6 +28,10 @@ pub struct Moves<'a, C, A> {
     pub at: A,
     /// Where they were, by place, unwrapped, `[N]`, σ.
     pub built: &'a [DVec3],
+    /// The same in few bytes, by place, `[N]`; they spare time where many moved far.
+    pub ways: Option<&'a [Way]>,
+    /// The largest |x − x⁰|², σ².
+    pub largest2: f64,
 }
 
 impl<C: Cells, A: Fn(u32) -> DVec3> Moves<'_, C, A> {
@@ -39,64 +43,158 @@ impl<C: Cells, A: Fn(u32) -> DVec3> Moves<'_, C, A> {
     }
 }
 
+/// A particle that moved far since a list was built.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mover {
+    /// Its place.
+    pub place: u32,
+    /// Where it is, σ.
+    pub at: DVec3,
+    /// x − x⁰, σ.
+    pub moved: DVec3,
+}
+
+/// How a particle moved since the build, in four bytes: enough to rule most pairs out without a look at where they are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[repr(C, align(4))]
+pub struct Way {
+    /// x − x⁰ along each axis, in [`Ways::ALONG`]ths of half the skin.
+    pub along: [i8; 3],
+    /// |x − x⁰|² in [`Ways::SQUARES`]ths of that of half the skin, rounded up by half of one at least; what a byte has no
+    /// room for is 255.
+    pub square: u8,
+}
+
+/// What ways are counted in.
+#[derive(Debug, Clone, Copy)]
+pub struct Ways {
+    /// One over the unit of [`Way::along`], σ⁻¹.
+    pub along: f64,
+    /// One over the unit of [`Way::square`], σ⁻².
+    pub squares: f64,
+}
+
+impl Ways {
+    /// Parts of half the skin. Whoever moved by less than twice the skin has room.
+    const ALONG: f64 = 32.0;
+    /// Parts of the square of half the skin.
+    const SQUARES: f64 = 16.0;
+    /// What two who came closer by the skin moved relative to each other at least, in parts, whatever the rounding.
+    const CLOSER: i32 = 62;
+
+    /// Those for a square of half the skin, σ².
+    #[inline(always)]
+    #[must_use]
+    pub fn new(far2: f64) -> Self {
+        Self {
+            along: Self::ALONG / far2.sqrt(),
+            squares: Self::SQUARES / far2,
+        }
+    }
+
+    /// The way of a particle that moved by x − x⁰, which is `moved2` squared, σ and σ². NaN is far away.
+    #[inline(always)]
+    #[must_use]
+    pub fn way(&self, moved: DVec3, moved2: f64) -> Way {
+        let squares = moved2 * self.squares;
+        let squares = if squares < 254.0 { squares } else { 254.0 };
+        // The nearest whole numbers, without a call.
+        let along = |x: f64| (x * self.along + FIXED_ROUNDING).to_bits() as i8;
+        Way {
+            along: [along(moved.x), along(moved.y), along(moved.z)],
+            square: (squares + FIXED_ROUNDING).to_bits() as u8 + 1,
+        }
+    }
+
+    /// The largest square of those who moved less than that, σ.
+    fn below(&self, way: f64) -> u8 {
+        (way * way * self.squares * (1.0 - 1e-9)) as u8
+    }
+}
+
+impl Way {
+    /// Whether two may have come closer by the skin.
+    #[inline(always)]
+    fn may_be_closer(self, other: Self) -> bool {
+        let apart = |axis: usize| i32::from(self.along[axis]) - i32::from(other.along[axis]);
+        let [x, y, z] = [apart(0), apart(1), apart(2)];
+        x * x + y * y + z * z >= Ways::CLOSER * Ways::CLOSER
+    }
+}
+
 /// How far beyond the edge of a cell a particle of it may seem to lie, in cells: its place in the grid was found with
 /// another rounding.
 const BESIDE: f64 = 1e-3;
 
-/// Particles that moved far whose surroundings are found before any of them is looked at: what memory is asked for then
-/// comes at the same time, and not one after the other.
+/// Particles that moved far that are looked at together, stage by stage: what memory is asked for then comes at the same
+/// time, and not one after the other.
 const TOGETHER: usize = 16;
 
-/// Whether two particles are within `inner` σ of each other, by an image that was farther than `radius` σ away when the
-/// list was built, so that a list of that radius does not name it. `far` has the places of all particles that moved by more
-/// than half the skin, which is the difference of the two distances.
+/// The places of all pairs within `inner` σ of each other by an image that was farther than `radius` σ away when the
+/// list was built, so that a list of that radius need not name them; the lower one first, ascending. `far` has
+/// all particles that moved by more than half the skin, which is the difference of the two distances.
 ///
 /// With n the direction from one of the two to the other at the build, r ≥ r⁰ − (mᵢ − mⱼ)·n: two that came closer by more
 /// than the skin moved by more than it along n, and one of them by more than half of it toward where the other was. So
-/// the other is looked for ahead, in the part of a shell that a cone cuts out, cos θ ≥ ½·skin/|m|: few did move so far, and
-/// most of these hardly farther.
+/// the other is looked for ahead, in the part of a shell that a cone cuts out, cos θ ≥ ½·skin/|m|, among those whose own way
+/// makes up for what is left: few did move so far, and most of these hardly farther.
 #[must_use]
-pub fn misses_a_pair<C: Cells, A: Fn(u32) -> DVec3 + Sync>(
+pub fn missed_pairs<C: Cells, A: Fn(u32) -> DVec3 + Sync>(
     cell: &PeriodicBox,
     radius: f64,
     inner: f64,
     moves: Moves<'_, C, A>,
-    far: &[u32],
-) -> bool {
-    let moved2 = |place: &u32| moves.of(*place).1.length_squared();
-    let farthest = far.iter().map(moved2).fold(0.0, f64::max).sqrt();
+    far: &[Mover],
+) -> Vec<[u32; 2]> {
     let lengths = cell.lengths();
+    // With some care for roundings.
+    let half = 0.5 * (radius - inner) * (1.0 - 1e-9);
     let search = Search {
         count: moves.cells.count(),
+        farthest: moves.largest2.sqrt() * (1.0 + 1e-9),
         moves,
         lengths,
         boxes: 1.0 / lengths,
-        // With some care for roundings.
-        half: 0.5 * (radius - inner) * (1.0 - 1e-9),
+        ways: Ways::new(half * half),
+        half,
         radius,
         inner,
-        farthest,
     };
-    !all_pieces(far.len(), |range| {
-        let mut ahead = Vec::new();
-        !far[range]
-            .chunks(TOGETHER)
-            .any(|some| search.misses_ahead_of(some, &mut ahead))
+    let mut missed: Vec<[u32; 2]> = map_ranges(far.len(), |range| {
+        let mut scratch = Scratch::default();
+        for some in far[range].chunks(TOGETHER) {
+            search.look_ahead_of(some, &mut scratch);
+        }
+        scratch.missed
     })
+    .concat();
+    missed.sort_unstable();
+    missed.dedup();
+    missed
 }
 
-/// A particle that moved far.
-#[derive(Clone, Copy)]
-struct Mover {
-    place: u32,
-    /// Where it is, σ.
-    at: DVec3,
-    /// How it moved, σ.
-    moved: DVec3,
-    /// How far from where it was one may have been at the build that is near to it now, σ.
-    farthest: f64,
-    /// Whether nobody that far away comes around the box.
-    nobody_comes_around: bool,
+/// Who was ahead of a particle that moved far.
+#[derive(Clone)]
+struct Ahead<T> {
+    /// The number of the particle among those that are looked at together.
+    mover: u8,
+    /// Those whose square is not larger did not move enough.
+    below: u8,
+    /// Where they are.
+    who: T,
+}
+
+/// Slices of a column of cells: x, y, and from one to another along z, both included.
+type Slices = (u32, u32, [u32; 2]);
+
+/// What a search writes.
+#[derive(Default)]
+struct Scratch {
+    slices: Vec<Ahead<Slices>>,
+    places: Vec<Ahead<Range<u32>>>,
+    /// The number of a mover, and the place of one who was ahead of it and may have come closer by the skin.
+    pairs: Vec<(u8, u32)>,
+    missed: Vec<[u32; 2]>,
 }
 
 struct Search<'a, C, A> {
@@ -105,6 +203,7 @@ struct Search<'a, C, A> {
     lengths: DVec3,
     /// One over the lengths.
     boxes: DVec3,
+    ways: Ways,
     /// Half the skin, σ.
     half: f64,
     radius: f64,
@@ -114,48 +213,70 @@ struct Search<'a, C, A> {
 }
 
 impl<C: Cells, A: Fn(u32) -> DVec3> Search<'_, C, A> {
-    /// Whether the list misses somebody ahead of one of the particles at some places; `ahead` is scratch.
-    fn misses_ahead_of(&self, places: &[u32], ahead: &mut Vec<(Mover, Range<u32>)>) -> bool {
-        ahead.clear();
-        for place in places {
-            self.look_ahead_of(*place, ahead);
+    /// Adds the pairs that may be missed ahead of the particles at some places, at most [`TOGETHER`].
+    fn look_ahead_of(&self, movers: &[Mover], scratch: &mut Scratch) {
+        let Scratch {
+            slices,
+            places,
+            pairs,
+            missed,
+        } = scratch;
+        slices.clear();
+        for (number, mover) in (0..).zip(movers) {
+            self.find_ahead(number, mover, slices);
         }
-        // Nothing depends on what is read here, so that a processor waits for none of it.
-        let first = |(_, others): &(Mover, Range<u32>)| {
-            let first = self.moves.built.get(others.start as usize);
-            first.map_or(0, |at| at.x.to_bits())
+        places.clear();
+        places.extend(slices.iter().map(|Ahead { mover, below, who }| Ahead {
+            mover: *mover,
+            below: *below,
+            who: self.moves.cells.places(who.0, who.1, who.2),
+        }));
+        let mut look_at = |mover: u8, other: u32| {
+            let mover = &movers[usize::from(mover)];
+            if self.is_missed(mover, other) {
+                missed.push([mover.place.min(other), mover.place.max(other)]);
+            }
         };
-        black_box(ahead.iter().map(first).fold(0, |all, bits| all ^ bits));
-        ahead
-            .iter()
-            .any(|(mover, others)| others.clone().any(|other| self.is_missed(mover, other)))
+        match self.moves.ways {
+            Some(ways) => {
+                find_closer(movers, places, ways, pairs);
+                for (mover, other) in pairs.drain(..) {
+                    look_at(mover, other);
+                }
+            }
+            None => {
+                for Ahead { mover, who, .. } in places {
+                    for other in who.clone() {
+                        look_at(*mover, other);
+                    }
+                }
+            }
+        }
     }
 
-    /// Adds the places of those who were ahead of the particle at a place.
-    fn look_ahead_of(&self, place: u32, ahead: &mut Vec<(Mover, Range<u32>)>) {
-        let (at, moved) = self.moves.of(place);
+    /// Adds the slices of those who were ahead of a particle.
+    #[inline(always)]
+    fn find_ahead(&self, number: u8, mover: &Mover, to: &mut Vec<Ahead<Slices>>) {
+        let Mover { at, moved, .. } = *mover;
         let way = moved.length();
         if way <= self.half {
             return;
         }
         let before = at - moved;
-        let farthest = self.inner + way + self.farthest;
-        let shell = [self.radius, farthest];
+        let shell = [self.radius, self.inner + way + self.farthest];
         let cosine = self.half / way;
+        let below = self.ways.below((2.0 * self.half - way).max(0.0));
         let axis = |axis: usize| self.ahead(axis, before[axis], moved[axis] / way, cosine, shell);
         let [x, y, z] = [axis(0), axis(1), axis(2)];
-        let mover = Mover {
-            place,
-            at,
-            moved,
-            farthest,
-            nobody_comes_around: 2.0 * farthest * (1.0 + 1e-9) < self.lengths.min_element(),
-        };
         let [nx, ny, nz] = self.count;
         for x in x.around(nx) {
             for y in y.around(ny) {
                 for z in z.runs(nz) {
-                    ahead.push((mover, self.moves.cells.places(x, y, z)));
+                    to.push(Ahead {
+                        mover: number,
+                        below,
+                        who: (x, y, z),
+                    });
                 }
             }
         }
@@ -165,21 +286,8 @@ impl<C: Cells, A: Fn(u32) -> DVec3> Search<'_, C, A> {
     #[inline(always)]
     fn is_missed(&self, mover: &Mover, other: u32) -> bool {
         let Mover {
-            place,
-            at,
-            moved,
-            farthest,
-            nobody_comes_around,
+            place, at, moved, ..
         } = *mover;
-        if nobody_comes_around {
-            let before = at - moved;
-            let then2 = self
-                .nearest(before - self.moves.built[other as usize])
-                .length_squared();
-            if then2 <= self.radius * self.radius || then2 > farthest * farthest * (1.0 + 1e-9) {
-                return false;
-            }
-        }
         let (at_other, moved_other) = self.moves.of(other);
         let now = self.nearest(at - at_other);
         // The same image, at the build.
@@ -232,6 +340,28 @@ impl<C: Cells, A: Fn(u32) -> DVec3> Search<'_, C, A> {
     }
 }
 
+/// Adds, of those who were ahead of some particles, who may have come closer by the skin.
+fn find_closer(
+    movers: &[Mover],
+    places: &[Ahead<Range<u32>>],
+    ways: &[Way],
+    to: &mut Vec<(u8, u32)>,
+) {
+    // Nothing depends on what is read here, so that a processor waits for none of it.
+    let first = |ahead: &Ahead<Range<u32>>| ways.get(ahead.who.start as usize);
+    let squares = places.iter().filter_map(first).map(|way| way.square);
+    black_box(squares.fold(0, |all, square| all ^ square));
+    for Ahead { mover, below, who } in places {
+        let way = ways[movers[usize::from(*mover)].place as usize];
+        let ways = &ways[who.start as usize..who.end as usize];
+        for (place, other) in who.clone().zip(ways) {
+            if other.square > *below && way.may_be_closer(*other) {
+                to.push((*mover, place));
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -239,39 +369,74 @@ mod tests {
     use lennard_core::random::Streams;
     use rand::RngExt;
 
-    /// Whether a list built at `built` misses one of the pairs that are near now.
+    /// The particles of all pairs that are near now and that a list built at `built` misses.
     fn by_all_pairs(
         cell: &PeriodicBox,
         radius: f64,
         inner: f64,
         built: &[DVec3],
         now: &[DVec3],
-    ) -> bool {
-        let mut misses = false;
+    ) -> Vec<[u32; 2]> {
+        let mut missed = Vec::new();
         for_each_pair(cell, now, inner, |i, j, r_ij| {
             let then = r_ij - ((now[i] - built[i]) - (now[j] - built[j]));
-            misses |= then.length() > radius;
+            if then.length() > radius {
+                missed.push([i.min(j) as u32, i.max(j) as u32]);
+            }
         });
-        misses
+        missed.sort_unstable();
+        missed
     }
 
-    /// The same by [`misses_a_pair`] with these cells.
+    /// The same by [`missed_pairs`] with these cells.
     fn by_cells_of<C: Cells>(
         (cell, radius, inner): (&PeriodicBox, f64, f64),
         (cells, particles): (&C, &[u32]),
         (built, now): (&[DVec3], &[DVec3]),
-    ) -> bool {
+    ) -> Vec<[u32; 2]> {
         let built: Vec<DVec3> = particles.iter().map(|p| built[*p as usize]).collect();
-        let moves = Moves {
-            cells,
-            at: |place| now[particles[place as usize] as usize],
-            built: &built,
-        };
-        let half = 0.5 * (radius - inner);
-        let far: Vec<u32> = (0..particles.len() as u32)
-            .filter(|place| moves.of(*place).1.length() > half)
+        let at = |place: u32| now[particles[place as usize] as usize];
+        let squares: Vec<f64> = (0..)
+            .zip(&built)
+            .map(|(place, built)| (at(place) - *built).length_squared())
             .collect();
-        misses_a_pair(cell, radius, inner, moves, &far)
+        let far2 = (0.5 * (radius - inner)).powi(2);
+        let far: Vec<Mover> = (0..)
+            .zip(&built)
+            .map(|(place, built)| Mover {
+                place,
+                at: at(place),
+                moved: at(place) - *built,
+            })
+            .filter(|mover| mover.moved.length_squared() > far2)
+            .collect();
+        let ways = Ways::new(far2);
+        let ways: Vec<Way> = (0..)
+            .zip(&squares)
+            .zip(&built)
+            .map(|((place, square), built)| ways.way(at(place) - *built, *square))
+            .collect();
+        let missed = |ways| {
+            let moves = Moves {
+                cells,
+                at,
+                built: &built,
+                ways,
+                largest2: squares.iter().copied().fold(0.0, f64::max),
+            };
+            missed_pairs(cell, radius, inner, moves, &far)
+        };
+        let (missed, by_ways) = (missed(None), missed(Some(&ways[..])));
+        assert_eq!(missed, by_ways);
+        assert!(missed.is_sorted_by(|a, b| a < b));
+        let particle = |place: u32| particles[place as usize];
+        let mut missed: Vec<[u32; 2]> = missed
+            .into_iter()
+            .map(|[i, j]| [particle(i), particle(j)])
+            .map(|[i, j]| [i.min(j), i.max(j)])
+            .collect();
+        missed.sort_unstable();
+        missed
     }
 
     /// The same with both kinds of cells.
@@ -281,7 +446,7 @@ mod tests {
         inner: f64,
         built: &[DVec3],
         now: &[DVec3],
-    ) -> bool {
+    ) -> Vec<[u32; 2]> {
         let mut columns = ColumnTable::default();
         columns.sort(cell, Given::ByParticle(built)).unwrap();
         let mut rows = RowTable::default();
@@ -305,14 +470,14 @@ mod tests {
         let cell = PeriodicBox::new(DVec3::new(12.0, 20.0, 10.0)).unwrap();
         let misses = |apart, now| {
             let [built, now] = pair(apart, now);
-            by_cells(&cell, 2.8, 2.5, &built, &now)
+            !by_cells(&cell, 2.8, 2.5, &built, &now).is_empty()
         };
         assert!(misses(2.81, 2.49));
         assert!(!misses(2.79, 2.49), "the list names it");
         assert!(!misses(2.81, 2.51), "it does not count yet");
         let [built, now] = pair(2.81, 2.49);
-        assert!(!by_cells(&cell, 2.8, 2.5, &built[..1], &now[..1]));
-        assert!(!by_cells(&cell, 2.8, 2.5, &[], &[]));
+        assert!(by_cells(&cell, 2.8, 2.5, &built[..1], &now[..1]).is_empty());
+        assert!(by_cells(&cell, 2.8, 2.5, &[], &[]).is_empty());
     }
 
     #[test]
@@ -324,9 +489,10 @@ mod tests {
             [other.normalize() * way, built[1]]
         };
         // 2.786 σ apart at the build.
-        assert!(by_cells(&cell, 2.78, 2.5, &built, &toward(0.29)));
-        assert!(!by_cells(&cell, 2.78, 2.5, &built, &toward(0.28)));
-        assert!(!by_cells(&cell, 2.79, 2.5, &built, &toward(0.29)));
+        let missed = |radius, way| by_cells(&cell, radius, 2.5, &built, &toward(way));
+        assert_eq!(missed(2.78, 0.29), [[0, 1]]);
+        assert!(missed(2.78, 0.28).is_empty());
+        assert!(missed(2.79, 0.29).is_empty());
     }
 
     #[test]
@@ -336,7 +502,34 @@ mod tests {
         let now = [DVec3::ZERO, DVec3::X * 2.95];
         // Then 2.5 one way and 2.9 the other, now 2.95 and 2.45.
         let built = [DVec3::X * 0.1, DVec3::X * 2.6];
-        assert!(by_cells(&cell, 2.7, 2.5, &built, &now));
+        assert_eq!(by_cells(&cell, 2.7, 2.5, &built, &now), [[0, 1]]);
+    }
+
+    #[test]
+    fn ways_never_rule_out_what_came_closer_by_the_skin() {
+        let ways = Ways::new(0.04);
+        let way = |moved: DVec3| ways.way(moved, moved.length_squared());
+        let mut random = Streams::new(1967).sequential("ways");
+        for k in 0..3000 {
+            let length = 0.2 + 1e-4 * f64::from(k);
+            let along = DVec3::from([0; 3].map(|_| random.random_range(-1.0..1.0_f64))).normalize();
+            let moved = along * length;
+            // What is left of the skin of 0.4.
+            let left = 0.4 - length;
+            let other = way(-along * left);
+            assert!(other.square > ways.below(left.max(0.0)), "{length}");
+            assert!(way(moved).may_be_closer(other), "{length}");
+            assert!(other.square <= ways.below(left.abs()) + 2, "{length}");
+            // Half as much is not enough, nor is as much aside.
+            assert!(!way(moved * 0.5).may_be_closer(other), "{length}");
+            let aside = along.any_orthonormal_vector() * left;
+            assert!(
+                length > 0.38 || !way(moved).may_be_closer(way(aside)),
+                "{length}"
+            );
+        }
+        assert_eq!(way(DVec3::NAN).square, 255);
+        assert_eq!(way(DVec3::X * 1e300).square, 255);
     }
 
     #[test]
@@ -357,7 +550,7 @@ mod tests {
                 let now: Vec<DVec3> = built.iter().map(|at| *at + vector(width)).collect();
                 let all = by_all_pairs(&cell, 2.54, 2.5, &built, &now);
                 assert_eq!(by_cells(&cell, 2.54, 2.5, &built, &now), all);
-                found += usize::from(all);
+                found += usize::from(!all.is_empty());
             }
             assert!((50..290).contains(&found), "{found} of 300 miss a pair");
         }

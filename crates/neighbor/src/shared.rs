@@ -121,6 +121,28 @@ impl SharedList {
         Ok(())
     }
 
+    /// Whether the lists of both of the particles at two places name the other one.
+    #[must_use]
+    pub fn names(&self, [a, b]: [u32; 2]) -> bool {
+        [(a, b), (b, a)].into_iter().all(|(own, other)| {
+            let (chunk, k, sharer) = whose(own);
+            self.chunks[chunk].names(k, sharer, other)
+        })
+    }
+
+    /// Names each of the particles at two places in the list of the other one, where it does not yet.
+    ///
+    /// Forces are those of a list that named the pair when it was built, but for the order in which they are summed.
+    pub fn name(&mut self, [a, b]: [u32; 2]) {
+        for (own, other) in [(a, b), (b, a)] {
+            let (chunk, k, sharer) = whose(own);
+            let chunk = &mut self.chunks[chunk];
+            if !chunk.names(k, sharer, other) {
+                chunk.name(k, other);
+            }
+        }
+    }
+
     /// The particles listed for each particle, `[N]`, ascending: for tests and for observers, not for force loops.
     /// What is listed for one of the sharers is listed for others too, near or not.
     #[must_use]
@@ -140,6 +162,15 @@ impl SharedList {
         }
         all
     }
+}
+
+/// The chunk of a place, which list of it is that of the place, and which of the sharers stands there.
+fn whose(place: u32) -> (usize, usize, usize) {
+    let (chunk, of_chunk) = (
+        place as usize / ATOMS_PER_CHUNK,
+        place as usize % ATOMS_PER_CHUNK,
+    );
+    (chunk, of_chunk / SHARERS, of_chunk % SHARERS)
 }
 
 /// What one thread needs while it fills chunks.
@@ -228,8 +259,10 @@ impl<'a> Search<'a> {
         })
     }
 
+    #[inline(always)]
     fn at(&self, place: usize) -> [i32; 3] {
-        [0, 1, 2].map(|axis| self.table.at[axis][place])
+        let [x, y, z] = &self.table.at;
+        [x[place], y[place], z[place]]
     }
 
     /// The box around the particles of some places.

@@ -236,6 +236,57 @@ fn shared_lists_reach_over_more_places_than_an_entry_can_count() {
 }
 
 #[test]
+fn shared_lists_name_pairs_after_the_build_once_and_lose_none() {
+    // A dense box, in which what is near to two of four alone has blocks of its own; and a wide one, in which other places
+    // are beyond the reach of a block.
+    let dense = PeriodicBox::new(DVec3::new(9.0, 10.0, 11.0)).unwrap();
+    let wide = PeriodicBox::new(DVec3::new(6.0, 173.0, 173.0)).unwrap();
+    for (cell, n) in [(dense, 1500), (wide, 72_000)] {
+        let positions = scatter(n, cell.lengths(), 0.0);
+        let mut list = SharedList::new(cell, 1.9, 2.1);
+        list.build(Given::ByParticle(&positions), &ScalarSharedScanner)
+            .unwrap();
+        let before = list.neighbors();
+        let (lanes, pairs) = (list.lanes(), list.pairs());
+        let particle = list.table().particle.clone();
+        // Neighbors in space and far away ones: the list does not judge.
+        let n = n as u32;
+        let step = (n / 700) as usize;
+        let wanted = (0..n - 1).step_by(step).flat_map(|place| {
+            let far = (u64::from(place) * 7919 % u64::from(n)) as u32;
+            [[place, (place + 40) % n], [place, far], [far, place]]
+        });
+        let wanted: Vec<[u32; 2]> = wanted.filter(|[a, b]| a != b).collect();
+        let new = wanted.iter().filter(|pair| !list.names(**pair)).count();
+        assert!(new > 700, "{new} of {}", wanted.len());
+        for pair in &wanted {
+            list.name(*pair);
+            assert!(list.names(*pair));
+        }
+        let after = list.neighbors();
+        let mut has: Vec<BTreeSet<u32>> = Vec::new();
+        for (i, neighbors) in after.iter().enumerate() {
+            assert!(
+                neighbors.windows(2).all(|w| w[0] < w[1]),
+                "{i} has each once"
+            );
+            has.push(neighbors.iter().copied().collect());
+            assert!(before[i].iter().all(|j| has[i].contains(j)), "{i} lost one");
+        }
+        for pair in &wanted {
+            let [a, b] = pair.map(|place| particle[place as usize]);
+            assert!(has[a as usize].contains(&b) && has[b as usize].contains(&a));
+        }
+        assert!(list.pairs() > pairs && list.lanes() > lanes);
+        // Once more changes nothing.
+        for pair in &wanted {
+            list.name(*pair);
+        }
+        assert_eq!(list.neighbors(), after);
+    }
+}
+
+#[test]
 fn shared_lists_of_a_wide_box_cost_few_lanes_more() {
     let lanes_an_atom = |n: usize| {
         let cell = PeriodicBox::new(DVec3::splat((n as f64 / 0.85).cbrt())).unwrap();

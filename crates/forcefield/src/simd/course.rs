@@ -22,13 +22,13 @@ pub struct OnTheWay<'a> {
     pub in_order: &'a [u32],
 }
 
-/// Judges the list, and takes one step where it is fit. Where a number is not finite, what was written is worth nothing.
+/// Judges the list, unless that was done just now, and takes one step where it is fit. Where a number is not finite, what was written is worth nothing.
 pub fn advance<P: PairList, F: PairForm>(
     terms: &Terms,
     lists: (&P, &mut Copies<P::Row>),
     job: &P::Job<'_, F>,
     particles: OnTheWay<'_>,
-    pace: Pace,
+    (pace, is_judged): (Pace, bool),
 ) -> Fitness {
     let in_order = particles.in_order;
     let n = in_order.len();
@@ -69,7 +69,8 @@ pub fn advance<P: PairList, F: PairForm>(
         go_on(terms.level, positions, velocities, forces, pace);
         totals
     };
-    let (fitness, _, broken) = terms.use_list(lists, now, in_order, Wanted::Forces, &run);
+    let (fitness, _, broken) =
+        terms.use_list(lists, now, in_order, (Wanted::Forces, is_judged), &run);
     if broken { Fitness::Broken } else { fitness }
 }
 

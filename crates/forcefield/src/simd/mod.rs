@@ -48,7 +48,7 @@ mod view;
 
 pub use course::{OnTheWay, advance, bring_back, take};
 pub use output::Output;
-pub use packing::{Motion, Moved, Pace};
+pub use packing::{Motion, Moved, Pace, moved};
 pub use pair_list::PairList;
 pub use pair_loop::{ChunkTotals, PairJob, PerParticle, Wanted};
 pub use scatter::Scatter;
@@ -60,7 +60,7 @@ use glam::DVec3;
 use lennard_core::parallel::map_ranges;
 use lennard_neighbor::{
     Around, Candidates, Center, ColumnTable, Found, Gathered, Names, Nearby, RowScanner, RowTable,
-    SHARERS, ScalarScanner, ScalarSharedScanner, SharedScanner,
+    SHARERS, ScalarScanner, ScalarSharedScanner, SharedScanner, Way,
 };
 use std::ops::Range;
 
@@ -270,27 +270,32 @@ pub enum By {
     All,
 }
 
-/// Writes all rows in double precision, ghosts included. Gives the displacements since the build.
+/// Writes all rows in double precision, ghosts included, and ways where they are wanted. Gives the displacements since the build.
 pub fn pack_double(
     level: Level,
     by: By,
     table: &RowTable,
     motion: Motion<'_>,
     rows: &mut [DoubleRow],
+    ways: Option<&mut [Way]>,
 ) -> Moved {
-    let rows = Scatter::new(rows);
+    let (rows, ways) = (Scatter::new(rows), ways.map(Scatter::new));
     // SAFETY: tasks have disjoint places, places have distinct rows, and ghosts are written afterwards; a level is
     // chosen by `Level::choose`, which gives available ones alone.
-    let moved = in_tasks(by, table.particle.len(), |places| {
-        packing::in_batches(motion, places, |motion, first, squares| unsafe {
-            match level {
+    let moved = in_tasks(by, table.particle.len(), |places| unsafe {
+        packing::in_batches(
+            level,
+            motion,
+            places,
+            ways.as_ref(),
+            |motion, first, squares| match level {
                 #[cfg(target_arch = "x86_64")]
                 Level::Avx512 | Level::Avx2 => {
                     packing256::pack_double(table, motion, first, squares, &rows);
                 }
                 _ => packing::pack_double(table, motion, first, squares, &rows),
-            }
-        })
+            },
+        )
     });
     // SAFETY: tasks have disjoint ghosts, and all other rows are at rest; the level is available.
     in_tasks(by, table.ghosts.len(), |ghosts| unsafe {
@@ -313,20 +318,35 @@ pub fn pack_columns(
     table: &ColumnTable,
     motion: Motion<'_>,
     rows: &mut [FixedRow],
+    ways: Option<&mut [Way]>,
 ) -> Moved {
-    let rows = Scatter::new(rows);
+    let (rows, ways) = (Scatter::new(rows), ways.map(Scatter::new));
     // SAFETY: tasks have disjoint places; the level is available.
-    in_tasks(by, table.particle.len(), |places| {
-        packing::in_batches(motion, places, |motion, first, squares| unsafe {
-            match level {
+    in_tasks(by, table.particle.len(), |places| unsafe {
+        packing::in_batches(
+            level,
+            motion,
+            places,
+            ways.as_ref(),
+            |motion, first, squares| match level {
                 #[cfg(target_arch = "x86_64")]
                 Level::Avx512 | Level::Avx2 => {
                     packing256::pack_columns(table, motion, first, squares, &rows);
                 }
                 _ => packing::pack_columns(table, motion, first, squares, &rows),
-            }
-        })
+            },
+        )
     })
+}
+
+/// Writes ways; see [`packing::write_ways`].
+fn write_ways(level: Level, motion: Motion<'_>, squares: &[f64], ways: &mut [Way]) {
+    match level {
+        // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 | Level::Avx2 => unsafe { packing256::write_ways(motion, squares, ways) },
+        _ => packing::write_ways(motion, squares, ways),
+    }
 }
 
 /// Two half kicks and a drift of some particles; see [`packing::go_on`].

@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 use std::ops::Range;
 
 use glam::DVec3;
-use lennard_neighbor::{ColumnTable, FIXED_ROUNDING, FIXED_UNITS, RowTable};
+use lennard_neighbor::{ColumnTable, FIXED_ROUNDING, FIXED_UNITS, RowTable, Way, Ways};
 
 use super::packing::{self, Motion, Pace};
 use super::{DoubleRow, FixedRow, Scatter};
@@ -36,6 +36,36 @@ fn squares([a, b, c, d]: [__m256d; 4]) -> __m256d {
         _mm256_permute2f128_pd::<0x20>(ab, cd),
         _mm256_permute2f128_pd::<0x31>(ab, cd),
     )
+}
+
+/// See [`packing::write_ways`].
+#[target_feature(enable = "avx2")]
+pub fn write_ways(motion: Motion<'_>, squares: &[f64], ways: &mut [Way]) {
+    let parts = Ways::new(motion.far2);
+    let (along, steps) = (_mm256_set1_pd(parts.along), _mm256_set1_pd(parts.squares));
+    let all = fours(motion.order).zip(fours(motion.built));
+    for (((order, built), squares), to) in all.zip(fours(squares)).zip(ways.as_chunks_mut::<4>().0)
+    {
+        let whole = |k: usize| {
+            let r = load(&motion.positions[order[k] as usize]);
+            _mm256_cvtpd_epi32(_mm256_mul_pd(_mm256_sub_pd(r, load(&built[k])), along))
+        };
+        let first_two = _mm_packs_epi32(whole(0), whole(1));
+        let last_two = _mm_packs_epi32(whole(2), whole(3));
+        let squares = _mm256_mul_pd(
+            _mm256_setr_pd(squares[0], squares[1], squares[2], squares[3]),
+            steps,
+        );
+        // The second where the first is no number.
+        let squares = _mm256_cvtpd_epi32(_mm256_min_pd(squares, _mm256_set1_pd(254.0)));
+        let squares = _mm_slli_epi32::<24>(_mm_add_epi32(squares, _mm_set1_epi32(1)));
+        // Beside x, y and z there is 0 where the square belongs.
+        let ways = _mm_or_si128(_mm_packs_epi16(first_two, last_two), squares);
+        // SAFETY: there are four, of four bytes in this order.
+        unsafe { _mm_storeu_si128(to.as_mut_ptr().cast(), ways) };
+    }
+    let (done, all) = (ways.len() / 4 * 4, ways.len());
+    packing::write_ways(motion.part(done..all), &squares[done..], &mut ways[done..]);
 }
 
 /// See [`packing::pack_double`].
@@ -168,7 +198,7 @@ mod tests {
     use lennard_neighbor::Given;
 
     /// Rows and displacements of what is `shift` boxes away from home, at a level.
-    type Packed = (Vec<DoubleRow>, Moved, Vec<FixedRow>, Moved);
+    type Packed = (Vec<DoubleRow>, Moved, Vec<FixedRow>, Moved, [Vec<Way>; 2]);
 
     const LENGTHS: DVec3 = DVec3::new(9.0, 8.0, 10.0);
 
@@ -207,6 +237,7 @@ mod tests {
                 lengths: LENGTHS,
             }
         }
+        let mut ways = [vec![Way::default(); n], vec![Way::default(); n]];
         let mut by_cell = RowTable::default();
         by_cell.sort(&cell, Given::ByParticle(&start), 2.8).unwrap();
         let at = built(&by_cell.particle);
@@ -217,6 +248,7 @@ mod tests {
             &by_cell,
             motion(&now, &by_cell.particle, &at),
             &mut double,
+            Some(&mut ways[0]),
         );
         let mut columns = ColumnTable::default();
         columns.sort(&cell, Given::ByParticle(&start)).unwrap();
@@ -229,15 +261,25 @@ mod tests {
             &columns,
             motion(&now, &columns.particle, &at),
             &mut fixed,
+            Some(&mut ways[1]),
         );
-        (double, moved_double, fixed, moved_fixed)
+        (double, moved_double, fixed, moved_fixed, ways)
     }
 
     /// NaN equals itself here.
-    fn bits((double, moved_double, fixed, moved_fixed): Packed) -> impl PartialEq {
+    fn bits((double, moved_double, fixed, moved_fixed, ways): Packed) -> impl PartialEq {
         let double: Vec<[u64; 4]> = double.iter().map(|r| r.0.map(f64::to_bits)).collect();
-        let bits = |m: Moved| (m.largest2.to_bits(), m.finite, m.far);
-        (double, bits(moved_double), fixed, bits(moved_fixed))
+        let bits = |m: Moved| {
+            let far = m.far.into_iter();
+            let far: Vec<_> = far.filter(|m| m.at.is_finite()).collect();
+            (m.largest2.to_bits(), m.finite, far)
+        };
+        // What is not finite has a way that means nothing.
+        let ways = ways.map(|mut ways| {
+            ways.retain(|way| way.square < 255);
+            ways
+        });
+        (double, bits(moved_double), fixed, bits(moved_fixed), ways)
     }
 
     #[test]
@@ -253,7 +295,7 @@ mod tests {
                 for moved in [&plain.1, &plain.3] {
                     assert_eq!(moved.finite, !broken);
                     assert!(!moved.far.is_empty() && moved.largest2 > 0.06);
-                    assert!(moved.far.is_sorted());
+                    assert!(moved.far.is_sorted_by_key(|mover| mover.place));
                 }
                 let plain = bits(plain);
                 for by in [By::OneThread, By::All] {
@@ -265,20 +307,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn those_that_moved_far_are_all_found() {
-        let squares: Vec<f64> = (0..203).map(|i| f64::from(i % 7)).collect();
-        let mut moved = Moved::NOTHING;
-        moved.include(1000, &squares[..101], 4.5);
-        moved.include(1101, &squares[101..], 4.5);
-        let far = (1000..).zip(&squares).filter(|(_, d2)| **d2 > 4.5);
-        assert_eq!(moved.far, far.map(|(place, _)| place).collect::<Vec<u32>>());
-        assert_eq!((moved.largest2, moved.finite), (6.0, true));
-        moved.include(2000, &[1.0, 2.0], 4.5);
-        assert_eq!((moved.largest2, moved.finite), (6.0, true));
-        moved.include(3000, &[0.0, f64::NAN, 1.0, 2.0, f64::INFINITY], 4.5);
-        assert!(!moved.finite && moved.far.last() == Some(&3004));
     }
 }

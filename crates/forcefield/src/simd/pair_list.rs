@@ -1,7 +1,7 @@
 //! The two kinds of lists, each with the rows that its loop reads.
 
 use glam::DVec3;
-use lennard_neighbor::{Cells, FIXED_UNITS, Given, GridError, NeighborList, SharedList};
+use lennard_neighbor::{Cells, FIXED_UNITS, Given, GridError, NeighborList, SharedList, Way};
 
 use super::packing::{Motion, Moved};
 use super::{
@@ -36,8 +36,24 @@ pub trait PairList: Sync {
     fn chunks(&self) -> usize;
     /// Prepares an evaluation in a box of these sides.
     fn job<F: PairForm>(&self, form: F, r_cut: f64, lengths: DVec3) -> Self::Job<'_, F>;
-    /// Writes all rows.
-    fn pack(&self, level: Level, by: By, motion: Motion<'_>, rows: &mut [Self::Row]) -> Moved;
+    /// Writes all rows, and ways where they are wanted.
+    fn pack(
+        &self,
+        level: Level,
+        by: By,
+        motion: Motion<'_>,
+        rows: &mut [Self::Row],
+        ways: Option<&mut [Way]>,
+    ) -> Moved;
+    /// Whether it names the pair of the particles at two places, which is one that counts: it may not, where it was farther
+    /// apart than the list radius at the build.
+    fn names(&self, _pair: [u32; 2]) -> bool {
+        false
+    }
+    /// Names such a pair from now on, unless the list is of a kind that must be built anew for that: then gives false.
+    fn name(&mut self, _pair: [u32; 2]) -> bool {
+        false
+    }
     /// Runs one chunk.
     fn run<F: PairForm>(
         level: Level,
@@ -85,8 +101,15 @@ impl PairList for NeighborList {
         PairJob::new(form, r_cut, self)
     }
 
-    fn pack(&self, level: Level, by: By, motion: Motion<'_>, rows: &mut [DoubleRow]) -> Moved {
-        pack_double(level, by, self.table(), motion, rows)
+    fn pack(
+        &self,
+        level: Level,
+        by: By,
+        motion: Motion<'_>,
+        rows: &mut [DoubleRow],
+        ways: Option<&mut [Way]>,
+    ) -> Moved {
+        pack_double(level, by, self.table(), motion, rows, ways)
     }
 
     fn run<F: PairForm>(
@@ -137,8 +160,24 @@ impl PairList for SharedList {
         SharedJob::new(form, r_cut, (lengths / FIXED_UNITS).to_array(), self)
     }
 
-    fn pack(&self, level: Level, by: By, motion: Motion<'_>, rows: &mut [FixedRow]) -> Moved {
-        pack_columns(level, by, self.table(), motion, rows)
+    fn pack(
+        &self,
+        level: Level,
+        by: By,
+        motion: Motion<'_>,
+        rows: &mut [FixedRow],
+        ways: Option<&mut [Way]>,
+    ) -> Moved {
+        pack_columns(level, by, self.table(), motion, rows, ways)
+    }
+
+    fn names(&self, pair: [u32; 2]) -> bool {
+        self.names(pair)
+    }
+
+    fn name(&mut self, pair: [u32; 2]) -> bool {
+        self.name(pair);
+        true
     }
 
     fn run<F: PairForm>(

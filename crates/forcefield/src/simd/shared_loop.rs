@@ -1,7 +1,9 @@
 //! The loop over lists that four particles share, written once over the lanes.
 
 use lennard_core::parallel::part;
-use lennard_neighbor::{ATOMS_PER_CHUNK, BLOCK, Block, SHARERS, SharedChunk, SharedList, Span};
+use lennard_neighbor::{
+    ATOMS_PER_CHUNK, BLOCK, Block, MANY, SHARERS, SharedChunk, SharedList, Span,
+};
 
 use super::FixedRow;
 use super::lanes::FixedLanes;
@@ -25,10 +27,6 @@ pub struct SharedJob<'a, F> {
     ahead: Option<usize>,
 }
 
-/// Fewest particles whose rows and lists are asked for ahead: those of fewer lie in a cache, or stream from one that is near
-/// enough, and asking costs 1 % of a step.
-const MANY: usize = 131_072;
-
 impl<'a, F: PairForm> SharedJob<'a, F> {
     /// Prepares an evaluation: `scale` is the length in σ of one unit of the rows along each axis.
     pub fn new(form: F, r_cut: f64, scale: [f64; 3], list: &'a SharedList) -> Self {
@@ -37,6 +35,7 @@ impl<'a, F: PairForm> SharedJob<'a, F> {
             r_cut2: r_cut * r_cut,
             scale,
             list,
+            // For fewer, asking costs 1 % of a step.
             ahead: (list.table().particle.len() >= MANY).then(|| list.reaches_ahead()),
         }
     }
