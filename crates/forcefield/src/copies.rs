@@ -70,7 +70,7 @@ struct Packed<Row> {
 
 /// Ways of [`MANY`] particles are written where one of so many had moved far at the last time: to look ahead of fewer takes
 /// less time than to write all ways. Nothing but speed depends on it.
-const FAR_AMONG: usize = 256;
+const WAYS_AMONG: usize = 256;
 
 impl<Row> Default for Packed<Row> {
     fn default() -> Self {
@@ -153,7 +153,7 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
         let mut packed = lock(&self.0[copy]);
         let Packed { rows, ways, far } = &mut *packed;
         rows.resize(work.rows, Row::default());
-        let are_wanted = work.n >= MANY && *far * FAR_AMONG > work.n;
+        let are_wanted = work.n >= MANY && *far * WAYS_AMONG > work.n;
         if are_wanted {
             ways.resize(work.n, Way::default());
         }

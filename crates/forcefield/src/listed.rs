@@ -8,7 +8,7 @@ use crate::clock::Clock;
 use crate::copies::{Copies, Fitness};
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
-    DoubleRow, FixedRow, Level, Motion, Moved, Output, Pace, PairList, PerParticle, Wanted, moved,
+    DoubleRow, FixedRow, Level, Motion, Moved, Output, Pace, PairList, PerParticle, Wanted,
 };
 use crate::sums::Totals;
 use crate::terms::Terms;
@@ -189,7 +189,8 @@ impl Listed {
         Ok(totals)
     }
 
-    /// Judges the list at `positions`, unless that was done just now, and evaluates where it is fit; gives totals and whether a force was not finite.
+    /// Judges the list at `positions`, unless that was done just now, and evaluates where it is fit; gives totals and whether a
+    /// force was not finite.
     fn attempt<F: PairForm>(
         &mut self,
         form: F,
@@ -329,7 +330,13 @@ impl Folded {
     /// Folds positions; gives the displacements since the build.
     fn pack(&mut self, cell: &PeriodicBox, motion: Motion<'_>) -> Moved {
         pure::wrap(cell, motion.positions, &mut self.wrapped);
-        moved(motion)
+        let moved = motion.order.iter().zip(motion.built);
+        let squares: Vec<f64> = moved
+            .map(|(particle, at)| (motion.positions[*particle as usize] - *at).length_squared())
+            .collect();
+        let mut moved = Moved::NOTHING;
+        moved.include(0, &squares, motion.far2);
+        moved
     }
 }
 

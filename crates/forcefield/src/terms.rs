@@ -44,9 +44,8 @@ impl Terms {
 
     /// Names pairs that a list lacks; gives whether it can.
     pub fn name<P: PairList>(&mut self, list: &mut P, pairs: &[[u32; 2]]) -> bool {
-        let all = pairs.iter().all(|pair| list.name(*pair));
         self.named.extend(pairs);
-        all
+        pairs.iter().all(|pair| list.name(*pair))
     }
 
     /// Packs rows of the positions that are `now`, σ, of which `order` says which belongs to each place, judges the list

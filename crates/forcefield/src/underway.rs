@@ -98,7 +98,8 @@ impl Underway {
         self.positions.copy_from_slice(built);
     }
 
-    /// Takes up to so many steps, while the list is fit; it may be judged for the first one already. Gives how many were taken, and what ended them.
+    /// Takes up to so many steps, while the list is fit; it may be judged for the first one already. Gives how many were
+    /// taken, and what ended them.
     fn advance<P: PairList, F: PairForm>(
         &mut self,
         terms: &Terms,

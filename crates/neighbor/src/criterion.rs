@@ -1,14 +1,32 @@
 //! The displacement criterion: when a list may still be used.
 
-/// By how many skins two particles may have moved together before a list is built anew, whatever the pairs.
-pub(crate) const FARTHEST_TOGETHER: f64 = 3.0;
+/// When a list is built anew, whatever the pairs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    /// One of how many particles may have moved far: to look ahead of more of them would cost more than lists that last
+    /// longer save.
+    pub far_among: usize,
+    /// By how many skins two particles may have moved together.
+    pub farthest_together: f64,
+}
 
-/// One of how many particles may have moved far: to look ahead of more of them would cost more than lists that last longer
-/// save.
-pub(crate) const FAR_AMONG: usize = 32;
+impl Limits {
+    pub const FEW: Self = Self {
+        far_among: 32,
+        farthest_together: 2.0,
+    };
 
-/// The same of [`MANY`] particles, whose lists take more time to build.
-const FAR_AMONG_MANY: usize = 16;
+    /// Those of [`MANY`] particles: their lists take more time to build, and the fastest of them are faster.
+    const OF_MANY: Self = Self {
+        far_among: 16,
+        farthest_together: 3.0,
+    };
+
+    /// Those of so many particles.
+    pub fn of(n: usize) -> Self {
+        if n < MANY { Self::FEW } else { Self::OF_MANY }
+    }
+}
 
 /// Fewest particles that no cache holds: what comes in reach is asked for ahead, and what is looked at is kept small. That of
 /// fewer lies in a cache, or streams from one that is near enough.
@@ -31,8 +49,8 @@ pub enum Verdict {
 /// A list built at positions x⁰ holds all pairs with r ≤ r_cut + skin. It may be used at positions x
 /// while 2·max|x_i − x⁰_i| ≤ skin, with unwrapped positions: two particles that each moved by at most
 /// half the skin have come closer by at most the skin. Beyond, a pair can be missing only of two of which one moved by
-/// more than half the skin toward the other; while such particles are few and none moved by more than one and a half
-/// skins, it is looked for ahead of them, and named where the list can take it in.
+/// more than half the skin toward the other; while such particles are few and none moved by more than a whole skin
+/// (of very many, one and a half), it is looked for ahead of them, and named where the list can take it in.
 ///
 /// A build is *late* if the list that it replaces was used at an evaluation for which a pair may have been missed. With
 /// the check before every use that cannot happen; the counter is the proof, and catches a caller that checks more rarely.
@@ -41,8 +59,6 @@ pub struct Criterion {
     skin: f64,
     /// Largest 4·|x − x⁰|² that is allowed, rounded down.
     limit: f64,
-    /// Largest |x − x⁰|² at which particles that moved far decide, rounded down.
-    doubtful: f64,
     used_while_invalid: bool,
     builds: u64,
     late_builds: u64,
@@ -56,7 +72,6 @@ impl Criterion {
             skin,
             // Rounding of |x − x⁰|² and skin² may each err by a few last bits: keep clear of them.
             limit: skin * skin * (1.0 - 8.0 * f64::EPSILON),
-            doubtful: (0.5 * FARTHEST_TOGETHER * skin).powi(2) * (1.0 - 8.0 * f64::EPSILON),
             used_while_invalid: false,
             builds: 0,
             late_builds: 0,
@@ -79,11 +94,13 @@ impl Criterion {
     /// moved far.
     #[must_use]
     pub fn check(&self, largest_displacement2: f64, far: usize, n: usize) -> Verdict {
-        let among = if n < MANY { FAR_AMONG } else { FAR_AMONG_MANY };
+        let limits = Limits::of(n);
+        // Four times the square of half of what two may move.
+        let doubtful = limits.farthest_together.powi(2) * self.limit;
         // With a skin of zero the list is good for the very positions of its build; NaN is never good.
         if 4.0 * largest_displacement2 <= self.limit {
             Verdict::Valid
-        } else if largest_displacement2 <= self.doubtful && far * among <= n {
+        } else if 4.0 * largest_displacement2 <= doubtful && far * limits.far_among <= n {
             Verdict::Doubtful
         } else {
             Verdict::Build
@@ -130,12 +147,13 @@ mod tests {
         let check = |moved: f64, far| criterion.check(moved.powi(2), far, 128);
         assert_eq!(check(0.1499, 0), Verdict::Valid);
         assert_eq!(check(0.1501, 1), Verdict::Doubtful);
-        assert_eq!(check(0.4499, 4), Verdict::Doubtful);
-        assert_eq!(check(0.4499, 5), Verdict::Build);
-        assert_eq!(check(0.4501, 1), Verdict::Build);
-        let among_many = |far| criterion.check(0.04, far, MANY);
-        assert_eq!(among_many(8192), Verdict::Doubtful);
-        assert_eq!(among_many(8193), Verdict::Build);
+        assert_eq!(check(0.2999, 4), Verdict::Doubtful);
+        assert_eq!(check(0.2999, 5), Verdict::Build);
+        assert_eq!(check(0.3001, 1), Verdict::Build);
+        let among_many = |moved: f64, far| criterion.check(moved.powi(2), far, MANY);
+        assert_eq!(among_many(0.4499, 8192), Verdict::Doubtful);
+        assert_eq!(among_many(0.4499, 8193), Verdict::Build);
+        assert_eq!(among_many(0.4501, 1), Verdict::Build);
         assert!((criterion.far2().sqrt() - 0.15).abs() < 1e-12);
         assert_eq!(check(f64::NAN, 1), Verdict::Build);
         assert_eq!(Criterion::new(0.0).check(0.0, 0, 128), Verdict::Valid);

@@ -27,7 +27,7 @@ pub use counting::Given;
 pub use criterion::{Criterion, MANY, Verdict};
 pub use grid::{Ghost, GridError, RowTable};
 pub use list::{ATOMS_PER_CHUNK, Entries, Images, ListChunk, NeighborList};
-pub use missing::{Cells, Mover, Moves, Way, Ways, missed_pairs};
+pub use missing::{Cells, Moves, Way, Ways, missed_pairs};
 pub use scan::{Candidates, Center, Names, Nearby, PADDING, RowScanner, ScalarScanner};
 pub use shared::SharedList;
 pub use shared_scan::{

@@ -43,17 +43,6 @@ impl<C: Cells, A: Fn(u32) -> DVec3> Moves<'_, C, A> {
     }
 }
 
-/// A particle that moved far since a list was built.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Mover {
-    /// Its place.
-    pub place: u32,
-    /// Where it is, σ.
-    pub at: DVec3,
-    /// x − x⁰, σ.
-    pub moved: DVec3,
-}
-
 /// How a particle moved since the build, in four bytes: enough to rule most pairs out without a look at where they are.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[repr(C, align(4))]
@@ -132,7 +121,7 @@ const TOGETHER: usize = 16;
 
 /// The places of all pairs within `inner` σ of each other by an image that was farther than `radius` σ away when the
 /// list was built, so that a list of that radius need not name them; the lower one first, ascending. `far` has
-/// all particles that moved by more than half the skin, which is the difference of the two distances.
+/// the places of all particles that moved by more than half the skin, which is the difference of the two distances.
 ///
 /// With n the direction from one of the two to the other at the build, r ≥ r⁰ − (mᵢ − mⱼ)·n: two that came closer by more
 /// than the skin moved by more than it along n, and one of them by more than half of it toward where the other was. So
@@ -144,7 +133,7 @@ pub fn missed_pairs<C: Cells, A: Fn(u32) -> DVec3 + Sync>(
     radius: f64,
     inner: f64,
     moves: Moves<'_, C, A>,
-    far: &[Mover],
+    far: &[u32],
 ) -> Vec<[u32; 2]> {
     let lengths = cell.lengths();
     // With some care for roundings.
@@ -173,6 +162,16 @@ pub fn missed_pairs<C: Cells, A: Fn(u32) -> DVec3 + Sync>(
     missed
 }
 
+/// A particle that moved far.
+#[derive(Clone, Copy)]
+struct Mover {
+    place: u32,
+    /// Where it is, σ.
+    at: DVec3,
+    /// x − x⁰, σ.
+    moved: DVec3,
+}
+
 /// Who was ahead of a particle that moved far.
 #[derive(Clone)]
 struct Ahead<T> {
@@ -190,6 +189,7 @@ type Slices = (u32, u32, [u32; 2]);
 /// What a search writes.
 #[derive(Default)]
 struct Scratch {
+    movers: Vec<Mover>,
     slices: Vec<Ahead<Slices>>,
     places: Vec<Ahead<Range<u32>>>,
     /// The number of a mover, and the place of one who was ahead of it and may have come closer by the skin.
@@ -214,15 +214,25 @@ struct Search<'a, C, A> {
 
 impl<C: Cells, A: Fn(u32) -> DVec3> Search<'_, C, A> {
     /// Adds the pairs that may be missed ahead of the particles at some places, at most [`TOGETHER`].
-    fn look_ahead_of(&self, movers: &[Mover], scratch: &mut Scratch) {
+    fn look_ahead_of(&self, far: &[u32], scratch: &mut Scratch) {
         let Scratch {
+            movers,
             slices,
             places,
             pairs,
             missed,
         } = scratch;
+        movers.clear();
+        movers.extend(far.iter().map(|place| {
+            let (at, moved) = self.moves.of(*place);
+            Mover {
+                place: *place,
+                at,
+                moved,
+            }
+        }));
         slices.clear();
-        for (number, mover) in (0..).zip(movers) {
+        for (number, mover) in (0..).zip(&*movers) {
             self.find_ahead(number, mover, slices);
         }
         places.clear();
@@ -401,14 +411,10 @@ mod tests {
             .map(|(place, built)| (at(place) - *built).length_squared())
             .collect();
         let far2 = (0.5 * (radius - inner)).powi(2);
-        let far: Vec<Mover> = (0..)
-            .zip(&built)
-            .map(|(place, built)| Mover {
-                place,
-                at: at(place),
-                moved: at(place) - *built,
-            })
-            .filter(|mover| mover.moved.length_squared() > far2)
+        let far: Vec<u32> = (0..)
+            .zip(&squares)
+            .filter(|(_, square)| **square > far2)
+            .map(|(place, _)| place)
             .collect();
         let ways = Ways::new(far2);
         let ways: Vec<Way> = (0..)

@@ -9,7 +9,7 @@ use lennard_core::tasks::for_each_item;
 use crate::blocks::{Block, REACH, SharedBlocks, SharedChunk, amid};
 use crate::columns::{ColumnTable, FIXED_UNITS};
 use crate::counting::Given;
-use crate::criterion::FARTHEST_TOGETHER;
+use crate::criterion::Limits;
 use crate::grid::GridError;
 use crate::list::ATOMS_PER_CHUNK;
 use crate::reach::{Reach, home};
@@ -32,8 +32,7 @@ const TOGETHER: f64 = 3.0;
 pub struct SharedList {
     cell: PeriodicBox,
     radius: f64,
-    /// How far from each other two were at most, at the build, that are within the cutoff while the list is in use, σ.
-    farthest: f64,
+    r_cut: f64,
     table: ColumnTable,
     chunks: Vec<SharedChunk>,
 }
@@ -45,7 +44,7 @@ impl SharedList {
         Self {
             cell,
             radius,
-            farthest: r_cut + FARTHEST_TOGETHER * (radius - r_cut),
+            r_cut,
             table: ColumnTable::default(),
             chunks: Vec::new(),
         }
@@ -192,7 +191,7 @@ struct Search<'a> {
     scale: [f64; 3],
     /// The list radius with what coordinates in fixed point are off by, σ.
     radius: f64,
-    /// See [`SharedList`].
+    /// How far from each other two were at most, at the build, that are within the cutoff while the list is in use, σ.
     farthest: f64,
 }
 
@@ -200,13 +199,14 @@ impl<'a> Search<'a> {
     fn new(list: &'a SharedList, scanner: &'a dyn SharedScanner) -> Self {
         let lengths = list.cell.lengths();
         let rounding = 4.0 * lengths.max_element() / FIXED_UNITS;
+        let together = Limits::of(list.table.particle.len()).farthest_together;
         Self {
             table: &list.table,
             scanner,
             lengths: lengths.to_array(),
             scale: (lengths / FIXED_UNITS).to_array(),
             radius: list.radius + rounding,
-            farthest: list.farthest + rounding,
+            farthest: list.r_cut + together * (list.radius - list.r_cut) + rounding,
         }
     }
 

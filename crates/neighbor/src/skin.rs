@@ -7,7 +7,7 @@ const SMALLEST_SKIN: f64 = 0.05;
 /// Largest skin that is ever chosen, σ.
 const LARGEST_SKIN: f64 = 1.5;
 
-/// The speed that one particle in [`FAR_AMONG`](crate::criterion::FAR_AMONG) exceeds, in units of the thermal speed: when
+/// The speed that one particle in [`Limits::far_among`](crate::criterion::Limits) exceeds, in units of the thermal speed: when
 /// so many moved by more than half the skin, a list is built anew.
 const FEW_EXCEED: f64 = 2.975;
 
@@ -76,7 +76,7 @@ pub fn cheapest_skin(inputs: &SkinInputs) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::criterion::FAR_AMONG;
+    use crate::criterion::Limits;
 
     fn inputs(temperature: f64, dt: f64) -> SkinInputs {
         SkinInputs {
@@ -111,7 +111,10 @@ mod tests {
         let chance: f64 = (0..steps)
             .map(|k| width * density(FEW_EXCEED + (k as f64 + 0.5) * width))
             .sum();
-        assert!((chance * FAR_AMONG as f64 - 1.0).abs() < 0.01, "{chance}");
+        assert!(
+            (chance * Limits::FEW.far_among as f64 - 1.0).abs() < 0.01,
+            "{chance}"
+        );
     }
 
     #[test]

@@ -22,7 +22,8 @@ pub struct OnTheWay<'a> {
     pub in_order: &'a [u32],
 }
 
-/// Judges the list, unless that was done just now, and takes one step where it is fit. Where a number is not finite, what was written is worth nothing.
+/// Judges the list, unless that was done just now, and takes one step where it is fit. Where a number is not
+/// finite, what was written is worth nothing.
 pub fn advance<P: PairList, F: PairForm>(
     terms: &Terms,
     lists: (&P, &mut Copies<P::Row>),

@@ -48,7 +48,7 @@ mod view;
 
 pub use course::{OnTheWay, advance, bring_back, take};
 pub use output::Output;
-pub use packing::{Motion, Moved, Pace, moved};
+pub use packing::{Motion, Moved, Pace};
 pub use pair_list::PairList;
 pub use pair_loop::{ChunkTotals, PairJob, PerParticle, Wanted};
 pub use scatter::Scatter;

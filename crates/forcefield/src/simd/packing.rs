@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use lennard_neighbor::{ColumnTable, FIXED_UNITS, Mover, RowTable, Way, Ways};
+use lennard_neighbor::{ColumnTable, FIXED_UNITS, RowTable, Way, Ways};
 
 use super::{DoubleRow, FixedRow, Level, Scatter};
 
@@ -14,8 +14,8 @@ pub struct Moved {
     pub largest2: f64,
     /// Whether every one was a finite number.
     pub finite: bool,
-    /// Those that moved far.
-    pub far: Vec<Mover>,
+    /// The places of those that moved far.
+    pub far: Vec<u32>,
 }
 
 impl Moved {
@@ -36,9 +36,8 @@ impl Moved {
         }
     }
 
-    /// Includes a batch of places from `first` on, by the squares of their displacements.
-    fn include(&mut self, motion: Motion<'_>, first: usize, squares: &[f64]) {
-        let far2 = motion.far2;
+    /// Includes the places from `first` on, by the squares of their displacements; those above `far2` are far.
+    pub fn include(&mut self, first: usize, squares: &[f64], far2: f64) {
         // No branch for each: which ones moved far is anybody's guess.
         let mut largest2 = [self.largest2; 4];
         let mut all_near = true;
@@ -58,21 +57,14 @@ impl Moved {
         if all_near {
             return;
         }
-        let mut far = [0; BATCH];
-        let mut len = 0;
-        for (k, d2) in squares.iter().enumerate() {
-            far[len] = k;
+        let mut len = self.far.len();
+        self.far.resize(len + squares.len(), 0);
+        for (place, d2) in (first..).zip(squares) {
+            self.far[len] = place as u32;
             len += usize::from(*d2 > far2);
             self.finite &= *d2 < f64::INFINITY;
         }
-        self.far.extend(far[..len].iter().map(|k| {
-            let (at, moved) = motion.of(*k);
-            Mover {
-                place: (first + k) as u32,
-                at,
-                moved,
-            }
-        }));
+        self.far.truncate(len);
     }
 }
 
@@ -99,7 +91,7 @@ pub unsafe fn in_batches(
         let squares = &mut squares[..batch.len()];
         let motion = motion.part(batch.clone());
         pack(motion, first, squares);
-        moved.include(motion, first, squares);
+        moved.include(first, squares, motion.far2);
         if let Some(ways) = ways {
             // SAFETY: the contract is passed on.
             super::write_ways(level, motion, squares, unsafe { ways.part(batch) });
@@ -113,24 +105,6 @@ pub fn write_ways(motion: Motion<'_>, squares: &[f64], ways: &mut [Way]) {
     let parts = Ways::new(motion.far2);
     for (k, (way, d2)) in ways.iter_mut().zip(squares).enumerate() {
         *way = parts.way(motion.of(k).1, *d2);
-    }
-}
-
-/// The displacements since the build alone.
-pub fn moved(motion: Motion<'_>) -> Moved {
-    // SAFETY: no ways are written.
-    unsafe {
-        in_batches(
-            Level::Portable,
-            motion,
-            0..motion.order.len(),
-            None,
-            |motion, _, squares| {
-                for (k, d2) in squares.iter_mut().enumerate() {
-                    *d2 = motion.of(k).1.length_squared();
-                }
-            },
-        )
     }
 }
 
@@ -162,7 +136,7 @@ impl Motion<'_> {
 
     /// Where the particle at the `k`th place is, and x − x⁰, σ.
     #[inline(always)]
-    pub fn of(&self, k: usize) -> (DVec3, DVec3) {
+    fn of(&self, k: usize) -> (DVec3, DVec3) {
         let r = self.positions[self.order[k] as usize];
         (r, r - self.built[k])
     }
@@ -273,52 +247,5 @@ pub unsafe fn pack_columns(
         let [x, y, z] = table.fixed(place, r, motion.lengths, units);
         // SAFETY: these places are this thread's.
         unsafe { rows.write(place, FixedRow([x, y, z, 0])) };
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn those_that_moved_far_are_all_found() {
-        // No multiple of a batch.
-        let built = vec![DVec3::ONE; 203];
-        let order: Vec<u32> = (0..203).rev().collect();
-        let far = |squares: &[f64]| {
-            let positions: Vec<DVec3> = squares
-                .iter()
-                .map(|d2| DVec3::ONE + DVec3::new(d2.sqrt(), 0.0, 0.0))
-                .collect();
-            let motion = Motion {
-                positions: &positions,
-                order: &order,
-                built: &built,
-                far2: 4.5,
-                lengths: DVec3::ONE,
-            };
-            let moved = moved(motion);
-            for mover in &moved.far {
-                let k = mover.place as usize;
-                assert_eq!(mover.at, positions[order[k] as usize]);
-                assert!(mover.at.is_nan() || mover.moved == mover.at - built[k]);
-            }
-            let places: Vec<u32> = moved.far.iter().map(|mover| mover.place).collect();
-            (moved.largest2, moved.finite, places)
-        };
-        let mut squares: Vec<f64> = (0..203).map(|i| f64::from(i % 7)).collect();
-        let places = |squares: &[f64]| -> Vec<u32> {
-            let far = (0..).zip(squares.iter().rev()).filter(|(_, d2)| **d2 > 4.5);
-            far.map(|(place, _)| place).collect()
-        };
-        let (largest2, finite, found) = far(&squares);
-        assert!((largest2 - 6.0).abs() < 1e-12 && finite);
-        assert_eq!(found, places(&squares));
-        assert_eq!(far(&vec![1.0; 203]), (1.0, true, Vec::new()));
-        squares[77] = f64::INFINITY;
-        assert!(!far(&squares).1);
-        assert_eq!(far(&squares).2, places(&squares));
-        squares[77] = f64::NAN;
-        assert!(!far(&squares).1);
     }
 }

@@ -269,11 +269,7 @@ mod tests {
     /// NaN equals itself here.
     fn bits((double, moved_double, fixed, moved_fixed, ways): Packed) -> impl PartialEq {
         let double: Vec<[u64; 4]> = double.iter().map(|r| r.0.map(f64::to_bits)).collect();
-        let bits = |m: Moved| {
-            let far = m.far.into_iter();
-            let far: Vec<_> = far.filter(|m| m.at.is_finite()).collect();
-            (m.largest2.to_bits(), m.finite, far)
-        };
+        let bits = |m: Moved| (m.largest2.to_bits(), m.finite, m.far);
         // What is not finite has a way that means nothing.
         let ways = ways.map(|mut ways| {
             ways.retain(|way| way.square < 255);
@@ -295,7 +291,7 @@ mod tests {
                 for moved in [&plain.1, &plain.3] {
                     assert_eq!(moved.finite, !broken);
                     assert!(!moved.far.is_empty() && moved.largest2 > 0.06);
-                    assert!(moved.far.is_sorted_by_key(|mover| mover.place));
+                    assert!(moved.far.is_sorted());
                 }
                 let plain = bits(plain);
                 for by in [By::OneThread, By::All] {
@@ -307,5 +303,20 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn those_that_moved_far_are_all_found() {
+        let squares: Vec<f64> = (0..203).map(|i| f64::from(i % 7)).collect();
+        let mut moved = Moved::NOTHING;
+        moved.include(1000, &squares[..101], 4.5);
+        moved.include(1101, &squares[101..], 4.5);
+        let far = (1000..).zip(&squares).filter(|(_, d2)| **d2 > 4.5);
+        assert_eq!(moved.far, far.map(|(place, _)| place).collect::<Vec<u32>>());
+        assert_eq!((moved.largest2, moved.finite), (6.0, true));
+        moved.include(2000, &[1.0, 2.0], 4.5);
+        assert_eq!((moved.largest2, moved.finite), (6.0, true));
+        moved.include(3000, &[0.0, f64::NAN, 1.0, 2.0, f64::INFINITY], 4.5);
+        assert!(!moved.finite && moved.far.last() == Some(&3004));
     }
 }
