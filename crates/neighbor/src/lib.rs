@@ -19,6 +19,7 @@ mod scan;
 mod shared;
 mod shared_scan;
 pub mod skin;
+mod ways;
 
 pub use blocks::{BLOCK, Block, ENTRY, SharedBlocks, SharedChunk, Span, amid};
 pub use brute::{brute_force_pairs, for_each_pair};
@@ -27,10 +28,11 @@ pub use counting::Given;
 pub use criterion::{Criterion, MANY, Verdict};
 pub use grid::{Ghost, GridError, RowTable};
 pub use list::{ATOMS_PER_CHUNK, Entries, Images, ListChunk, NeighborList};
-pub use missing::{Cells, Moves, Way, Ways, missed_pairs};
+pub use missing::{Cells, Moves, missed_pairs};
 pub use scan::{Candidates, Center, Names, Nearby, PADDING, RowScanner, ScalarScanner};
 pub use shared::SharedList;
 pub use shared_scan::{
     Around, FOR_ALL, FOR_FIRST_TWO, FOR_LAST_TWO, Found, Gathered, SHARERS, ScalarSharedScanner,
     SharedScanner,
 };
+pub use ways::{Way, Ways};
