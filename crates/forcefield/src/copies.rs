@@ -37,6 +37,8 @@ pub struct Work<'a, Row> {
     pub wanted: Wanted,
     /// Whether the list was judged at these very positions just now, and names by now what it lacked.
     pub is_judged: bool,
+    /// Whether the list lasts until many have moved far, since it takes in the pairs that it lacks.
+    pub lasts: bool,
     /// Writes all rows, and ways where they are wanted, and gives the displacements since the build.
     pub pack: &'a Pack<'a, Row>,
     /// Judges the list by displacements, and by ways where they were written: with or without them the same.
@@ -68,7 +70,7 @@ struct Packed<Row> {
     far: usize,
 }
 
-/// Ways of [`MANY`] particles are written where one of so many had moved far at the last time: to look ahead of fewer takes
+/// Ways of [`MANY`] particles are written, for a list that lasts, where one of so many had moved far at the last time: to look ahead of fewer takes
 /// less time than to write all ways. Nothing but speed depends on it.
 const WAYS_AMONG: usize = 256;
 
@@ -153,7 +155,7 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
         let mut packed = lock(&self.0[copy]);
         let Packed { rows, ways, far } = &mut *packed;
         rows.resize(work.rows, Row::default());
-        let are_wanted = work.n >= MANY && *far * WAYS_AMONG > work.n;
+        let are_wanted = work.lasts && work.n >= MANY && *far * WAYS_AMONG > work.n;
         if are_wanted {
             ways.resize(work.n, Way::default());
         }

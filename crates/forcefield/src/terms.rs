@@ -44,12 +44,16 @@ impl Terms {
 
     /// Names pairs that a list lacks; gives whether it can.
     pub fn name<P: PairList>(&mut self, list: &mut P, pairs: &[[u32; 2]]) -> bool {
-        self.named.extend(pairs);
-        pairs.iter().all(|pair| list.name(*pair))
+        if P::TAKES_IN {
+            pairs.iter().for_each(|pair| list.name(*pair));
+            self.named.extend(pairs);
+        }
+        P::TAKES_IN
     }
 
     /// Packs rows of the positions that are `now`, σ, of which `order` says which belongs to each place, judges the list
-    /// there, unless that was done just now, and runs its chunks where it is fit. Gives the totals, and whether a force was not finite.
+    /// there, unless that was done just now, and runs its chunks where it is fit. Gives the totals, and whether a force was
+    /// not finite.
     pub fn use_list<'p, P: PairList>(
         &self,
         (list, copies): (&P, &mut Copies<P::Row>),
@@ -65,6 +69,7 @@ impl Terms {
             chunks: list.chunks(),
             wanted,
             is_judged,
+            lasts: P::TAKES_IN,
             pack: &|by, rows, ways| {
                 list.pack(self.level, by, self.motion(now(), order), rows, ways)
             },
@@ -84,8 +89,8 @@ impl Terms {
         }
     }
 
-    /// Whether a list names every pair that counts where particles moved so, and these are their ways if they are known, and the one of each
-    /// place is `at` it.
+    /// Whether a list names every pair that counts where particles moved so, and these are their ways if they are known, and
+    /// the one of each place is `at` it.
     pub fn fitness<P: PairList>(
         &self,
         list: &P,

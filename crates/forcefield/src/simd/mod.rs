@@ -270,7 +270,8 @@ pub enum By {
     All,
 }
 
-/// Writes all rows in double precision, ghosts included, and ways where they are wanted. Gives the displacements since the build.
+/// Writes all rows in double precision, ghosts included, and ways where they are wanted. Gives the displacements since the
+/// build.
 pub fn pack_double(
     level: Level,
     by: By,

@@ -22,6 +22,9 @@ pub trait PairList: Sync {
         Self: 'a,
         F: PairForm;
 
+    /// Whether it can name pairs after its build that it lacks.
+    const TAKES_IN: bool = false;
+
     /// The cells of the sort.
     fn cells(&self) -> &Self::Cells;
     /// The particle at each place: each stands at one.
@@ -50,10 +53,8 @@ pub trait PairList: Sync {
     fn names(&self, _pair: [u32; 2]) -> bool {
         false
     }
-    /// Names such a pair from now on, unless the list is of a kind that must be built anew for that: then gives false.
-    fn name(&mut self, _pair: [u32; 2]) -> bool {
-        false
-    }
+    /// Names such a pair from now on, if it takes in any.
+    fn name(&mut self, _pair: [u32; 2]) {}
     /// Runs one chunk.
     fn run<F: PairForm>(
         level: Level,
@@ -125,6 +126,8 @@ impl PairList for NeighborList {
 }
 
 impl PairList for SharedList {
+    const TAKES_IN: bool = true;
+
     type Row = FixedRow;
     type Cells = lennard_neighbor::ColumnTable;
     type Job<'a, F>
@@ -175,9 +178,8 @@ impl PairList for SharedList {
         self.names(pair)
     }
 
-    fn name(&mut self, pair: [u32; 2]) -> bool {
+    fn name(&mut self, pair: [u32; 2]) {
         self.name(pair);
-        true
     }
 
     fn run<F: PairForm>(
