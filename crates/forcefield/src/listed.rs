@@ -296,6 +296,9 @@ impl Listed {
             Err(RestoreError::Missing(_)) => return Ok(()),
             named => named?,
         };
+        if named.is_empty() {
+            return Ok(());
+        }
         let (pairs, rest) = named.as_chunks::<2>();
         let is_pair = |[a, b]: &[u64; 2]| a < b && *b < n as u64;
         let pairs: Vec<[u32; 2]> = pairs
