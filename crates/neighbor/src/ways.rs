@@ -8,9 +8,9 @@ use crate::columns::FIXED_ROUNDING;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[repr(C, align(4))]
 pub struct Way {
-    /// x − x⁰ along each axis, in [`Ways::ALONG`]ths of half the skin.
+    /// x − x⁰ along each axis, in 32nds of half the skin.
     pub along: [i8; 3],
-    /// |x − x⁰|² in [`Ways::SQUARES`]ths of that of half the skin, rounded up by half of one at least; what a byte has no
+    /// |x − x⁰|² in 16ths of that of half the skin, rounded up by half of one at least; what a byte has no
     /// room for is 255.
     pub square: u8,
 }
