@@ -61,7 +61,7 @@ pub fn are_few(n: usize) -> bool {
 pub struct Copies<Row>(Vec<Mutex<Packed<Row>>>);
 
 /// What one thread packs.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Packed<Row> {
     rows: Vec<Row>,
     /// How the particle at each place moved since the build, where that was wanted.
@@ -70,19 +70,9 @@ struct Packed<Row> {
     far: usize,
 }
 
-/// Ways of [`MANY`] particles are written, for a list that lasts, where one of so many had moved far at the last time: to look ahead of fewer takes
-/// less time than to write all ways. Nothing but speed depends on it.
+/// Ways of [`MANY`] particles are written, for a list that lasts, where one of so many had moved far at the last time: to look
+/// ahead of fewer takes less time than to write all ways. Nothing but speed depends on it.
 const WAYS_AMONG: usize = 256;
-
-impl<Row> Default for Packed<Row> {
-    fn default() -> Self {
-        Self {
-            rows: Vec::new(),
-            ways: Vec::new(),
-            far: 0,
-        }
-    }
-}
 
 impl<Row> Default for Copies<Row> {
     fn default() -> Self {
@@ -96,7 +86,10 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
         self.0
             .iter()
             .map(lock)
-            .map(|packed| packed.rows.capacity() * size_of::<Row>() + 4 * packed.ways.capacity())
+            .map(|packed| {
+                packed.rows.capacity() * size_of::<Row>()
+                    + packed.ways.capacity() * size_of::<Way>()
+            })
             .sum()
     }
 

@@ -293,7 +293,7 @@ impl Listed {
     fn restore_named(&mut self, from: &StateReader<'_>, n: usize) -> Result<(), RestoreError> {
         let named = match from.u64("named") {
             // Of a run by a version that named nothing.
-            Err(RestoreError::Missing(_)) => return Ok(()),
+            Err(RestoreError::Missing(_)) => &[],
             named => named?,
         };
         if named.is_empty() {

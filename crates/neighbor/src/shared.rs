@@ -32,6 +32,7 @@ const TOGETHER: f64 = 3.0;
 pub struct SharedList {
     cell: PeriodicBox,
     radius: f64,
+    /// The cutoff, σ.
     r_cut: f64,
     table: ColumnTable,
     chunks: Vec<SharedChunk>,
@@ -165,10 +166,9 @@ impl SharedList {
 
 /// The chunk of a place, which list of it is that of the place, and which of the sharers stands there.
 fn whose(place: u32) -> (usize, usize, usize) {
-    let (chunk, of_chunk) = (
-        place as usize / ATOMS_PER_CHUNK,
-        place as usize % ATOMS_PER_CHUNK,
-    );
+    let place = place as usize;
+    let of_chunk = place % ATOMS_PER_CHUNK;
+    let chunk = place / ATOMS_PER_CHUNK;
     (chunk, of_chunk / SHARERS, of_chunk % SHARERS)
 }
 

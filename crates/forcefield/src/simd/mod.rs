@@ -280,24 +280,19 @@ pub fn pack_double(
     rows: &mut [DoubleRow],
     ways: Option<&mut [Way]>,
 ) -> Moved {
-    let (rows, ways) = (Scatter::new(rows), ways.map(Scatter::new));
+    let rows = Scatter::new(rows);
     // SAFETY: tasks have disjoint places, places have distinct rows, and ghosts are written afterwards; a level is
     // chosen by `Level::choose`, which gives available ones alone.
-    let moved = in_tasks(by, table.particle.len(), |places| unsafe {
-        packing::in_batches(
-            level,
-            motion,
-            places,
-            ways.as_ref(),
-            |motion, first, squares| match level {
-                #[cfg(target_arch = "x86_64")]
-                Level::Avx512 | Level::Avx2 => {
-                    packing256::pack_double(table, motion, first, squares, &rows);
-                }
-                _ => packing::pack_double(table, motion, first, squares, &rows),
-            },
-        )
-    });
+    let pack = |motion: Motion<'_>, first, squares: &mut [f64]| unsafe {
+        match level {
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 | Level::Avx2 => {
+                packing256::pack_double(table, motion, first, squares, &rows);
+            }
+            _ => packing::pack_double(table, motion, first, squares, &rows),
+        }
+    };
+    let moved = pack_places(level, by, motion, ways, pack);
     // SAFETY: tasks have disjoint ghosts, and all other rows are at rest; the level is available.
     in_tasks(by, table.ghosts.len(), |ghosts| unsafe {
         match level {
@@ -321,22 +316,31 @@ pub fn pack_columns(
     rows: &mut [FixedRow],
     ways: Option<&mut [Way]>,
 ) -> Moved {
-    let (rows, ways) = (Scatter::new(rows), ways.map(Scatter::new));
+    let rows = Scatter::new(rows);
     // SAFETY: tasks have disjoint places; the level is available.
-    in_tasks(by, table.particle.len(), |places| unsafe {
-        packing::in_batches(
-            level,
-            motion,
-            places,
-            ways.as_ref(),
-            |motion, first, squares| match level {
-                #[cfg(target_arch = "x86_64")]
-                Level::Avx512 | Level::Avx2 => {
-                    packing256::pack_columns(table, motion, first, squares, &rows);
-                }
-                _ => packing::pack_columns(table, motion, first, squares, &rows),
-            },
-        )
+    pack_places(level, by, motion, ways, |motion, first, squares| unsafe {
+        match level {
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 | Level::Avx2 => {
+                packing256::pack_columns(table, motion, first, squares, &rows);
+            }
+            _ => packing::pack_columns(table, motion, first, squares, &rows),
+        }
+    })
+}
+
+/// Packs all places in batches, and writes ways where they are wanted; see [`packing::in_batches`].
+fn pack_places(
+    level: Level,
+    by: By,
+    motion: Motion<'_>,
+    ways: Option<&mut [Way]>,
+    pack: impl Fn(Motion<'_>, usize, &mut [f64]) + Sync,
+) -> Moved {
+    let ways = ways.map(Scatter::new);
+    in_tasks(by, motion.order.len(), |places| {
+        // SAFETY: tasks have disjoint places.
+        unsafe { packing::in_batches(level, motion, places, ways.as_ref(), &pack) }
     })
 }
 

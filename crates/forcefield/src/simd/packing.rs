@@ -82,7 +82,7 @@ pub unsafe fn in_batches(
     motion: Motion<'_>,
     places: Range<usize>,
     ways: Option<&Scatter<'_, Way>>,
-    mut pack: impl FnMut(Motion<'_>, usize, &mut [f64]),
+    pack: impl Fn(Motion<'_>, usize, &mut [f64]),
 ) -> Moved {
     let mut moved = Moved::NOTHING;
     let mut squares = [0.0; BATCH];
