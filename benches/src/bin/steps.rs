@@ -1,5 +1,5 @@
 //! Whole steps of the cases A, B and C without the engine, for the comparison with other engines:
-//! `steps CASE [STEPS] [key=value ...]` with keys `threads`, `beside`, `precision`, `repeats` and `warm`. With `beside`, blocks on
+//! `steps CASE [STEPS] [key=value ...]` with keys `threads`, `beside`, `precision`, `isa`, `repeats` and `warm`. With `beside`, blocks on
 //! so many threads are taken in turn with those on `threads`, and the median of the ratios of neighboring blocks tells
 //! more than two runs on a machine whose clock drifts. Kernels, lists and skins are what `lennard bench` is for.
 
@@ -10,9 +10,9 @@ use std::time::Instant;
 use lennard_benches::arguments::{Arguments, exit_code};
 use lennard_core::parallel::awake;
 use lennard_core::{ForceProvider, Want};
-use lennard_forcefield::{KernelOptions, Precision, TruncationKind};
+use lennard_forcefield::{Isa, KernelOptions, Precision, TruncationKind};
 
-const KEYS: [&str; 5] = ["threads", "beside", "precision", "repeats", "warm"];
+const KEYS: [&str; 6] = ["threads", "beside", "precision", "isa", "repeats", "warm"];
 
 fn main() -> ExitCode {
     exit_code(measure())
@@ -24,8 +24,15 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
     let name = case.name;
     let steps = given.steps(200, 1)?;
     let precisions = [("double", Precision::Double), ("mixed", Precision::Mixed)];
+    let isas = [
+        ("auto", Isa::Auto),
+        ("avx512", Isa::Avx512),
+        ("avx2", Isa::Avx2),
+        ("portable", Isa::Portable),
+    ];
     let kernel = KernelOptions {
         precision: given.one_of("precision", &precisions)?,
+        isa: given.one_of("isa", &isas)?,
         ..KernelOptions::default()
     };
     let threads = given.number("threads", 1)?.unwrap_or(1);

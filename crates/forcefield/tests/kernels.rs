@@ -498,7 +498,7 @@ fn no_pair_of_very_many_particles_is_missed_where_many_moved_far() {
 
 #[test]
 fn pairs_that_were_named_since_the_build_are_part_of_a_restart() {
-    let (cell, start) = liquid([12, 12, 12], 0.8442, 0.15);
+    let (cell, start) = liquid([16, 16, 16], 0.8442, 0.15);
     // One in 33 moves by more than half the skin toward where others are.
     let push = |r: &DVec3, k: usize| {
         let direction = DVec3::from((*r * 12.9898).to_array().map(f64::sin)).normalize();
@@ -541,7 +541,7 @@ fn pairs_that_were_named_since_the_build_are_part_of_a_restart() {
         let Array::U64(places) = named else {
             panic!("{named:?}")
         };
-        assert!(places.len() >= 6, "{} places", places.len());
+        assert!(places.len() >= 16, "{} places", places.len());
 
         let restored = |named: Option<Vec<u64>>| {
             let mut archive = archive.clone();
@@ -563,10 +563,10 @@ fn pairs_that_were_named_since_the_build_are_part_of_a_restart() {
         let expected = all(&mut one, &again, Want::NOTHING).0;
         assert!(expected == all(&mut same, &again, Want::NOTHING).0);
         assert!(expected != all(&mut without, &again, Want::NOTHING).0);
-        for wrong in [vec![0, 1, 2], vec![0, 1728], vec![3, 3], vec![5, 4]] {
+        for wrong in [vec![0, 1, 2], vec![0, 4096], vec![3, 3], vec![5, 4]] {
             let error = restored(Some(wrong)).err().unwrap().to_string();
             assert!(
-                error.contains("no pairs of 1728 places that this list can name"),
+                error.contains("no pairs of 4096 places that this list can name"),
                 "{error}"
             );
         }

@@ -42,9 +42,21 @@ impl Block {
         }
     }
 
-    /// A block of [`BLOCK`] places, from a base that is known to reach them all, or else from one of its own, if there is one.
-    fn reaching(places: &[u32; BLOCK], base: Option<u32>) -> Option<Self> {
-        Some(Self::full(base.or_else(|| base_of(places))?, places))
+    /// A block of the first so many of some places, from a base that is known to reach them, or else from one of its own, if
+    /// there is one.
+    fn of_first(places: &[u32; BLOCK], count: usize, base: Option<u32>) -> Option<Self> {
+        let base = base.or_else(|| base_of(&places[..count]))?;
+        let mut entries = [0; BLOCK];
+        for ((entry, place), k) in entries.iter_mut().zip(places).zip(0..) {
+            // No branch for any: those that do not count name the base.
+            let counts = if k < count as u16 { u16::MAX } else { 0 };
+            *entry = (place.wrapping_sub(base) as u16).wrapping_mul(ENTRY) & counts;
+        }
+        Some(Self {
+            base,
+            valid: u16::MAX >> (BLOCK - count),
+            entries,
+        })
     }
 
     /// A block of fewer places, at least one.
@@ -90,8 +102,10 @@ impl Block {
 /// where the list before ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Span {
-    /// Those in twos: one for the first two sharers alone, and one for the last two.
-    pub halves: u32,
+    /// Those for the first two sharers alone; not all of their entries count.
+    pub first_two: u32,
+    /// Those for the last two alone, likewise.
+    pub last_two: u32,
     /// Those for all four with entries that do not count for all of them. The first of these begins with the sharers
     /// themselves.
     pub masked: u32,
@@ -116,8 +130,10 @@ pub struct SharedChunk {
 /// The blocks of one list, by those whom they are for.
 #[derive(Debug, Clone, Copy)]
 pub struct SharedBlocks<'a> {
-    /// One for the first two sharers, and one for the last two.
-    pub halves: &'a [[Block; 2]],
+    /// For the first two sharers alone, but not all of their entries count.
+    pub first_two: &'a [Block],
+    /// For the last two alone, likewise.
+    pub last_two: &'a [Block],
     /// For all, but with entries that do not count for each of them.
     pub masked: &'a [Block],
     /// For all.
@@ -127,15 +143,20 @@ pub struct SharedBlocks<'a> {
 impl SharedBlocks<'_> {
     /// The blocks for one of the sharers.
     pub fn of(&self, sharer: usize) -> impl Iterator<Item = &Block> {
-        let half = 2 * sharer / SHARERS;
-        let halves = self.halves.iter().map(move |halves| &halves[half]);
-        halves.chain(self.masked).chain(self.plain)
+        let for_two = if 2 * sharer < SHARERS {
+            self.first_two
+        } else {
+            self.last_two
+        };
+        for_two.iter().chain(self.masked).chain(self.plain)
     }
 
     /// Number of lanes that a loop computes.
     #[must_use]
     pub fn lanes(&self) -> usize {
-        BLOCK * SHARERS * (self.halves.len() + self.masked.len() + self.plain.len())
+        let for_two = self.first_two.len() + self.last_two.len();
+        let for_all = self.masked.len() + self.plain.len();
+        BLOCK * (SHARERS / 2 * for_two + SHARERS * for_all)
     }
 }
 
@@ -146,10 +167,10 @@ impl SharedChunk {
         let span = &self.spans[k];
         let begin = if k == 0 { 0 } else { self.spans[k - 1].end };
         let between = |from: u32, to: u32| &self.blocks[from as usize..to as usize];
-        let (halves, _) = between(begin, span.halves).as_chunks();
         SharedBlocks {
-            halves,
-            masked: between(span.halves, span.masked),
+            first_two: between(begin, span.first_two),
+            last_two: between(span.first_two, span.last_two),
+            masked: between(span.last_two, span.masked),
             plain: between(span.masked, span.end),
         }
     }
@@ -172,14 +193,14 @@ impl SharedChunk {
         } else {
             self.spans[k - 1].end as usize
         };
-        let mut halves = self.list(k).halves.iter();
-        let for_two = halves.position(|halves| halves.iter().any(|block| block.names(place)));
         let span = &mut self.spans[k];
-        let masked = span.halves as usize..span.masked as usize;
-        if let Some(pair) = for_two {
-            // From now on all look at what these two blocks name, behind the one that begins with the sharers.
-            self.blocks[begin + 2 * pair..masked.end].rotate_left(2);
-            span.halves -= 2;
+        let last_two = span.last_two as usize;
+        let masked = last_two..span.masked as usize;
+        if let Some(block) = (begin..last_two).find(|block| self.blocks[*block].names(place)) {
+            // From now on all look at what this block names, behind the one that begins with the sharers.
+            self.blocks[block..masked.end].rotate_left(1);
+            span.first_two -= u32::from(block < span.first_two as usize);
+            span.last_two -= 1;
             return;
         }
         let blocks = &mut self.blocks[masked.clone()];
@@ -190,7 +211,8 @@ impl SharedChunk {
         span.masked += 1;
         span.end += 1;
         for span in &mut self.spans[k + 1..] {
-            span.halves += 1;
+            span.first_two += 1;
+            span.last_two += 1;
             span.masked += 1;
             span.end += 1;
         }
@@ -203,8 +225,11 @@ impl SharedChunk {
 
     /// Adds a list of what was found for four sharers; `base` is one that is known to reach all of it, if there is one.
     pub(crate) fn push(&mut self, found: &mut Found, together: bool, base: Option<u32>) {
-        self.push_halves(found, base);
-        let halves = self.blocks.len();
+        let [wanted_by_first, wanted_by_last] = worth_while(found.len);
+        self.push_for_two(found, FOR_FIRST_TWO, wanted_by_first, base);
+        let first_two = self.blocks.len();
+        self.push_for_two(found, FOR_LAST_TWO, wanted_by_last, base);
+        let last_two = self.blocks.len();
         let (near, base) = match base {
             Some(base) => (found.of(FOR_ALL).len(), base),
             None => found.near_first(),
@@ -213,32 +238,26 @@ impl SharedChunk {
         let masked = pack(near, base, &mut self.blocks);
         let masked = pack_far(far, masked, &mut self.blocks);
         self.spans.push(Span {
-            halves: halves as u32,
+            first_two: first_two as u32,
+            last_two: last_two as u32,
             masked: masked as u32,
             end: self.blocks.len() as u32,
             together,
         });
     }
 
-    /// Writes whole blocks of what is near to two of the sharers alone, as many for the first two as for the last, and
-    /// leaves the rest to what is for all.
-    fn push_halves(&mut self, found: &mut Found, base: Option<u32>) {
-        let pairs = [FOR_FIRST_TWO, FOR_LAST_TWO];
+    /// Writes so many blocks of what is near to two of the sharers alone, and leaves the rest to what is for all.
+    fn push_for_two(&mut self, found: &mut Found, pair: usize, blocks: usize, base: Option<u32>) {
         let mut used = 0;
-        loop {
-            let next = pairs.map(|pair| {
-                let places = found.of(pair)[used..].first_chunk()?;
-                Block::reaching(places, base)
-            });
-            let [Some(first), Some(last)] = next else {
+        for _ in 0..blocks {
+            let (places, count) = found.chunk(pair, used);
+            let Some(block) = Block::of_first(places, count, base) else {
                 break;
             };
-            self.blocks.extend([first, last]);
-            used += BLOCK;
+            self.blocks.push(block);
+            used += count;
         }
-        for pair in pairs {
-            found.give_to_all(pair, used);
-        }
+        found.give_to_all(pair, used);
     }
 
     /// Ends the lists with a block that belongs to none, for loops that read ahead.
@@ -260,6 +279,28 @@ pub(crate) fn give_back<T>(list: &mut Vec<T>) {
     if list.capacity() > len + len / 4 {
         list.shrink_to(len + len / 16);
     }
+}
+
+/// How many blocks for the first two sharers alone, and how many for the last two, are worth while, where so many are near to
+/// all, and to those alone: what fills a part of such a block may take less time in one for all. None of them would be empty.
+fn worth_while([for_all, of_first, of_last]: [usize; 3]) -> [usize; 2] {
+    // Operations of a loop: 28 to read a block and to convert it, and 20 for each who looks at it.
+    const FOR_TWO: usize = 28 + 20 * SHARERS / 2;
+    const FOR_ALL: usize = 28 + 20 * SHARERS;
+    let (mut best, mut least) = ([0; 2], usize::MAX);
+    // Full ones always are.
+    for first in of_first / BLOCK..=of_first.div_ceil(BLOCK) {
+        for last in of_last / BLOCK..=of_last.div_ceil(BLOCK) {
+            let beyond =
+                of_first.saturating_sub(first * BLOCK) + of_last.saturating_sub(last * BLOCK);
+            let operations =
+                (first + last) * FOR_TWO + (for_all + beyond).div_ceil(BLOCK) * FOR_ALL;
+            if operations < least {
+                (best, least) = ([first, last], operations);
+            }
+        }
+    }
+    best
 }
 
 /// The base of a block of some places, the lowest of them; `None` where its entries do not reach them all.

@@ -27,7 +27,7 @@ const TOGETHER: f64 = 3.0;
 
 /// Full lists in fixed point, one for every four particles at consecutive places: everything, by the nearest image,
 /// within the list radius of one of them is named once. What is near to the first two of them alone, or to the last two,
-/// is kept apart as far as it fills whole blocks, since two particles need not look at it.
+/// is kept apart as far as that saves work, since two particles need not look at it.
 #[derive(Debug, Clone)]
 pub struct SharedList {
     cell: PeriodicBox,

@@ -138,6 +138,13 @@ impl Found {
         &self.places[whom][..self.len[whom]]
     }
 
+    /// The next of what is for some of the sharers, from an element on, and how many of these count.
+    pub(crate) fn chunk<const N: usize>(&self, whom: usize, from: usize) -> (&[u32; N], usize) {
+        const { assert!(N <= PADDING) };
+        let next = self.places[whom][from..].first_chunk().expect("room");
+        (next, (self.len[whom] - from).min(N))
+    }
+
     /// Orders what is for all: first the sharers and what a block reaches from a base together with them, then the others,
     /// ascending. Gives how many come first, and the base.
     pub(crate) fn near_first(&mut self) -> (usize, u32) {

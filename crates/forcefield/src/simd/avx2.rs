@@ -272,13 +272,13 @@ impl FixedLanes for F32x8 {
     }
 
     #[inline(always)]
-    fn among(mask: Self::Mask, bits: u32) -> Self::Mask {
+    fn at_most_among(self, limit: Self, bits: u32) -> Self::Mask {
         // SAFETY: a value of this type proves AVX2.
         unsafe {
             let bits = _mm256_set1_epi32(bits as i32);
             let lane = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
             let set = _mm256_cmpeq_epi32(_mm256_and_si256(bits, lane), lane);
-            _mm256_and_ps(mask, _mm256_castsi256_ps(set))
+            _mm256_and_ps(self.at_most(limit), _mm256_castsi256_ps(set))
         }
     }
 }

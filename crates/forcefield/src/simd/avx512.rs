@@ -326,8 +326,9 @@ impl FixedLanes for F32x16 {
     }
 
     #[inline(always)]
-    fn among(mask: Self::Mask, bits: u32) -> Self::Mask {
-        mask & bits as u16
+    fn at_most_among(self, limit: Self, bits: u32) -> Self::Mask {
+        // SAFETY: a value of this type proves AVX-512.
+        unsafe { _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(bits as u16, self.0, limit.0) }
     }
 
     #[inline(always)]

@@ -113,8 +113,8 @@ pub trait FixedLanes: Lanes<Row = FixedRow> {
     /// The processor has the instruction set of the implementation.
     unsafe fn apart(a: Self::Own, b: Self::Own) -> [Self; 3];
 
-    /// The lanes of `mask` that are set in the lowest bits of `bits`.
-    fn among(mask: Self::Mask, bits: u32) -> Self::Mask;
+    /// The lanes set in the lowest bits of `bits` whose value is at most `limit`.
+    fn at_most_among(self, limit: Self, bits: u32) -> Self::Mask;
 
     /// The point [`amid`] the sharers, and the sharers as seen from there in σ, where units are `scale` σ long along
     /// each axis.

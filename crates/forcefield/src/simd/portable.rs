@@ -177,8 +177,8 @@ impl<const N: usize> FixedLanes for Group<f32, N> {
     }
 
     #[inline(always)]
-    fn among(mask: Self::Mask, bits: u32) -> Self::Mask {
-        from_fn(|k| mask[k] && bits >> k & 1 == 1)
+    fn at_most_among(self, limit: Self, bits: u32) -> Self::Mask {
+        from_fn(|k| self.0[k] <= limit.0[k] && bits >> k & 1 == 1)
     }
 }
 

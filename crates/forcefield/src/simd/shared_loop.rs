@@ -176,7 +176,8 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, C: Besides<L>>(
 /// How many blocks of each kind a list has.
 #[derive(Clone, Copy)]
 struct Counts {
-    halves: u32,
+    first_two: u32,
+    last_two: u32,
     masked: u32,
     plain: u32,
 }
@@ -185,8 +186,9 @@ impl Counts {
     #[inline(always)]
     fn of(span: &Span, begin: u32) -> Self {
         Self {
-            halves: (span.halves - begin) / 2,
-            masked: span.masked - span.halves,
+            first_two: span.first_two - begin,
+            last_two: span.last_two - span.first_two,
+            masked: span.masked - span.last_two,
             plain: span.end - span.masked,
         }
     }
@@ -228,19 +230,13 @@ impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
         reader: &mut Reader<L>,
         common: &mut C,
     ) -> [Sums<L, B>; SHARERS] {
-        let nothing = Sums {
-            force: [L::splat(0.0); 3],
-            besides: B::nothing(),
-        };
-        let mut sums = [nothing; SHARERS];
         let all = [u16::MAX; SHARERS];
         // SAFETY: the contract is passed on.
         unsafe {
             let own = self.view.own();
-            for _ in 0..counts.halves {
-                sums = self.add::<B, C, true, false, false>(own, reader, all, sums, common);
-                sums = self.add::<B, C, false, true, false>(own, reader, all, sums, common);
-            }
+            let [a, b] = self.two(own[0], own[1], counts.first_two, reader, common);
+            let [c, d] = self.two(own[2], own[3], counts.last_two, reader, common);
+            let mut sums = [a, b, c, d];
             // The sharers themselves are the first entries of the first that is masked.
             let mut but = [0b0001, 0b0010, 0b0100, 0b1000];
             for _ in 0..counts.masked {
@@ -252,28 +248,54 @@ impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
                     valid & !but[3],
                 ];
                 but = [0; SHARERS];
-                sums = self.add::<B, C, true, true, true>(own, reader, valid, sums, common);
+                sums = self.add::<B, C, true>(own, reader, valid, sums, common);
             }
             for _ in 0..counts.plain {
-                sums = self.add::<B, C, true, true, false>(own, reader, all, sums, common);
+                sums = self.add::<B, C, false>(own, reader, all, sums, common);
             }
+            sums
         }
-        sums
     }
 
-    /// Adds the pairs of one block with the first two sharers, the last two, or all; where it is `MASKED`, those of its
-    /// entries that are `valid` for each.
+    /// The sums of two sharers over so many blocks for them alone.
     ///
     /// # Safety
     /// As [`Meeting::all`].
     #[inline(always)]
-    unsafe fn add<
-        B: Besides<L>,
-        C: Besides<L>,
-        const FIRST: bool,
-        const LAST: bool,
-        const MASKED: bool,
-    >(
+    unsafe fn two<B: Besides<L>, C: Besides<L>>(
+        &self,
+        first: V::Own,
+        second: V::Own,
+        blocks: u32,
+        reader: &mut Reader<L>,
+        common: &mut C,
+    ) -> [Sums<L, B>; 2] {
+        let nothing = Sums {
+            force: [L::splat(0.0); 3],
+            besides: B::nothing(),
+        };
+        let (mut of_first, mut of_second) = (nothing, nothing);
+        for _ in 0..blocks {
+            // SAFETY: the contract is passed on.
+            unsafe {
+                let valid = u32::from(reader.valid());
+                for part in 0..BLOCK / L::WIDTH {
+                    let others = self.view.others(reader.next(part));
+                    let bits = valid >> (part * L::WIDTH);
+                    of_first = self.meet::<B, C, true>(first, others, bits, of_first, common);
+                    of_second = self.meet::<B, C, true>(second, others, bits, of_second, common);
+                }
+            }
+        }
+        [of_first, of_second]
+    }
+
+    /// Adds the pairs of one block with all sharers; where it is `MASKED`, those of its entries that are `valid` for each.
+    ///
+    /// # Safety
+    /// As [`Meeting::all`].
+    #[inline(always)]
+    unsafe fn add<B: Besides<L>, C: Besides<L>, const MASKED: bool>(
         &self,
         own: [V::Own; SHARERS],
         reader: &mut Reader<L>,
@@ -288,14 +310,10 @@ impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
             for part in 0..BLOCK / L::WIDTH {
                 let others = self.view.others(reader.next(part));
                 let bits = |valid: u16| u32::from(valid) >> (part * L::WIDTH);
-                if FIRST {
-                    a = self.meet::<B, C, MASKED>(own[0], others, bits(valid[0]), a, common);
-                    b = self.meet::<B, C, MASKED>(own[1], others, bits(valid[1]), b, common);
-                }
-                if LAST {
-                    c = self.meet::<B, C, MASKED>(own[2], others, bits(valid[2]), c, common);
-                    d = self.meet::<B, C, MASKED>(own[3], others, bits(valid[3]), d, common);
-                }
+                a = self.meet::<B, C, MASKED>(own[0], others, bits(valid[0]), a, common);
+                b = self.meet::<B, C, MASKED>(own[1], others, bits(valid[1]), b, common);
+                c = self.meet::<B, C, MASKED>(own[2], others, bits(valid[2]), c, common);
+                d = self.meet::<B, C, MASKED>(own[3], others, bits(valid[3]), d, common);
             }
         }
         [a, b, c, d]
@@ -317,10 +335,11 @@ impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
         // SAFETY: the contract is passed on.
         let [dx, dy, dz] = unsafe { self.view.apart(own, others) };
         let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx));
-        let mut inside = r2.at_most(self.r_cut2);
-        if MASKED {
-            inside = L::among(inside, bits);
-        }
+        let inside = if MASKED {
+            r2.at_most_among(self.r_cut2, bits)
+        } else {
+            r2.at_most(self.r_cut2)
+        };
         let pair = self.form.eval(r2);
         let f = pair.force.keep(inside);
         let [x, y, z] = sums.force;
