@@ -16,9 +16,9 @@ use crate::scan::PADDING;
 /// 2³², the units of a coordinate in fixed point along each side of the box.
 pub const FIXED_UNITS: f64 = 4_294_967_296.0;
 
-/// Side of a column over the spacing of particles, (V/N)^{1/3}. Two particles that follow each other are
-/// nearest to each other at 1.3, and hardly farther apart at 1.7, where there are fewer columns to search.
-const COLUMN_OVER_SPACING: f64 = 1.7;
+/// Side of a column over the spacing of particles, (V/N)^{1/3}; the second where that spares a strip. Two particles that
+/// follow each other are nearest to each other at 1.3, and hardly farther apart at 1.7, where there are fewer columns to search.
+const COLUMN_OVER_SPACING: [f64; 2] = [1.7, 1.65];
 
 /// Particles a cell of the sort, along a column: few, so that a column is as good as sorted.
 const PARTICLES_PER_SLICE: f64 = 0.5;
@@ -71,8 +71,10 @@ pub struct ColumnTable {
     standing: Standing,
 }
 
-/// Columns along x whose numbers stay within the reach of a block; lists name members of as many, seldom of one more.
-const COLUMNS_IN_REACH: f64 = 5.0;
+/// A list names members of columns that are at most so far apart along x, seldom farther.
+const APART_ALONG_X: f64 = 4.0;
+/// And of so many columns at the ends of these.
+const APART_ALONG_Y: f64 = 3.0;
 
 /// Fewest columns in the width of a strip: with fewer, most lists would cross from one strip to the next.
 const NARROWEST_STRIP: f64 = 8.0;
@@ -91,21 +93,38 @@ pub(crate) struct Columns {
 
 impl Columns {
     fn choose(lengths: DVec3, n: usize) -> Self {
+        let [usual, narrower] = COLUMN_OVER_SPACING.map(|side| Self::with(side, lengths, n));
+        if narrower.strips() < usual.strips() {
+            narrower
+        } else {
+            usual
+        }
+    }
+
+    /// Columns of a side over the spacing of particles.
+    fn with(side: f64, lengths: DVec3, n: usize) -> Self {
         let n = n.max(1) as f64;
         let most = (CELLS_PER_PARTICLE * n).max(SMALLEST_GRID);
-        let side = COLUMN_OVER_SPACING * (lengths.element_product() / n).cbrt();
+        let side = side * (lengths.element_product() / n).cbrt();
         let count = |length: f64| (length / side).round().clamp(1.0, most.sqrt());
         let across = [count(lengths.x), count(lengths.y)];
         let columns = across[0] * across[1];
         let slices = (n / PARTICLES_PER_SLICE / columns).ceil();
-        let in_reach = f64::from(REACH) / (COLUMNS_IN_REACH * n / columns);
-        let strip = in_reach.clamp(NARROWEST_STRIP, across[1].max(NARROWEST_STRIP)) as u32;
+        let in_reach = (f64::from(REACH) * columns / n - APART_ALONG_Y) / APART_ALONG_X;
+        let widest = in_reach.max(NARROWEST_STRIP).floor();
+        // As wide as each other, more or less.
+        let strips = (across[1] / widest).ceil();
+        let strip = (across[1] / strips).ceil() as u32;
         Self {
             strip,
             strip_inverse: (1_u64 << 32).div_ceil(u64::from(strip)),
             across: across.map(|c| c as u32),
             slices: slices.clamp(1.0, (most / columns).max(1.0)) as u32,
         }
+    }
+
+    fn strips(&self) -> u32 {
+        self.across[1].div_ceil(self.strip)
     }
 
     fn cells(&self) -> usize {
@@ -319,13 +338,27 @@ mod tests {
             }
         }
         // As many columns across as there can be, in strips as narrow and as wide as there can be.
-        for (x, z, strip) in [(1.0, 1.0, 8..9), (1e9, 1e-9, 26_000..27_000)] {
+        for (x, z, strip) in [(1.0, 1.0, 8..9), (1e9, 1e-9, 16_384..16_385)] {
             let grid = Columns::choose(DVec3::new(x, 1e9, z), 1 << 28);
             let [nx, ny] = grid.across;
             assert!(ny == 1 << 15 && strip.contains(&grid.strip));
             for y in (0..ny).filter(|y| y % grid.strip < 2 || y % grid.strip > grid.strip - 2) {
                 assert_eq!(grid.column(0, y) / (nx * grid.strip), y / grid.strip);
             }
+        }
+    }
+
+    #[test]
+    fn a_million_particles_need_two_strips_and_lists_seldom_leave_the_reach_of_a_block() {
+        let n = 953_312;
+        let grid = Columns::choose(DVec3::splat(104.137), n);
+        assert_eq!((grid.across, grid.strips()), ([60, 60], 2));
+        let wider = Columns::with(COLUMN_OVER_SPACING[0], DVec3::splat(104.137), n);
+        assert_eq!((wider.across, wider.strips()), ([58, 58], 3));
+        assert_eq!(wider.strip, 20, "as wide as each other");
+        for (x, y) in (0..56).flat_map(|x| (0..27).map(move |y| (x, y))) {
+            let apart = grid.column(x, y).abs_diff(grid.column(x + 4, y + 3));
+            assert!(apart * n as u32 / 3600 <= REACH, "{apart} columns");
         }
     }
 
