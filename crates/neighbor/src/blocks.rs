@@ -354,3 +354,99 @@ fn pack_far(mut list: &[u32], mut masked: usize, blocks: &mut Vec<Block>) -> usi
     }
     masked
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scan::PADDING;
+
+    /// Places in this order: the sharers and what is near to all, to the first two alone, and to the last two alone.
+    fn found(len: [usize; 3]) -> Found {
+        let room = len.iter().sum::<usize>() + PADDING;
+        let mut first = 0;
+        let places = len.map(|len| {
+            let mut places: Vec<u32> = (first..first + len as u32).collect();
+            first += len as u32;
+            // What lies beyond means nothing.
+            places.resize(room, u32::MAX);
+            places
+        });
+        let mut found = Found::default();
+        (found.places, found.len) = (places, len);
+        found
+    }
+
+    #[test]
+    fn no_other_numbers_of_blocks_for_two_take_fewer_operations() {
+        assert_eq!(worth_while([68, 28, 28]), [1, 2]);
+        assert_eq!(worth_while([68, 28, 13]), [1, 1]);
+        assert_eq!(worth_while([60, 16, 4]), [1, 0], "four find room");
+        assert_eq!(
+            worth_while([64, 33, 12]),
+            [2, 0],
+            "thirteen fill one for all"
+        );
+        for len in [
+            [4, 0, 0],
+            [4, 1, 0],
+            [70, 26, 31],
+            [61, 16, 48],
+            [90, 5, 47],
+        ] {
+            let cost = |[first, last]: [usize; 2]| {
+                let rest = |len: usize, blocks: usize| len.saturating_sub(blocks * BLOCK);
+                let for_all = len[0] + rest(len[1], first) + rest(len[2], last);
+                (first + last) * 68 + for_all.div_ceil(BLOCK) * 108
+            };
+            let chosen = worth_while(len);
+            let others = (0..5).flat_map(|first| (0..5).map(move |last| [first, last]));
+            assert!(
+                others.map(cost).all(|other| cost(chosen) <= other),
+                "{len:?}"
+            );
+            assert!(chosen[0] <= len[1].div_ceil(BLOCK) && chosen[1] <= len[2].div_ceil(BLOCK));
+        }
+    }
+
+    #[test]
+    fn a_list_names_each_place_once_for_all_whom_it_is_near_to() {
+        for len in [
+            [4, 0, 0],
+            [68, 28, 28],
+            [64, 33, 12],
+            [70, 16, 48],
+            [5, 3, 1],
+            [90, 5, 47],
+        ] {
+            // From a base of all, and from one of each block.
+            for base in [Some(0), None] {
+                let mut chunk = SharedChunk::default();
+                chunk.push(&mut found(len), false, base);
+                let list = chunk.list(0);
+                let [all, first, last] = len.map(|len| len as u32);
+                for sharer in 0..SHARERS {
+                    let mut named: Vec<u32> = list.of(sharer).flat_map(Block::places).collect();
+                    named.sort_unstable();
+                    assert!(named.is_sorted_by(|a, b| a < b), "{len:?}: {named:?}");
+                    assert!(named.iter().all(|place| *place < all + first + last));
+                    let own = if sharer < 2 {
+                        all..all + first
+                    } else {
+                        all + first..all + first + last
+                    };
+                    for place in (0..all).chain(own) {
+                        assert!(named.contains(&place), "{len:?}: {place} for {sharer}");
+                    }
+                }
+                let for_two = [list.first_two.len(), list.last_two.len()];
+                assert_eq!(for_two, worth_while(len));
+                let entries = chunk.blocks.iter().flat_map(|block| block.entries);
+                assert!(
+                    entries
+                        .into_iter()
+                        .all(|entry| u32::from(entry / ENTRY) < all + first + last)
+                );
+            }
+        }
+    }
+}
