@@ -178,7 +178,8 @@ impl<const N: usize> FixedLanes for Group<f32, N> {
 
     #[inline(always)]
     fn at_most_among(self, limit: Self, bits: u32) -> Self::Mask {
-        from_fn(|k| self.0[k] <= limit.0[k] && bits >> k & 1 == 1)
+        // No branch for any lane.
+        from_fn(|k| (self.0[k] <= limit.0[k]) & (bits & 1 << k != 0))
     }
 }
 
