@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use lennard_core::tasks::{for_each_task, map_tasks};
 use lennard_neighbor::{MANY, Way};
 
-use crate::simd::{By, ChunkTotals, Moved, Wanted};
+use crate::simd::{By, ChunkTotals, Moved, Next, Scatter, Strayed, Wanted};
 use crate::sums::Totals;
 
 /// Whether a list may be used at some positions.
@@ -25,6 +25,42 @@ pub enum Fitness {
 /// Packing, by one thread or by all.
 pub type Pack<'a, Row> = dyn Fn(By, &mut [Row], Option<&mut [Way]>) -> Moved + Sync + 'a;
 
+/// A chunk, run.
+pub type Run<'a, Row> = dyn Fn(&[Row], Option<&Next<'_, Row>>, usize) -> ChunkTotals + Sync + 'a;
+
+/// What is known of the rows of some positions before they are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Known {
+    /// Nothing: they must be packed, and the list judged.
+    Nothing,
+    /// The chunks of the step before packed them; the list must be judged.
+    Packed,
+    /// They were packed and the list was judged just now, which names by now what it lacked.
+    Judged,
+}
+
+/// One use of a list.
+#[derive(Debug, Clone, Copy)]
+pub struct Use {
+    /// What is summed.
+    pub wanted: Wanted,
+    /// What is known of the rows.
+    pub known: Known,
+    /// Whether chunks pack the rows of the next step; not of few particles.
+    pub packs_next: bool,
+}
+
+impl Use {
+    /// One for these sums alone.
+    pub fn of(wanted: Wanted) -> Self {
+        Self {
+            wanted,
+            known: Known::Nothing,
+            packs_next: false,
+        }
+    }
+}
+
 /// What a loop over a list does at some positions.
 pub struct Work<'a, Row> {
     /// Particles.
@@ -33,18 +69,16 @@ pub struct Work<'a, Row> {
     pub rows: usize,
     /// Chunks of the list.
     pub chunks: usize,
-    /// What is summed.
-    pub wanted: Wanted,
-    /// Whether the list was judged at these very positions just now, and names by now what it lacked.
-    pub is_judged: bool,
+    /// What it does.
+    pub used: Use,
     /// Whether the list lasts until many have moved far, since it takes in the pairs that it lacks.
     pub lasts: bool,
     /// Writes all rows, and ways where they are wanted, and gives the displacements since the build.
     pub pack: &'a Pack<'a, Row>,
     /// Judges the list by displacements, and by ways where they were written: with or without them the same.
     pub judge: &'a (dyn Fn(&Moved, Option<&[Way]>) -> Fitness + Sync),
-    /// Runs a chunk.
-    pub run: &'a (dyn Fn(&[Row], usize) -> ChunkTotals + Sync),
+    /// Runs a chunk, which packs the next rows where they are wanted.
+    pub run: &'a Run<'a, Row>,
 }
 
 /// Whether so many particles are so few that each thread packs them all for itself, before its first chunk, while others may
@@ -64,8 +98,14 @@ pub struct Copies<Row>(Vec<Mutex<Packed<Row>>>);
 #[derive(Debug, Default)]
 struct Packed<Row> {
     rows: Vec<Row>,
+    /// Rows of the next step, where chunks pack them.
+    next: Vec<Row>,
+    /// How far the particles of each chunk have moved, where chunks pack rows.
+    strayed: Vec<Strayed>,
     /// How the particle at each place moved since the build, where that was wanted.
     ways: Vec<Way>,
+    /// Whether it was, when rows were packed.
+    has_ways: bool,
     /// How many had moved far at the last time.
     far: usize,
 }
@@ -87,7 +127,8 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
             .iter()
             .map(lock)
             .map(|packed| {
-                packed.rows.capacity() * size_of::<Row>()
+                (packed.rows.capacity() + packed.next.capacity()) * size_of::<Row>()
+                    + packed.strayed.capacity() * size_of::<Strayed>()
                     + packed.ways.capacity() * size_of::<Way>()
             })
             .sum()
@@ -101,19 +142,17 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
         if few {
             return self.run_few(work);
         }
-        let (packed, fitness) = if work.is_judged {
-            (lock(&self.0[0]), Fitness::Fit)
-        } else {
-            self.pack(0, By::All, work)
+        let (mut packed, fitness) = match work.used.known {
+            Known::Nothing => self.pack(0, By::All, work),
+            Known::Packed => self.take_next(work),
+            Known::Judged => (lock(&self.0[0]), Fitness::Fit),
         };
-        let packed = &*packed;
-        match fitness {
-            Fitness::Fit => {
-                let (totals, broken) = sum_chunks(work, &|(), c| (work.run)(&packed.rows, c));
-                (Fitness::Fit, totals, broken)
-            }
-            unfit => (unfit, Totals::NOTHING, false),
+        if fitness != Fitness::Fit {
+            return (fitness, Totals::NOTHING, false);
         }
+        let (rows, next) = packed.for_chunks(work);
+        let (totals, broken) = sum_chunks(work, &|(), c| (work.run)(rows, next.as_ref(), c));
+        (Fitness::Fit, totals, broken)
     }
 
     /// Each thread packs a copy of its own before its first chunk, and all come to the same judgement.
@@ -128,7 +167,7 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
                 packed
             });
             match fitness.get() {
-                Some(Fitness::Fit) => (work.run)(&packed.rows, c),
+                Some(Fitness::Fit) => (work.run)(&packed.rows, None, c),
                 _ => ChunkTotals::NOTHING,
             }
         };
@@ -146,16 +185,54 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
         work: &Work<'_, Row>,
     ) -> (MutexGuard<'_, Packed<Row>>, Fitness) {
         let mut packed = lock(&self.0[copy]);
-        let Packed { rows, ways, far } = &mut *packed;
-        rows.resize(work.rows, Row::default());
-        let are_wanted = work.lasts && work.n >= MANY && *far * WAYS_AMONG > work.n;
-        if are_wanted {
-            ways.resize(work.n, Way::default());
-        }
-        let moved = (work.pack)(by, rows, are_wanted.then_some(&mut *ways));
-        *far = moved.far.len();
-        let fitness = (work.judge)(&moved, are_wanted.then_some(&*ways));
+        packed.rows.resize(work.rows, Row::default());
+        packed.strayed.clear();
+        packed.begin_ways(work);
+        let has_ways = packed.has_ways;
+        let Packed { rows, ways, .. } = &mut *packed;
+        let moved = (work.pack)(by, rows, has_ways.then_some(ways));
+        let fitness = packed.judge(&moved, work);
         (packed, fitness)
+    }
+
+    /// Takes the rows that chunks packed, and judges the list.
+    fn take_next(&self, work: &Work<'_, Row>) -> (MutexGuard<'_, Packed<Row>>, Fitness) {
+        let mut packed = lock(&self.0[0]);
+        let Packed { rows, next, .. } = &mut *packed;
+        std::mem::swap(rows, next);
+        let moved = Strayed::all(&packed.strayed);
+        let fitness = packed.judge(&moved, work);
+        (packed, fitness)
+    }
+}
+
+impl<Row: Copy + Default + Send + Sync> Packed<Row> {
+    /// Sees to it that ways can be written, where they are wanted.
+    fn begin_ways(&mut self, work: &Work<'_, Row>) {
+        self.has_ways = work.lasts && work.n >= MANY && self.far * WAYS_AMONG > work.n;
+        if self.has_ways {
+            self.ways.resize(work.n, Way::default());
+        }
+    }
+
+    fn judge(&mut self, moved: &Moved, work: &Work<'_, Row>) -> Fitness {
+        self.far = moved.far.len();
+        (work.judge)(moved, self.has_ways.then_some(&self.ways))
+    }
+
+    /// The rows that chunks read, and what they write for the next step.
+    fn for_chunks(&mut self, work: &Work<'_, Row>) -> (&[Row], Option<Next<'_, Row>>) {
+        if work.used.packs_next {
+            self.next.resize(work.rows, Row::default());
+            self.strayed.resize(work.chunks, Strayed::UNKNOWN);
+            self.begin_ways(work);
+        }
+        let next = work.used.packs_next.then(|| Next {
+            rows: Scatter::new(&mut self.next),
+            strayed: Scatter::new(&mut self.strayed),
+            ways: self.has_ways.then(|| Scatter::new(&mut self.ways)),
+        });
+        (&self.rows, next)
     }
 }
 
@@ -170,7 +247,7 @@ fn sum_chunks<Row, S: Default>(
     work: &Work<'_, Row>,
     run: &(dyn Fn(&mut S, usize) -> ChunkTotals + Sync),
 ) -> (Totals, bool) {
-    if work.wanted == Wanted::Forces {
+    if work.used.wanted == Wanted::Forces {
         let broken = AtomicBool::new(false);
         for_each_task(work.chunks, |scratch, c| {
             if run(scratch, c).broken {

@@ -5,10 +5,10 @@ use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWrit
 use lennard_neighbor::{Criterion, Given, Images, NeighborList, SharedList};
 
 use crate::clock::Clock;
-use crate::copies::{Copies, Fitness};
+use crate::copies::{Copies, Fitness, Known, Use};
 use crate::pure::{self, Nearby, PureJob};
 use crate::simd::{
-    DoubleRow, FixedRow, Level, Motion, Moved, Output, Pace, PairList, PerParticle, Wanted,
+    DoubleRow, FixedRow, Level, Motion, Moved, Next, Output, Pace, PairList, PerParticle, Wanted,
 };
 use crate::sums::Totals;
 use crate::terms::Terms;
@@ -165,18 +165,17 @@ impl Listed {
         clock: &mut Clock,
     ) -> Result<Totals, ForceError> {
         let (fitness, totals, broken) = clock.using(|clock| {
-            let mut is_judged = false;
+            let mut used = Use::of(wanted);
             while self.terms.built.len() == positions.len() {
-                let sums = (wanted, is_judged);
-                let found = self.attempt(form, positions, sums, forces, each.as_deref_mut());
+                let found = self.attempt(form, positions, used, forces, each.as_deref_mut());
                 match found.0 {
-                    Fitness::Lacks(pairs) if self.name(&pairs) => is_judged = true,
+                    Fitness::Lacks(pairs) if self.name(&pairs) => used.known = Known::Judged,
                     Fitness::Stale | Fitness::Lacks(_) => break,
                     Fitness::Fit | Fitness::Broken => return Ok(found),
                 }
             }
             clock.building(|| self.build(positions))?;
-            Ok(self.attempt(form, positions, (wanted, false), forces, each))
+            Ok(self.attempt(form, positions, Use::of(wanted), forces, each))
         })?;
         self.terms.criterion.used(fitness == Fitness::Fit);
         if fitness == Fitness::Broken {
@@ -189,13 +188,13 @@ impl Listed {
         Ok(totals)
     }
 
-    /// Judges the list at `positions`, unless that was done just now, and evaluates where it is fit; gives totals and whether a
+    /// Judges the list at `positions`, as far as that was not done, and evaluates where it is fit; gives totals and whether a
     /// force was not finite.
     fn attempt<F: PairForm>(
         &mut self,
         form: F,
         positions: &[DVec3],
-        wanted: (Wanted, bool),
+        used: Use,
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
     ) -> (Fitness, Totals, bool) {
@@ -222,11 +221,11 @@ impl Listed {
             }
             Pairs::Rows(list, laid) => {
                 let output = Output::new(forces, each, list.particles(), 0);
-                laid.sum(terms, &**list, form, positions, wanted, &output)
+                laid.sum(terms, &**list, form, positions, used, &output)
             }
             Pairs::Shared(list, laid) => {
                 let output = Output::new(forces, each, list.particles(), 0);
-                laid.sum(terms, &**list, form, positions, wanted, &output)
+                laid.sum(terms, &**list, form, positions, used, &output)
             }
         }
     }
@@ -355,19 +354,15 @@ impl<Row: Copy + Default + Send + Sync> Laid<Row> {
         list: &P,
         form: F,
         positions: &[DVec3],
-        (wanted, is_judged): (Wanted, bool),
+        used: Use,
         output: &Output<'_>,
     ) -> (Fitness, Totals, bool) {
         let job = list.job(form, terms.r_cut, terms.cell.lengths());
-        let run = |rows: &[Row], c| P::run(terms.level, &job, rows, c, wanted, output);
+        let run = |rows: &[Row], _: Option<&Next<'_, Row>>, c| {
+            P::run(terms.level, &job, rows, c, used.wanted, output)
+        };
         let lists = (list, &mut self.copies);
-        terms.use_list(
-            lists,
-            || positions,
-            list.particles(),
-            (wanted, is_judged),
-            &run,
-        )
+        terms.use_list(lists, || positions, list.particles(), used, &run)
     }
 
     /// See [`Underway::go`].

@@ -4,8 +4,8 @@ use glam::DVec3;
 use lennard_core::{ForceError, PeriodicBox};
 use lennard_neighbor::{Criterion, Given, GridError, Moves, Verdict, Way, missed_pairs};
 
-use crate::copies::{Copies, Fitness, Work};
-use crate::simd::{ChunkTotals, Level, Motion, Moved, PairList, Wanted, take};
+use crate::copies::{Copies, Fitness, Run, Use, Work};
+use crate::simd::{Level, Motion, Moved, PairList, take};
 use crate::sums::Totals;
 
 /// The terms on which a list is used.
@@ -52,23 +52,22 @@ impl Terms {
     }
 
     /// Packs rows of the positions that are `now`, σ, of which `order` says which belongs to each place, judges the list
-    /// there, unless that was done just now, and runs its chunks where it is fit. Gives the totals, and whether a force was
+    /// there, as far as that was not done, and runs its chunks where it is fit. Gives the totals, and whether a force was
     /// not finite.
     pub fn use_list<'p, P: PairList>(
         &self,
         (list, copies): (&P, &mut Copies<P::Row>),
         now: impl Fn() -> &'p [DVec3] + Sync,
         order: &[u32],
-        (wanted, is_judged): (Wanted, bool),
-        run: &(dyn Fn(&[P::Row], usize) -> ChunkTotals + Sync),
+        used: Use,
+        run: &Run<'_, P::Row>,
     ) -> (Fitness, Totals, bool) {
         let at = |place: u32| now()[order[place as usize] as usize];
         copies.run(&Work {
             n: order.len(),
             rows: list.rows(),
             chunks: list.chunks(),
-            wanted,
-            is_judged,
+            used,
             lasts: P::TAKES_IN,
             pack: &|by, rows, ways| {
                 list.pack(self.level, by, self.motion(now(), order), rows, ways)

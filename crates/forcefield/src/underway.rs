@@ -5,8 +5,8 @@ use lennard_core::{ForceError, Stride};
 use lennard_neighbor::Given;
 
 use crate::clock::Clock;
-use crate::copies::{Copies, Fitness, are_few};
-use crate::simd::{OnTheWay, Pace, PairList, advance, bring_back, take};
+use crate::copies::{Copies, Fitness, Known, Use, are_few};
+use crate::simd::{OnTheWay, Pace, PairList, Wanted, advance, bring_back, take};
 use crate::terms::Terms;
 use crate::truncation::PairForm;
 
@@ -47,17 +47,16 @@ impl Underway {
             return 0;
         }
         self.lay_out(list, stride);
-        let (mut taken, mut is_new, mut is_judged) = (0, false, false);
+        let (mut taken, mut is_new, mut known) = (0, false, Known::Nothing);
         loop {
             let most = stride.steps - taken;
-            let (done, fitness) =
-                self.advance(terms, (list, copies), form, most, (pace, is_judged));
+            let (done, fitness) = self.advance(terms, (list, copies), form, most, (pace, known));
             taken += done;
-            is_judged = false;
+            known = Known::Nothing;
             match fitness {
                 Fitness::Fit => break,
                 Fitness::Broken => return 0,
-                Fitness::Lacks(pairs) if terms.name(list, &pairs) => is_judged = true,
+                Fitness::Lacks(pairs) if terms.name(list, &pairs) => known = Known::Judged,
                 Fitness::Stale | Fitness::Lacks(_) => {
                     assert!(done > 0 || !is_new, "a list is fit where it was built");
                     let built = clock.building(|| {
@@ -98,7 +97,7 @@ impl Underway {
         self.positions.copy_from_slice(built);
     }
 
-    /// Takes up to so many steps, while the list is fit; it may be judged for the first one already. Gives how many were
+    /// Takes up to so many steps, while the list is fit, with what is known of the rows of the first. Gives how many were
     /// taken, and what ended them.
     fn advance<P: PairList, F: PairForm>(
         &mut self,
@@ -106,20 +105,25 @@ impl Underway {
         (list, copies): (&P, &mut Copies<P::Row>),
         form: F,
         most: u64,
-        (pace, is_judged): (Pace, bool),
+        (pace, mut known): (Pace, Known),
     ) -> (u64, Fitness) {
         let few = are_few(self.in_order.len());
         let job = list.job(form, terms.r_cut, terms.cell.lengths());
         let mut taken = 0;
         while taken < most {
-            let now = (pace, is_judged && taken == 0);
+            let used = Use {
+                wanted: Wanted::Forces,
+                known,
+                // Nobody reads those that the last step would pack.
+                packs_next: P::PACK_AHEAD.is_some() && !few && taken + 1 < most,
+            };
             let particles = OnTheWay {
                 positions: &mut self.positions,
                 next: few.then_some(&mut self.next[..]),
                 velocities: &mut self.velocities,
                 in_order: &self.in_order,
             };
-            let fitness = advance::<P, F>(terms, (list, copies), &job, particles, now);
+            let fitness = advance::<P, F>(terms, (list, copies), &job, particles, pace, used);
             if fitness != Fitness::Fit {
                 return (taken, fitness);
             }
@@ -127,6 +131,11 @@ impl Underway {
                 std::mem::swap(&mut self.positions, &mut self.next);
             }
             taken += 1;
+            known = if used.packs_next {
+                Known::Packed
+            } else {
+                Known::Nothing
+            };
         }
         (taken, Fitness::Fit)
     }

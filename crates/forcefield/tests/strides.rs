@@ -106,6 +106,36 @@ fn strides_of_any_length_have_the_bits_of_single_steps() {
     }
 }
 
+#[test]
+fn a_stride_of_very_many_particles_has_the_bits_of_single_steps() {
+    // As many as have their ways written, by the chunks of the step before too.
+    let (cell, start) = liquid([52, 51, 50], 0.8442, 0.1);
+    let mut start = Fluid::start(start);
+    // One in 17 is so fast that it is far for many steps before the list ends, and meets others.
+    for (k, v) in start.velocities.iter_mut().enumerate() {
+        *v = v.normalize() * if k % 17 == 0 { 4.0 } else { 1.0 };
+    }
+    let kernel = KernelOptions {
+        precision: Precision::Mixed,
+        ..KernelOptions::default()
+    };
+    let (masses, at) = (
+        Masses::Uniform(1.0),
+        conditions(cell, start.positions.len()),
+    );
+    let fresh = || build(&options(kernel, TruncationKind::Shift), &at).unwrap();
+    let (mut one, mut forces) = (start.clone(), fresh());
+    for _ in 0..36 {
+        one.step(&mut forces, &masses).unwrap();
+    }
+    let expected = forces.statistics().builds;
+    assert!((2..9).contains(&expected), "{expected}");
+    let (mut all, mut forces) = (start, fresh());
+    assert_eq!(all.stride(&mut forces, &masses, 36), 36);
+    assert!(all == one);
+    assert_eq!(forces.statistics().builds, expected);
+}
+
 /// Takes all that a stride of some length takes, which single steps take too with forces that are `fresh`, and then single
 /// steps up to the one that fails.
 fn fails(start: &Fluid, fresh: impl Fn() -> PairForces, stride: u64) -> (u64, ForceError) {
@@ -128,40 +158,47 @@ fn fails(start: &Fluid, fresh: impl Fn() -> PairForces, stride: u64) -> (u64, Fo
 
 #[test]
 fn a_stride_leaves_what_is_not_finite_to_single_steps() {
-    let (cell, positions) = liquid([8, 8, 8], 0.8, 0.1);
-    let sound = Fluid::start(positions);
-    // A velocity that leads nowhere, one that leads too far, and two particles that meet in one point after four steps.
-    let (mut nowhere, mut far) = (sound.clone(), sound.clone());
-    nowhere.velocities[77].y = f64::INFINITY;
-    far.velocities[77].y = 1e12;
-    let dilute = PeriodicBox::new(DVec3::splat(40.0)).unwrap();
-    let meeting = Fluid {
-        positions: [10.0, 30.0].map(|x| DVec3::new(x, 20.0, 20.0)).to_vec(),
-        velocities: [2.5, -2.5].map(|x| DVec3::X * (x / DT)).to_vec(),
-    };
-    for kernel in kernels() {
-        for (cell, start, least) in [(cell, &nowhere, 1), (cell, &far, 2), (dilute, &meeting, 4)] {
-            let at = conditions(cell, start.positions.len());
-            let fresh = || build(&options(kernel, TruncationKind::Shift), &at).unwrap();
-            let expected = fails(start, fresh, 0);
-            assert!(expected.0 >= least, "{expected:?}");
-            // Those that end before what fails, with it, and after it.
-            for stride in [3, 4, 5, 6, 50] {
-                let found = fails(start, fresh, stride);
-                assert_eq!(found, expected, "{kernel:?}, {stride} steps");
-            }
+    // Rows packed by each thread; and by all together, then by the chunks of the step before.
+    for k in [[8, 8, 8], [13, 14, 13]] {
+        let (cell, positions) = liquid(k, 0.8, 0.1);
+        let n = positions.len();
+        let sound = Fluid::start(positions);
+        // A velocity that leads nowhere, one that leads too far, and two particles that meet in one point after four steps, far
+        // from the others in a box that has room for that.
+        let (mut nowhere, mut far, mut meeting) = (sound.clone(), sound.clone(), sound);
+        nowhere.velocities[77].y = f64::INFINITY;
+        far.velocities[77].y = 1e12;
+        for (i, x) in [(77, -0.5), (78, 0.5)] {
+            let outside = 3.0 * cell.lengths().x;
+            meeting.positions[i] = DVec3::new(outside + 20.0 * x, outside, outside);
+            meeting.velocities[i] = DVec3::X * (-5.0 * x / DT);
         }
-        // What was left is as it was.
-        let (mut all, mut forces) = (
-            nowhere.clone(),
-            build(
-                &options(kernel, TruncationKind::Shift),
-                &conditions(cell, 512),
-            )
-            .unwrap(),
-        );
-        assert_eq!(all.stride(&mut forces, &Masses::Uniform(1.0), 9), 0);
-        assert!(all == nowhere);
+        let roomy = PeriodicBox::new(6.0 * cell.lengths()).unwrap();
+        for kernel in kernels() {
+            for (cell, start, least) in [(cell, &nowhere, 1), (cell, &far, 2), (roomy, &meeting, 4)]
+            {
+                let at = conditions(cell, n);
+                let fresh = || build(&options(kernel, TruncationKind::Shift), &at).unwrap();
+                let expected = fails(start, fresh, 0);
+                assert!(expected.0 >= least, "{expected:?}");
+                // Those that end before what fails, with it, and after it.
+                for stride in [3, 4, 5, 6, 50] {
+                    let found = fails(start, fresh, stride);
+                    assert_eq!(found, expected, "{kernel:?}, {stride} steps");
+                }
+            }
+            // What was left is as it was.
+            let (mut all, mut forces) = (
+                nowhere.clone(),
+                build(
+                    &options(kernel, TruncationKind::Shift),
+                    &conditions(cell, n),
+                )
+                .unwrap(),
+            );
+            assert_eq!(all.stride(&mut forces, &Masses::Uniform(1.0), 9), 0);
+            assert!(all == nowhere);
+        }
     }
 }
 

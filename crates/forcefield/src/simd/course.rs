@@ -4,9 +4,10 @@ use glam::DVec3;
 use lennard_core::parallel::{for_each_piece, for_each_range, part};
 use lennard_neighbor::ATOMS_PER_CHUNK;
 
-use super::packing::Pace;
-use super::{Output, PairList, Scatter, Wanted, go_on};
-use crate::copies::{Copies, Fitness, are_few};
+use super::packing::{Motion, Pace};
+use super::prefetch::{Asked, Later};
+use super::{Next, Output, PairList, Scatter, go_on};
+use crate::copies::{Copies, Fitness, Use, are_few};
 use crate::terms::Terms;
 use crate::truncation::PairForm;
 
@@ -22,15 +23,17 @@ pub struct OnTheWay<'a> {
     pub in_order: &'a [u32],
 }
 
-/// Judges the list, unless that was done just now, and takes one step where it is fit. Where a number is not
+/// Judges the list, as far as that was not done, and takes one step where it is fit. Where a number is not
 /// finite, what was written is worth nothing.
 pub fn advance<P: PairList, F: PairForm>(
     terms: &Terms,
     lists: (&P, &mut Copies<P::Row>),
     job: &P::Job<'_, F>,
     particles: OnTheWay<'_>,
-    (pace, is_judged): (Pace, bool),
+    pace: Pace,
+    used: Use,
 ) -> Fitness {
+    let list = lists.0;
     let in_order = particles.in_order;
     let n = in_order.len();
     assert!(
@@ -48,8 +51,12 @@ pub fn advance<P: PairList, F: PairForm>(
     // chunk runs, and by the chunks of few, whose positions are written elsewhere.
     let now = || unsafe { positions.all() };
     // Those of few lie in a cache, and the next chunk may be another thread's.
-    let state = next.is_none().then_some([&positions, &velocities]);
-    let run = |rows: &[P::Row], chunk| {
+    let state = next
+        .is_none()
+        .then(|| [&positions, &velocities].map(Asked::scattered));
+    let far2 = terms.criterion.far2();
+    let built = Asked::of(&terms.built);
+    let run = |rows: &[P::Row], next_rows: Option<&Next<'_, P::Row>>, chunk| {
         let places = part(chunk, ATOMS_PER_CHUNK, n);
         // SAFETY: the places of a chunk are no other's.
         let (positions, velocities) = unsafe {
@@ -65,13 +72,37 @@ pub fn advance<P: PairList, F: PairForm>(
         };
         let mut forces = [DVec3::ZERO; ATOMS_PER_CHUNK];
         let forces = &mut forces[..places.len()];
-        let output = Output::on_the_way(forces, &in_order[..places.len()], places.start, state);
-        let totals = P::run(terms.level, job, rows, chunk, Wanted::Forces, &output);
-        go_on(terms.level, positions, velocities, forces, pace);
+        let order = &in_order[..places.len()];
+        let later = state.map(|[positions, velocities]| {
+            // SAFETY: this chunk is no other thread's.
+            let will_look = |next: &Next<'_, _>| unsafe { next.will_look(chunk, far2) };
+            Later {
+                to_write: [
+                    positions,
+                    velocities,
+                    next_rows.map_or(positions.none_of(), |next| Asked::scattered(&next.rows)),
+                ],
+                to_read: if next_rows.is_some_and(will_look) {
+                    built
+                } else {
+                    built.none_of()
+                },
+            }
+        });
+        let output = Output::on_the_way(forces, order, places.start, later);
+        let totals = P::run(terms.level, job, rows, chunk, used.wanted, &output);
+        let step = go_on(terms.level, positions, velocities, forces, pace);
+        if let (Some(next), Some(pack)) = (next_rows, P::PACK_AHEAD) {
+            let motion = Motion {
+                built: &terms.built[places],
+                ..terms.motion(positions, order)
+            };
+            // SAFETY: this chunk is no other thread's.
+            unsafe { next.pack((list, pack), terms.level, motion, chunk, step) };
+        }
         totals
     };
-    let (fitness, _, broken) =
-        terms.use_list(lists, now, in_order, (Wanted::Forces, is_judged), &run);
+    let (fitness, _, broken) = terms.use_list(lists, now, in_order, used, &run);
     if broken { Fitness::Broken } else { fitness }
 }
 

@@ -26,6 +26,7 @@ mod avx2;
 mod avx512;
 mod course;
 mod lanes;
+mod next;
 mod output;
 mod packing;
 #[cfg(target_arch = "x86_64")]
@@ -47,6 +48,7 @@ mod shared_loop;
 mod view;
 
 pub use course::{OnTheWay, advance, bring_back, take};
+pub use next::{Next, Strayed};
 pub use output::Output;
 pub use packing::{Motion, Moved, Pace};
 pub use pair_list::PairList;
@@ -141,7 +143,8 @@ impl Level {
     pub fn lanes(self) -> usize {
         match self {
             Self::Avx512 => 8,
-            Self::Avx2 | Self::Portable => 4,
+            Self::Avx2 => 4,
+            Self::Portable => 2,
         }
     }
 
@@ -317,16 +320,34 @@ pub fn pack_columns(
     ways: Option<&mut [Way]>,
 ) -> Moved {
     let rows = Scatter::new(rows);
-    // SAFETY: tasks have disjoint places; the level is available.
+    // SAFETY: tasks have disjoint places.
     pack_places(level, by, motion, ways, |motion, first, squares| unsafe {
+        pack_columns_part(level, table, motion, first, Some(squares), &rows);
+    })
+}
+
+/// Writes the rows of some places; see [`packing::pack_columns`].
+///
+/// # Safety
+/// As there.
+unsafe fn pack_columns_part(
+    level: Level,
+    table: &ColumnTable,
+    motion: Motion<'_>,
+    first: usize,
+    squares: Option<&mut [f64]>,
+    rows: &Scatter<'_, FixedRow>,
+) {
+    // SAFETY: the contract is passed on; the level is available.
+    unsafe {
         match level {
             #[cfg(target_arch = "x86_64")]
             Level::Avx512 | Level::Avx2 => {
-                packing256::pack_columns(table, motion, first, squares, &rows);
+                packing256::pack_columns(table, motion, first, squares, rows);
             }
-            _ => packing::pack_columns(table, motion, first, squares, &rows),
+            _ => packing::pack_columns(table, motion, first, squares, rows),
         }
-    })
+    }
 }
 
 /// Packs all places in batches, and writes ways where they are wanted; see [`packing::in_batches`].
@@ -354,21 +375,21 @@ fn write_ways(level: Level, motion: Motion<'_>, squares: &[f64], ways: &mut [Way
     }
 }
 
-/// Two half kicks and a drift of some particles; see [`packing::go_on`].
+/// Two half kicks and a drift of some particles, which gives a bound for their steps; see [`packing::go_on`].
 fn go_on(
     level: Level,
     positions: &mut [DVec3],
     velocities: &mut [DVec3],
     forces: &[DVec3],
     pace: Pace,
-) {
+) -> f64 {
     match level {
         // SAFETY: a level is chosen by `Level::choose`, which gives available ones alone.
         #[cfg(target_arch = "x86_64")]
         Level::Avx512 | Level::Avx2 => unsafe {
-            packing256::go_on(positions, velocities, forces, pace);
+            packing256::go_on(positions, velocities, forces, pace)
         },
-        _ => packing::go_on(positions, velocities, forces, pace),
+        _ => packing::go_on(positions, velocities, forces, pace, DVec3::ZERO),
     }
 }
 

@@ -7,6 +7,7 @@ use super::Scatter;
 use super::lanes::Lanes;
 use super::pair_loop::{ChunkTotals, PerParticle};
 use super::pair_sums::Besides;
+use super::prefetch::Later;
 
 /// Forces, and the entries of each particle where they are wanted.
 pub struct Output<'a> {
@@ -15,8 +16,8 @@ pub struct Output<'a> {
     /// The element that belongs to each place from `first` on.
     order: &'a [u32],
     first: usize,
-    /// Positions and velocities by place, all of them, where they are written after the forces of a chunk and asked for.
-    state: Option<[&'a Scatter<'a, DVec3>; 2]>,
+    /// Arrays by place of which the next chunk needs its part.
+    later: Option<Later>,
 }
 
 impl<'a> Output<'a> {
@@ -40,12 +41,11 @@ impl<'a> Output<'a> {
             each: each.map(Scatter::new),
             order,
             first,
-            state: None,
+            later: None,
         }
     }
 
-    /// Forces of particles on their way, from the place `first` on; their positions and velocities, all of them by place, are
-    /// written after those, and asked for where they are given.
+    /// Forces of particles on their way, from the place `first` on; of arrays by place the part of the next chunk is asked for.
     ///
     /// # Panics
     /// As [`Output::new`].
@@ -53,10 +53,10 @@ impl<'a> Output<'a> {
         forces: &'a mut [DVec3],
         order: &'a [u32],
         first: usize,
-        state: Option<[&'a Scatter<'a, DVec3>; 2]>,
+        later: Option<Later>,
     ) -> Self {
         Self {
-            state,
+            later,
             ..Self::new(forces, None, order, first)
         }
     }
@@ -72,14 +72,13 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Says that the loop has come to so many places from one on: as much is asked for of the state of the next chunk, which
+    /// Says that the loop has come to so many places from one on: as much is asked for of what the next chunk needs, which
     /// would keep all else from coming if it were asked for at once.
     #[inline(always)]
-    pub fn prefetch_state(&self, place: usize, count: usize) {
-        let later = place + ATOMS_PER_CHUNK;
-        for array in self.state.iter().flatten() {
-            array.prefetch(later);
-            array.prefetch(later + count - 1);
+    pub fn ask_for_later(&self, place: usize, count: usize) {
+        if let Some(later) = &self.later {
+            let place = place + ATOMS_PER_CHUNK;
+            later.ask(place..place + count);
         }
     }
 

@@ -104,7 +104,7 @@ pub unsafe fn in_batches(
 pub fn write_ways(motion: Motion<'_>, squares: &[f64], ways: &mut [Way]) {
     let parts = Ways::new(motion.far2);
     for (k, (way, d2)) in ways.iter_mut().zip(squares).enumerate() {
-        *way = parts.way(motion.of(k).1, *d2);
+        *way = parts.way(motion.at(k) - motion.built[k], *d2);
     }
 }
 
@@ -134,11 +134,10 @@ impl Motion<'_> {
         }
     }
 
-    /// Where the particle at the `k`th place is, and x − x⁰, σ.
+    /// Where the particle at the `k`th place is, σ.
     #[inline(always)]
-    fn of(&self, k: usize) -> (DVec3, DVec3) {
-        let r = self.positions[self.order[k] as usize];
-        (r, r - self.built[k])
+    fn at(&self, k: usize) -> DVec3 {
+        self.positions[self.order[k] as usize]
     }
 }
 
@@ -151,33 +150,25 @@ pub struct Pace {
     pub dt: f64,
 }
 
-/// Two half kicks and a drift, v ← v + (h/2m)·F twice, x ← x + h·v: the bits of [`lennard_core::sweeps`].
+/// Two half kicks and a drift, v ← v + (h/2m)·F twice, x ← x + h·v: the bits of [`lennard_core::sweeps`]. Gives what no step
+/// |x − x_before| of these and of others is longer than, of which the longest along each axis are known, σ.
 #[inline(always)]
-pub fn go_on(positions: &mut [DVec3], velocities: &mut [DVec3], forces: &[DVec3], pace: Pace) {
-    let Pace { half_kick, dt } = pace;
-    // By component: registers have no room for three.
-    let all = components_mut(positions)
-        .iter_mut()
-        .zip(components_mut(velocities));
-    for ((x, v), f) in all.zip(components(forces)) {
-        let kick = half_kick * *f;
+pub fn go_on(
+    positions: &mut [DVec3],
+    velocities: &mut [DVec3],
+    forces: &[DVec3],
+    pace: Pace,
+    mut longest: DVec3,
+) -> f64 {
+    for ((x, v), f) in positions.iter_mut().zip(velocities).zip(forces) {
+        let (before, kick) = (*x, pace.half_kick * *f);
         *v += kick;
         *v += kick;
-        *x += dt * *v;
+        *x += pace.dt * *v;
+        longest = (*x - before).abs().max(longest);
     }
-}
-
-const _: () =
-    assert!(size_of::<DVec3>() == 3 * size_of::<f64>() && align_of::<DVec3>() == align_of::<f64>());
-
-fn components(vectors: &[DVec3]) -> &[f64] {
-    // SAFETY: a vector is three numbers that follow each other, `repr(C)`.
-    unsafe { std::slice::from_raw_parts(vectors.as_ptr().cast(), 3 * vectors.len()) }
-}
-
-fn components_mut(vectors: &mut [DVec3]) -> &mut [f64] {
-    // SAFETY: as above.
-    unsafe { std::slice::from_raw_parts_mut(vectors.as_mut_ptr().cast(), 3 * vectors.len()) }
+    // With some care: all of it is rounded.
+    longest.length() * (1.0 + 1e-12)
 }
 
 /// Writes the rows of the places from `first` on in double precision, positions minus the image that each had when the
@@ -194,8 +185,8 @@ pub unsafe fn pack_double(
 ) {
     for (k, d2) in squares.iter_mut().enumerate() {
         let place = first + k;
-        let (r, moved) = motion.of(k);
-        *d2 = moved.length_squared();
+        let r = motion.at(k);
+        *d2 = (r - motion.built[k]).length_squared();
         let home = r - table.image[place].as_dvec3() * motion.lengths;
         let row = DoubleRow([home.x, home.y, home.z, 0.0]);
         // SAFETY: rows of places are distinct, and these places are this thread's.
@@ -228,7 +219,7 @@ pub unsafe fn pack_ghosts(
     }
 }
 
-/// Writes the rows of the places from `first` on in fixed point, and |x − x⁰|².
+/// Writes the rows of the places from `first` on in fixed point, and |x − x⁰|², where there is room for them.
 ///
 /// # Safety
 /// No other thread writes the rows of these places.
@@ -236,14 +227,16 @@ pub unsafe fn pack_columns(
     table: &ColumnTable,
     motion: Motion<'_>,
     first: usize,
-    squares: &mut [f64],
+    mut squares: Option<&mut [f64]>,
     rows: &Scatter<'_, FixedRow>,
 ) {
     let units = FIXED_UNITS / motion.lengths;
-    for (k, d2) in squares.iter_mut().enumerate() {
+    for k in 0..motion.order.len() {
         let place = first + k;
-        let (r, moved) = motion.of(k);
-        *d2 = moved.length_squared();
+        let r = motion.at(k);
+        if let Some(squares) = &mut squares {
+            squares[k] = (r - motion.built[k]).length_squared();
+        }
         let [x, y, z] = table.fixed(place, r, motion.lengths, units);
         // SAFETY: these places are this thread's.
         unsafe { rows.write(place, FixedRow([x, y, z, 0])) };

@@ -114,9 +114,48 @@ pub unsafe fn pack_double(
 
 /// See [`packing::go_on`].
 #[target_feature(enable = "avx2")]
-pub fn go_on(positions: &mut [DVec3], velocities: &mut [DVec3], forces: &[DVec3], pace: Pace) {
-    packing::go_on(positions, velocities, forces, pace);
+pub fn go_on(
+    positions: &mut [DVec3],
+    velocities: &mut [DVec3],
+    forces: &[DVec3],
+    pace: Pace,
+) -> f64 {
+    let [half_kick, dt] = [pace.half_kick, pace.dt].map(|h| _mm256_set1_pd(h));
+    let sign = _mm256_set1_pd(-0.0);
+    // The components of four particles are three registers.
+    let mut longest = [_mm256_setzero_pd(); 3];
+    let (x, x_rest) = positions.as_chunks_mut::<4>();
+    let (v, v_rest) = velocities.as_chunks_mut::<4>();
+    let (f, f_rest) = forces.as_chunks::<4>();
+    for ((x, v), f) in x.iter_mut().zip(v).zip(f) {
+        let (x, v) = (x.as_mut_ptr().cast::<f64>(), v.as_mut_ptr().cast::<f64>());
+        let f = f.as_ptr().cast::<f64>();
+        for (k, longest) in longest.iter_mut().enumerate() {
+            // SAFETY: four vectors are twelve numbers that follow each other.
+            unsafe {
+                let (x, v) = (x.add(4 * k), v.add(4 * k));
+                let kick = _mm256_mul_pd(half_kick, _mm256_loadu_pd(f.add(4 * k)));
+                let v_next = _mm256_add_pd(_mm256_add_pd(_mm256_loadu_pd(v), kick), kick);
+                let before = _mm256_loadu_pd(x);
+                let after = _mm256_add_pd(before, _mm256_mul_pd(dt, v_next));
+                let step = _mm256_andnot_pd(sign, _mm256_sub_pd(after, before));
+                *longest = _mm256_max_pd(step, *longest);
+                _mm256_storeu_pd(v, v_next);
+                _mm256_storeu_pd(x, after);
+            }
+        }
+    }
+    let mut of_each = [DVec3::ZERO; 4];
+    for (k, longest) in longest.into_iter().enumerate() {
+        // SAFETY: as above.
+        unsafe { _mm256_storeu_pd(of_each.as_mut_ptr().cast::<f64>().add(4 * k), longest) };
+    }
+    let longest = of_each.into_iter().fold(DVec3::ZERO, DVec3::max);
+    packing::go_on(x_rest, v_rest, f_rest, pace, longest)
 }
+
+const _: () =
+    assert!(size_of::<DVec3>() == 3 * size_of::<f64>() && align_of::<DVec3>() == align_of::<f64>());
 
 /// See [`packing::pack_ghosts`].
 ///
@@ -155,20 +194,20 @@ pub unsafe fn pack_columns(
     table: &ColumnTable,
     motion: Motion<'_>,
     first: usize,
-    to: &mut [f64],
+    mut to: Option<&mut [f64]>,
     rows: &Scatter<'_, FixedRow>,
 ) {
+    let n = motion.order.len();
     let mut done = 0;
     if table.is_near_home() {
         let units = load(&(FIXED_UNITS / motion.lengths));
         let rounding = _mm256_set1_pd(FIXED_ROUNDING);
-        let all = fours(motion.order).zip(fours(motion.built));
-        for ((order, built), to) in all.zip(to.as_chunks_mut::<4>().0) {
-            let mut moved = [_mm256_setzero_pd(); 4];
+        for order in fours(motion.order) {
+            let mut r = [_mm256_setzero_pd(); 4];
             for k in 0..4 {
-                let r = load(&motion.positions[order[k] as usize]);
+                r[k] = load(&motion.positions[order[k] as usize]);
                 // Not fused: the list was built from the same bits.
-                let scaled = _mm256_add_pd(_mm256_mul_pd(r, units), rounding);
+                let scaled = _mm256_add_pd(_mm256_mul_pd(r[k], units), rounding);
                 let low = _mm_castpd_ps(_mm256_castpd256_pd128(scaled));
                 let high = _mm_castpd_ps(_mm256_extractf128_pd::<1>(scaled));
                 let fixed = _mm_castps_si128(_mm_shuffle_ps::<0b10_00_10_00>(low, high));
@@ -178,21 +217,26 @@ pub unsafe fn pack_columns(
                     _mm_store_si128(row.0.as_mut_ptr().cast(), fixed);
                     rows.write(first + done + k, row);
                 }
-                moved[k] = _mm256_sub_pd(r, load(&built[k]));
             }
-            // SAFETY: there are four.
-            unsafe { _mm256_storeu_pd(to.as_mut_ptr(), squares(moved)) };
+            if let Some(to) = &mut to {
+                let places = done..done + 4;
+                let built = &motion.built[places.clone()];
+                let moved = |k: usize| _mm256_sub_pd(r[k], load(&built[k]));
+                let found = squares([moved(0), moved(1), moved(2), moved(3)]);
+                // SAFETY: there are four.
+                unsafe { _mm256_storeu_pd(to[places].as_mut_ptr(), found) };
+            }
             done += 4;
         }
     }
-    let rest = motion.part(done..to.len());
+    let rest = to.map(|to| &mut to[done..]);
     // SAFETY: the contract is passed on.
-    unsafe { packing::pack_columns(table, rest, first + done, &mut to[done..], rows) };
+    unsafe { packing::pack_columns(table, motion.part(done..n), first + done, rest, rows) };
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{By, Level, Moved, pack_columns, pack_double};
+    use super::super::{By, Level, Moved, go_on, pack_columns, pack_double};
     use super::*;
     use lennard_core::PeriodicBox;
     use lennard_neighbor::Given;
@@ -301,6 +345,42 @@ mod tests {
                         "{shift} boxes away, {by:?}, broken: {broken}"
                     );
                 }
+            }
+        }
+    }
+
+    #[test]
+    #[allow(clippy::print_stdout)]
+    fn registers_go_on_to_the_same_bits_as_plain_loops_within_the_same_bound() {
+        if !Level::Avx2.is_available() {
+            println!("skipped: this processor has no AVX2");
+            return;
+        }
+        let noise = |k: usize| (k as f64 * 12.9898).sin();
+        let vectors = |from: usize, n: usize, scale: f64| -> Vec<DVec3> {
+            let at = |k: usize| DVec3::new(noise(k), noise(k + 700), noise(k + 1400)) * scale;
+            (from..from + n).map(at).collect()
+        };
+        let pace = Pace {
+            half_kick: 0.002,
+            dt: 0.004,
+        };
+        for n in [0, 1, 3, 4, 7, 50] {
+            // The longest step is anybody's.
+            for fastest in 0..n {
+                let start = vectors(0, n, 1e4);
+                let mut v = vectors(99, n, 1.0);
+                v[fastest] *= 7.0;
+                let forces = vectors(333, n, 50.0);
+                let [plain, found] = [Level::Portable, Level::Avx2].map(|level| {
+                    let (mut x, mut v) = (start.clone(), v.clone());
+                    let bound = go_on(level, &mut x, &mut v, &forces, pace);
+                    (x, v, bound)
+                });
+                assert_eq!(found, plain);
+                let steps = found.0.iter().zip(&start).map(|(x, x0)| (x - x0).length());
+                let longest = steps.fold(0.0, f64::max);
+                assert!((longest..1.8 * longest).contains(&found.2), "{n} {fastest}");
             }
         }
     }

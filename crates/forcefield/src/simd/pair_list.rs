@@ -5,10 +5,21 @@ use lennard_neighbor::{Cells, FIXED_UNITS, Given, GridError, NeighborList, Share
 
 use super::packing::{Motion, Moved};
 use super::{
-    By, ChunkTotals, DoubleRow, FixedRow, Level, Output, PairJob, SharedJob, Wanted, pack_columns,
-    pack_double,
+    By, ChunkTotals, DoubleRow, FixedRow, Level, Output, PairJob, Scatter, SharedJob, Wanted,
+    pack_columns, pack_columns_part, pack_double,
 };
 use crate::truncation::PairForm;
+
+/// Writes the rows of the places from one on, and |x − x⁰|² where there is room for them. No other thread may write the rows
+/// of these places.
+pub type PackPart<List> = unsafe fn(
+    &List,
+    Level,
+    Motion<'_>,
+    usize,
+    Option<&mut [f64]>,
+    &Scatter<'_, <List as PairList>::Row>,
+);
 
 /// A list with its rows and its loop.
 pub trait PairList: Sync {
@@ -24,6 +35,10 @@ pub trait PairList: Sync {
 
     /// Whether it can name pairs after its build that it lacks.
     const TAKES_IN: bool = false;
+
+    /// What chunks pack the rows of the next step with, if they do, while others still read those of this one: it takes as much
+    /// room again.
+    const PACK_AHEAD: Option<PackPart<Self>> = None;
 
     /// The cells of the sort.
     fn cells(&self) -> &Self::Cells;
@@ -127,6 +142,10 @@ impl PairList for NeighborList {
 
 impl PairList for SharedList {
     const TAKES_IN: bool = true;
+    const PACK_AHEAD: Option<PackPart<Self>> = Some(|list, level, motion, first, squares, rows| {
+        // SAFETY: the contract is passed on.
+        unsafe { pack_columns_part(level, list.table(), motion, first, squares, rows) }
+    });
 
     type Row = FixedRow;
     type Cells = lennard_neighbor::ColumnTable;

@@ -151,7 +151,7 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
     for (offset, count) in chunk.counts.iter().enumerate() {
         let count = *count as usize;
         let place = chunk.first_place as usize + offset;
-        output.prefetch_state(place, 1);
+        output.ask_for_later(place, 1);
         let own = &rows[job.list.target_of(place) as usize];
         // SAFETY: the instruction set is there by contract.
         let own = unsafe { L::spread(own) };

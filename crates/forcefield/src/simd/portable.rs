@@ -17,6 +17,11 @@ use crate::truncation::PairForm;
 #[derive(Clone, Copy)]
 pub struct Group<T, const N: usize>([T; N]);
 
+// As many as the registers of the processors that have no better ones: of more, compilers make long code, differently so with
+// each change elsewhere.
+type Doubles = Group<f64, 2>;
+type Singles = Group<f32, 4>;
+
 macro_rules! group {
     ($float:ty) => {
         impl<const N: usize> Add for Group<$float, N> {
@@ -184,6 +189,8 @@ impl<const N: usize> FixedLanes for Group<f32, N> {
 }
 
 /// The pair loop in double precision.
+// Not a part of what calls it: code of this length is best compiled by itself.
+#[inline(never)]
 pub fn run_double<F: PairForm>(
     job: &PairJob<'_, F>,
     rows: &[DoubleRow],
@@ -192,10 +199,12 @@ pub fn run_double<F: PairForm>(
     output: &Output<'_>,
 ) -> ChunkTotals {
     // SAFETY: no instruction set is needed; chunks are handed out once each.
-    unsafe { run::<Group<f64, 4>, F>(job, rows, chunk, wanted, output) }
+    unsafe { run::<Doubles, F>(job, rows, chunk, wanted, output) }
 }
 
 /// The loop over shared lists.
+// As above.
+#[inline(never)]
 pub fn run_shared<F: PairForm>(
     job: &SharedJob<'_, F>,
     rows: &[FixedRow],
@@ -204,7 +213,7 @@ pub fn run_shared<F: PairForm>(
     output: &Output<'_>,
 ) -> ChunkTotals {
     // SAFETY: as above.
-    unsafe { shared_loop::run::<Group<f32, 8>, F>(job, rows, chunk, wanted, output) }
+    unsafe { shared_loop::run::<Singles, F>(job, rows, chunk, wanted, output) }
 }
 
 /// The arithmetic alone, of a number of rounds in a precision.
@@ -212,8 +221,8 @@ pub fn limit<F: PairForm>(form: &F, r_cut: f64, rounds: u64, precision: Precisio
     // SAFETY: no instruction set is needed.
     unsafe {
         match precision {
-            Precision::Double => arithmetic::<Group<f64, 4>, F>(form, r_cut, rounds),
-            Precision::Mixed => arithmetic::<Group<f32, 8>, F>(form, r_cut, rounds),
+            Precision::Double => arithmetic::<Doubles, F>(form, r_cut, rounds),
+            Precision::Mixed => arithmetic::<Singles, F>(form, r_cut, rounds),
         }
     }
 }

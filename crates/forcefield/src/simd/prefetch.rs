@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use super::Scatter;
+
 /// Bytes of a cache line.
 const LINE: usize = 64;
 
@@ -23,6 +25,69 @@ pub fn prefetch_part<T>(array: &[T], part: Range<usize>) {
     let end = part.end.min(array.len());
     if let Some(part) = array.get(part.start..end) {
         lines(part).for_each(prefetch_read);
+    }
+}
+
+/// An array of which some is asked for with each list that a loop takes up.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked {
+    /// Its address: nothing is read there.
+    start: usize,
+    /// Bytes of an element.
+    size: usize,
+}
+
+impl Asked {
+    /// An array.
+    pub fn of<T>(array: &[T]) -> Self {
+        Self {
+            start: array.as_ptr().addr(),
+            size: size_of::<T>(),
+        }
+    }
+
+    /// One that several threads write.
+    pub fn scattered<T: Copy>(array: &Scatter<'_, T>) -> Self {
+        Self {
+            start: array.address(),
+            size: size_of::<T>(),
+        }
+    }
+
+    /// The beginning of this one over and over, which costs less than a branch.
+    pub fn none_of(self) -> Self {
+        Self { size: 0, ..self }
+    }
+
+    /// The addresses of the first and the last of some elements, which lie in two lines at most.
+    #[inline(always)]
+    fn ends(self, elements: &Range<usize>) -> [*const u8; 2] {
+        [elements.start, elements.end - 1]
+            .map(|k| std::ptr::without_provenance(self.start + k * self.size))
+    }
+}
+
+/// What a loop asks for ahead of the chunk that comes next.
+#[derive(Debug, Clone, Copy)]
+pub struct Later {
+    /// Arrays that it will write.
+    pub to_write: [Asked; 3],
+    /// An array that it will read.
+    pub to_read: Asked,
+}
+
+impl Later {
+    /// Asks for some elements of all.
+    #[inline(always)]
+    pub fn ask(&self, elements: Range<usize>) {
+        for array in self.to_write {
+            let [first, last] = array.ends(&elements);
+            prefetch_write(first);
+            prefetch_write(last);
+        }
+        let [first, last] = self.to_read.ends(&elements);
+        prefetch_read(first);
+        prefetch_read(last);
     }
 }
 

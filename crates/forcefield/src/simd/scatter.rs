@@ -33,6 +33,11 @@ impl<'a, T: Copy> Scatter<'a, T> {
         prefetch_write(self.start.wrapping_add(index));
     }
 
+    /// Where it begins.
+    pub fn address(&self) -> usize {
+        self.start.addr()
+    }
+
     /// All elements.
     ///
     /// # Safety

@@ -122,7 +122,7 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, C: Besides<L>>(
             let counts = Counts::of(span, begin);
             if L::SPECIAL_LOOPS {
                 output.prefetch(first + SHARERS, SHARERS);
-                output.prefetch_state(first, SHARERS);
+                output.ask_for_later(first, SHARERS);
             }
             let own = if first + SHARERS <= n {
                 [
