@@ -134,6 +134,8 @@ pub fn near_shared<const FOLDED: bool>(
     let spheres = own.map(|own| around.sphere(own));
     let first = _mm512_set1_epi32(first as i32);
     let sharers = _mm512_set1_epi32(SHARERS as i32);
+    // In registers: from memory, each would wait for what was written there last.
+    let [mut for_all, mut for_first_two, mut for_last_two] = found.len;
     for at in (0..gathered.len).step_by(WIDTH) {
         // SAFETY: a register beyond the last element can be read, by the check.
         let (square, x, y, z, place) = unsafe {
@@ -167,17 +169,16 @@ pub fn near_shared<const FOLDED: bool>(
         let others = _mm512_cmpge_epu32_mask(_mm512_sub_epi32(place, first), sharers);
         let others = others & scan::among_first(gathered.len - at) as u16;
         let (first_two, last_two) = (near[0] | near[1], near[2] | near[3]);
-        let whom = [
-            first_two & last_two & others,
-            first_two & !last_two & others,
-            last_two & !first_two & others,
-        ];
-        for ((to, len), whom) in to.iter().zip(&mut found.len).zip(whom) {
+        let write = |to: *mut u32, len: &mut usize, whom: u16| {
             let packed = _mm512_maskz_compress_epi32(whom, place);
             // SAFETY: `len` has grown by what was looked at so far at most, and `found` has room for a register more
             // than all of it.
             unsafe { _mm512_storeu_si512(to.add(*len).cast(), packed) };
             *len += whom.count_ones() as usize;
-        }
+        };
+        write(to[0], &mut for_all, first_two & last_two & others);
+        write(to[1], &mut for_first_two, first_two & !last_two & others);
+        write(to[2], &mut for_last_two, last_two & !first_two & others);
     }
+    found.len = [for_all, for_first_two, for_last_two];
 }
