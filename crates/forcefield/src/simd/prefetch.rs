@@ -19,12 +19,30 @@ pub fn prefetch<T>(array: &[T]) {
     }
 }
 
-/// Asks for what an array has of a part, which will be read after much else.
-#[inline(always)]
-pub fn prefetch_part<T>(array: &[T], part: Range<usize>) {
-    let end = part.end.min(array.len());
-    if let Some(part) = array.get(part.start..end) {
-        lines(part).for_each(prefetch_read);
+/// An array that will be read after much else, asked for in parts.
+#[derive(Debug, Clone, Copy)]
+pub struct Parts {
+    start: *const u8,
+    /// Lines of each part.
+    lines: usize,
+}
+
+impl Parts {
+    /// As many parts of an array, of whole lines each.
+    pub fn of<T>(array: &[T], parts: usize) -> Self {
+        let lines = size_of_val(array).div_ceil(LINE);
+        Self {
+            start: array.as_ptr().cast(),
+            lines: lines.div_ceil(parts.max(1)),
+        }
+    }
+
+    /// Asks for a part; of the last ones there may be nothing left.
+    #[inline(always)]
+    pub fn ask(&self, part: usize) {
+        for line in part * self.lines..(part + 1) * self.lines {
+            prefetch_read(self.start.wrapping_add(line * LINE));
+        }
     }
 }
 
@@ -100,7 +118,7 @@ fn lines<T>(array: &[T]) -> impl Iterator<Item = *const u8> {
 
 /// Asks for the line of something that will be read.
 #[inline(always)]
-fn prefetch_read<T>(what: *const T) {
+pub fn prefetch_read<T>(what: *const T) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};

@@ -1,6 +1,5 @@
 //! The loop over lists that four particles share, written once over the lanes.
 
-use lennard_core::parallel::part;
 use lennard_neighbor::{
     ATOMS_PER_CHUNK, BLOCK, Block, MANY, SHARERS, SharedChunk, SharedList, Span,
 };
@@ -10,7 +9,7 @@ use super::lanes::FixedLanes;
 use super::output::Output;
 use super::pair_loop::{ChunkTotals, Wanted};
 use super::pair_sums::{Besides, ForcesAlone, PairSums};
-use super::prefetch::{prefetch, prefetch_part};
+use super::prefetch::{Parts, prefetch, prefetch_read};
 use super::reader::Reader;
 use super::view::{AsTheyAre, FromAmid, View};
 use crate::truncation::PairForm;
@@ -64,10 +63,6 @@ pub unsafe fn run<L: FixedLanes, F: PairForm>(
     let chunks = job.list.chunks();
     if let Some(next) = chunks.get(chunk + 1) {
         prefetch(&next.spans);
-        if let Some(ahead) = job.ahead {
-            let places = part(chunk + 1, ATOMS_PER_CHUNK, rows.len());
-            prefetch_part(rows, places.start + ahead..places.end + ahead);
-        }
     }
     let later = match (job.ahead, chunks.get(chunk + 2)) {
         (Some(_), Some(later)) => &later.blocks[..],
@@ -108,7 +103,7 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, C: Besides<L>>(
     output: &Output<'_>,
 ) -> ChunkTotals {
     let n = rows.len();
-    let share = later.len().div_ceil(chunk.spans.len().max(1));
+    let later = Parts::of(later, chunk.spans.len());
     let mut totals = ChunkTotals::NOTHING;
     let mut sum = DVec3::ZERO;
     // SAFETY: the instruction set is there by contract; entries of the list name places, and `run` checked
@@ -118,7 +113,11 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, C: Besides<L>>(
         let mut first = chunk.first_place as usize;
         let mut begin = 0;
         for (list, span) in chunk.spans.iter().enumerate() {
-            prefetch_part(later, share * list..share * (list + 1));
+            later.ask(list);
+            if let Some(ahead) = job.ahead {
+                // Rows of four fill a line.
+                prefetch_read(rows.as_ptr().wrapping_add(first + ATOMS_PER_CHUNK + ahead));
+            }
             let counts = Counts::of(span, begin);
             if L::SPECIAL_LOOPS {
                 output.prefetch(first + SHARERS, SHARERS);
