@@ -87,7 +87,8 @@ pub fn are_few(n: usize) -> bool {
     n <= 2048
 }
 
-/// One copy that all threads read; or, where particles are so few that one thread packs them all, one for each.
+/// One copy that all threads read, and maybe another that they write for the next step; or, where particles are so few that
+/// one thread packs them all, one for each.
 ///
 /// Few particles are packed faster than their rows, ghosts among them, come from another processor's cache, and all
 /// is done in one parallel section. Nothing but speed depends on it.

@@ -77,7 +77,7 @@ impl Asked {
         Self { size: 0, ..self }
     }
 
-    /// The addresses of the first and the last of some elements, which lie in two lines at most.
+    /// The addresses of the first and the last of some elements. Lines that begin in the last one come with those after it.
     #[inline(always)]
     fn ends(self, elements: &Range<usize>) -> [*const u8; 2] {
         [elements.start, elements.end - 1]
