@@ -174,10 +174,19 @@ fn a_stride_leaves_what_is_not_finite_to_single_steps() {
             meeting.velocities[i] = DVec3::X * (-5.0 * x / DT);
         }
         let roomy = PeriodicBox::new(6.0 * cell.lengths()).unwrap();
+        // The same two alone.
+        let alone = Fluid {
+            positions: meeting.positions[77..79].to_vec(),
+            velocities: meeting.velocities[77..79].to_vec(),
+        };
         for kernel in kernels() {
-            for (cell, start, least) in [(cell, &nowhere, 1), (cell, &far, 2), (roomy, &meeting, 4)]
-            {
-                let at = conditions(cell, n);
+            for (cell, start, least) in [
+                (cell, &nowhere, 1),
+                (cell, &far, 2),
+                (roomy, &meeting, 4),
+                (roomy, &alone, 4),
+            ] {
+                let at = conditions(cell, start.positions.len());
                 let fresh = || build(&options(kernel, TruncationKind::Shift), &at).unwrap();
                 let expected = fails(start, fresh, 0);
                 assert!(expected.0 >= least, "{expected:?}");

@@ -104,7 +104,7 @@ pub unsafe fn in_batches(
 pub fn write_ways(motion: Motion<'_>, squares: &[f64], ways: &mut [Way]) {
     let parts = Ways::new(motion.far2);
     for (k, (way, d2)) in ways.iter_mut().zip(squares).enumerate() {
-        *way = parts.way(motion.at(k) - motion.built[k], *d2);
+        *way = parts.way(motion.moved(k), *d2);
     }
 }
 
@@ -138,6 +138,12 @@ impl Motion<'_> {
     #[inline(always)]
     fn at(&self, k: usize) -> DVec3 {
         self.positions[self.order[k] as usize]
+    }
+
+    /// Its x − x⁰, σ.
+    #[inline(always)]
+    fn moved(&self, k: usize) -> DVec3 {
+        self.at(k) - self.built[k]
     }
 }
 
@@ -186,7 +192,7 @@ pub unsafe fn pack_double(
     for (k, d2) in squares.iter_mut().enumerate() {
         let place = first + k;
         let r = motion.at(k);
-        *d2 = (r - motion.built[k]).length_squared();
+        *d2 = motion.moved(k).length_squared();
         let home = r - table.image[place].as_dvec3() * motion.lengths;
         let row = DoubleRow([home.x, home.y, home.z, 0.0]);
         // SAFETY: rows of places are distinct, and these places are this thread's.
@@ -235,7 +241,7 @@ pub unsafe fn pack_columns(
         let place = first + k;
         let r = motion.at(k);
         if let Some(squares) = &mut squares {
-            squares[k] = (r - motion.built[k]).length_squared();
+            squares[k] = motion.moved(k).length_squared();
         }
         let [x, y, z] = table.fixed(place, r, motion.lengths, units);
         // SAFETY: these places are this thread's.

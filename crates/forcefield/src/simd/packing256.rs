@@ -241,6 +241,16 @@ mod tests {
     use lennard_core::PeriodicBox;
     use lennard_neighbor::Given;
 
+    /// Whether what is tested here can run; says so where it cannot.
+    #[allow(clippy::print_stdout)]
+    fn has_avx2() -> bool {
+        let has = Level::Avx2.is_available();
+        if !has {
+            println!("skipped: this processor has no AVX2");
+        }
+        has
+    }
+
     /// Rows and displacements of what is `shift` boxes away from home, at a level.
     type Packed = (Vec<DoubleRow>, Moved, Vec<FixedRow>, Moved, [Vec<Way>; 2]);
 
@@ -323,10 +333,8 @@ mod tests {
     }
 
     #[test]
-    #[allow(clippy::print_stdout)]
     fn registers_pack_the_same_bits_as_plain_loops() {
-        if !Level::Avx2.is_available() {
-            println!("skipped: this processor has no AVX2");
+        if !has_avx2() {
             return;
         }
         for shift in [0.0, 3.0, -3e6] {
@@ -350,10 +358,8 @@ mod tests {
     }
 
     #[test]
-    #[allow(clippy::print_stdout)]
     fn registers_go_on_to_the_same_bits_as_plain_loops_within_the_same_bound() {
-        if !Level::Avx2.is_available() {
-            println!("skipped: this processor has no AVX2");
+        if !has_avx2() {
             return;
         }
         let noise = |k: usize| (k as f64 * 12.9898).sin();

@@ -14,9 +14,11 @@ const BEGINNING: usize = 8;
 /// finds by itself, but not where it begins.
 #[inline(always)]
 pub fn prefetch<T>(array: &[T]) {
-    for line in lines(array).take(BEGINNING) {
-        prefetch_read(line);
-    }
+    let beginning = Parts {
+        start: array.as_ptr().cast(),
+        lines: lines(array).min(BEGINNING),
+    };
+    beginning.ask(0);
 }
 
 /// An array that will be read after much else, asked for in parts.
@@ -30,10 +32,9 @@ pub struct Parts {
 impl Parts {
     /// As many parts of an array, of whole lines each.
     pub fn of<T>(array: &[T], parts: usize) -> Self {
-        let lines = size_of_val(array).div_ceil(LINE);
         Self {
             start: array.as_ptr().cast(),
-            lines: lines.div_ceil(parts.max(1)),
+            lines: lines(array).div_ceil(parts.max(1)),
         }
     }
 
@@ -109,11 +110,10 @@ impl Later {
     }
 }
 
-/// An address in each line of an array.
+/// Lines that an array fills.
 #[inline(always)]
-fn lines<T>(array: &[T]) -> impl Iterator<Item = *const u8> {
-    let start: *const u8 = array.as_ptr().cast();
-    (0..size_of_val(array).div_ceil(LINE)).map(move |line| start.wrapping_add(line * LINE))
+fn lines<T>(array: &[T]) -> usize {
+    size_of_val(array).div_ceil(LINE)
 }
 
 /// Asks for the line of something that will be read.
