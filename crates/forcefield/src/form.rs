@@ -110,7 +110,7 @@ impl Model {
 
     /// U, −U′/r and U″ at r² = `r2` σ² ≤ r_cut².
     pub fn eval<R: Real>(&self, r2: R) -> Pair<R> {
-        with_form!(&self.form, form => form.eval(r2))
+        with_form!(&self.form, form => form.eval_in_epsilon(r2))
     }
 }
 

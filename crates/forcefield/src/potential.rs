@@ -10,7 +10,7 @@ pub const LARGEST_EXPONENT: u32 = 72;
 /// 2^{1/6} σ, the minimum of the Lennard-Jones potential and the end of the WCA potential.
 pub const LENNARD_JONES_MINIMUM: f64 = 1.122_462_048_309_373;
 
-/// What a pair formula gives at a distance r.
+/// What a pair formula gives at a distance r, in ε or in another unit of energy that it says.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair<R> {
     /// U(r), ε.
@@ -21,9 +21,25 @@ pub struct Pair<R> {
     pub curvature: R,
 }
 
+impl<R: Real> Pair<R> {
+    /// The same in ε, where it counts in units of so many ε.
+    #[inline(always)]
+    pub(crate) fn in_epsilon(self, unit: f64) -> Self {
+        let unit = R::splat(unit);
+        Self {
+            energy: self.energy * unit,
+            force: self.force * unit,
+            curvature: self.curvature * unit,
+        }
+    }
+}
+
 /// U(r) without any cutoff. Not object-safe, on purpose: it is compiled into each kernel.
 pub trait PairPotential: Copy + Send + Sync + 'static {
-    /// U, −U′/r and U″ at r² = `r2` σ².
+    /// The unit of energy that the formula counts in, ε: what is a factor of every pair is a factor of the sums, where it
+    /// costs nothing.
+    const UNIT: f64 = 1.0;
+    /// U, −U′/r and U″ at r² = `r2` σ², in [`PairPotential::UNIT`].
     fn eval<R: Real>(&self, r2: R) -> Pair<R>;
     /// ∫ r² U dr from `r_cut` to ∞, ε·σ³.
     fn tail_energy(&self, r_cut: f64) -> f64;
@@ -39,17 +55,19 @@ pub trait PairPotential: Copy + Send + Sync + 'static {
 pub struct LennardJones;
 
 impl PairPotential for LennardJones {
+    const UNIT: f64 = 48.0;
+
     #[inline(always)]
     fn eval<R: Real>(&self, r2: R) -> Pair<R> {
         let inv_r2 = r2.recip();
-        let inv_r6 = inv_r2 * inv_r2 * inv_r2;
-        // 24·r⁻⁸ and 48·r⁻⁶ − 24 in one chain: the force costs two multiplications and one addition.
-        let scaled = inv_r6 * inv_r2;
-        let force = scaled * inv_r6.mul_add(R::splat(48.0), R::splat(-24.0));
+        let inv_r4 = inv_r2 * inv_r2;
+        let inv_r6 = inv_r4 * inv_r2;
+        let inv_r8 = inv_r4 * inv_r4;
         Pair {
-            energy: inv_r6 * inv_r6.mul_add(R::splat(4.0), R::splat(-4.0)),
-            force,
-            curvature: scaled * inv_r6.mul_add(R::splat(624.0), R::splat(-168.0)),
+            energy: inv_r6 * inv_r6.mul_add(R::splat(1.0 / 12.0), R::splat(-1.0 / 12.0)),
+            // r⁻⁸·(r⁻⁶ − 1/2): one multiplication less than with r⁻⁶ times a factor.
+            force: inv_r8 * inv_r4.mul_add(inv_r2, R::splat(-0.5)),
+            curvature: inv_r8 * inv_r6.mul_add(R::splat(13.0), R::splat(-3.5)),
         }
     }
 
@@ -72,11 +90,13 @@ impl PairPotential for LennardJones {
 pub struct Wca;
 
 impl PairPotential for Wca {
+    const UNIT: f64 = LennardJones::UNIT;
+
     #[inline(always)]
     fn eval<R: Real>(&self, r2: R) -> Pair<R> {
         let pair = LennardJones.eval(r2);
         Pair {
-            energy: pair.energy + R::splat(1.0),
+            energy: pair.energy + R::splat(1.0 / Self::UNIT),
             ..pair
         }
     }

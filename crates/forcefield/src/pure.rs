@@ -147,7 +147,7 @@ impl<F: PairForm> PureJob<'_, F> {
             );
             let r2 = r_ij.length_squared();
             if r2 <= r_cut2 {
-                let pair = self.form.eval(r2);
+                let pair = self.form.eval_in_epsilon(r2);
                 let f_ij = pair.force * r_ij;
                 force += f_ij;
                 totals.energy += pair.energy;

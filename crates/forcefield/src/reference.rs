@@ -24,7 +24,7 @@ pub fn evaluate<F: PairForm>(
             let r_ij = cell.minimum_image(positions[i] - positions[j]);
             let r2 = r_ij.length_squared();
             if r2 <= model.r_cut * model.r_cut {
-                let pair = form.eval(r2);
+                let pair = form.eval_in_epsilon(r2);
                 let f_ij = pair.force * r_ij;
                 forces[i] += f_ij;
                 forces[j] -= f_ij;

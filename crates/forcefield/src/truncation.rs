@@ -8,8 +8,15 @@ use crate::real::Real;
 pub trait PairForm: Copy + Send + Sync + 'static {
     /// Whether it runs so seldom that an instance of the loop without energetics is not worth compiling.
     const RARE: bool = false;
-    /// U, −U′/r and U″ at r² = `r2` σ², for r ≤ r_cut.
+    /// The unit of energy that it counts in, ε: kernels multiply their sums by it.
+    const UNIT: f64;
+    /// U, −U′/r and U″ at r² = `r2` σ², for r ≤ r_cut, in [`PairForm::UNIT`].
     fn eval<R: Real>(&self, r2: R) -> Pair<R>;
+    /// The same in ε.
+    #[inline(always)]
+    fn eval_in_epsilon<R: Real>(&self, r2: R) -> Pair<R> {
+        self.eval(r2).in_epsilon(Self::UNIT)
+    }
 }
 
 /// Plain or shifted cutoff: U − `shift`.
@@ -17,11 +24,12 @@ pub trait PairForm: Copy + Send + Sync + 'static {
 pub struct Plain<P> {
     /// The potential.
     pub potential: P,
-    /// What is subtracted from the energy: 0, or U(r_cut).
+    /// What is subtracted from the energy: 0, or U(r_cut), in units of the potential.
     pub shift: f64,
 }
 
 impl<P: PairPotential> PairForm for Plain<P> {
+    const UNIT: f64 = P::UNIT;
     #[inline(always)]
     fn eval<R: Real>(&self, r2: R) -> Pair<R> {
         let pair = self.potential.eval(r2);
@@ -39,9 +47,9 @@ impl<P: PairPotential> PairForm for Plain<P> {
 #[derive(Clone, Copy, Debug)]
 pub struct ForceShift<P> {
     potential: P,
-    /// U′(r_cut), ε/σ.
+    /// U′(r_cut), in units of the potential and σ.
     slope: f64,
-    /// U(r_cut) − U′(r_cut)·r_cut, ε.
+    /// U(r_cut) − U′(r_cut)·r_cut, in units of the potential.
     constant: f64,
 }
 
@@ -59,6 +67,7 @@ impl<P: PairPotential> ForceShift<P> {
 }
 
 impl<P: PairPotential> PairForm for ForceShift<P> {
+    const UNIT: f64 = P::UNIT;
     #[inline(always)]
     fn eval<R: Real>(&self, r2: R) -> Pair<R> {
         let pair = self.potential.eval(r2);
@@ -148,6 +157,7 @@ pub struct Switch<P> {
 }
 
 impl<P: PairPotential> PairForm for Switch<P> {
+    const UNIT: f64 = P::UNIT;
     #[inline(always)]
     fn eval<R: Real>(&self, r2: R) -> Pair<R> {
         weighted(self.potential.eval(r2), self.step.eval(r2), r2)
@@ -173,6 +183,7 @@ pub struct Part<F> {
 
 impl<F: PairForm> PairForm for Part<F> {
     const RARE: bool = true;
+    const UNIT: f64 = F::UNIT;
     #[inline(always)]
     fn eval<R: Real>(&self, r2: R) -> Pair<R> {
         let pair = self.form.eval(r2);

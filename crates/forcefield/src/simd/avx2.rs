@@ -1,11 +1,11 @@
 //! Lanes of AVX2 with FMA: four doubles or eight singles.
 
 use std::arch::x86_64::*;
-use std::ops::{Add, Mul, Neg, Sub};
 
 use super::lanes::{Entry, FixedLanes, Lanes, RowLanes, Scaled};
 use super::output::Output;
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
+use super::registers::register;
 use super::shared_loop::{self, SharedJob};
 use super::{DoubleRow, FixedRow};
 use crate::options::Precision;
@@ -20,81 +20,10 @@ pub struct F64x4(__m256d);
 #[derive(Clone, Copy)]
 pub struct F32x8(__m256);
 
-macro_rules! lanes {
-    ($lanes:ident, $float:ty, $splat:ident, $zero:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
-     $fmadd:ident, $sqrt:ident, $min:ident, $max:ident) => {
-        impl Add for $lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn add(self, o: Self) -> Self {
-                // SAFETY: a value of this type proves AVX2 and FMA, here and below.
-                Self(unsafe { $add(self.0, o.0) })
-            }
-        }
-        impl Sub for $lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn sub(self, o: Self) -> Self {
-                // SAFETY: as above.
-                Self(unsafe { $sub(self.0, o.0) })
-            }
-        }
-        impl Mul for $lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn mul(self, o: Self) -> Self {
-                // SAFETY: as above.
-                Self(unsafe { $mul(self.0, o.0) })
-            }
-        }
-        impl Neg for $lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn neg(self) -> Self {
-                // SAFETY: as above.
-                Self(unsafe { $sub($zero(), self.0) })
-            }
-        }
-        impl Real for $lanes {
-            #[inline(always)]
-            fn splat(value: f64) -> Self {
-                // SAFETY: called inside functions that enable AVX2 and FMA alone.
-                Self(unsafe { $splat(value as $float) })
-            }
-            #[inline(always)]
-            fn mul_add(self, a: Self, b: Self) -> Self {
-                // SAFETY: as above.
-                Self(unsafe { $fmadd(self.0, a.0, b.0) })
-            }
-            #[inline(always)]
-            fn recip(self) -> Self {
-                // SAFETY: as above.
-                Self(unsafe { $div($splat(1.0), self.0) })
-            }
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                // SAFETY: as above.
-                Self(unsafe { $sqrt(self.0) })
-            }
-            #[inline(always)]
-            fn min(self, o: Self) -> Self {
-                // SAFETY: as above.
-                Self(unsafe { $min(self.0, o.0) })
-            }
-            #[inline(always)]
-            fn max(self, o: Self) -> Self {
-                // SAFETY: as above.
-                Self(unsafe { $max(self.0, o.0) })
-            }
-        }
-    };
-}
-
-lanes!(
+register!(
     F64x4,
     f64,
     _mm256_set1_pd,
-    _mm256_setzero_pd,
     _mm256_add_pd,
     _mm256_sub_pd,
     _mm256_mul_pd,
@@ -104,11 +33,10 @@ lanes!(
     _mm256_min_pd,
     _mm256_max_pd
 );
-lanes!(
+register!(
     F32x8,
     f32,
     _mm256_set1_ps,
-    _mm256_setzero_ps,
     _mm256_add_ps,
     _mm256_sub_ps,
     _mm256_mul_ps,

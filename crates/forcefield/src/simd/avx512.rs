@@ -1,13 +1,13 @@
 //! Lanes of AVX-512: eight doubles or sixteen singles.
 
 use std::arch::x86_64::*;
-use std::ops::{Add, Mul, Neg, Sub};
 
 use glam::DVec3;
 
 use super::lanes::{Entry, FixedLanes, Lanes, RowLanes, Scaled};
 use super::output::Output;
 use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
+use super::registers::register;
 use super::shared_loop::{self, SharedJob};
 use super::{DoubleRow, FixedRow};
 use crate::options::Precision;
@@ -22,97 +22,32 @@ pub struct F64x8(__m512d);
 #[derive(Clone, Copy)]
 pub struct F32x16(__m512);
 
-macro_rules! operators {
-    ($lanes:ident, $add:ident, $sub:ident, $mul:ident, $splat:expr) => {
-        impl Add for $lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn add(self, o: Self) -> Self {
-                // SAFETY: a value of this type proves AVX-512.
-                Self(unsafe { $add(self.0, o.0) })
-            }
-        }
-        impl Sub for $lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn sub(self, o: Self) -> Self {
-                // SAFETY: as above.
-                Self(unsafe { $sub(self.0, o.0) })
-            }
-        }
-        impl Mul for $lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn mul(self, o: Self) -> Self {
-                // SAFETY: as above.
-                Self(unsafe { $mul(self.0, o.0) })
-            }
-        }
-        impl Neg for $lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn neg(self) -> Self {
-                // SAFETY: as above.
-                Self(unsafe { $sub($splat(0.0), self.0) })
-            }
-        }
-    };
-}
-
-operators!(
+register!(
     F64x8,
+    f64,
+    _mm512_set1_pd,
     _mm512_add_pd,
     _mm512_sub_pd,
     _mm512_mul_pd,
-    _mm512_set1_pd
+    _mm512_div_pd,
+    _mm512_fmadd_pd,
+    _mm512_sqrt_pd,
+    _mm512_min_pd,
+    _mm512_max_pd
 );
-operators!(
+register!(
     F32x16,
+    f32,
+    _mm512_set1_ps,
     _mm512_add_ps,
     _mm512_sub_ps,
     _mm512_mul_ps,
-    _mm512_set1_ps
+    _mm512_div_ps,
+    _mm512_fmadd_ps,
+    _mm512_sqrt_ps,
+    _mm512_min_ps,
+    _mm512_max_ps
 );
-
-impl Real for F64x8 {
-    #[inline(always)]
-    fn splat(value: f64) -> Self {
-        // SAFETY: called inside functions that enable AVX-512 alone, as are all below.
-        Self(unsafe { _mm512_set1_pd(value) })
-    }
-    #[inline(always)]
-    fn mul_add(self, a: Self, b: Self) -> Self {
-        // SAFETY: a value of this type proves AVX-512.
-        Self(unsafe { _mm512_fmadd_pd(self.0, a.0, b.0) })
-    }
-    #[inline(always)]
-    fn recip(self) -> Self {
-        // SAFETY: as above.
-        unsafe {
-            // y₀(1 + e)(1 + e²) with e = 1 − x·y₀, |e| ≤ 2⁻¹⁴: the truncation error e⁴ is below a last bit.
-            let y = _mm512_rcp14_pd(self.0);
-            let e = _mm512_fnmadd_pd(self.0, y, _mm512_set1_pd(1.0));
-            let e2 = _mm512_mul_pd(e, e);
-            let y = _mm512_fmadd_pd(y, e, y);
-            Self(_mm512_fmadd_pd(y, e2, y))
-        }
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        // SAFETY: as above.
-        Self(unsafe { _mm512_sqrt_pd(self.0) })
-    }
-    #[inline(always)]
-    fn min(self, o: Self) -> Self {
-        // SAFETY: as above.
-        Self(unsafe { _mm512_min_pd(self.0, o.0) })
-    }
-    #[inline(always)]
-    fn max(self, o: Self) -> Self {
-        // SAFETY: as above.
-        Self(unsafe { _mm512_max_pd(self.0, o.0) })
-    }
-}
 
 impl Lanes for F64x8 {
     const WIDTH: usize = 8;
@@ -180,7 +115,7 @@ impl RowLanes for F64x8 {
     }
 
     #[inline(always)]
-    fn sum3(x: Self, y: Self, z: Self) -> DVec3 {
+    fn sum3(x: Self, y: Self, z: Self, unit: f64) -> DVec3 {
         // SAFETY: as above.
         unsafe {
             let none = _mm512_setzero_pd();
@@ -194,47 +129,11 @@ impl RowLanes for F64x8 {
             let z = _mm512_extractf64x4_pd::<1>(halves);
             let xy = _mm_add_pd(_mm256_castpd256_pd128(xy), _mm256_extractf128_pd::<1>(xy));
             let z = _mm_add_pd(_mm256_castpd256_pd128(z), _mm256_extractf128_pd::<1>(z));
+            let unit = _mm_set1_pd(unit);
+            let (xy, z) = (_mm_mul_pd(xy, unit), _mm_mul_pd(z, unit));
             let y = _mm_unpackhi_pd(xy, xy);
             DVec3::new(_mm_cvtsd_f64(xy), _mm_cvtsd_f64(y), _mm_cvtsd_f64(z))
         }
-    }
-}
-
-impl Real for F32x16 {
-    #[inline(always)]
-    fn splat(value: f64) -> Self {
-        // SAFETY: called inside functions that enable AVX-512 alone, as are all below.
-        Self(unsafe { _mm512_set1_ps(value as f32) })
-    }
-    #[inline(always)]
-    fn mul_add(self, a: Self, b: Self) -> Self {
-        // SAFETY: a value of this type proves AVX-512.
-        Self(unsafe { _mm512_fmadd_ps(self.0, a.0, b.0) })
-    }
-    #[inline(always)]
-    fn recip(self) -> Self {
-        // SAFETY: as above.
-        unsafe {
-            // One Newton step squares the error of 2⁻¹⁴.
-            let y = _mm512_rcp14_ps(self.0);
-            let e = _mm512_fnmadd_ps(self.0, y, _mm512_set1_ps(1.0));
-            Self(_mm512_fmadd_ps(y, e, y))
-        }
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        // SAFETY: as above.
-        Self(unsafe { _mm512_sqrt_ps(self.0) })
-    }
-    #[inline(always)]
-    fn min(self, o: Self) -> Self {
-        // SAFETY: as above.
-        Self(unsafe { _mm512_min_ps(self.0, o.0) })
-    }
-    #[inline(always)]
-    fn max(self, o: Self) -> Self {
-        // SAFETY: as above.
-        Self(unsafe { _mm512_max_ps(self.0, o.0) })
     }
 }
 
@@ -372,7 +271,7 @@ impl FixedLanes for F32x16 {
     }
 
     #[inline(always)]
-    fn sum_four([a, b, c, d]: [[Self; 3]; 4]) -> [DVec3; 4] {
+    fn sum_four([a, b, c, d]: [[Self; 3]; 4], unit: f64) -> [DVec3; 4] {
         // SAFETY: as above.
         unsafe {
             // Each lane holds a handful of pairs, and four levels of single precision add little to their error. One
@@ -398,14 +297,12 @@ impl FixedLanes for F32x16 {
             let xy = _mm512_add_ps(xy, _mm512_shuffle_f32x4::<0b10_11_00_01>(xy, xy));
             let z = _mm256_add_ps(_mm512_castps512_ps256(z), _mm512_extractf32x8_ps::<1>(z));
             let z = _mm_add_ps(_mm256_castps256_ps128(z), _mm256_extractf128_ps::<1>(z));
+            let of_one = |axis: __m128| _mm256_mul_pd(_mm256_cvtps_pd(axis), _mm256_set1_pd(unit));
             let mut sums = [[0.0; 4]; 3];
-            _mm256_storeu_pd(
-                sums[0].as_mut_ptr(),
-                _mm256_cvtps_pd(_mm512_castps512_ps128(xy)),
-            );
+            _mm256_storeu_pd(sums[0].as_mut_ptr(), of_one(_mm512_castps512_ps128(xy)));
             let y = _mm512_extractf32x4_ps::<2>(xy);
-            _mm256_storeu_pd(sums[1].as_mut_ptr(), _mm256_cvtps_pd(y));
-            _mm256_storeu_pd(sums[2].as_mut_ptr(), _mm256_cvtps_pd(z));
+            _mm256_storeu_pd(sums[1].as_mut_ptr(), of_one(y));
+            _mm256_storeu_pd(sums[2].as_mut_ptr(), of_one(z));
             let sum = |k: usize| DVec3::new(sums[0][k], sums[1][k], sums[2][k]);
             [sum(0), sum(1), sum(2), sum(3)]
         }

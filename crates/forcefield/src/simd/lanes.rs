@@ -88,10 +88,10 @@ pub trait RowLanes: Lanes {
     /// The lanes of `mask` among the first `count`.
     fn first(mask: Self::Mask, count: usize) -> Self::Mask;
 
-    /// The sums over all lanes of three values at once, which costs less than three sums.
+    /// The sums over all lanes of three values at once, which costs less than three sums, times `unit`.
     #[inline(always)]
-    fn sum3(x: Self, y: Self, z: Self) -> DVec3 {
-        DVec3::new(x.sum(), y.sum(), z.sum())
+    fn sum3(x: Self, y: Self, z: Self, unit: f64) -> DVec3 {
+        unit * DVec3::new(x.sum(), y.sum(), z.sum())
     }
 }
 
@@ -137,14 +137,14 @@ pub trait FixedLanes: Lanes<Row = FixedRow> {
         (unsafe { Self::spread(&amid) }, own)
     }
 
-    /// The sums over all lanes of four vectors at once, which may cost less than twelve sums.
+    /// The sums over all lanes of four vectors at once, which may cost less than twelve sums, times `unit`.
     #[inline(always)]
-    fn sum_four([a, b, c, d]: [[Self; 3]; SHARERS]) -> [DVec3; SHARERS] {
+    fn sum_four([a, b, c, d]: [[Self; 3]; SHARERS], unit: f64) -> [DVec3; SHARERS] {
         [
-            DVec3::new(a[0].sum(), a[1].sum(), a[2].sum()),
-            DVec3::new(b[0].sum(), b[1].sum(), b[2].sum()),
-            DVec3::new(c[0].sum(), c[1].sum(), c[2].sum()),
-            DVec3::new(d[0].sum(), d[1].sum(), d[2].sum()),
+            unit * DVec3::new(a[0].sum(), a[1].sum(), a[2].sum()),
+            unit * DVec3::new(b[0].sum(), b[1].sum(), b[2].sum()),
+            unit * DVec3::new(c[0].sum(), c[1].sum(), c[2].sum()),
+            unit * DVec3::new(d[0].sum(), d[1].sum(), d[2].sum()),
         ]
     }
 }

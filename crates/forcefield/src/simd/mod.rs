@@ -38,6 +38,8 @@ mod portable;
 mod prefetch;
 mod reader;
 #[cfg(target_arch = "x86_64")]
+mod registers;
+#[cfg(target_arch = "x86_64")]
 mod scan;
 #[cfg(target_arch = "x86_64")]
 mod scan256;

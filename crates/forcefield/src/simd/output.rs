@@ -82,7 +82,8 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Writes what was found for the particle at a place and adds it to the totals of its chunk.
+    /// Writes what was found for the particle at a place, its force in ε/σ and the rest in units of so many ε, and adds it to
+    /// the totals of its chunk.
     ///
     /// # Safety
     /// No other thread writes what belongs to this place.
@@ -92,13 +93,14 @@ impl<'a> Output<'a> {
         place: usize,
         force: DVec3,
         besides: &B,
+        unit: f64,
         totals: &mut ChunkTotals,
     ) {
         let at = self.order[place - self.first] as usize;
         // SAFETY: the contract is passed on.
         unsafe { self.forces.write(at, force) };
         if B::ANYTHING {
-            let found = besides.totals();
+            let found = besides.totals(unit);
             totals.add(&found);
             if let Some(each) = &self.each {
                 // SAFETY: as above.

@@ -190,10 +190,10 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
         }
 
         let [fx, fy, fz] = force;
-        let force = L::sum3(fx, fy, fz);
+        let force = L::sum3(fx, fy, fz, F::UNIT);
         sum += force;
         // SAFETY: each particle stands at one place, and each place in one chunk.
-        unsafe { output.write(place, force, &sums, &mut totals) };
+        unsafe { output.write(place, force, &sums, F::UNIT, &mut totals) };
     }
     // What is not finite never becomes finite again.
     totals.broken = !sum.is_finite();

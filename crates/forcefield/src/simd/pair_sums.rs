@@ -24,11 +24,11 @@ pub trait Besides<L: Lanes>: Copy {
     /// No pair yet.
     fn nothing() -> Self;
 
-    /// Adds the pairs `inside`, a distance `r_ij` apart, whose −U′/r is `f`, zero in all other lanes.
+    /// Adds the pairs `inside`, a distance `r_ij` apart, whose −U′/r is `f`, zero in all other lanes, in any unit of energy.
     fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, inside: L::Mask);
 
-    /// The sums over all lanes.
-    fn totals(&self) -> ChunkTotals;
+    /// The sums over all lanes, where the pairs counted in units of so many ε.
+    fn totals(&self, unit: f64) -> ChunkTotals;
 }
 
 /// Nothing: it takes no room, which a compiler would otherwise clear for every particle.
@@ -47,7 +47,7 @@ impl<L: Lanes> Besides<L> for ForcesAlone {
     fn add(&mut self, _r_ij: [L; 3], _f: L, _pair: &Pair<L>, _inside: L::Mask) {}
 
     #[inline(always)]
-    fn totals(&self) -> ChunkTotals {
+    fn totals(&self, _unit: f64) -> ChunkTotals {
         ChunkTotals::NOTHING
     }
 }
@@ -84,14 +84,14 @@ impl<L: Lanes> Besides<L> for PairSums<L> {
     }
 
     #[inline(always)]
-    fn totals(&self) -> ChunkTotals {
+    fn totals(&self, unit: f64) -> ChunkTotals {
         let [xx, yy, zz, xy, xz, yz] = self.virial;
         let (xy, xz, yz) = (xy.sum(), xz.sum(), yz.sum());
         let virial = [xx.sum(), xy, xz, xy, yy.sum(), yz, xz, yz, zz.sum()];
         ChunkTotals {
-            energy: self.energy.sum(),
-            virial: DMat3::from_cols_array(&virial),
-            laplacian: self.laplacian.sum(),
+            energy: unit * self.energy.sum(),
+            virial: unit * DMat3::from_cols_array(&virial),
+            laplacian: unit * self.laplacian.sum(),
             pairs: u64::from(self.pairs),
             broken: false,
         }

@@ -2,7 +2,7 @@
 //! registers there are.
 
 use std::array::from_fn;
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::lanes::{Entry, FixedLanes, Lanes, RowLanes, Scaled};
 use super::output::Output;
@@ -45,6 +45,13 @@ macro_rules! group {
                 Self(from_fn(|k| self.0[k] * o.0[k]))
             }
         }
+        impl<const N: usize> Div for Group<$float, N> {
+            type Output = Self;
+            #[inline(always)]
+            fn div(self, o: Self) -> Self {
+                Self(from_fn(|k| self.0[k] / o.0[k]))
+            }
+        }
         impl<const N: usize> Neg for Group<$float, N> {
             type Output = Self;
             #[inline(always)]
@@ -61,10 +68,6 @@ macro_rules! group {
             fn mul_add(self, a: Self, b: Self) -> Self {
                 // Without the instruction, a fused multiply-add is a library call.
                 self * a + b
-            }
-            #[inline(always)]
-            fn recip(self) -> Self {
-                Self(self.0.map(|v| 1.0 / v))
             }
             #[inline(always)]
             fn sqrt(self) -> Self {

@@ -157,12 +157,13 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, C: Besides<L>>(
             };
             let forces = [sums[0].force, sums[1].force, sums[2].force, sums[3].force];
             let end = (first + SHARERS).min(n);
-            for ((place, sums), force) in (first..end).zip(&sums).zip(L::sum_four(forces)) {
+            let forces = L::sum_four(forces, F::UNIT);
+            for ((place, sums), force) in (first..end).zip(&sums).zip(forces) {
                 sum += force;
-                output.write(place, force, &sums.besides, &mut totals);
+                output.write(place, force, &sums.besides, F::UNIT, &mut totals);
             }
             if C::ANYTHING {
-                totals.add(&common.totals());
+                totals.add(&common.totals(F::UNIT));
             }
             (first, begin) = (end, span.end);
         }
@@ -196,7 +197,7 @@ impl Counts {
 /// Sums of one of the sharers.
 #[derive(Clone, Copy)]
 struct Sums<L, B> {
-    /// ε/σ.
+    /// In units of the form, and σ.
     force: [L; 3],
     besides: B,
 }

@@ -1,0 +1,79 @@
+//! Arithmetic of registers, written once over what the instruction sets call it.
+
+/// A [`Real`](crate::real::Real) of a register: its type and that of its numbers, and the instructions that put one number
+/// into all lanes, that add, subtract, multiply, divide, multiply and add, take square roots, the smaller, and the larger.
+///
+/// Values of the type exist only inside functions that enable the instruction set.
+macro_rules! register {
+    ($lanes:ident, $float:ty, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
+     $fmadd:ident, $sqrt:ident, $min:ident, $max:ident) => {
+        impl std::ops::Add for $lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, o: Self) -> Self {
+                // SAFETY: a value of this type proves the instruction set, here and below.
+                Self(unsafe { $add(self.0, o.0) })
+            }
+        }
+        impl std::ops::Sub for $lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, o: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $sub(self.0, o.0) })
+            }
+        }
+        impl std::ops::Mul for $lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, o: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $mul(self.0, o.0) })
+            }
+        }
+        impl std::ops::Div for $lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn div(self, o: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $div(self.0, o.0) })
+            }
+        }
+        impl std::ops::Neg for $lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $sub($splat(0.0), self.0) })
+            }
+        }
+        impl crate::real::Real for $lanes {
+            #[inline(always)]
+            fn splat(value: f64) -> Self {
+                // SAFETY: called inside functions that enable the instruction set alone.
+                Self(unsafe { $splat(value as $float) })
+            }
+            #[inline(always)]
+            fn mul_add(self, a: Self, b: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $fmadd(self.0, a.0, b.0) })
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $sqrt(self.0) })
+            }
+            #[inline(always)]
+            fn min(self, o: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $min(self.0, o.0) })
+            }
+            #[inline(always)]
+            fn max(self, o: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $max(self.0, o.0) })
+            }
+        }
+    };
+}
+pub(super) use register;
