@@ -161,7 +161,7 @@ fn truncated<P: PairPotential>(potential: P, truncation: &TruncationOptions) -> 
         }),
         TruncationKind::Shift => Truncated::Plain(Plain {
             potential,
-            shift: potential.eval(r_cut * r_cut).energy,
+            shift: potential.eval((r_cut * r_cut).recip()).energy,
         }),
         TruncationKind::ForceShift => Truncated::ForceShift(ForceShift::new(potential, r_cut)),
         TruncationKind::Switch => Truncated::Switch(Switch {

@@ -39,8 +39,8 @@ pub trait PairPotential: Copy + Send + Sync + 'static {
     /// The unit of energy that the formula counts in, ε: what is a factor of every pair is a factor of the sums, where it
     /// costs nothing.
     const UNIT: f64 = 1.0;
-    /// U, −U′/r and U″ at r² = `r2` σ², in [`PairPotential::UNIT`].
-    fn eval<R: Real>(&self, r2: R) -> Pair<R>;
+    /// U, −U′/r and U″ where 1/r² is `inv_r2` σ⁻², in [`PairPotential::UNIT`].
+    fn eval<R: Real>(&self, inv_r2: R) -> Pair<R>;
     /// ∫ r² U dr from `r_cut` to ∞, ε·σ³.
     fn tail_energy(&self, r_cut: f64) -> f64;
     /// ∫ r³ U′ dr from `r_cut` to ∞, ε·σ³.
@@ -58,8 +58,7 @@ impl PairPotential for LennardJones {
     const UNIT: f64 = 48.0;
 
     #[inline(always)]
-    fn eval<R: Real>(&self, r2: R) -> Pair<R> {
-        let inv_r2 = r2.recip();
+    fn eval<R: Real>(&self, inv_r2: R) -> Pair<R> {
         let inv_r4 = inv_r2 * inv_r2;
         let inv_r6 = inv_r4 * inv_r2;
         let inv_r8 = inv_r4 * inv_r4;
@@ -93,8 +92,8 @@ impl PairPotential for Wca {
     const UNIT: f64 = LennardJones::UNIT;
 
     #[inline(always)]
-    fn eval<R: Real>(&self, r2: R) -> Pair<R> {
-        let pair = LennardJones.eval(r2);
+    fn eval<R: Real>(&self, inv_r2: R) -> Pair<R> {
+        let pair = LennardJones.eval(inv_r2);
         Pair {
             energy: pair.energy + R::splat(1.0 / Self::UNIT),
             ..pair
@@ -122,8 +121,7 @@ pub struct SoftSphere {
 
 impl PairPotential for SoftSphere {
     #[inline(always)]
-    fn eval<R: Real>(&self, r2: R) -> Pair<R> {
-        let inv_r2 = r2.recip();
+    fn eval<R: Real>(&self, inv_r2: R) -> Pair<R> {
         let mut energy = if self.exponent % 2 == 1 {
             inv_r2.sqrt()
         } else {

@@ -10,12 +10,12 @@ pub trait PairForm: Copy + Send + Sync + 'static {
     const RARE: bool = false;
     /// The unit of energy that it counts in, ε: kernels multiply their sums by it.
     const UNIT: f64;
-    /// U, −U′/r and U″ at r² = `r2` σ², for r ≤ r_cut, in [`PairForm::UNIT`].
-    fn eval<R: Real>(&self, r2: R) -> Pair<R>;
+    /// U, −U′/r and U″ at r² = `r2` σ², for r ≤ r_cut, in [`PairForm::UNIT`]; `inv_r2` is 1/r².
+    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R>;
     /// The same in ε.
     #[inline(always)]
     fn eval_in_epsilon<R: Real>(&self, r2: R) -> Pair<R> {
-        self.eval(r2).in_epsilon(Self::UNIT)
+        self.eval(r2, r2.recip()).in_epsilon(Self::UNIT)
     }
 }
 
@@ -31,8 +31,8 @@ pub struct Plain<P> {
 impl<P: PairPotential> PairForm for Plain<P> {
     const UNIT: f64 = P::UNIT;
     #[inline(always)]
-    fn eval<R: Real>(&self, r2: R) -> Pair<R> {
-        let pair = self.potential.eval(r2);
+    fn eval<R: Real>(&self, _r2: R, inv_r2: R) -> Pair<R> {
+        let pair = self.potential.eval(inv_r2);
         Pair {
             energy: pair.energy - R::splat(self.shift),
             ..pair
@@ -56,7 +56,7 @@ pub struct ForceShift<P> {
 impl<P: PairPotential> ForceShift<P> {
     /// Shifts energy and force to zero at `r_cut` σ.
     pub fn new(potential: P, r_cut: f64) -> Self {
-        let end = potential.eval(r_cut * r_cut);
+        let end = potential.eval((r_cut * r_cut).recip());
         let slope = -end.force * r_cut;
         Self {
             potential,
@@ -69,12 +69,12 @@ impl<P: PairPotential> ForceShift<P> {
 impl<P: PairPotential> PairForm for ForceShift<P> {
     const UNIT: f64 = P::UNIT;
     #[inline(always)]
-    fn eval<R: Real>(&self, r2: R) -> Pair<R> {
-        let pair = self.potential.eval(r2);
+    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
+        let pair = self.potential.eval(inv_r2);
         let r = r2.sqrt();
         Pair {
             energy: pair.energy - r.mul_add(R::splat(self.slope), R::splat(self.constant)),
-            force: r.recip().mul_add(R::splat(self.slope), pair.force),
+            force: inv_r2.sqrt().mul_add(R::splat(self.slope), pair.force),
             curvature: pair.curvature,
         }
     }
@@ -159,8 +159,8 @@ pub struct Switch<P> {
 impl<P: PairPotential> PairForm for Switch<P> {
     const UNIT: f64 = P::UNIT;
     #[inline(always)]
-    fn eval<R: Real>(&self, r2: R) -> Pair<R> {
-        weighted(self.potential.eval(r2), self.step.eval(r2), r2)
+    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
+        weighted(self.potential.eval(inv_r2), self.step.eval(r2), r2)
     }
 }
 
@@ -185,8 +185,8 @@ impl<F: PairForm> PairForm for Part<F> {
     const RARE: bool = true;
     const UNIT: f64 = F::UNIT;
     #[inline(always)]
-    fn eval<R: Real>(&self, r2: R) -> Pair<R> {
-        let pair = self.form.eval(r2);
+    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
+        let pair = self.form.eval(r2, inv_r2);
         let step = self.step.eval(r2);
         let weight = step
             .value

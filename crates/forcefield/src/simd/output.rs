@@ -6,7 +6,7 @@ use lennard_neighbor::ATOMS_PER_CHUNK;
 use super::Scatter;
 use super::lanes::Lanes;
 use super::pair_loop::{ChunkTotals, PerParticle};
-use super::pair_sums::Besides;
+use super::pair_sums::{Besides, Units};
 use super::prefetch::Later;
 
 /// Forces, and the entries of each particle where they are wanted.
@@ -82,8 +82,8 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Writes what was found for the particle at a place, its force in ε/σ and the rest in units of so many ε, and adds it to
-    /// the totals of its chunk.
+    /// Writes what was found for the particle at a place, its force in ε/σ and the rest in these units, and adds it to the
+    /// totals of its chunk.
     ///
     /// # Safety
     /// No other thread writes what belongs to this place.
@@ -93,14 +93,14 @@ impl<'a> Output<'a> {
         place: usize,
         force: DVec3,
         besides: &B,
-        unit: f64,
+        units: Units,
         totals: &mut ChunkTotals,
     ) {
         let at = self.order[place - self.first] as usize;
         // SAFETY: the contract is passed on.
         unsafe { self.forces.write(at, force) };
         if B::ANYTHING {
-            let found = besides.totals(unit);
+            let found = besides.totals(units);
             totals.add(&found);
             if let Some(each) = &self.each {
                 // SAFETY: as above.

@@ -5,7 +5,7 @@ use lennard_neighbor::{Entries, ListChunk, NeighborList};
 
 use super::lanes::{Entry, Lanes, RowLanes};
 use super::output::Output;
-use super::pair_sums::{Besides, ForcesAlone, PairSums};
+use super::pair_sums::{Besides, ForcesAlone, PairSums, Units};
 use super::prefetch::prefetch;
 use crate::truncation::PairForm;
 
@@ -140,6 +140,10 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
     output: &Output<'_>,
 ) -> ChunkTotals {
     let r_cut2 = L::splat(job.r_cut2);
+    let units = Units {
+        energy: F::UNIT,
+        length: 1.0,
+    };
     // No `array::map` over lanes anywhere here: it is a call, and a call leaves the instruction set behind.
     let zero = L::splat(0.0);
     let mut totals = ChunkTotals::NOTHING;
@@ -190,10 +194,10 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
         }
 
         let [fx, fy, fz] = force;
-        let force = L::sum3(fx, fy, fz, F::UNIT);
+        let force = L::sum3(fx, fy, fz, units.force());
         sum += force;
         // SAFETY: each particle stands at one place, and each place in one chunk.
-        unsafe { output.write(place, force, &sums, F::UNIT, &mut totals) };
+        unsafe { output.write(place, force, &sums, units, &mut totals) };
     }
     // What is not finite never becomes finite again.
     totals.broken = !sum.is_finite();
@@ -223,7 +227,7 @@ unsafe fn add<L: RowLanes, F: PairForm, E: Entry, B: Besides<L>>(
     if valid < L::WIDTH {
         inside = L::first(inside, valid);
     }
-    let pair = form.eval(r2);
+    let pair = form.eval(r2, r2.recip());
     let f = pair.force.keep(inside);
     force[0] = dx.mul_add(f, force[0]);
     force[1] = dy.mul_add(f, force[1]);
@@ -253,7 +257,7 @@ pub unsafe fn arithmetic<L: Lanes, F: PairForm>(form: &F, r_cut: f64, rounds: u6
             let x = L::splat(at[k]);
             let (dx, dy, dz) = (x - zero, x - force[k][0] * zero, x - force[k][1] * zero);
             let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx));
-            let f = form.eval(r2).force.keep(r2.at_most(r_cut2));
+            let f = form.eval(r2, r2.recip()).force.keep(r2.at_most(r_cut2));
             force[k][0] = dx.mul_add(f, force[k][0]);
             force[k][1] = dy.mul_add(f, force[k][1]);
             force[k][2] = dz.mul_add(f, force[k][2]);

@@ -16,6 +16,29 @@ pub struct PairSums<L> {
     pairs: u32,
 }
 
+/// What a loop counts in.
+#[derive(Clone, Copy, Debug)]
+pub struct Units {
+    /// Energies, also those in −U′/r and U″, ε.
+    pub energy: f64,
+    /// Distances, σ.
+    pub length: f64,
+}
+
+impl Units {
+    /// Those of sums of −U′/r times a distance, ε/σ.
+    #[inline(always)]
+    pub fn force(self) -> f64 {
+        self.energy * self.length
+    }
+
+    /// Those of sums of −U′/r times two distances, ε.
+    #[inline(always)]
+    fn virial(self) -> f64 {
+        self.energy * self.length * self.length
+    }
+}
+
 /// What a loop sums besides the forces.
 pub trait Besides<L: Lanes>: Copy {
     /// Whether that is anything.
@@ -24,11 +47,11 @@ pub trait Besides<L: Lanes>: Copy {
     /// No pair yet.
     fn nothing() -> Self;
 
-    /// Adds the pairs `inside`, a distance `r_ij` apart, whose −U′/r is `f`, zero in all other lanes, in any unit of energy.
+    /// Adds the pairs `inside`, a distance `r_ij` apart, whose −U′/r is `f`, zero in all other lanes, in any units.
     fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, inside: L::Mask);
 
-    /// The sums over all lanes, where the pairs counted in units of so many ε.
-    fn totals(&self, unit: f64) -> ChunkTotals;
+    /// The sums over all lanes.
+    fn totals(&self, units: Units) -> ChunkTotals;
 }
 
 /// Nothing: it takes no room, which a compiler would otherwise clear for every particle.
@@ -47,7 +70,7 @@ impl<L: Lanes> Besides<L> for ForcesAlone {
     fn add(&mut self, _r_ij: [L; 3], _f: L, _pair: &Pair<L>, _inside: L::Mask) {}
 
     #[inline(always)]
-    fn totals(&self, _unit: f64) -> ChunkTotals {
+    fn totals(&self, _units: Units) -> ChunkTotals {
         ChunkTotals::NOTHING
     }
 }
@@ -84,14 +107,14 @@ impl<L: Lanes> Besides<L> for PairSums<L> {
     }
 
     #[inline(always)]
-    fn totals(&self, unit: f64) -> ChunkTotals {
+    fn totals(&self, units: Units) -> ChunkTotals {
         let [xx, yy, zz, xy, xz, yz] = self.virial;
         let (xy, xz, yz) = (xy.sum(), xz.sum(), yz.sum());
         let virial = [xx.sum(), xy, xz, xy, yy.sum(), yz, xz, yz, zz.sum()];
         ChunkTotals {
-            energy: unit * self.energy.sum(),
-            virial: unit * DMat3::from_cols_array(&virial),
-            laplacian: unit * self.laplacian.sum(),
+            energy: units.energy * self.energy.sum(),
+            virial: units.virial() * DMat3::from_cols_array(&virial),
+            laplacian: units.energy * self.laplacian.sum(),
             pairs: u64::from(self.pairs),
             broken: false,
         }

@@ -8,19 +8,48 @@ use super::FixedRow;
 use super::lanes::FixedLanes;
 use super::output::Output;
 use super::pair_loop::{ChunkTotals, Wanted};
-use super::pair_sums::{Besides, ForcesAlone, PairSums};
+use super::pair_sums::{Besides, ForcesAlone, PairSums, Units};
 use super::prefetch::{Parts, prefetch, prefetch_read};
 use super::reader::Reader;
 use super::view::{AsTheyAre, FromAmid, View};
 use crate::truncation::PairForm;
 use glam::DVec3;
 
+/// What a view counts in, and what the loop needs to know for that.
+#[derive(Clone, Copy)]
+struct Measures {
+    units: Units,
+    /// The square of the cutoff, in units.
+    r_cut2: f64,
+    /// The square of a unit, σ².
+    unit2: f64,
+    /// Its inverse, σ⁻².
+    inv_unit2: f64,
+}
+
+impl Measures {
+    fn new<F: PairForm>(r_cut: f64, length: f64) -> Self {
+        let unit2 = length * length;
+        Self {
+            units: Units {
+                energy: F::UNIT,
+                length,
+            },
+            r_cut2: r_cut * r_cut / unit2,
+            unit2,
+            inv_unit2: 1.0 / unit2,
+        }
+    }
+}
+
 /// One evaluation, as the loop sees it.
 pub struct SharedJob<'a, F> {
     form: F,
-    r_cut2: f64,
     /// Length of a unit along each axis, σ.
     scale: [f64; 3],
+    in_sigma: Measures,
+    /// Where units are as long along all axes.
+    in_units: Option<Measures>,
     list: &'a SharedList,
     /// How many places after its own a list reaches, more or less, where what comes is asked for ahead.
     ahead: Option<usize>,
@@ -29,10 +58,12 @@ pub struct SharedJob<'a, F> {
 impl<'a, F: PairForm> SharedJob<'a, F> {
     /// Prepares an evaluation: `scale` is the length in σ of one unit of the rows along each axis.
     pub fn new(form: F, r_cut: f64, scale: [f64; 3], list: &'a SharedList) -> Self {
+        let cubic = scale[0] == scale[1] && scale[1] == scale[2];
         Self {
             form,
-            r_cut2: r_cut * r_cut,
             scale,
+            in_sigma: Measures::new::<F>(r_cut, 1.0),
+            in_units: cubic.then(|| Measures::new::<F>(r_cut, scale[0])),
             list,
             // For fewer, asking costs 1 % of a step.
             ahead: (list.table().particle.len() >= MANY).then(|| list.reaches_ahead()),
@@ -136,34 +167,32 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, B: Besides<L>, C: Besides<L>>(
                 [row(0), row(1), row(2), row(3)]
             };
             let mut common = C::nothing();
-            let sums: [Sums<L, B>; SHARERS] = if F::RARE {
-                Meeting::new(job, AsTheyAre::new(own, job.scale)).all(
-                    counts,
-                    &mut reader,
-                    &mut common,
-                )
-            } else if L::SPECIAL_LOOPS && span.together {
-                Meeting::new(job, FromAmid::new(own, job.scale)).all(
-                    counts,
-                    &mut reader,
-                    &mut common,
-                )
-            } else {
-                Meeting::new(job, AsTheyAre::new(own, job.scale)).all(
-                    counts,
-                    &mut reader,
-                    &mut common,
-                )
+            let (sums, units): ([Sums<L, B>; SHARERS], Units) = 'met: {
+                if const { L::SPECIAL_LOOPS && !F::RARE } {
+                    if let (true, Some(in_units)) = (span.together, &job.in_units) {
+                        let view = FromAmid::<L, true>::new(own, job.scale);
+                        let meeting = Meeting::new(job.form, in_units, view);
+                        break 'met meeting.all(counts, &mut reader, &mut common);
+                    }
+                    if span.together {
+                        let view = FromAmid::<L, false>::new(own, job.scale);
+                        let meeting = Meeting::new(job.form, &job.in_sigma, view);
+                        break 'met meeting.all(counts, &mut reader, &mut common);
+                    }
+                }
+                let view = AsTheyAre::new(own, job.scale);
+                let meeting = Meeting::new(job.form, &job.in_sigma, view);
+                meeting.all(counts, &mut reader, &mut common)
             };
             let forces = [sums[0].force, sums[1].force, sums[2].force, sums[3].force];
             let end = (first + SHARERS).min(n);
-            let forces = L::sum_four(forces, F::UNIT);
+            let forces = L::sum_four(forces, units.force());
             for ((place, sums), force) in (first..end).zip(&sums).zip(forces) {
                 sum += force;
-                output.write(place, force, &sums.besides, F::UNIT, &mut totals);
+                output.write(place, force, &sums.besides, units, &mut totals);
             }
             if C::ANYTHING {
-                totals.add(&common.totals(F::UNIT));
+                totals.add(&common.totals(units));
             }
             (first, begin) = (end, span.end);
         }
@@ -197,7 +226,7 @@ impl Counts {
 /// Sums of one of the sharers.
 #[derive(Clone, Copy)]
 struct Sums<L, B> {
-    /// In units of the form, and σ.
+    /// In units of the form and of the view.
     force: [L; 3],
     besides: B,
 }
@@ -205,21 +234,30 @@ struct Sums<L, B> {
 /// The sharers of a list and those whom it names.
 struct Meeting<L, F, V> {
     form: F,
+    /// The square of the cutoff, in units of the view.
     r_cut2: L,
+    /// The square of a unit, σ².
+    unit2: L,
+    /// Its inverse, σ⁻².
+    inv_unit2: L,
+    units: Units,
     view: V,
 }
 
 impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
     #[inline(always)]
-    fn new(job: &SharedJob<'_, F>, view: V) -> Self {
+    fn new(form: F, measures: &Measures, view: V) -> Self {
         Self {
-            form: job.form,
-            r_cut2: L::splat(job.r_cut2),
+            form,
+            r_cut2: L::splat(measures.r_cut2),
+            unit2: L::splat(measures.unit2),
+            inv_unit2: L::splat(measures.inv_unit2),
+            units: measures.units,
             view,
         }
     }
 
-    /// The sums over the list that comes next, which has so many blocks of each kind.
+    /// The sums over the list that comes next, which has so many blocks of each kind, and what they count in.
     ///
     /// # Safety
     /// As [`run`]; the list is that of the sharers in view.
@@ -229,7 +267,7 @@ impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
         counts: Counts,
         reader: &mut Reader<L>,
         common: &mut C,
-    ) -> [Sums<L, B>; SHARERS] {
+    ) -> ([Sums<L, B>; SHARERS], Units) {
         let all = [u16::MAX; SHARERS];
         // SAFETY: the contract is passed on.
         unsafe {
@@ -253,7 +291,7 @@ impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
             for _ in 0..counts.plain {
                 sums = self.add::<B, C, false>(own, reader, all, sums, common);
             }
-            sums
+            (sums, self.units)
         }
     }
 
@@ -340,7 +378,11 @@ impl<L: FixedLanes, F: PairForm, V: View<L>> Meeting<L, F, V> {
         } else {
             r2.at_most(self.r_cut2)
         };
-        let pair = self.form.eval(r2);
+        let pair = if V::IN_SIGMA {
+            self.form.eval(r2, r2.recip())
+        } else {
+            self.form.eval(r2 * self.unit2, self.inv_unit2 / r2)
+        };
         let f = pair.force.keep(inside);
         let [x, y, z] = sums.force;
         sums.force = [dx.mul_add(f, x), dy.mul_add(f, y), dz.mul_add(f, z)];

@@ -7,6 +7,8 @@ use super::lanes::FixedLanes;
 
 /// A way to see them.
 pub trait View<L: FixedLanes> {
+    /// Whether distances are in σ, or else in units of the rows, as long along all axes.
+    const IN_SIGMA: bool;
     /// Of one particle, in every lane.
     type Own: Copy;
     /// Of a register of others.
@@ -21,7 +23,7 @@ pub trait View<L: FixedLanes> {
     /// The processor has the instruction set of `L`, here and below.
     unsafe fn others(&self, gathered: L::Own) -> Self::Others;
 
-    /// own − others along each axis, σ.
+    /// own − others along each axis.
     ///
     /// # Safety
     /// As [`View::others`].
@@ -59,6 +61,7 @@ impl<L: FixedLanes> AsTheyAre<L> {
 }
 
 impl<L: FixedLanes> View<L> for AsTheyAre<L> {
+    const IN_SIGMA: bool = true;
     type Own = L::Own;
     type Others = L::Own;
 
@@ -80,20 +83,21 @@ impl<L: FixedLanes> View<L> for AsTheyAre<L> {
 }
 
 /// From the point amid sharers that are together: what is gathered is rounded once for all four, and differences are
-/// those of small numbers.
-pub struct FromAmid<L: FixedLanes> {
+/// those of small numbers. In a `CUBIC` box, whose units are as long along all axes, nothing is stretched to σ.
+pub struct FromAmid<L: FixedLanes, const CUBIC: bool> {
     amid: L::Own,
     own: [[L; 3]; SHARERS],
     scale: [L; 3],
 }
 
-impl<L: FixedLanes> FromAmid<L> {
+impl<L: FixedLanes, const CUBIC: bool> FromAmid<L, CUBIC> {
     /// Of sharers at `rows`, in units of these lengths along each axis, σ.
     ///
     /// # Safety
     /// As [`View::others`].
     #[inline(always)]
     pub unsafe fn new(rows: [&FixedRow; SHARERS], scale: [f64; 3]) -> Self {
+        let scale = if CUBIC { [1.0; 3] } else { scale };
         // SAFETY: the contract is passed on, here and below.
         let (amid, own) = unsafe { L::from_amid(rows, scale) };
         let scale = spread(scale);
@@ -101,7 +105,8 @@ impl<L: FixedLanes> FromAmid<L> {
     }
 }
 
-impl<L: FixedLanes> View<L> for FromAmid<L> {
+impl<L: FixedLanes, const CUBIC: bool> View<L> for FromAmid<L, CUBIC> {
+    const IN_SIGMA: bool = !CUBIC;
     type Own = [L; 3];
     type Others = [L; 3];
 
@@ -113,7 +118,12 @@ impl<L: FixedLanes> View<L> for FromAmid<L> {
     #[inline(always)]
     unsafe fn others(&self, gathered: L::Own) -> [L; 3] {
         // SAFETY: as above.
-        stretch(unsafe { L::apart(gathered, self.amid) }, self.scale)
+        let apart = unsafe { L::apart(gathered, self.amid) };
+        if CUBIC {
+            apart
+        } else {
+            stretch(apart, self.scale)
+        }
     }
 
     #[inline(always)]
