@@ -6,10 +6,10 @@ use std::process::ExitCode;
 
 use crate::{CASES, Case};
 
-/// An argument that cannot be meant.
+/// An argument that cannot be meant, and why.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
-pub struct BadArgument(String);
+pub struct BadArgument(pub String);
 
 /// What was given.
 #[derive(Debug, Clone, Default)]
@@ -80,6 +80,25 @@ impl Arguments {
             .transpose()
     }
 
+    /// The value of a key, a length in σ above zero.
+    ///
+    /// # Errors
+    /// [`BadArgument`] where it is none.
+    pub fn length(&self, key: &str) -> Result<Option<f64>, BadArgument> {
+        let length = |found: &str| {
+            let length = found
+                .parse()
+                .ok()
+                .filter(|l: &f64| l.is_finite() && *l > 0.0);
+            length.ok_or_else(|| {
+                BadArgument(format!(
+                    "`{key}` = {found} is not allowed: a length in σ above 0"
+                ))
+            })
+        };
+        self.value(key).map(length).transpose()
+    }
+
     /// The value of a key, or the first of some: one of them.
     ///
     /// # Errors
@@ -140,7 +159,7 @@ mod tests {
 
     fn read(line: &str) -> Result<Arguments, BadArgument> {
         let words = line.split_whitespace().map(str::to_owned);
-        Arguments::read(words, &["threads", "precision"])
+        Arguments::read(words, &["threads", "precision", "skin"])
     }
 
     #[test]
@@ -150,6 +169,8 @@ mod tests {
         assert_eq!(given.steps(200, 1), Ok(60));
         assert_eq!(given.number("threads", 1), Ok(Some(2)));
         assert_eq!(given.value("precision"), None);
+        assert_eq!(given.length("skin"), Ok(None));
+        assert_eq!(read("B skin=0.3").unwrap().length("skin"), Ok(Some(0.3)));
         let precisions = [("double", 8), ("mixed", 4)];
         assert_eq!(given.one_of("precision", &precisions), Ok(8));
         assert_eq!(read("A").unwrap().steps(200, 1), Ok(200));
@@ -160,7 +181,7 @@ mod tests {
         let message = |result: Result<usize, BadArgument>| result.unwrap_err().to_string();
         assert_eq!(
             read("A thread=2").unwrap_err().to_string(),
-            "no key `thread`; there are threads, precision"
+            "no key `thread`; there are threads, precision, skin"
         );
         for bad in ["two", "0", "-1", ""] {
             let given = read(&format!("A threads={bad}")).unwrap();
@@ -174,6 +195,13 @@ mod tests {
             message(read("A many").unwrap().steps(200, 250)),
             "the second word = many is not allowed: a whole number of at least 250"
         );
+        for bad in ["thick", "0", "-0.2", "inf", "NaN"] {
+            let given = read(&format!("A skin={bad}")).unwrap();
+            assert_eq!(
+                given.length("skin").unwrap_err().to_string(),
+                format!("`skin` = {bad} is not allowed: a length in σ above 0")
+            );
+        }
         let given = read("A precision=triple").unwrap();
         assert_eq!(
             message(given.one_of("precision", &[("double", 1), ("mixed", 2)])),

@@ -1,18 +1,19 @@
-//! Energy drift of a case: `drift CASE [STEPS] [precision=double,mixed] [truncation=shift]`, in ε an atom and τ, from
-//! a straight line through the conserved energy without the first fifth, with the standard error of ten block slopes.
+//! Energy drift of a case: `drift CASE [STEPS] [from=STEP] [precision=double,mixed] [truncation=shift]`, in ε an atom and τ, from
+//! a straight line through the conserved energy from a step on, or else without the first fifth, with the standard error of
+//! ten block slopes.
 
 use std::io::{Write, stdout};
 use std::process::ExitCode;
 
-use lennard_benches::arguments::{Arguments, exit_code};
+use lennard_benches::arguments::{Arguments, BadArgument, exit_code};
 use lennard_core::{DVec3, ForceProvider, Want};
 use lennard_forcefield::{KernelOptions, Precision, TruncationKind};
 use lennard_observables::statistics::drift;
 
 /// Steps between two energies.
 const EVERY: usize = 10;
-/// Fewest steps, of which 20 energies are kept: hardly enough for an error.
-const FEWEST_STEPS: usize = 250;
+/// Fewest steps that a line is drawn through, 20 energies: hardly enough for an error.
+const FEWEST_STEPS: usize = 200;
 
 const TRUNCATIONS: [(&str, TruncationKind); 4] = [
     ("shift", TruncationKind::Shift),
@@ -26,9 +27,19 @@ fn main() -> ExitCode {
 }
 
 fn measure() -> Result<(), Box<dyn std::error::Error>> {
-    let given = Arguments::read(std::env::args().skip(1), &["precision", "truncation"])?;
+    let given = Arguments::read(
+        std::env::args().skip(1),
+        &["from", "precision", "truncation"],
+    )?;
     let case = given.case()?;
-    let steps = given.steps(3000, FEWEST_STEPS)?;
+    let steps = given.steps(3000, FEWEST_STEPS + FEWEST_STEPS / 4)?;
+    let from = given.number("from", 0)?.unwrap_or(steps / 5);
+    if from + FEWEST_STEPS > steps {
+        return Err(BadArgument(format!(
+            "`from` = {from} is not allowed: a step at least {FEWEST_STEPS} before the last, {steps}"
+        ))
+        .into());
+    }
     let truncation = given.one_of("truncation", &TRUNCATIONS)?;
     let both = [("double", Precision::Double), ("mixed", Precision::Mixed)];
     let choices = [
@@ -48,7 +59,7 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
             let u = run.steps(EVERY, Want::ENERGY)?.conserved_potential;
             energies.push((u.ok_or("no energy")? + run.kinetic_energy()) / n);
         }
-        let settled = energies.len() / 5..;
+        let settled = from / EVERY..;
         let times: Vec<f64> = (0..energies.len())
             .map(|k| (k * EVERY) as f64 * case.dt)
             .collect();
@@ -57,7 +68,7 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
         let s = run.provider.statistics();
         writeln!(
             stdout(),
-            "{} {name} {truncation:?}, {steps} steps: drift {:+.2e} ± {:.1e} ε/atom/τ, RMS {:.1e}, momentum {momentum:.1e} an atom, {} builds, {} late",
+            "{} {name} {truncation:?}, steps {from} to {steps}: drift {:+.2e} ± {:.1e} ε/atom/τ, RMS {:.1e}, momentum {momentum:.1e} an atom, {} builds, {} late",
             case.name,
             line.slope,
             line.standard_error,

@@ -1,7 +1,8 @@
 //! Whole steps of the cases A, B and C without the engine, for the comparison with other engines:
-//! `steps CASE [STEPS] [key=value ...]` with keys `threads`, `beside`, `precision`, `isa`, `repeats` and `warm`. With `beside`, blocks on
+//! `steps CASE [STEPS] [key=value ...]` with keys `threads`, `beside`, `precision`, `isa`, `skin`, `repeats` and `warm`. With `beside`, blocks on
 //! so many threads are taken in turn with those on `threads`, and the median of the ratios of neighboring blocks tells
-//! more than two runs on a machine whose clock drifts. Kernels, lists and skins are what `lennard bench` is for.
+//! more than two runs on a machine whose clock drifts. `skin` takes the place of the one that the case would choose. Kernels
+//! and lists by themselves are what `lennard bench` is for.
 
 use std::io::{Write, stdout};
 use std::process::ExitCode;
@@ -12,7 +13,15 @@ use lennard_core::parallel::awake;
 use lennard_core::{ForceProvider, Want};
 use lennard_forcefield::{Isa, KernelOptions, Precision, TruncationKind};
 
-const KEYS: [&str; 6] = ["threads", "beside", "precision", "isa", "repeats", "warm"];
+const KEYS: [&str; 7] = [
+    "threads",
+    "beside",
+    "precision",
+    "isa",
+    "skin",
+    "repeats",
+    "warm",
+];
 
 fn main() -> ExitCode {
     exit_code(measure())
@@ -39,13 +48,14 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
     let beside = given.number("beside", 1)?;
     let repeats = given.number("repeats", 1)?.unwrap_or(5);
     let warm = given.number("warm", 0)?.unwrap_or(200);
+    let skin = given.length("skin")?;
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let counts: Vec<usize> = [threads].into_iter().chain(beside).collect();
     let pools = counts
         .iter()
         .map(|n| pool(*n))
         .collect::<Result<Vec<_>, _>>()?;
-    let mut run = pools[0].install(|| case.start(kernel, None, TruncationKind::Cut))?;
+    let mut run = pools[0].install(|| case.start(kernel, skin, TruncationKind::Cut))?;
     pools[0].install(|| run.steps(warm, Want::NOTHING))?;
     let mut seconds = vec![Vec::new(); pools.len()];
     for round in 0..repeats {

@@ -22,9 +22,13 @@ const DIRECT_OVER_USELESS_SKIN: usize = 32;
 /// Share of the box side by which r_cut must stay below half of it for ghosts to be unambiguous: at
 /// exactly half, two images of one particle are equally near.
 const TIE_MARGIN: f64 = 1e-9;
-/// Cost of building lists over that of the force loop. It is 2.5 to 3 where nothing else wants the caches; steps cost the same at
-/// any value in between, and thicker skins keep lists below a fifth of a step.
+/// Cost of building lists over that of the force loop in double precision. It is 2.5 to 3 where nothing else wants the caches;
+/// steps cost the same at any value in between, and thicker skins keep lists below a fifth of a step.
 const BUILD_OVER_FORCE: f64 = 4.0;
+/// The same for the lists of mixed precision that four share. They name what lies beyond the list radius of three of the four all
+/// the same, so that a loop over them grows less with the skin than the model says: steps take no longer at skins a fourth thicker
+/// than it says, and 2 to 8 % less where particles are very many (`benches/NOTES.md`).
+const BUILD_OVER_SHARED_FORCE: f64 = 6.5;
 /// Fewer particles than this for each thread cost more in waiting than they save.
 const ATOMS_PER_THREAD: usize = 400;
 
@@ -119,14 +123,18 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
         },
     ))?;
     check_split(o, r_cut)?;
-    let (search, skin, reason) = search(o, c, r_cut)?;
-
     let tie = largest - r_cut < TIE_MARGIN * largest;
-    let pure = o.canonical || search != Search::Verlet || tie;
-    let (listed, precision) = match o.kernel.precision {
-        Precision::Mixed if !pure => (Loop::Shared, Precision::Mixed),
-        Precision::Double if !pure => (Loop::Rows, Precision::Double),
-        _ => (Loop::Canonical, Precision::Double),
+    let listed = match o.kernel.precision {
+        _ if o.canonical || tie => Loop::Canonical,
+        Precision::Double => Loop::Rows,
+        Precision::Mixed => Loop::Shared,
+    };
+    let (search, skin, reason) = search(o, c, r_cut, listed)?;
+    let pure = search != Search::Verlet || listed == Loop::Canonical;
+    let precision = if pure {
+        Precision::Double
+    } else {
+        o.kernel.precision
     };
     let kernel = match (search, listed) {
         (Search::Reference, _) => "reference",
@@ -181,11 +189,12 @@ fn check_split(o: &ForceFieldOptions, r_cut: f64) -> Result<(), ForceFieldError>
     Ok(())
 }
 
-/// Chooses how pairs are found, with the skin and the reason.
+/// Chooses how pairs are found, with the skin of a list that feeds this loop, and the reason.
 fn search(
     o: &ForceFieldOptions,
     c: &Conditions,
     r_cut: f64,
+    listed: Loop,
 ) -> Result<(Search, f64, String), ForceFieldError> {
     let n = c.n_atoms;
     let largest_skin = c.cell.largest_cutoff() - r_cut;
@@ -216,7 +225,10 @@ fn search(
         temperature: c.temperature,
         dt: c.dt,
         r_cut,
-        build_over_force: BUILD_OVER_FORCE,
+        build_over_force: match listed {
+            Loop::Shared => BUILD_OVER_SHARED_FORCE,
+            Loop::Rows | Loop::Canonical => BUILD_OVER_FORCE,
+        },
     });
     let chosen = cheapest.min(largest_skin);
     match (o.neighbor.mode, o.neighbor.skin) {
@@ -280,4 +292,56 @@ fn estimate_bytes(c: &Conditions, search: Search, r_list: f64, listed: Loop) -> 
     // Entries of 16 bits, padded by half a register on average; tables by place and by row.
     let entries = n * (neighbors(c, r_list) + 6.0) * 2.0;
     (entries + row_bytes + n * 92.0 + rows * 16.0) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{KernelOptions, NeighborOptions};
+    use lennard_core::PeriodicBox;
+
+    fn decided(precision: Precision, change: impl Fn(&mut ForceFieldOptions)) -> ForcePlan {
+        let mut options = ForceFieldOptions {
+            kernel: KernelOptions {
+                precision,
+                ..KernelOptions::default()
+            },
+            ..ForceFieldOptions::default()
+        };
+        change(&mut options);
+        let conditions = Conditions {
+            cell: PeriodicBox::cubic_for_density(32_000, 0.8442).unwrap(),
+            n_atoms: 32_000,
+            temperature: 0.72,
+            dt: 0.005,
+        };
+        decide(&options, &conditions).unwrap().plan
+    }
+
+    #[test]
+    fn shared_lists_have_a_thicker_skin_and_every_other_list_the_same() {
+        let rows = decided(Precision::Double, |_| ());
+        let shared = decided(Precision::Mixed, |_| ());
+        assert_eq!((rows.kernel, shared.kernel), ("rows", "shared"));
+        let ratio = shared.skin / rows.skin;
+        assert!((1.2..1.3).contains(&ratio), "{ratio}");
+        for precision in [Precision::Double, Precision::Mixed] {
+            let canonical = decided(precision, |options| options.canonical = true);
+            assert_eq!((canonical.kernel, canonical.skin), ("canonical", rows.skin));
+            assert_eq!(canonical.precision, Precision::Double);
+        }
+    }
+
+    #[test]
+    fn without_a_list_pairs_are_in_double_precision() {
+        let direct = |options: &mut ForceFieldOptions| {
+            options.neighbor = NeighborOptions {
+                mode: ListMode::Direct,
+                skin: None,
+            };
+        };
+        let plan = decided(Precision::Mixed, direct);
+        assert_eq!((plan.kernel, plan.skin), ("direct", 0.0));
+        assert_eq!((plan.precision, plan.isa), (Precision::Double, "portable"));
+    }
 }
