@@ -28,7 +28,12 @@ pub struct Case {
     pub cells: usize,
     /// Time step, τ.
     pub dt: f64,
+    /// Seed of the velocities.
+    pub seed: u64,
 }
+
+/// Seed of the velocities where no other is asked for.
+const SEED: u64 = 1967;
 
 /// The cases A (32,000 particles), B (864) and C (953,312).
 pub const CASES: [Case; 3] = [
@@ -36,16 +41,19 @@ pub const CASES: [Case; 3] = [
         name: "A",
         cells: 20,
         dt: 0.005,
+        seed: SEED,
     },
     Case {
         name: "B",
         cells: 6,
         dt: 0.004,
+        seed: SEED,
     },
     Case {
         name: "C",
         cells: 62,
         dt: 0.005,
+        seed: SEED,
     },
 ];
 
@@ -126,7 +134,7 @@ impl Case {
             dt: self.dt,
         };
         let provider = build(&options, &conditions)?;
-        let mut random = Streams::new(1967).sequential("velocities");
+        let mut random = Streams::new(self.seed).sequential("velocities");
         let mut velocities: Vec<DVec3> = (0..n)
             .map(|_| DVec3::from([0; 3].map(|_| StandardNormal.sample(&mut random))))
             .collect();

@@ -1,6 +1,6 @@
-//! Energy drift of a case: `drift CASE [STEPS] [from=STEP] [precision=double,mixed] [truncation=shift]`, in ε an atom and τ, from
-//! a straight line through the conserved energy from a step on, or else without the first fifth, with the standard error of
-//! ten block slopes.
+//! Energy drift of a case: `drift CASE [STEPS] [from=STEP] [precision=double,mixed] [seed=1967] [truncation=shift]`, in ε an atom
+//! and τ, from a straight line through the conserved energy from a step on, or else without the first fifth, with the standard
+//! error of ten block slopes.
 
 use std::io::{Write, stdout};
 use std::process::ExitCode;
@@ -29,9 +29,12 @@ fn main() -> ExitCode {
 fn measure() -> Result<(), Box<dyn std::error::Error>> {
     let given = Arguments::read(
         std::env::args().skip(1),
-        &["from", "precision", "truncation"],
+        &["from", "precision", "seed", "truncation"],
     )?;
-    let case = given.case()?;
+    let mut case = given.case()?;
+    if let Some(seed) = given.number("seed", 0)? {
+        case.seed = seed as u64;
+    }
     let steps = given.steps(3000, FEWEST_STEPS + FEWEST_STEPS / 4)?;
     let from = given.number("from", 0)?.unwrap_or(steps / 5);
     if from + FEWEST_STEPS > steps {
