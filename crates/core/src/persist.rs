@@ -17,6 +17,19 @@ pub enum Array {
     Vec3(Vec<DVec3>),
 }
 
+impl Array {
+    /// Bytes of its values.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::F64(values) => size_of_val(&values[..]),
+            Self::I64(values) => size_of_val(&values[..]),
+            Self::U64(values) => size_of_val(&values[..]),
+            Self::Vec3(values) => size_of_val(&values[..]),
+        }
+    }
+}
+
 /// All arrays of a saved run, by name (`integrator/previous_positions`).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StateArchive {
@@ -61,6 +74,12 @@ pub struct StateWriter<'a> {
 }
 
 impl StateArchive {
+    /// Bytes of the values of all arrays.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.arrays.values().map(Array::bytes).sum()
+    }
+
     /// A writer at the top level.
     pub fn writer(&mut self) -> StateWriter<'_> {
         StateWriter {

@@ -7,6 +7,7 @@ use lennard_forcefield::{Precision, Search};
 use lennard_scene::Scene;
 use serde::Serialize;
 
+use crate::run::SET_ASIDE_BYTES;
 use crate::simulation::Simulation;
 use crate::watchdog;
 use crate::{EngineError, SET_ASIDE_EVERY, build};
@@ -44,7 +45,8 @@ pub struct Plan {
     pub threads: usize,
     /// Parts of the work.
     pub items: Vec<PlanItem>,
-    /// Bytes held by state, lists and private copies.
+    /// Bytes that a run holds at most, but for what observables gather: its state and the one set aside, the forces with their
+    /// lists, and a checkpoint while it is written.
     pub bytes: u64,
     /// Median time of a step with everything off, seconds.
     pub seconds_per_step: f64,
@@ -53,6 +55,9 @@ pub struct Plan {
     /// Estimated wall time of the whole run, seconds.
     pub estimated_seconds: f64,
 }
+
+/// Bytes of the state for each particle: position, velocity and force.
+const STATE_BYTES: usize = 3 * size_of::<DVec3>();
 
 /// Makes the plan of a scene. What is on and off follows from the scene alone; a short measurement of its first steps and
 /// of each part says what they cost.
@@ -73,8 +78,8 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
             .map(|s| s / total);
     }
     let n = simulation.state.len();
-    let vectors_a_particle = 3;
-    let state_bytes = (n * vectors_a_particle * size_of::<DVec3>()) as u64;
+    let state = n * STATE_BYTES;
+    let set_aside = n * SET_ASIDE_BYTES;
     Ok(Plan {
         schema: "lennard-plan-2",
         scene: scene.name.clone(),
@@ -84,7 +89,7 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
         steps: scene.total_steps(),
         threads,
         items,
-        bytes: state_bytes + costs.bytes,
+        bytes: (state + set_aside + costs.checkpoint_bytes) as u64 + costs.force_bytes,
         seconds_per_step: costs.median_step,
         measured_steps: costs.steps,
         estimated_seconds: total,

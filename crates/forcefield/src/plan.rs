@@ -80,8 +80,6 @@ pub struct ForcePlan {
     pub precision: Precision,
     /// Threads worth using for this many particles.
     pub recommended_threads: usize,
-    /// Estimate of the bytes held by lists and private copies.
-    pub estimated_bytes: u64,
 }
 
 /// The number of threads worth using for `n_atoms` particles, at most `available`.
@@ -159,7 +157,6 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
         isa: isa.name(),
         precision,
         recommended_threads: recommended_threads(c.n_atoms, usize::MAX),
-        estimated_bytes: estimate_bytes(c, search, r_cut + skin, listed),
     };
     Ok(Decision {
         model,
@@ -167,12 +164,6 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
         listed,
         plan,
     })
-}
-
-/// The mean number of particles within `r_list` σ of one, in a structureless fluid.
-fn neighbors(c: &Conditions, r_list: f64) -> f64 {
-    let density = c.n_atoms as f64 / c.cell.volume();
-    density * 4.0 / 3.0 * std::f64::consts::PI * r_list.powi(3)
 }
 
 fn check_split(o: &ForceFieldOptions, r_cut: f64) -> Result<(), ForceFieldError> {
@@ -270,28 +261,6 @@ fn search(
             ))
         }
     }
-}
-
-/// Bytes of the lists and private copies, from the mean number of neighbors.
-fn estimate_bytes(c: &Conditions, search: Search, r_list: f64, listed: Loop) -> u64 {
-    let n = c.n_atoms as f64;
-    if search != Search::Verlet {
-        return (n * 24.0) as u64;
-    }
-    let lengths = c.cell.lengths();
-    let rows = n * ((lengths + 2.0 * r_list) / lengths).element_product();
-    let row_bytes = match listed {
-        // Blocks of 40 bytes for 16 entries, of which four particles have some 1.7 times as many as one, and half a block
-        // of padding; rows, tables and the positions of the build.
-        Loop::Shared => {
-            let entries = 0.25 * (1.7 * neighbors(c, r_list) + 8.0);
-            return (n * (2.5 * 1.05 * entries + 16.0 + 30.0 + 24.0)) as u64;
-        }
-        Loop::Rows | Loop::Canonical => 32.0 * rows,
-    };
-    // Entries of 16 bits, padded by half a register on average; tables by place and by row.
-    let entries = n * (neighbors(c, r_list) + 6.0) * 2.0;
-    (entries + row_bytes + n * 92.0 + rows * 16.0) as u64
 }
 
 #[cfg(test)]

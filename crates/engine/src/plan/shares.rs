@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use lennard_core::{Configuration, Observable, Part, Want};
+use lennard_core::{Configuration, Observable, Part, Persist, StateArchive, Want};
 use lennard_integrators::Coupling;
 use lennard_io::{Frame, Sink, TrajectoryWriter};
 use lennard_scene::{Scene, Stage};
@@ -37,8 +37,10 @@ pub(super) struct Costs {
     force: f64,
     /// List building of such a step.
     neighbor: f64,
-    /// Bytes that the forces hold.
-    pub(super) bytes: u64,
+    /// Bytes that the forces hold, steps that nobody looks at included where the scene has some.
+    pub(super) force_bytes: u64,
+    /// Bytes of what a checkpoint is put together in.
+    pub(super) checkpoint_bytes: usize,
     /// What energy and virial add to an evaluation.
     totals: f64,
     /// What the Laplacian adds to that.
@@ -118,6 +120,7 @@ impl Costs {
         let observers = observers
             .map(|o| (o.observable.want(), sampled(o)))
             .collect();
+        take_steps_unseen(&mut bare, simulation)?;
         let dt = bare.stage_run().dt;
         let look = median(|| drop(watchdog::check_speeds(&bare.state, dt)));
         let mut aside = bare.state.clone();
@@ -137,7 +140,8 @@ impl Costs {
             median_step: times[times.len() / 2],
             force: statistics.force_seconds / all,
             neighbor: statistics.neighbor_seconds / all,
-            bytes: statistics.bytes,
+            force_bytes: bare.forces.statistics().bytes,
+            checkpoint_bytes: checkpoint_bytes(&bare),
             totals: energies - forces,
             laplacian: laplacian - energies,
             per_particle,
@@ -258,6 +262,26 @@ fn with_everything_off(simulation: &Simulation) -> Result<Simulation, EngineErro
     prepare_from(scene, beginning)
 }
 
+/// Takes a few steps as the scene does where nobody looks at them, if it has such steps: what they take memory for is then there.
+fn take_steps_unseen(bare: &mut Simulation, scene: &Simulation) -> Result<(), EngineError> {
+    let without_bath = |stage: &Stage| stage.thermostat.is_none();
+    if scene.scene.stages.iter().any(without_bath) {
+        bare.run(&mut Unseen {
+            of: scene,
+            begin: bare.state.step,
+            last: bare.state.step,
+        })?;
+    }
+    Ok(())
+}
+
+/// Bytes of what a checkpoint is put together in.
+fn checkpoint_bytes(bare: &Simulation) -> usize {
+    let mut archive = StateArchive::default();
+    bare.save(&mut archive.writer());
+    archive.bytes()
+}
+
 /// One call of a stage's heat bath, mean over some steps; 0 for one that takes the integrator's place.
 fn bath(bare: &Simulation, stage: &Stage) -> f64 {
     let noise = bare.streams.noise("thermostat");
@@ -349,6 +373,41 @@ impl Follower for ForAWhile {
     }
 }
 
+/// Looks at the steps that somebody looks at in the scene of a simulation, and stops once several were taken in one go, or
+/// where none are.
+struct Unseen<'a> {
+    of: &'a Simulation,
+    begin: u64,
+    last: u64,
+}
+
+impl Unseen<'_> {
+    /// Steps until it stops in any case.
+    const MOST: u64 = 4;
+}
+
+impl Follower for Unseen<'_> {
+    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
+        Want::NOTHING
+    }
+
+    fn looks_at(&self, _scene: &Scene, step: u64, _measured: bool) -> bool {
+        let (row, frame) = self.of.scene.output.due(step, true);
+        let observed = |o: &Observer| step.is_multiple_of(o.every);
+        row || frame || self.of.observers.iter().any(observed) || step >= self.begin + Self::MOST
+    }
+
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+        let step = simulation.state.step;
+        let in_one_go = step - std::mem::replace(&mut self.last, step);
+        Ok(if in_one_go > 1 || step >= self.begin + Self::MOST {
+            Verdict::Stop
+        } else {
+            Verdict::Continue
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -368,7 +427,8 @@ mod tests {
             median_step: 10.0,
             force: 6.0,
             neighbor: 2.0,
-            bytes: 0,
+            force_bytes: 0,
+            checkpoint_bytes: 0,
             totals: 5.0,
             laplacian: -1.0,
             per_particle: 7.0,
@@ -377,6 +437,28 @@ mod tests {
             baths,
             frame: 3.0,
             watch: 0.25,
+        }
+    }
+
+    #[test]
+    fn memory_is_counted_as_a_run_takes_it() {
+        let measured = |more: &str| {
+            let mut simulation = crate::prepare(scene(more)).unwrap();
+            Costs::measure(&mut simulation).unwrap()
+        };
+        let stage = "[[stage]]\nname = \"a\"\nsteps = 300\n";
+        let observed = format!("{stage}[[observable]]\nkind = \"momentum\"\nevery = 1\n");
+        let bath = format!("{stage}thermostat = \"bussi\"\n");
+        let in_strides = measured(stage);
+        let step_by_step = [measured(&observed), measured(&bath)];
+        let n = 108;
+        for costs in step_by_step {
+            // Positions, velocities and positions of the next step, by place.
+            let more = in_strides.force_bytes as f64 - costs.force_bytes as f64;
+            assert!(more >= (3 * 24 * n) as f64, "{more}");
+            assert!(costs.force_bytes >= 24 * n);
+            // Positions, velocities, forces, and positions at the last build.
+            assert!(costs.checkpoint_bytes >= 4 * 24 * n as usize);
         }
     }
 
