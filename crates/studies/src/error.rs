@@ -46,9 +46,14 @@ pub enum StudyError {
         /// What happened.
         source: lennard_core::ForceError,
     },
-    /// The threads of a study cannot be started.
-    #[error("cannot start threads: {0}")]
-    Threads(String),
+    /// The system gives no threads.
+    #[error("cannot start {threads} threads: {source}")]
+    Threads {
+        /// How many were asked for.
+        threads: usize,
+        /// What the system said.
+        source: rayon::ThreadPoolBuildError,
+    },
     /// A figure cannot be drawn.
     #[error(transparent)]
     Report(#[from] ReportError),

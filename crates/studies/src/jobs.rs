@@ -48,7 +48,7 @@ pub(crate) fn side_by_side_on<I: Sync, R: Send>(
                         let _ = tell.send(());
                     }
                 };
-                match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+                match pool(1) {
                     Ok(pool) => pool.install(run),
                     // Without a pool of its own the job runs as well, only on more threads.
                     Err(_) => run(),
@@ -74,7 +74,7 @@ pub(crate) fn pool(threads: usize) -> Result<rayon::ThreadPool, StudyError> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
-        .map_err(|e| StudyError::Threads(e.to_string()))
+        .map_err(|source| StudyError::Threads { threads, source })
 }
 
 #[cfg(test)]

@@ -124,8 +124,17 @@ fn a_chart_or_a_tuning_that_cannot_be_made_says_why() {
     };
     let wanted = "the forces of leapfrog, dt 0.1: the force on particle 3";
     assert!(forces.to_string().starts_with(wanted), "{forces}");
-    let threads = StudyError::Threads("no more of them".into());
-    assert_eq!(threads.to_string(), "cannot start threads: no more of them");
+    let refused = rayon::ThreadPoolBuilder::new()
+        .spawn_handler(|_| Err(std::io::Error::other("no more of them")))
+        .build();
+    let threads = StudyError::Threads {
+        threads: 2,
+        source: refused.unwrap_err(),
+    };
+    assert_eq!(
+        threads.to_string(),
+        "cannot start 2 threads: no more of them"
+    );
     let sample = TuneError::Force(lost().to_string());
     let wanted = "the forces of the sample: the force on particle 3";
     assert!(sample.to_string().starts_with(wanted), "{sample}");

@@ -10,6 +10,7 @@ use lennard_scene::Scene;
 use super::variants::Variant;
 use super::{BenchError, BenchOptions};
 use crate::Progress;
+use crate::jobs::pool;
 
 /// Steps before the clock starts: the list is built, memory is touched, caches are warm.
 pub(super) const SETTLING: u64 = 5;
@@ -93,14 +94,6 @@ impl Start {
         take(&mut simulation, SETTLING)?;
         Ok(simulation)
     }
-}
-
-/// A pool of so many threads.
-pub(super) fn pool(threads: usize) -> Result<rayon::ThreadPool, BenchError> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|source| BenchError::Threads { threads, source })
 }
 
 /// Takes some steps.

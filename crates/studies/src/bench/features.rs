@@ -11,11 +11,12 @@ use lennard_observables::ObservableOptions;
 use lennard_scene::{ObservableTable, Scene};
 use serde::Serialize;
 
-use super::blocks::{SETTLING, Start, pool, take_wanting};
+use super::blocks::{SETTLING, Start, take_wanting};
 use super::clock::{Clock, tells_processor_time};
 use super::variants::{Variant, in_shuffled_rounds};
 use super::{BenchError, BenchOptions, Spread};
 use crate::Progress;
+use crate::jobs::pool;
 
 /// Blocks of the bare loop and of the scene with everything off in each round, of which the best counts: their ratio is
 /// to be known to a percent, on machines where one block is known to ten.

@@ -108,14 +108,6 @@ pub enum BenchError {
     /// The bare loop failed.
     #[error("the bare loop failed: {0}")]
     Step(#[from] lennard_core::StepError),
-    /// The system gives no threads.
-    #[error("cannot start {threads} threads: {source}")]
-    Threads {
-        /// How many were asked for.
-        threads: usize,
-        /// What the system said.
-        source: rayon::ThreadPoolBuildError,
-    },
     /// Results cannot be drawn or written.
     #[error(transparent)]
     Study(#[from] StudyError),

@@ -2,11 +2,12 @@
 
 use serde::Serialize;
 
-use super::blocks::{Start, pool, take};
+use super::blocks::{Start, take};
 use super::clock::{Clock, tells_processor_time};
 use super::variants::{Variant, in_shuffled_rounds};
 use super::{BenchError, BenchOptions, Spread};
 use crate::Progress;
+use crate::jobs::pool;
 
 /// Skins that are tried, as multiples of the one that the scene gets.
 const TRIED: [f64; 7] = [0.5, 0.65, 0.8, 1.0, 1.25, 1.6, 2.0];

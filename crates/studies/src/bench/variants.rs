@@ -4,10 +4,11 @@ use lennard_forcefield::{Isa, Precision, measure};
 use lennard_scene::Scene;
 use serde::Serialize;
 
-use super::blocks::{Start, pool, take};
+use super::blocks::{Start, take};
 use super::clock::{Clock, tells_processor_time};
 use super::{BenchError, BenchOptions, Spread, Subject};
 use crate::Progress;
+use crate::jobs::pool;
 use crate::settings::shuffled;
 
 /// Steps of the one stage that is measured: more than any block takes.

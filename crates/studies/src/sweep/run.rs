@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::threads::{threads_of, workers};
 use super::{Agreement, Point, Sweep, SweepError, agreement, page};
 use crate::compare::{ComparedRun, Row, RunFolder, StateOfMatter, compare};
+use crate::jobs::pool;
 use crate::kept::same_scene;
 use crate::{Progress, run_page};
 
@@ -279,11 +280,8 @@ fn run_point(
         return Ok(Ran::Stopped);
     }
     let folder = options.folder.join(&point.name);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|e| e.to_string())?;
-    let ending = pool
+    let ending = pool(threads)
+        .map_err(|e| e.to_string())?
         .install(|| start_or_go_on(point, found, options, threads, &folder, done))
         .map_err(|error| error.to_string())?;
     if ending != lennard_engine::Ending::Finished {
