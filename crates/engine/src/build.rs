@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, Dynamics, ForceProvider, PeriodicBox, State, TailCorrection};
-use lennard_forcefield::{Conditions, ForceFieldOptions, Model, PairForces, Tail};
+use lennard_core::{DVec3, Dynamics, PeriodicBox, State, TailCorrection};
+use lennard_forcefield::{Conditions, ForceFieldOptions, Model, PairForces, Precision, Tail};
 use lennard_integrators::ThermostatOptions;
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
@@ -221,9 +221,9 @@ pub fn prepare(scene: Scene) -> Result<Simulation, EngineError> {
 pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation, EngineError> {
     let n = beginning.positions.len();
     let cell = beginning.cell;
-    let (options, mut provider) = forces(&scene, cell, n)?;
+    let (options, provider) = forces(&scene, cell, n)?;
     if beginning.relax {
-        relax(&scene, &mut beginning.positions, &mut provider)?;
+        relax(&scene, cell, &mut beginning.positions)?;
     }
     let dynamics = Dynamics::fluid(n);
     let streams = Streams::new(scene.system.seed);
@@ -255,13 +255,13 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
     })
 }
 
-/// Relaxes a random start until nothing overlaps.
-fn relax(
-    scene: &Scene,
-    positions: &mut [DVec3],
-    provider: &mut dyn ForceProvider,
-) -> Result<(), EngineError> {
-    fire::relax(positions, provider, &FireOptions::default())
+/// Relaxes a random start until nothing overlaps, in double precision whatever the scene runs in: of two that lie nearly on top of
+/// each other the force is no number in single precision.
+fn relax(scene: &Scene, cell: PeriodicBox, positions: &mut [DVec3]) -> Result<(), EngineError> {
+    let mut relaxing = scene.clone();
+    relaxing.kernel.precision = Precision::Double;
+    let (_, mut provider) = forces(&relaxing, cell, positions.len())?;
+    fire::relax(positions, &mut provider, &FireOptions::default())
         .map(|_| ())
         .map_err(|e| {
             scene

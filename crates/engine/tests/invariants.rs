@@ -1,7 +1,9 @@
 //! What must hold whatever the scene: bits, splits, observers, conservation, and failing well.
 
-use lennard_core::{Persist, StateArchive, Want};
-use lennard_engine::{EngineError, Follower, Nobody, Simulation, Verdict, prepare};
+use lennard_core::{DVec3, Persist, StateArchive, Want};
+use lennard_engine::{
+    EngineError, Follower, Nobody, Simulation, Verdict, begin, prepare, prepare_from,
+};
 use lennard_scene::Scene;
 
 /// A liquid near its triple point, 256 particles, one measured stage.
@@ -483,5 +485,25 @@ fn a_hundred_thousand_bit_reversible_steps_of_864_particles_lead_back_to_the_las
             0.0,
             "{threads} threads"
         );
+    }
+}
+
+/// Their force is 10³⁰ ε/σ and more: single precision, which ends at 10³⁸ whatever it counts in, is not for random starts.
+#[test]
+fn particles_nearly_on_top_of_each_other_are_relaxed_in_any_precision() {
+    for precision in ["double", "mixed"] {
+        for apart in [3e-3, 1e-5] {
+            let scene = scene(&[
+                ("system.lattice", "random"),
+                ("kernel.precision", precision),
+            ]);
+            let mut beginning = begin(&scene).unwrap_or_else(|e| panic!("{e}"));
+            beginning.positions[1] = beginning.positions[0] + DVec3::new(0.0, apart, 0.0);
+            let simulation = prepare_from(scene, beginning)
+                .unwrap_or_else(|e| panic!("{precision}, {apart} σ: {e}"));
+            let [a, b] = [0, 1].map(|i| simulation.state.positions[i]);
+            let distance = simulation.cell.minimum_image(a - b).length();
+            assert!(distance > 0.7, "{precision}, {apart} σ: {distance}");
+        }
     }
 }

@@ -257,7 +257,7 @@ fn search(
             Ok((
                 Search::Verlet,
                 chosen,
-                format!("skin from density, temperature and dt by a cost model{limit}"),
+                format!("skin from density, temperature, dt and precision by a cost model{limit}"),
             ))
         }
     }
