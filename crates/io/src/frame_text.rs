@@ -155,7 +155,9 @@ pub(crate) fn push_frame(
     if n == 0 {
         return Err(refuse("number of particles", "0".into(), "at least 1"));
     }
-    if state.velocities.len() != n || state.forces.len() != n {
+    // A state that was set aside has none.
+    let has_forces = style.forces || !state.forces.is_empty();
+    if state.velocities.len() != n || has_forces && state.forces.len() != n {
         return Err(refuse(
             "arrays of the state",
             format!(

@@ -225,6 +225,10 @@ fn writers_say_what_they_do_not_write() {
         length_scale: 0.0,
         ..style.clone()
     };
+    let with_forces = FrameStyle {
+        forces: true,
+        ..style.clone()
+    };
     let table = Table::new("t", "ragged")
         .with("a", "", vec![1.0])
         .with("b", "", vec![]);
@@ -232,6 +236,10 @@ fn writers_say_what_they_do_not_write() {
         (
             write(&scaled, &state, &[]),
             "out: length scale: found 0; allowed: a finite positive number",
+        ),
+        (
+            write(&with_forces, &changed(&|s| s.forces.clear()), &[]),
+            "arrays of the state: found 3 positions, 3 velocities, 0 forces; allowed: one of each for every particle",
         ),
         (
             write(&style, &changed(&|s| s.forces.truncate(2)), &[]),

@@ -204,7 +204,7 @@ static KEYS: &[KeyDoc] = keys! {
     }
     "neighbor" of any {
         "mode": Names(|| vec!["auto", "direct", "verlet"]), "`\"auto\"`", "", "Every pair each time, or a Verlet list over a cell grid; `auto` chooses from the scene.";
-        "skin": NotNegative, "chosen from density, temperature and dt", "σ", "The list holds pairs up to r_cut + skin; that may not exceed half the shortest box side.";
+        "skin": NotNegative, "chosen from density, temperature, dt and precision", "σ", "The list holds pairs up to r_cut + skin; that may not exceed half the shortest box side.";
     }
     "kernel" of any {
         "kernel": Names(|| vec!["auto", "reference"]), "`\"auto\"`", "", "The fastest loop that suits the scene; the plain double loop that all others are judged by.";

@@ -262,15 +262,12 @@ fn with_everything_off(simulation: &Simulation) -> Result<Simulation, EngineErro
     prepare_from(scene, beginning)
 }
 
-/// Takes a few steps as the scene does where nobody looks at them, if it has such steps: what they take memory for is then there.
+/// Takes some steps as the scene does, which are many at once where nobody looks: what those take memory for is then there.
 fn take_steps_unseen(bare: &mut Simulation, scene: &Simulation) -> Result<(), EngineError> {
     let without_bath = |stage: &Stage| stage.thermostat.is_none();
     if scene.scene.stages.iter().any(without_bath) {
-        bare.run(&mut Unseen {
-            of: scene,
-            begin: bare.state.step,
-            last: bare.state.step,
-        })?;
+        let end = bare.state.step + watchdog::EVERY;
+        bare.run(&mut AsTheSceneLooks { scene, end })?;
     }
     Ok(())
 }
@@ -373,34 +370,25 @@ impl Follower for ForAWhile {
     }
 }
 
-/// Looks at the steps that somebody looks at in the scene of a simulation, and stops once several were taken in one go, or
-/// where none are.
-struct Unseen<'a> {
-    of: &'a Simulation,
-    begin: u64,
-    last: u64,
+/// Looks at the steps that rows, frames or observables of a scene look at, and stops at a step.
+struct AsTheSceneLooks<'a> {
+    scene: &'a Simulation,
+    end: u64,
 }
 
-impl Unseen<'_> {
-    /// Steps until it stops in any case.
-    const MOST: u64 = 4;
-}
-
-impl Follower for Unseen<'_> {
+impl Follower for AsTheSceneLooks<'_> {
     fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
         Want::NOTHING
     }
 
     fn looks_at(&self, _scene: &Scene, step: u64, _measured: bool) -> bool {
-        let (row, frame) = self.of.scene.output.due(step, true);
-        let observed = |o: &Observer| step.is_multiple_of(o.every);
-        row || frame || self.of.observers.iter().any(observed) || step >= self.begin + Self::MOST
+        let (row, frame) = self.scene.scene.output.due(step, true);
+        let mut observers = self.scene.observers.iter();
+        row || frame || observers.any(|o| step.is_multiple_of(o.every)) || step == self.end
     }
 
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        let step = simulation.state.step;
-        let in_one_go = step - std::mem::replace(&mut self.last, step);
-        Ok(if in_one_go > 1 || step >= self.begin + Self::MOST {
+        Ok(if simulation.state.step == self.end {
             Verdict::Stop
         } else {
             Verdict::Continue
