@@ -323,16 +323,20 @@ impl Follower for Recorder<'_> {
     }
 }
 
-/// A state to set others aside in: without forces, which nobody reads there.
-fn aside(state: &State) -> State {
+/// A copy of a state to set others aside in: without forces, which nobody reads there.
+pub(crate) fn aside(state: &State) -> State {
     State {
+        step: state.step,
+        time: state.time,
+        positions: state.positions.clone(),
+        velocities: state.velocities.clone(),
         forces: Vec::new(),
-        ..state.clone()
+        energetics: state.energetics.clone(),
     }
 }
 
 /// Copies a state into the memory of another.
-fn set_aside(state: &State, to: &mut State) {
+pub(crate) fn set_aside(state: &State, to: &mut State) {
     to.step = state.step;
     to.time = state.time;
     to.positions.clone_from(&state.positions);

@@ -13,6 +13,7 @@ use lennard_scene::{Scene, Stage};
 use crate::build::{Beginning, prepare_from};
 use crate::files::{header, style};
 use crate::instant::view;
+use crate::run::{aside, set_aside};
 use crate::simulation::{Follower, Observer, Simulation, Verdict};
 use crate::{EngineError, SET_ASIDE_EVERY, watchdog};
 
@@ -123,11 +124,8 @@ impl Costs {
         take_steps_unseen(&mut bare, simulation)?;
         let dt = bare.stage_run().dt;
         let look = median(|| drop(watchdog::check_speeds(&bare.state, dt)));
-        let mut aside = bare.state.clone();
-        let copy = median(|| {
-            aside.positions.clone_from(&bare.state.positions);
-            aside.velocities.clone_from(&bare.state.velocities);
-        });
+        let mut before = aside(&bare.state);
+        let copy = median(|| set_aside(&bare.state, &mut before));
         let baths = simulation
             .scene
             .stages
