@@ -35,7 +35,8 @@ impl Ensemble {
 /// - constant energy: C_V = (f/2)/(1 − x), x = f ⟨δk²⟩/(2 ⟨k⟩²), from ⟨δK²⟩ = f T²/2 · (1 − f/(2C_V)) with
 ///   ⟨K⟩ = f T/2 (J. L. Lebowitz, J. K. Percus and L. Verlet, "Ensemble dependence of fluctuations with
 ///   application to machine computations", Phys. Rev. 153, 250 (1967), equation 3.7, where f = 3N);
-/// - constant temperature: C_V = N² ⟨δe²⟩/T².
+/// - constant temperature: C_V = N² ⟨δe²⟩/T², where u is the potential of which the forces are the gradient: for a
+///   plain cutoff the shifted one. Pairs that cross the cutoff change the cut energy in jumps that no force knows.
 ///
 /// C_V has the kinetic part f/2 of the system; c_v = (C_V − f/2)/N + 3/2 replaces it by 3/2 a particle.
 ///
@@ -68,11 +69,12 @@ pub(crate) fn estimate(
         Ensemble::Canonical => {
             let total: Vec<f64> = kinetic
                 .iter()
-                .zip(&rows.potential_energy[from..])
+                .zip(&rows.sampled_potential_energy[from..])
                 .map(|(k, u)| k + u)
                 .collect();
             let temperature = mean(&rows.temperature[from..]);
-            let squares = centred_squares(&total, &rows.total_energy_squared[from..], mean(&total));
+            let squares =
+                centred_squares(&total, &rows.sampled_energy_squared[from..], mean(&total));
             let capacity = n * n * unbiased(mean(&squares), &total) / temperature.powi(2);
             let terms = squares
                 .iter()
@@ -132,9 +134,9 @@ mod tests {
             rows.time.push(s as f64);
             rows.temperature.push(2.0 * k / f);
             rows.kinetic_energy.push(k / n);
-            rows.potential_energy.push(u / n);
+            rows.sampled_potential_energy.push(u / n);
             rows.kinetic_energy_squared.push((k / n).powi(2));
-            rows.total_energy_squared.push(((k + u) / n).powi(2));
+            rows.sampled_energy_squared.push(((k + u) / n).powi(2));
         }
         rows
     }
@@ -166,6 +168,17 @@ mod tests {
             "{found:?} {exact}"
         );
         assert!(found.standard_error < 0.02 * exact);
+    }
+
+    #[test]
+    fn jumps_of_the_cut_energy_at_the_cutoff_are_no_fluctuations() {
+        let mut rows = series(100.0, 297.0, 200.0, 0.8, None, 1);
+        let before = estimate(Ensemble::Canonical, &rows, 0, 100, 297.0);
+        // Pairs that cross a plain cutoff add noise to the cut energy alone.
+        rows.potential_energy = (0..rows.time.len())
+            .map(|i| rows.sampled_potential_energy[i] + 0.5 * f64::from(i as u32 % 7))
+            .collect();
+        assert_eq!(estimate(Ensemble::Canonical, &rows, 0, 100, 297.0), before);
     }
 
     #[test]

@@ -32,8 +32,11 @@ pub struct ThermoSeries {
     pub laplacian: Vec<f64>,
     /// Mean of (K/N)², for fluctuations: row means of a square survive averaging in pairs.
     pub kinetic_energy_squared: Vec<f64>,
-    /// Mean of ((K + U)/N)², with the tail where it is on.
-    pub total_energy_squared: Vec<f64>,
+    /// Potential energy per particle of which the forces are the gradient, U_s/N: for a plain cutoff the shifted one.
+    /// Configurations are sampled with its Boltzmann factor, so fluctuations are taken of it.
+    pub sampled_potential_energy: Vec<f64>,
+    /// Mean of ((K + U_s)/N)².
+    pub sampled_energy_squared: Vec<f64>,
     /// Total momentum per particle, x, in σ/τ.
     pub momentum_x: Vec<f64>,
     /// Total momentum per particle, y.
@@ -55,7 +58,8 @@ impl_columns!(ThermoSeries {
     squared_force,
     laplacian,
     kinetic_energy_squared,
-    total_energy_squared,
+    sampled_potential_energy,
+    sampled_energy_squared,
     momentum_x,
     momentum_y,
     momentum_z,

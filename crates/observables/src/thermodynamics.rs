@@ -252,6 +252,7 @@ impl Observable for Thermodynamics {
         let pressure = n / volume * of_positions + virial / (3.0 * volume);
         let tail = view.tail.unwrap_or_default();
         let conserved_energy = kinetic + (conserved - view.heat) / n;
+        let sampled = kinetic + conserved / n;
         let (squared_force, laplacian) = if self.options.configurational_temperature {
             let squares: f64 = parallel::ordered_sum(state.len(), |range| {
                 state.forces[range].iter().map(|f| f.length_squared()).sum()
@@ -262,7 +263,6 @@ impl Observable for Thermodynamics {
             (0.0, 0.0)
         };
         let momentum: DVec3 = view.dynamics.momentum(&state.velocities) / n;
-        let total = kinetic + potential + tail.energy_per_particle;
         self.n_dof = view.dynamics.n_dof;
         self.half_steps = view.half_kick_step.is_some();
         self.energy_line.push(state.time, conserved_energy);
@@ -280,7 +280,8 @@ impl Observable for Thermodynamics {
             squared_force,
             laplacian,
             kinetic * kinetic,
-            total * total,
+            conserved / n,
+            sampled * sampled,
             momentum.x,
             momentum.y,
             momentum.z,
