@@ -80,6 +80,7 @@ pub enum Command {
     /// Put finished runs beside the literature: every quantity with its difference in standard errors.
     #[command(after_help = "Examples:\n  \
         lennard compare runs/triple-point-1\n  \
+        lennard compare runs/triple-point-1 --all\n  \
         lennard compare runs/transport/*/ --json")]
     Compare(CompareArgs),
     /// Measure how fast the force loop, the list build and whole steps are, for each kernel, precision and number of threads.
@@ -186,6 +187,9 @@ pub struct ControlArgs {
     /// No progress and no table; errors only.
     #[arg(long)]
     pub quiet: bool,
+    /// Every quantity, source and note, not only what is looked for first.
+    #[arg(long)]
+    pub all: bool,
 }
 
 impl ControlArgs {
@@ -353,6 +357,9 @@ pub struct CompareArgs {
     /// Output folders of finished runs.
     #[arg(required = true, value_name = "RUN")]
     pub runs: Vec<PathBuf>,
+    /// Every quantity, source and note, not only what is looked for first.
+    #[arg(long)]
+    pub all: bool,
     /// One JSON document on standard output, nothing else.
     #[arg(long)]
     pub json: bool,

@@ -17,7 +17,7 @@ use comfy_table::{CellAlignment, ContentArrangement, Table};
 use lennard_engine::{EnergyReport, Plan, Simulation};
 use lennard_io::RunRecord;
 use lennard_studies::claims::Verdict;
-use lennard_studies::compare::quantity_words;
+use lennard_studies::compare::ComparedRun;
 use lennard_studies::stability::StabilityStudy;
 
 use crate::commands::list::Entry;
@@ -47,14 +47,6 @@ pub fn with_error(mean: f64, error: f64) -> (String, String) {
         return (format!("{mean:.3e}"), format!("{error:.1e}"));
     }
     (format!("{mean:.decimals$}"), format!("{error:.decimals$}"))
-}
-
-fn count(n: f64) -> String {
-    if n.is_finite() {
-        format!("{n:.0}")
-    } else {
-        "–".into()
-    }
 }
 
 /// Wall time in words.
@@ -100,94 +92,27 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
     );
 }
 
-/// The averages that people look for first; the others follow by name.
-const FIRST: &[&str] = &[
-    "temperature",
-    "temperature_half_steps",
-    "configurational_temperature",
-    "potential_energy",
-    "pressure",
-    "diffusion_coefficient",
-    "total_energy",
-    "kinetic_energy",
-    "potential_energy_without_tail",
-    "pressure_without_tail",
-];
-
-/// What a run found.
-pub fn results(record: &RunRecord, folder: &Path) {
-    let mut means = table(
-        &["average", "mean", "standard error", "n_eff", "unit"],
-        1..4,
-    );
-    let mut averages: Vec<_> = record.averages.iter().collect();
-    averages.sort_by_key(|(name, _)| FIRST.iter().position(|f| f == name).unwrap_or(FIRST.len()));
-    for (name, average) in averages {
-        let (mean, error) = with_error(average.mean, average.standard_error);
-        means.add_row([
-            quantity_words(name),
-            mean,
-            error,
-            count(average.n_effective),
-            average.unit.clone(),
-        ]);
-    }
-    println!("\n{means}");
-    println!("  U and P are those of: {}", record.model);
-
+/// What a run found, and what can be said of it.
+pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, all: bool) {
+    println!("\n{}", literature::quantities(compared, all));
+    literature::below_quantities(compared, all);
     let c = &record.conservation;
     println!(
         "\n  conserved energy: drift {:+.2e} ± {:.1e} ε per particle per τ, fluctuation {:.2e} ε per particle (RMS)",
         c.energy_drift_per_atom_per_tau, c.energy_drift_standard_error, c.energy_rms_per_atom
     );
-    println!(
-        "  largest momentum: {:.1e} σ/τ per particle",
-        c.momentum_per_atom
-    );
-
-    if !record.comparison.is_empty() {
-        let mut compared = table(
-            &[
-                "compared",
-                "measured",
-                "reference",
-                "difference",
-                "standard error",
-                "in errors",
-            ],
-            1..6,
-        );
-        for entry in &record.comparison {
-            let (difference, error) = with_error(entry.difference, entry.standard_error);
-            compared.add_row([
-                entry.quantity.replace('_', " "),
-                format!("{:.5}", entry.measured),
-                format!("{:.5}", entry.reference),
-                difference,
-                error,
-                format!("{:+.1}", entry.in_standard_errors),
-            ]);
-        }
-        let first = &record.comparison[0];
-        println!("\n{compared}");
-        println!("  reference: {} ({})", first.source, first.remark);
+    if all {
         println!(
-            "  at the measured {} = {:.4} and ρ = {:.4}",
-            if first.at.half_steps {
-                "T, half steps,"
-            } else {
-                "T"
-            },
-            first.at.temperature,
-            first.at.density
+            "  largest momentum: {:.1e} σ/τ per particle",
+            c.momentum_per_atom
         );
-    }
-    for remark in &record.remarks {
-        println!("  note: {remark}");
+        for remark in &record.remarks {
+            println!("  note: {remark}");
+        }
     }
     let p = &record.performance;
     println!(
-        "\n  {} steps in {}: {:.2} million atom-steps/s, {:.1} ns an atom-step",
+        "  {} steps in {}: {:.2} million atom-steps/s, {:.1} ns per atom-step",
         record.steps,
         duration(record.wall_s),
         p.atom_steps_per_s / 1e6,

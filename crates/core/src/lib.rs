@@ -25,7 +25,8 @@ pub use force::{ForceError, ForceProperties, ForceProvider, ForceStatistics, Str
 pub use glam::{DMat3, DVec3};
 pub use integrator::{Integrator, IntegratorSpec, StepError, StepReport};
 pub use observable::{
-    Average, Column, Estimate, Findings, Observable, ObservableSpec, Table, TailCorrection, View,
+    Average, Column, Doubt, Estimate, Findings, Observable, ObservableSpec, Table, TailCorrection,
+    View,
 };
 pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, StateWriter};
 pub use state::{Configuration, Energetics, Part, State, Want};

@@ -15,6 +15,8 @@ pub struct ObservableSpec {
     pub equation: &'static str,
     /// Author, title, equation.
     pub source: &'static str,
+    /// Whether it follows the motion through time, which a bath that kicks particles changes.
+    pub dynamic: bool,
 }
 
 /// The tail correction of a homogeneous fluid beyond the cutoff (g(r) = 1 there).
@@ -87,33 +89,137 @@ pub trait Observable: Persist + Send {
     fn want(&self) -> Want;
     /// Looks at one state.
     fn sample(&mut self, view: &View<'_>);
-    /// Averages and tables of everything sampled so far.
-    fn finish(&self) -> Findings;
+    /// Averages and tables of the samples after the first `discarded` part of the run, from 0 to 1: one part for all
+    /// observables, so that the numbers of one table speak of the same states.
+    fn finish(&self, discarded: f64) -> Findings;
 }
 
 /// A mean with what is known of its error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
-    /// The mean after the equilibration cut.
+    /// The mean of the samples that were kept.
     pub mean: f64,
     /// Its standard error, correlation included.
     pub standard_error: f64,
     /// The number of independent samples that it is worth.
     pub n_effective: f64,
-    /// The number of samples cut off at the start.
+    /// Degrees of freedom ν of the standard error, which is itself known to 1/√(2ν) of its value.
+    pub freedom: f64,
+    /// The number of samples discarded at the start.
     pub equilibration_cut: u64,
 }
 
+/// Why a mean is no result, or not the fluid's own.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Doubt {
+    /// The run is too short for an error that covers.
+    TooShort {
+        /// What there is too little of.
+        why: String,
+        /// How many times as long the measured part would have to be, at least.
+        longer: f64,
+    },
+    /// What was averaged still changes, or is not at the temperature of its bath.
+    NotInEquilibrium(String),
+    /// The number lacks a part that cannot be told: a correlation that has not decayed.
+    Incomplete(String),
+    /// A thermostat changes what is measured.
+    Thermostat(String),
+}
+
+impl Doubt {
+    /// Its name in the run record.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::TooShort { .. } => "too-short",
+            Self::NotInEquilibrium(_) => "not-in-equilibrium",
+            Self::Incomplete(_) => "incomplete",
+            Self::Thermostat(_) => "thermostat",
+        }
+    }
+
+    /// Whether the mean has no standard error because of it. Under a thermostat the number is what was measured, and has
+    /// its error, though the fluid left alone has another.
+    #[must_use]
+    pub fn takes_the_error(&self) -> bool {
+        !matches!(self, Self::Thermostat(_))
+    }
+
+    /// The reason in words, for a run with so many measured steps.
+    #[must_use]
+    pub fn reason(&self, measured_steps: u64) -> String {
+        match self {
+            Self::TooShort { why, longer } => {
+                let more = (measured_steps as f64 * (longer - 1.0)).max(1.0);
+                // Two digits: the number is an estimate.
+                let digit = 10_f64.powf(more.log10().floor() - 1.0).max(1.0);
+                let more = (more / digit).ceil() * digit;
+                if more.is_finite() && more < 1e18 {
+                    format!("{why}: at least {more:.0} more steps")
+                } else {
+                    why.clone()
+                }
+            }
+            Self::NotInEquilibrium(why) | Self::Incomplete(why) | Self::Thermostat(why) => {
+                why.clone()
+            }
+        }
+    }
+
+    /// The graver of two doubts: what is not in equilibrium needs no error, however long it is.
+    #[must_use]
+    pub fn graver(self, other: Self) -> Self {
+        let weight = |doubt: &Self| match doubt {
+            Self::NotInEquilibrium(_) => (3, 0.0),
+            Self::TooShort { longer, .. } => (2, *longer),
+            Self::Incomplete(_) => (1, 0.0),
+            Self::Thermostat(_) => (0, 0.0),
+        };
+        if weight(&other) > weight(&self) {
+            other
+        } else {
+            self
+        }
+    }
+}
+
 /// A named estimate.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Average {
     /// Name in the run record (`potential_energy`).
     pub name: String,
     /// What it is and in which unit.
     pub unit: String,
     /// Value with error.
-    #[serde(flatten)]
     pub estimate: Estimate,
+    /// Why it is no result; `None` where nothing speaks against it.
+    pub doubt: Option<Doubt>,
+}
+
+impl Average {
+    /// A mean against which nothing speaks yet.
+    #[must_use]
+    pub fn new(name: impl Into<String>, unit: impl Into<String>, estimate: Estimate) -> Self {
+        Self {
+            name: name.into(),
+            unit: unit.into(),
+            estimate,
+            doubt: None,
+        }
+    }
+
+    /// With a doubt, if there is one; of two the graver stays.
+    #[must_use]
+    pub fn doubted(mut self, doubt: Option<Doubt>) -> Self {
+        if let Some(new) = doubt {
+            self.doubt = Some(match self.doubt.take() {
+                None => new,
+                Some(old) => old.graver(new),
+            });
+        }
+        self
+    }
 }
 
 /// A column of a table.
@@ -167,7 +273,7 @@ impl Table {
 }
 
 /// What an observable found.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Findings {
     /// Means with their errors.
     pub averages: Vec<Average>,

@@ -12,6 +12,10 @@ pub struct ThermostatSpec {
     pub summary: &'static str,
     /// Whether it samples the canonical ensemble.
     pub canonical: bool,
+    /// Whether the motion of single particles stays that of the fluid left alone, but for what vanishes as 1/N.
+    pub keeps_motion: bool,
+    /// Whether the bath holds the temperature of half steps, and not that of whole steps.
+    pub holds_half_steps: bool,
     /// Author, title, equation.
     pub source: &'static str,
 }

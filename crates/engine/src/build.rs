@@ -5,13 +5,15 @@ use std::path::Path;
 use lennard_core::random::Streams;
 use lennard_core::{DVec3, Dynamics, PeriodicBox, State, TailCorrection};
 use lennard_forcefield::{Conditions, ForceFieldOptions, Model, PairForces, Precision, Tail};
-use lennard_integrators::ThermostatOptions;
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
-use lennard_observables::{BuildContext, Ensemble, ObservableOptions, Thermodynamics};
+use lennard_observables::{
+    BuildContext, Ensemble, HeldTemperature, ObservableOptions, Thermodynamics,
+};
 use lennard_scene::{Geometry, Lattice, Scene, Stage, Start};
 
 use crate::error::misfit;
+use crate::findings::measured_baths;
 use crate::initial::{self, closest_pair};
 use crate::simulation::{Observer, Simulation};
 use crate::timers::Timers;
@@ -295,6 +297,7 @@ fn observers(
         every,
         r_cut: scene.truncation.r_cut,
     };
+    let keeps_motion = measured_baths(scene).iter().all(|bath| bath.keeps_motion);
     let mut observers = Vec::new();
     let mut thermodynamics = None;
     for (index, table) in scene.observables.iter().enumerate() {
@@ -307,7 +310,8 @@ fn observers(
                 ));
                 continue;
             }
-            ObservableOptions::Msd(o) if o.viscosity.is_none() => {
+            // With friction there is no flow around a particle that a closed box could slow down.
+            ObservableOptions::Msd(o) if o.viscosity.is_none() && keeps_motion => {
                 o.viscosity = compare::viscosity_for(scene, n_atoms as f64 / cell.volume());
             }
             _ => {}
@@ -329,22 +333,32 @@ fn observers(
         thermodynamics.unwrap_or_else(|| Thermodynamics::new(&context(scene.output.thermo_every)));
     thermodynamics.set_force_jump(force_jump(scene)?);
     thermodynamics.set_ensemble(measured.and_then(|stage| ensemble(scene, stage)));
+    thermodynamics.set_bath(held_temperature(scene));
     Ok((thermodynamics, observers))
 }
 
 /// The ensemble that a stage samples; `None` where its dynamics sample none that is known.
 fn ensemble(scene: &Scene, stage: &Stage) -> Option<Ensemble> {
     match &stage.thermostat {
-        Some(ThermostatOptions::Bussi(_) | ThermostatOptions::Langevin(_)) => {
-            Some(Ensemble::Canonical)
-        }
-        Some(ThermostatOptions::Rescale(_)) => None,
+        Some(bath) => bath.spec().canonical.then_some(Ensemble::Canonical),
         // A method that loses energy stays at no energy.
         None => lennard_integrators::build(&scene.integrator.method)
             .spec()
             .symplectic
             .then_some(Ensemble::Microcanonical),
     }
+}
+
+/// The temperature that the bath of the measured stages holds; `None` where they have none, or not all the same.
+fn held_temperature(scene: &Scene) -> Option<HeldTemperature> {
+    let mut measured = scene.stages.iter().filter(|s| s.measure);
+    let first = measured.next()?;
+    let bath = first.thermostat.as_ref()?.spec();
+    let same = |s: &Stage| s.thermostat == first.thermostat && s.temperature == first.temperature;
+    (bath.canonical && measured.all(same)).then_some(HeldTemperature {
+        temperature: first.temperature,
+        half_steps: bath.holds_half_steps,
+    })
 }
 
 /// U′(r_cut) just inside the cutoff, where the force drops to zero with a jump (plain and shifted

@@ -1,11 +1,13 @@
 //! A run beside the literature.
 
-use lennard_core::Observable;
+use lennard_core::{Average, Observable};
 use lennard_forcefield::{PotentialOptions, TruncationKind};
 use lennard_io::StatePoint;
 use lennard_literature::{EquationOfState, FiniteSize, Kept, ModelKind};
 use lennard_observables::Thermodynamics;
 use lennard_scene::Scene;
+
+use crate::findings::measured_baths;
 
 /// What was compared, and what could not be.
 #[derive(Debug, Clone, Default)]
@@ -96,10 +98,13 @@ pub fn with_equation_of_state(
             return comparison;
         }
     };
+    let equilibrium = thermodynamics.equilibrium();
+    if equilibrium.doubt.is_some() || measured_baths(scene).iter().any(|bath| !bath.canonical) {
+        // The averages say why.
+        return comparison;
+    }
     let series = thermodynamics.series();
-    let temperatures = &series.temperature_of_positions[thermodynamics
-        .equilibration_cut()
-        .min(series.temperature_of_positions.len())..];
+    let temperatures = &series.temperature_of_positions[equilibrium.cut..];
     if temperatures.len() < 2 {
         comparison
             .remarks
@@ -114,15 +119,16 @@ pub fn with_equation_of_state(
     let phase = equation.phase(density, mean_temperature);
     if !phase.is_stable() {
         comparison.remarks.push(format!(
-            "by {} the state ρ = {density:.4}, T = {mean_temperature:.4} is {}",
+            "not compared: by {} the state ρ = {density:.4}, T = {mean_temperature:.4} is {}",
             equation.spec().name,
             phase.describe()
         ));
+        return comparison;
     }
     let state = equation.at(density, mean_temperature);
     let finite_size = finite_size(scene, equation, density, mean_temperature, atoms);
     let own = equation.spec().uncertainty.as_ref();
-    let averages = thermodynamics.finish().averages;
+    let averages = thermodynamics.finish(equilibrium.discarded).averages;
     let quantities = [
         (
             "potential_energy",
@@ -140,7 +146,8 @@ pub fn with_equation_of_state(
         ),
     ];
     for (name, infinite, finite_size, against, reference_uncertainty) in quantities {
-        let Some(average) = averages.iter().find(|a| a.name == name) else {
+        let sound = |a: &&Average| a.name == name && a.doubt.is_none();
+        let Some(average) = averages.iter().find(sound) else {
             continue;
         };
         let reference = infinite + finite_size.unwrap_or(0.0);

@@ -6,6 +6,7 @@ mod compare;
 mod energy;
 mod error;
 mod files;
+mod findings;
 pub mod initial;
 mod instant;
 mod plan;

@@ -46,7 +46,10 @@ pub fn finished(
     let averages: BTreeMap<String, AverageRecord> = findings
         .iter()
         .flat_map(|f| &f.averages)
-        .map(|average| (average.name.clone(), AverageRecord::from(average)))
+        .map(|average| {
+            let record = AverageRecord::new(average, simulation.measured_steps);
+            (average.name.clone(), record)
+        })
         .collect();
     RunRecord {
         finished,

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    Dynamics, Findings, ForceProvider, Integrator, Observable, PeriodicBox, Persist, RestoreError,
-    State, StateReader, StateWriter, StepError, TailCorrection, Thermostat, Want,
+    Dynamics, ForceProvider, Integrator, Observable, PeriodicBox, Persist, RestoreError, State,
+    StateReader, StateWriter, StepError, TailCorrection, Thermostat, Want,
 };
 use lennard_integrators::Coupling;
 use lennard_observables::Thermodynamics;
@@ -365,15 +365,6 @@ impl Simulation {
                 want,
             )
             .map_err(|error| self.failed(error))
-    }
-
-    /// Averages, tables and remarks of all observables, thermodynamics first.
-    #[must_use]
-    pub fn findings(&self) -> Vec<Findings> {
-        let first = std::iter::once(self.thermodynamics.finish());
-        first
-            .chain(self.observers.iter().map(|o| o.observable.finish()))
-            .collect()
     }
 
     /// The stage under way.

@@ -38,6 +38,8 @@ pub const SPEC: ThermostatSpec = ThermostatSpec {
     name: "bussi",
     summary: "Stochastic velocity rescaling: one factor for all velocities, drawn so that the kinetic energy is canonical.",
     canonical: true,
+    keeps_motion: true,
+    holds_half_steps: false,
     source: "Bussi, Donadio and Parrinello, \"Canonical sampling through velocity rescaling\", J. Chem. Phys. 126, 014101 (2007), appendix",
 };
 

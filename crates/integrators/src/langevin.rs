@@ -46,6 +46,8 @@ pub const THERMOSTAT_SPEC: ThermostatSpec = ThermostatSpec {
     name: NAME,
     summary: SUMMARY,
     canonical: true,
+    keeps_motion: false,
+    holds_half_steps: true,
     source: SOURCE,
 };
 

@@ -36,6 +36,8 @@ pub const SPEC: ThermostatSpec = ThermostatSpec {
     name: "rescale",
     summary: "Rescales all velocities to exactly the wanted temperature every so many steps; for equilibration.",
     canonical: false,
+    keeps_motion: true,
+    holds_half_steps: false,
     source: "Verlet, \"Computer experiments on classical fluids. I\", Phys. Rev. 159, 98 (1967), section II; v <- v sqrt(T_wanted/T)",
 };
 

@@ -44,7 +44,8 @@ pub use frame_text::{Frame, FrameStyle, is_element_symbol};
 pub use host::cpu_name;
 pub use record::{
     AverageRecord, Comparison, Conservation, Host, NeighborRecord, Performance, RUN_SCHEMA,
-    RunRecord, StageSeconds, StatePoint, ThermostatRecord, read_run_record, read_run_record_bytes,
+    RunRecord, SOUND, StageSeconds, StatePoint, ThermostatRecord, read_run_record,
+    read_run_record_bytes,
 };
 pub use sink::{FileMark, Sink};
 pub use tables::{Cell, TableWriter, read_table_csv, read_table_csv_bytes, write_table_csv};

@@ -128,21 +128,50 @@ pub struct AverageRecord {
     /// The number of independent samples that it is worth.
     #[serde(with = "number")]
     pub n_effective: f64,
-    /// The number of samples cut off at the start.
+    /// Degrees of freedom ν of the standard error: it is known to 1/√(2ν) of its value.
+    #[serde(default, with = "number")]
+    pub freedom: f64,
+    /// The number of samples discarded at the start.
     pub equilibration_cut: u64,
     /// Unit.
     pub unit: String,
+    /// What kind of number it is: `sound`, or why it is no result: `too-short`, `not-in-equilibrium`, `incomplete` (these have
+    /// no standard error), `thermostat` (measured, but not the fluid's own).
+    #[serde(default = "sound")]
+    pub standing: String,
+    /// The reason in words, empty where it is sound.
+    #[serde(default)]
+    pub reason: String,
 }
 
-impl From<&Average> for AverageRecord {
-    fn from(average: &Average) -> Self {
+/// The standing of a mean against which nothing speaks.
+pub const SOUND: &str = "sound";
+
+fn sound() -> String {
+    SOUND.to_owned()
+}
+
+impl AverageRecord {
+    /// The record of an average of a run with so many measured steps.
+    #[must_use]
+    pub fn new(average: &Average, measured_steps: u64) -> Self {
+        let doubt = average.doubt.as_ref();
         Self {
             mean: average.estimate.mean,
             standard_error: average.estimate.standard_error,
             n_effective: average.estimate.n_effective,
+            freedom: average.estimate.freedom,
             equilibration_cut: average.estimate.equilibration_cut,
             unit: average.unit.clone(),
+            standing: doubt.map_or(SOUND, |d| d.name()).to_owned(),
+            reason: doubt.map_or_else(String::new, |d| d.reason(measured_steps)),
         }
+    }
+
+    /// Whether nothing speaks against it.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        self.standing == SOUND
     }
 }
 

@@ -102,8 +102,10 @@ fn record() -> RunRecord {
             mean: 0.1 + 0.2,
             standard_error: f64::NAN,
             n_effective: 12.5,
+            freedom: 32.0,
             equilibration_cut: 40,
         },
+        doubt: None,
     };
     RunRecord {
         schema: RUN_SCHEMA.into(),
@@ -137,7 +139,7 @@ fn record() -> RunRecord {
             late_builds: 0,
             skin: Some(0.3),
         },
-        averages: [(average.name.clone(), AverageRecord::from(&average))].into(),
+        averages: [(average.name.clone(), AverageRecord::new(&average, 1000))].into(),
         conservation: Conservation {
             energy_drift_per_atom_per_tau: -1.5e-8,
             energy_drift_standard_error: 2e-8,

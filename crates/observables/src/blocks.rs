@@ -166,7 +166,54 @@ impl BlockedSums {
     /// [`statistics::FEWEST_BLOCKS`] blocks.
     #[must_use]
     pub fn standard_error(&self, k: usize) -> f64 {
-        statistics::error_from_blocks(&self.block_means(k))
+        statistics::error_of_mean(&self.block_means(k)).standard_error
+    }
+
+    /// The sums without the blocks of the first `discarded` part of the samples, from 0 to 1; a block that begins in that
+    /// part is left out whole.
+    #[must_use]
+    pub fn after(&self, discarded: f64) -> Self {
+        let samples = discarded.clamp(0.0, 1.0) * self.samples as f64;
+        let blocks = ((samples / self.stride as f64).ceil() as usize).min(self.sums.len());
+        Self {
+            samples: self.samples - (blocks as u64 * self.stride).min(self.samples),
+            sums: self.sums[blocks..].to_vec(),
+            counts: self.counts[blocks..].to_vec(),
+            ..*self
+        }
+    }
+
+    /// A quantity made from all means together, with its pseudo-values: n·q − (n − 1)·q₍b₎ for each of the n complete
+    /// blocks b, where q₍b₎ is the quantity without that block. Their scatter is the error of q, however the quantity
+    /// depends on the means (M. H. Quenouille, Biometrika 43, 353 (1956)).
+    ///
+    /// `quantity` is given the mean of each sum, NaN where nothing was added; `None` where it has no value. A block
+    /// without which it has none is left out.
+    #[must_use]
+    pub fn jackknife(&self, quantity: impl Fn(&[f64]) -> Option<f64>) -> Option<(f64, Vec<f64>)> {
+        let (sums, counts): (Vec<f64>, Vec<u64>) = (0..self.width).map(|k| self.total(k)).unzip();
+        let means = |sums: &[f64], counts: &[u64]| -> Vec<f64> {
+            let pairs = sums.iter().zip(counts);
+            pairs.map(|(sum, count)| sum / *count as f64).collect()
+        };
+        let whole = quantity(&means(&sums, &counts))?;
+        let blocks = self.complete_blocks();
+        let n = blocks as f64;
+        let pseudo = (0..blocks)
+            .filter_map(|b| {
+                let less = |all: &[f64], block: &[f64]| -> Vec<f64> {
+                    all.iter().zip(block).map(|(x, y)| x - y).collect()
+                };
+                let left: Vec<u64> = counts
+                    .iter()
+                    .zip(&self.counts[b])
+                    .map(|(x, y)| x - y)
+                    .collect();
+                let without = quantity(&means(&less(&sums, &self.sums[b]), &left))?;
+                Some(n * whole - (n - 1.0) * without)
+            })
+            .collect();
+        Some((whole, pseudo))
     }
 }
 
@@ -247,13 +294,56 @@ mod tests {
     }
 
     #[test]
+    fn blocks_of_the_discarded_part_are_left_out_whole() {
+        let mut blocks = BlockedSums::new(1, 8);
+        for i in 0..40_u32 {
+            blocks.begin_sample();
+            blocks.add(0, f64::from(i), 1);
+        }
+        // Stride 8: five blocks, of which the first two begin in the first quarter.
+        assert_eq!(blocks.after(0.0), blocks);
+        let rest = blocks.after(0.25);
+        assert_eq!((rest.samples(), rest.mean(0)), (24, Some(27.5)));
+        assert_eq!(blocks.after(1.0).samples(), 0);
+    }
+
+    #[test]
+    fn the_jackknife_gives_the_error_of_a_product_of_means() {
+        // x·y of two means, 3 and 4, of independent normal samples: error √((4² + 3²)/n) at unit variance.
+        let (n, seeds) = (64_usize, 200);
+        let make = |seed: u64| {
+            let mut blocks = BlockedSums::new(2, 64);
+            let x = crate::statistics::synthetic::Ar1::new(0.0, 2 * seed).series(n);
+            let y = crate::statistics::synthetic::Ar1::new(0.0, 2 * seed + 1).series(n);
+            for i in 0..n {
+                blocks.begin_sample();
+                blocks.add(0, 3.0 + x[i], 1);
+                blocks.add(1, 4.0 + y[i], 1);
+            }
+            blocks.jackknife(|m| Some(m[0] * m[1])).unwrap()
+        };
+        let exact = (25.0 / n as f64).sqrt();
+        let mut sum = 0.0;
+        for seed in 0..seeds {
+            let (_, pseudo) = make(seed);
+            sum += statistics::error_of_mean(&pseudo).standard_error.powi(2);
+        }
+        let printed = (sum / seeds as f64).sqrt();
+        assert!(
+            (0.95..1.12).contains(&(printed / exact)),
+            "{printed} {exact}"
+        );
+    }
+
+    #[test]
     fn the_error_from_blocks_is_that_of_independent_samples() {
-        // Equally spread values −1, 1, −1, 1 in blocks of one sample: variance 4/3 for four blocks.
+        // Equally spread values −1, 1, −1, 1 in blocks of one sample: variance 4/3 for four blocks, with three degrees of
+        // freedom.
         let mut blocks = BlockedSums::new(1, 64);
         for i in 0..4 {
             blocks.begin_sample();
             blocks.add(0, if i % 2 == 0 { -1.0 } else { 1.0 }, 1);
         }
-        assert!((blocks.standard_error(0) - (4.0_f64 / 3.0 / 4.0).sqrt()).abs() < 1e-15);
+        assert!((blocks.standard_error(0) - (4.0_f64 / 3.0 / 4.0 * 3.0).sqrt()).abs() < 1e-15);
     }
 }

@@ -1,5 +1,7 @@
 //! Maxima and minima of a noisy curve.
 
+use glam::{DMat4, DVec4};
+
 /// A maximum or a minimum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Extremum {
@@ -67,9 +69,91 @@ fn vertex(x: &[f64], y: &[f64], bin: usize, maximum: bool) -> Extremum {
     }
 }
 
+/// The maximum or minimum near `start` of a cubic fitted by least squares to the points within `half_width` of it, as
+/// (place, height); `None` where the points near it have none.
+///
+/// The window follows the vertex until it rests there. A fit over many points is smooth in the data, where the lowest of
+/// many noisy points is not, and lies too low.
+pub(crate) fn fitted_extremum(
+    x: &[f64],
+    y: &[f64],
+    start: f64,
+    half_width: f64,
+    maximum: bool,
+) -> Option<(f64, f64)> {
+    /// The window follows the vertex so many times at most.
+    const MOVES: usize = 8;
+    let mut centre = start;
+    for _ in 0..MOVES {
+        let [a, b, c, d] = cubic(x, y, centre, half_width)?;
+        // a + bu + cu² + du³ with u from −1 to 1: b + 2cu + 3du² = 0, the root that is a small change of −b/2c.
+        let discriminant = c * c - 3.0 * b * d;
+        if discriminant < 0.0 || (c < 0.0) != maximum {
+            return None;
+        }
+        let u = -b / (c + c.signum() * discriminant.sqrt());
+        if !u.is_finite() || u.abs() > 2.0 {
+            return None;
+        }
+        let moved = centre + u * half_width;
+        let still = u.abs() < 0.05;
+        if still {
+            return Some((moved, a + u * (b + u * (c + u * d))));
+        }
+        centre = moved;
+    }
+    let [a, ..] = cubic(x, y, centre, half_width)?;
+    Some((centre, a))
+}
+
+/// Coefficients of the cubic in u = (x − centre)/half_width; `None` for fewer than five points.
+fn cubic(x: &[f64], y: &[f64], centre: f64, half_width: f64) -> Option<[f64; 4]> {
+    let (mut moments, mut products, mut points) = ([0.0; 7], [0.0; 4], 0);
+    for (x, y) in x.iter().zip(y) {
+        let u = (x - centre) / half_width;
+        if u.abs() > 1.0 || !y.is_finite() {
+            continue;
+        }
+        points += 1;
+        let mut power = 1.0;
+        for k in 0..7 {
+            moments[k] += power;
+            if k < 4 {
+                products[k] += power * y;
+            }
+            power *= u;
+        }
+    }
+    if points < 5 {
+        return None;
+    }
+    let row = |k: usize| DVec4::new(moments[k], moments[k + 1], moments[k + 2], moments[k + 3]);
+    let matrix = DMat4::from_cols(row(0), row(1), row(2), row(3));
+    let solved = matrix.inverse() * DVec4::from_array(products);
+    solved.is_finite().then(|| solved.to_array())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_fitted_minimum_is_that_of_a_cubic_and_ripples_do_not_move_it() {
+        let x: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
+        let cubic = |x: f64| 0.5 + (x - 1.0).powi(2) + 0.4 * (x - 1.0).powi(3);
+        let y: Vec<f64> = x.iter().map(|x| cubic(*x)).collect();
+        let (place, height) = fitted_extremum(&x, &y, 1.2, 0.2, false).unwrap();
+        assert!((place - 1.0).abs() < 1e-9 && (height - 0.5).abs() < 1e-12);
+        let rippled: Vec<f64> = y
+            .iter()
+            .enumerate()
+            .map(|(k, y)| y + if k % 2 == 0 { 0.01 } else { -0.01 })
+            .collect();
+        let (place, _) = fitted_extremum(&x, &rippled, 1.15, 0.2, false).unwrap();
+        assert!((place - 1.0).abs() < 0.01, "{place}");
+        assert_eq!(fitted_extremum(&x, &y, 1.0, 0.2, true), None);
+        assert_eq!(fitted_extremum(&x[..3], &y[..3], 0.0, 0.2, false), None);
+    }
 
     #[test]
     fn extrema_of_a_damped_wave_are_found_and_ripples_are_not() {

@@ -1,8 +1,9 @@
 //! The heat capacity from fluctuations, in the ensemble that the run samples.
 
-use lennard_core::Estimate;
+use lennard_core::{Average, Estimate};
 
 use crate::ThermoSeries;
+use crate::averages::{FEWEST_FLUCTUATIONS, of_fluctuations};
 use crate::statistics::{estimate_after, mean};
 
 /// The ensemble that a run samples.
@@ -22,7 +23,7 @@ impl Ensemble {
                 "heat_capacity: from the fluctuations of the kinetic energy at constant energy (Lebowitz, Percus and Verlet 1967), n_dof = {n_dof}"
             ),
             Self::Canonical => format!(
-                "heat_capacity: from the fluctuations of the total energy at constant temperature, n_dof = {n_dof}"
+                "heat_capacity: 3/2 and the fluctuations of the potential energy at constant temperature, n_dof = {n_dof}"
             ),
         }
     }
@@ -30,71 +31,80 @@ impl Ensemble {
 
 /// The isochoric heat capacity c_v per particle in k_B, with the kinetic part of the thermodynamic limit, 3/2.
 ///
-/// With f degrees of freedom and per-particle energies k and e = k + u:
+/// With f degrees of freedom and per-particle energies k and u:
 ///
 /// - constant energy: C_V = (f/2)/(1 − x), x = f ⟨δk²⟩/(2 ⟨k⟩²), from ⟨δK²⟩ = f T²/2 · (1 − f/(2C_V)) with
 ///   ⟨K⟩ = f T/2 (J. L. Lebowitz, J. K. Percus and L. Verlet, "Ensemble dependence of fluctuations with
 ///   application to machine computations", Phys. Rev. 153, 250 (1967), equation 3.7, where f = 3N);
-/// - constant temperature: C_V = N² ⟨δe²⟩/T², where u is the potential of which the forces are the gradient: for a
-///   plain cutoff the shifted one. Pairs that cross the cutoff change the cut energy in jumps that no force knows.
+/// - constant temperature: C_V = f/2 + N² ⟨δu²⟩/T². Kinetic and potential energy are independent there, and the kinetic part
+///   is known: what noise adds to it need not be measured. u is the potential of which the forces are the gradient: for a
+///   plain cutoff the shifted one, since the cut energy jumps where pairs cross the cutoff, and no force knows of it. T is
+///   the temperature of the positions.
 ///
-/// C_V has the kinetic part f/2 of the system; c_v = (C_V − f/2)/N + 3/2 replaces it by 3/2 a particle.
+/// C_V has the kinetic part f/2 of the system; c_v = (C_V − f/2)/N + 3/2 replaces it by 3/2 per particle.
 ///
 /// The variance about the mean of the same samples is too small by one part in the independent samples, for which it
 /// is corrected. The error is that of the mean of the linearised formula, correlation included.
-pub(crate) fn estimate(
+pub(crate) fn average(
     ensemble: Ensemble,
     rows: &ThermoSeries,
     cut: usize,
     n_atoms: usize,
     n_dof: f64,
-) -> Estimate {
+) -> Average {
     let n = n_atoms as f64;
     let from = cut.min(rows.time.len());
-    let kinetic = &rows.kinetic_energy[from..];
-    let (value, terms): (f64, Vec<f64>) = match ensemble {
+    let (value, influence): (f64, Vec<f64>) = match ensemble {
         Ensemble::Microcanonical => {
+            let kinetic = &rows.kinetic_energy[from..];
             let k = mean(kinetic);
             let squares = centred_squares(kinetic, &rows.kinetic_energy_squared[from..], k);
             let v = unbiased(mean(&squares), kinetic);
             let x = n_dof * v / (2.0 * k * k);
             let slope = 0.5 * n_dof / (1.0 - x).powi(2);
-            let terms = squares
+            let influence = squares
                 .iter()
                 .zip(kinetic)
                 .map(|(s, ki)| slope * (n_dof / (2.0 * k * k) * (s - v) - 2.0 * x / k * (ki - k)))
                 .collect();
-            (0.5 * n_dof / (1.0 - x), terms)
+            (0.5 * n_dof * x / (1.0 - x), influence)
         }
         Ensemble::Canonical => {
-            let total: Vec<f64> = kinetic
+            let potential = &rows.sampled_potential_energy[from..];
+            let temperatures = &rows.temperature_of_positions[from..];
+            let temperature = mean(temperatures);
+            let squares = centred_squares(
+                potential,
+                &rows.sampled_potential_energy_squared[from..],
+                mean(potential),
+            );
+            let excess = n * n * unbiased(mean(&squares), potential) / temperature.powi(2);
+            let influence = squares
                 .iter()
-                .zip(&rows.sampled_potential_energy[from..])
-                .map(|(k, u)| k + u)
-                .collect();
-            let temperature = mean(&rows.temperature[from..]);
-            let squares =
-                centred_squares(&total, &rows.sampled_energy_squared[from..], mean(&total));
-            let capacity = n * n * unbiased(mean(&squares), &total) / temperature.powi(2);
-            let terms = squares
-                .iter()
-                .zip(&rows.temperature[from..])
+                .zip(temperatures)
                 .map(|(s, t)| {
                     n * n * s / temperature.powi(2)
-                        - capacity
-                        - 2.0 * capacity * (t - temperature) / temperature
+                        - excess
+                        - 2.0 * excess * (t - temperature) / temperature
                 })
                 .collect();
-            (capacity, terms)
+            (excess, influence)
         }
     };
-    let error = estimate_after(&terms, 0);
-    Estimate {
-        mean: (value - 0.5 * n_dof) / n + 1.5,
+    let error = estimate_after(&influence, 0);
+    let estimate = Estimate {
+        mean: value / n + 1.5,
         standard_error: error.standard_error / n,
-        n_effective: error.n_effective,
         equilibration_cut: from as u64,
-    }
+        ..error
+    };
+    of_fluctuations(
+        "heat_capacity",
+        "k_B per particle",
+        estimate,
+        &influence,
+        FEWEST_FLUCTUATIONS,
+    )
 }
 
 /// A variance about the mean of the same `series`, corrected for what that mean takes away.
@@ -132,13 +142,25 @@ mod tests {
                 (k, u) = (k * scale, u * scale);
             }
             rows.time.push(s as f64);
-            rows.temperature.push(2.0 * k / f);
+            rows.temperature_of_positions.push(2.0 * k / f);
             rows.kinetic_energy.push(k / n);
             rows.sampled_potential_energy.push(u / n);
             rows.kinetic_energy_squared.push((k / n).powi(2));
-            rows.sampled_energy_squared.push(((k + u) / n).powi(2));
+            rows.sampled_potential_energy_squared.push((u / n).powi(2));
         }
         rows
+    }
+
+    fn estimate(
+        ensemble: Ensemble,
+        rows: &ThermoSeries,
+        cut: usize,
+        n_atoms: usize,
+        n_dof: f64,
+    ) -> Estimate {
+        let found = average(ensemble, rows, cut, n_atoms, n_dof);
+        assert_eq!(found.doubt, None);
+        found.estimate
     }
 
     #[test]
@@ -179,6 +201,24 @@ mod tests {
             .map(|i| rows.sampled_potential_energy[i] + 0.5 * f64::from(i as u32 % 7))
             .collect();
         assert_eq!(estimate(Ensemble::Canonical, &rows, 0, 100, 297.0), before);
+    }
+
+    #[test]
+    fn a_short_run_has_no_error_and_is_never_below_its_kinetic_part() {
+        for seed in 0..40 {
+            let mut rows = series(100.0, 297.0, 3.0, 1.0, None, 200 + seed);
+            for column in [
+                &mut rows.time,
+                &mut rows.temperature_of_positions,
+                &mut rows.sampled_potential_energy,
+                &mut rows.sampled_potential_energy_squared,
+            ] {
+                column.truncate(60);
+            }
+            let found = average(Ensemble::Canonical, &rows, 0, 100, 297.0);
+            assert!(found.estimate.mean >= 1.5);
+            assert!(found.doubt.is_some(), "seed {seed}: {found:?}");
+        }
     }
 
     #[test]

@@ -8,6 +8,7 @@
 //! ([`statistics`]). All stores are bounded in memory however long the run ([`Series`],
 //! [`BlockedSums`]), and all are saved and restored to the bit.
 
+mod averages;
 mod blocks;
 mod catalog;
 mod correlator;
@@ -44,7 +45,9 @@ pub use rdf::{RadialDistribution, RdfOptions};
 pub use series::{Columns, Series};
 pub use structure_factor::{StructureFactor, StructureFactorOptions};
 pub use thermo_series::ThermoSeries;
-pub use thermodynamics::{Conservation, Thermodynamics, ThermodynamicsOptions};
+pub use thermodynamics::{
+    Conservation, Equilibrium, HeldTemperature, Thermodynamics, ThermodynamicsOptions,
+};
 pub use transport::{
     ShearViscosity, ShearViscosityOptions, ThermalConductivity, ThermalConductivityOptions,
 };

@@ -1,6 +1,6 @@
 //! A straight line through the part of a lag curve where its slope no longer changes.
 
-use crate::statistics::{FEWEST_BLOCKS, error_from_blocks, mean};
+use crate::statistics::{FEWEST_BLOCKS, error_of_mean, mean};
 
 /// By default the longest lag of a fit is this part of the run: longer ones have few independent origins.
 const LONGEST_PART: f64 = 0.05;
@@ -110,7 +110,7 @@ pub(crate) fn fit_linear_regime(
             })
             .collect();
         let late = weighted_slope(&curve.times[middle..end], &curve.values[middle..end]);
-        let allowed = AGREEMENT_SIGMAS * error_from_blocks(&difference);
+        let allowed = AGREEMENT_SIGMAS * error_of_mean(&difference).standard_error;
         difference.len() >= FEWEST_BLOCKS
             && mean(&difference).abs() <= allowed.max(AGREEMENT_PART * late.abs())
     };

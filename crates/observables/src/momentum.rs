@@ -14,6 +14,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     summary: "total momentum per particle against time",
     equation: "p = Σ m v / N",
     source: "H. Goldstein, Classical Mechanics, 2nd ed. (1980), equation 1-20: conserved where internal forces obey Newton's third law",
+    dynamic: false,
 };
 
 /// Rows kept before neighbors are averaged in pairs.
@@ -83,12 +84,15 @@ impl Observable for Momentum {
         self.series.push(&[state.time, p.x, p.y, p.z]);
     }
 
-    fn finish(&self) -> Findings {
+    /// Momentum is conserved, or drawn anew by a bath, from the first step on: nothing is discarded.
+    fn finish(&self, _discarded: f64) -> Findings {
         let rows = self.series.rows();
-        let average = |name: &str, column: &[f64]| Average {
-            name: name.into(),
-            unit: "σ/τ a particle".into(),
-            estimate: statistics::estimate_stationary(column),
+        let average = |name: &str, column: &[f64]| {
+            Average::new(
+                name,
+                "σ/τ per particle",
+                statistics::estimate_stationary(column),
+            )
         };
         Findings {
             averages: vec![

@@ -4,15 +4,15 @@ use std::collections::VecDeque;
 use std::f64::consts::PI;
 
 use lennard_core::{
-    Average, DVec3, Estimate, Findings, Observable, ObservableSpec, Persist, RestoreError,
-    StateReader, StateWriter, Table, View, Want,
+    DVec3, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
+    StateWriter, Table, View, Want,
 };
 use serde::{Deserialize, Serialize};
 
+use crate::averages::of_blocks;
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::linear_regime::{LagCurve, LinearFit, fit_linear_regime};
-use crate::rdf::estimate_of_blocks;
 use crate::tracked::{DEFAULT_TRACKED, Tracked, sum_over_pairs};
 use crate::{BuildContext, ObservableError, Recipe};
 
@@ -22,6 +22,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "msd(t) = ⟨|r(t₀+t) − r(t₀)|²⟩ → 6Dt + const; D₀ = D + 2.837297 T/(6πηL)",
     source: "D. Frenkel and B. Smit, Understanding Molecular Simulation, 2nd ed. (2002), section 4.4; \
              I.-C. Yeh and G. Hummer, J. Phys. Chem. B 108, 15873 (2004), equation 12",
+    dynamic: true,
 };
 
 /// ξ of the periodic cube's Ewald sum, in the correction of Yeh and Hummer.
@@ -147,27 +148,27 @@ impl MeanSquareDisplacement {
     }
 
     /// The lags that were reached.
-    fn reached_lags(&self) -> Vec<(u64, usize)> {
+    fn reached_lags(&self, displacements: &BlockedSums) -> Vec<(u64, usize)> {
         let mut lags = self.lags();
-        lags.retain(|(_, k)| self.displacements.total(*k).1 > 0);
+        lags.retain(|(_, k)| displacements.total(*k).1 > 0);
         lags
     }
 
     /// Mean-square displacement at each lag that was reached.
-    fn curve(&self) -> LagCurve {
-        let lags = self.reached_lags();
+    fn curve(&self, displacements: &BlockedSums) -> LagCurve {
+        let lags = self.reached_lags(displacements);
         let interval = self.context.sample_interval();
         LagCurve {
             times: lags.iter().map(|(lag, _)| *lag as f64 * interval).collect(),
             values: lags
                 .iter()
-                .filter_map(|(_, k)| self.displacements.mean(*k))
+                .filter_map(|(_, k)| displacements.mean(*k))
                 .collect(),
             errors: lags
                 .iter()
-                .map(|(_, k)| self.displacements.standard_error(*k))
+                .map(|(_, k)| displacements.standard_error(*k))
                 .collect(),
-            duration: self.samples.saturating_sub(1) as f64 * interval,
+            duration: displacements.samples().saturating_sub(1) as f64 * interval,
         }
     }
 
@@ -184,24 +185,21 @@ impl MeanSquareDisplacement {
 
     fn report(&self, fit: &LinearFit, findings: &mut Findings) {
         let blocks: Vec<f64> = fit.block_slopes.iter().map(|s| s / 6.0).collect();
-        let uncorrected = estimate_of_blocks(fit.slope / 6.0, &blocks);
-        let mut add = |name: &str, estimate: Estimate| {
-            findings.averages.push(Average {
-                name: name.into(),
-                unit: "σ²/τ".into(),
-                estimate,
-            });
+        let unsettled = (!fit.settled).then(|| {
+            Doubt::Incomplete(
+                "the slope of the mean-square displacement still changes at the longest lags"
+                    .into(),
+            )
+        });
+        let mut add = |name: &str, value: f64| {
+            let average = of_blocks(name, "σ²/τ", value, &blocks);
+            findings.averages.push(average.doubted(unsettled.clone()));
         };
+        let uncorrected = fit.slope / 6.0;
         let remark = match self.options.viscosity {
             Some(viscosity) if self.is_cubic() => {
                 let correction = self.finite_size_correction(viscosity);
-                add(
-                    "diffusion_coefficient",
-                    Estimate {
-                        mean: uncorrected.mean + correction,
-                        ..uncorrected
-                    },
-                );
+                add("diffusion_coefficient", uncorrected + correction);
                 add("diffusion_coefficient_uncorrected", uncorrected);
                 format!(
                     "diffusion_coefficient is corrected for finite size after Yeh and Hummer: +{correction:.6} σ²/τ with viscosity {viscosity} ε τ/σ³, whose own error is not counted"
@@ -222,11 +220,6 @@ impl MeanSquareDisplacement {
             "diffusion_coefficient is a sixth of the slope of the mean-square displacement between {:.3} and {:.3} τ",
             fit.from, fit.to
         ));
-        if !fit.settled {
-            findings.remarks.push(
-                "the slope of the mean-square displacement still changes at the longest lags: the run is too short, or there is no diffusion".into(),
-            );
-        }
     }
 }
 
@@ -263,11 +256,15 @@ impl Observable for MeanSquareDisplacement {
         self.samples += 1;
     }
 
-    fn finish(&self) -> Findings {
-        let curve = self.curve();
+    /// A displacement belongs to the sample at which it ends: with a part discarded, some begin in that part, by less than
+    /// the longest lag of the fit.
+    fn finish(&self, discarded: f64) -> Findings {
+        let displacements = self.displacements.after(discarded);
+        let curve = self.curve(&displacements);
         let mut findings = Findings::default();
-        let quantities: Vec<usize> = self.reached_lags().into_iter().map(|(_, k)| k).collect();
-        let blocks = |end: usize| self.displacements.complete_rows(&quantities[..end]);
+        let lags = self.reached_lags(&displacements).into_iter();
+        let quantities: Vec<usize> = lags.map(|(_, k)| k).collect();
+        let blocks = |end: usize| displacements.complete_rows(&quantities[..end]);
         match fit_linear_regime(&curve, blocks, self.options.fit_from, self.options.fit_to) {
             Some(fit) => self.report(&fit, &mut findings),
             None => findings

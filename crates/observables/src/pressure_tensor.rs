@@ -1,13 +1,14 @@
 //! The pressure tensor.
 
 use lennard_core::{
-    Average, DMat3, DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError,
-    StateReader, StateWriter, Table, View, Want, parallel,
+    DMat3, DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
+    StateWriter, Table, View, Want, parallel,
 };
 use serde::{Deserialize, Serialize};
 
+use crate::averages::of_series;
 use crate::series::{Series, impl_columns};
-use crate::{BuildContext, ObservableError, Recipe, statistics};
+use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "pressure-tensor",
@@ -16,6 +17,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "J. H. Irving and J. G. Kirkwood, The statistical mechanical theory of transport processes IV, \
              J. Chem. Phys. 18, 817 (1950); surface tension: J. P. R. B. Walton, D. J. Tildesley, J. S. Rowlinson \
              and J. R. Henderson, Mol. Phys. 48, 1357 (1983), equation 2",
+    dynamic: false,
 };
 
 /// Rows kept before neighbors are averaged in pairs.
@@ -134,20 +136,13 @@ impl Observable for PressureTensor {
         ]);
     }
 
-    fn finish(&self) -> Findings {
+    fn finish(&self, discarded: f64) -> Findings {
         let rows = self.series.rows();
-        let trace: Vec<f64> = (0..rows.xx.len())
-            .map(|i| (rows.xx[i] + rows.yy[i] + rows.zz[i]) / 3.0)
-            .collect();
-        let cut = statistics::common_cut(&[&trace]);
+        let cut = (discarded * rows.xx.len() as f64).ceil() as usize;
         let average = |name: &str, unit: &str, column: &[f64]| {
-            let mut estimate = statistics::estimate_after(column, cut);
-            estimate.equilibration_cut *= self.series.stride();
-            Average {
-                name: name.into(),
-                unit: unit.into(),
-                estimate,
-            }
+            let mut average = of_series(name, unit, column, cut);
+            average.estimate.equilibration_cut *= self.series.stride();
+            average
         };
         let length = self.context.cell.lengths().z;
         let tension: Vec<f64> = (0..rows.xx.len())

@@ -1,22 +1,24 @@
 //! The radial distribution function.
 
 use lennard_core::{
-    Average, Estimate, Findings, Observable, ObservableSpec, PeriodicBox, Persist, RestoreError,
-    StateReader, StateWriter, Table, View, Want,
+    Findings, Observable, ObservableSpec, PeriodicBox, Persist, RestoreError, StateReader,
+    StateWriter, Table, View, Want,
 };
 use serde::{Deserialize, Serialize};
 
+use crate::averages::of_blocks;
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
-use crate::extrema::{Extremum, extrema};
+use crate::extrema::{Extremum, extrema, fitted_extremum};
 use crate::pairs::count_distances;
-use crate::{BuildContext, ObservableError, Recipe, statistics};
+use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "rdf",
     summary: "radial distribution function g(r), its peaks, and the coordination number",
     equation: "g(r) = V/(N(N−1)) · ⟨Σ_{i≠j} δ(r − r_ij)⟩/(4πr²); n(r) = (N−1)/V ∫₀^r g 4πs² ds",
     source: "J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equations 2.5.8 and 2.5.13",
+    dynamic: false,
 };
 
 /// Largest distance where the scene gives none, in σ: liquid structure is gone there.
@@ -30,6 +32,11 @@ const SMALLEST_PROMINENCE: f64 = 0.02;
 
 /// Standard errors that a peak must stand out by.
 const PROMINENCE_SIGMAS: f64 = 4.0;
+
+/// A cubic is fitted to g(r) within this distance (σ) of its first peak, and of its first minimum. The minimum is flat: its
+/// lowest bin wanders by a tenth of σ from run to run.
+const PEAK_HALF_WIDTH: f64 = 0.08;
+const MINIMUM_HALF_WIDTH: f64 = 0.2;
 
 /// Options of [`RadialDistribution`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -73,7 +80,8 @@ impl Recipe for RdfOptions {
 /// place of N − 1, as some programs have it, it would be smaller by 1/N.) The error of each bin comes from
 /// the scatter over successive blocks of the run.
 ///
-/// The coordination number is n(r) at the first minimum of g after its first peak.
+/// The coordination number is n(r) at the first minimum of g after its first peak. Both are extrema of cubics fitted
+/// around them, and their errors come from a jackknife over blocks of the run in which the extrema move along.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RadialDistribution {
     cell: PeriodicBox,
@@ -132,33 +140,44 @@ impl RadialDistribution {
     /// g(r) in each bin with its standard error.
     #[must_use]
     pub fn distribution(&self) -> (Vec<f64>, Vec<f64>) {
+        self.distribution_of(&self.counts)
+    }
+
+    fn distribution_of(&self, counts: &BlockedSums) -> (Vec<f64>, Vec<f64>) {
         (0..self.bins)
             .map(|k| {
                 let factor = self.normalisation(k);
-                let mean = self.counts.mean(k).unwrap_or(f64::NAN);
-                (mean * factor, self.counts.standard_error(k) * factor)
+                let mean = counts.mean(k).unwrap_or(f64::NAN);
+                (mean * factor, counts.standard_error(k) * factor)
             })
             .unzip()
     }
 
-    /// Mean number of neighbors within the outer edge of bin `k`, with the error from the blocks.
-    fn coordination(&self, k: usize) -> Estimate {
-        let factor = 2.0 / self.n_atoms as f64;
-        let blocks: Vec<f64> = (0..self.counts.complete_blocks())
-            .filter_map(|b| {
-                (0..=k)
-                    .map(|bin| self.counts.block_mean(b, bin))
-                    .sum::<Option<f64>>()
-            })
-            .map(|pairs| pairs * factor)
-            .collect();
-        let mean: f64 = (0..=k)
-            .map(|bin| self.counts.mean(bin).unwrap_or(f64::NAN))
-            .sum();
-        estimate_of_blocks(mean * factor, &blocks)
+    /// Mean number of neighbors within `r`, from the mean pair counts of the bins.
+    fn neighbors_within(&self, r: f64, pairs: &[f64]) -> f64 {
+        let bins = r / self.width();
+        let whole = (bins.floor() as usize).min(pairs.len());
+        let inner: f64 = pairs[..whole].iter().sum();
+        let last = pairs.get(whole).map_or(0.0, |p| p * bins.fract());
+        2.0 / self.n_atoms as f64 * (inner + last)
     }
 
-    fn add_peaks(&self, findings: &mut Findings, g: &[f64], error: &[f64]) {
+    /// Place and height of the extremum near one that was found bin by bin, as far as a cubic has one there.
+    fn refined(&self, near: &Extremum, pairs: &[f64]) -> (f64, f64) {
+        let g: Vec<f64> = (0..self.bins)
+            .map(|k| pairs[k] * self.normalisation(k))
+            .collect();
+        let half_width = if near.maximum {
+            PEAK_HALF_WIDTH
+        } else {
+            MINIMUM_HALF_WIDTH
+        };
+        let fitted = fitted_extremum(&self.radii(), &g, near.place, half_width, near.maximum);
+        // The peaks of a crystal at rest are narrower than any fit.
+        fitted.unwrap_or((near.place, g[near.bin]))
+    }
+
+    fn add_peaks(&self, counts: &BlockedSums, findings: &mut Findings, g: &[f64], error: &[f64]) {
         let radii = self.radii();
         let found = extrema(&radii, g, |k| {
             let noise = if error[k].is_nan() { 0.0 } else { error[k] };
@@ -174,57 +193,39 @@ impl RadialDistribution {
             .with("r", "σ", column(|e| e.place))
             .with("g", "", column(|e| e.height)),
         );
-        let Some(peak) = found.iter().position(|e| e.maximum) else {
+        let Some(at) = found.iter().position(|e| e.maximum) else {
             findings.remarks.push("g(r) has no peak".into());
             return;
         };
-        let mut add = |name: &str, unit: &str, estimate: Estimate| {
-            findings.averages.push(Average {
-                name: name.into(),
-                unit: unit.into(),
-                estimate,
-            });
-        };
-        let height: Vec<f64> = self
-            .counts
-            .block_means(found[peak].bin)
-            .iter()
-            .map(|c| c * self.normalisation(found[peak].bin))
-            .collect();
-        add(
-            "rdf_first_peak",
-            "",
-            estimate_of_blocks(g[found[peak].bin], &height),
-        );
-        match found.get(peak + 1) {
-            Some(minimum) => {
-                add("coordination_number", "", self.coordination(minimum.bin));
-                findings.remarks.push(format!(
-                    "first peak of g(r) at {:.3} σ, coordination number up to the first minimum at {:.3} σ",
-                    found[peak].place,
-                    minimum.place
-                ));
-            }
-            None => findings
-                .remarks
-                .push("g(r) has no minimum after its first peak: no coordination number".into()),
+        let peak = found[at];
+        if let Some((height, blocks)) = counts.jackknife(|pairs| Some(self.refined(&peak, pairs).1))
+        {
+            findings
+                .averages
+                .push(of_blocks("rdf_first_peak", "", height, &blocks));
         }
-    }
-}
-
-/// An estimate whose error comes from blocks; it is worth as many independent samples as the blocks show.
-pub(crate) fn estimate_of_blocks(mean: f64, blocks: &[f64]) -> Estimate {
-    let standard_error = statistics::error_from_blocks(blocks);
-    let n_effective = statistics::variance(blocks) / standard_error.powi(2) + 1.0;
-    Estimate {
-        mean,
-        standard_error,
-        n_effective: if n_effective.is_finite() {
-            n_effective
-        } else {
-            blocks.len() as f64
-        },
-        equilibration_cut: 0,
+        let Some(minimum) = found.get(at + 1) else {
+            findings
+                .remarks
+                .push("g(r) has no minimum after its first peak: no coordination number".into());
+            return;
+        };
+        let place = |pairs: &[f64]| self.refined(minimum, pairs).0;
+        if let Some((number, blocks)) =
+            counts.jackknife(|pairs| Some(self.neighbors_within(place(pairs), pairs)))
+        {
+            findings
+                .averages
+                .push(of_blocks("coordination_number", "", number, &blocks));
+        }
+        let means: Vec<f64> = (0..self.bins)
+            .map(|k| counts.mean(k).unwrap_or(f64::NAN))
+            .collect();
+        findings.remarks.push(format!(
+            "first peak of g(r) at {:.3} σ, coordination number up to the first minimum at {:.3} σ",
+            self.refined(&peak, &means).0,
+            place(&means)
+        ));
     }
 }
 
@@ -248,27 +249,28 @@ impl Observable for RadialDistribution {
         }
     }
 
-    fn finish(&self) -> Findings {
+    fn finish(&self, discarded: f64) -> Findings {
         let mut findings = Findings::default();
-        if self.counts.samples() == 0 {
+        let counts = self.counts.after(discarded);
+        if counts.samples() == 0 {
             return findings;
         }
-        let (g, error) = self.distribution();
+        let (g, error) = self.distribution_of(&counts);
         let factor = 2.0 / self.n_atoms as f64;
         let running: Vec<f64> = (0..self.bins)
             .scan(0.0, |sum, k| {
-                *sum += self.counts.mean(k).unwrap_or(f64::NAN) * factor;
+                *sum += counts.mean(k).unwrap_or(f64::NAN) * factor;
                 Some(*sum)
             })
             .collect();
-        self.add_peaks(&mut findings, &g, &error);
+        self.add_peaks(&counts, &mut findings, &g, &error);
         findings.tables.insert(
             0,
             Table::new(
                 "rdf",
                 format!(
                     "radial distribution function over {} configurations; r is the middle of the bin, coordination counts up to its outer edge",
-                    self.counts.samples()
+                    counts.samples()
                 ),
             )
             .with("r", "σ", self.radii())
@@ -343,7 +345,7 @@ mod tests {
         };
         let mut rdf = RadialDistribution::new(&options, &context).unwrap();
         sampled(&mut rdf, &cell, positions);
-        let findings = rdf.finish();
+        let findings = rdf.finish(0.0);
         let coordination = &findings.tables[0].columns[3].values;
         let up_to = |r: f64| coordination[(r * d / rdf.width()).round() as usize - 1];
         let mut inner = 0.0;

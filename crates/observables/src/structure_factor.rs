@@ -3,16 +3,16 @@
 use std::f64::consts::PI;
 
 use lennard_core::{
-    Average, DVec3, Findings, Observable, ObservableSpec, PeriodicBox, Persist, RestoreError,
-    StateReader, StateWriter, Table, View, Want,
+    DVec3, Findings, Observable, ObservableSpec, PeriodicBox, Persist, RestoreError, StateReader,
+    StateWriter, Table, View, Want,
 };
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::averages::of_blocks;
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
-use crate::extrema::extrema;
-use crate::rdf::estimate_of_blocks;
+use crate::extrema::{extrema, fitted_extremum};
 use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -21,6 +21,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "S(k) = ⟨|Σ_j exp(−i k·r_j)|²⟩/N, k = 2π(n_x/L_x, n_y/L_y, n_z/L_z) ≠ 0",
     source: "J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equation 4.1.2; \
              freezing where the peak reaches 2.85: J.-P. Hansen and L. Verlet, Phys. Rev. 184, 151 (1969)",
+    dynamic: false,
 };
 
 /// Blocks of the run from which the errors come.
@@ -34,6 +35,9 @@ const SMALLEST_PROMINENCE: f64 = 0.05;
 
 /// Standard errors that a peak must stand out by.
 const PROMINENCE_SIGMAS: f64 = 4.0;
+
+/// A cubic is fitted to S(k) within this distance (σ⁻¹) of its first peak.
+const PEAK_HALF_WIDTH: f64 = 0.6;
 
 /// The largest multiple of 2π/L along an axis.
 const LARGEST_MULTIPLE: f64 = 4096.0;
@@ -273,34 +277,46 @@ impl Observable for StructureFactor {
         }
     }
 
-    fn finish(&self) -> Findings {
+    fn finish(&self, discarded: f64) -> Findings {
         let mut findings = Findings::default();
-        if self.factors.samples() == 0 {
+        let factors = self.factors.after(discarded);
+        if factors.samples() == 0 {
             return findings;
         }
         let shells = 0..self.wave_numbers.len();
         let values: Vec<f64> = shells
             .clone()
-            .map(|k| self.factors.mean(k).unwrap_or(f64::NAN))
+            .map(|k| factors.mean(k).unwrap_or(f64::NAN))
             .collect();
-        let errors: Vec<f64> = shells.map(|k| self.factors.standard_error(k)).collect();
+        let errors: Vec<f64> = shells.map(|k| factors.standard_error(k)).collect();
         let found = extrema(&self.wave_numbers, &values, |k| {
             let noise = if errors[k].is_nan() { 0.0 } else { errors[k] };
             SMALLEST_PROMINENCE.max(PROMINENCE_SIGMAS * noise)
         });
         match found.iter().find(|e| e.maximum) {
             Some(peak) => {
-                findings.averages.push(Average {
-                    name: "structure_factor_first_peak".into(),
-                    unit: String::new(),
-                    estimate: estimate_of_blocks(
-                        values[peak.bin],
-                        &self.factors.block_means(peak.bin),
-                    ),
-                });
+                let top = |values: &[f64]| {
+                    fitted_extremum(
+                        &self.wave_numbers,
+                        values,
+                        peak.place,
+                        PEAK_HALF_WIDTH,
+                        true,
+                    )
+                    // Where shells are few, and in a crystal, the peak is one shell.
+                    .unwrap_or((peak.place, values[peak.bin]))
+                };
+                if let Some((height, blocks)) = factors.jackknife(|values| Some(top(values).1)) {
+                    findings.averages.push(of_blocks(
+                        "structure_factor_first_peak",
+                        "",
+                        height,
+                        &blocks,
+                    ));
+                }
                 findings.remarks.push(format!(
-                    "first peak of S(k) near k = {:.3} σ⁻¹, read at the shell of {:.3} σ⁻¹; a fluid freezes where it reaches 2.85 (Hansen and Verlet)",
-                    peak.place, self.wave_numbers[peak.bin]
+                    "first peak of S(k) at k = {:.3} σ⁻¹; a fluid freezes where it reaches 2.85 (Hansen and Verlet)",
+                    top(&values).0
                 ));
             }
             None => findings.remarks.push("S(k) has no peak".into()),
@@ -311,7 +327,7 @@ impl Observable for StructureFactor {
                 format!(
                     "static structure factor over {} wave vectors and {} configurations",
                     self.vectors.len(),
-                    self.factors.samples()
+                    factors.samples()
                 ),
             )
             .with("k", "σ⁻¹", self.wave_numbers.clone())

@@ -35,8 +35,8 @@ pub struct ThermoSeries {
     /// Potential energy per particle of which the forces are the gradient, U_s/N: for a plain cutoff the shifted one.
     /// Configurations are sampled with its Boltzmann factor, so fluctuations are taken of it.
     pub sampled_potential_energy: Vec<f64>,
-    /// Mean of ((K + U_s)/N)².
-    pub sampled_energy_squared: Vec<f64>,
+    /// Mean of (U_s/N)².
+    pub sampled_potential_energy_squared: Vec<f64>,
     /// Total momentum per particle, x, in σ/τ.
     pub momentum_x: Vec<f64>,
     /// Total momentum per particle, y.
@@ -59,44 +59,46 @@ impl_columns!(ThermoSeries {
     laplacian,
     kinetic_energy_squared,
     sampled_potential_energy,
-    sampled_energy_squared,
+    sampled_potential_energy_squared,
     momentum_x,
     momentum_y,
     momentum_z,
 });
 
 impl ThermoSeries {
-    /// The series as a table, `thermo`; each row is the mean of `stride` samples.
+    /// The series as a table, `measured`; each row is the mean of `stride` samples. The temperature of the positions has a
+    /// column of its own, `temperature_half_steps`, where the method has half steps.
     #[must_use]
-    pub fn table(&self, stride: u64) -> Table {
-        let columns: [(&str, &str, &[f64]); 12] = [
-            ("time", "τ", &self.time),
-            ("temperature", "ε/k_B", &self.temperature),
-            (
-                "temperature_of_positions",
-                "ε/k_B",
-                &self.temperature_of_positions,
-            ),
-            ("kinetic_energy", "ε", &self.kinetic_energy),
-            ("potential_energy", "ε", &self.potential_energy),
+    pub fn table(&self, stride: u64, half_steps: bool) -> Table {
+        let per_particle = "ε per particle";
+        let caption =
+            format!("thermodynamics against time; each row is the mean of {stride} samples");
+        let mut table = Table::new("measured", caption)
+            .with("time", "τ", self.time.clone())
+            .with("temperature", "ε/k_B", self.temperature.clone());
+        if half_steps {
+            let column = self.temperature_of_positions.clone();
+            table = table.with("temperature_half_steps", "ε/k_B", column);
+        }
+        let columns: [(&str, &str, &[f64]); 9] = [
+            ("kinetic_energy", per_particle, &self.kinetic_energy),
+            ("potential_energy", per_particle, &self.potential_energy),
             (
                 "potential_energy_without_tail",
-                "ε",
+                per_particle,
                 &self.potential_energy_without_tail,
             ),
             ("pressure", "ε/σ³", &self.pressure),
             ("pressure_without_tail", "ε/σ³", &self.pressure_without_tail),
-            ("conserved_energy", "ε", &self.conserved_energy),
-            ("momentum_x", "σ/τ", &self.momentum_x),
-            ("momentum_y", "σ/τ", &self.momentum_y),
-            ("momentum_z", "σ/τ", &self.momentum_z),
+            ("conserved_energy", per_particle, &self.conserved_energy),
+            ("momentum_x", "σ/τ per particle", &self.momentum_x),
+            ("momentum_y", "σ/τ per particle", &self.momentum_y),
+            ("momentum_z", "σ/τ per particle", &self.momentum_z),
         ];
-        let caption = format!(
-            "thermodynamics against time, energies per particle; each row is the mean of {stride} samples"
-        );
-        columns.into_iter().fold(
-            Table::new("measured", caption),
-            |table, (name, unit, values)| table.with(name, unit, values.to_vec()),
-        )
+        columns
+            .into_iter()
+            .fold(table, |table, (name, unit, values)| {
+                table.with(name, unit, values.to_vec())
+            })
     }
 }

@@ -1,19 +1,23 @@
 //! Temperature, energies, pressure and what ought to be conserved.
 
+mod equilibrium;
 mod remarks;
 
 use std::f64::consts::PI;
 
 use lennard_core::{
-    Average, DVec3, Estimate, Findings, Observable, ObservableSpec, Persist, RestoreError,
-    StateReader, StateWriter, View, Want, parallel,
+    DVec3, Estimate, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
+    StateWriter, View, Want, parallel,
 };
 use serde::{Deserialize, Serialize};
 
+use crate::averages::{FEWEST_INDEPENDENT, of_fluctuations, of_series};
 use crate::series::Series;
 use crate::statistics::{self, RunningLine};
 use crate::thermo_series::ThermoSeries;
 use crate::{BuildContext, Ensemble, ObservableError, Recipe, heat_capacity};
+
+pub use equilibrium::{Equilibrium, HeldTemperature};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "thermodynamics",
@@ -21,6 +25,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "T = 2K/n_dof on whole and on half steps; U = Σ U(r_ij)/N + u_tail; P = ρT + W/(3V) + p_tail; T_conf = ⟨|∇U|²⟩/⟨∇²U⟩",
     source: "M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), equations 2.61 and 2.68; \
              B. D. Butler, G. Ayton, O. G. Jepps and D. J. Evans, Configurational temperature, J. Chem. Phys. 109, 6519 (1998), equation 6",
+    dynamic: false,
 };
 
 /// Rows kept before neighbors are averaged in pairs.
@@ -90,8 +95,7 @@ pub struct Conservation {
 ///   delta function to ∇²U that no pair loop can see; its mean, −4πρ r_cut² U′(r_cut) per particle for
 ///   g(r_cut) = 1, is added where [`Thermodynamics::set_force_jump`] has told the jump.
 ///
-/// All averages share one equilibration cut, the later one of U and P, so that they speak of the same
-/// samples.
+/// All averages share one equilibration cut ([`Thermodynamics::equilibrium`]), so that they speak of the same samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Thermodynamics {
     options: ThermodynamicsOptions,
@@ -101,6 +105,7 @@ pub struct Thermodynamics {
     largest_momentum: f64,
     force_jump: f64,
     ensemble: Option<Ensemble>,
+    bath: Option<HeldTemperature>,
     n_dof: f64,
     half_steps: bool,
 }
@@ -123,6 +128,7 @@ impl Thermodynamics {
             largest_momentum: 0.0,
             force_jump: 0.0,
             ensemble: None,
+            bath: None,
             n_dof: f64::NAN,
             half_steps: false,
         }
@@ -157,16 +163,6 @@ impl Thermodynamics {
     #[must_use]
     pub fn stride(&self) -> u64 {
         self.series.stride()
-    }
-
-    /// The equilibration cut that all averages share, in rows of [`Thermodynamics::series`].
-    #[must_use]
-    pub fn equilibration_cut(&self) -> usize {
-        let rows = self.series.rows();
-        statistics::common_cut(&[
-            &rows.potential_energy_without_tail,
-            &rows.pressure_without_tail,
-        ])
     }
 
     /// Drift and fluctuation of the conserved energy, and the momentum.
@@ -252,7 +248,7 @@ impl Observable for Thermodynamics {
         let pressure = n / volume * of_positions + virial / (3.0 * volume);
         let tail = view.tail.unwrap_or_default();
         let conserved_energy = kinetic + (conserved - view.heat) / n;
-        let sampled = kinetic + conserved / n;
+        let sampled = conserved / n;
         let (squared_force, laplacian) = if self.options.configurational_temperature {
             let squares: f64 = parallel::ordered_sum(state.len(), |range| {
                 state.forces[range].iter().map(|f| f.length_squared()).sum()
@@ -280,7 +276,7 @@ impl Observable for Thermodynamics {
             squared_force,
             laplacian,
             kinetic * kinetic,
-            conserved / n,
+            sampled,
             sampled * sampled,
             momentum.x,
             momentum.y,
@@ -288,79 +284,85 @@ impl Observable for Thermodynamics {
         ]);
     }
 
-    fn finish(&self) -> Findings {
+    /// The part to discard is that of [`Thermodynamics::equilibrium`] as a rule.
+    fn finish(&self, discarded: f64) -> Findings {
         let rows = self.series.rows();
-        let cut = self.equilibration_cut();
-        let mut findings = Findings::default();
-        let mut add = |name: &str, unit: &str, estimate: Estimate| {
-            findings.averages.push(Average {
-                name: name.into(),
-                unit: unit.into(),
-                estimate: self.in_samples(estimate),
-            });
-        };
-        let of = |column: &[f64]| statistics::estimate_after(column, cut);
+        let cut = (discarded * rows.time.len() as f64).round() as usize;
         let total: Vec<f64> = rows
             .kinetic_energy
             .iter()
             .zip(&rows.potential_energy)
             .map(|(k, u)| k + u)
             .collect();
-        add("temperature", "ε/k_B", of(&rows.temperature));
+        let energy = "ε per particle";
+        let mut averages = vec![of_series("temperature", "ε/k_B", &rows.temperature, cut)];
         if self.half_steps {
-            add(
+            averages.push(of_series(
                 "temperature_half_steps",
                 "ε/k_B",
-                of(&rows.temperature_of_positions),
-            );
+                &rows.temperature_of_positions,
+                cut,
+            ));
         }
         if self.options.configurational_temperature {
-            add(
+            let (estimate, influence) =
+                statistics::ratio(&rows.squared_force, &rows.laplacian, cut);
+            averages.push(of_fluctuations(
                 "configurational_temperature",
                 "ε/k_B",
-                statistics::ratio(&rows.squared_force, &rows.laplacian, cut),
-            );
+                estimate,
+                &influence,
+                FEWEST_INDEPENDENT,
+            ));
         }
-        add(
-            "potential_energy",
-            "ε a particle",
-            of(&rows.potential_energy),
-        );
-        add(
-            "potential_energy_without_tail",
-            "ε a particle",
-            of(&rows.potential_energy_without_tail),
-        );
-        add("kinetic_energy", "ε a particle", of(&rows.kinetic_energy));
-        add("total_energy", "ε a particle", of(&total));
-        add(
-            "conserved_energy",
-            "ε a particle",
-            of(&rows.conserved_energy),
-        );
-        add("pressure", "ε/σ³", of(&rows.pressure));
-        add(
-            "pressure_without_tail",
-            "ε/σ³",
-            of(&rows.pressure_without_tail),
-        );
+        for (name, column) in [
+            ("potential_energy", &rows.potential_energy),
+            (
+                "potential_energy_without_tail",
+                &rows.potential_energy_without_tail,
+            ),
+            ("kinetic_energy", &rows.kinetic_energy),
+            ("total_energy", &total),
+            ("conserved_energy", &rows.conserved_energy),
+        ] {
+            averages.push(of_series(name, energy, column, cut));
+        }
+        for (name, column) in [
+            ("pressure", &rows.pressure),
+            ("pressure_without_tail", &rows.pressure_without_tail),
+        ] {
+            averages.push(of_series(name, "ε/σ³", column, cut));
+        }
         if let Some(ensemble) = self.ensemble {
-            let found =
-                heat_capacity::estimate(ensemble, rows, cut, self.context.n_atoms, self.n_dof);
-            add("heat_capacity", "k_B a particle", found);
+            averages.push(heat_capacity::average(
+                ensemble,
+                rows,
+                cut,
+                self.context.n_atoms,
+                self.n_dof,
+            ));
         }
-        findings.remarks = self.remarks(cut);
+        for average in &mut averages {
+            average.estimate = self.in_samples(average.estimate);
+        }
+        let mut findings = Findings {
+            averages,
+            ..Findings::default()
+        };
+        findings.remarks = self.remarks();
         findings
             .remarks
             .extend(self.ensemble.map(|e| e.remark(self.n_dof)));
-        findings.tables.push(rows.table(self.series.stride()));
+        findings
+            .tables
+            .push(rows.table(self.series.stride(), self.half_steps));
         for (name, column) in [
             ("potential_energy", &rows.potential_energy),
             ("pressure", &rows.pressure),
             ("temperature", &rows.temperature),
         ] {
             findings.tables.push(
-                statistics::blocking_curve(&column[cut..]).table(
+                statistics::blocking_curve(&column[cut.min(column.len())..]).table(
                     &format!("blocking_{name}"),
                     &format!(
                         "apparent standard error of the mean {name} against block size; 1 marks the plateau; a sample is the mean of {}",

@@ -3,14 +3,14 @@
 use std::collections::VecDeque;
 
 use lennard_core::{
-    Average, DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
+    DVec3, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
     StateWriter, Table, View, Want,
 };
 use serde::{Deserialize, Serialize};
 
+use crate::averages::of_blocks;
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
-use crate::rdf::estimate_of_blocks;
 use crate::tracked::{DEFAULT_TRACKED, Tracked, sum_over_pairs};
 use crate::{BuildContext, ObservableError, Recipe};
 
@@ -20,6 +20,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "C(t) = ⟨v(t₀)·v(t₀+t)⟩; D = ⅓ ∫₀^∞ C dt",
     source: "A. Rahman, Correlations in the motion of atoms in liquid argon, Phys. Rev. 136, A405 (1964); \
              J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equation 7.2.10",
+    dynamic: true,
 };
 
 /// Blocks of the run from which the errors come.
@@ -167,11 +168,12 @@ impl Observable for VelocityAutocorrelation {
         self.samples += 1;
     }
 
-    fn finish(&self) -> Findings {
+    fn finish(&self, discarded: f64) -> Findings {
         let mut findings = Findings::default();
         findings.remarks.extend(self.tracked.remark());
+        let products = self.products.after(discarded);
         let Some(c) = (0..self.lags)
-            .map(|k| self.products.mean(k))
+            .map(|k| products.mean(k))
             .collect::<Option<Vec<f64>>>()
         else {
             findings
@@ -179,32 +181,33 @@ impl Observable for VelocityAutocorrelation {
                 .push("no velocity autocorrelation: the run is shorter than its window".into());
             return findings;
         };
-        let errors: Vec<f64> = (0..self.lags)
-            .map(|k| self.products.standard_error(k))
-            .collect();
+        let errors: Vec<f64> = (0..self.lags).map(|k| products.standard_error(k)).collect();
         let integral = self.running_integral(&c);
         let every_lag: Vec<usize> = (0..self.lags).collect();
-        let blocks: Vec<f64> = self
-            .products
+        let blocks: Vec<f64> = products
             .complete_rows(&every_lag)
             .iter()
             .map(|c| self.running_integral(c)[self.lags - 1])
             .collect();
         let last = self.lags - 1;
-        findings.averages.push(Average {
-            name: "diffusion_coefficient_green_kubo".into(),
-            unit: "σ²/τ".into(),
-            estimate: estimate_of_blocks(integral[last], &blocks),
+        let undecayed = (c[last].abs() > (DECAYED * c[0]).max(3.0 * errors[last])).then(|| {
+            Doubt::Incomplete(format!(
+                "the velocity autocorrelation has not decayed at the end of its window, {:.3} τ",
+                last as f64 * self.interval
+            ))
         });
+        findings.averages.push(
+            of_blocks(
+                "diffusion_coefficient_green_kubo",
+                "σ²/τ",
+                integral[last],
+                &blocks,
+            )
+            .doubted(undecayed),
+        );
         findings
             .remarks
             .push("diffusion_coefficient_green_kubo is not corrected for finite size".into());
-        if c[last].abs() > (DECAYED * c[0]).max(3.0 * errors[last]) {
-            findings.remarks.push(format!(
-                "the velocity autocorrelation has not decayed at the end of its window, {:.3} τ: its integral is incomplete",
-                last as f64 * self.interval
-            ));
-        }
         if c[1] < FINE_ENOUGH * c[0] {
             findings.remarks.push(
                 "the velocity autocorrelation falls by half in one sampling interval: sample more often for a good integral".into(),
@@ -292,7 +295,7 @@ mod tests {
                 *v = decay * *v + kick * normal(seed, s, i);
             }
         }
-        vacf.finish()
+        vacf.finish(0.0)
     }
 
     #[test]

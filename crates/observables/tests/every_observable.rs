@@ -149,7 +149,10 @@ fn an_observable_restored_in_the_middle_ends_with_the_same_bits() {
         assert!(!archive.arrays.is_empty(), "{name} saves nothing");
         assert!(archive == saved(b.as_ref()), "{name}");
         // As text, for which NaN equals NaN.
-        assert_eq!(format!("{:?}", a.finish()), format!("{:?}", b.finish()));
+        assert_eq!(
+            format!("{:?}", a.finish(0.0)),
+            format!("{:?}", b.finish(0.0))
+        );
     }
     for (a, b) in first.iter().zip(&second) {
         let name = a.spec().name;
@@ -225,14 +228,14 @@ fn every_table_has_columns_of_equal_length_and_every_average_is_a_number() {
         .collect();
     for observable in &all {
         // Nothing seen: no panic, and no number that pretends to be one.
-        for average in observable.finish().averages {
+        for average in observable.finish(0.0).averages {
             assert!(average.estimate.mean.is_nan(), "{}", average.name);
         }
     }
     walk(180, |_, view| all.iter_mut().for_each(|o| o.sample(view)));
     let mut names = Vec::new();
     for observable in &all {
-        let findings = observable.finish();
+        let findings = observable.finish(0.0);
         for table in &findings.tables {
             let rows = table.columns[0].values.len();
             assert!(

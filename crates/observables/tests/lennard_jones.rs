@@ -150,10 +150,10 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
         }
     }
     let all = [
-        thermodynamics.finish(),
-        msd.finish(),
-        vacf.finish(),
-        rdf.finish(),
+        thermodynamics.finish(0.0),
+        msd.finish(0.0),
+        vacf.finish(0.0),
+        rdf.finish(0.0),
     ];
     let average = |name: &str| -> Estimate {
         all.iter()

@@ -92,14 +92,14 @@ fn a_pair_at_sigma_has_the_values_worked_out_by_hand() {
     );
     close(rows.squared_force[0], 576.0);
     close(rows.laplacian[0], 408.0);
-    let findings = thermodynamics.finish();
+    let findings = thermodynamics.finish(0.0);
     close(
         average(&findings, "configurational_temperature").mean,
         576.0 / 408.0,
     );
     assert!(average(&findings, "pressure").standard_error.is_nan());
 
-    let findings = tensor.finish();
+    let findings = tensor.finish(0.0);
     let p = |ab: &str| average(&findings, &format!("pressure_{ab}")).mean;
     close((p("xx") + p("yy") + p("zz")) / 3.0, rows.pressure[0]);
     // Off the diagonal: 2·v_a·v_b·(3N/n_dof = 2) + 24·n_a·n_b over V.
@@ -136,9 +136,9 @@ fn half_steps_add_the_kicks_of_both_sides_to_temperature_and_pressure() {
     close(rows.pressure[0], 0.002 * half + 24.0 / 3000.0);
     // What is conserved knows nothing of it.
     close(rows.conserved_energy[0], 0.656_25 + 0.016_316_891_136 / 2.0);
-    let p = |ab: &str| average(&tensor.finish(), &format!("pressure_{ab}")).mean;
+    let p = |ab: &str| average(&tensor.finish(0.0), &format!("pressure_{ab}")).mean;
     close((p("xx") + p("yy") + p("zz")) / 3.0, rows.pressure[0]);
-    let findings = thermodynamics.finish();
+    let findings = thermodynamics.finish(0.0);
     close(average(&findings, "temperature_half_steps").mean, half);
 
     // A method without half steps has none to show.
@@ -151,7 +151,7 @@ fn half_steps_add_the_kicks_of_both_sides_to_temperature_and_pressure() {
     close(other.series().temperature_of_positions[0], 0.875);
     assert!(
         other
-            .finish()
+            .finish(0.0)
             .averages
             .iter()
             .all(|a| a.name != "temperature_half_steps")
@@ -235,7 +235,7 @@ fn harmonic_particles_at_temperature_t_have_that_configurational_temperature() {
         state.energetics.laplacian = Some(3.0 * k * n as f64);
         0.0
     });
-    let found = average(&thermodynamics.finish(), "configurational_temperature");
+    let found = average(&thermodynamics.finish(0.0), "configurational_temperature");
     // 3·20·2000 independent squares of a normal variable: relative error √(2/120 000).
     let exact_error = temperature * (2.0_f64 / 120_000.0).sqrt();
     assert!((found.mean - temperature).abs() < 4.0 * exact_error);
@@ -297,7 +297,7 @@ fn all_averages_of_a_run_share_one_equilibration_cut() {
         state.velocities[0] = normal(5, s, 1);
         0.0
     });
-    let findings = thermodynamics.finish();
+    let findings = thermodynamics.finish(0.0);
     let cut = average(&findings, "potential_energy").equilibration_cut;
     assert!((200..900).contains(&cut), "{cut}");
     for a in &findings.averages {

@@ -20,7 +20,7 @@ pub use axis::{Axis, Scale};
 pub use bars::{BarFigure, BarSeries};
 pub use escape::{escape, inline_markup};
 pub use figure::{FailedPoint, Figure, Guide, Look, Point, Series};
-pub use number::{counted, plain_or_scientific, significant, with_error};
+pub use number::{counted, plain_or_scientific, signed, significant, with_error};
 pub use page::{Block, Page, PageFigure, Section};
 pub use palette::{COLORS, Dash, Symbol};
 pub use table::{Cell, PageTable, Tone};

@@ -43,6 +43,17 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// A number with its sign, whichever it is: `+0.0012`, `−0.010`.
+#[must_use]
+pub fn signed(value: f64, digits: usize) -> String {
+    let text = significant(value, digits);
+    if value > 0.0 {
+        format!("+{text}")
+    } else {
+        text
+    }
+}
+
 /// A number as short as it can be: whole numbers without a point, others with four significant digits.
 #[must_use]
 pub fn plain_or_scientific(value: f64) -> String {

@@ -3,6 +3,8 @@
 mod phase;
 mod read;
 mod rows;
+mod tail_bias;
+mod transport;
 mod verdict;
 
 pub use phase::{StateOfMatter, state_of};
@@ -10,6 +12,7 @@ pub use read::{ReadError, RunFolder};
 pub use verdict::{Row, Verdict};
 
 use lennard_literature::{equation_of_state_for, remark_for};
+use rows::Compared;
 use serde::Serialize;
 
 /// A quantity of the run record in words for a table.
@@ -41,6 +44,8 @@ pub struct ComparedRun {
     pub equation: Option<String>,
     /// Quantity by quantity.
     pub rows: Vec<Row>,
+    /// What the rows say together, in a sentence.
+    pub headline: String,
     /// What belongs beside the numbers.
     pub remarks: Vec<String>,
 }
@@ -52,21 +57,25 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
     let equation = equation_of_state_for(model);
     let state = state_of(run, equation.as_ref().ok().copied());
     let mut remarks = Vec::new();
-    match &equation {
-        Err(none) => remarks.push(format!("not compared with any equation of state: {none}")),
-        Ok(equation) => {
-            if !state.is_single_stable_phase() {
-                remarks.push(format!(
-                    "by {} the state ρ = {:.4}, {} = {:.4} is {}: nothing is judged",
-                    equation.spec().name,
-                    state.density,
-                    state.temperature_words(),
-                    state.temperature,
-                    state.words
-                ));
-            }
+    let no_reference = match &equation {
+        _ if run.has_vacuum() => Some("vapor and liquid side by side".to_owned()),
+        Err(none) => {
+            remarks.push(format!("not compared with any equation of state: {none}"));
+            Some(format!("no equation of state for {}", none.model))
         }
-    }
+        Ok(equation) if !state.is_single_stable_phase() => {
+            remarks.push(format!(
+                "by {} the state ρ = {:.4}, {} = {:.4} is {}: nothing is judged by it",
+                equation.spec().name,
+                state.density,
+                state.temperature_words(),
+                state.temperature,
+                state.words
+            ));
+            Some(state.words.clone())
+        }
+        Ok(_) => None,
+    };
     remarks.extend(remark_for(model));
     let measured = run
         .scene
@@ -75,6 +84,12 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
         .filter(|s| s.measure)
         .map(|s| s.steps)
         .sum();
+    let rows = rows::all(&Compared {
+        run,
+        state: &state,
+        model,
+        no_reference: no_reference.clone(),
+    });
     ComparedRun {
         run: run.folder.display().to_string(),
         model: run.record.model.clone(),
@@ -83,9 +98,80 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
         equation: equation
             .as_ref()
             .ok()
+            .filter(|_| no_reference.is_none())
             .map(|e| format!("{}, doi:{}", e.spec().name, e.spec().doi)),
-        rows: rows::all(run, &state, model),
+        headline: headline(&rows, no_reference.as_deref()),
+        rows,
         state,
         remarks,
     }
+}
+
+/// What the primary rows say together.
+fn headline(rows: &[Row], no_reference: Option<&str>) -> String {
+    let with = |verdict: Verdict| {
+        let found: Vec<&Row> = rows
+            .iter()
+            .filter(|r| r.primary && r.verdict == verdict)
+            .collect();
+        found
+    };
+    let names = |rows: &[&Row]| {
+        let names: Vec<String> = rows.iter().map(|r| quantity_words(&r.quantity)).collect();
+        names.join(", ")
+    };
+    // The energy stands for the run: what speaks against all means speaks against it.
+    let energy = rows.iter().find(|r| r.quantity == "potential_energy");
+    if let Some(energy) = energy.filter(|r| !r.is_sound()) {
+        return match energy.verdict {
+            Verdict::NotInEquilibrium => {
+                format!(
+                    "The run was not in equilibrium: {}. Its means are no results.",
+                    energy.reason
+                )
+            }
+            Verdict::TooShort => format!("The run is too short: {}.", energy.reason),
+            _ => format!("Nothing is judged: {}.", energy.reason),
+        };
+    }
+    let judged: Vec<&Row> = rows
+        .iter()
+        .filter(|r| r.primary && r.verdict.is_judged())
+        .collect();
+    let mut text = match (judged.len(), with(Verdict::Agrees).len()) {
+        (0, _) => match no_reference {
+            Some(why) => format!("No reference applies: {why}."),
+            None => "Nothing was held against a reference.".into(),
+        },
+        (1, 1) => format!("{} agrees with its reference.", capital(&names(&judged))),
+        (all, agree) if all == agree => {
+            format!("All {all} quantities that have a reference agree with it.")
+        }
+        (all, agree) => format!("{agree} of {all} quantities that have a reference agree with it."),
+    };
+    let biased = with(Verdict::PredictedBias);
+    if let Some(first) = biased.first() {
+        text += &format!(
+            " {} differ{} by the bias that {} is predicted to make.",
+            capital(&names(&biased)),
+            if biased.len() == 1 { "s" } else { "" },
+            first.reason
+        );
+    }
+    let differing = with(Verdict::Differs);
+    if !differing.is_empty() {
+        text += &format!(" Not explained: the difference in {}.", names(&differing));
+    }
+    let short: Vec<&Row> = rows.iter().filter(|r| r.primary && !r.is_sound()).collect();
+    if !short.is_empty() {
+        text += &format!(" No result yet: {}.", names(&short));
+    }
+    text
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().collect::<String>() + letters.as_str()
+    })
 }

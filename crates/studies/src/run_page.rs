@@ -40,32 +40,22 @@ pub fn write(folder: &Path) -> Result<(), PageError> {
 pub fn page(run: &RunFolder) -> Result<Page, ReportError> {
     let compared = compare(run);
     let record = &run.record;
-    let judged = compared
-        .rows
-        .iter()
-        .filter(|r| r.tolerance.is_some())
-        .count();
-    let agree = compared
-        .rows
-        .iter()
-        .filter(|r| r.verdict == crate::compare::Verdict::Agrees)
-        .count();
     let lead = format!(
-        "{} particles, {}: {} at ρ = {:.4}, {} = {:.4}. {agree} of {judged} quantities that have a reference agree with it. Reduced units \
-         throughout (ε = σ = m = k_B = 1).",
+        "{} particles, {}: {} at ρ = {:.4}, {} = {:.4}. {} Reduced units throughout (ε = σ = m = k_B = 1).",
         record.atoms,
         compared.model,
         compared.state.words,
         compared.state.density,
         compared.state.temperature_words(),
         compared.state.temperature,
+        compared.headline,
     );
     let mut sections = vec![
         Section::new("Beside the literature").with(Block::Table(tables::comparison(&compared))),
         Section::new("What was run, and what was left out")
             .with(Block::Table(tables::stages(run)))
             .with(Block::List(tables::left_out(run))),
-        Section::new("Averages").with(Block::Table(tables::averages(record))),
+        Section::new("Averages").with(Block::Table(tables::averages(&compared, record))),
     ];
     sections[0] = sections[0]
         .clone()

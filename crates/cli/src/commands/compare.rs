@@ -31,7 +31,7 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
         })?;
     } else {
         for run in &compared {
-            show::compared(run);
+            show::compared(run, args.all);
         }
     }
     Ok(ExitCode::SUCCESS)

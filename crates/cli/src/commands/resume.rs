@@ -49,5 +49,5 @@ pub fn resume(args: &ResumeArgs) -> Result<ExitCode, Failure> {
     })?;
     drop(display);
     write_report(&outcome, &args.folder, &args.control)?;
-    tell(&outcome, &args.folder, total, args.json, quiet)
+    tell(&outcome, &args.folder, total, args.json, &args.control)
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use lennard_engine::{Ending, Outcome, RunOptions};
 
-use crate::args::RunArgs;
+use crate::args::{ControlArgs, RunArgs};
 use crate::commands::{
     load_locked, on_threads, output_folder, print_json, threads_with, write_report,
 };
@@ -51,7 +51,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         &folder,
         simulation.scene.total_steps(),
         args.scene.json,
-        quiet,
+        &args.control,
     )
 }
 
@@ -61,15 +61,18 @@ pub fn tell(
     folder: &Path,
     total: u64,
     json: bool,
-    quiet: bool,
+    control: &ControlArgs,
 ) -> Result<ExitCode, Failure> {
+    let (quiet, all) = (control.quiet || json, control.all);
     if json {
         print_json(&outcome.record)?;
     }
     let why = match outcome.ending {
         Ending::Finished => {
             if !quiet {
-                show::results(&outcome.record, folder);
+                let run = lennard_studies::compare::RunFolder::open(folder)?;
+                let compared = lennard_studies::compare::compare(&run);
+                show::results(&outcome.record, &compared, folder, all);
             }
             return Ok(ExitCode::SUCCESS);
         }

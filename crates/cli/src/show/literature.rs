@@ -76,7 +76,7 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
                 let difference = r.difference.zip(r.combined_error);
                 cells.push(difference.map_or("–".into(), |(d, e)| pair(d, e)));
             }
-            verdicts.push(r.verdict.words());
+            verdicts.push(r.verdict_words());
         }
         cells.push(if compared.state.is_single_stable_phase() {
             verdicts.join(", ")
@@ -134,11 +134,10 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
 }
 
 /// One run beside the literature.
-pub fn compared(run: &ComparedRun) {
+pub fn compared(run: &ComparedRun, all: bool) {
     println!("{}", console::style(&run.run).bold());
     println!(
-        "  {}; {} particles, {} measured steps, ρ = {:.4}, {} = {:.4}: {}",
-        run.model,
+        "  {} particles, {} measured steps, ρ = {:.4}, {} = {:.4}: {}",
         run.atoms,
         run.measured_steps,
         run.state.density,
@@ -146,18 +145,26 @@ pub fn compared(run: &ComparedRun) {
         run.state.temperature,
         run.state.words
     );
+    println!("{}", quantities(run, all));
+    below_quantities(run, all);
+    println!();
+}
+
+/// The primary quantities of a run with their verdicts, or all of them.
+pub(super) fn quantities(run: &ComparedRun, all: bool) -> comfy_table::Table {
     let mut rows = table(
         &[
             "quantity",
             "measured",
             "reference",
             "difference",
-            "in errors",
+            "difference / s.e.",
+            "tolerance",
             "verdict",
         ],
-        1..5,
+        1..6,
     );
-    for r in &run.rows {
+    for r in run.rows.iter().filter(|r| all || r.primary) {
         let reference = match (r.reference, r.reference_error) {
             (Some(x), Some(e)) => pair(x, e),
             (Some(x), None) => significant(x, 5),
@@ -170,33 +177,62 @@ pub fn compared(run: &ComparedRun) {
         };
         rows.add_row([
             quantity_words(&r.quantity),
-            pair(r.measured, r.standard_error),
+            format!("{} {}", pair(r.measured, r.standard_error), r.unit),
             reference,
             difference,
             r.in_standard_errors
                 .map_or("–".into(), |z| format!("{z:+.1}")),
-            r.verdict.words().to_owned(),
+            r.tolerance
+                .map_or("–".into(), |t| format!("± {}", significant(t, 2))),
+            r.verdict_words(),
         ]);
     }
-    println!("{rows}");
-    for r in run
-        .rows
-        .iter()
-        .filter(|r| !r.source.is_empty() || !r.remark.is_empty())
-    {
-        let notes: Vec<&str> = [r.source.as_str(), r.remark.as_str()]
-            .into_iter()
-            .filter(|t| !t.is_empty())
-            .collect();
-        println!("  {}: {}", quantity_words(&r.quantity), notes.join("; "));
+    rows
+}
+
+/// What is said below the table: the headline, the model and the reference; with `all` every source and note.
+pub(super) fn below_quantities(run: &ComparedRun, all: bool) {
+    println!("  {}", console::style(&run.headline).bold());
+    println!("  U and P are of: {}", run.model);
+    if let Some(equation) = &run.equation {
+        println!(
+            "  reference: {equation}, at ρ = {:.4} and {} = {:.4}, for {} particles",
+            run.state.density,
+            run.state.temperature_words(),
+            run.state.temperature,
+            run.atoms
+        );
+    }
+    let hidden = run.rows.iter().filter(|r| !r.primary).count();
+    if !all {
+        if hidden > 0 {
+            println!("  {hidden} more quantities, sources and notes: --all");
+        }
+        return;
+    }
+    for r in &run.rows {
+        let notes: Vec<&str> = [
+            r.source.as_str(),
+            r.tolerance_words.as_str(),
+            r.remark.as_str(),
+        ]
+        .into_iter()
+        .filter(|t| !t.is_empty())
+        .collect();
+        if !notes.is_empty() {
+            println!("  {}: {}", quantity_words(&r.quantity), notes.join("; "));
+        }
     }
     for remark in &run.remarks {
         println!("  note: {remark}");
     }
-    println!();
 }
 
+/// A value with its standard error; the value alone where it has none.
 fn pair(value: f64, error: f64) -> String {
+    if !error.is_finite() {
+        return significant(value, 5);
+    }
     let (value, error) = with_error(value, error);
     format!("{value} ± {error}")
 }

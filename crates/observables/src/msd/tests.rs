@@ -15,7 +15,7 @@ fn follow(
     msd
 }
 
-fn average(findings: &Findings, name: &str) -> Estimate {
+fn average(findings: &Findings, name: &str) -> lennard_core::Estimate {
     findings
         .averages
         .iter()
@@ -34,7 +34,7 @@ fn free_flight_gives_the_square_of_speed_times_time_at_every_lag() {
         let t = s as f64 * 0.01;
         vec![(drift + v) * t, (drift - v) * t]
     });
-    let table = &msd.finish().tables[0];
+    let table = &msd.finish(0.0).tables[0];
     let longest = table.columns[0].values.last().unwrap();
     assert!(*longest > 4.0);
     for (t, m) in table.columns[0].values.iter().zip(&table.columns[1].values) {
@@ -60,7 +60,7 @@ fn brownian_motion_gives_its_diffusion_coefficient_and_the_spread_of_seeds_its_e
             }
             path.clone()
         });
-        let found = average(&msd.finish(), "diffusion_coefficient");
+        let found = average(&msd.finish(0.0), "diffusion_coefficient");
         values.push(found.mean);
         squares.push(found.standard_error.powi(2));
     }
@@ -100,7 +100,7 @@ fn ballistic_lags_are_left_out_of_the_fit() {
         }
         r.clone()
     });
-    let findings = msd.finish();
+    let findings = msd.finish(0.0);
     let found = average(&findings, "diffusion_coefficient");
     let exact = 0.5 * (1.0 - 1.0 / n as f64);
     assert!(found.standard_error < 0.03 * exact);
@@ -138,13 +138,13 @@ fn the_finite_size_correction_is_that_of_yeh_and_hummer() {
     // 2.837297·0.72/(6π·3·10).
     let mut msd = with(Some(3.0));
     msd.temperatures = 0.72 * msd.samples as f64;
-    let findings = msd.finish();
+    let findings = msd.finish(0.0);
     let difference = average(&findings, "diffusion_coefficient").mean
         - average(&findings, "diffusion_coefficient_uncorrected").mean;
     assert!((difference - 0.003_612_558_7).abs() < 1e-9, "{difference}");
     assert!(
         with(None)
-            .finish()
+            .finish(0.0)
             .remarks
             .iter()
             .any(|r| r.contains("not corrected"))

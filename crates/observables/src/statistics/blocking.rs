@@ -2,10 +2,7 @@
 
 use lennard_core::Table;
 
-use super::{autocorrelation_time, mean, variance};
-
-/// The fewest blocks from which an error is told.
-pub const FEWEST_BLOCKS: usize = 4;
+use super::{FEWEST_BLOCKS, variance};
 
 /// One level of the blocking transformation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,21 +98,9 @@ pub fn blocking_curve(series: &[f64]) -> BlockingCurve {
     BlockingCurve { levels, plateau }
 }
 
-/// The error of a mean from the means over a few successive blocks of equal weight: σ √(g/(n − 1)) with g
-/// at least 1, because a few dozen blocks cannot show that they are anticorrelated.
-///
-/// NaN for fewer than [`FEWEST_BLOCKS`] blocks.
-#[must_use]
-pub fn error_from_blocks(blocks: &[f64]) -> f64 {
-    if blocks.len() < FEWEST_BLOCKS || mean(blocks).is_nan() {
-        return f64::NAN;
-    }
-    let inefficiency = autocorrelation_time(blocks).inefficiency.max(1.0);
-    (variance(blocks) * inefficiency / (blocks.len() as f64 - 1.0)).sqrt()
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::mean;
     use super::super::synthetic::Ar1;
     use super::*;
 

@@ -10,7 +10,7 @@ fn an_ideal_gas_scatters_with_one_at_every_wave_number() {
             factor.sample(view);
         });
     }
-    let table = &factor.finish().tables[0];
+    let table = &factor.finish(0.0).tables[0];
     let columns = |k: usize| &table.columns[k].values;
     assert!(columns(0).len() > 40);
     let chi2: f64 = columns(1)

@@ -16,6 +16,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "λ = V/(3T²) ∫₀^∞ ⟨J(0)·J(t)⟩ dt; V J = Σ_i [e_i v_i + ½ Σ_{j≠i} r_ij (F_ij·v_i)], e_i = ½ m v_i² + ½ Σ_j U(r_ij)",
     source: "J. H. Irving and J. G. Kirkwood, The statistical mechanical theory of transport processes IV, J. Chem. Phys. 18, 817 (1950), \
              equation 6.16; M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), equations 2.122 and 2.123",
+    dynamic: true,
 };
 
 const WORDS: Words = Words {
@@ -130,9 +131,10 @@ impl Observable for ThermalConductivity {
         self.flux.push(&flux.to_array(), temperature);
     }
 
-    fn finish(&self) -> Findings {
+    fn finish(&self, discarded: f64) -> Findings {
+        let temperature = self.flux.mean_temperature(discarded);
         self.flux
-            .findings(self.volume / self.flux.mean_temperature().powi(2), WORDS)
+            .findings(discarded, self.volume / temperature.powi(2), WORDS)
     }
 }
 

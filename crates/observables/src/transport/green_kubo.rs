@@ -1,25 +1,23 @@
 //! What all Green–Kubo coefficients share: correlation, plateau, cross-check.
 
-use lennard_core::{
-    Average, Estimate, Findings, Persist, RestoreError, StateReader, StateWriter, Table,
-};
+use lennard_core::{Doubt, Findings, Persist, RestoreError, StateReader, StateWriter, Table};
 
 use super::helfand::Helfand;
-use crate::rdf::estimate_of_blocks;
-use crate::{Correlation, Correlator};
+use crate::averages::of_blocks;
+use crate::{BlockedSums, Correlation, Correlator, statistics};
 
 /// Successive lags at which the correlation must be lost in its error before it counts as decayed: one or two
 /// can be so by chance.
 const LAGS_IN_NOISE: usize = 3;
 
 /// The integral may still change by so many of its standard errors over the plateau.
-const STILL_FLAT: f64 = 2.0;
+const STILL_FLAT: f64 = 3.0;
 
 /// A run of fewer windows than this is short: its correlation is lost in noise before it has decayed.
 const LONG_ENOUGH: f64 = 20.0;
 
-/// Fewer blocks than this make an error bar uncertain by more than a fifth (1/√(2·16)).
-const FEW_BLOCKS: f64 = 16.0;
+/// Blocks of the run for which temperatures are kept apart.
+const BLOCKS: usize = 64;
 
 /// Names and units of what comes out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,8 +36,8 @@ pub(crate) struct Words {
 ///
 /// **Plateau.** The correlation counts as decayed at t_d, the first of three successive lags at which it is
 /// below two of its standard errors. The coefficient is the mean of the running integral from t_d to 2 t_d, its
-/// error that of the same mean over blocks of the run. Where the integral still changes by more than two of its
-/// errors over that stretch, or t_d is not reached within half the window, this is said.
+/// error that of the same mean over blocks of the run. Where the integral still changes by more than three of its
+/// errors over that stretch the number is incomplete; where t_d is not reached within half the window there is none.
 ///
 /// **Cross-check.** Half the slope of ⟨(G(t) − G(0))²⟩, G = ∫ j dt, over the same stretch of lags is the same
 /// number by the road of Einstein and Helfand.
@@ -48,8 +46,7 @@ pub(crate) struct GreenKubo {
     correlator: Correlator,
     helfand: Helfand,
     window: f64,
-    /// Samples, and the sum of their temperatures.
-    temperature: [f64; 2],
+    temperature: BlockedSums,
 }
 
 /// Where the running integral is flat.
@@ -64,25 +61,27 @@ impl GreenKubo {
             correlator: Correlator::new(channels, interval, window),
             helfand: Helfand::new(channels, interval, window),
             window,
-            temperature: [0.0; 2],
+            temperature: BlockedSums::new(1, BLOCKS),
         }
     }
 
     pub(crate) fn push(&mut self, flux: &[f64], temperature: f64) {
         self.correlator.push(flux);
         self.helfand.push(flux);
-        self.temperature[0] += 1.0;
-        self.temperature[1] += temperature;
+        self.temperature.begin_sample();
+        self.temperature.add(0, temperature, 1);
     }
 
-    /// The mean temperature of the samples.
-    pub(crate) fn mean_temperature(&self) -> f64 {
-        self.temperature[1] / self.temperature[0]
+    /// The mean temperature of the samples after the first `discarded` part.
+    pub(crate) fn mean_temperature(&self, discarded: f64) -> f64 {
+        let kept = self.temperature.after(discarded);
+        kept.mean(0).unwrap_or(f64::NAN)
     }
 
-    /// Everything found, with `prefactor` A.
-    pub(crate) fn findings(&self, prefactor: f64, words: Words) -> Findings {
-        let correlation = self.correlator.correlation();
+    /// Everything found after the first `discarded` part of the samples, with `prefactor` A.
+    pub(crate) fn findings(&self, discarded: f64, prefactor: f64, words: Words) -> Findings {
+        let correlator = self.correlator.after(discarded);
+        let correlation = correlator.correlation();
         let mut findings = Findings::default();
         let Some(plateau) = plateau(&correlation, self.window) else {
             findings.remarks.push(format!(
@@ -102,64 +101,66 @@ impl GreenKubo {
         let stretch = plateau.from..=plateau.to;
         let mean = |integral: &[f64]| integral.iter().sum::<f64>() / integral.len() as f64;
         let value = prefactor * mean(&correlation.integral[stretch]);
-        let rows = self.correlator.integral_blocks(plateau.to);
+        let rows = correlator.integral_blocks(plateau.to);
         let blocks: Vec<f64> = rows
             .iter()
             .map(|row| prefactor * mean(&row[plateau.from..]))
             .collect();
-        let estimate = estimate_of_blocks(value, &blocks);
-        findings
-            .averages
-            .push(average(words.name.into(), words.unit, estimate));
-        if let Some((slope, blocks)) = self.helfand.half_slope(from, to) {
+        let doubt = self.doubt(&correlation, &plateau, &rows, discarded);
+        let mut add = |name: &str, value: f64, blocks: &[f64]| {
+            let average = of_blocks(name, words.unit, value, blocks);
+            findings.averages.push(average.doubted(doubt.clone()));
+        };
+        add(words.name, value, &blocks);
+        let helfand = self.helfand.after(discarded);
+        if let Some((slope, blocks)) = helfand.half_slope(from, to) {
             let blocks: Vec<f64> = blocks.iter().map(|b| prefactor * b).collect();
             let name = format!("{}_einstein_helfand", words.name);
-            findings.averages.push(average(
-                name,
-                words.unit,
-                estimate_of_blocks(prefactor * slope, &blocks),
-            ));
+            add(&name, prefactor * slope, &blocks);
         }
         findings.remarks.push(format!(
             "{}: plateau of the Green–Kubo integral from {from:.2} to {to:.2} τ; the Einstein–Helfand value is the slope over the same lags",
             words.plain
         ));
+        findings
+            .tables
+            .extend(self.table(&correlation, prefactor, words));
+        findings
+    }
+
+    /// Why the plateau is none, or not yet one that can be trusted.
+    fn doubt(
+        &self,
+        correlation: &Correlation,
+        plateau: &Plateau,
+        rows: &[Vec<f64>],
+        discarded: f64,
+    ) -> Option<Doubt> {
+        // The lags lie one interval apart at first.
+        let length = self.temperature.after(discarded).samples() as f64 * correlation.times[1];
+        if length < LONG_ENOUGH * self.window {
+            return Some(Doubt::TooShort {
+                why: format!(
+                    "only {:.1} times as long as the window of {} τ where {LONG_ENOUGH} are needed, so that noise can end \
+                     the search for the plateau",
+                    length / self.window,
+                    self.window
+                ),
+                longer: LONG_ENOUGH * self.window / length,
+            });
+        }
         let rise = correlation.integral[plateau.to] - correlation.integral[plateau.from];
         let noise: Vec<f64> = rows
             .iter()
             .map(|row| row[plateau.to] - row[plateau.from])
             .collect();
-        let noise = estimate_of_blocks(rise, &noise).standard_error;
-        if rise.abs() > STILL_FLAT * noise {
-            findings.remarks.push(format!(
-                "{}: the integral still changes by {:.1} of its standard errors over its plateau, {:.3} {}",
-                words.plain,
-                rise.abs() / noise,
-                prefactor * rise,
-                words.unit
-            ));
-        }
-        // The lags lie one interval apart at first.
-        let length = self.temperature[0] * correlation.times[1];
-        if length < LONG_ENOUGH * self.window {
-            findings.remarks.push(format!(
-                "{}: the run is only {:.1} times as long as the window of {} τ: noise can end the plateau search early, \
-                 and the error is a lower bound",
-                words.plain,
-                length / self.window,
-                self.window
-            ));
-        }
-        if estimate.n_effective < FEW_BLOCKS {
-            findings.remarks.push(format!(
-                "{}: only {:.0} independent stretches of the run: its error is itself uncertain",
-                words.plain, estimate.n_effective
-            ));
-        }
-        findings
-            .tables
-            .extend(self.table(&correlation, prefactor, words));
-        findings
+        let noise = statistics::error_of_mean(&noise).standard_error;
+        (rise.abs() > STILL_FLAT * noise).then(|| {
+            Doubt::Incomplete(format!(
+                "the integral still changes by {:.1} of its standard errors over its plateau",
+                rise.abs() / noise
+            ))
+        })
     }
 
     fn table(&self, c: &Correlation, prefactor: f64, words: Words) -> Option<Table> {
@@ -182,14 +183,6 @@ impl GreenKubo {
     }
 }
 
-fn average(name: String, unit: &str, estimate: Estimate) -> Average {
-    Average {
-        name,
-        unit: unit.into(),
-        estimate,
-    }
-}
-
 /// Where the correlation is lost in its noise, and twice that lag.
 fn plateau(c: &Correlation, window: f64) -> Option<Plateau> {
     let lost = |k: usize| c.values[k].abs() < 2.0 * c.errors[k];
@@ -205,14 +198,13 @@ impl Persist for GreenKubo {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.correlator.save(&mut to.section("correlator"));
         self.helfand.save(&mut to.section("helfand"));
-        to.put_f64("temperature", &self.temperature);
+        self.temperature.save(&mut to.section("temperature"));
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         self.correlator.restore(&from.section("correlator"))?;
         self.helfand.restore(&from.section("helfand"))?;
-        self.temperature = from.f64s("temperature")?;
-        Ok(())
+        self.temperature.restore(&from.section("temperature"))
     }
 }
 
@@ -220,6 +212,7 @@ impl Persist for GreenKubo {
 mod tests {
     use super::*;
     use crate::statistics::{mean, synthetic::Ar1, variance};
+    use lennard_core::Estimate;
 
     const WORDS: Words = Words {
         name: "x",
@@ -237,7 +230,7 @@ mod tests {
         for ((a, b), c) in series[0].iter().zip(&series[1]).zip(&series[2]) {
             both.push(&[*a, *b, *c], 1.0);
         }
-        both.findings(2.0, WORDS)
+        both.findings(0.0, 2.0, WORDS)
     }
 
     #[test]
@@ -282,7 +275,7 @@ mod tests {
     fn a_correlation_that_does_not_decay_gives_no_number() {
         let mut both = GreenKubo::new(1, 0.02, 4.0);
         (0..4000).for_each(|i| both.push(&[2.0 + f64::from(i % 2)], 1.0));
-        let findings = both.findings(1.0, WORDS);
+        let findings = both.findings(0.0, 1.0, WORDS);
         assert!(
             findings.averages.is_empty()
                 && findings.remarks.len() == 1

@@ -46,6 +46,14 @@ impl Helfand {
         }
     }
 
+    /// The same without the changes that end in the first `discarded` part of the samples, from 0 to 1.
+    pub(crate) fn after(&self, discarded: f64) -> Self {
+        Self {
+            squares: self.squares.after(discarded),
+            ..self.clone()
+        }
+    }
+
     /// Takes the flux of one sample.
     pub(crate) fn push(&mut self, flux: &[f64]) {
         for ((sum, before), now) in self.integral.iter_mut().zip(&self.last).zip(flux) {

@@ -17,6 +17,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "P. J. Daivis and D. J. Evans, Comparison of constant pressure and constant volume nonequilibrium simulations of \
              sheared model decane, J. Chem. Phys. 100, 541 (1994), equation 11; \
              E. Helfand, Phys. Rev. 119, 1 (1960)",
+    dynamic: true,
 };
 
 const WORDS: Words = Words {
@@ -116,9 +117,10 @@ impl Observable for ShearViscosity {
         self.flux.push(&shear_components(&p), temperature);
     }
 
-    fn finish(&self) -> Findings {
+    fn finish(&self, discarded: f64) -> Findings {
+        let temperature = self.flux.mean_temperature(discarded);
         self.flux
-            .findings(self.volume / self.flux.mean_temperature(), WORDS)
+            .findings(discarded, self.volume / temperature, WORDS)
     }
 }
 
@@ -204,7 +206,7 @@ mod tests {
                 half_kick_step: None,
             });
         }
-        let estimate = viscosity.finish().averages[0].estimate;
+        let estimate = viscosity.finish(0.0).averages[0].estimate;
         // Three of the five components are alive, and the trapezoidal sum of φ^k is ½(1 + φ)/(1 − φ) steps. The
         // constant kinetic difference P_xx − P_yy of two particles that never turn is small against both.
         let exact = 0.6 * volume / temperature * 0.02 * 0.5 * 1.9 / 0.1;

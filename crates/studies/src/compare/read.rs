@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use lennard_core::Table;
 use lennard_io::{AverageRecord, FormatError, RunRecord};
-use lennard_scene::{Scene, SceneError};
+use lennard_scene::{Scene, SceneError, Start};
 
 /// The average of the temperature on half steps.
 pub(super) const HALF_STEPS: &str = "temperature_half_steps";
@@ -114,6 +114,12 @@ impl RunFolder {
         })
     }
 
+    /// Whether the box has an empty part beside its filled one: vapor and liquid stand side by side.
+    #[must_use]
+    pub fn has_vacuum(&self) -> bool {
+        matches!(self.scene.system.start, Start::Lattice { vacuum, .. } if vacuum > 0.0)
+    }
+
     /// A mean of the run record.
     #[must_use]
     pub fn average(&self, name: &str) -> Option<&AverageRecord> {
@@ -123,8 +129,17 @@ impl RunFolder {
     /// The temperature that belongs to the positions: of half steps where the method has them, else of whole steps.
     #[must_use]
     pub fn temperature(&self) -> Option<&AverageRecord> {
-        self.average(HALF_STEPS)
-            .or_else(|| self.average("temperature"))
+        self.average(self.temperature_name())
+    }
+
+    /// Its name among the averages.
+    #[must_use]
+    pub fn temperature_name(&self) -> &'static str {
+        if self.average(HALF_STEPS).is_some() {
+            HALF_STEPS
+        } else {
+            "temperature"
+        }
     }
 
     /// A table of the folder; `None` where the run has none of that name.

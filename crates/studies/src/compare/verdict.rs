@@ -1,34 +1,72 @@
 //! A measured number beside a reference, and what follows.
 
+use lennard_io::AverageRecord;
 use serde::Serialize;
 
-/// What a comparison says.
+/// What can be said of a measured number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// Within the tolerance.
     Agrees,
-    /// Outside the tolerance.
+    /// Outside the tolerance, for no reason that is known.
     Differs,
-    /// Outside the tolerance, as a known bias of the run makes it.
-    Biased,
-    /// Shown beside a reference, and not judged: the state is no single stable phase, or the reference is of
-    /// another kind.
-    NotJudged,
-    /// There is no reference for it.
+    /// Outside the tolerance by as much as a known bias of the run makes it.
+    PredictedBias,
+    /// The run, or this quantity, still changes, or is not at the temperature of its bath.
+    NotInEquilibrium,
+    /// The run is too short for an error that covers.
+    TooShort,
+    /// The number lacks a part that cannot be told.
+    Incomplete,
+    /// A thermostat changes what is measured.
+    Thermostat,
+    /// There is nothing to compare it with, in this state or at all.
     NoReference,
 }
 
 impl Verdict {
+    /// Every verdict.
+    pub const ALL: [Self; 8] = [
+        Self::Agrees,
+        Self::Differs,
+        Self::PredictedBias,
+        Self::NotInEquilibrium,
+        Self::TooShort,
+        Self::Incomplete,
+        Self::Thermostat,
+        Self::NoReference,
+    ];
+
     /// A word or two for a table.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Self::Agrees => "agrees",
             Self::Differs => "differs",
-            Self::Biased => "biased by the short cutoff",
-            Self::NotJudged => "not judged",
+            Self::PredictedBias => "predicted bias",
+            Self::NotInEquilibrium => "not in equilibrium",
+            Self::TooShort => "too short",
+            Self::Incomplete => "incomplete",
+            Self::Thermostat => "changed by the thermostat",
             Self::NoReference => "no reference",
+        }
+    }
+
+    /// Whether the number was held against a reference.
+    #[must_use]
+    pub fn is_judged(self) -> bool {
+        matches!(self, Self::Agrees | Self::Differs | Self::PredictedBias)
+    }
+
+    /// The verdict of an average by its standing in the run record.
+    fn of_standing(average: &AverageRecord) -> Self {
+        match average.standing.as_str() {
+            "not-in-equilibrium" => Self::NotInEquilibrium,
+            "too-short" => Self::TooShort,
+            "incomplete" => Self::Incomplete,
+            "thermostat" => Self::Thermostat,
+            _ => Self::NoReference,
         }
     }
 }
@@ -40,31 +78,42 @@ pub struct Row {
     pub quantity: String,
     /// Unit.
     pub unit: String,
+    /// Whether it is among the few that people look for first.
+    pub primary: bool,
     /// Measured mean.
     pub measured: f64,
-    /// Its standard error.
+    /// Its standard error; not a number where the run does not give one.
     pub standard_error: f64,
+    /// The standard error is itself known to this part of its value.
+    pub error_known_to: f64,
     /// Value of the reference at the measured state.
     pub reference: Option<f64>,
     /// One standard error of the reference, where its source gives one.
     pub reference_error: Option<f64>,
     /// Measured − reference.
     pub difference: Option<f64>,
-    /// Standard error of the difference, that of the reference included where there is one.
+    /// Standard error of the difference, with the error of the reference where there is one.
     pub combined_error: Option<f64>,
-    /// The difference in combined standard errors.
+    /// The difference over its standard error.
     pub in_standard_errors: Option<f64>,
-    /// The largest difference at which the two are said to agree, and what it is made of.
+    /// The largest difference at which the two are said to agree.
     pub tolerance: Option<f64>,
-    /// What the tolerance is, in words.
+    /// What the tolerance is made of, in words.
     pub tolerance_words: String,
-    /// What the verdict is.
+    /// The difference that a known bias of the run makes, where it can be predicted.
+    pub predicted_bias: Option<f64>,
+    /// What can be said.
     pub verdict: Verdict,
+    /// Why, in a few words.
+    pub reason: String,
     /// The reference.
     pub source: String,
     /// Corrections made and what else is to be known.
     pub remark: String,
 }
+
+/// The standard error is said to be uncertain where it is known to less than this part of its value.
+const UNCERTAIN_ERROR: f64 = 0.2;
 
 /// How far a difference may go: so many combined standard errors, and something for what errors do not count.
 #[derive(Debug, Clone, Copy)]
@@ -73,6 +122,9 @@ pub(super) struct Tolerance {
     pub(super) absolute: f64,
     pub(super) relative: f64,
 }
+
+/// A predicted bias is known to this part of itself: it leaves out how the cutoff changes the structure inside it.
+const BIAS_KNOWN_TO: f64 = 0.35;
 
 impl Tolerance {
     fn of(self, combined: f64, reference: f64) -> f64 {
@@ -92,13 +144,16 @@ impl Tolerance {
 }
 
 impl Row {
-    /// A measured quantity for which there is no reference yet.
-    pub(super) fn measured(quantity: &str, unit: &str, mean: f64, error: f64) -> Self {
-        Self {
+    /// An average of a run, with what speaks against it, and no reference yet.
+    pub(super) fn measured(quantity: &str, average: &AverageRecord) -> Self {
+        let error_known_to = 1.0 / (2.0 * average.freedom).sqrt();
+        let mut row = Self {
             quantity: quantity.into(),
-            unit: unit.into(),
-            measured: mean,
-            standard_error: error,
+            unit: average.unit.clone(),
+            primary: false,
+            measured: average.mean,
+            standard_error: average.standard_error,
+            error_known_to,
             reference: None,
             reference_error: None,
             difference: None,
@@ -106,13 +161,38 @@ impl Row {
             in_standard_errors: None,
             tolerance: None,
             tolerance_words: String::new(),
-            verdict: Verdict::NoReference,
+            predicted_bias: None,
+            verdict: Verdict::of_standing(average),
+            reason: average.reason.clone(),
             source: String::new(),
             remark: String::new(),
+        };
+        if average.is_sound() && error_known_to > UNCERTAIN_ERROR {
+            row.remark = format!("its error is known to {:.0} %", 100.0 * error_known_to);
+        }
+        row
+    }
+
+    /// Whether nothing speaks against the measured side, so that it may be held against a reference.
+    pub(super) fn is_sound(&self) -> bool {
+        self.verdict == Verdict::NoReference || self.verdict.is_judged()
+    }
+
+    /// The verdict and its reason for a cell of a table.
+    #[must_use]
+    pub fn verdict_words(&self) -> String {
+        match (self.verdict, self.reason.as_str(), self.predicted_bias) {
+            (Verdict::PredictedBias, _, Some(bias)) => {
+                format!("predicted bias of {}", lennard_report::signed(bias, 2))
+            }
+            (Verdict::NoReference, "", _) => "–".into(),
+            (verdict, "", _) => verdict.words().into(),
+            (verdict, reason, _) => format!("{}: {reason}", verdict.words()),
         }
     }
 
-    /// Sets a reference beside it; `error` is the standard error of the measured side of the difference.
+    /// Sets a reference beside a sound number; `error` is the standard error of the measured side of the difference. A number
+    /// that is no result is left as it is.
     pub(super) fn against(
         mut self,
         reference: f64,
@@ -121,6 +201,9 @@ impl Row {
         tolerance: Tolerance,
         source: &str,
     ) -> Self {
+        if !self.is_sound() || !error.is_finite() {
+            return self;
+        }
         let combined = error.hypot(reference_error.unwrap_or(0.0));
         let difference = self.measured - reference;
         let allowed = tolerance.of(combined, reference);
@@ -131,30 +214,53 @@ impl Row {
         self.in_standard_errors = Some(difference / combined);
         self.tolerance = Some(allowed);
         self.tolerance_words = tolerance.words();
-        self.verdict = if difference.abs() <= allowed {
-            Verdict::Agrees
-        } else {
-            Verdict::Differs
-        };
+        self.judge();
         self.source = source.to_owned();
+        self
+    }
+
+    fn judge(&mut self) {
+        let within = |difference: f64, allowed: f64| difference.abs() <= allowed;
+        if let (Some(difference), Some(allowed)) = (self.difference, self.tolerance) {
+            (self.verdict, self.reason) = if within(difference, allowed) {
+                (Verdict::Agrees, String::new())
+            } else {
+                (Verdict::Differs, "not explained".into())
+            };
+        }
+    }
+
+    /// Takes a bias that the run is known to have. A difference outside the tolerance that is this bias, within the tolerance
+    /// and [`BIAS_KNOWN_TO`] of the bias, is explained by it; any other is not.
+    pub(super) fn biased_by(mut self, bias: f64, because: &str) -> Self {
+        self.predicted_bias = Some(bias);
+        if let (Verdict::Differs, Some(difference), Some(allowed)) =
+            (self.verdict, self.difference, self.tolerance)
+        {
+            let explained = (difference - bias).abs() <= allowed + BIAS_KNOWN_TO * bias.abs();
+            if explained && bias * difference > 0.0 {
+                self.verdict = Verdict::PredictedBias;
+                self.reason = because.to_owned();
+            } else {
+                self.reason = format!(
+                    "not explained: {because} makes {}",
+                    lennard_report::signed(bias, 2)
+                );
+            }
+        }
         self
     }
 
     /// Takes the measured value for anywhere between two, where it is not known which of them the reference is of: the
     /// difference is then that of the nearest one. Without a reference nothing changes.
     pub(super) fn between(mut self, low: f64, high: f64) -> Self {
-        if let (Some(reference), Some(combined), Some(allowed)) =
-            (self.reference, self.combined_error, self.tolerance)
+        if let (Some(reference), Some(combined)) = (self.reference, self.combined_error)
             && low <= high
         {
             let difference = reference.max(low).min(high) - reference;
             self.difference = Some(difference);
             self.in_standard_errors = Some(difference / combined);
-            self.verdict = if difference.abs() <= allowed {
-                Verdict::Agrees
-            } else {
-                Verdict::Differs
-            };
+            self.judge();
         }
         self
     }
@@ -182,11 +288,25 @@ mod tests {
         relative: 0.0,
     };
 
+    fn average(mean: f64, standard_error: f64) -> AverageRecord {
+        AverageRecord {
+            mean,
+            standard_error,
+            n_effective: 500.0,
+            freedom: 64.0,
+            equilibration_cut: 0,
+            unit: "ε".into(),
+            standing: lennard_io::SOUND.into(),
+            reason: String::new(),
+        }
+    }
+
+    fn row(measured: f64) -> Row {
+        Row::measured("u", &average(measured, 3e-4)).against(-5.0, Some(4e-4), 3e-4, TOLERANCE, "x")
+    }
+
     #[test]
     fn a_verdict_weighs_both_errors_and_the_allowance() {
-        let row = |measured| {
-            Row::measured("u", "ε", measured, 3e-4).against(-5.0, Some(4e-4), 3e-4, TOLERANCE, "x")
-        };
         // 4·√(3² + 4²)·1e-4 + 0.003 = 0.005.
         assert_eq!(row(-5.0049).verdict, Verdict::Agrees);
         assert_eq!(row(-5.0051).verdict, Verdict::Differs);
@@ -196,11 +316,7 @@ mod tests {
 
     #[test]
     fn a_value_known_to_lie_in_a_stretch_differs_by_its_distance_from_it() {
-        let row = |low, high| {
-            Row::measured("d", "σ²/τ", high, 3e-4)
-                .against(-5.0, Some(4e-4), 3e-4, TOLERANCE, "x")
-                .between(low, high)
-        };
+        let row = |low, high| row(high).between(low, high);
         let inside = row(-5.1, -4.9);
         assert_eq!(
             (inside.difference, inside.verdict),
@@ -212,5 +328,39 @@ mod tests {
         assert_eq!(row(-5.2, -5.01).verdict, Verdict::Differs);
         // What is no stretch changes nothing.
         assert_eq!(row(f64::NAN, f64::NAN).verdict, Verdict::Differs);
+    }
+
+    #[test]
+    fn a_bias_explains_a_difference_of_its_size_and_no_other() {
+        let because = "the tail beyond a cutoff of 2.5 σ";
+        let found = row(-5.012).biased_by(-0.010, because);
+        assert_eq!(found.verdict, Verdict::PredictedBias);
+        assert_eq!(found.verdict_words(), "predicted bias of −0.010");
+        // 0.375 ε off, where the cutoff makes a hundredth of that.
+        let found = row(-4.625).biased_by(0.004, because);
+        assert_eq!(found.verdict, Verdict::Differs);
+        assert!(found.verdict_words().contains("not explained"));
+        // A bias of the wrong sign explains nothing, and what agrees needs no explanation.
+        assert_eq!(
+            row(-5.0055).biased_by(0.001, because).verdict,
+            Verdict::Differs
+        );
+        assert_eq!(
+            row(-5.001).biased_by(-0.001, because).verdict,
+            Verdict::Agrees
+        );
+    }
+
+    #[test]
+    fn what_is_no_result_is_held_against_nothing() {
+        let doubted = AverageRecord {
+            standing: "too-short".into(),
+            reason: "12 samples".into(),
+            standard_error: f64::NAN,
+            ..average(-7.0, 0.0)
+        };
+        let row = Row::measured("u", &doubted).against(-5.0, None, 1e-3, TOLERANCE, "a source");
+        assert_eq!(row.verdict_words(), "too short: 12 samples");
+        assert_eq!((row.reference, row.source.as_str()), (None, ""));
     }
 }

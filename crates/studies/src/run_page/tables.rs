@@ -12,12 +12,14 @@ pub(crate) fn comparison(compared: &ComparedRun) -> PageTable {
         "Measured",
         "Reference",
         "Difference",
-        "In standard errors",
+        "Difference / s.e.",
+        "Tolerance",
         "Verdict",
     ];
     let rows = compared
         .rows
         .iter()
+        .filter(|r| r.primary || r.verdict.is_judged())
         .map(|r| {
             let number = |x: Option<f64>| x.map_or("–".into(), |x| significant(x, 5));
             let reference = match (r.reference, r.reference_error) {
@@ -42,12 +44,13 @@ pub(crate) fn comparison(compared: &ComparedRun) -> PageTable {
                     r.in_standard_errors
                         .map_or("–".into(), |z| significant(z, 2)),
                 ),
+                Cell::number(number(r.tolerance)),
                 verdict_cell(r),
             ]
         })
         .collect();
     PageTable {
-        caption: "Digits in brackets are one standard error in the last digits. Energy and pressure agree within 4 standard errors and what the \
+        caption: "Digits in brackets are one standard error (s.e.) in the last digits; a number without them has none, and the verdict says why. Energy and pressure agree within 4 standard errors and what the \
                   equation of state may be off by (0.003 ε and 0.005 ε/σ³), c_v within 2 standard errors and 2 %, transport coefficients within 2 \
                   combined standard errors and 3 %."
             .into(),
@@ -135,25 +138,42 @@ pub(super) fn left_out(run: &RunFolder) -> Vec<String> {
     points
 }
 
-pub(super) fn averages(record: &RunRecord) -> PageTable {
-    let rows = record
-        .averages
+pub(super) fn averages(compared: &ComparedRun, record: &RunRecord) -> PageTable {
+    let rows = compared
+        .rows
         .iter()
-        .map(|(name, a)| {
-            vec![
-                Cell::text(quantity_words(name)),
+        .filter_map(|row| {
+            let a = record.averages.get(&row.quantity)?;
+            let standing = if a.is_sound() {
+                String::new()
+            } else {
+                row.verdict_words()
+            };
+            Some(vec![
+                Cell::text(quantity_words(&row.quantity)),
                 Cell::number(with_error(a.mean, a.standard_error)),
                 Cell::text(a.unit.clone()),
                 Cell::number(significant(a.n_effective, 3)),
                 Cell::number(a.equilibration_cut.to_string()),
-            ]
+                Cell::text(standing),
+            ])
         })
         .collect();
     PageTable {
-        caption: "Means with their standard errors, the number of independent samples that they are worth, and the samples cut off at the start."
+        caption: "Means with their standard errors, the number of independent samples that they are worth, the samples discarded at the start, and why a \
+                  mean has no error."
             .into(),
         command: None,
-        header: ["Quantity", "Mean", "Unit", "Independent samples", "Cut off"].map(str::to_owned).to_vec(),
+        header: [
+            "Quantity",
+            "Mean",
+            "Unit",
+            "Independent samples",
+            "Discarded",
+            "Why no result",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
         rows,
     }
 }

@@ -190,6 +190,7 @@ impl Workbench {
                 &rows.laplacian,
                 cut,
             )
+            .0
             .into(),
             temperature_difference: temperature_difference(found, cut),
             potential_energy: of(&rows.potential_energy),
@@ -308,7 +309,9 @@ const HOTTER: f64 = 1.2;
 /// force and L the Laplacian of a particle.
 fn temperature_difference(found: &Thermodynamics, cut: usize) -> Value {
     let rows = found.series();
-    let ratio = statistics::ratio(&rows.squared_force, &rows.laplacian, cut).mean;
+    let ratio = statistics::ratio(&rows.squared_force, &rows.laplacian, cut)
+        .0
+        .mean;
     let from = cut.min(rows.laplacian.len());
     let laplacian = statistics::mean(&rows.laplacian[from..]);
     let differences: Vec<f64> = (from..rows.laplacian.len())

@@ -40,12 +40,7 @@ pub fn agreement(points: &[SweptPoint], quantity: &str) -> Option<Agreement> {
         .filter(|c| c.state.is_single_stable_phase())
         .flat_map(|c| &c.rows)
         .filter(|r| r.quantity == quantity)
-        .filter(|r| {
-            matches!(
-                r.verdict,
-                Verdict::Agrees | Verdict::Differs | Verdict::Biased
-            )
-        })
+        .filter(|r| r.verdict.is_judged())
         .collect();
     let differences: Vec<f64> = rows.iter().filter_map(|r| r.difference).collect();
     if differences.is_empty() {

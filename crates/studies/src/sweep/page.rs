@@ -286,8 +286,8 @@ fn table(record: &SweepRecord) -> PageTable {
         })
         .collect();
     PageTable {
-        caption: "Digits in brackets are one standard error in the last digits. Differences in green agree, in red they do not; in brown they are biased by a short \
-                  cutoff or not judged.".into(),
+        caption: "Digits in brackets are one standard error in the last digits. Differences in green agree, in red they do not; in brown they are as large as the predicted bias of a short \
+                  cutoff.".into(),
         command: None,
         header: header.map(str::to_owned).to_vec(),
         rows,
@@ -296,14 +296,18 @@ fn table(record: &SweepRecord) -> PageTable {
 
 /// A verdict as a cell of a table.
 pub(crate) fn verdict_cell(row: &Row) -> Cell {
-    Cell::toned(row.verdict.words(), tone(row))
+    Cell::toned(row.verdict_words(), tone(row))
 }
 
 fn tone(row: &Row) -> Tone {
     match row.verdict {
         Verdict::Agrees => Tone::Good,
         Verdict::Differs => Tone::Bad,
-        Verdict::Biased | Verdict::NotJudged => Tone::Careful,
+        Verdict::PredictedBias
+        | Verdict::NotInEquilibrium
+        | Verdict::TooShort
+        | Verdict::Incomplete
+        | Verdict::Thermostat => Tone::Careful,
         Verdict::NoReference => Tone::Plain,
     }
 }

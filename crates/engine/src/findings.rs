@@ -1,0 +1,104 @@
+//! What the observables of a run found, and what speaks against it.
+
+use lennard_core::{Average, Doubt, Findings, Observable, ThermostatSpec};
+use lennard_scene::Scene;
+
+use crate::Simulation;
+
+/// Quantities that velocity scaling sets instead of sampling them.
+const SET_BY_SCALING: [&str; 3] = ["temperature", "temperature_half_steps", "kinetic_energy"];
+
+impl Simulation {
+    /// Averages, tables and remarks of all observables, thermodynamics first, over one part of the run, each average with
+    /// what speaks against it: a run that is not in equilibrium or too short, or a thermostat that changes what is measured.
+    /// An average that is no result has no standard error.
+    #[must_use]
+    pub fn findings(&self) -> Vec<Findings> {
+        let equilibrium = self.thermodynamics.equilibrium();
+        let baths = measured_baths(&self.scene);
+        let thermodynamics: &dyn Observable = &self.thermodynamics;
+        let others = self.observers.iter().map(|o| &*o.observable);
+        std::iter::once(thermodynamics)
+            .chain(others.map(|o| o as &dyn Observable))
+            .map(|observable| {
+                let mut findings = observable.finish(equilibrium.discarded);
+                let dynamic = observable.spec().dynamic;
+                findings.averages = findings
+                    .averages
+                    .into_iter()
+                    .map(|average| {
+                        let by_bath = by_thermostat(&average.name, dynamic, &baths);
+                        with_error_if_earned(
+                            average.doubted(equilibrium.doubt.clone()).doubted(by_bath),
+                        )
+                    })
+                    .collect();
+                findings
+            })
+            .collect()
+    }
+}
+
+/// The thermostats of the measured stages.
+pub(crate) fn measured_baths(scene: &Scene) -> Vec<&'static ThermostatSpec> {
+    let measured = scene.stages.iter().filter(|s| s.measure);
+    measured
+        .filter_map(|s| Some(s.thermostat.as_ref()?.spec()))
+        .collect()
+}
+
+/// What a thermostat does to a quantity.
+fn by_thermostat(
+    quantity: &str,
+    dynamic: bool,
+    baths: &[&'static ThermostatSpec],
+) -> Option<Doubt> {
+    if let Some(bath) = baths.iter().find(|b| dynamic && !b.keeps_motion) {
+        return Some(Doubt::Thermostat(format!(
+            "`{}` kicks each particle: this is the motion with its friction, not the fluid's own",
+            bath.name
+        )));
+    }
+    let bath = baths.iter().find(|b| !b.canonical)?;
+    Some(Doubt::Thermostat(if SET_BY_SCALING.contains(&quantity) {
+        format!("set by `{}`, not measured", bath.name)
+    } else {
+        format!("`{}` samples no known ensemble", bath.name)
+    }))
+}
+
+fn with_error_if_earned(mut average: Average) -> Average {
+    let set = matches!(&average.doubt, Some(Doubt::Thermostat(why)) if why.starts_with("set by"));
+    if set || average.doubt.as_ref().is_some_and(Doubt::takes_the_error) {
+        average.estimate.standard_error = f64::NAN;
+    }
+    average
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lennard_integrators::thermostats;
+
+    fn spec(name: &str) -> Vec<&'static ThermostatSpec> {
+        let found = thermostats().iter().find(|s| s.name == name);
+        vec![found.expect("a thermostat of the list")]
+    }
+
+    #[test]
+    fn friction_is_told_beside_motion_and_scaling_beside_everything() {
+        let langevin = spec("langevin");
+        assert!(by_thermostat("diffusion_coefficient", true, &langevin).is_some());
+        assert_eq!(by_thermostat("pressure", false, &langevin), None);
+        assert_eq!(
+            by_thermostat("diffusion_coefficient", true, &spec("bussi")),
+            None
+        );
+        let rescale = spec("rescale");
+        assert!(by_thermostat("pressure", false, &rescale).is_some());
+        let Some(Doubt::Thermostat(why)) = by_thermostat("temperature", false, &rescale) else {
+            panic!("no doubt")
+        };
+        assert!(why.starts_with("set by `rescale`"), "{why}");
+    }
+}

@@ -1,0 +1,149 @@
+//! From estimates to averages: what has an error, and what is said in its place.
+
+use lennard_core::{Average, Doubt, Estimate};
+
+use crate::statistics::{self, TRANSIENT_OF_MANY_ERRORS, Trend};
+
+/// The fewest independent samples of a time series from which an error is told. The widest window of the error is flat
+/// over a 21st of the series: with 50 independent samples it loses e^{−2·50/21} = 1 % of an exponential correlation, with
+/// 25 a tenth.
+pub(crate) const FEWEST_INDEPENDENT: f64 = 50.0;
+
+/// The fewest independent blocks of a function of the run from which an error is told: it is then known to 21 %.
+pub(crate) const FEWEST_INDEPENDENT_BLOCKS: f64 = 12.0;
+
+/// The fewest independent samples of the squares that a variance is made of: it is known to 14 %, and is hardly skewed.
+pub(crate) const FEWEST_FLUCTUATIONS: f64 = 100.0;
+
+/// The mean of a time series after `cut` rows, with what speaks against it.
+pub(crate) fn of_series(name: &str, unit: &str, column: &[f64], cut: usize) -> Average {
+    let rest = &column[cut.min(column.len())..];
+    of_fluctuations(
+        name,
+        unit,
+        statistics::estimate_after(column, cut),
+        rest,
+        FEWEST_INDEPENDENT,
+    )
+}
+
+/// An estimate whose error is that of the mean of `influence`: too short with fewer than `fewest` independent samples, and
+/// not in equilibrium where the influence has a trend.
+pub(crate) fn of_fluctuations(
+    name: &str,
+    unit: &str,
+    estimate: Estimate,
+    influence: &[f64],
+    fewest: f64,
+) -> Average {
+    Average::new(name, unit, estimate)
+        .doubted(too_few(&estimate, influence.len(), fewest))
+        .doubted(
+            statistics::trend(influence, TRANSIENT_OF_MANY_ERRORS)
+                .map(|trend| Doubt::NotInEquilibrium(changes("it", &trend))),
+        )
+}
+
+/// A function of the whole run with its value over each of successive blocks (or what stands for them, such as the
+/// pseudo-values of a jackknife).
+pub(crate) fn of_blocks(name: &str, unit: &str, value: f64, blocks: &[f64]) -> Average {
+    let error = statistics::error_of_mean(blocks);
+    let estimate = Estimate {
+        mean: value,
+        standard_error: error.standard_error,
+        // Blocks that are anticorrelated are noise of the estimate, not more samples.
+        n_effective: error.n_effective.min(blocks.len() as f64),
+        freedom: error.freedom,
+        equilibration_cut: 0,
+    };
+    let average = Average::new(name, unit, estimate);
+    let few = too_few(&estimate, blocks.len(), FEWEST_INDEPENDENT_BLOCKS);
+    let trend = statistics::trend(blocks, TRANSIENT_OF_MANY_ERRORS);
+    average
+        .doubted(few)
+        .doubted(trend.map(|trend| Doubt::NotInEquilibrium(changes("it", &trend))))
+}
+
+fn too_few(estimate: &Estimate, samples: usize, fewest: f64) -> Option<Doubt> {
+    if samples < statistics::FEWEST_BLOCKS {
+        return Some(Doubt::TooShort {
+            why: match samples {
+                0 => "no sample".into(),
+                1 => "a single sample".into(),
+                n => format!("only {n} samples"),
+            },
+            longer: fewest / samples.max(1) as f64,
+        });
+    }
+    // That samples are worth more than their number cannot be told from few of them.
+    let independent = estimate.n_effective.min(samples as f64);
+    // A constant has no error to be known.
+    (estimate.standard_error != 0.0 && independent < fewest).then(|| Doubt::TooShort {
+        why: format!(
+            "worth {:.0} independent samples where {fewest:.0} are needed",
+            independent.floor()
+        ),
+        longer: fewest / independent,
+    })
+}
+
+/// A trend in words.
+pub(crate) fn changes(what: &str, trend: &Trend) -> String {
+    let verb = if trend.last > trend.first {
+        "rises"
+    } else {
+        "falls"
+    };
+    format!(
+        "{what} still {verb} from {} to {} (first and last third, {:.0} standard errors)",
+        short(trend.first),
+        short(trend.last),
+        trend.errors
+    )
+}
+
+/// Four significant digits.
+fn short(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let decimals = (3.0 - value.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::synthetic::Ar1;
+
+    #[test]
+    fn few_independent_samples_are_too_short_and_say_how_much_longer() {
+        // τ = 50 of 1000 samples: worth 10.
+        let series = Ar1::new((-0.02_f64).exp(), 1).series(1000);
+        let average = of_series("x", "", &series, 0);
+        let Some(Doubt::TooShort { longer, .. }) = &average.doubt else {
+            panic!("{average:?}")
+        };
+        assert!((1.5..10.0).contains(longer), "{longer}");
+        let long = Ar1::new((-0.02_f64).exp(), 1).series(50_000);
+        assert_eq!(of_series("x", "", &long, 0).doubt, None);
+    }
+
+    #[test]
+    fn what_still_changes_is_not_in_equilibrium_with_both_values() {
+        let mut series = Ar1::new(0.5, 2).series(2000);
+        (0..2000).for_each(|i| series[i] += 10.0 - i as f64 / 200.0);
+        let average = of_series("x", "", &series, 0);
+        let Some(Doubt::NotInEquilibrium(why)) = &average.doubt else {
+            panic!("{average:?}")
+        };
+        assert!(why.starts_with("it still falls from 8.3"), "{why}");
+    }
+
+    #[test]
+    fn a_constant_is_exact_and_one_sample_is_none() {
+        assert_eq!(of_series("x", "", &[2.0; 64], 0).doubt, None);
+        assert!(of_series("x", "", &[2.0], 0).doubt.is_some());
+        assert!(of_blocks("x", "", 1.0, &[]).doubt.is_some());
+    }
+}

@@ -1,0 +1,134 @@
+//! Whether a run was in equilibrium, long enough, and at the temperature of its bath.
+
+use std::f64::consts::PI;
+
+use lennard_core::Doubt;
+
+use super::Thermodynamics;
+use crate::averages::changes;
+use crate::statistics::{self, equilibration};
+
+/// The mean temperature and that of the bath differ where they do so by this many standard errors, and by the part below:
+/// a finite step moves temperatures by some tenths of a per cent.
+const BATH_ERRORS: f64 = 4.0;
+const BATH_PART: f64 = 0.003;
+
+/// Collisions of each particle that a run must last. In a gas the energy is that of pairs that meet, and of pairs that stay
+/// bound until a third particle comes by: its correlation lasts about one and a half mean collision times. With 40 of them
+/// a run has 13 independent stretches of that slow part, from which its error is known to a fifth.
+const FEWEST_COLLISIONS: f64 = 40.0;
+
+/// The temperature that a heat bath holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldTemperature {
+    /// In ε/k_B.
+    pub temperature: f64,
+    /// Whether it is that of half steps, and not of whole steps.
+    pub half_steps: bool,
+}
+
+/// What is discarded of a run, and what speaks against all of its means.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equilibrium {
+    /// Rows of the series to discard at the start.
+    pub cut: usize,
+    /// The same as a part of the run, from 0 to 1: one part for every observable.
+    pub discarded: f64,
+    /// Why no mean of the run is a result; `None` where nothing speaks against it.
+    pub doubt: Option<Doubt>,
+}
+
+/// The mean time between two collisions of a particle in a dilute gas of spheres of diameter σ, 1/(4ρσ²√(πT)), in τ.
+///
+/// Source: S. Chapman and T. G. Cowling, The Mathematical Theory of Non-Uniform Gases, 3rd ed. (1970), section 5.21.
+fn collision_time(density: f64, temperature: f64) -> f64 {
+    1.0 / (4.0 * density * (PI * temperature).sqrt())
+}
+
+impl Thermodynamics {
+    /// Tells the temperature that the bath of the measured stages holds; `None`, the default, without a bath.
+    pub fn set_bath(&mut self, bath: Option<HeldTemperature>) {
+        self.bath = bath;
+    }
+
+    /// The part to discard, and the verdict on the rest.
+    ///
+    /// U and P (and T where a bath holds it) are each looked at by [`statistics::equilibration`]; the latest cut counts for
+    /// everything. A run is not in equilibrium where one of them still changes, or where the mean temperature is not that
+    /// of its bath. It is too short where a particle collides less than 40 times.
+    #[must_use]
+    pub fn equilibrium(&self) -> Equilibrium {
+        let rows = self.series.rows();
+        let watched = [
+            ("U", Some(&rows.potential_energy_without_tail)),
+            ("P", Some(&rows.pressure_without_tail)),
+            ("T", self.bath.map(|_| &rows.temperature_of_positions)),
+        ];
+        let mut cut = 0;
+        let mut doubt: Option<Doubt> = None;
+        let mut most = 0.0;
+        for (name, column) in watched.into_iter().filter_map(|(n, c)| Some((n, c?))) {
+            let found = equilibration(column);
+            cut = cut.max(found.cut);
+            if let Some(trend) = found.trend.filter(|trend| trend.errors > most) {
+                most = trend.errors;
+                doubt = Some(Doubt::NotInEquilibrium(changes(name, &trend)));
+            }
+        }
+        let n = rows.time.len();
+        let doubt = doubt
+            .or_else(|| self.not_at_bath(cut))
+            .or_else(|| self.few_collisions(cut));
+        Equilibrium {
+            cut,
+            discarded: if n == 0 { 0.0 } else { cut as f64 / n as f64 },
+            doubt,
+        }
+    }
+
+    /// The equilibration cut that all averages share, in rows of [`Thermodynamics::series`].
+    #[must_use]
+    pub fn equilibration_cut(&self) -> usize {
+        self.equilibrium().cut
+    }
+
+    fn not_at_bath(&self, cut: usize) -> Option<Doubt> {
+        let bath = self.bath?;
+        let rows = self.series.rows();
+        let column = if bath.half_steps {
+            &rows.temperature_of_positions
+        } else {
+            &rows.temperature
+        };
+        let found = statistics::estimate_after(column, cut);
+        let off = (found.mean - bath.temperature).abs();
+        let allowed = (BATH_ERRORS * found.standard_error).max(BATH_PART * bath.temperature);
+        (off > allowed).then(|| {
+            Doubt::NotInEquilibrium(format!(
+                "T is {:.4} ± {:.4} where its bath has {}",
+                found.mean, found.standard_error, bath.temperature
+            ))
+        })
+    }
+
+    fn few_collisions(&self, cut: usize) -> Option<Doubt> {
+        let rows = self.series.rows();
+        let density = self.context.n_atoms as f64 / self.context.cell.volume();
+        let temperature = statistics::mean(&rows.temperature[cut..]);
+        let kept = (rows.time.len() - cut) as f64 * self.series.stride() as f64;
+        let length = kept * self.context.sample_interval();
+        let collisions = length / collision_time(density, temperature);
+        // The first sample stands for an interval too.
+        (self.context.n_atoms > 1 && collisions < FEWEST_COLLISIONS).then(|| Doubt::TooShort {
+            why: format!(
+                "a particle collides {} times where {FEWEST_COLLISIONS} are needed",
+                if collisions < 9.5 {
+                    format!("{collisions:.1}")
+                } else {
+                    format!("{collisions:.0}")
+                }
+            ),
+            longer: FEWEST_COLLISIONS / collisions,
+        })
+    }
+}

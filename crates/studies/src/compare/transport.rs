@@ -1,0 +1,111 @@
+//! Transport coefficients beside tabulated ones, and beside themselves by another road.
+
+use lennard_literature::{ModelKind, TransportProperty, transport_near};
+
+use super::rows::Compared;
+use super::verdict::Tolerance;
+use super::{Row, RunFolder, StateOfMatter};
+
+const TRANSPORT: Tolerance = Tolerance {
+    errors: 2.0,
+    absolute: 0.0,
+    relative: 0.03,
+};
+
+/// The constant ξ of the finite-size correction in a cube.
+const YEH_HUMMER_XI: f64 = 2.837_297;
+
+impl Compared<'_> {
+    /// A coefficient beside the tabulated state nearest to the run. The tables are for the full potential.
+    pub(super) fn beside_table(&self, mut row: Row, property: TransportProperty) -> Row {
+        if self.no_reference.is_some() {
+            return self.or_why_none(row);
+        }
+        let full_potential = matches!(
+            self.model,
+            ModelKind::CutWithTail { .. } | ModelKind::CutWithoutTail { .. }
+        );
+        let near = transport_near(property, self.state.density, self.state.temperature);
+        match near.filter(|_| full_potential) {
+            Some(value) => {
+                let error = row.standard_error;
+                row.against(
+                    value.value,
+                    value.uncertainty,
+                    error,
+                    TRANSPORT,
+                    &value.source,
+                )
+                .noted(value.state_words())
+            }
+            None => {
+                if row.is_sound() {
+                    row.reason = if full_potential {
+                        "no tabulated state is near".into()
+                    } else {
+                        "the tables are for the full Lennard-Jones potential".into()
+                    };
+                }
+                row
+            }
+        }
+    }
+
+    pub(super) fn diffusion(&self, row: Row) -> Row {
+        let run = self.run;
+        let corrected = row.measured;
+        let plain = run.average("diffusion_coefficient_uncorrected");
+        let row = match plain {
+            Some(plain) => row.noted(format!(
+                "corrected for finite size after Yeh and Hummer by +{:.4}, {:.4} before",
+                corrected - plain.mean,
+                plain.mean
+            )),
+            None => row.noted("not corrected for finite size"),
+        };
+        let row = self.beside_table(row, TransportProperty::SelfDiffusion);
+        if row.reference.is_none() {
+            return row;
+        }
+        // A source that does not say whether it corrected for finite size lies between the two.
+        let between = match plain {
+            Some(plain) => Some((plain.mean, corrected)),
+            None => own_correction(run, self.state).map(|added| (corrected, corrected + added)),
+        };
+        match between {
+            Some((low, high)) => row.between(low, high).noted(format!(
+                "the source does not say that it is corrected: the difference is taken from the stretch between the uncorrected and the corrected value, {low:.4} to {high:.4}"
+            )),
+            None => row,
+        }
+    }
+
+    /// Einstein–Helfand beside Green–Kubo: the same fluctuations by another road, so that their errors do not add up.
+    pub(super) fn cross_check(&self, row: Row, green_kubo: &str) -> Row {
+        let Some(green_kubo) = self.run.average(green_kubo).filter(|a| a.is_sound()) else {
+            return row;
+        };
+        let error = row.standard_error.max(green_kubo.standard_error);
+        row.against(
+            green_kubo.mean,
+            None,
+            error,
+            TRANSPORT,
+            "Green–Kubo from the same run",
+        )
+    }
+}
+
+/// The finite-size correction ξT/(6πηL) of D in a cubic box, with the viscosity of the run itself, in σ²/τ
+/// (I.-C. Yeh and G. Hummer, J. Phys. Chem. B 108, 15873 (2004), equation 12); `None` where the run has no viscosity
+/// or the box is no cube.
+fn own_correction(run: &RunFolder, state: &StateOfMatter) -> Option<f64> {
+    let side = run.shortest_side;
+    let volume = run.record.atoms as f64 / run.density;
+    // Roundings of the cube of a length.
+    let is_cube = (side.powi(3) / volume - 1.0).abs() < 1e-9;
+    let viscosity = run.average("shear_viscosity")?.mean;
+    is_cube.then(|| {
+        YEH_HUMMER_XI * state.temperature / (6.0 * std::f64::consts::PI * viscosity * side)
+    })
+}
