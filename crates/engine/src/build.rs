@@ -353,11 +353,13 @@ fn ensemble(scene: &Scene, stage: &Stage) -> Option<Ensemble> {
 fn held_temperature(scene: &Scene) -> Option<HeldTemperature> {
     let mut measured = scene.stages.iter().filter(|s| s.measure);
     let first = measured.next()?;
-    let bath = first.thermostat.as_ref()?.spec();
+    let options = first.thermostat.as_ref()?;
+    let bath = options.spec();
     let same = |s: &Stage| s.thermostat == first.thermostat && s.temperature == first.temperature;
     (bath.canonical && measured.all(same)).then_some(HeldTemperature {
         temperature: first.temperature,
         half_steps: bath.holds_half_steps,
+        relaxation: options.relaxation(),
     })
 }
 

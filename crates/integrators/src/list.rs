@@ -172,6 +172,18 @@ impl ThermostatOptions {
         self.spec().name
     }
 
+    /// The time in τ in which the bath brings a kinetic energy that is off back to its mean, by a factor of e; 0 for one that
+    /// sets it.
+    #[must_use]
+    pub fn relaxation(&self) -> f64 {
+        match self {
+            Self::Rescale(_) => 0.0,
+            Self::Bussi(o) => o.tau,
+            // Velocities lose e^{−γt} of themselves, and their squares twice as much.
+            Self::Langevin(o) => 0.5 / o.friction,
+        }
+    }
+
     /// Whether every option has a possible value.
     ///
     /// # Errors

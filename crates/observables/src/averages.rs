@@ -12,8 +12,8 @@ pub(crate) const FEWEST_INDEPENDENT: f64 = 50.0;
 /// The fewest independent blocks of a function of the run from which an error is told: it is then known to 21 %.
 pub(crate) const FEWEST_INDEPENDENT_BLOCKS: f64 = 12.0;
 
-/// The fewest independent samples of the squares that a variance is made of: it is known to 14 %, and is hardly skewed.
-pub(crate) const FEWEST_FLUCTUATIONS: f64 = 100.0;
+/// The fewest independent samples of the squares that a variance is made of: it is known to 10 %, and is hardly skewed.
+pub(crate) const FEWEST_FLUCTUATIONS: f64 = 200.0;
 
 /// The mean of a time series after `cut` rows, with what speaks against it.
 pub(crate) fn of_series(name: &str, unit: &str, column: &[f64], cut: usize) -> Average {
@@ -36,8 +36,9 @@ pub(crate) fn of_fluctuations(
     influence: &[f64],
     fewest: f64,
 ) -> Average {
+    let least = statistics::error_of_mean(influence).least_effective;
     Average::new(name, unit, estimate)
-        .doubted(too_few(&estimate, influence.len(), fewest))
+        .doubted(too_few(&estimate, least, influence.len(), fewest))
         .doubted(
             statistics::trend(influence, TRANSIENT_OF_MANY_ERRORS)
                 .map(|trend| Doubt::NotInEquilibrium(changes("it", &trend))),
@@ -45,9 +46,15 @@ pub(crate) fn of_fluctuations(
 }
 
 /// A function of the whole run with its value over each of successive blocks (or what stands for them, such as the
-/// pseudo-values of a jackknife).
-pub(crate) fn of_blocks(name: &str, unit: &str, value: f64, blocks: &[f64]) -> Average {
-    let error = statistics::error_of_mean(blocks);
+/// pseudo-values of a jackknife), where a value looks `overlap` blocks ahead: a mean-square displacement does, by its lag.
+pub(crate) fn of_blocks(
+    name: &str,
+    unit: &str,
+    value: f64,
+    blocks: &[f64],
+    overlap: f64,
+) -> Average {
+    let error = statistics::error_with_overlap(blocks, overlap);
     let estimate = Estimate {
         mean: value,
         standard_error: error.standard_error,
@@ -57,14 +64,15 @@ pub(crate) fn of_blocks(name: &str, unit: &str, value: f64, blocks: &[f64]) -> A
         equilibration_cut: 0,
     };
     let average = Average::new(name, unit, estimate);
-    let few = too_few(&estimate, blocks.len(), FEWEST_INDEPENDENT_BLOCKS);
+    let least = error.least_effective;
+    let few = too_few(&estimate, least, blocks.len(), FEWEST_INDEPENDENT_BLOCKS);
     let trend = statistics::trend(blocks, TRANSIENT_OF_MANY_ERRORS);
     average
         .doubted(few)
         .doubted(trend.map(|trend| Doubt::NotInEquilibrium(changes("it", &trend))))
 }
 
-fn too_few(estimate: &Estimate, samples: usize, fewest: f64) -> Option<Doubt> {
+fn too_few(estimate: &Estimate, least: f64, samples: usize, fewest: f64) -> Option<Doubt> {
     if samples < statistics::FEWEST_BLOCKS {
         return Some(Doubt::TooShort {
             why: match samples {
@@ -76,7 +84,7 @@ fn too_few(estimate: &Estimate, samples: usize, fewest: f64) -> Option<Doubt> {
         });
     }
     // That samples are worth more than their number cannot be told from few of them.
-    let independent = estimate.n_effective.min(samples as f64);
+    let independent = least.min(samples as f64);
     // A constant has no error to be known.
     (estimate.standard_error != 0.0 && independent < fewest).then(|| Doubt::TooShort {
         why: format!(
@@ -144,6 +152,6 @@ mod tests {
     fn a_constant_is_exact_and_one_sample_is_none() {
         assert_eq!(of_series("x", "", &[2.0; 64], 0).doubt, None);
         assert!(of_series("x", "", &[2.0], 0).doubt.is_some());
-        assert!(of_blocks("x", "", 1.0, &[]).doubt.is_some());
+        assert!(of_blocks("x", "", 1.0, &[], 0.0).doubt.is_some());
     }
 }

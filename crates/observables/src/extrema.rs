@@ -69,41 +69,66 @@ fn vertex(x: &[f64], y: &[f64], bin: usize, maximum: bool) -> Extremum {
     }
 }
 
-/// The maximum or minimum near `start` of a cubic fitted by least squares to the points within `half_width` of it, as
-/// (place, height); `None` where the points near it have none.
-///
-/// The window follows the vertex until it rests there. A fit over many points is smooth in the data, where the lowest of
-/// many noisy points is not, and lies too low.
-pub(crate) fn fitted_extremum(
+/// A place and a height.
+pub(crate) type Vertex = (f64, f64);
+
+/// The centre of the window from which the maximum or minimum near `start` is fitted: the window follows the vertex of its
+/// cubic until it rests there. `None` where the points near `start` have no such vertex.
+pub(crate) fn fit_centre(
     x: &[f64],
     y: &[f64],
     start: f64,
     half_width: f64,
     maximum: bool,
-) -> Option<(f64, f64)> {
+) -> Option<f64> {
     /// The window follows the vertex so many times at most.
     const MOVES: usize = 8;
     let mut centre = start;
     for _ in 0..MOVES {
-        let [a, b, c, d] = cubic(x, y, centre, half_width)?;
-        // a + bu + cu² + du³ with u from −1 to 1: b + 2cu + 3du² = 0, the root that is a small change of −b/2c.
-        let discriminant = c * c - 3.0 * b * d;
-        if discriminant < 0.0 || (c < 0.0) != maximum {
-            return None;
+        let (place, _) = fitted_vertex(x, y, centre, half_width, maximum)?;
+        if (place - centre).abs() < 0.05 * half_width {
+            break;
         }
-        let u = -b / (c + c.signum() * discriminant.sqrt());
-        if !u.is_finite() || u.abs() > 2.0 {
-            return None;
-        }
-        let moved = centre + u * half_width;
-        let still = u.abs() < 0.05;
-        if still {
-            return Some((moved, a + u * (b + u * (c + u * d))));
-        }
-        centre = moved;
+        centre = place;
     }
-    let [a, ..] = cubic(x, y, centre, half_width)?;
-    Some((centre, a))
+    Some(centre)
+}
+
+/// The maximum or minimum of a cubic fitted by least squares to the points within `half_width` of `centre`; `None` where it
+/// has none there.
+///
+/// A fit over many points is smooth in the data, where the lowest of many noisy points is not, and lies too low. The window
+/// stands still, so that a jackknife sees no jumps.
+pub(crate) fn fitted_vertex(
+    x: &[f64],
+    y: &[f64],
+    centre: f64,
+    half_width: f64,
+    maximum: bool,
+) -> Option<Vertex> {
+    let [a, b, c, d] = cubic(x, y, centre, half_width)?;
+    // a + bu + cu² + du³ with u from −1 to 1: b + 2cu + 3du² = 0, the root that is a small change of −b/2c.
+    let discriminant = c * c - 3.0 * b * d;
+    if discriminant < 0.0 || (c < 0.0) != maximum {
+        return None;
+    }
+    let u = -b / (c + c.signum() * discriminant.sqrt());
+    (u.abs() <= 1.5).then(|| (centre + u * half_width, a + u * (b + u * (c + u * d))))
+}
+
+/// The mean of `y` over the points within `half_width` of each.
+pub(crate) fn smoothed(x: &[f64], y: &[f64], half_width: f64) -> Vec<f64> {
+    let near = |centre: f64| {
+        let from = x.partition_point(|x| *x < centre - half_width);
+        let to = x.partition_point(|x| *x <= centre + half_width);
+        from..to
+    };
+    x.iter()
+        .map(|x| {
+            let points = &y[near(*x)];
+            points.iter().sum::<f64>() / points.len() as f64
+        })
+        .collect()
 }
 
 /// Coefficients of the cubic in u = (x − centre)/half_width; `None` for fewer than five points.
@@ -142,17 +167,23 @@ mod tests {
         let x: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
         let cubic = |x: f64| 0.5 + (x - 1.0).powi(2) + 0.4 * (x - 1.0).powi(3);
         let y: Vec<f64> = x.iter().map(|x| cubic(*x)).collect();
-        let (place, height) = fitted_extremum(&x, &y, 1.2, 0.2, false).unwrap();
+        let fitted = |y: &[f64], start: f64| {
+            let centre = fit_centre(&x, y, start, 0.2, false)?;
+            fitted_vertex(&x, y, centre, 0.2, false)
+        };
+        let (place, height) = fitted(&y, 1.2).unwrap();
         assert!((place - 1.0).abs() < 1e-9 && (height - 0.5).abs() < 1e-12);
         let rippled: Vec<f64> = y
             .iter()
             .enumerate()
             .map(|(k, y)| y + if k % 2 == 0 { 0.01 } else { -0.01 })
             .collect();
-        let (place, _) = fitted_extremum(&x, &rippled, 1.15, 0.2, false).unwrap();
+        let (place, _) = fitted(&rippled, 1.15).unwrap();
         assert!((place - 1.0).abs() < 0.01, "{place}");
-        assert_eq!(fitted_extremum(&x, &y, 1.0, 0.2, true), None);
-        assert_eq!(fitted_extremum(&x[..3], &y[..3], 0.0, 0.2, false), None);
+        assert_eq!(fit_centre(&x, &y, 1.0, 0.2, true), None);
+        assert_eq!(fitted_vertex(&x[..3], &y[..3], 0.0, 0.2, false), None);
+        let means = smoothed(&x, &rippled, 0.015);
+        assert!((means[50] - rippled[49..=51].iter().sum::<f64>() / 3.0).abs() < 1e-12);
     }
 
     #[test]

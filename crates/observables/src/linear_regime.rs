@@ -1,6 +1,6 @@
 //! A straight line through the part of a lag curve where its slope no longer changes.
 
-use crate::statistics::{FEWEST_BLOCKS, error_of_mean, mean};
+use crate::statistics::{FEWEST_BLOCKS, error_with_overlap, mean};
 
 /// By default the longest lag of a fit is this part of the run: longer ones have few independent origins.
 const LONGEST_PART: f64 = 0.05;
@@ -10,6 +10,9 @@ const AGREEMENT_SIGMAS: f64 = 2.0;
 
 /// Slopes that differ by less than this part are taken as equal however small their errors are.
 const AGREEMENT_PART: f64 = 0.005;
+
+/// The slope must be constant up to so many times the lag from which it is.
+const SHORTEST_STRETCH: f64 = 3.0;
 
 /// Fewest points of a fit.
 const FEWEST_POINTS: usize = 4;
@@ -33,6 +36,8 @@ pub(crate) struct LinearFit {
     pub slope: f64,
     /// The same fit to each block.
     pub block_slopes: Vec<f64>,
+    /// The longest lag in blocks: so many successive blocks share displacements.
+    pub overlap: f64,
     /// Range of lags in τ.
     pub from: f64,
     pub to: f64,
@@ -86,6 +91,7 @@ pub(crate) fn fit_linear_regime(
                 .iter()
                 .map(|b| weighted_slope(&curve.times[start..end], &b[start..end]))
                 .collect(),
+            overlap: curve.times[end - 1] * blocks.len() as f64 / curve.duration,
             from: curve.times[start],
             to: curve.times[end - 1],
             settled,
@@ -110,7 +116,8 @@ pub(crate) fn fit_linear_regime(
             })
             .collect();
         let late = weighted_slope(&curve.times[middle..end], &curve.values[middle..end]);
-        let allowed = AGREEMENT_SIGMAS * error_of_mean(&difference).standard_error;
+        let overlap = curve.times[end - 1] * blocks.len() as f64 / curve.duration;
+        let allowed = AGREEMENT_SIGMAS * error_with_overlap(&difference, overlap).standard_error;
         difference.len() >= FEWEST_BLOCKS
             && mean(&difference).abs() <= allowed.max(AGREEMENT_PART * late.abs())
     };
@@ -120,7 +127,10 @@ pub(crate) fn fit_linear_regime(
         .rposition(|octave| !agrees(octave))
         .map_or(0, |last| last + 1);
     match octaves.get(settled_from) {
-        Some(&(start, _)) => fit(start, true),
+        Some(&(start, _)) => {
+            let stretch = curve.times[end - 1] / curve.times[start];
+            fit(start, stretch >= SHORTEST_STRETCH)
+        }
         None => fit(end.saturating_sub(FEWEST_POINTS.max(end / 4)), false),
     }
 }

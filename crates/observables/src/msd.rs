@@ -192,7 +192,7 @@ impl MeanSquareDisplacement {
             )
         });
         let mut add = |name: &str, value: f64| {
-            let average = of_blocks(name, "σ²/τ", value, &blocks);
+            let average = of_blocks(name, "σ²/τ", value, &blocks, fit.overlap);
             findings.averages.push(average.doubted(unsettled.clone()));
         };
         let uncorrected = fit.slope / 6.0;

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::averages::of_blocks;
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
-use crate::extrema::{Extremum, extrema, fitted_extremum};
+use crate::extrema::{Extremum, extrema, fit_centre, fitted_vertex, smoothed};
 use crate::pairs::count_distances;
 use crate::{BuildContext, ObservableError, Recipe};
 
@@ -37,6 +37,15 @@ const PROMINENCE_SIGMAS: f64 = 4.0;
 /// lowest bin wanders by a tenth of σ from run to run.
 const PEAK_HALF_WIDTH: f64 = 0.08;
 const MINIMUM_HALF_WIDTH: f64 = 0.2;
+
+/// g(r) is averaged over this distance (σ) on both sides before its extrema are looked for.
+const SMOOTHING: f64 = 0.05;
+
+/// The first minimum lies this far (σ) beyond the first peak.
+const MINIMUM_BEYOND_PEAK: std::ops::Range<f64> = 0.2..0.9;
+
+/// Where g(r) does not fall below this after its first peak there is no shell of neighbors to be counted: a gas has none.
+const SHELL_BELOW: f64 = 0.9;
 
 /// Options of [`RadialDistribution`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -162,69 +171,121 @@ impl RadialDistribution {
         2.0 / self.n_atoms as f64 * (inner + last)
     }
 
-    /// Place and height of the extremum near one that was found bin by bin, as far as a cubic has one there.
-    fn refined(&self, near: &Extremum, pairs: &[f64]) -> (f64, f64) {
-        let g: Vec<f64> = (0..self.bins)
-            .map(|k| pairs[k] * self.normalisation(k))
-            .collect();
-        let half_width = if near.maximum {
+    fn distribution_from(&self, pairs: &[f64]) -> Vec<f64> {
+        let bins = pairs.iter().enumerate();
+        bins.map(|(k, p)| p * self.normalisation(k)).collect()
+    }
+
+    /// The extremum near `start` as a function of the mean pair counts: (place, height). The peaks of a crystal at rest are
+    /// narrower than any fit, and stay where they are.
+    fn extremum(&self, g: &[f64], start: &Extremum) -> impl Fn(&[f64]) -> (f64, f64) {
+        let radii = self.radii();
+        let (bin, place, maximum) = (start.bin, start.place, start.maximum);
+        let half_width = if maximum {
             PEAK_HALF_WIDTH
         } else {
             MINIMUM_HALF_WIDTH
         };
-        let fitted = fitted_extremum(&self.radii(), &g, near.place, half_width, near.maximum);
-        // The peaks of a crystal at rest are narrower than any fit.
-        fitted.unwrap_or((near.place, g[near.bin]))
+        let centre = fit_centre(&radii, g, place, half_width, maximum);
+        move |pairs| {
+            let g = self.distribution_from(pairs);
+            centre
+                .and_then(|centre| fitted_vertex(&radii, &g, centre, half_width, maximum))
+                .unwrap_or((place, g[bin]))
+        }
+    }
+
+    /// The same extremum at its sharpest: a peak is averaged only to be found.
+    fn sharpest(&self, found: &Extremum, g: &[f64]) -> Extremum {
+        if !found.maximum {
+            return *found;
+        }
+        let radii = self.radii();
+        let near = |k: &usize| (radii[*k] - found.place).abs() <= SMOOTHING.max(self.width());
+        let bin = (0..self.bins)
+            .filter(near)
+            .max_by(|&a, &b| g[a].total_cmp(&g[b]))
+            .unwrap_or(found.bin);
+        Extremum {
+            bin,
+            place: radii[bin],
+            ..*found
+        }
+    }
+
+    /// Where the first minimum after a peak is looked for; `None` where there is no shell of neighbors.
+    fn first_minimum(&self, smooth: &[f64], peak: f64) -> Option<Extremum> {
+        let radii = self.radii();
+        let within = |r: f64| MINIMUM_BEYOND_PEAK.contains(&(r - peak));
+        let lowest = (0..self.bins)
+            .filter(|&k| within(radii[k]))
+            .map(|k| smooth[k])
+            .min_by(f64::total_cmp)?;
+        let first = (0..self.bins).find(|&k| within(radii[k]) && smooth[k] == lowest)?;
+        // Between two shells of a crystal all bins are empty: the middle one stands for them.
+        let as_low = smooth[first..].iter().take_while(|g| **g == lowest);
+        let bin = first + as_low.count() / 2;
+        // The lowest at the end of the range is none: the curve still falls there.
+        let inside = bin + 1 < self.bins && within(radii[bin + 1]) && within(radii[bin - 1]);
+        (inside && smooth[bin] < SHELL_BELOW).then(|| Extremum {
+            maximum: false,
+            bin,
+            place: radii[bin],
+            height: smooth[bin],
+        })
     }
 
     fn add_peaks(&self, counts: &BlockedSums, findings: &mut Findings, g: &[f64], error: &[f64]) {
         let radii = self.radii();
-        let found = extrema(&radii, g, |k| {
+        let smooth = smoothed(&radii, g, SMOOTHING.max(0.5 * self.width()));
+        let found: Vec<Extremum> = extrema(&radii, &smooth, |k| {
             let noise = if error[k].is_nan() { 0.0 } else { error[k] };
             SMALLEST_PROMINENCE.max(PROMINENCE_SIGMAS * noise)
-        });
-        let column = |value: fn(&Extremum) -> f64| found.iter().map(value).collect();
-        findings.tables.push(
-            Table::new(
-                "rdf_peaks",
-                "maxima (kind 1) and minima (kind −1) of g(r), places refined by a parabola",
-            )
-            .with("kind", "", column(|e| if e.maximum { 1.0 } else { -1.0 }))
-            .with("r", "σ", column(|e| e.place))
-            .with("g", "", column(|e| e.height)),
-        );
-        let Some(at) = found.iter().position(|e| e.maximum) else {
-            findings.remarks.push("g(r) has no peak".into());
-            return;
-        };
-        let peak = found[at];
-        if let Some((height, blocks)) = counts.jackknife(|pairs| Some(self.refined(&peak, pairs).1))
-        {
-            findings
-                .averages
-                .push(of_blocks("rdf_first_peak", "", height, &blocks));
-        }
-        let Some(minimum) = found.get(at + 1) else {
-            findings
-                .remarks
-                .push("g(r) has no minimum after its first peak: no coordination number".into());
-            return;
-        };
-        let place = |pairs: &[f64]| self.refined(minimum, pairs).0;
-        if let Some((number, blocks)) =
-            counts.jackknife(|pairs| Some(self.neighbors_within(place(pairs), pairs)))
-        {
-            findings
-                .averages
-                .push(of_blocks("coordination_number", "", number, &blocks));
-        }
+        })
+        .iter()
+        .map(|e| self.sharpest(e, g))
+        .collect();
         let means: Vec<f64> = (0..self.bins)
             .map(|k| counts.mean(k).unwrap_or(f64::NAN))
             .collect();
+        let (places, heights) = found.iter().map(|e| self.extremum(g, e)(&means)).unzip();
+        let kinds = found.iter().map(|e| if e.maximum { 1.0 } else { -1.0 });
+        findings.tables.push(
+            Table::new(
+                "rdf_peaks",
+                "maxima (kind 1) and minima (kind −1) of g(r), from cubics fitted around them",
+            )
+            .with("kind", "", kinds.collect())
+            .with("r", "σ", places)
+            .with("g", "", heights),
+        );
+        let Some(top) = found.iter().find(|e| e.maximum) else {
+            findings.remarks.push("g(r) has no peak".into());
+            return;
+        };
+        let peak_of = self.extremum(g, top);
+        if let Some((height, blocks)) = counts.jackknife(|pairs| Some(peak_of(pairs).1)) {
+            findings
+                .averages
+                .push(of_blocks("rdf_first_peak", "", height, &blocks, 0.0));
+        }
+        let Some(minimum) = self.first_minimum(&smooth, top.place) else {
+            findings.remarks.push(format!(
+                "g(r) does not fall below {SHELL_BELOW} after its first peak: no shell, no coordination number"
+            ));
+            return;
+        };
+        let minimum_of = self.extremum(g, &minimum);
+        let number = |pairs: &[f64]| Some(self.neighbors_within(minimum_of(pairs).0, pairs));
+        if let Some((number, blocks)) = counts.jackknife(number) {
+            findings
+                .averages
+                .push(of_blocks("coordination_number", "", number, &blocks, 0.0));
+        }
         findings.remarks.push(format!(
             "first peak of g(r) at {:.3} σ, coordination number up to the first minimum at {:.3} σ",
-            self.refined(&peak, &means).0,
-            place(&means)
+            peak_of(&means).0,
+            minimum_of(&means).0
         ));
     }
 }

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::averages::of_blocks;
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
-use crate::extrema::{extrema, fitted_extremum};
+use crate::extrema::{extrema, fit_centre, fitted_vertex};
 use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -295,16 +295,13 @@ impl Observable for StructureFactor {
         });
         match found.iter().find(|e| e.maximum) {
             Some(peak) => {
+                let k = &self.wave_numbers;
+                let centre = fit_centre(k, &values, peak.place, PEAK_HALF_WIDTH, true);
                 let top = |values: &[f64]| {
-                    fitted_extremum(
-                        &self.wave_numbers,
-                        values,
-                        peak.place,
-                        PEAK_HALF_WIDTH,
-                        true,
-                    )
-                    // Where shells are few, and in a crystal, the peak is one shell.
-                    .unwrap_or((peak.place, values[peak.bin]))
+                    centre
+                        .and_then(|at| fitted_vertex(k, values, at, PEAK_HALF_WIDTH, true))
+                        // Where shells are few, and in a crystal, the peak is one shell.
+                        .unwrap_or((peak.place, values[peak.bin]))
                 };
                 if let Some((height, blocks)) = factors.jackknife(|values| Some(top(values).1)) {
                     findings.averages.push(of_blocks(
@@ -312,6 +309,7 @@ impl Observable for StructureFactor {
                         "",
                         height,
                         &blocks,
+                        0.0,
                     ));
                 }
                 findings.remarks.push(format!(

@@ -202,6 +202,7 @@ impl Observable for VelocityAutocorrelation {
                 "σ²/τ",
                 integral[last],
                 &blocks,
+                last as f64 * blocks.len() as f64 / products.samples() as f64,
             )
             .doubted(undecayed),
         );

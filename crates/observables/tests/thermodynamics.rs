@@ -297,7 +297,7 @@ fn all_averages_of_a_run_share_one_equilibration_cut() {
         state.velocities[0] = normal(5, s, 1);
         0.0
     });
-    let findings = thermodynamics.finish(0.0);
+    let findings = thermodynamics.finish(thermodynamics.equilibrium().discarded);
     let cut = average(&findings, "potential_energy").equilibration_cut;
     assert!((200..900).contains(&cut), "{cut}");
     for a in &findings.averages {

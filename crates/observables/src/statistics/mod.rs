@@ -28,7 +28,7 @@ pub use equilibration::{
     Equilibration, LARGEST_CUT, TRANSIENT_ERRORS, TRANSIENT_OF_MANY_ERRORS, Trend, equilibration,
     trend,
 };
-pub use error_of_mean::{ErrorOfMean, FEWEST_BLOCKS, error_of_mean};
+pub use error_of_mean::{ErrorOfMean, FEWEST_BLOCKS, error_of_mean, error_with_overlap};
 
 use lennard_core::Estimate;
 

@@ -106,9 +106,11 @@ impl GreenKubo {
             .iter()
             .map(|row| prefactor * mean(&row[plateau.from..]))
             .collect();
-        let doubt = self.doubt(&correlation, &plateau, &rows, discarded);
+        let length = self.length(&correlation, discarded);
+        let doubt = self.doubt(&correlation, &plateau, &rows, length);
         let mut add = |name: &str, value: f64, blocks: &[f64]| {
-            let average = of_blocks(name, words.unit, value, blocks);
+            let overlap = to * blocks.len() as f64 / length;
+            let average = of_blocks(name, words.unit, value, blocks, overlap);
             findings.averages.push(average.doubted(doubt.clone()));
         };
         add(words.name, value, &blocks);
@@ -128,16 +130,20 @@ impl GreenKubo {
         findings
     }
 
+    /// Length in τ of the part of the run that is kept.
+    fn length(&self, correlation: &Correlation, discarded: f64) -> f64 {
+        // The lags lie one interval apart at first.
+        self.temperature.after(discarded).samples() as f64 * correlation.times[1]
+    }
+
     /// Why the plateau is none, or not yet one that can be trusted.
     fn doubt(
         &self,
         correlation: &Correlation,
         plateau: &Plateau,
         rows: &[Vec<f64>],
-        discarded: f64,
+        length: f64,
     ) -> Option<Doubt> {
-        // The lags lie one interval apart at first.
-        let length = self.temperature.after(discarded).samples() as f64 * correlation.times[1];
         if length < LONG_ENOUGH * self.window {
             return Some(Doubt::TooShort {
                 why: format!(
