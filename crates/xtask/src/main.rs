@@ -22,7 +22,7 @@ Usage: cargo xtask COMMAND
 
 Commands:
   test     All checks but the long ones: format, lints, documentation, Rust tests, a short soak,
-           coverage of errors by few seeds, tidiness, Python environment, validation by other people's tools
+           coverage of errors over few seeds, tidiness, Python environment, validation by other people's tools
   physics  The long checks: state points against the equation of state, error bars against
            independent seeds, Rust tests marked as ignored
   tidy     Paths and commands named in README.md exist, crates depend as designed, no machine
@@ -31,7 +31,7 @@ Commands:
            run; --quick for 10 kills in place of 200, --long for ten million steps
   fuzz     Seeded mutations of fuzz/corpus through every reader; --runs N, --target NAME, --seed N
   coverage Do the printed errors cover? 30 seeds at ten states, in three ensembles and at three
-           lengths; --quick for ten seeds at two states, --again DATA for other statistics of runs
+           lengths; --quick for eight seeds at two states, --again DATA for other statistics of runs
            that are there
   accuracy Tune scenes at eight states, and put each choice on trial: ten seeds against tight runs,
            and a grid of cheaper settings; --state NAME, --seconds S for a tuning, --share X of the runs

@@ -6,10 +6,7 @@ use super::judge::{Judged, NORMAL, RARE};
 /// Shares that a group must have within one error, and at least within two.
 const BARS: ([f64; 2], f64) = ([0.60, 0.76], 0.92);
 
-/// Numbers from which the bars hold as they are. Fewer numbers know a share less well.
-const MANY: usize = 300;
-
-/// Printed numbers that count as an independent one in a small group: quantities of one run move together.
+/// Numbers that count as an independent one where quantities are pooled, since quantities of one run move together.
 const TOGETHER: usize = 3;
 
 /// Quantities that repeat another one up to a constant or a factor; groups count only the other one.
@@ -37,6 +34,8 @@ pub struct Sums {
     pub without: usize,
     /// How many of the means are within one and two errors.
     pub within: [usize; 2],
+    /// Numbers that count as an independent one.
+    together: usize,
     /// Scatter over the seeds in printed errors, of each cell where it is known.
     scatters: Vec<f64>,
 }
@@ -65,33 +64,41 @@ impl Sums {
         sorted.get(sorted.len() / 2).copied()
     }
 
-    /// How far the shares are outside their bars, in shares; none where they are inside.
+    /// How the shares stand to their bars.
     #[must_use]
-    pub fn outside(&self) -> Option<f64> {
+    pub fn standing(&self) -> Standing {
         if self.given == 0 {
-            return None;
+            return Standing::Inside;
         }
         let ([low, high], least) = BARS;
-        let far = [
-            low - self.share(0),
-            self.share(0) - high,
-            least - self.share(1),
-        ]
-        .into_iter()
-        .fold(0.0, f64::max);
-        (far > 0.0 && !self.chance_may_do_it()).then_some(far)
-    }
-
-    /// Whether so few numbers may have these shares by chance.
-    fn chance_may_do_it(&self) -> bool {
-        let n = self.given.div_ceil(TOGETHER);
-        let tails = |k: usize| {
-            let within = (self.share(k) * n as f64).round() as usize;
-            binomial_tails(within, n, NORMAL[k])
-        };
+        let shares = [self.share(0), self.share(1)];
+        let far = [low - shares[0], shares[0] - high, least - shares[1]]
+            .into_iter()
+            .fold(0.0, f64::max);
+        if far == 0.0 {
+            return Standing::Inside;
+        }
+        let n = self.given.div_ceil(self.together.max(1));
+        let tails =
+            |k: usize| binomial_tails((shares[k] * n as f64).round() as usize, n, NORMAL[k]);
         let ((below, above), (below_two, _)) = (tails(0), tails(1));
-        self.given < MANY && below.min(above) >= RARE && below_two >= RARE
+        if below.min(above).min(below_two) >= RARE {
+            Standing::Chance
+        } else {
+            Standing::Outside(far)
+        }
     }
+}
+
+/// How a group's shares stand to their bars.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Standing {
+    /// Inside.
+    Inside,
+    /// Outside, as chance may have it with so few numbers.
+    Chance,
+    /// Outside by this share.
+    Outside(f64),
 }
 
 /// A row of a table: a name, and sums by length.
@@ -104,8 +111,16 @@ pub struct Row {
 }
 
 /// Sums over the cells that share a name, for each length.
-#[must_use]
-pub fn rows(judged: &[Judged], lengths: &[u64], name: impl Fn(&Judged) -> String) -> Vec<Row> {
+fn rows(
+    judged: &[Judged],
+    lengths: &[u64],
+    together: usize,
+    name: impl Fn(&Judged) -> String,
+) -> Vec<Row> {
+    let empty = Sums {
+        together,
+        ..Sums::default()
+    };
     let mut rows: Vec<Row> = Vec::new();
     for one in judged {
         let name = name(one);
@@ -115,7 +130,7 @@ pub fn rows(judged: &[Judged], lengths: &[u64], name: impl Fn(&Judged) -> String
             .unwrap_or_else(|| {
                 rows.push(Row {
                     name,
-                    sums: vec![Sums::default(); lengths.len()],
+                    sums: vec![empty.clone(); lengths.len()],
                 });
                 rows.len() - 1
             });
@@ -129,7 +144,7 @@ pub fn rows(judged: &[Judged], lengths: &[u64], name: impl Fn(&Judged) -> String
 /// Each quantity over all states and ensembles.
 #[must_use]
 pub fn by_quantity(judged: &[Judged], lengths: &[u64]) -> Vec<Row> {
-    let mut rows = rows(judged, lengths, |one| one.quantity.clone());
+    let mut rows = rows(judged, lengths, 1, |one| one.quantity.clone());
     rows.sort_by(|a, b| a.name.cmp(&b.name));
     rows
 }
@@ -141,11 +156,11 @@ pub fn by_state(judged: &[Judged], lengths: &[u64]) -> Vec<Row> {
         .filter(|one| repeats(&one.quantity).is_none())
         .cloned()
         .collect();
-    let mut all = rows(&once, lengths, |one| {
+    let mut all = rows(&once, lengths, TOGETHER, |one| {
         format!("{}, {}", one.cell.state.name, one.cell.ensemble.name())
     });
     all.sort_by(|a, b| a.name.cmp(&b.name));
-    all.extend(rows(&once, lengths, |_| "all".to_owned()));
+    all.extend(rows(&once, lengths, TOGETHER, |_| "all".to_owned()));
     all
 }
 
@@ -153,29 +168,32 @@ pub fn by_state(judged: &[Judged], lengths: &[u64]) -> Vec<Row> {
 mod tests {
     use super::*;
 
-    fn sums(given: usize, one: f64, two: f64) -> Sums {
+    fn standing(given: usize, together: usize, one: f64, two: f64) -> Standing {
         let part = |share: f64| (share * given as f64).round() as usize;
         Sums {
             given,
+            together,
             within: [part(one), part(two)],
             ..Sums::default()
         }
+        .standing()
     }
 
     #[test]
     fn bars_hold_for_many_numbers_and_give_way_for_few() {
-        assert_eq!(sums(900, 0.68, 0.95).outside(), None);
-        assert_eq!(sums(900, 0.61, 0.925).outside(), None);
-        for wrong in [
-            sums(900, 0.58, 0.95),
-            sums(900, 0.78, 0.99),
-            sums(900, 0.65, 0.9),
-        ] {
-            assert!(wrong.outside().is_some(), "{wrong:?}");
+        assert_eq!(standing(900, 1, 0.68, 0.95), Standing::Inside);
+        assert_eq!(standing(900, 1, 0.61, 0.925), Standing::Inside);
+        for (one, two) in [(0.58, 0.95), (0.78, 0.99), (0.65, 0.9)] {
+            let found = standing(900, 1, one, two);
+            assert!(
+                matches!(found, Standing::Outside(far) if far < 0.021),
+                "{found:?}"
+            );
         }
-        assert_eq!(sums(30, 0.5, 0.9).outside(), None);
+        assert_eq!(standing(500, 3, 0.59, 0.95), Standing::Chance);
+        assert_eq!(standing(30, 1, 0.5, 0.9), Standing::Chance);
         // Errors too small by a factor of two.
-        assert!(sums(150, 0.38, 0.68).outside().is_some());
-        assert_eq!(sums(0, 0.0, 0.0).outside(), None);
+        assert!(matches!(standing(150, 3, 0.38, 0.68), Standing::Outside(_)));
+        assert_eq!(standing(0, 1, 0.0, 0.0), Standing::Inside);
     }
 }

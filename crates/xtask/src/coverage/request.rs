@@ -86,7 +86,7 @@ impl Request {
                 .filter(|s| QUICK_STATES.contains(&s.name))
                 .collect(),
             ensembles: vec![Ensemble::Energy, Ensemble::Bussi],
-            seeds: 10,
+            seeds: 8,
             ..Self::full()
         }
     }
@@ -243,6 +243,6 @@ mod tests {
                 .iter()
                 .all(|run| run.cell.state.is_liquid())
         );
-        assert_eq!(Request::read(&["--quick"]).unwrap().runs().len(), 80);
+        assert_eq!(Request::read(&["--quick"]).unwrap().runs().len(), 64);
     }
 }

@@ -62,7 +62,7 @@ impl Runner {
             .iter()
             .filter(|run| run.record(root).is_none())
             .collect();
-        println!("{} runs, {} of them to do", runs.len(), missing.len());
+        eprintln!("{} runs, {} of them to do", runs.len(), missing.len());
         for run in &missing {
             write_scene(&run.cell, root)?;
         }
@@ -92,7 +92,7 @@ impl Runner {
             .iter()
             .filter(|run| run.record(data).is_some())
             .collect();
-        println!("{} of {} runs are finished", finished.len(), runs.len());
+        eprintln!("{} of {} runs are finished", finished.len(), runs.len());
         self.each(&finished, |run| {
             let (from, to) = (run.below(data), run.below(root));
             let copy = to.with_extension("copy");
@@ -152,7 +152,7 @@ impl Runner {
                         }
                         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
                         if done.is_multiple_of(EVERY) || done == runs.len() {
-                            println!(
+                            eprintln!(
                                 "{done} of {} after {:.0} s, last {}",
                                 runs.len(),
                                 start.elapsed().as_secs_f64(),

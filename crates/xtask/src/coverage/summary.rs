@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 
-use super::groups::{Row, Sums, by_quantity, by_state, repeats};
+use super::groups::{Row, Standing, Sums, by_quantity, by_state, repeats};
 use super::judge::Judged;
 
 /// Cells shown in the text; the JSON has all.
@@ -56,7 +56,7 @@ impl Summary {
         let mut failed = Vec::new();
         for row in self.quantities.iter().chain(&self.states) {
             for (sums, &length) in row.sums.iter().zip(&self.lengths) {
-                if let Some(far) = sums.outside() {
+                if let Standing::Outside(far) = sums.standing() {
                     failed.push((far, row.name.as_str(), length, sums));
                 }
             }
@@ -83,7 +83,7 @@ impl Summary {
             "{origin}\n\nEach entry: share of the seeds within one / two printed errors of the long-run mean (68 / 95 % where errors\n\
              are right), scatter of the seeds in printed errors (1 where they are right; median over the cells), number of\n\
              printed errors, and runs without one. ✗: within one error less than 60 or more than 76 %, or within two less\n\
-             than 92 %.\n\n"
+             than 92 %; ~: the same, but chance may do it with so few numbers.\n\n"
         );
         self.table(
             &mut text,
@@ -180,7 +180,7 @@ impl Summary {
             let sums = |(sums, length): (&Sums, &u64)| {
                 json!({
                     "steps": length, "given": sums.given, "without": sums.without, "within": sums.within,
-                    "scatter": sums.scatter(), "fails": sums.outside().is_some(),
+                    "scatter": sums.scatter(), "fails": matches!(sums.standing(), Standing::Outside(_)),
                 })
             };
             (rows.iter())
@@ -227,7 +227,11 @@ fn entry(sums: &Sums) -> String {
     }
     let mut text = String::new();
     if sums.given > 0 {
-        let mark = if sums.outside().is_some() { "✗ " } else { "" };
+        let mark = match sums.standing() {
+            Standing::Inside => "",
+            Standing::Chance => "~ ",
+            Standing::Outside(_) => "✗ ",
+        };
         let _ = write!(
             text,
             "{mark}{:.0} / {:.0} %",
