@@ -192,3 +192,74 @@ fn write_scene(cell: &Cell, root: &Path) -> Result<(), Failure> {
     fs::create_dir_all(&folder)?;
     fs::write(&path, wanted).map_err(|e| format!("{}: {e}", path.display()).into())
 }
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::os::unix::fs::PermissionsExt;
+
+    use super::super::plan::{Ensemble, STATES};
+    use super::*;
+
+    /// In place of the program: a run counts itself, a resumed one writes another record.
+    const SCRIPT: &str = r#"#!/bin/sh
+case $1 in
+run)
+    case $4 in *000013) echo "seed $4 is unlucky" >&2; exit 3;; esac
+    mkdir -p "$6"; echo x >> "$6/times"; echo '{"finished": true, "by": "run"}' > "$6/run.json";;
+resume) echo '{"finished": true, "by": "resume"}' > "$2/run.json";;
+esac
+"#;
+
+    fn runs(numbers: std::ops::RangeInclusive<u32>) -> Vec<Run> {
+        let cell = Cell {
+            state: &STATES[0],
+            ensemble: Ensemble::Bussi,
+            length: 2500,
+        };
+        numbers.map(|number| Run { cell, number }).collect()
+    }
+
+    #[test]
+    fn finished_runs_are_kept_concluded_from_copies_and_a_failure_is_told() {
+        let root = std::env::temp_dir().join(format!("coverage-runner-{}", std::process::id()));
+        let (data, again) = (root.join("data"), root.join("again"));
+        fs::create_dir_all(&root).unwrap();
+        let runner = Runner {
+            binary: root.join("program"),
+            workers: 2,
+        };
+        fs::write(&runner.binary, SCRIPT).unwrap();
+        fs::set_permissions(&runner.binary, fs::Permissions::from_mode(0o755)).unwrap();
+        runner.simulate(&runs(1..=3), &data).unwrap();
+        // As a run that was killed leaves its folder.
+        fs::remove_file(runs(2..=2)[0].below(&data).join(RECORD)).unwrap();
+        runner.simulate(&runs(1..=4), &data).unwrap();
+        let times = |n| fs::read_to_string(runs(n..=n)[0].below(&data).join("times")).unwrap();
+        assert_eq!([1, 2, 3, 4].map(|n| times(n).lines().count()), [1, 2, 1, 1]);
+
+        runner.conclude(&runs(1..=5), &data, &again).unwrap();
+        for run in runs(1..=4) {
+            assert_eq!(run.record(&data).unwrap()["by"], "run");
+            assert_eq!(run.record(&again).unwrap()["by"], "resume");
+        }
+        assert!(runs(5..=5)[0].record(&again).is_none());
+
+        let text = runner
+            .simulate(&runs(12..=14), &data)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            text.contains("rho0.003-T0.9/bussi/2500, run 13: it ended with exit status: 3"),
+            "{text}"
+        );
+        assert!(text.contains("is unlucky"), "{text}");
+
+        fs::write(data.join("rho0.003-T0.9/bussi/2500").join(SCENE), "other").unwrap();
+        let text = runner
+            .simulate(&runs(20..=20), &data)
+            .unwrap_err()
+            .to_string();
+        assert!(text.contains("holds runs of another scene"), "{text}");
+        fs::remove_dir_all(root).unwrap();
+    }
+}
