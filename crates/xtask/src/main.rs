@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod counts;
+mod coverage;
 mod fuzz;
 mod python;
 mod soak;
@@ -21,7 +22,7 @@ Usage: cargo xtask COMMAND
 
 Commands:
   test     All checks but the long ones: format, lints, documentation, Rust tests, a short soak,
-           tidiness, Python environment, validation by other people's tools
+           coverage of errors over few seeds, tidiness, Python environment, validation by other people's tools
   physics  The long checks: state points against the equation of state, error bars against
            independent seeds, Rust tests marked as ignored
   tidy     Paths and commands named in README.md exist, crates depend as designed, no machine
@@ -29,6 +30,9 @@ Commands:
   soak     Kill runs at random times, go on with them, and compare every byte with an undisturbed
            run; --quick for 10 kills in place of 200, --long for ten million steps
   fuzz     Seeded mutations of fuzz/corpus through every reader; --runs N, --target NAME, --seed N
+  coverage Do the printed errors cover? 30 seeds at ten states, in three ensembles and at three
+           lengths; --quick for eight seeds at two states, --again DATA for other statistics of runs
+           that are there
   accuracy Tune scenes at eight states, and put each choice on trial: ten seeds against tight runs,
            and a grid of cheaper settings; --state NAME, --seconds S for a tuning, --share X of the runs
   python   Make the virtual environment .venv from validation/requirements.txt
@@ -59,6 +63,7 @@ fn main() -> ExitCode {
     match words.as_slice() {
         ["soak", rest @ ..] => return soak::build_and_run(&workspace, rest),
         ["accuracy", rest @ ..] => return accuracy::run(&workspace, rest),
+        ["coverage", rest @ ..] => return coverage::run(&workspace, rest),
         ["fuzz", rest @ ..] => return fuzz::run(&workspace, rest),
         _ => {}
     }
@@ -69,6 +74,7 @@ fn main() -> ExitCode {
             &[
                 "physics: U and P at eight state points, error bars over ten seeds (cargo xtask physics)",
                 "soak: runs killed at random times and resumed (cargo xtask soak)",
+                "coverage: printed errors against 2,700 runs of many seeds (cargo xtask coverage)",
                 "accuracy: tuned settings on trial at eight states (cargo xtask accuracy)",
                 "fuzz: mutated files through every reader (cargo xtask fuzz)",
                 "bench: speed (cargo bench)",

@@ -90,6 +90,13 @@ const SOAK: Tier = Tier {
     name: "soak",
     run: |w| crate::soak::quick(w).map(|()| ONE_PASSED),
 };
+const COVERAGE: Tier = Tier {
+    name: "coverage",
+    run: |w| {
+        crate::coverage::quick(w).map_err(|error| error as Box<dyn Error>)?;
+        Ok(ONE_PASSED)
+    },
+};
 const TIDINESS: Tier = Tier {
     name: "tidiness",
     run: |w| {
@@ -134,6 +141,7 @@ pub fn test() -> Vec<Tier> {
         DOCUMENTATION,
         RUST_TESTS,
         SOAK,
+        COVERAGE,
         TIDINESS,
         PYTHON,
         VALIDATION,

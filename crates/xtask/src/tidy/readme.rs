@@ -11,8 +11,8 @@ type Commands = BTreeMap<String, Vec<String>>;
 
 /// Folders that runs and builds make.
 const MADE_LATER: [&str; 3] = ["runs", "target", ".venv"];
-const XTASK: [&str; 8] = [
-    "test", "physics", "tidy", "soak", "fuzz", "accuracy", "python", "help",
+const XTASK: [&str; 9] = [
+    "test", "physics", "tidy", "soak", "fuzz", "coverage", "accuracy", "python", "help",
 ];
 const CARGO: [&str; 9] = [
     "run", "xtask", "test", "build", "bench", "fmt", "clippy", "doc", "install",
