@@ -12,8 +12,8 @@ pub(crate) const FEWEST_INDEPENDENT: f64 = 50.0;
 /// The fewest independent blocks of a function of the run from which an error is told: it is then known to 21 %.
 pub(crate) const FEWEST_INDEPENDENT_BLOCKS: f64 = 12.0;
 
-/// The fewest independent samples of the squares that a variance is made of: it is known to 10 %, and is hardly skewed.
-pub(crate) const FEWEST_FLUCTUATIONS: f64 = 200.0;
+/// The fewest independent samples of the squares that a variance is made of: it is known to 8 %, and is hardly skewed.
+pub(crate) const FEWEST_FLUCTUATIONS: f64 = 300.0;
 
 /// The mean of a time series after `cut` rows, with what speaks against it.
 pub(crate) fn of_series(name: &str, unit: &str, column: &[f64], cut: usize) -> Average {

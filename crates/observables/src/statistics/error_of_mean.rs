@@ -26,9 +26,10 @@ const MOST_BLOCKS: usize = 2048;
 /// twentieth of the series; narrower ones know the error better where nothing is left to be reached.
 const FREEDOMS: [f64; 4] = [8.0, 16.0, 32.0, 64.0];
 
-/// A narrower window is taken where every wider one agrees with it: where it finds a variance above that of the narrower
-/// one by less than this many standard deviations of their difference.
-const AGREEMENT: f64 = 1.2;
+/// A narrower window is taken where every wider one agrees with it: where its variance is above that of the narrower one by
+/// less than the first number, and below it by less than the second, of standard deviations of their difference. Errors that
+/// are too small do more harm.
+const AGREEMENT: [f64; 2] = [1.2, 2.5];
 
 /// The flat-top window can give a small or negative value where samples are anticorrelated. It is not taken for smaller than
 /// this part of its standard deviation in a spectrum as high as Bartlett's window finds it, which is never negative.
@@ -54,7 +55,7 @@ pub fn error_of_mean(series: &[f64]) -> ErrorOfMean {
 }
 
 /// As [`error_of_mean`], for values that each look `overlap` places ahead and so are correlated that far: no window is taken
-/// that is narrower than one and a half overlaps.
+/// that is narrower than two overlaps.
 #[must_use]
 pub fn error_with_overlap(series: &[f64], overlap: f64) -> ErrorOfMean {
     let n = series.len();
@@ -97,7 +98,7 @@ fn spectra_at_zero(series: &[f64], overlap: f64) -> Vec<(f64, f64)> {
         // So few are blocks, and taken as independent.
         return vec![(variance(series) * n / (n - 1.0), n - 1.0)];
     }
-    let narrowest = (1.5 * overlap).max(1.0);
+    let narrowest = (2.0 * overlap).max(1.0);
     let covariances = covariances(series, width(FREEDOMS[0]).ceil() as usize);
     FREEDOMS
         .iter()
@@ -114,7 +115,8 @@ fn spectra_at_zero(series: &[f64], overlap: f64) -> Vec<(f64, f64)> {
 fn agrees(found: &[(f64, f64)], at: usize) -> bool {
     let (value, freedom) = found[at];
     found[..at].iter().all(|&(wider, of_wider)| {
-        (wider / value).ln() < AGREEMENT * (2.0 / of_wider - 2.0 / freedom).sqrt()
+        let difference = (wider / value).ln() / (2.0 / of_wider - 2.0 / freedom).sqrt();
+        difference < AGREEMENT[0] && difference > -AGREEMENT[1]
     })
 }
 
