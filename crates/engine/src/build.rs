@@ -4,7 +4,9 @@ use std::path::Path;
 
 use lennard_core::random::Streams;
 use lennard_core::{DVec3, Dynamics, PeriodicBox, State, TailCorrection};
-use lennard_forcefield::{Conditions, ForceFieldOptions, Model, PairForces, Precision, Tail};
+use lennard_forcefield::{
+    AllPairs, Conditions, ForceFieldOptions, Model, PairForces, Precision, Tail,
+};
 use lennard_integrators::ThermostatOptions;
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
@@ -12,6 +14,7 @@ use lennard_observables::{BuildContext, Ensemble, ObservableOptions, Thermodynam
 use lennard_scene::{Geometry, Lattice, Scene, Stage, Start};
 
 use crate::error::misfit;
+use crate::force_check::ForceCheck;
 use crate::initial::{self, closest_pair};
 use crate::simulation::{Observer, Simulation};
 use crate::timers::Timers;
@@ -238,12 +241,14 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
         tail_correction(lennard_forcefield::tail_correction(&options, n, cell.volume()).as_ref());
     let (thermodynamics, observers) = observers(&scene, cell, n)?;
     let isa = provider.plan().isa.to_string();
+    let all_pairs = AllPairs::new(&options, cell).map_err(|e| misfit(&scene.source, &e))?;
     Ok(Simulation {
         state: State::new(beginning.positions, velocities),
         scene,
         cell,
         dynamics,
         forces: Box::new(provider),
+        force_check: ForceCheck::new(all_pairs),
         tail,
         streams,
         stage: None,

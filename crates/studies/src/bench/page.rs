@@ -52,7 +52,6 @@ pub(super) fn csv(study: &BenchStudy) -> Vec<TextTable> {
                 "share of limit",
                 "bytes per atom",
                 "skin [σ]",
-                "late builds",
             ],
         );
         for k in &study.kernels {
@@ -75,7 +74,6 @@ pub(super) fn csv(study: &BenchStudy) -> Vec<TextTable> {
                 exact_or_empty(k.limit_share),
                 exact(k.bytes_per_atom),
                 exact(k.skin),
-                k.late_builds.to_string(),
             ];
             table.push(words.into_iter().chain(spreads).chain(rest));
         }

@@ -61,8 +61,6 @@ pub struct KernelResult {
     pub list_share: Spread,
     /// Steps for each build.
     pub steps_per_build: Option<f64>,
-    /// Builds that came too late: 0, or the kernel is wrong.
-    pub late_builds: u64,
     /// Skin, σ.
     pub skin: f64,
     /// Lanes computed for each pair that counts, met as often as the loop meets it.
@@ -161,7 +159,6 @@ struct Block {
     on_processor: f64,
     neighbor: f64,
     builds: u64,
-    late: u64,
     bytes: u64,
     parts: measure::PartTimes,
 }
@@ -183,7 +180,6 @@ fn block(variant: &Variant, start: &Start) -> Result<Block, BenchError> {
             on_processor,
             neighbor: after.neighbor_seconds - before.neighbor_seconds,
             builds: after.builds - before.builds,
-            late: after.late_builds,
             bytes: after.bytes,
             parts,
         })
@@ -272,7 +268,6 @@ fn result(variant: &Variant, blocks: &[Block], start: &Start) -> Result<KernelRe
         list_share: spread(&|b| b.neighbor / b.seconds),
         steps_per_build: (builds > 0)
             .then(|| (start.steps * blocks.len() as u64) as f64 / builds as f64),
-        late_builds: blocks.iter().map(|b| b.late).sum(),
         skin: variant.skin,
         lanes_per_pair: work.lanes as f64 / (meetings * work.pairs.max(1) as f64),
         limit,
