@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::blocks::{Start, take};
 use super::clock::{Clock, tells_processor_time};
+use super::doubts::{self, Doubt};
 use super::{BenchError, BenchOptions, Spread, Subject};
 use crate::Progress;
 use crate::jobs::pool;
@@ -71,12 +72,37 @@ pub struct KernelResult {
     pub limit_share: Option<f64>,
     /// Bytes an atom in state, lists and private copies.
     pub bytes_per_atom: f64,
+    /// What speaks against these figures; empty where nothing does.
+    pub doubts: Vec<Doubt>,
 }
 
 impl KernelResult {
     /// What its bars are called.
     pub(super) fn label(&self) -> String {
         format!("{} {}", self.isa, self.precision)
+    }
+
+    /// The speed with its range, marked where it is to be doubted.
+    #[must_use]
+    pub fn marked_speed(&self) -> String {
+        let is_doubted = self.doubts.iter().any(|doubt| doubt.is_of_speed());
+        self.speed.with_range() + if is_doubted { " (?)" } else { "" }
+    }
+
+    /// The share of the limit in per cent, marked where it is not possible.
+    #[must_use]
+    pub fn marked_limit_share(&self) -> String {
+        let is_doubted = self.doubts.contains(&Doubt::AboveLimit);
+        self.limit_share.map_or_else(
+            || "–".into(),
+            |share| {
+                format!(
+                    "{:.1} %{}",
+                    100.0 * share,
+                    if is_doubted { " (?)" } else { "" }
+                )
+            },
+        )
     }
 }
 
@@ -253,6 +279,9 @@ fn result(variant: &Variant, blocks: &[Block], start: &Start) -> Result<KernelRe
         .flatten();
     let ideal_ns =
         |limit: f64| 1e9 * MEETINGS * start.pairs_per_atom / (limit * variant.threads as f64);
+    let seconds = spread(&|b| b.seconds);
+    let limit_share = limit.map(|l| ideal_ns(l) / forces_ns.lowest);
+    let builds_per_block = has_list.then(|| builds as f64 / blocks.len() as f64);
     Ok(KernelResult {
         kernel: variant.kernel.into(),
         isa: variant.isa.into(),
@@ -271,8 +300,9 @@ fn result(variant: &Variant, blocks: &[Block], start: &Start) -> Result<KernelRe
         skin: variant.skin,
         lanes_per_pair: work.lanes as f64 / (meetings * work.pairs.max(1) as f64),
         limit,
-        limit_share: limit.map(|l| ideal_ns(l) / forces_ns.lowest),
+        limit_share,
         bytes_per_atom: STATE_BYTES + blocks[0].bytes as f64 / n,
+        doubts: doubts::doubts(seconds, builds_per_block, limit_share),
     })
 }
 
