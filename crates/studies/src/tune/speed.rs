@@ -1,5 +1,6 @@
 //! Whether the chosen settings are faster than the usual ones, as far as timings on this machine tell.
 
+use lennard_report::significant;
 use lennard_scene::Accuracy;
 use serde::Serialize;
 
@@ -50,8 +51,7 @@ impl Speed {
         if is_faster {
             return;
         }
-        let range =
-            |s: &Spread| format!("{:.3} to {:.3} µs an atom and τ", 1e6 * s.low, 1e6 * s.high);
+        let range = |s: &Spread| format!("{} to {}", micro(s.low), micro(s.high));
         let told = if ratio < 1.0 {
             "not told to be faster"
         } else {
@@ -62,11 +62,15 @@ impl Speed {
             missed => format!("the usual ones miss the target of {}", missed.join(" and ")),
         };
         self.remarks.push(format!(
-            "the chosen settings are {told} than the usual ones on this machine now: {ratio:.2} × their time, {} beside {}; {usual_errs}",
+            "the chosen settings are {told} than the usual ones on this machine now: {ratio:.2} × their time, {} beside {} µs an atom and τ; {usual_errs}",
             range(chosen),
             range(usual)
         ));
     }
+}
+
+fn micro(seconds: f64) -> String {
+    significant(1e6 * seconds, 3)
 }
 
 /// The keys of U and P whose predicted errors are above their targets.
@@ -108,8 +112,7 @@ mod tests {
         assert_eq!(alike.is_faster, Some(false));
         assert!(
             alike.remarks[0].contains("not told to be faster")
-                && alike.remarks[0]
-                    .contains("1.900 to 2.050 µs an atom and τ beside 2.000 to 2.200"),
+                && alike.remarks[0].contains("1.90 to 2.05 beside 2.00 to 2.20 µs an atom and τ"),
             "{alike:?}"
         );
         assert!(alike.remarks[0].contains("predicted to keep the targets"));
