@@ -5,11 +5,14 @@ use lennard_report::significant;
 
 use super::panels::{Mark, Panel};
 use super::{Chart, ChartedPoint};
+use crate::settings::BUSY;
 
 /// An error that is statistical counts as known to so many standard errors.
 const CERTAIN: f64 = 2.0;
 /// An error of one run, without a standard error and without a floor, counts as smaller from this share of another on.
 const OF_ONE_RUN: f64 = 0.8;
+/// Settings seem cheaper from this share of the median time on.
+const WORTHWHILE: f64 = 0.95;
 /// Advised steps are at most this share of the stability limit.
 const STABLE_SHARE: f64 = 0.5;
 /// Runs of a liquid near its triple point fail from this share of the rough limit on, 0.024 τ for velocity Verlet.
@@ -80,10 +83,20 @@ pub fn basis(chart: &Chart) -> String {
             own.settings.integrator.name()
         ))
     });
+    let busy = chart.points.first().and_then(|own| {
+        let scatter = own.cost()?.wall.scatter();
+        (scatter > BUSY).then(|| {
+            format!(
+                " Timings of the scene's own settings differ by {:.0} %: the machine was busy, and costs are not known well.",
+                100.0 * scatter
+            )
+        })
+    });
     format!(
         "What is advised errs no more by {CERTAIN} standard errors on either side, takes less in every timing, and has a step of at most \
-         {STABLE_SHARE} of the stability limit{}.",
-        limit.unwrap_or_default()
+         {STABLE_SHARE} of the stability limit{}.{}",
+        limit.unwrap_or_default(),
+        busy.unwrap_or_default()
     )
 }
 
@@ -112,11 +125,10 @@ fn advice<'a>(chart: &Chart, panel: &'a Panel, own: &Mark) -> Advice<'a> {
     let floor = panel.floor.unwrap_or(0.0);
     let size = |m: &Mark| m.error.map(|e| e.abs().max(floor));
     let own_low = own.wall_range.map_or(own.wall, |r| r.0);
-    // What is cheaper by less than the own timings scatter does not even seem cheaper.
     let seeming: Vec<&Mark> = panel
         .marks
         .iter()
-        .filter(|m| m.number != own.number && m.wall < own_low)
+        .filter(|m| m.number != own.number && m.wall < WORTHWHILE * own.wall)
         .filter(|m| size(m).is_some_and(|e| size(own).is_some_and(|of_own| e <= of_own)))
         .filter(|m| may_be_advised(chart, m.number))
         .collect();
@@ -311,10 +323,16 @@ mod tests {
         let worse = vec![noisy(1, 3.0, 2e-3), noisy(2, 2.0, 9e-3)];
         assert_eq!(advised(&chart(&steps, worse)), Some(1));
         // Timings that overlap do not tell what is cheaper.
-        let mut overlapping = vec![mark(1, 3.0, 1e-4, None), mark(2, 2.9, 1e-4, None)];
+        let mut overlapping = vec![mark(1, 3.0, 1e-4, None), mark(2, 2.5, 1e-4, None)];
+        overlapping[1].wall_range = Some((2.4, 3.1));
         assert_eq!(advised(&chart(&steps, overlapping.clone())), None);
-        overlapping[1].wall_range = Some((2.89, 2.91));
-        assert_eq!(advised(&chart(&steps, overlapping)), Some(2));
+        overlapping[1].wall_range = Some((2.4, 2.6));
+        assert_eq!(advised(&chart(&steps, overlapping.clone())), Some(2));
+        overlapping[0].wall_range = Some((2.5, 5.0));
+        assert_eq!(advised(&chart(&steps, overlapping)), None);
+        // What is hardly cheaper is not cheaper.
+        let alike = vec![mark(1, 3.0, 1e-4, None), mark(2, 2.9, 1e-4, None)];
+        assert_eq!(advised(&chart(&steps, alike)), Some(1));
     }
 
     #[test]
