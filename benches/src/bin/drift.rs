@@ -71,13 +71,12 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
         let s = run.provider.statistics();
         writeln!(
             stdout(),
-            "{} {name} {truncation:?}, steps {from} to {steps}: drift {:+.2e} ± {:.1e} ε/atom/τ, RMS {:.1e}, momentum {momentum:.1e} an atom, {} builds, {} late",
+            "{} {name} {truncation:?}, steps {from} to {steps}: drift {:+.2e} ± {:.1e} ε/atom/τ, RMS {:.1e}, momentum {momentum:.1e} an atom, {} builds",
             case.name,
             line.slope,
             line.standard_error,
             line.rms,
-            s.builds,
-            s.late_builds
+            s.builds
         )?;
     }
     Ok(())

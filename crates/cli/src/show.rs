@@ -126,15 +126,15 @@ pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, all: b
         )
     };
     println!(
-        "  force {}, neighbor list {}, integrate {}, observe {}, write {}; {} list builds, {} late, skin {:.3} σ",
+        "  force {}, neighbor list {}, integrate {}, observe {}, write {}; {} list builds, skin {:.3} σ\n  {}",
         share(s.force),
         share(s.neighbor),
         share(s.integrate),
         share(s.observe),
         share(s.write),
         record.neighbor.builds,
-        record.neighbor.late_builds,
-        record.neighbor.skin.unwrap_or(0.0)
+        record.neighbor.skin.unwrap_or(0.0),
+        record.neighbor.forces_checked()
     );
     println!("  files in {}", folder.display());
 }

@@ -236,8 +236,9 @@ fn folders_that_hold_something_else_are_refused_before_anything_is_computed() {
 #[test]
 fn a_chart_that_is_interrupted_says_how_to_go_on() {
     let place = folder(SCENE);
-    let mut running = lennard(&["chart", "scene.toml", "--quick", "--out", "out", "--quiet"])
+    let mut running = lennard(&["chart", "scene.toml", "--quick", "--out", "out"])
         .current_dir(place.path())
+        .stdout(std::process::Stdio::piped())
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
@@ -257,6 +258,14 @@ fn a_chart_that_is_interrupted_says_how_to_go_on() {
     let ended = running.wait_with_output().unwrap();
     let words = String::from_utf8_lossy(&ended.stderr);
     assert_eq!(ended.status.code(), Some(4), "{words}");
+    // How far it came, and no table that has no rows: nothing is timed before all errors are known.
+    let told = String::from_utf8_lossy(&ended.stdout);
+    assert!(
+        told.contains("stopped before the end: errors of ")
+            && told.contains("settings are measured, 0 are timed"),
+        "{told}"
+    );
+    assert!(!told.contains("cheapest that is no worse"), "{told}");
     assert!(
         words.contains("stopped on request; finished points are kept\n  to go on: lennard chart scene.toml --out out"),
         "{words}"

@@ -47,6 +47,30 @@ fn refused(args: &[&str], words: &[&str]) {
     }
 }
 
+/// The usual cutoff of 2.5 σ fits half the box of 5³ particles, 2.54 σ, and not that of 4·3³.
+#[test]
+fn a_scene_whose_cutoff_fits_is_not_refused_for_the_usual_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("small.toml");
+    let scene = SCENE
+        .replace("n_atoms = 500", "n_atoms = 125\nlattice = \"sc\"")
+        .replace("density = 0.3", "density = 0.95")
+        .replace(
+            "{ potential_energy = 0.03, pressure = 0.02,",
+            "{ potential_energy = 0.5,",
+        )
+        .replace(
+            "[[stage]]\nname = \"equilibrate\"",
+            "[truncation]\nr_cut = 2\n\n[[stage]]\nname = \"equilibrate\"",
+        );
+    std::fs::write(&path, scene).unwrap();
+    let mut tune = vec!["tune", path.to_str().unwrap(), "--json", "--quiet"];
+    tune.extend(SHORT);
+    let tuning: serde_json::Value = serde_json::from_str(&succeed(&tune)).unwrap();
+    assert_eq!(tuning["settings"]["truncation"]["r_cut"], 2.0);
+    assert!(tuning["usual_cost"].is_object());
+}
+
 #[test]
 fn a_tuned_scene_runs_with_its_lock_and_always_to_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
@@ -79,11 +103,20 @@ fn a_tuned_scene_runs_with_its_lock_and_always_to_the_same_bits() {
     let cost = |key: &str| tuning[key]["pair_forces_per_atom_tau"].as_f64().unwrap();
     assert!(cost("cost") < cost("usual_cost") && cost("usual_cost") < cost("safest_cost"));
     let lock = folder.path().join("asking.lock.toml");
-    assert!(
-        std::fs::read_to_string(&lock)
-            .unwrap()
-            .contains("lennard-lock/1")
+    let text = std::fs::read_to_string(&lock).unwrap();
+    assert!(text.contains("lennard-lock/1"));
+    // On this machine now the settings are faster or not, and the lock says where they are not.
+    let speed = &tuning["speed"];
+    assert!(speed["over_usual"].as_f64() > Some(0.0), "{speed}");
+    let remarks = speed["remarks"].as_array().unwrap();
+    assert_eq!(
+        speed["is_faster"] == false,
+        text.contains("faster than the usual ones on this machine now"),
+        "{speed}"
     );
+    for remark in remarks {
+        assert!(text.contains(remark.as_str().unwrap()), "{remark}");
+    }
 
     let thermo = |name: &str| {
         let out = folder.path().join(name);

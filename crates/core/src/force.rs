@@ -45,8 +45,6 @@ pub struct ForceStatistics {
     pub evaluations: u64,
     /// Neighbor-list builds so far.
     pub builds: u64,
-    /// Evaluations that found the list already invalid at an earlier step: must stay 0.
-    pub late_builds: u64,
     /// The skin in use, σ; 0 for a direct sum.
     pub skin: f64,
     /// Seconds spent in pair loops.

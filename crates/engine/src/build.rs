@@ -4,7 +4,9 @@ use std::path::Path;
 
 use lennard_core::random::Streams;
 use lennard_core::{DVec3, Dynamics, PeriodicBox, State, TailCorrection};
-use lennard_forcefield::{Conditions, ForceFieldOptions, Model, PairForces, Precision, Tail};
+use lennard_forcefield::{
+    AllPairs, Conditions, ForceFieldOptions, Model, PairForces, Precision, Tail,
+};
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
 use lennard_observables::{
@@ -14,6 +16,7 @@ use lennard_scene::{Geometry, Lattice, Scene, Stage, Start};
 
 use crate::error::misfit;
 use crate::findings::measured_baths;
+use crate::force_check::ForceCheck;
 use crate::initial::{self, closest_pair};
 use crate::simulation::{Observer, Simulation};
 use crate::timers::Timers;
@@ -240,12 +243,14 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
         tail_correction(lennard_forcefield::tail_correction(&options, n, cell.volume()).as_ref());
     let (thermodynamics, observers) = observers(&scene, cell, n)?;
     let isa = provider.plan().isa.to_string();
+    let all_pairs = AllPairs::new(&options, cell).map_err(|e| misfit(&scene.source, &e))?;
     Ok(Simulation {
         state: State::new(beginning.positions, velocities),
         scene,
         cell,
         dynamics,
         forces: Box::new(provider),
+        force_check: ForceCheck::new(all_pairs),
         tail,
         streams,
         stage: None,

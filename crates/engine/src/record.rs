@@ -81,6 +81,7 @@ pub fn finished(
 fn bare(simulation: &Simulation, threads: usize) -> RunRecord {
     let scene = &simulation.scene;
     let statistics = simulation.forces.statistics();
+    let seen = simulation.force_check.seen();
     let stage = simulation.stage.as_ref();
     let bath = stage.and_then(|s| {
         scene.stages[s.index]
@@ -109,7 +110,8 @@ fn bare(simulation: &Simulation, threads: usize) -> RunRecord {
         performance: Performance::default(),
         neighbor: NeighborRecord {
             builds: statistics.builds,
-            late_builds: statistics.late_builds,
+            checked_forces: seen.forces,
+            largest_deviation: (seen.forces > 0).then_some(seen.largest_deviation),
             skin: (statistics.builds > 0).then_some(statistics.skin),
         },
         averages: BTreeMap::new(),

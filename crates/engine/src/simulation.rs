@@ -11,6 +11,7 @@ use lennard_integrators::Coupling;
 use lennard_observables::Thermodynamics;
 use lennard_scene::{Scene, Stage};
 
+use crate::force_check::{ForceCheck, Seen};
 use crate::initial;
 use crate::instant::view;
 use crate::recall::Recall;
@@ -55,6 +56,8 @@ pub struct Simulation {
     pub state: State,
     /// The forces.
     pub forces: Box<dyn ForceProvider + Send>,
+    /// Forces of a few particles at a time against sums over all pairs.
+    pub force_check: ForceCheck,
     /// The tail correction, if the scene has one.
     pub tail: Option<TailCorrection>,
     /// Random streams of the scene's seed.
@@ -272,24 +275,29 @@ impl Simulation {
     }
 
     /// Looks for signs of a run gone wrong.
-    fn watch(&self) -> Result<(), crate::EngineError> {
+    fn watch(&mut self) -> Result<(), crate::EngineError> {
         let stage = self.stage_run();
+        let (step, dt) = (self.state.step, stage.dt);
+        let at_end = stage.steps_done == self.current_stage().steps;
         if let Some(energy) = self.conserved_energy_per_particle() {
             watchdog::check_energy(stage.start_energy, energy).map_err(|s| self.diagnosed(s))?;
-        } else if !self.state.step.is_multiple_of(watchdog::EVERY) {
+        } else if !step.is_multiple_of(watchdog::EVERY) && !at_end {
             return Ok(());
         }
-        if self.state.step.is_multiple_of(watchdog::LISTS_EVERY) {
-            return self.watch_closely();
+        if step.is_multiple_of(watchdog::LISTS_EVERY) || at_end {
+            let seen = self.watch_closely()?;
+            self.force_check.count(seen);
+            return Ok(());
         }
-        watchdog::check_speeds(&self.state, stage.dt).map_err(|s| self.diagnosed(s))
+        watchdog::check_speeds(&self.state, dt).map_err(|s| self.diagnosed(s))
     }
 
-    /// Looks at speeds and lists whatever the step: before a checkpoint and at the end.
-    pub(crate) fn watch_closely(&self) -> Result<(), crate::EngineError> {
-        watchdog::check_lists(self.forces.statistics().late_builds)
-            .map_err(|s| self.diagnosed(s))?;
-        watchdog::check_speeds(&self.state, self.stage_run().dt).map_err(|s| self.diagnosed(s))
+    /// Looks at speeds and at forces of a few particles whatever the step, and counts nothing: what a run counts must not
+    /// depend on where checkpoints are.
+    pub(crate) fn watch_closely(&self) -> Result<Seen, crate::EngineError> {
+        watchdog::check_speeds(&self.state, self.stage_run().dt).map_err(|s| self.diagnosed(s))?;
+        let seen = self.force_check.look(&self.state);
+        seen.map_err(|s| self.diagnosed(s))
     }
 
     /// Moves on to the next stage where the current one is done; `false` at the end of the scene.
@@ -425,6 +433,7 @@ impl Persist for Simulation {
                 .observable
                 .save(&mut to.section(&format!("observer-{i}")));
         }
+        self.force_check.save(&mut to.section("force_check"));
         to.put_u64("measured_steps", &[self.measured_steps]);
         to.put_f64("n_dof", &[self.dynamics.n_dof]);
         if let Some(stage) = &self.stage {
@@ -447,6 +456,7 @@ impl Persist for Simulation {
                 .observable
                 .restore(&from.section(&format!("observer-{i}")))?;
         }
+        self.force_check.restore(&from.section("force_check"))?;
         [self.measured_steps] = from.u64s("measured_steps")?;
         [self.dynamics.n_dof] = from.f64s("n_dof")?;
         let [index, steps_done] = from.u64s("stage")?;

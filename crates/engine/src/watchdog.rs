@@ -2,8 +2,8 @@
 //!
 //! Watching has two parts. The forces refuse numbers that are not finite at every evaluation. The
 //! watchdog looks at the speeds (at every [`EVERY`]th step and wherever something is sampled), on sampled
-//! steps at the conserved energy, and at every [`LISTS_EVERY`]th step at the neighbor lists. A box too small for
-//! its cutoff is refused before the first step, and boxes do not change.
+//! steps at the conserved energy, and at every [`LISTS_EVERY`]th step at forces of a few particles
+//! ([`crate::ForceCheck`]). A box too small for its cutoff is refused before the first step, and boxes do not change.
 
 use lennard_core::{DVec3, ForceError, PeriodicBox, State, StepError, parallel};
 
@@ -13,7 +13,7 @@ use crate::initial::{ClosePair, closest_pair};
 /// cross more than a few σ unseen, and the look costs far below 1 % of the steps between.
 pub const EVERY: u64 = 20;
 
-/// Steps between two looks at the neighbor lists; a multiple of [`EVERY`].
+/// Steps between two looks at forces of a few particles, which show whether a list missed a pair; a multiple of [`EVERY`].
 pub const LISTS_EVERY: u64 = 100;
 
 /// The longest legal move of a particle in one step, σ. Thermal moves are √T·dt ≈ 0.005 σ; a fifth of σ in
@@ -52,10 +52,16 @@ pub enum Symptom {
         /// Energy now.
         to: f64,
     },
-    /// A neighbor list was built later than its skin allows: pairs may have been missed.
-    LateLists {
-        /// How many were.
-        builds: u64,
+    /// The force on a particle is not the sum over all pairs.
+    WrongForce {
+        /// Index of the particle, from 0.
+        particle: usize,
+        /// The force found, ε/σ.
+        found: DVec3,
+        /// The sum over all pairs, ε/σ.
+        wanted: DVec3,
+        /// The largest difference that rounding explains, ε/σ.
+        tolerance: f64,
     },
     /// The method itself gave up (a solver did not converge).
     Method(StepError),
@@ -120,12 +126,23 @@ impl std::fmt::Display for PhysicsFailure {
                 f,
                 "the conserved energy ran from {from:.6} to {to:.6} ε per particle, by more than {LARGEST_ENERGY_CHANGE} ε"
             )?,
-            Symptom::LateLists { builds } => {
-                write!(
-                    f,
-                    "{builds} neighbor lists were built too late, so that pairs may have been missed"
-                )?;
-            }
+            Symptom::WrongForce {
+                particle,
+                found,
+                wanted,
+                tolerance,
+            } => write!(
+                f,
+                "the force on particle {particle} is ({:.6}, {:.6}, {:.6}) ε/σ where all pairs give ({:.6}, {:.6}, {:.6}) ε/σ: \
+                 they differ by {:.2e} ε/σ, and rounding explains {tolerance:.1e} ε/σ",
+                found.x,
+                found.y,
+                found.z,
+                wanted.x,
+                wanted.y,
+                wanted.z,
+                (*found - *wanted).length()
+            )?,
             Symptom::Method(e) => write!(f, "{e}")?,
         }
         if let Some(pair) = self.closest {
@@ -164,8 +181,9 @@ impl PhysicsFailure {
     /// Which of the known causes fits, and what to change.
     #[must_use]
     pub fn likely_cause(&self) -> String {
-        if let Symptom::LateLists { .. } = self.symptom {
-            return "a skin too thin for the speeds: leave out `neighbor.skin`, or make it larger"
+        if let Symptom::WrongForce { .. } = self.symptom {
+            return "a pair inside the cutoff was missed by the list, which is an error of this program: \
+                    `neighbor.mode = \"direct\"` does without lists"
                 .into();
         }
         if self.density > HIGHEST_USUAL_DENSITY {
@@ -271,20 +289,6 @@ pub fn check_energy(from: f64, to: f64) -> Result<(), Symptom> {
         Ok(())
     } else {
         Err(Symptom::EnergyRunAway { from, to })
-    }
-}
-
-/// Fails where neighbor lists were built too late.
-///
-/// # Errors
-/// The symptom.
-pub fn check_lists(late_builds: u64) -> Result<(), Symptom> {
-    if late_builds == 0 {
-        Ok(())
-    } else {
-        Err(Symptom::LateLists {
-            builds: late_builds,
-        })
     }
 }
 
@@ -417,13 +421,6 @@ mod tests {
             dense.contains("ρ = 8.4420") && dense.contains("`system.density`"),
             "{dense}"
         );
-        let late = diagnose(&state(0.0), &cell, at, check_lists(2).unwrap_err());
-        assert!(
-            late.to_string()
-                .contains("2 neighbor lists were built too late"),
-            "{late}"
-        );
-        assert!(late.likely_cause().contains("`neighbor.skin`"), "{late}");
         let later = diagnose(
             &state(3e3),
             &cell,
@@ -438,7 +435,6 @@ mod tests {
             later.likely_cause().contains("try half the dt first"),
             "{later}"
         );
-        assert!(check_lists(0).is_ok());
     }
 
     #[test]

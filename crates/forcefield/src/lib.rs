@@ -3,6 +3,7 @@
 //! A formula is written once, over a number type ([`real::Real`]); each loop compiles it in. The
 //! reference loop stays for ever, and every other one is compared with it.
 
+mod all_pairs;
 mod catalog;
 mod clock;
 mod copies;
@@ -24,6 +25,7 @@ mod terms;
 mod truncation;
 mod underway;
 
+pub use all_pairs::{AllPairs, CheckedForce};
 pub use catalog::{PotentialSpec, TruncationSpec, potentials, truncations};
 pub use error::ForceFieldError;
 pub use form::{Model, model_name};

@@ -177,7 +177,6 @@ impl Listed {
             clock.building(|| self.build(positions))?;
             Ok(self.attempt(form, positions, Use::of(wanted), forces, each))
         })?;
-        self.terms.criterion.used(fitness == Fitness::Fit);
         if fitness == Fitness::Broken {
             return Err(not_finite(positions));
         }
@@ -265,8 +264,7 @@ impl Listed {
             .map(|p| (*p).into())
             .collect();
         to.put_u64("named", &named);
-        let c = &self.terms.criterion;
-        to.put_u64("counters", &[c.builds(), c.late_builds()]);
+        to.put_u64("counters", &[self.terms.criterion.builds()]);
     }
 
     /// Builds the list of the saved run again, from the positions that it was built at, and names what was named since.
@@ -284,9 +282,14 @@ impl Listed {
         } else {
             self.terms.built.clear();
         }
-        let [builds, late] = from.u64s("counters")?;
-        self.terms.criterion.set_counters(builds, late);
-        Ok(())
+        match from.u64("counters")? {
+            // The second is of a version that counted something else besides.
+            [builds] | [builds, _] => {
+                self.terms.criterion.set_builds(*builds);
+                Ok(())
+            }
+            other => Err(from.misfit("counters", format!("{} numbers, wanted 1", other.len()))),
+        }
     }
 
     fn restore_named(&mut self, from: &StateReader<'_>, n: usize) -> Result<(), RestoreError> {

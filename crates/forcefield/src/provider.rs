@@ -256,7 +256,6 @@ impl ForceProvider for PairForces {
         let near = self.split.as_ref().and_then(|s| s.near.as_ref());
         for listed in whole.into_iter().chain(near) {
             statistics.builds += listed.criterion().builds();
-            statistics.late_builds += listed.criterion().late_builds();
             statistics.bytes += listed.bytes();
         }
         match &self.strategy {

@@ -44,7 +44,7 @@ pub struct RunRecord {
     pub wall_s: f64,
     /// How fast it was.
     pub performance: Performance,
-    /// What the neighbor lists did.
+    /// What the neighbor lists did, and what checks of forces against sums over all pairs found.
     pub neighbor: NeighborRecord,
     /// Means with their errors, by name.
     pub averages: BTreeMap<String, AverageRecord>,
@@ -105,15 +105,39 @@ pub struct StageSeconds {
     pub write: f64,
 }
 
-/// What the neighbor lists did.
+/// What the neighbor lists did, and what checks of forces against sums over all pairs found.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct NeighborRecord {
     /// Number of builds.
     pub builds: u64,
-    /// Builds that came later than the skin allows: 0, or the run has failed.
-    pub late_builds: u64,
+    /// How many forces were checked against sums over all pairs.
+    #[serde(default)]
+    pub checked_forces: u64,
+    /// The largest difference among them, in units of what rounding explains: at most 1, or the run has failed; `null` where
+    /// none was checked.
+    #[serde(default)]
+    pub largest_deviation: Option<f64>,
     /// Skin in σ; `null` for a direct sum.
     pub skin: Option<f64>,
+}
+
+impl NeighborRecord {
+    /// What checks of forces found, in words.
+    #[must_use]
+    pub fn forces_checked(&self) -> String {
+        self.largest_deviation.map_or_else(
+            || "no force was checked".to_owned(),
+            |largest| {
+                let percent = 100.0 * largest;
+                // A hundredth of a per cent tells double from mixed precision; more places say nothing.
+                let places = if percent < 1.0 { 2 } else { 0 };
+                format!(
+                    "forces of {} particles checked against all pairs, largest deviation {percent:.places$} % of the tolerance",
+                    self.checked_forces
+                )
+            },
+        )
+    }
 }
 
 /// A mean with what is known of its error.

@@ -51,17 +51,12 @@ pub enum Verdict {
 /// half the skin have come closer by at most the skin. Beyond, a pair can be missing only of two of which one moved by
 /// more than half the skin toward the other; while such particles are few and none moved by more than a whole skin
 /// (of very many, one and a half), it is looked for ahead of them, and named where the list can take it in.
-///
-/// A build is *late* if the list that it replaces was used at an evaluation for which a pair may have been missed. With
-/// the check before every use that cannot happen; the counter is the proof, and catches a caller that checks more rarely.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Criterion {
     skin: f64,
     /// Largest 4·|x − x⁰|² that is allowed, rounded down.
     limit: f64,
-    used_while_invalid: bool,
     builds: u64,
-    late_builds: u64,
 }
 
 impl Criterion {
@@ -72,9 +67,7 @@ impl Criterion {
             skin,
             // Rounding of |x − x⁰|² and skin² may each err by a few last bits: keep clear of them.
             limit: skin * skin * (1.0 - 8.0 * f64::EPSILON),
-            used_while_invalid: false,
             builds: 0,
-            late_builds: 0,
         }
     }
 
@@ -107,15 +100,9 @@ impl Criterion {
         }
     }
 
-    /// Records that the list was used, and whether it was known to be valid there.
-    pub fn used(&mut self, valid: bool) {
-        self.used_while_invalid |= !valid;
-    }
-
     /// Records that a list was built.
     pub fn built(&mut self) {
         self.builds += 1;
-        self.late_builds += u64::from(std::mem::take(&mut self.used_while_invalid));
     }
 
     /// Builds so far.
@@ -124,16 +111,9 @@ impl Criterion {
         self.builds
     }
 
-    /// Late builds so far.
-    #[must_use]
-    pub fn late_builds(&self) -> u64 {
-        self.late_builds
-    }
-
-    /// Sets the counters, as a restart does.
-    pub fn set_counters(&mut self, builds: u64, late_builds: u64) {
+    /// Sets the number of builds, as a restart does.
+    pub fn set_builds(&mut self, builds: u64) {
         self.builds = builds;
-        self.late_builds = late_builds;
     }
 }
 
@@ -158,38 +138,5 @@ mod tests {
         assert_eq!(check(f64::NAN, 1), Verdict::Build);
         assert_eq!(Criterion::new(0.0).check(0.0, 0, 128), Verdict::Valid);
         assert_eq!(Criterion::new(0.0).check(1e-300, 1, 128), Verdict::Build);
-    }
-
-    #[test]
-    fn a_caller_that_checks_before_each_use_is_never_late() {
-        let mut criterion = Criterion::new(0.3);
-        let mut moved = 0.0_f64;
-        for _ in 0..100 {
-            moved += 0.02;
-            if criterion.check(moved * moved, 1, 100) != Verdict::Valid {
-                criterion.built();
-                moved = 0.0;
-            }
-            criterion.used(criterion.check(moved * moved, 1, 100) == Verdict::Valid);
-        }
-        assert!(criterion.builds() > 10);
-        assert_eq!(criterion.late_builds(), 0);
-    }
-
-    #[test]
-    fn a_caller_that_checks_every_tenth_time_is_found_out() {
-        let mut criterion = Criterion::new(0.3);
-        let mut moved = 0.0_f64;
-        for evaluation in 0..100 {
-            moved += 0.02;
-            if evaluation % 10 == 9 && criterion.check(moved * moved, 1, 100) != Verdict::Valid {
-                criterion.built();
-                moved = 0.0;
-            }
-            criterion.used(criterion.check(moved * moved, 1, 100) == Verdict::Valid);
-        }
-        // Half the skin is passed at the eighth move of ten.
-        assert_eq!(criterion.late_builds(), criterion.builds());
-        assert_eq!(criterion.builds(), 10);
     }
 }

@@ -44,7 +44,8 @@ pub fn tune(args: &TuneArgs) -> Result<ExitCode, Failure> {
             &tuning.judged(),
             &lennard_io::cpu_name(),
         );
-        lennard_io::write_text_atomically(lock, &text)?;
+        let remarks = tuning.speed.remarks.iter().map(|r| format!("# {r}.\n"));
+        lennard_io::write_text_atomically(lock, &(remarks.collect::<String>() + &text))?;
     }
     if args.scene.json {
         print_json(&tuning)?;

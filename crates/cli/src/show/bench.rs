@@ -34,6 +34,9 @@ pub fn bench(study: &BenchStudy, folder: &Path) {
     if let Some(found) = &study.features {
         features(found);
     }
+    for doubt in study.doubts() {
+        println!("  (?) {doubt}");
+    }
     println!("  page: {}", folder.join("report.html").display());
 }
 
@@ -57,7 +60,7 @@ fn kernels(study: &BenchStudy) {
         t.add_row([
             format!("{} {}", k.isa, k.precision),
             k.threads.to_string(),
-            k.speed.with_range(),
+            k.marked_speed(),
             significant(k.step_ns.median, 3),
             k.processor_ns
                 .map_or("–".into(), |s| significant(s.median, 3)),
@@ -66,7 +69,7 @@ fn kernels(study: &BenchStudy) {
             k.build_ns.map_or("–".into(), |s| significant(s.lowest, 3)),
             percent(k.list_share.median),
             significant(k.lanes_per_pair, 3),
-            k.limit_share.map_or("–".into(), percent),
+            k.marked_limit_share(),
             format!("{:.0}", k.bytes_per_atom),
         ]);
     }

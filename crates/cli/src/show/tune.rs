@@ -70,6 +70,9 @@ pub fn tuning(tuning: &Tuning) {
     }
     add("safest", &tuning.safest_cost);
     println!("\n{costs}");
+    for remark in &tuning.speed.remarks {
+        println!("  {remark}");
+    }
     if let Some([u, p]) = &tuning.usual_errors {
         println!(
             "  errors of r_cut 2.5, dt 0.004 in double, predicted: U {}, P {}",

@@ -337,7 +337,14 @@ fn called_singly(
             aside.velocities.clone_from(&simulation.state.velocities);
         }
         let copy = clock.on_processor() / f64::from(CALLS);
-        let a_step = look / watchdog::EVERY as f64 + copy / SET_ASIDE_EVERY as f64;
+        let clock = Clock::start();
+        for _ in 0..CALLS {
+            let _ = simulation.force_check.look(&simulation.state);
+        }
+        let check = clock.on_processor() / f64::from(CALLS);
+        let a_step = look / watchdog::EVERY as f64
+            + copy / SET_ASIDE_EVERY as f64
+            + check / watchdog::LISTS_EVERY as f64;
         watching.push(a_step / step);
         // To the disk and back: here the clock on the wall counts.
         let clock = Clock::start();
@@ -348,8 +355,9 @@ fn called_singly(
         saving.push(clock.wall() / CHECKPOINTS_EVERY);
     }
     let watched = format!(
-        "speeds every {} steps, a state set aside every {SET_ASIDE_EVERY}",
-        watchdog::EVERY
+        "speeds every {} steps, forces of one or two particles every {}, a state set aside every {SET_ASIDE_EVERY}",
+        watchdog::EVERY,
+        watchdog::LISTS_EVERY
     );
     let saved = Spread::of(saving);
     let saved_how = format!(

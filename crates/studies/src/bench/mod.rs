@@ -6,6 +6,7 @@
 
 mod blocks;
 mod clock;
+mod doubts;
 mod features;
 mod figures;
 mod page;
@@ -20,6 +21,7 @@ use lennard_io::{write_json_atomically, write_text_atomically};
 use lennard_scene::{Scene, SceneError};
 use serde::Serialize;
 
+pub use doubts::Doubt;
 pub use features::{Feature, FeatureStudy};
 pub use skins::{SkinPoint, SkinStudy};
 pub use spread::Spread;
@@ -146,6 +148,23 @@ pub struct BenchStudy {
     pub skin: Option<SkinStudy>,
     /// What features cost, where that was asked for.
     pub features: Option<FeatureStudy>,
+}
+
+impl BenchStudy {
+    /// What speaks against the figures, in sentences; empty where nothing does.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        let scattered = [Doubt::Scattered];
+        let of_skins = self.skin.iter().flat_map(|skin| &skin.points);
+        let of_features = self.features.iter().flat_map(|f| [&f.bare_ns, &f.off_ns]);
+        let others = of_skins
+            .map(|point| &point.step_ns)
+            .chain(of_features)
+            .filter(|spread| spread.is_scattered())
+            .map(|_| scattered.as_slice());
+        let of_kernels = self.kernels.iter().map(|k| k.doubts.as_slice());
+        doubts::sentences(of_kernels.chain(others))
+    }
 }
 
 /// Whether everything that is asked for can run here; nothing is measured.

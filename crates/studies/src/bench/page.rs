@@ -52,7 +52,6 @@ pub(super) fn csv(study: &BenchStudy) -> Vec<TextTable> {
                 "share of limit",
                 "bytes per atom",
                 "skin [σ]",
-                "late builds",
             ],
         );
         for k in &study.kernels {
@@ -75,7 +74,6 @@ pub(super) fn csv(study: &BenchStudy) -> Vec<TextTable> {
                 exact_or_empty(k.limit_share),
                 exact(k.bytes_per_atom),
                 exact(k.skin),
-                k.late_builds.to_string(),
             ];
             table.push(words.into_iter().chain(spreads).chain(rest));
         }
@@ -124,6 +122,12 @@ pub(super) fn page(study: &BenchStudy, figures: Vec<Drawn>) -> Page {
         })
         .collect();
     let mut sections = vec![Section::new("Pictures").with(Block::Figures(figures))];
+    let doubts = study.doubts();
+    if !doubts.is_empty() {
+        let section =
+            Section::new("Doubts").text("Figures with a question mark are to be doubted.");
+        sections.push(section.with(Block::List(doubts)));
+    }
     if !study.kernels.is_empty() {
         sections.push(Section::new("Kernels").with(Block::Table(kernels(study))));
     }
@@ -208,7 +212,7 @@ fn kernels(study: &BenchStudy) -> PageTable {
         vec![
             Cell::text(k.label()),
             Cell::number(k.threads.to_string()),
-            Cell::number(k.speed.with_range()),
+            Cell::number(k.marked_speed()),
             Cell::number(k.step_ns.with_range()),
             Cell::number(k.processor_ns.map_or("–".into(), Spread::with_range)),
             Cell::number(best(k.forces_ns)),
@@ -216,7 +220,7 @@ fn kernels(study: &BenchStudy) -> PageTable {
             Cell::number(k.build_ns.map_or("–".into(), best)),
             Cell::number(percent(k.list_share.median)),
             Cell::number(significant(k.lanes_per_pair, 3)),
-            Cell::number(k.limit_share.map_or("–".into(), percent)),
+            Cell::number(k.marked_limit_share()),
             Cell::number(format!("{:.0}", k.bytes_per_atom)),
         ]
     });

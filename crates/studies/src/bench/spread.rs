@@ -3,7 +3,7 @@
 use lennard_report::significant;
 use serde::Serialize;
 
-use crate::settings::lowest_median_highest;
+use crate::settings::{BUSY, lowest_median_highest};
 
 /// What repeats of one measurement gave.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -49,6 +49,12 @@ impl Spread {
             significant(self.lowest, 3),
             significant(self.highest, 3)
         )
+    }
+
+    /// Whether the range is so wide that the machine was busy.
+    #[must_use]
+    pub fn is_scattered(self) -> bool {
+        self.highest - self.lowest > BUSY * self.median.abs()
     }
 
     /// Half the range.

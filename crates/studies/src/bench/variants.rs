@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::blocks::{Start, take};
 use super::clock::{Clock, tells_processor_time};
+use super::doubts::{self, Doubt};
 use super::{BenchError, BenchOptions, Spread, Subject};
 use crate::Progress;
 use crate::jobs::pool;
@@ -61,8 +62,6 @@ pub struct KernelResult {
     pub list_share: Spread,
     /// Steps for each build.
     pub steps_per_build: Option<f64>,
-    /// Builds that came too late: 0, or the kernel is wrong.
-    pub late_builds: u64,
     /// Skin, σ.
     pub skin: f64,
     /// Lanes computed for each pair that counts, met as often as the loop meets it.
@@ -73,12 +72,37 @@ pub struct KernelResult {
     pub limit_share: Option<f64>,
     /// Bytes an atom in state, lists and private copies.
     pub bytes_per_atom: f64,
+    /// What speaks against these figures; empty where nothing does.
+    pub doubts: Vec<Doubt>,
 }
 
 impl KernelResult {
     /// What its bars are called.
     pub(super) fn label(&self) -> String {
         format!("{} {}", self.isa, self.precision)
+    }
+
+    /// The speed with its range, marked where it is to be doubted.
+    #[must_use]
+    pub fn marked_speed(&self) -> String {
+        let is_doubted = self.doubts.iter().any(|doubt| doubt.is_of_speed());
+        self.speed.with_range() + if is_doubted { " (?)" } else { "" }
+    }
+
+    /// The share of the limit in per cent, marked where it is not possible.
+    #[must_use]
+    pub fn marked_limit_share(&self) -> String {
+        let is_doubted = self.doubts.contains(&Doubt::AboveLimit);
+        self.limit_share.map_or_else(
+            || "–".into(),
+            |share| {
+                format!(
+                    "{:.1} %{}",
+                    100.0 * share,
+                    if is_doubted { " (?)" } else { "" }
+                )
+            },
+        )
     }
 }
 
@@ -161,7 +185,6 @@ struct Block {
     on_processor: f64,
     neighbor: f64,
     builds: u64,
-    late: u64,
     bytes: u64,
     parts: measure::PartTimes,
 }
@@ -183,7 +206,6 @@ fn block(variant: &Variant, start: &Start) -> Result<Block, BenchError> {
             on_processor,
             neighbor: after.neighbor_seconds - before.neighbor_seconds,
             builds: after.builds - before.builds,
-            late: after.late_builds,
             bytes: after.bytes,
             parts,
         })
@@ -257,6 +279,9 @@ fn result(variant: &Variant, blocks: &[Block], start: &Start) -> Result<KernelRe
         .flatten();
     let ideal_ns =
         |limit: f64| 1e9 * MEETINGS * start.pairs_per_atom / (limit * variant.threads as f64);
+    let seconds = spread(&|b| b.seconds);
+    let limit_share = limit.map(|l| ideal_ns(l) / forces_ns.lowest);
+    let builds_per_block = has_list.then(|| builds as f64 / blocks.len() as f64);
     Ok(KernelResult {
         kernel: variant.kernel.into(),
         isa: variant.isa.into(),
@@ -272,12 +297,12 @@ fn result(variant: &Variant, blocks: &[Block], start: &Start) -> Result<KernelRe
         list_share: spread(&|b| b.neighbor / b.seconds),
         steps_per_build: (builds > 0)
             .then(|| (start.steps * blocks.len() as u64) as f64 / builds as f64),
-        late_builds: blocks.iter().map(|b| b.late).sum(),
         skin: variant.skin,
         lanes_per_pair: work.lanes as f64 / (meetings * work.pairs.max(1) as f64),
         limit,
-        limit_share: limit.map(|l| ideal_ns(l) / forces_ns.lowest),
+        limit_share,
         bytes_per_atom: STATE_BYTES + blocks[0].bytes as f64 / n,
+        doubts: doubts::doubts(seconds, builds_per_block, limit_share),
     })
 }
 

@@ -120,7 +120,9 @@ pub(super) fn all(
         plan,
     };
     chart.panels = panels::panels(&bench, &chart)?;
-    progress.update("done", 1.0);
+    if finished {
+        progress.update("done", 1.0);
+    }
     Ok(chart)
 }
 

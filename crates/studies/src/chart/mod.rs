@@ -10,12 +10,13 @@ mod page;
 mod panels;
 mod peers;
 mod point;
+mod standings;
 mod store;
 mod tables;
 
-pub use page::{Standing, standings};
 pub use panels::{Axis, Mark, Panel, panels};
 pub use point::{ChartedPoint, Errors, Outcome};
+pub use standings::{Advice, Done, NOT_RESOLVED, Standing, basis, done, standings};
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;

@@ -6,6 +6,7 @@ use lennard_report::{
 
 use super::panels::{Axis, Mark, Panel};
 use super::point::Outcome;
+use super::standings::{Advice, NOT_RESOLVED, basis, done, standings};
 use super::{Chart, figures, tables};
 use crate::StudyError;
 use crate::files::Captioned;
@@ -69,7 +70,10 @@ pub(super) fn page(chart: &Chart, drawn: &[Captioned], command: &str) -> Result<
     if !chart.finished {
         page.sections[0].blocks.insert(
             0,
-            Block::Remark("The chart was stopped before its end; the same command goes on.".into()),
+            Block::Remark(format!(
+                "The chart was stopped before its end: {}. The same command goes on.",
+                done(chart).in_words()
+            )),
         );
     }
     for (title, names) in SECTIONS {
@@ -153,50 +157,6 @@ fn front(chart: &Chart, panel: &Panel) -> PageTable {
     }
 }
 
-/// The scene's own settings in each panel, and the cheapest that err no more.
-pub struct Standing<'a> {
-    /// The panel.
-    pub panel: &'a Panel,
-    /// The mark of the scene's own settings.
-    pub own: &'a Mark,
-    /// The cheapest by wall time whose error is no larger, or is below the floor as theirs is.
-    pub cheapest: &'a Mark,
-}
-
-/// Where the scene's own settings stand.
-#[must_use]
-pub fn standings(chart: &Chart) -> Vec<Standing<'_>> {
-    chart
-        .panels
-        .iter()
-        .filter_map(|panel| {
-            let own = panel.marks.iter().find(|m| m.number == 1)?;
-            let floor = panel.floor.unwrap_or(0.0);
-            let allowed = own.error?.abs().max(floor);
-            // What is cheaper by less than the own timings scatter is not cheaper.
-            let own_low = own.wall_range.map_or(own.wall, |r| r.0);
-            let cheapest = panel
-                .marks
-                .iter()
-                .filter(|m| m.error.is_some_and(|e| e.abs().max(floor) <= allowed))
-                .filter(|m| {
-                    chart
-                        .points
-                        .iter()
-                        .any(|p| p.number == m.number && p.engine.is_none())
-                })
-                .min_by(|a, b| a.wall.total_cmp(&b.wall))
-                .filter(|m| m.wall < own_low)
-                .unwrap_or(own);
-            Some(Standing {
-                panel,
-                own,
-                cheapest,
-            })
-        })
-        .collect()
-}
-
 fn summary(chart: &Chart) -> Section {
     let mut section = Section::new("The scene's own settings");
     let Some(own) = chart.points.first() else {
@@ -226,28 +186,37 @@ fn summary(chart: &Chart) -> Section {
             m.temperature.n_effective,
         ));
     }
-    let rows = standings(chart)
+    let rows: Vec<Vec<Cell>> = standings(chart)
         .into_iter()
         .map(|s| {
-            let same = s.cheapest.number == s.own.number;
+            let (number, label, cost) = match s.advice {
+                Advice::Cheaper(mark) => (
+                    mark.number.to_string(),
+                    tables::label(chart, mark.number),
+                    significant(mark.wall / s.own.wall, 2),
+                ),
+                Advice::NotResolved => ("–".into(), NOT_RESOLVED.to_owned(), "–".into()),
+                Advice::Itself => (s.own.number.to_string(), "itself".into(), "1".into()),
+            };
             vec![
                 Cell::text(s.panel.title),
                 error_cell(s.own),
                 Cell::number(s.panel.floor.map_or("–".into(), |f| significant(f, 2))),
-                Cell::number(s.cheapest.number.to_string()),
-                Cell::text(if same {
-                    "itself".into()
-                } else {
-                    tables::label(chart, s.cheapest.number)
-                }),
-                Cell::number(significant(s.cheapest.wall / s.own.wall, 2)),
+                Cell::number(number),
+                Cell::text(label),
+                Cell::number(cost),
             ]
         })
         .collect();
+    if rows.is_empty() {
+        return section;
+    }
     section.with(Block::Table(PageTable {
-        caption: "Its error in each diagram, and the cheapest settings whose error there is no larger, or below the floor as its own is. \
-                  The last column is their wall time over that of the scene. Each row looks at one error alone."
-            .into(),
+        caption: format!(
+            "Its error in each diagram, and the cheapest settings whose error there is no larger. The last column is their wall time over that \
+             of the scene. Each row looks at one error alone. {}",
+            basis(chart)
+        ),
         command: None,
         header: ["Error of", "Own", "Floor", "No.", "Cheapest no worse", "Cost"]
             .map(str::to_owned)

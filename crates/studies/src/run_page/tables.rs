@@ -204,12 +204,12 @@ pub(super) fn performance(record: &RunRecord) -> PageTable {
     ]);
     PageTable {
         caption: format!(
-            "Wall time by kind of work: {} steps of {} particles, {} ns a particle and step; {} list builds, {} of them late.",
+            "Wall time by kind of work: {} steps of {} particles, {} ns a particle and step; {} list builds; {}.",
             record.steps,
             record.atoms,
             significant(record.performance.ns_per_atom_step, 3),
             record.neighbor.builds,
-            record.neighbor.late_builds
+            record.neighbor.forces_checked()
         ),
         command: None,
         header: ["Work", "Seconds", "Share"].map(str::to_owned).to_vec(),

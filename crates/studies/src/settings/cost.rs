@@ -39,6 +39,9 @@ pub struct Timing {
     pub steps: u64,
 }
 
+/// Repeats of one timing whose range is above this share of their median were disturbed: the machine was busy.
+pub const BUSY: f64 = 0.2;
+
 /// Median and range of repeated timings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
@@ -63,6 +66,12 @@ impl Spread {
             high,
             repeats: values.len(),
         })
+    }
+
+    /// The range over the median.
+    #[must_use]
+    pub fn scatter(&self) -> f64 {
+        (self.high - self.low) / self.median
     }
 }
 

@@ -13,7 +13,7 @@ mod motion;
 mod start;
 mod workbench;
 
-pub use cost::{Cost, Spread, Timing, costs, modelled_work};
+pub use cost::{BUSY, Cost, Spread, Timing, costs, modelled_work};
 pub(crate) use cost::{lowest_median_highest, shuffled};
 pub use forces::{ForceErrors, Untruncated};
 pub(crate) use grid::{COMMON_STEPS, CUTOFFS, TRUNCATIONS};

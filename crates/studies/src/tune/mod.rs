@@ -14,6 +14,7 @@ mod predict;
 mod prices;
 mod sample;
 mod search;
+mod speed;
 mod survey;
 mod terms;
 pub mod trial;
@@ -22,6 +23,7 @@ mod verify;
 pub use error::TuneError;
 pub use predict::Prediction;
 pub use search::tune;
+pub use speed::Speed;
 pub use verify::Runs;
 
 use lennard_forcefield::NeighborOptions;
@@ -85,6 +87,8 @@ pub struct Tuning {
     pub safest_cost: Cost,
     /// Cost of the usual r_cut = 2.5 σ and dt = 0.004 τ in double precision, where they fit.
     pub usual_cost: Option<Cost>,
+    /// Whether the chosen settings are faster than the usual ones, as far as these timings tell.
+    pub speed: Speed,
     /// Errors of U and P predicted for the usual settings.
     pub usual_errors: Option<[Value; 2]>,
     /// What the chosen settings measured in the verification.

@@ -104,19 +104,26 @@ fn never_falling(nodes: &mut [(f64, f64)]) {
     }
 }
 
+/// Particles of the fcc lattice that stands for so many: no fewer, up to [`TIMED_UP_TO`], so that whatever cutoff fits the
+/// box of the scene fits that of the timings.
+fn timed_atoms(scene_atoms: usize) -> usize {
+    let wanted = scene_atoms.min(TIMED_UP_TO);
+    (1..)
+        .map(|m: usize| 4 * m.pow(3))
+        .find(|n| *n >= wanted)
+        .unwrap_or(TIMED_UP_TO)
+}
+
 fn bench(sample: &Sample) -> Result<Workbench, TuneError> {
     let density = sample.start.density();
     if sample.scene_atoms <= TIMED_UP_TO && sample.scene_atoms == sample.start.len() {
         return Ok(Workbench::with_start(&sample.own, sample.start.clone()));
     }
-    let m = (sample.scene_atoms.min(TIMED_UP_TO) as f64 / 4.0)
-        .cbrt()
-        .floor()
-        .max(1.0) as usize;
+    let n_atoms = timed_atoms(sample.scene_atoms);
     let mut scene: Scene = sample.own.clone();
     scene.system.start = SceneStart::Lattice {
         lattice: Lattice::Fcc,
-        n_atoms: 4 * m.pow(3),
+        n_atoms,
         geometry: Geometry::Density(density),
         vacuum: 0.0,
     };
@@ -126,7 +133,7 @@ fn bench(sample: &Sample) -> Result<Workbench, TuneError> {
         measure: false,
         ..sample.canonical.stages[0].clone()
     }];
-    let largest = 0.5 * (4.0 * m.pow(3) as f64 / density).cbrt();
+    let largest = 0.5 * (n_atoms as f64 / density).cbrt();
     before.truncation.r_cut = before.truncation.r_cut.min(largest);
     let start = Start::equilibrate(&before)?;
     Ok(Workbench::with_start(&scene, start))
@@ -135,6 +142,24 @@ fn bench(sample: &Sample) -> Result<Workbench, TuneError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_fits_the_box_of_the_scene_fits_that_of_its_timings() {
+        // 125 is 5³, and 108 would make a shorter box.
+        for (of_scene, timed) in [
+            (1, 4),
+            (32, 32),
+            (33, 108),
+            (108, 108),
+            (125, 256),
+            (864, 864),
+        ] {
+            assert_eq!(timed_atoms(of_scene), timed);
+        }
+        for n in [10_975, 10_976, 10_977, 1_000_000] {
+            assert_eq!(timed_atoms(n), TIMED_UP_TO);
+        }
+    }
 
     #[test]
     fn a_disturbed_timing_makes_no_cutoff_dearer_than_a_longer_one() {

@@ -12,6 +12,7 @@ use super::finish::{FINAL_TIMING, fitting, list_and_threads};
 use super::predict::Models;
 use super::prices::Prices;
 use super::sample::Sample;
+use super::speed::{self, Speed};
 use super::survey::Survey;
 use super::verify::{self, Runs};
 use super::{Row, SCHEMA, TuneError, TuneOptions, Tuning};
@@ -102,7 +103,8 @@ pub(super) fn tune_and<T>(
     let (settings, threads) =
         list_and_threads(scene, &prices.bench, &candidate.settings, options.threads)?;
     let usual = if full {
-        base.usual(sample.largest_cutoff)
+        let usual = base.usual(sample.largest_cutoff);
+        usual.filter(|usual| prices.bench.check(usual).is_ok())
     } else {
         None
     };
@@ -126,6 +128,10 @@ pub(super) fn tune_and<T>(
     notes.extend(advice::spending(&rows, relaxed.as_ref(), candidate.price));
     notes.extend(advice::cancelling(&candidate, &accuracy));
     notes.push(advice::beside_equation(&runs));
+    let missed = usual_errors.map(|errors| speed::missed(&accuracy, &errors));
+    let usual_cost = found.get(2).copied();
+    let beside = usual_cost.as_ref().zip(missed.as_deref());
+    let speed = Speed::of(&found[0], &found[1], beside);
     let more = more(&mut models)?;
     progress.update("done", 1.0);
     let tuning = Tuning {
@@ -142,7 +148,8 @@ pub(super) fn tune_and<T>(
         rows,
         cost: found[0],
         safest_cost: found[1],
-        usual_cost: found.get(2).copied(),
+        usual_cost,
+        speed,
         usual_errors,
         runs,
         notes,

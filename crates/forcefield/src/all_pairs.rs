@@ -1,0 +1,145 @@
+//! The force on one particle by all pairs: what the forces of a run are checked by, without a list and without a kernel.
+
+use glam::DVec3;
+use lennard_core::PeriodicBox;
+
+use crate::error::ForceFieldError;
+use crate::form::Model;
+use crate::options::{ForceFieldOptions, Precision, SplitOptions};
+
+/// Rounding of sums and of pair formulas in double precision, as a share of Σ|F_ij|.
+const DOUBLE: f64 = 1e-12;
+/// Last places of the coordinates by which distances in double precision may differ.
+const PLACES: f64 = 4.0;
+/// Rounding of a pair's force in single precision, as a share of it: 6e-8 times a factor of 13 of r⁻¹³.
+const SINGLE: f64 = 2e-6;
+/// How far off a particle may lie from the point that single-precision coordinates are seen from, besides r_cut, σ.
+const FROM_AFAR: f64 = 3.0;
+/// The unit of coordinates in fixed point, as a share of a side of the box.
+const FIXED_POINT_UNIT: f64 = 1.0 / 4_294_967_296.0;
+/// By how much pairs are sought beyond what counts, as a share of r_cut: far more than any rounding.
+const SOUGHT_BEYOND: f64 = 1e-6;
+
+/// The force on a particle, and by how much the force of a kernel may differ.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CheckedForce {
+    /// F_i = Σ_j F_ij over every j with r_ij ≤ r_cut, ε/σ.
+    pub force: DVec3,
+    /// The largest |F − F_i| that rounding explains, ε/σ.
+    pub tolerance: f64,
+}
+
+/// Sums the force on a particle over all others by the reference potential, in double precision, with minimum images.
+///
+/// The tolerance is a bound on rounding: of pair forces and their sum, a share of Σ_j |F_ij|, and of distances,
+/// δ·Σ_j (|U″| + |U′|/r) with δ of some last places of the coordinates. In double precision it is near 1e-12·Σ|F_ij|, in
+/// mixed precision some 1e-5·Σ|F_ij|. A pair nearer to r_cut than δ may count or not, so that |F_ij| adds to it.
+///
+/// One missed pair thus shows where its force is larger. At a plain or shifted cutoff at 2.5 σ that is so for every
+/// pair: it has 0.039 ε/σ. In mixed precision a pair at a cutoff above some 3.5 σ may hide. Where the force vanishes at the
+/// cutoff, a pair hides that is nearer to it than some 1e-8 σ (force-shift) or 1e-5 σ (switch) in double precision, and
+/// some 0.03 σ in mixed.
+#[derive(Debug, Clone)]
+pub struct AllPairs {
+    model: Model,
+    cell: PeriodicBox,
+    precision: Precision,
+    split: Option<SplitOptions>,
+}
+
+impl AllPairs {
+    /// For the forces that the options describe, in this box.
+    ///
+    /// # Errors
+    /// [`ForceFieldError`] where potential and truncation do not go together or are out of range.
+    pub fn new(o: &ForceFieldOptions, cell: PeriodicBox) -> Result<Self, ForceFieldError> {
+        Ok(Self {
+            model: Model::new(&o.potential, &o.truncation)?,
+            cell,
+            precision: o.kernel.precision,
+            split: o.split,
+        })
+    }
+
+    /// The force on `particle` at unwrapped `positions`, σ; O(N).
+    ///
+    /// # Panics
+    /// Where there is no such particle: that is a bug of the caller.
+    #[must_use]
+    pub fn force_on(&self, particle: usize, positions: &[DVec3]) -> CheckedForce {
+        let own = positions[particle];
+        let r_cut = self.model.r_cut;
+        let (relative, seen) = self.rounding();
+        let mut force = DVec3::ZERO;
+        let (mut size, mut shaken) = (0.0, 0.0);
+        for (j, other) in self.within((1.0 + SOUGHT_BEYOND) * r_cut + seen, own, positions) {
+            if j == particle {
+                continue;
+            }
+            let r_ij = self.cell.minimum_image(own - other);
+            let r2 = r_ij.length_squared();
+            let r = r2.sqrt();
+            let pair = self.model.eval(r2);
+            let strength = (pair.force * r).abs();
+            let off = seen + self.places(own, other);
+            if r2 <= r_cut * r_cut {
+                force += pair.force * r_ij;
+                size += strength;
+                let of_split = self.split.map_or(0.0, |s| 4.0 * strength / s.width);
+                shaken += off * (pair.curvature.abs() + pair.force.abs() + of_split);
+            }
+            if (r - r_cut).abs() <= off {
+                shaken += strength;
+            }
+        }
+        // A whole force in two parts is rounded twice.
+        let parts = if self.split.is_some() { 2.0 } else { 1.0 };
+        CheckedForce {
+            force,
+            tolerance: (parts * (relative * size + shaken)).max(f64::MIN_POSITIVE),
+        }
+    }
+
+    /// Rounding of pair forces, as a share of them, and of distances by what the kernel's coordinates are, σ.
+    fn rounding(&self) -> (f64, f64) {
+        match self.precision {
+            Precision::Double => (DOUBLE, 0.0),
+            Precision::Mixed => {
+                let units = 4.0 * FIXED_POINT_UNIT * self.cell.lengths().max_element();
+                let seen = f64::from(f32::EPSILON) * (FROM_AFAR + self.model.r_cut);
+                (SINGLE, 2.0 * seen + units)
+            }
+        }
+    }
+
+    /// Last places of the coordinates of a pair and of the box, σ.
+    fn places(&self, a: DVec3, b: DVec3) -> f64 {
+        let size = a.abs().max_element() + b.abs().max_element();
+        PLACES * f64::EPSILON * (size + self.cell.lengths().max_element())
+    }
+
+    /// The particles within `reach` σ of `own`, and perhaps some a few last places beyond.
+    fn within<'a>(
+        &self,
+        reach: f64,
+        own: DVec3,
+        positions: &'a [DVec3],
+    ) -> impl Iterator<Item = (usize, DVec3)> + use<'a> {
+        let lengths = self.cell.lengths();
+        let per_side = lengths.recip();
+        positions
+            .iter()
+            .enumerate()
+            .filter(move |(_, other)| {
+                let d = own - **other;
+                (d - lengths * nearest_integer(d * per_side)).length_squared() <= reach * reach
+            })
+            .map(|(j, other)| (j, *other))
+    }
+}
+
+/// The nearest integers of numbers below 2⁵¹, by an addition that leaves no place for a fraction: no call for each.
+fn nearest_integer(x: DVec3) -> DVec3 {
+    const NO_FRACTION: DVec3 = DVec3::splat(6_755_399_441_055_744.0);
+    (x + NO_FRACTION) - NO_FRACTION
+}

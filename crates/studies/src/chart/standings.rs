@@ -1,0 +1,355 @@
+//! Where the scene's own settings stand among the others, and what a chart may advise.
+
+use lennard_engine::watchdog::rough_stable_dt;
+use lennard_report::significant;
+
+use super::panels::{Mark, Panel};
+use super::{Chart, ChartedPoint};
+use crate::settings::BUSY;
+
+/// An error that is statistical counts as known to so many standard errors.
+const CERTAIN: f64 = 2.0;
+/// An error of one run, without a standard error and without a floor, counts as smaller from this share of another on.
+const OF_ONE_RUN: f64 = 0.8;
+/// Settings seem cheaper from this share of the median time on.
+const WORTHWHILE: f64 = 0.95;
+/// Advised steps are at most this share of the stability limit.
+const STABLE_SHARE: f64 = 0.5;
+/// Runs of a liquid near its triple point fail from this share of the rough limit on, 0.024 τ for velocity Verlet.
+const LOWEST_LIMIT: f64 = 0.6;
+/// What is said where a chart does not know enough to advise.
+pub const NOT_RESOLVED: &str = "not resolved by this chart";
+
+/// What a panel advises in place of the scene's own settings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Advice<'a> {
+    /// These cost less and err no more, as far as both are known.
+    Cheaper(&'a Mark),
+    /// Some seem to cost less and to err no more, and the chart does not know their errors or costs well enough.
+    NotResolved,
+    /// Nothing costs less and errs no more.
+    Itself,
+}
+
+/// The scene's own settings in a panel.
+pub struct Standing<'a> {
+    /// The panel.
+    pub panel: &'a Panel,
+    /// The mark of the scene's own settings.
+    pub own: &'a Mark,
+    /// What would do as well for less.
+    pub advice: Advice<'a>,
+}
+
+/// How much of a chart is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Done {
+    /// Settings whose errors are measured.
+    pub errors: usize,
+    /// Settings that are timed as often as planned.
+    pub timed: usize,
+    /// All settings.
+    pub of: usize,
+}
+
+impl Done {
+    /// `errors of 3 of 42 settings are measured, 0 are timed`.
+    #[must_use]
+    pub fn in_words(self) -> String {
+        let Self { errors, timed, of } = self;
+        format!("errors of {errors} of {of} settings are measured, {timed} are timed")
+    }
+}
+
+/// How much of a chart is done.
+#[must_use]
+pub fn done(chart: &Chart) -> Done {
+    let count = |is: &dyn Fn(&ChartedPoint) -> bool| chart.points.iter().filter(|p| is(p)).count();
+    Done {
+        errors: count(&|p| p.errors.is_some()),
+        timed: count(&|p| p.is_timed(chart.plan.repeats)),
+        of: chart.points.len(),
+    }
+}
+
+/// On what advice rests, in sentences for a reader.
+#[must_use]
+pub fn basis(chart: &Chart) -> String {
+    let limit = chart.points.first().and_then(|own| {
+        let dt = stability_limit(chart, own)?;
+        Some(format!(
+            " ({} τ for {})",
+            significant(dt, 2),
+            own.settings.integrator.name()
+        ))
+    });
+    let busy = chart.points.first().and_then(|own| {
+        let scatter = own.cost()?.wall.scatter();
+        (scatter > BUSY).then(|| {
+            format!(
+                " Timings of the scene's own settings differ by {:.0} %: the machine was busy, and costs are not known well.",
+                100.0 * scatter
+            )
+        })
+    });
+    format!(
+        "What is advised errs no more by {CERTAIN} standard errors on either side, takes less in every timing, and has a step of at most \
+         {STABLE_SHARE} of the stability limit{}.{}",
+        limit.unwrap_or_default(),
+        busy.unwrap_or_default()
+    )
+}
+
+/// Where the scene's own settings stand in each panel.
+///
+/// Advised are the cheapest by wall time of those
+/// - whose error, with two of its standard errors, is no larger than that of the scene less two of its own (errors
+///   without a standard error: no larger, or below the floor as its own is; without a floor too: smaller by a fifth),
+/// - whose every timing is shorter than every one of the scene's,
+/// - whose step is at most half of the stability limit, or no longer than the scene's by the same method.
+#[must_use]
+pub fn standings(chart: &Chart) -> Vec<Standing<'_>> {
+    chart
+        .panels
+        .iter()
+        .filter_map(|panel| {
+            let own = panel.marks.iter().find(|m| m.number == 1)?;
+            own.error?;
+            let advice = advice(chart, panel, own);
+            Some(Standing { panel, own, advice })
+        })
+        .collect()
+}
+
+fn advice<'a>(chart: &Chart, panel: &'a Panel, own: &Mark) -> Advice<'a> {
+    let floor = panel.floor.unwrap_or(0.0);
+    let size = |m: &Mark| m.error.map(|e| e.abs().max(floor));
+    let own_low = own.wall_range.map_or(own.wall, |r| r.0);
+    let seeming: Vec<&Mark> = panel
+        .marks
+        .iter()
+        .filter(|m| m.number != own.number && m.wall < WORTHWHILE * own.wall)
+        .filter(|m| size(m).is_some_and(|e| size(own).is_some_and(|of_own| e <= of_own)))
+        .filter(|m| may_be_advised(chart, m.number))
+        .collect();
+    let is_known = |m: &&&Mark| {
+        m.wall_range.is_some_and(|(_, high)| high < own_low) && is_no_worse(m, own, floor)
+    };
+    let cheapest = seeming
+        .iter()
+        .filter(is_known)
+        .min_by(|a, b| a.wall.total_cmp(&b.wall));
+    match cheapest {
+        Some(mark) => Advice::Cheaper(mark),
+        None if seeming.is_empty() => Advice::Itself,
+        None => Advice::NotResolved,
+    }
+}
+
+/// Whether the error of a mark is known to be no larger than that of another.
+fn is_no_worse(mark: &Mark, own: &Mark, floor: f64) -> bool {
+    let (Some(error), Some(of_own)) = (mark.error, own.error) else {
+        return false;
+    };
+    match (mark.standard_error, own.standard_error) {
+        (None, None) if floor == 0.0 => error.abs() <= OF_ONE_RUN * of_own.abs(),
+        (None, None) => error.abs().max(floor) <= of_own.abs().max(floor),
+        (mine, theirs) => {
+            let most = error.abs() + CERTAIN * mine.unwrap_or(0.0);
+            most <= of_own.abs() - CERTAIN * theirs.unwrap_or(0.0)
+        }
+    }
+}
+
+/// Whether settings are of this engine, and keep away from the limit of stability.
+fn may_be_advised(chart: &Chart, number: usize) -> bool {
+    let point = chart.points.iter().find(|p| p.number == number);
+    let (Some(point), Some(own)) = (point, chart.points.first()) else {
+        return false;
+    };
+    let same_method = point.settings.integrator == own.settings.integrator;
+    let is_stable = (same_method && point.settings.dt <= own.settings.dt)
+        || stability_limit(chart, point).is_none_or(|dt| point.settings.dt <= STABLE_SHARE * dt);
+    point.engine.is_none() && is_stable
+}
+
+/// The step, τ, from which on a point's method may be unstable here: a cautious one from the closest approach of thermal
+/// pairs, or the shortest at which a run of the chart failed, where that is less. None for a method without a limit whose runs all held.
+#[must_use]
+pub fn stability_limit(chart: &Chart, point: &ChartedPoint) -> Option<f64> {
+    let limit = point.settings.integrator.spec().stability_limit;
+    let rough = limit.map(|limit| LOWEST_LIMIT * rough_stable_dt(chart.slopes.temperature, limit));
+    let failed = chart
+        .points
+        .iter()
+        .filter(|p| p.settings.integrator == point.settings.integrator)
+        .filter(|p| p.errors.is_some() && p.measured().is_none())
+        .map(|p| p.settings.dt);
+    rough.into_iter().chain(failed).reduce(f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Errors, Outcome, Plan};
+    use super::*;
+    use crate::settings::{ForceErrors, Settings, Size, Slopes};
+
+    fn mark(number: usize, wall: f64, error: f64, standard_error: Option<f64>) -> Mark {
+        Mark {
+            number,
+            wall,
+            wall_range: Some((0.98 * wall, 1.02 * wall)),
+            pair_forces: wall,
+            error: Some(error),
+            standard_error,
+            failure: None,
+            on_wall_front: false,
+            on_forces_front: false,
+        }
+    }
+
+    /// A chart of settings with these steps and one panel of these marks.
+    fn chart(steps: &[f64], marks: Vec<Mark>) -> Chart {
+        let text = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 0.722\n[[stage]]\nname = \"s\"\nsteps = 10";
+        let scene = lennard_scene::Scene::parse(text, "s.toml", &[]).unwrap();
+        let points = steps.iter().enumerate().map(|(i, dt)| {
+            let settings = Settings {
+                dt: *dt,
+                ..Settings::of(&scene)
+            };
+            ChartedPoint::new(i + 1, settings)
+        });
+        let panel = Panel {
+            name: "panel",
+            title: "",
+            label: "",
+            about: String::new(),
+            floor: Some(1e-3),
+            floor_words: "",
+            marks,
+        };
+        Chart {
+            schema: "",
+            scene: String::new(),
+            atoms: 108,
+            density: 0.8,
+            finished: true,
+            slopes: Slopes {
+                temperature: 0.722,
+                du_dt: 0.0,
+                dp_dt: 0.0,
+                source: String::new(),
+            },
+            reach: None,
+            left_out_of_forces: None,
+            points: points.collect(),
+            tightest: 0,
+            left_out: Vec::new(),
+            remarks: Vec::new(),
+            panels: vec![panel],
+            plan: Plan {
+                size: Size::Quick,
+                points: steps.len(),
+                time: 1.0,
+                tight_time: 2.0,
+                short_time: 0.1,
+                repeats: 3,
+                timing_seconds: 0.02,
+                threads: 1,
+                cpu: String::new(),
+                version: String::new(),
+            },
+        }
+    }
+
+    fn advised(chart: &Chart) -> Option<usize> {
+        match standings(chart)[0].advice {
+            Advice::Cheaper(mark) => Some(mark.number),
+            Advice::NotResolved => None,
+            Advice::Itself => Some(1),
+        }
+    }
+
+    #[test]
+    fn steps_near_the_limit_of_stability_are_never_advised() {
+        let steps = [0.004, 0.006, 0.0185];
+        let exact = |number, wall| mark(number, wall, 1e-4, None);
+        let mut of_forces = chart(&steps, vec![exact(1, 3.0), exact(2, 2.0), exact(3, 1.0)]);
+        let limit = stability_limit(&of_forces, &of_forces.points[2]).unwrap();
+        assert!((0.022..0.026).contains(&limit), "{limit}");
+        assert_eq!(advised(&of_forces), Some(2));
+        // A run that failed at 0.01 tells more than the rough limit.
+        let failed = || crate::settings::Failed {
+            reason: "it blew up".into(),
+            step: None,
+        };
+        let mut point = ChartedPoint::new(
+            4,
+            Settings {
+                dt: 0.01,
+                ..of_forces.points[0].settings.clone()
+            },
+        );
+        point.errors = Some(Errors {
+            forces: ForceErrors {
+                same_model: 0.0,
+                untruncated: None,
+            },
+            measured: Outcome::Failed(failed()),
+            trajectory: Outcome::Failed(failed()),
+            reversibility: Outcome::Failed(failed()),
+        });
+        of_forces.points.push(point);
+        assert_eq!(advised(&of_forces), Some(1));
+        // A scene beyond the margin is not told to shorten its step, and not to lengthen it.
+        let beyond = [0.0185, 0.0185, 0.02];
+        let chart = chart(&beyond, vec![exact(1, 3.0), exact(2, 2.0), exact(3, 1.0)]);
+        assert_eq!(advised(&chart), Some(2));
+    }
+
+    #[test]
+    fn advice_that_would_come_from_noise_is_not_given() {
+        let steps = [0.004, 0.006, 0.008];
+        let noisy = |number, wall, error| mark(number, wall, error, Some(1e-3));
+        // Of two errors that are both noise, the smaller is no better.
+        let alike = vec![noisy(1, 3.0, 8e-4), noisy(2, 2.0, 2e-4)];
+        assert_eq!(advised(&chart(&steps, alike)), None);
+        let told = vec![
+            noisy(1, 3.0, 9e-3),
+            noisy(2, 2.0, 2e-3),
+            noisy(3, 1.0, 8e-3),
+        ];
+        assert_eq!(advised(&chart(&steps, told)), Some(2));
+        let worse = vec![noisy(1, 3.0, 2e-3), noisy(2, 2.0, 9e-3)];
+        assert_eq!(advised(&chart(&steps, worse)), Some(1));
+        // Timings that overlap do not tell what is cheaper.
+        let mut overlapping = vec![mark(1, 3.0, 1e-4, None), mark(2, 2.5, 1e-4, None)];
+        overlapping[1].wall_range = Some((2.4, 3.1));
+        assert_eq!(advised(&chart(&steps, overlapping.clone())), None);
+        overlapping[1].wall_range = Some((2.4, 2.6));
+        assert_eq!(advised(&chart(&steps, overlapping.clone())), Some(2));
+        overlapping[0].wall_range = Some((2.5, 5.0));
+        assert_eq!(advised(&chart(&steps, overlapping)), None);
+        // What is hardly cheaper is not cheaper.
+        let alike = vec![mark(1, 3.0, 1e-4, None), mark(2, 2.9, 1e-4, None)];
+        assert_eq!(advised(&chart(&steps, alike)), Some(1));
+    }
+
+    #[test]
+    fn what_is_known_to_err_no_more_is_told_from_what_only_seems_to() {
+        let own = mark(1, 2.0, 0.1, Some(0.01));
+        // 0.05 + 2·0.01 is below 0.1 − 2·0.01.
+        assert!(is_no_worse(&mark(2, 1.0, -0.05, Some(0.01)), &own, 0.01));
+        assert!(!is_no_worse(&mark(2, 1.0, 0.05, Some(0.02)), &own, 0.01));
+        // Both below the floor: noise beside noise.
+        let small = mark(1, 2.0, 0.005, Some(0.01));
+        assert!(!is_no_worse(&mark(2, 1.0, 0.001, Some(0.01)), &small, 0.01));
+        // Without a standard error the floor is that of rounding.
+        let exact = mark(1, 2.0, 1e-15, None);
+        assert!(is_no_worse(&mark(2, 1.0, 2e-15, None), &exact, 1e-14));
+        assert!(!is_no_worse(&mark(2, 1.0, 2e-14, None), &exact, 1e-14));
+        // Of one run each, by how much they differ says nothing of how well they are known.
+        assert!(!is_no_worse(&mark(2, 1.0, 0.9e-15, None), &exact, 0.0));
+        assert!(is_no_worse(&mark(2, 1.0, 0.7e-15, None), &exact, 0.0));
+    }
+}
