@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lennard_engine::EngineError;
-use lennard_io::{CheckpointFolder, WriteError};
+use lennard_io::{CheckpointFolder, FolderError, WriteError};
 use lennard_scene::SceneError;
 
 /// Exit code for wrong input.
@@ -61,6 +61,9 @@ impl From<EngineError> for Failure {
         match error {
             EngineError::Scene(e) => Self::new("reading the scene", e, code),
             EngineError::Configuration(e) => Self::new("reading the start configuration", e, code),
+            EngineError::Folder(e @ FolderError::Busy { .. }) => {
+                Self::new("claiming the output folder", e, code)
+            }
             EngineError::Folder(e) => Self::new("making the output folder", e, code),
             EngineError::Write(e) => e.into(),
             EngineError::Resume(e) => Self::new("going on with a run", e, code),

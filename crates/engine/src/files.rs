@@ -20,7 +20,6 @@ use lennard_io::{
     Cell, FileMark, Frame, FrameStyle, RunRecord, TableWriter, TrajectoryWriter, WriteError,
 };
 
-use crate::resume::Claim;
 use crate::{EngineError, Simulation};
 
 /// The scene as resolved.
@@ -50,7 +49,6 @@ pub struct RunFiles {
     thermo: TableWriter,
     trajectory: Option<TrajectoryWriter>,
     style: FrameStyle,
-    _claim: Claim,
 }
 
 /// How far the growing files were at a checkpoint.
@@ -74,16 +72,15 @@ pub(crate) fn style(simulation: &Simulation) -> FrameStyle {
 }
 
 impl RunFiles {
-    /// Starts the files of a fresh run in an existing, empty folder.
+    /// Starts the files of a fresh run in an existing, empty folder that no other process works in.
     ///
     /// # Errors
-    /// [`EngineError`] where a file cannot be written or another process is at work there.
+    /// [`EngineError`] where a file cannot be written.
     pub fn create(folder: &Path, simulation: &Simulation) -> Result<Self, EngineError> {
         remove_half_written(folder);
         write_descriptions(folder, simulation)?;
         let style = style(simulation);
         let thermo = TableWriter::create(&folder.join(THERMO), THERMO_COLUMNS)?;
-        let claim = Claim::on(folder)?;
         let trajectory = simulation
             .scene
             .output
@@ -95,21 +92,18 @@ impl RunFiles {
             thermo,
             trajectory,
             style,
-            _claim: claim,
         })
     }
 
     /// Goes on with the files of an interrupted run, cut back to where its checkpoint was.
     ///
     /// # Errors
-    /// [`EngineError`] where a file is shorter than its mark or cannot be written, or another process is at
-    /// work there.
+    /// [`EngineError`] where a file is shorter than its mark or cannot be written.
     pub fn resume(
         folder: &Path,
         simulation: &Simulation,
         marks: Marks,
     ) -> Result<Self, EngineError> {
-        let claim = Claim::on(folder)?;
         let style = style(simulation);
         let thermo = TableWriter::resume_at(&folder.join(THERMO), THERMO_COLUMNS, marks.thermo)?;
         let trajectory = marks
@@ -121,7 +115,6 @@ impl RunFiles {
             thermo,
             trajectory,
             style,
-            _claim: claim,
         })
     }
 

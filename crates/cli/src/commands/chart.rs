@@ -2,11 +2,12 @@
 
 use std::process::ExitCode;
 
+use lennard_io::Existing;
 use lennard_studies::chart::{self, ChartError, ChartOptions};
 use lennard_studies::settings::Size;
 
 use crate::args::ChartArgs;
-use crate::commands::{load_file, print_json, resumable_folder};
+use crate::commands::{Inputs, load_file, output_folder, print_json};
 use crate::failure::{Failure, INPUT, STOPPED};
 use crate::progress::Display;
 use crate::{show, signals};
@@ -14,12 +15,22 @@ use crate::{show, signals};
 /// Measures what is not measured yet, and prints where the scene's own settings stand.
 pub fn chart(args: &ChartArgs) -> Result<ExitCode, Failure> {
     let stop = signals::stop_flag()?;
-    let (scene, _) = load_file(&args.scene, &args.set, args.lock.as_deref())?;
-    let folder = resumable_folder(args.out.as_deref(), &format!("{}-chart", scene.name))?;
+    let (scene, lock) = load_file(&args.scene, &args.set, args.lock.as_deref())?;
+    if let Some(folder) = &args.out {
+        let lock = lock.as_ref().map(|l| l.path.as_path());
+        let inputs = Inputs::of_scene(&args.scene, lock, &scene);
+        inputs.not_in(folder)?;
+        inputs.not_below(&folder.join(chart::POINTS))?;
+    }
+    let folder = output_folder(
+        args.out.as_deref(),
+        Existing::Keep,
+        &format!("{}-chart", scene.name),
+    )?;
     let processors = lennard_core::parallel::processors();
-    let command = command(args, &folder.display().to_string());
+    let command = command(args, &folder.path().display().to_string());
     let options = ChartOptions {
-        folder: &folder,
+        folder: folder.path(),
         size: match (args.quick, args.full) {
             (true, _) => Size::Quick,
             (false, true) => Size::Full,
@@ -38,7 +49,7 @@ pub fn chart(args: &ChartArgs) -> Result<ExitCode, Failure> {
     if args.json {
         print_json(&found)?;
     } else if !args.quiet {
-        show::chart(&found, &folder);
+        show::chart(&found, folder.path());
     }
     if !found.finished {
         eprintln!("stopped on request; finished points are kept\n  to go on: {command}");

@@ -3,11 +3,12 @@
 use std::process::ExitCode;
 use std::time::Instant;
 
-use lennard_engine::{ResumeOptions, RunOptions};
+use lennard_engine::{EngineError, ResumeError, ResumeOptions, RunOptions};
+use lennard_io::Existing;
 
 use crate::args::ResumeArgs;
 use crate::commands::run::tell;
-use crate::commands::{on_threads, threads, write_report};
+use crate::commands::{on_threads, output_folder, threads, write_report};
 use crate::failure::Failure;
 use crate::progress::Display;
 use crate::{show, signals};
@@ -21,6 +22,11 @@ pub fn resume(args: &ResumeArgs) -> Result<ExitCode, Failure> {
         isa: args.isa.clone(),
         older: args.older,
     };
+    if !args.folder.is_dir() {
+        return Err(EngineError::from(ResumeError::NoRun(args.folder.clone())).into());
+    }
+    // Claimed before it is read: what another process writes there would change in between.
+    let folder = output_folder(Some(&args.folder), Existing::Keep, "")?;
     let mut resumed = lennard_engine::resume(&args.folder, &options)?;
     let quiet = args.control.quiet || args.json;
     let simulation = &resumed.simulation;
@@ -39,7 +45,7 @@ pub fn resume(args: &ResumeArgs) -> Result<ExitCode, Failure> {
     let mut display = Display::new(args.control.quiet);
     let outcome = on_threads(threads, || {
         let options = RunOptions {
-            folder: &args.folder,
+            folder: &folder,
             threads,
             stop: &stop,
             deadline,

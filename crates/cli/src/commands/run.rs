@@ -8,7 +8,7 @@ use lennard_engine::{Ending, Outcome, RunOptions};
 
 use crate::args::RunArgs;
 use crate::commands::{
-    load_locked, on_threads, output_folder, print_json, threads_with, write_report,
+    load_locked, on_threads, output_folder, print_json, replace_if, threads_with, write_report,
 };
 use crate::failure::Failure;
 use crate::progress::Display;
@@ -23,12 +23,19 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let stop = signals::stop_flag()?;
     let (scene, lock) = load_locked(&args.scene)?;
     let quiet = args.control.quiet || args.scene.json;
+    if let Some(folder) = &args.out {
+        args.scene.inputs(&scene, lock.as_ref()).not_in(folder)?;
+    }
     // Everything that can be wrong with the scene shows before anything is written.
     let mut simulation = lennard_engine::prepare(scene)?;
     let threads = threads_with(args.scene.threads, lock.as_ref(), simulation.state.len());
-    let folder = output_folder(args.out.as_deref(), args.force, &simulation.scene.name)?;
+    let folder = output_folder(
+        args.out.as_deref(),
+        replace_if(args.force),
+        &simulation.scene.name,
+    )?;
     if !quiet {
-        show::header(&simulation, threads, &folder);
+        show::header(&simulation, threads, folder.path());
         if let Some(lock) = &lock {
             println!("  settings from {}", lock.path.display());
         }
@@ -42,13 +49,13 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
             deadline,
             progress: &mut display,
         };
-        lennard_engine::run(&mut simulation, options).map_err(|e| Failure::of_run(e, &folder))
+        lennard_engine::run(&mut simulation, options).map_err(|e| Failure::of_run(e, folder.path()))
     })?;
     drop(display);
-    write_report(&outcome, &folder, &args.control)?;
+    write_report(&outcome, folder.path(), &args.control)?;
     tell(
         &outcome,
-        &folder,
+        folder.path(),
         simulation.scene.total_steps(),
         args.scene.json,
         quiet,

@@ -1,11 +1,14 @@
 //! `lennard sweep`: many state points from one file.
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use lennard_studies::sweep::{self, Ending, SweepError, SweepOptions};
+use lennard_io::Existing;
+use lennard_scene::Start;
+use lennard_studies::sweep::{self, Ending, Sweep, SweepError, SweepOptions};
 
 use crate::args::SweepArgs;
-use crate::commands::{print_json, resumable_folder};
+use crate::commands::{Inputs, output_folder, print_json};
 use crate::failure::{Failure, INPUT, OTHER, STOPPED};
 use crate::progress::Display;
 use crate::{show, signals};
@@ -17,8 +20,11 @@ const PHYSICS: u8 = 3;
 pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let stop = signals::stop_flag()?;
     let sweep = sweep::load(&args.sweep, &args.set)?;
+    if let Some(folder) = &args.out {
+        keep_inputs(&args.sweep, &sweep, folder)?;
+    }
     // What an earlier sweep has left there is looked at point by point.
-    let folder = resumable_folder(args.out.as_deref(), &sweep.name)?;
+    let folder = output_folder(args.out.as_deref(), Existing::Keep, &sweep.name)?;
     let threads = args
         .threads
         .map_or_else(lennard_core::parallel::processors, usize::from);
@@ -26,17 +32,17 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let again = format!(
         "lennard sweep {} --out {}",
         args.sweep.display(),
-        folder.display()
+        folder.path().display()
     );
     let command = args.set.iter().fold(again, |line, (key, value)| {
         format!("{line} --set {key}={value}")
     });
     if !quiet {
-        show::sweep_header(&sweep, threads, &folder);
+        show::sweep_header(&sweep, threads, folder.path());
     }
     let mut display = Display::of_study(args.quiet);
     let options = SweepOptions {
-        folder: &folder,
+        folder: folder.path(),
         threads,
         replace: args.force,
         reports: !args.no_report,
@@ -48,7 +54,7 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     if args.json {
         print_json(&record)?;
     } else if !args.quiet {
-        show::sweep(&record, &folder);
+        show::sweep(&record, folder.path());
     }
     match record.ending {
         Ending::Finished => Ok(ExitCode::SUCCESS),
@@ -69,6 +75,28 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
             Ok(ExitCode::from(STOPPED))
         }
     }
+}
+
+/// Refuses an output folder where a file that the sweep reads would be replaced or removed.
+fn keep_inputs(file: &Path, sweep: &Sweep, folder: &Path) -> Result<(), Failure> {
+    let configurations = sweep
+        .points
+        .iter()
+        .filter_map(|point| match &point.scene.system.start {
+            Start::Configuration { path, .. } => Some(path.clone()),
+            Start::Lattice { .. } => None,
+        });
+    let mut inputs: Vec<PathBuf> = configurations.collect();
+    inputs.dedup();
+    inputs.extend([file.to_path_buf(), sweep.base.clone()]);
+    let inputs = Inputs::of(inputs);
+    for name in sweep::FILES {
+        inputs.are_not(&folder.join(name))?;
+    }
+    for point in &sweep.points {
+        inputs.not_in(&folder.join(&point.name))?;
+    }
+    Ok(())
 }
 
 impl From<SweepError> for Failure {

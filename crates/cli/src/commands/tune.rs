@@ -7,7 +7,7 @@ use lennard_scene::{Chosen, Lock, Scene};
 use lennard_studies::tune::{self, TuneError, TuneOptions};
 
 use crate::args::TuneArgs;
-use crate::commands::{on_threads, print_json};
+use crate::commands::{Inputs, on_threads, print_json};
 use crate::failure::{Failure, INPUT, OTHER};
 use crate::progress::Display;
 use crate::show;
@@ -27,6 +27,7 @@ pub fn tune(args: &TuneArgs) -> Result<ExitCode, Failure> {
     };
     if let Some(lock) = &lock {
         can_be_written(lock)?;
+        Inputs::of_scene(path, None, &scene).are_not(lock)?;
     }
     let available = lennard_core::parallel::processors();
     let threads = args.scene.threads.map_or(available, usize::from);

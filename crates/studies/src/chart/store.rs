@@ -10,7 +10,7 @@ use super::{ChartError, ChartedPoint, Plan};
 use crate::kept::{SCENE_FILE, same_scene};
 
 /// Folder of the stored points.
-const POINTS: &str = "points";
+pub const POINTS: &str = "points";
 /// The plan that they belong to.
 const PLAN_FILE: &str = "plan.toml";
 
@@ -46,7 +46,7 @@ impl Store {
     }
 
     fn is_empty(&self) -> bool {
-        std::fs::read_dir(&self.folder).is_ok_and(|mut entries| entries.next().is_none())
+        lennard_io::is_empty_folder(&self.folder)
     }
 
     /// Removes what a chart has stored, and nothing else.

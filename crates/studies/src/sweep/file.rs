@@ -138,6 +138,7 @@ pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Sweep, SweepE
     let points = points::expand(path, &base, &common, &file.point, file.grid.as_ref())?;
     Ok(Sweep {
         name: file.name.unwrap_or(stem),
+        base,
         points,
     })
 }

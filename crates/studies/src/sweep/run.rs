@@ -1,12 +1,12 @@
 //! Running the points of a sweep side by side, and going on where an earlier sweep stopped.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::Duration;
 
 use lennard_engine::{EngineError, ResumeOptions, RunOptions};
-use lennard_io::{Existing, RunRecord};
+use lennard_io::{Existing, OutputFolder, RunRecord};
 use serde::Serialize;
 
 use super::threads::{threads_of, workers};
@@ -19,12 +19,15 @@ use crate::{Progress, run_page};
 /// Name and version of the schema of [`SweepRecord`].
 const SWEEP_SCHEMA: &str = "lennard-sweep/1";
 
+/// What a sweep writes itself in its folder: record, table and page.
+pub const FILES: [&str; 3] = ["sweep.json", "table.csv", "report.html"];
+
 /// Time between two looks at how far the points are.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
 
 /// How to run a sweep.
 pub struct SweepOptions<'a> {
-    /// The output folder, which exists; a folder for each point is made in it.
+    /// The output folder, held by this process; a folder for each point is made in it.
     pub folder: &'a Path,
     /// Threads for all points together: one for each point at work, and more for large points where there are
     /// fewer points than threads.
@@ -166,10 +169,11 @@ pub fn run(
         .collect(),
         points,
     };
-    lennard_io::write_json_atomically(&options.folder.join("sweep.json"), &record)?;
-    lennard_io::write_text_atomically(&options.folder.join("table.csv"), &page::csv(&record))?;
+    let [json, table, report] = FILES.map(|name| options.folder.join(name));
+    lennard_io::write_json_atomically(&json, &record)?;
+    lennard_io::write_text_atomically(&table, &page::csv(&record))?;
     let html = page::page(&record, &options.command)?.to_html();
-    lennard_io::write_text_atomically(&options.folder.join("report.html"), &html)?;
+    lennard_io::write_text_atomically(&report, &html)?;
     Ok(record)
 }
 
@@ -298,29 +302,41 @@ fn start_or_go_on(
     found: &Found,
     options: &SweepOptions<'_>,
     threads: usize,
-    folder: &PathBuf,
+    folder: &Path,
     done: &AtomicU64,
 ) -> Result<lennard_engine::Ending, EngineError> {
+    let claim =
+        |existing| lennard_io::create_named_folder(folder, existing).map_err(EngineError::Folder);
     let mut counter = Counter {
         done,
         atoms: point.atoms as u64,
     };
-    let mut how = RunOptions {
-        folder,
-        threads,
-        stop: options.stop,
-        deadline: None,
-        progress: &mut counter,
-    };
-    if matches!(found, Found::Begun)
-        && let Ok(mut resumed) = lennard_engine::resume(folder, &ResumeOptions::default())
-    {
-        return Ok(lennard_engine::go_on(&mut resumed, how)?.ending);
+    if matches!(found, Found::Begun) {
+        let held = claim(Existing::Keep)?;
+        if let Ok(mut resumed) = lennard_engine::resume(folder, &ResumeOptions::default()) {
+            let how = how(&held, threads, options.stop, &mut counter);
+            return Ok(lennard_engine::go_on(&mut resumed, how)?.ending);
+        }
     }
     let mut simulation = lennard_engine::prepare(point.scene.clone())?;
-    lennard_io::create_named_folder(folder, Existing::Replace).map_err(EngineError::Folder)?;
-    how.folder = folder;
+    let held = claim(Existing::Replace)?;
+    let how = how(&held, threads, options.stop, &mut counter);
     Ok(lennard_engine::run(&mut simulation, how)?.ending)
+}
+
+fn how<'a>(
+    folder: &'a OutputFolder,
+    threads: usize,
+    stop: &'a AtomicBool,
+    progress: &'a mut dyn lennard_engine::Progress,
+) -> RunOptions<'a> {
+    RunOptions {
+        folder,
+        threads,
+        stop,
+        deadline: None,
+        progress,
+    }
 }
 
 fn conclude(point: &Point, outcome: Result<Ran, String>, folder: &Path) -> SweptPoint {
