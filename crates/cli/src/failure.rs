@@ -11,7 +11,7 @@ pub const INPUT: u8 = 2;
 /// Exit code for anything that is neither input nor physics.
 pub const OTHER: u8 = 1;
 
-/// Exit code of a study that was asked to stop; the same command goes on.
+/// Exit code of work that was asked to stop and can go on.
 pub const STOPPED: u8 = 4;
 
 /// A message for standard error and an exit code.

@@ -17,7 +17,8 @@ use std::path::{Path, PathBuf};
 
 use lennard_core::{Energetics, PeriodicBox, State, Table};
 use lennard_io::{
-    Cell, FileMark, Frame, FrameStyle, RunRecord, TableWriter, TrajectoryWriter, WriteError,
+    Cell, FileMark, Frame, FrameStyle, OutputFolder, RunRecord, TableWriter, TrajectoryWriter,
+    WriteError,
 };
 
 use crate::{EngineError, Simulation};
@@ -28,6 +29,8 @@ pub(crate) const SCENE: &str = "scene.toml";
 pub(crate) const THERMO: &str = "thermo.csv";
 /// Frames.
 pub(crate) const TRAJECTORY: &str = "trajectory.xyz";
+/// The run record.
+const RECORD: &str = "run.json";
 /// Names and box for mdtraj.
 const TOPOLOGY: &str = "topology.gro";
 
@@ -273,7 +276,18 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where it cannot be written.
     pub fn write_record(&self, record: &RunRecord) -> Result<(), WriteError> {
-        lennard_io::write_json_atomically(&self.folder.join("run.json"), record)
+        lennard_io::write_json_atomically(&self.folder.join(RECORD), record)
+    }
+}
+
+/// Removes the first files of a run of which no step can be kept, where nothing else was in the folder.
+pub fn discard(folder: &OutputFolder) {
+    if folder.was_empty() {
+        remove_half_written(folder.path());
+        for name in [RECORD, SCENE, THERMO, TRAJECTORY, TOPOLOGY] {
+            // One that is not there need not be removed, and the rest is seen to have no step.
+            let _ = std::fs::remove_file(folder.path().join(name));
+        }
     }
 }
 

@@ -25,7 +25,7 @@ pub use checkpointing::{Past, capture};
 pub use compare::{Comparison, finite_size, model_kind, with_equation_of_state};
 pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
 pub use error::EngineError;
-pub use files::{Marks, RunFiles};
+pub use files::{Marks, RunFiles, discard};
 pub use plan::{Plan, PlanItem, plan};
 pub use resume::{ResumeError, ResumeOptions, Resumed, resume};
 pub use run::{Ending, Outcome, Progress, RunOptions, SET_ASIDE_EVERY, go_on, run};

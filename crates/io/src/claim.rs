@@ -59,13 +59,20 @@ impl Claim {
     }
 }
 
-impl Drop for Claim {
-    fn drop(&mut self) {
+impl Claim {
+    /// Removes the claim file; the lock lasts until the value is dropped or the process ends.
+    pub(crate) fn remove(&self) {
         // The folder may have been moved away, and another process may hold what has its name now.
         if is_still(&self.file, &self.path) {
             // A leftover does no harm: it is hidden, and claims nothing once this process has ended.
             let _ = fs::remove_file(&self.path);
         }
+    }
+}
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        self.remove();
     }
 }
 

@@ -81,8 +81,9 @@ pub struct OutputFolder {
     path: PathBuf,
     /// Folders that were made on the way, the innermost first.
     made: Vec<PathBuf>,
-    /// Absent once it is let go.
-    claim: Option<Claim>,
+    claim: Claim,
+    /// Whether it held nothing when this process began there.
+    was_empty: bool,
 }
 
 impl OutputFolder {
@@ -90,6 +91,19 @@ impl OutputFolder {
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Whether it held nothing when this process began there: all that is in it is of this process then.
+    #[must_use]
+    pub fn was_empty(&self) -> bool {
+        self.was_empty
+    }
+
+    /// Removes the claim, and the folders that were made for it as far as they are empty: for a process that is about
+    /// to end. Dropping the value does the same.
+    pub fn leave(&self) {
+        self.claim.remove();
+        remove_empty(&self.made);
     }
 
     /// Makes the folder where it is not there, and claims it before anything else is done there.
@@ -106,7 +120,8 @@ impl OutputFolder {
                     return Ok(Self {
                         path: path.to_path_buf(),
                         made,
-                        claim: Some(claim),
+                        claim,
+                        was_empty: is_empty_folder(path),
                     });
                 }
                 Err(Unclaimed::Busy(process)) => {
@@ -129,8 +144,7 @@ impl OutputFolder {
 
 impl Drop for OutputFolder {
     fn drop(&mut self) {
-        drop(self.claim.take());
-        remove_empty(&self.made);
+        self.leave();
     }
 }
 
@@ -222,7 +236,7 @@ pub fn create_named_folder(path: &Path, existing: Existing) -> Result<OutputFold
     let exists = || FolderError::Exists {
         path: path.to_path_buf(),
     };
-    let folder = OutputFolder::claimed(path).map_err(|error| match error {
+    let mut folder = OutputFolder::claimed(path).map_err(|error| match error {
         // A folder that may not be written to is refused for what it holds.
         FolderError::Io { .. } if refuse && content(path).is_ok_and(|files| !files.is_empty()) => {
             exists()
@@ -246,6 +260,7 @@ pub fn create_named_folder(path: &Path, existing: Existing) -> Result<OutputFold
                 fs::remove_file(&file).map_err(fail(path, "emptied"))?;
             }
         }
+        folder.was_empty = is_empty_folder(path);
     }
     Ok(folder)
 }

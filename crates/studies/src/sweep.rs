@@ -5,6 +5,7 @@ mod file;
 mod page;
 mod points;
 mod run;
+mod side_by_side;
 mod threads;
 
 use std::path::PathBuf;

@@ -5,10 +5,11 @@ use std::process::ExitCode;
 use lennard_studies::bench::{self, BenchError, BenchOptions, Subject};
 
 use crate::args::BenchArgs;
-use crate::commands::{Inputs, output_folder, print_json, replace_if};
+use crate::commands::{Inputs, UNFINISHED, output_folder, print_json, replace_if};
 use crate::failure::{Failure, OTHER};
 use crate::progress::Display;
 use crate::show;
+use crate::signals::{Leave, Signals, StartUp};
 
 /// Blocks for each variant where nothing else is said.
 const REPEATS: usize = 7;
@@ -18,6 +19,8 @@ const SCRATCH: &str = "scratch";
 
 /// Measures, writes a folder and prints a table.
 pub fn bench(args: &BenchArgs) -> Result<ExitCode, Failure> {
+    let nothing = || StartUp::of_nothing(UNFINISHED);
+    let signals = Signals::listen(nothing())?;
     let subject = match &args.scene {
         Some(path) => Subject::File(path.clone()),
         None => Subject::BuiltIn { quick: args.quick },
@@ -29,7 +32,10 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode, Failure> {
         inputs.not_in(folder)?;
         inputs.not_below(&folder.join(SCRATCH))?;
     }
-    let folder = output_folder(args.out.as_deref(), replace_if(args.force), "bench")?;
+    let folder = signals.claim(
+        || output_folder(args.out.as_deref(), replace_if(args.force), "bench"),
+        |_| Some(nothing().leaving(Leave::Without(SCRATCH))),
+    )?;
     let threads: Vec<usize> = match args.threads.as_slice() {
         // What a feature costs is read from the clock of one thread.
         [] if args.features => vec![1],

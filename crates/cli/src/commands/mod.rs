@@ -110,6 +110,10 @@ pub fn output_folder(
     made.map_err(|e| EngineError::Folder(e).into())
 }
 
+/// What a study says that a signal ends and that keeps nothing of what it has measured.
+pub const UNFINISHED: &str =
+    "stopped before the end: no result was written, and there is nothing to go on from";
+
 /// What `--force` allows.
 pub fn replace_if(force: bool) -> Existing {
     if force {

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use lennard_io::Existing;
 use lennard_scene::Start;
@@ -11,20 +12,27 @@ use crate::args::SweepArgs;
 use crate::commands::{Inputs, output_folder, print_json};
 use crate::failure::{Failure, INPUT, OTHER, STOPPED};
 use crate::progress::Display;
-use crate::{show, signals};
+use crate::show;
+use crate::signals::{Signals, StartUp};
 
 /// Exit code where physics stopped a point.
 const PHYSICS: u8 = 3;
+/// What is said of a sweep without a step that could be kept.
+const NOT_BEGUN: &str = "stopped before the first step of any point: nothing was written";
 
 /// Runs the points that are not finished yet, and prints their table.
 pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
-    let stop = signals::stop_flag()?;
+    let signals = Signals::listen(StartUp::of_nothing(NOT_BEGUN))?;
     let sweep = sweep::load(&args.sweep, &args.set)?;
     if let Some(folder) = &args.out {
         keep_inputs(&args.sweep, &sweep, folder)?;
     }
     // What an earlier sweep has left there is looked at point by point.
-    let folder = output_folder(args.out.as_deref(), Existing::Keep, &sweep.name)?;
+    let folder = signals.claim(
+        || output_folder(args.out.as_deref(), Existing::Keep, &sweep.name),
+        // What a point has done is kept, and the sweep itself gives up what only starts.
+        |_| None,
+    )?;
     let threads = args
         .threads
         .map_or_else(lennard_core::parallel::processors, usize::from);
@@ -46,14 +54,14 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         threads,
         replace: args.force,
         reports: !args.no_report,
-        stop: &stop,
+        stop: Arc::clone(signals.stop()),
         command: command.clone(),
     };
     let record = sweep::run(&sweep, &options, &mut display)?;
     drop(display);
     if args.json {
         print_json(&record)?;
-    } else if !args.quiet {
+    } else if !args.quiet && record.ending != Ending::NotBegun {
         show::sweep(&record, folder.path());
     }
     match record.ending {
@@ -68,9 +76,13 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
             }
             Ok(ExitCode::from(PHYSICS))
         }
+        Ending::NotBegun => {
+            eprintln!("{NOT_BEGUN}");
+            Ok(ExitCode::from(OTHER))
+        }
         Ending::Stopped => {
             eprintln!(
-                "stopped on request; the points at work have checkpoints\n  to go on: {command}"
+                "stopped on request; what is finished is kept, and points at work have checkpoints\n  to go on: {command}"
             );
             Ok(ExitCode::from(STOPPED))
         }

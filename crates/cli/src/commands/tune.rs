@@ -11,10 +11,14 @@ use crate::commands::{Inputs, on_threads, print_json};
 use crate::failure::{Failure, INPUT, OTHER};
 use crate::progress::Display;
 use crate::show;
+use crate::signals::{Signals, StartUp};
 
 /// Finds the settings, writes the lock file and prints what was wanted, predicted and measured. A scene with settings of
 /// its own is asked for the usual accuracy, and nothing is written: it would not read a lock.
 pub fn tune(args: &TuneArgs) -> Result<ExitCode, Failure> {
+    Signals::listen(StartUp::of_nothing(
+        "stopped before the end: no lock file was written, and there is nothing to go on from",
+    ))?;
     let (path, overrides) = (&args.scene.scene, args.scene.overrides());
     let asked = Scene::load(path, &overrides)?;
     let named = args.scene.lock.clone();

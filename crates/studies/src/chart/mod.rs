@@ -16,7 +16,7 @@ mod tables;
 pub use page::{Standing, standings};
 pub use panels::{Axis, Mark, Panel, panels};
 pub use point::{ChartedPoint, Errors, Outcome};
-pub use store::POINTS;
+pub use store::{POINTS, has_points};
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;

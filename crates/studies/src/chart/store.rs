@@ -14,6 +14,12 @@ pub const POINTS: &str = "points";
 /// The plan that they belong to.
 const PLAN_FILE: &str = "plan.toml";
 
+/// Whether a folder holds points that an earlier chart has stored.
+#[must_use]
+pub fn has_points(folder: &Path) -> bool {
+    std::fs::read_dir(folder.join(POINTS)).is_ok_and(|mut points| points.next().is_some())
+}
+
 /// Where points are stored.
 pub(super) struct Store {
     folder: PathBuf,

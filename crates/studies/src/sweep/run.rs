@@ -1,29 +1,23 @@
 //! Running the points of a sweep side by side, and going on where an earlier sweep stopped.
 
 use std::path::Path;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
-use std::time::Duration;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use lennard_engine::{EngineError, ResumeOptions, RunOptions};
-use lennard_io::{Existing, OutputFolder, RunRecord};
+use lennard_io::{CheckpointFolder, RunRecord};
 use serde::Serialize;
 
-use super::threads::{threads_of, workers};
+use super::side_by_side::run_all;
 use super::{Agreement, Point, Sweep, SweepError, agreement, page};
+use crate::Progress;
 use crate::compare::{ComparedRun, Row, RunFolder, StateOfMatter, compare};
-use crate::jobs::pool;
 use crate::kept::same_scene;
-use crate::{Progress, run_page};
 
 /// Name and version of the schema of [`SweepRecord`].
 const SWEEP_SCHEMA: &str = "lennard-sweep/1";
 
 /// What a sweep writes itself in its folder: record, table and page.
 pub const FILES: [&str; 3] = ["sweep.json", "table.csv", "report.html"];
-
-/// Time between two looks at how far the points are.
-const LOOK_EVERY: Duration = Duration::from_millis(200);
 
 /// How to run a sweep.
 pub struct SweepOptions<'a> {
@@ -36,8 +30,8 @@ pub struct SweepOptions<'a> {
     pub replace: bool,
     /// Whether every point gets a `report.html` of its own.
     pub reports: bool,
-    /// Set from outside to stop: the points at work write checkpoints.
-    pub stop: &'a AtomicBool,
+    /// Set from outside to stop: the points at work write checkpoints, and those that start are given up.
+    pub stop: Arc<AtomicBool>,
     /// The command, for the page.
     pub command: String,
 }
@@ -50,6 +44,8 @@ pub enum Ending {
     Finished,
     /// It was asked to stop; the same command goes on.
     Stopped,
+    /// It was asked to stop before any point had a step that could be kept; nothing was written.
+    NotBegun,
     /// Some points failed.
     Failed,
 }
@@ -104,7 +100,8 @@ pub struct SweepRecord {
 }
 
 /// What is in the folder of a point.
-enum Found {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Found {
     /// A finished run of the same scene.
     Finished,
     /// A run of the same scene that can go on.
@@ -114,10 +111,20 @@ enum Found {
 }
 
 /// How the run of one point ended.
-enum Ran {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Ran {
     Kept,
     Finished,
     Stopped,
+}
+
+impl Ran {
+    pub(super) fn of(ending: lennard_engine::Ending) -> Self {
+        match ending {
+            lennard_engine::Ending::Finished => Self::Finished,
+            lennard_engine::Ending::Stopped | lennard_engine::Ending::OutOfTime => Self::Stopped,
+        }
+    }
 }
 
 /// Runs what is not finished yet, and writes table, page and record.
@@ -135,7 +142,7 @@ pub fn run(
         .iter()
         .map(|point| look(&options.folder.join(&point.name), point, options.replace))
         .collect::<Result<_, _>>()?;
-    let outcomes = run_all(sweep, &found, options, progress);
+    let outcomes = run_all(&sweep.points, found, options, progress);
     let points: Vec<SweptPoint> = sweep
         .points
         .iter()
@@ -145,7 +152,11 @@ pub fn run(
     let stopped =
         options.stop.load(Ordering::Relaxed) && points.iter().any(|p| p.compared.is_none());
     let ending = if stopped {
-        Ending::Stopped
+        if points.iter().any(|p| is_kept(p, options.folder)) {
+            Ending::Stopped
+        } else {
+            Ending::NotBegun
+        }
     } else if points.iter().any(|p| p.failure.is_some()) {
         Ending::Failed
     } else {
@@ -170,6 +181,9 @@ pub fn run(
         points,
     };
     let [json, table, report] = FILES.map(|name| options.folder.join(name));
+    if ending == Ending::NotBegun {
+        return Ok(record);
+    }
     lennard_io::write_json_atomically(&json, &record)?;
     lennard_io::write_text_atomically(&table, &page::csv(&record))?;
     let html = page::page(&record, &options.command)?.to_html();
@@ -196,147 +210,10 @@ fn look(folder: &Path, point: &Point, replace: bool) -> Result<Found, SweepError
     }
 }
 
-/// Runs all points, and tells how far they are.
-fn run_all(
-    sweep: &Sweep,
-    found: &[Found],
-    options: &SweepOptions<'_>,
-    progress: &mut dyn Progress,
-) -> Vec<Result<Ran, String>> {
-    let points = &sweep.points;
-    let work = |point: &Point| point.scene.total_steps() * point.atoms as u64;
-    let total: u64 = points
-        .iter()
-        .zip(found)
-        .filter(|(_, f)| !matches!(f, Found::Finished))
-        .map(|(p, _)| work(p))
-        .sum();
-    let done: Vec<AtomicU64> = points.iter().map(|_| AtomicU64::new(0)).collect();
-    let next = AtomicUsize::new(0);
-    let to_run = found
-        .iter()
-        .filter(|f| !matches!(f, Found::Finished))
-        .count();
-    let workers = workers(to_run, options.threads);
-    let left = AtomicUsize::new(workers);
-    let results: Vec<Mutex<Option<Result<Ran, String>>>> =
-        points.iter().map(|_| Mutex::new(None)).collect();
-    std::thread::scope(|scope| {
-        for worker in 0..workers {
-            let (next, left, results, done) = (&next, &left, &results, &done);
-            scope.spawn(move || {
-                while let Some(i) =
-                    Some(next.fetch_add(1, Ordering::Relaxed)).filter(|i| *i < points.len())
-                {
-                    let threads = threads_of(worker, workers, options.threads, points[i].atoms);
-                    let result = run_point(&points[i], &found[i], options, threads, &done[i]);
-                    if let Ok(mut slot) = results[i].lock() {
-                        *slot = Some(result);
-                    }
-                }
-                left.fetch_sub(1, Ordering::Relaxed);
-            });
-        }
-        while left.load(Ordering::Relaxed) > 0 {
-            std::thread::sleep(LOOK_EVERY);
-            let so_far: u64 = done.iter().map(|d| d.load(Ordering::Relaxed)).sum();
-            let finished = results
-                .iter()
-                .filter(|r| r.lock().is_ok_and(|slot| slot.is_some()))
-                .count();
-            let share = so_far as f64 / total.max(1) as f64;
-            progress.update(
-                &format!("{finished} of {} points", points.len()),
-                share.min(1.0),
-            );
-        }
-    });
-    let not_run = || Err("it was not run".to_owned());
-    results
-        .into_iter()
-        .map(|slot| slot.into_inner().ok().flatten().unwrap_or_else(not_run))
-        .collect()
-}
-
-/// Counts particles times steps.
-struct Counter<'a> {
-    done: &'a AtomicU64,
-    atoms: u64,
-}
-
-impl lennard_engine::Progress for Counter<'_> {
-    fn update(&mut self, _stage: &str, done: u64, _total: u64) {
-        self.done.store(done * self.atoms, Ordering::Relaxed);
-    }
-}
-
-fn run_point(
-    point: &Point,
-    found: &Found,
-    options: &SweepOptions<'_>,
-    threads: usize,
-    done: &AtomicU64,
-) -> Result<Ran, String> {
-    if matches!(found, Found::Finished) {
-        return Ok(Ran::Kept);
-    }
-    if options.stop.load(Ordering::Relaxed) {
-        return Ok(Ran::Stopped);
-    }
-    let folder = options.folder.join(&point.name);
-    let ending = pool(threads)
-        .map_err(|e| e.to_string())?
-        .install(|| start_or_go_on(point, found, options, threads, &folder, done))
-        .map_err(|error| error.to_string())?;
-    if ending != lennard_engine::Ending::Finished {
-        return Ok(Ran::Stopped);
-    }
-    if options.reports {
-        run_page::write(&folder).map_err(|e| e.to_string())?;
-    }
-    Ok(Ran::Finished)
-}
-
-fn start_or_go_on(
-    point: &Point,
-    found: &Found,
-    options: &SweepOptions<'_>,
-    threads: usize,
-    folder: &Path,
-    done: &AtomicU64,
-) -> Result<lennard_engine::Ending, EngineError> {
-    let claim =
-        |existing| lennard_io::create_named_folder(folder, existing).map_err(EngineError::Folder);
-    let mut counter = Counter {
-        done,
-        atoms: point.atoms as u64,
-    };
-    if matches!(found, Found::Begun) {
-        let held = claim(Existing::Keep)?;
-        if let Ok(mut resumed) = lennard_engine::resume(folder, &ResumeOptions::default()) {
-            let how = how(&held, threads, options.stop, &mut counter);
-            return Ok(lennard_engine::go_on(&mut resumed, how)?.ending);
-        }
-    }
-    let mut simulation = lennard_engine::prepare(point.scene.clone())?;
-    let held = claim(Existing::Replace)?;
-    let how = how(&held, threads, options.stop, &mut counter);
-    Ok(lennard_engine::run(&mut simulation, how)?.ending)
-}
-
-fn how<'a>(
-    folder: &'a OutputFolder,
-    threads: usize,
-    stop: &'a AtomicBool,
-    progress: &'a mut dyn lennard_engine::Progress,
-) -> RunOptions<'a> {
-    RunOptions {
-        folder,
-        threads,
-        stop,
-        deadline: None,
-        progress,
-    }
+/// Whether a point has a result, or a checkpoint from which it goes on.
+fn is_kept(point: &SweptPoint, folder: &Path) -> bool {
+    let checkpoints = CheckpointFolder::new(&folder.join(&point.name));
+    point.compared.is_some() || checkpoints.list().is_ok_and(|all| !all.is_empty())
 }
 
 fn conclude(point: &Point, outcome: Result<Ran, String>, folder: &Path) -> SweptPoint {
