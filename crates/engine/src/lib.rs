@@ -27,7 +27,7 @@ pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
 pub use error::EngineError;
 pub use files::{Marks, RunFiles, discard};
 pub use plan::{Plan, PlanItem, plan};
-pub use resume::{ResumeError, ResumeOptions, Resumed, resume};
+pub use resume::{ResumeError, ResumeOptions, Resumed, resume, way_on};
 pub use run::{Ending, Outcome, Progress, RunOptions, SET_ASIDE_EVERY, go_on, run};
 pub use simulation::{Follower, Nobody, Observer, Simulation, StageRun, Verdict};
 pub use timers::Timers;

@@ -42,7 +42,7 @@ pub enum ResumeError {
     #[error("{} holds no run: it has no {SCENE} and no checkpoint\n  allowed: the output folder of a run, such as runs/gas-1", .0.display())]
     NoRun(PathBuf),
     /// There is nothing to go on from.
-    #[error("{0} holds no checkpoint: the run ended before its first one, so there is nothing to go on from\n  to start again: lennard run {0}/{SCENE} --out FOLDER, with another folder", folder.display())]
+    #[error("{} holds no checkpoint: the run ended before its first one, so there is nothing to go on from\n  {}", folder.display(), again(folder))]
     NoCheckpoint {
         /// The folder.
         folder: PathBuf,
@@ -98,6 +98,25 @@ pub enum ResumeError {
     },
 }
 
+/// What to do with the folder of a run that did not finish: to go on where it has a checkpoint, else to start again.
+#[must_use]
+pub fn way_on(folder: &Path) -> String {
+    let checkpoints = CheckpointFolder::new(folder).list();
+    if checkpoints.is_ok_and(|all| !all.is_empty()) {
+        format!("to go on: lennard resume {}", folder.display())
+    } else {
+        format!("it has no checkpoint to go on from; {}", again(folder))
+    }
+}
+
+/// The command that starts the run of a folder again, elsewhere: no command replaces the scene that it reads.
+fn again(folder: &Path) -> String {
+    format!(
+        "to start again: lennard run {}/{SCENE} --out FOLDER, with another folder",
+        folder.display()
+    )
+}
+
 fn older_command(folder: &Path, error: &CheckpointError) -> String {
     if error.older.is_some() {
         format!(
@@ -105,10 +124,7 @@ fn older_command(folder: &Path, error: &CheckpointError) -> String {
             folder.display()
         )
     } else {
-        format!(
-            "\n  no older one is whole; to start again: lennard run {}/{SCENE} --out FOLDER, with another folder",
-            folder.display()
-        )
+        format!("\n  no older one is whole; {}", again(folder))
     }
 }
 

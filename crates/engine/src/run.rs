@@ -73,7 +73,11 @@ pub struct Outcome {
 pub fn run(simulation: &mut Simulation, options: RunOptions<'_>) -> Result<Outcome, EngineError> {
     let started = Instant::now();
     let files = RunFiles::create(options.folder.path(), simulation)?;
-    drive(simulation, files, Past::default(), options, started)
+    let past = Past {
+        remarks: simulation.remarks.clone(),
+        ..Past::default()
+    };
+    drive(simulation, files, past, options, started)
 }
 
 /// Goes on with a run that [`crate::resume()`] has brought back: its growing files are cut back to the
@@ -285,7 +289,8 @@ impl Recorder<'_> {
 impl Follower for Recorder<'_> {
     fn want(&self, scene: &Scene, step: u64, measured: bool) -> Want {
         let (row, frame) = scene.output.due(step, measured);
-        if row || frame {
+        // The last state is written with its energy, whoever looks at it.
+        if row || frame || step == self.total {
             Want::ENERGY_AND_VIRIAL
         } else {
             Want::NOTHING

@@ -45,6 +45,9 @@ pub fn energy(args: &EnergyArgs) -> Result<ExitCode, Failure> {
         print_json(&evaluated.report)?;
     } else {
         show::energy(&evaluated.report);
+        for remark in &evaluated.report.remarks {
+            println!("  {remark}");
+        }
     }
     Ok(ExitCode::SUCCESS)
 }

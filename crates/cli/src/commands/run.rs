@@ -38,6 +38,9 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         if let Some(lock) = &lock {
             println!("  settings from {}", lock.path.display());
         }
+        for remark in &simulation.remarks {
+            println!("  {remark}");
+        }
     }
     let mut display = FirstStep::new(&signals, Display::new(args.control.quiet));
     let outcome = on_threads(threads, || {
