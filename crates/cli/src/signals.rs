@@ -25,6 +25,14 @@ pub struct StartUp {
     folder: Option<Arc<OutputFolder>>,
     /// What to do with it.
     leave: Leave,
+    /// What is true instead where the folder holds something to go on with.
+    kept: Option<Kept>,
+}
+
+/// Something in the output folder that the same command goes on with.
+struct Kept {
+    is_in: fn(&Path) -> bool,
+    sentence: String,
 }
 
 /// What becomes of an output folder that a signal makes the program leave.
@@ -45,6 +53,7 @@ impl StartUp {
             code: OTHER,
             folder: None,
             leave: Leave::AsItIs,
+            kept: None,
         }
     }
 
@@ -61,7 +70,24 @@ impl StartUp {
         Self { leave, ..self }
     }
 
+    /// The same, but for an output folder that holds something to go on with when the signal comes.
+    pub fn unless_kept(self, is_in: fn(&Path) -> bool, sentence: String) -> Self {
+        Self {
+            kept: Some(Kept { is_in, sentence }),
+            ..self
+        }
+    }
+
     fn end(&self) -> ! {
+        let folder = self.folder.as_deref().map(OutputFolder::path);
+        let kept = self
+            .kept
+            .as_ref()
+            .filter(|kept| folder.is_some_and(kept.is_in));
+        let (sentence, code) = match kept {
+            Some(kept) => (&kept.sentence, STOPPED),
+            None => (&self.sentence, self.code),
+        };
         if let Some(folder) = &self.folder {
             match &self.leave {
                 Leave::AsItIs => {}
@@ -73,8 +99,8 @@ impl StartUp {
             }
             folder.leave();
         }
-        eprintln!("{}", self.sentence);
-        std::process::exit(i32::from(self.code))
+        eprintln!("{sentence}");
+        std::process::exit(i32::from(code))
     }
 }
 

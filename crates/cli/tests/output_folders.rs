@@ -134,6 +134,25 @@ fn a_second_sweep_of_a_folder_is_refused_with_the_process_at_work_and_touches_no
     // A killed process claims nothing.
     first.0.kill().unwrap();
     first.0.wait().unwrap();
+    // A run in the folder of one point keeps the whole sweep from beginning.
+    let run = [
+        "run",
+        "liquid.toml",
+        "--quiet",
+        "--force",
+        "--out",
+        "out/T1.3",
+        "--set",
+        ENDLESS,
+    ];
+    fs::remove_file(bench.path("out/T1.3/run.json")).unwrap();
+    let one = bench.at_work(&run, &["out/T1.3/run.json"]);
+    let second = bench.output(&[&sweep[..], &["--force"]].concat());
+    refused(
+        &second,
+        &[&format!("out/T1.3 is in use: process {}", one.0.id())],
+    );
+    drop(one);
     ok(&bench.output(&[&sweep[..], &["--force"]].concat()));
     assert!(bench.path("out/T1.3/final.xyz").exists());
 }

@@ -33,16 +33,9 @@ pub fn chart(args: &ChartArgs) -> Result<ExitCode, Failure> {
                 &format!("{}-chart", scene.name),
             )
         },
-        |folder| {
-            Some(if chart::has_points(folder) && !args.force {
-                StartUp::resumable(&kept_points(args, folder))
-            } else {
-                nothing()
-            })
-        },
+        |folder| Some(nothing().unless_kept(chart::has_points, kept_points(args, folder))),
     )?;
     let processors = lennard_core::parallel::processors();
-
     let options = ChartOptions {
         folder: folder.path(),
         size: match (args.quick, args.full) {

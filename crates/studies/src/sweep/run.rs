@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use lennard_io::{CheckpointFolder, RunRecord};
+use lennard_io::{CheckpointFolder, Existing, RunRecord};
 use serde::Serialize;
 
 use super::side_by_side::run_all;
@@ -201,13 +201,16 @@ fn look(folder: &Path, point: &Point, replace: bool) -> Result<Found, SweepError
         found,
     };
     let same = same_scene(folder, &point.scene) == Some(true);
-    match (lennard_io::read_run_record(&folder.join("run.json")), same) {
-        (Ok(RunRecord { finished: true, .. }), true) => Ok(Found::Finished),
-        (Ok(_), true) => Ok(Found::Begun),
-        _ if replace => Ok(Found::Nothing),
-        (Ok(_), false) => Err(other("it holds the run of another scene".into())),
-        (Err(e), _) => Err(other(format!("its run.json cannot be read: {e}"))),
-    }
+    let found = match (lennard_io::read_run_record(&folder.join("run.json")), same) {
+        (Ok(RunRecord { finished: true, .. }), true) => return Ok(Found::Finished),
+        (Ok(_), true) => Found::Begun,
+        _ if replace => Found::Nothing,
+        (Ok(_), false) => return Err(other("it holds the run of another scene".into())),
+        (Err(e), _) => return Err(other(format!("its run.json cannot be read: {e}"))),
+    };
+    // A run that a process goes on with by itself shows before any point is begun.
+    drop(lennard_io::create_named_folder(folder, Existing::Keep)?);
+    Ok(found)
 }
 
 /// Whether a point has a result, or a checkpoint from which it goes on.

@@ -107,6 +107,14 @@ fn what_is_no_sweep_is_said_clearly() {
             "`point.longer` is not allowed\n  found:   -1",
         ),
         ("[[point]]\ndensty = 0.5\n", "densty"),
+        (
+            "[grid]\nseed = 99999999999999999999\n",
+            "99999999999999999999 is an integer beyond 64 bits",
+        ),
+        (
+            "[set]\n\"system.seed\" = 99999999999999999999\n[[point]]\ndensity = 0.5\n",
+            "an integer beyond 64 bits\n  allowed: whole numbers",
+        ),
         ("[[point]]\ndensity = -1.0\n", "system.density"),
         (
             "[set]\n\"system.densty\" = 1\n[[point]]\ndensity = 0.5\n",
