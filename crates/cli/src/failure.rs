@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lennard_engine::EngineError;
-use lennard_io::{CheckpointFolder, WriteError};
+use lennard_io::{CheckpointFolder, FolderError, WriteError};
 use lennard_scene::SceneError;
 
 /// Exit code for wrong input.
@@ -11,7 +11,7 @@ pub const INPUT: u8 = 2;
 /// Exit code for anything that is neither input nor physics.
 pub const OTHER: u8 = 1;
 
-/// Exit code of a study that was asked to stop; the same command goes on.
+/// Exit code of work that was asked to stop and can go on.
 pub const STOPPED: u8 = 4;
 
 /// A message for standard error and an exit code.
@@ -61,6 +61,9 @@ impl From<EngineError> for Failure {
         match error {
             EngineError::Scene(e) => Self::new("reading the scene", e, code),
             EngineError::Configuration(e) => Self::new("reading the start configuration", e, code),
+            EngineError::Folder(e @ FolderError::Busy { .. }) => {
+                Self::new("claiming the output folder", e, code)
+            }
             EngineError::Folder(e) => Self::new("making the output folder", e, code),
             EngineError::Write(e) => e.into(),
             EngineError::Resume(e) => Self::new("going on with a run", e, code),

@@ -144,7 +144,10 @@ fn a_chart_has_everything_goes_on_where_it_stopped_and_refuses_other_folders() {
         &["--out", "out", "--threads", "2"],
         "its timings are of 1 threads",
     );
-    refused(&["--out", "."], "no chart");
+    refused(&["--out", "."], "scene.toml lies in the output folder .");
+    std::fs::create_dir(place.path().join("strange")).unwrap();
+    std::fs::write(place.path().join("strange/letter.txt"), "x").unwrap();
+    refused(&["--out", "strange"], "no chart");
 }
 
 #[test]

@@ -101,7 +101,7 @@ fn a_sweep_says_why_it_cannot_begin_and_how_to_go_on() {
     refused(
         &within(path, &["sweep", "sweep.toml", "--out", "file/out"]),
         2,
-        &["making the output folder: file/out"],
+        &["making the output folder: the output folder file/out cannot be made"],
     );
     refused(
         &within(path, &["sweep", "nowhere.toml"]),
@@ -173,7 +173,7 @@ fn a_sweep_that_is_stopped_says_how_to_go_on() {
             .success()
     );
     let wanted = [
-        "stopped on request; the points at work have checkpoints",
+        "stopped on request; what is finished is kept, and points at work have checkpoints",
         "to go on: lennard sweep sweep.toml --out out",
     ];
     refused(&child.wait_with_output().unwrap(), 4, &wanted);

@@ -279,19 +279,12 @@ fn a_folder_without_a_run_or_without_a_checkpoint_says_what_to_do() {
         2,
         &[
             "holds no checkpoint",
-            "lennard run out/scene.toml --out out --force",
+            "lennard run out/scene.toml --out FOLDER, with another folder",
         ],
     );
     // That command does what it says.
     ok(&bench
-        .command(&[
-            "run",
-            "out/scene.toml",
-            "--out",
-            "out",
-            "--force",
-            "--quiet",
-        ])
+        .command(&["run", "out/scene.toml", "--out", "again", "--quiet"])
         .output()
         .unwrap());
     refused(&bench.resume("liquid.toml", &[]), 2, &["liquid.toml"]);
@@ -345,7 +338,7 @@ fn a_damaged_checkpoint_is_refused_and_the_older_one_offered_and_taken() {
     refused(
         &bench.resume("out", &[]),
         2,
-        &["no older one is whole", "--force"],
+        &["no older one is whole", "lennard run out/scene.toml"],
     );
     fs::remove_file(&checkpoints(&bench.path("out"))[1]).unwrap();
     refused(
@@ -517,10 +510,11 @@ fn a_folder_in_use_is_refused() {
     let mut child = bench.endless("out");
     let output = bench.resume("out", &[]);
     let forced = bench.run("out", &["--force"]);
+    let process = format!("process {} is at work there", child.id());
     child.kill().unwrap();
     child.wait().unwrap();
-    refused(&forced, 2, &["another process is running in this folder"]);
-    refused(&output, 2, &["another process is running in this folder"]);
+    refused(&forced, 2, &["out is in use", &process]);
+    refused(&output, 2, &["out is in use", &process]);
     // Once it is gone, however it went, the folder is free.
     let output = bench.resume("out", &["--max-walltime", "50ms"]);
     assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));

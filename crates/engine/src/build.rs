@@ -42,6 +42,11 @@ pub struct Beginning {
 /// # Errors
 /// [`EngineError`] where a configuration cannot be read, does not fit the box, or overlaps.
 pub fn begin(scene: &Scene) -> Result<Beginning, EngineError> {
+    Ok(begin_with_remarks(scene)?.0)
+}
+
+/// The same with what is to be known of it: which frame of a file it is, and what its velocities lose.
+pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String>), EngineError> {
     match &scene.system.start {
         Start::Lattice {
             lattice, n_atoms, ..
@@ -64,22 +69,24 @@ pub fn begin(scene: &Scene) -> Result<Beginning, EngineError> {
                         )
                     })?;
                 let positions = points.into_iter().map(|r| r + placement.corner).collect();
-                return Ok(Beginning {
+                let beginning = Beginning {
                     cell,
                     positions,
                     velocities: None,
                     relax: true,
-                });
+                };
+                return Ok((beginning, Vec::new()));
             }
             let cells = placement.cells.expect("a lattice has cells");
             let positions =
                 initial::lattice_sites(placement.corner, placement.filled, cells, lattice.basis());
-            Ok(Beginning {
+            let beginning = Beginning {
                 cell,
                 positions,
                 velocities: None,
                 relax: false,
-            })
+            };
+            Ok((beginning, Vec::new()))
         }
         Start::Configuration { path, geometry } => {
             let given = match geometry {
@@ -97,7 +104,8 @@ pub fn begin(scene: &Scene) -> Result<Beginning, EngineError> {
                 Err(_) if given.is_some() => lennard_io::read_configuration_in(path, given)?,
                 read => read?,
             };
-            from_configuration(scene, path, read, given)
+            let remarks = remarks(path, &read);
+            Ok((from_configuration(scene, path, read, given)?, remarks))
         }
     }
 }
@@ -115,6 +123,18 @@ pub fn size_and_density(scene: &Scene) -> Result<(usize, f64), EngineError> {
         }
     };
     Ok((n, n as f64 / cell.volume()))
+}
+
+/// What is to be known of a start that was read from a file.
+fn remarks(path: &Path, read: &StartConfiguration) -> Vec<String> {
+    let file = path.display();
+    let frame =
+        (read.frames > 1).then(|| format!("the start is frame {0} of {0} of {file}", read.frames));
+    let drift = read.velocities.as_deref().and_then(|velocities| {
+        let dynamics = Dynamics::fluid(velocities.len());
+        initial::Drift::of(&dynamics, velocities).map(|drift| drift.in_words(&file.to_string()))
+    });
+    frame.into_iter().chain(drift).collect()
 }
 
 fn from_configuration(
@@ -215,8 +235,10 @@ pub fn tail_correction(tail: Option<&Tail>) -> Option<TailCorrection> {
 /// # Errors
 /// [`EngineError`] for everything about the scene that can only be seen now.
 pub fn prepare(scene: Scene) -> Result<Simulation, EngineError> {
-    let beginning = begin(&scene)?;
-    prepare_from(scene, beginning)
+    let (beginning, remarks) = begin_with_remarks(&scene)?;
+    let mut simulation = prepare_from(scene, beginning)?;
+    simulation.remarks = remarks;
+    Ok(simulation)
 }
 
 /// Builds the simulation around particles that have their places, whatever start the scene names.
@@ -257,6 +279,7 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
         thermodynamics,
         observers,
         measured_steps: 0,
+        remarks: Vec::new(),
         timers: Timers::default(),
         isa,
     })

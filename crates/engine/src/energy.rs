@@ -4,7 +4,7 @@ use lennard_core::{Configuration, DVec3, Dynamics, ForceProvider, Part, Periodic
 use lennard_scene::Scene;
 use serde::Serialize;
 
-use crate::{EngineError, build};
+use crate::{EngineError, build, initial};
 
 /// Where the kinetic part of the pressure comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -44,6 +44,9 @@ pub struct EnergyReport {
     pub temperature_from: KineticSource,
     /// Pairs with r ≤ r_cut.
     pub pairs: u64,
+    /// What is to be known of the start.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub remarks: Vec<String>,
 }
 
 /// The report with the state that it belongs to, forces included.
@@ -61,12 +64,15 @@ pub struct Evaluated {
 /// # Errors
 /// [`EngineError`] for everything that is wrong with the scene.
 pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
-    let beginning = build::begin(scene)?;
+    let (beginning, remarks) = build::begin_with_remarks(scene)?;
     let n = beginning.positions.len();
     let cell = beginning.cell;
     let (options, mut provider) = build::forces(scene, cell, n)?;
     let has_velocities = beginning.velocities.is_some();
-    let velocities = beginning.velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]);
+    let dynamics = Dynamics::fluid(n);
+    let mut velocities = beginning.velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]);
+    // The velocities that a run starts with.
+    initial::remove_drift(&dynamics, &mut velocities);
     let mut state = State::new(beginning.positions, velocities);
     let at = Configuration {
         positions: &state.positions,
@@ -82,7 +88,7 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
         })?;
     let (temperature, temperature_from) = if has_velocities {
         (
-            Dynamics::fluid(n).temperature(&state.velocities),
+            dynamics.temperature(&state.velocities),
             KineticSource::Velocities,
         )
     } else {
@@ -105,6 +111,7 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
         temperature,
         temperature_from,
         pairs: energetics.pairs.unwrap_or(0),
+        remarks,
     };
     state.energetics = energetics;
     Ok(Evaluated {

@@ -17,10 +17,10 @@ use std::path::{Path, PathBuf};
 
 use lennard_core::{Energetics, PeriodicBox, State, Table};
 use lennard_io::{
-    Cell, FileMark, Frame, FrameStyle, RunRecord, TableWriter, TrajectoryWriter, WriteError,
+    Cell, FileMark, Frame, FrameStyle, OutputFolder, RunRecord, TableWriter, TrajectoryWriter,
+    WriteError,
 };
 
-use crate::resume::Claim;
 use crate::{EngineError, Simulation};
 
 /// The scene as resolved.
@@ -29,6 +29,8 @@ pub(crate) const SCENE: &str = "scene.toml";
 pub(crate) const THERMO: &str = "thermo.csv";
 /// Frames.
 pub(crate) const TRAJECTORY: &str = "trajectory.xyz";
+/// The run record.
+const RECORD: &str = "run.json";
 /// Names and box for mdtraj.
 const TOPOLOGY: &str = "topology.gro";
 
@@ -50,7 +52,6 @@ pub struct RunFiles {
     thermo: TableWriter,
     trajectory: Option<TrajectoryWriter>,
     style: FrameStyle,
-    _claim: Claim,
 }
 
 /// How far the growing files were at a checkpoint.
@@ -74,16 +75,15 @@ pub(crate) fn style(simulation: &Simulation) -> FrameStyle {
 }
 
 impl RunFiles {
-    /// Starts the files of a fresh run in an existing, empty folder.
+    /// Starts the files of a fresh run in an existing, empty folder that no other process works in.
     ///
     /// # Errors
-    /// [`EngineError`] where a file cannot be written or another process is at work there.
+    /// [`EngineError`] where a file cannot be written.
     pub fn create(folder: &Path, simulation: &Simulation) -> Result<Self, EngineError> {
         remove_half_written(folder);
         write_descriptions(folder, simulation)?;
         let style = style(simulation);
         let thermo = TableWriter::create(&folder.join(THERMO), THERMO_COLUMNS)?;
-        let claim = Claim::on(folder)?;
         let trajectory = simulation
             .scene
             .output
@@ -95,21 +95,18 @@ impl RunFiles {
             thermo,
             trajectory,
             style,
-            _claim: claim,
         })
     }
 
     /// Goes on with the files of an interrupted run, cut back to where its checkpoint was.
     ///
     /// # Errors
-    /// [`EngineError`] where a file is shorter than its mark or cannot be written, or another process is at
-    /// work there.
+    /// [`EngineError`] where a file is shorter than its mark or cannot be written.
     pub fn resume(
         folder: &Path,
         simulation: &Simulation,
         marks: Marks,
     ) -> Result<Self, EngineError> {
-        let claim = Claim::on(folder)?;
         let style = style(simulation);
         let thermo = TableWriter::resume_at(&folder.join(THERMO), THERMO_COLUMNS, marks.thermo)?;
         let trajectory = marks
@@ -121,7 +118,6 @@ impl RunFiles {
             thermo,
             trajectory,
             style,
-            _claim: claim,
         })
     }
 
@@ -280,7 +276,18 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where it cannot be written.
     pub fn write_record(&self, record: &RunRecord) -> Result<(), WriteError> {
-        lennard_io::write_json_atomically(&self.folder.join("run.json"), record)
+        lennard_io::write_json_atomically(&self.folder.join(RECORD), record)
+    }
+}
+
+/// Removes the first files of a run of which no step can be kept, where nothing else was in the folder.
+pub fn discard(folder: &OutputFolder) {
+    if folder.was_empty() {
+        remove_half_written(folder.path());
+        for name in [RECORD, SCENE, THERMO, TRAJECTORY, TOPOLOGY] {
+            // One that is not there need not be removed, and the rest is seen to have no step.
+            let _ = std::fs::remove_file(folder.path().join(name));
+        }
     }
 }
 

@@ -99,6 +99,50 @@ pub fn remove_drift(dynamics: &Dynamics, velocities: &mut [DVec3]) {
     }
 }
 
+/// A drift of all particles together, which a run takes off the velocities that it starts with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drift {
+    /// Total momentum of each particle's share, m σ/τ.
+    pub momentum_per_particle: DVec3,
+    /// Temperature with the drift, ε/k_B.
+    pub temperature_with: f64,
+    /// Temperature without it, ε/k_B.
+    pub temperature_without: f64,
+}
+
+impl Drift {
+    /// The drift of velocities; `None` where there is none but rounding.
+    #[must_use]
+    pub fn of(dynamics: &Dynamics, velocities: &[DVec3]) -> Option<Self> {
+        /// Of the mean square velocity: files hold nine digits and more.
+        const ROUNDING: f64 = 1e-12;
+        let n = velocities.len() as f64;
+        let momentum = dynamics.momentum(velocities) / n;
+        let square = velocities.iter().map(|v| v.length_squared()).sum::<f64>() / n;
+        if velocities.len() < 2 || momentum.length_squared() <= ROUNDING * square {
+            return None;
+        }
+        let mut without = velocities.to_vec();
+        remove_drift(dynamics, &mut without);
+        Some(Self {
+            momentum_per_particle: momentum,
+            temperature_with: dynamics.temperature(velocities),
+            temperature_without: dynamics.temperature(&without),
+        })
+    }
+
+    /// What happens to the velocities of a file, as a remark.
+    #[must_use]
+    pub fn in_words(&self, file: &str) -> String {
+        let [x, y, z] = self.momentum_per_particle.to_array();
+        format!(
+            "the velocities of {file} had a total momentum of ({x:.6}, {y:.6}, {z:.6}) per particle: removed, T changed \
+             from {:.6} to {:.6}",
+            self.temperature_with, self.temperature_without
+        )
+    }
+}
+
 /// Scales velocities so that 2K/n_dof = `temperature`; velocities that are all zero stay so.
 pub fn scale_to_temperature(dynamics: &Dynamics, velocities: &mut [DVec3], temperature: f64) {
     let now = dynamics.temperature(velocities);

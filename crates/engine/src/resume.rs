@@ -1,6 +1,5 @@
 //! Going on from a checkpoint.
 
-use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -43,7 +42,7 @@ pub enum ResumeError {
     #[error("{} holds no run: it has no {SCENE} and no checkpoint\n  allowed: the output folder of a run, such as runs/gas-1", .0.display())]
     NoRun(PathBuf),
     /// There is nothing to go on from.
-    #[error("{0} holds no checkpoint: the run ended before its first one, so there is nothing to go on from\n  to start again: lennard run {0}/{SCENE} --out {0} --force", folder.display())]
+    #[error("{} holds no checkpoint: the run ended before its first one, so there is nothing to go on from\n  {}", folder.display(), again(folder))]
     NoCheckpoint {
         /// The folder.
         folder: PathBuf,
@@ -97,9 +96,25 @@ pub enum ResumeError {
         /// What does not fit.
         reason: String,
     },
-    /// Somebody else is at work there.
-    #[error("{}: another process is running in this folder\n  wait for it, or stop it first", .0.display())]
-    Busy(PathBuf),
+}
+
+/// What to do with the folder of a run that did not finish: to go on where it has a checkpoint, else to start again.
+#[must_use]
+pub fn way_on(folder: &Path) -> String {
+    let checkpoints = CheckpointFolder::new(folder).list();
+    if checkpoints.is_ok_and(|all| !all.is_empty()) {
+        format!("to go on: lennard resume {}", folder.display())
+    } else {
+        format!("it has no checkpoint to go on from; {}", again(folder))
+    }
+}
+
+/// The command that starts the run of a folder again, elsewhere: no command replaces the scene that it reads.
+fn again(folder: &Path) -> String {
+    format!(
+        "to start again: lennard run {}/{SCENE} --out FOLDER, with another folder",
+        folder.display()
+    )
 }
 
 fn older_command(folder: &Path, error: &CheckpointError) -> String {
@@ -109,10 +124,7 @@ fn older_command(folder: &Path, error: &CheckpointError) -> String {
             folder.display()
         )
     } else {
-        format!(
-            "\n  no older one is whole; to start again: lennard run {0}/{SCENE} --out {0} --force",
-            folder.display()
-        )
+        format!("\n  no older one is whole; {}", again(folder))
     }
 }
 
@@ -329,34 +341,4 @@ fn build_for(
         relax: false,
     };
     build::prepare_from(scene, beginning)
-}
-
-/// Fails where another process is running in a folder, so that nothing of it is taken away.
-///
-/// # Errors
-/// [`ResumeError::Busy`].
-pub fn refuse_if_busy(folder: &Path) -> Result<(), EngineError> {
-    Ok(Claim::on(folder).map(drop)?)
-}
-
-/// Holds a run's folder for one process; let go when dropped, however the process ends.
-#[derive(Debug)]
-pub(crate) struct Claim {
-    _file: Option<File>,
-}
-
-impl Claim {
-    /// Claims the folder by a lock on its `thermo.csv`, which keeps its place on the disk all through a run.
-    pub(crate) fn on(folder: &Path) -> Result<Self, ResumeError> {
-        // A file that is not there is reported by whoever needs it.
-        let Ok(file) = File::open(folder.join(THERMO)) else {
-            return Ok(Self { _file: None });
-        };
-        match file.try_lock() {
-            Err(std::fs::TryLockError::WouldBlock) => Err(ResumeError::Busy(folder.to_owned())),
-            // File systems without locks must not keep a run from going on.
-            Err(std::fs::TryLockError::Error(_)) => Ok(Self { _file: None }),
-            Ok(()) => Ok(Self { _file: Some(file) }),
-        }
-    }
 }

@@ -1,11 +1,10 @@
 //! One run from scene to finished folder, in one go or in several.
 
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use lennard_core::{DVec3, Findings, State, Table, Want};
-use lennard_io::RunRecord;
+use lennard_io::{OutputFolder, RunRecord};
 use lennard_scene::Scene;
 
 use crate::checkpointing::{Checkpointer, Past};
@@ -33,8 +32,8 @@ impl Progress for () {
 
 /// How to run.
 pub struct RunOptions<'a> {
-    /// The output folder, which exists; empty for a new run.
-    pub folder: &'a Path,
+    /// The output folder, held by this process; empty for a new run.
+    pub folder: &'a OutputFolder,
     /// Threads in use, for the record.
     pub threads: usize,
     /// Set from outside to stop after the steps under way, at most [`crate::watchdog::EVERY`].
@@ -73,8 +72,12 @@ pub struct Outcome {
 /// `run.json` then says `"finished": false`.
 pub fn run(simulation: &mut Simulation, options: RunOptions<'_>) -> Result<Outcome, EngineError> {
     let started = Instant::now();
-    let files = RunFiles::create(options.folder, simulation)?;
-    drive(simulation, files, Past::default(), options, started)
+    let files = RunFiles::create(options.folder.path(), simulation)?;
+    let past = Past {
+        remarks: simulation.remarks.clone(),
+        ..Past::default()
+    };
+    drive(simulation, files, past, options, started)
 }
 
 /// Goes on with a run that [`crate::resume()`] has brought back: its growing files are cut back to the
@@ -90,9 +93,9 @@ pub fn go_on(resumed: &mut Resumed, options: RunOptions<'_>) -> Result<Outcome, 
         past,
         ..
     } = resumed;
-    let files = RunFiles::resume(options.folder, simulation, *marks)?;
+    let files = RunFiles::resume(options.folder.path(), simulation, *marks)?;
     // First of all, since the scene in it may have more steps than before, or another instruction set.
-    Checkpointer::new(options.folder, &simulation.scene.checkpoint)
+    Checkpointer::new(options.folder.path(), &simulation.scene.checkpoint)
         .write_unwatched(simulation, *marks, past)?;
     files.refresh(simulation)?;
     drive(simulation, files, past.clone(), options, started)
@@ -113,7 +116,7 @@ fn drive(
     ))?;
     let mut recorder = Recorder {
         total: simulation.scene.total_steps(),
-        checkpoints: Checkpointer::new(options.folder, &simulation.scene.checkpoint),
+        checkpoints: Checkpointer::new(options.folder.path(), &simulation.scene.checkpoint),
         before: aside(&simulation.state),
         files,
         past,
@@ -286,7 +289,8 @@ impl Recorder<'_> {
 impl Follower for Recorder<'_> {
     fn want(&self, scene: &Scene, step: u64, measured: bool) -> Want {
         let (row, frame) = scene.output.due(step, measured);
-        if row || frame {
+        // The last state is written with its energy, whoever looks at it.
+        if row || frame || step == self.total {
             Want::ENERGY_AND_VIRIAL
         } else {
             Want::NOTHING

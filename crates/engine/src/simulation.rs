@@ -70,6 +70,8 @@ pub struct Simulation {
     pub observers: Vec<Observer>,
     /// Steps since the first measured stage began.
     pub measured_steps: u64,
+    /// What is to be known of the start, for the record.
+    pub remarks: Vec<String>,
     /// Where the time went.
     pub timers: Timers,
     /// Instruction set of the pair kernel, for the record.

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use lennard_engine::{
     Ending, Outcome, Progress, ResumeOptions, RunOptions, Simulation, go_on, prepare, resume, run,
 };
+use lennard_io::{Existing, create_named_folder};
 use lennard_scene::Scene;
 
 /// A small liquid; short, since there are many of it.
@@ -67,8 +68,9 @@ fn until(
 ) -> Outcome {
     let stop = AtomicBool::new(false);
     let progress = &mut StopAt(step, &stop);
+    let held = &create_named_folder(folder, Existing::Keep).unwrap();
     let run_options = RunOptions {
-        folder,
+        folder: held,
         threads: 1,
         stop: &stop,
         deadline: None,
@@ -138,14 +140,17 @@ fn in_parts(overrides: &[(&str, &str)]) -> bool {
     }
     let never = ResumeOptions::default();
     let stop = AtomicBool::new(false);
+    let held = create_named_folder(&whole, Existing::Keep).unwrap();
     let options = RunOptions {
-        folder: &whole,
+        folder: &held,
         threads: 1,
         stop: &stop,
         deadline: None,
         progress: &mut (),
     };
-    if run(&mut first, options).is_err() {
+    let ran = run(&mut first, options);
+    drop(held);
+    if ran.is_err() {
         // Some methods cannot run a fluid at all, which other tests are about.
         return false;
     }

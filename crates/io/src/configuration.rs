@@ -30,6 +30,8 @@ pub struct StartConfiguration {
     pub time: Option<f64>,
     /// The one species of all particles, where the file names one.
     pub species: Option<String>,
+    /// Number of frames in the file, of which this is the last.
+    pub frames: u64,
 }
 
 /// Reads a start configuration: the last frame of an extended XYZ file, or NIST columns, told apart
@@ -99,7 +101,7 @@ fn parse<R: BufRead + Seek>(
             found: found.into(),
             allowed: allowed.into(),
         };
-        let (frame, first_line) = last_frame(reader, size, path)?
+        let (frame, first_line, frames) = last_frame(reader, size, path)?
             .ok_or_else(|| content(1, "no frame", "at least one frame"))?;
         let cell = frame.cell.or(given).ok_or_else(|| {
             content(
@@ -115,6 +117,7 @@ fn parse<R: BufRead + Seek>(
             step: frame.step,
             time: frame.time,
             species: frame.species,
+            frames,
         };
         (start, first_line + 1)
     };

@@ -11,6 +11,7 @@ mod atomic;
 mod checkpoint;
 mod checkpoint_codec;
 mod checkpoint_folder;
+mod claim;
 mod configuration;
 mod error;
 mod extended_xyz;
@@ -39,7 +40,10 @@ pub use configuration::{
     StartConfiguration, read_configuration, read_configuration_bytes, read_configuration_in,
 };
 pub use error::{FormatError, WriteError};
-pub use folder::{Existing, FolderError, create_named_folder, create_numbered_folder};
+pub use folder::{
+    Existing, FolderError, OutputFolder, create_named_folder, create_numbered_folder,
+    is_empty_folder,
+};
 pub use frame_text::{Frame, FrameStyle, is_element_symbol};
 pub use host::cpu_name;
 pub use record::{

@@ -79,6 +79,7 @@ pub(crate) fn parse<R: BufRead>(mut lines: Lines<R>) -> Result<StartConfiguratio
         }
     }
     Ok(StartConfiguration {
+        frames: 1,
         cell,
         positions,
         velocities: None,

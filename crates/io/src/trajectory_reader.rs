@@ -117,8 +117,9 @@ pub(crate) fn last_frame<R: BufRead + Seek>(
     mut reader: R,
     size: u64,
     path: &Path,
-) -> Result<Option<(TrajectoryFrame, u64)>, FormatError> {
+) -> Result<Option<(TrajectoryFrame, u64, u64)>, FormatError> {
     let mut start = None;
+    let mut frames = 0;
     let mut scan = TrajectoryReader::new(&mut reader, size, path);
     loop {
         let before = (scan.lines.offset(), scan.lines.number());
@@ -126,6 +127,7 @@ pub(crate) fn last_frame<R: BufRead + Seek>(
             break;
         }
         start = Some(before);
+        frames += 1;
     }
     let Some((offset, line)) = start else {
         return Ok(None);
@@ -135,7 +137,7 @@ pub(crate) fn last_frame<R: BufRead + Seek>(
         .map_err(|e| FormatError::io(path, e))?;
     let mut last = TrajectoryReader::new(reader, size, path);
     last.lines.start_at(offset, line);
-    Ok(last.next_frame()?.map(|frame| (frame, line + 1)))
+    Ok(last.next_frame()?.map(|frame| (frame, line + 1, frames)))
 }
 
 /// Every frame of a trajectory. For files larger than memory use [`TrajectoryReader`].

@@ -14,11 +14,16 @@ pub(crate) fn apply(
 ) -> Result<(), SceneError> {
     for (key, value) in overrides {
         let place = Place::Override(Arc::from(format!("{key}={value}")));
-        let node = tree::parse_value(value, &place);
         let at = At {
             file,
             place: &place,
         };
+        let node = tree::parse_value(value, &place).map_err(|(found, allowed)| {
+            at.error("holds a number that cannot be read")
+                .key(key)
+                .found(found)
+                .allowed(allowed)
+        })?;
         let steps: Vec<&str> = key.split('.').map(str::trim).collect();
         if steps.iter().any(|step| step.is_empty()) {
             return Err(at

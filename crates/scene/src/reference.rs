@@ -9,6 +9,17 @@ pub(crate) const MOST_ATOMS: i64 = 1_000_000_000;
 pub(crate) const MOST_STEPS: i64 = 1_000_000_000_000_000;
 /// The longest box side in σ: beyond it, image flags and the last digits of positions get scarce.
 pub(crate) const LONGEST_SIDE: f64 = 1e6;
+/// The lowest and the highest temperature of a heat bath, ε/k_B: far outside, numbers overflow or vanish on the way.
+pub(crate) const COLDEST: f64 = 1e-9;
+pub(crate) const HOTTEST: f64 = 1e6;
+/// The lowest and the highest number density, σ⁻³: one particle in the longest box, and far beyond any solid.
+pub(crate) const THINNEST: f64 = 1e-18;
+pub(crate) const DENSEST: f64 = 1e3;
+/// The shortest and the longest time step, τ: far below, the time of a run no longer moves.
+pub(crate) const SHORTEST_STEP: f64 = 1e-9;
+pub(crate) const LONGEST_STEP: f64 = 1e3;
+/// The shortest cutoff, σ: the powers of its inverse are numbers still.
+pub(crate) const SHORTEST_CUTOFF: f64 = 0.1;
 /// The most stages, and the most observables.
 pub(crate) const MOST_ENTRIES: usize = 1000;
 
@@ -19,6 +30,10 @@ pub enum Allowed {
     Positive,
     /// A finite number, 0 or more.
     NotNegative,
+    /// A number in this range, ends included.
+    Between(f64, f64),
+    /// Zero, or a number in this range.
+    ZeroOrBetween(f64, f64),
     /// A whole number in this range.
     Whole(i64, i64),
     /// `true` or `false`.
@@ -36,12 +51,25 @@ impl Allowed {
         match self {
             Self::Positive => "a finite number above 0".to_owned(),
             Self::NotNegative => "a finite number, 0 or more".to_owned(),
+            Self::Between(from, to) => format!("a number from {} to {}", short(*from), short(*to)),
+            Self::ZeroOrBetween(from, to) => {
+                format!("0, or a number from {} to {}", short(*from), short(*to))
+            }
             Self::Whole(from, i64::MAX) => format!("a whole number, {from} or more"),
             Self::Whole(from, to) => format!("a whole number from {from} to {to}"),
             Self::Flag => "true or false".to_owned(),
             Self::Names(names) => quoted(&names()),
             Self::Words(words) => (*words).to_owned(),
         }
+    }
+}
+
+/// A number as one would write it: `0.1`, `1000`, `1e-9`.
+fn short(x: f64) -> String {
+    if (1e-3..1e5).contains(&x) {
+        x.to_string()
+    } else {
+        format!("{x:e}")
     }
 }
 
@@ -97,7 +125,7 @@ macro_rules! keys {
     (@method $method:literal) => { Some($method) };
 }
 
-use Allowed::{Flag, Names, NotNegative, Positive, Whole, Words};
+use Allowed::{Between, Flag, Names, NotNegative, Positive, Whole, Words, ZeroOrBetween};
 
 static TABLES: &[TableDoc] = &[
     TableDoc {
@@ -178,11 +206,11 @@ static KEYS: &[KeyDoc] = keys! {
     "system" of any {
         "lattice": Names(|| vec!["fcc", "sc", "bcc", "random"]), "`\"fcc\"`", "", "Arrangement at the start. In a cube, fcc takes 4m³ particles, bcc 2m³, sc m³; in another box, 4abc, 2abc or abc with nearly cubic cells (edges within 10 % of each other). `random` takes any number, relaxed until nothing overlaps.";
         "n_atoms": Whole(1, MOST_ATOMS), "needed", "", "Number of particles.";
-        "density": Positive, "this or `box`", "σ⁻³", "Number density of the start; the box is a cube.";
+        "density": Between(THINNEST, DENSEST), "this or `box`", "σ⁻³", "Number density of the start; the box is a cube.";
         "box": Words("one side, or three sides [Lx, Ly, Lz], each a finite number above 0"), "this or `density`", "σ", "Box sides. With a `configuration`, the box of a file that names none.";
         "vacuum": NotNegative, "`0.0`", "σ", "Empty length added to the box along z, with the particles in the middle: a slab between two surfaces. `density` and `box` then describe the filled part.";
         "configuration": Words("the path of a file that can be read"), "none", "", "Start from this file (extended XYZ or the NIST columns), relative to the scene file. Takes the place of `lattice`, `n_atoms` and `density`.";
-        "temperature": NotNegative, "needed", "ε/k_B", "Temperature of the first velocities (where no file gives them) and of every thermostat that names no other.";
+        "temperature": ZeroOrBetween(COLDEST, HOTTEST), "needed", "ε/k_B", "Temperature of the first velocities (where no file gives them) and of every thermostat that names no other.";
         "seed": Whole(0, i64::MAX), "`1`", "", "Seed of every random stream.";
     }
     "accuracy" of any {
@@ -198,7 +226,7 @@ static KEYS: &[KeyDoc] = keys! {
     }
     "truncation" of any {
         "kind": Names(|| lennard_forcefield::truncations().iter().map(|t| t.name).collect()), "`\"cut\"`", "", "How the potential ends at `r_cut`.";
-        "r_cut": Positive, "`2.5`", "σ", "Cutoff radius; at most half the shortest box side.";
+        "r_cut": Between(SHORTEST_CUTOFF, LONGEST_SIDE), "`2.5`", "σ", "Cutoff radius; at most half the shortest box side.";
         "switch_from": Words("a number between 0 and `r_cut`, with kind \"switch\" alone"), "0.8·`r_cut`", "σ", "Where the switch begins.";
         "tail_correction": Words("true or false; true with kind \"cut\" alone, and only in a homogeneous fluid"), "`true` for `\"cut\"`, else `false`", "", "Whether U and P are corrected for the fluid beyond the cutoff.";
     }
@@ -213,7 +241,7 @@ static KEYS: &[KeyDoc] = keys! {
     }
     "integrator" of any {
         "kind": Names(|| lennard_integrators::integrators().iter().map(|i| i.spec.name).collect()), "`\"velocity-verlet\"`", "", "The method.";
-        "dt": Positive, "`0.004`", "τ", "Time step.";
+        "dt": Between(SHORTEST_STEP, LONGEST_STEP), "`0.004`", "τ", "Time step.";
     }
     "integrator" of "implicit-euler" {
         "tolerance": Positive, "`1e-12`", "σ", "Largest error of a position in its equation.";
@@ -231,8 +259,8 @@ static KEYS: &[KeyDoc] = keys! {
         "name": Words("letters, digits, `-` and `_`, not digits alone, and unlike any other stage's"), "needed", "", "Its name, by which `--set stage.NAME.steps=…` finds it.";
         "steps": Whole(1, MOST_STEPS), "needed", "", "Number of steps.";
         "thermostat": Words("\"none\", the name of a thermostat, or a table with `kind` and its keys"), "`\"none\"`", "", "The heat bath; none is constant energy.";
-        "temperature": Positive, "`system.temperature`", "ε/k_B", "Temperature of the thermostat.";
-        "dt": Positive, "`integrator.dt`", "τ", "Time step of this stage.";
+        "temperature": Between(COLDEST, HOTTEST), "`system.temperature`", "ε/k_B", "Temperature of the thermostat.";
+        "dt": Between(SHORTEST_STEP, LONGEST_STEP), "`integrator.dt`", "τ", "Time step of this stage.";
         "measure": Flag, "`true` for the last stage, else `false`", "", "Whether observables and the trajectory look at this stage. Measured stages must be alike in dt, thermostat and temperature, since their samples are pooled.";
     }
     "stage.thermostat" of any {
@@ -288,7 +316,7 @@ static KEYS: &[KeyDoc] = keys! {
         "velocities": Flag, "`true`", "", "Whether frames hold velocities.";
         "forces": Flag, "`false`", "", "Whether frames hold forces.";
         "unwrapped": Flag, "`false`", "", "Positions as they moved, rather than folded into the box with image flags.";
-        "length_scale": Positive, "`1.0`", "file units per σ", "Lengths in the trajectory are multiplied by it (3.405 gives ångström for argon).";
+        "length_scale": Between(1e-12, 1e12), "`1.0`", "file units per σ", "Lengths in the trajectory are multiplied by it (3.405 gives ångström for argon).";
     }
     "checkpoint" of any {
         "every_steps": Whole(0, MOST_STEPS), "`0`", "steps", "Steps between two checkpoints; 0 for none.";

@@ -173,14 +173,17 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Table, SceneError> {
     })
 }
 
-/// Reads the value of an override: TOML where it is TOML, a bare word as a text.
-pub(crate) fn parse_value(text: &str, place: &Place) -> Node {
-    let as_toml = DeValue::parse(text).ok();
-    let read = as_toml.and_then(|value| node(value.get_ref(), 0, &|_| place.clone()).ok());
-    read.unwrap_or_else(|| Node {
-        value: Value::Text(text.trim().to_owned()),
-        place: place.clone(),
-    })
+/// Reads the value of an override: TOML where it is TOML, a bare word as a text. A number that cannot be read is no
+/// text: it is given back as what was found, with what is allowed.
+pub(crate) fn parse_value(text: &str, place: &Place) -> Result<Node, (String, &'static str)> {
+    match DeValue::parse(text) {
+        Ok(value) => node(value.get_ref(), 0, &|_| place.clone())
+            .map_err(|(_, found, allowed)| (found, allowed)),
+        Err(_) => Ok(Node {
+            value: Value::Text(text.trim().to_owned()),
+            place: place.clone(),
+        }),
+    }
 }
 
 /// Where an unreadable number is, the number, and what is allowed.
@@ -214,8 +217,8 @@ fn node(
             let digits = number.as_str().replace('_', "");
             let read = i64::from_str_radix(&digits, number.radix());
             Value::Whole(read.map_err(|_| {
-                let allowed = "whole numbers from -2^63 to 2^63 − 1";
-                (place(start), digits, allowed)
+                let found = format!("{digits}, an integer beyond 64 bits");
+                (place(start), found, "whole numbers from -2^63 to 2^63 − 1")
             })?)
         }
         DeValue::Float(number) => {

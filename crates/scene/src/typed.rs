@@ -66,6 +66,16 @@ impl<'a> Section<'a> {
             let fits = match (&entry.node.value, allowed) {
                 (Value::Number(x), Some(Allowed::Positive)) => x.is_finite() && *x > 0.0,
                 (Value::Whole(x), Some(Allowed::Positive)) => *x > 0,
+                (Value::Number(x), Some(Allowed::Between(from, to))) => (from..=to).contains(x),
+                (Value::Whole(x), Some(Allowed::Between(from, to))) => {
+                    (from..=to).contains(&(*x as f64))
+                }
+                (Value::Number(x), Some(Allowed::ZeroOrBetween(from, to))) => {
+                    *x == 0.0 || (from..=to).contains(x)
+                }
+                (Value::Whole(x), Some(Allowed::ZeroOrBetween(from, to))) => {
+                    *x == 0 || (from..=to).contains(&(*x as f64))
+                }
                 // No key of a scene has a use for a negative number.
                 (Value::Number(x), _) => x.is_finite() && *x >= 0.0,
                 (Value::Whole(x), Some(Allowed::Whole(from, to))) => (from..=to).contains(x),
@@ -73,13 +83,15 @@ impl<'a> Section<'a> {
                 _ => true,
             };
             if !fits {
+                let range = allowed;
                 let allowed = allowed.unwrap_or(Allowed::NotNegative).text();
                 let message = match &entry.node.value {
                     Value::Number(x) if !x.is_finite() => "is not a finite number",
                     Value::Number(x) if *x < 0.0 => "is negative",
                     Value::Whole(x) if *x < 0 => "is negative",
                     Value::Number(0.0) | Value::Whole(0) => "is zero",
-                    Value::Whole(x) if allowed_below(doc.map(|d| d.allowed), *x) => "is too small",
+                    Value::Whole(x) if allowed_above(range, *x as f64) => "is too small",
+                    Value::Number(x) if allowed_above(range, *x) => "is too small",
                     _ => "is too large",
                 };
                 return Err(self
@@ -255,8 +267,13 @@ fn culprit(
     guilty.map(|entry| entry.key.clone())
 }
 
-fn allowed_below(allowed: Option<Allowed>, found: i64) -> bool {
-    matches!(allowed, Some(Allowed::Whole(from, _)) if found < from)
+/// Whether what is allowed lies above what was found.
+fn allowed_above(allowed: Option<Allowed>, found: f64) -> bool {
+    match allowed {
+        Some(Allowed::Whole(from, _)) => found < from as f64,
+        Some(Allowed::Between(from, _) | Allowed::ZeroOrBetween(from, _)) => found < from,
+        _ => false,
+    }
 }
 
 /// What serde expected, without the names of Rust's types.

@@ -411,3 +411,33 @@ fn files_that_are_no_scenes_are_refused_with_their_name() {
     let error = Scene::load(Path::new("/"), &[]).unwrap_err();
     assert_eq!(error.message(), "the scene file cannot be read");
 }
+
+#[test]
+fn an_integer_beyond_64_bits_is_called_so_wherever_it_is_written() {
+    const SCENE: &str = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.0\nseed = 1\n\
+                         [truncation]\nr_cut = 2.0\n[[stage]]\nname = \"a\"\nsteps = 1\n";
+    let digits = "99999999999999999999";
+    let found = format!("found:   {digits}, an integer beyond 64 bits");
+    let allowed = "allowed: whole numbers from -2^63 to 2^63 − 1";
+    let overridden = Scene::parse(SCENE, "t.toml", &[("system.seed".into(), digits.into())]);
+    let written = Scene::parse(
+        &SCENE.replace("seed = 1", &format!("seed = {digits}")),
+        "t.toml",
+        &[],
+    );
+    for (refused, place) in [
+        (
+            overridden,
+            "override `system.seed=99999999999999999999`: `system.seed` ",
+        ),
+        (written, "t.toml, line 5: "),
+    ] {
+        let message = refused.unwrap_err().to_string();
+        for words in [place, &found, allowed] {
+            assert!(message.contains(words), "wanted {words} in\n{message}");
+        }
+    }
+    // A bare word is a text still, and so are digits in quotes.
+    let named = [("name".to_owned(), "\"99999999999999999999\"".to_owned())];
+    assert_eq!(Scene::parse(SCENE, "t.toml", &named).unwrap().name, digits);
+}

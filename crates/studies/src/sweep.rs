@@ -5,13 +5,16 @@ mod file;
 mod page;
 mod points;
 mod run;
+mod side_by_side;
 mod threads;
+
+use std::path::PathBuf;
 
 pub use agreement::{Agreement, agreement, probability_words};
 pub use file::{SweepError, load};
 pub(crate) use page::verdict_cell;
 pub use points::Point;
-pub use run::{Ending, SweepOptions, SweepRecord, SweptPoint, run};
+pub use run::{Ending, FILES, SweepOptions, SweepRecord, SweptPoint, run};
 pub use threads::workers;
 
 /// A sweep, read and checked.
@@ -19,6 +22,8 @@ pub use threads::workers;
 pub struct Sweep {
     /// Its name; the file's stem unless the file gives another.
     pub name: String,
+    /// The file of its base scene.
+    pub base: PathBuf,
     /// Its points, in the order of the file.
     pub points: Vec<Point>,
 }

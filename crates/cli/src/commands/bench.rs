@@ -5,24 +5,37 @@ use std::process::ExitCode;
 use lennard_studies::bench::{self, BenchError, BenchOptions, Subject};
 
 use crate::args::BenchArgs;
-use crate::commands::{output_folder, print_json};
+use crate::commands::{Inputs, UNFINISHED, output_folder, print_json, replace_if};
 use crate::failure::{Failure, OTHER};
 use crate::progress::Display;
 use crate::show;
+use crate::signals::{Leave, Signals, StartUp};
 
 /// Blocks for each variant where nothing else is said.
 const REPEATS: usize = 7;
 const REPEATS_QUICK: usize = 3;
+/// Folder for the files that measuring writes; removed at the end.
+const SCRATCH: &str = "scratch";
 
 /// Measures, writes a folder and prints a table.
 pub fn bench(args: &BenchArgs) -> Result<ExitCode, Failure> {
+    let nothing = || StartUp::of_nothing(UNFINISHED);
+    let signals = Signals::listen(nothing())?;
     let subject = match &args.scene {
         Some(path) => Subject::File(path.clone()),
         None => Subject::BuiltIn { quick: args.quick },
     };
     // A scene that cannot be measured shows before a folder is made.
     bench::check(&subject, &args.set, &args.isa, &args.precision)?;
-    let folder = output_folder(args.out.as_deref(), args.force, "bench")?;
+    if let (Some(file), Some(folder)) = (&args.scene, &args.out) {
+        let inputs = Inputs::of_scene(file, None, &subject.load(&args.set)?);
+        inputs.not_in(folder)?;
+        inputs.not_below(&folder.join(SCRATCH))?;
+    }
+    let folder = signals.claim(
+        || output_folder(args.out.as_deref(), replace_if(args.force), "bench"),
+        |_| Some(nothing().leaving(Leave::Without(SCRATCH))),
+    )?;
     let threads: Vec<usize> = match args.threads.as_slice() {
         // What a feature costs is read from the clock of one thread.
         [] if args.features => vec![1],
@@ -32,7 +45,7 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode, Failure> {
         if args.quick { REPEATS_QUICK } else { REPEATS },
         usize::from,
     );
-    let scratch = folder.join("scratch");
+    let scratch = folder.path().join(SCRATCH);
     let made = |e: std::io::Error| Failure::new("making the output folder", e, OTHER);
     std::fs::create_dir_all(&scratch).map_err(made)?;
     let options = BenchOptions {
@@ -54,11 +67,11 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode, Failure> {
     // Gone whatever came of it: it holds nothing that anybody wants.
     let _ = std::fs::remove_dir_all(&scratch);
     let study = study?;
-    bench::write(&study, &folder)?;
+    bench::write(&study, folder.path())?;
     if args.json {
         print_json(&study)?;
     } else if !args.quiet {
-        show::bench(&study, &folder);
+        show::bench(&study, folder.path());
     }
     Ok(ExitCode::SUCCESS)
 }

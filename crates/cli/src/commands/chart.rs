@@ -1,25 +1,43 @@
 //! `lennard chart`: speed against accuracy for one scene.
 
+use std::path::Path;
 use std::process::ExitCode;
 
+use lennard_io::Existing;
 use lennard_studies::chart::{self, ChartError, ChartOptions};
 use lennard_studies::settings::Size;
 
 use crate::args::ChartArgs;
-use crate::commands::{load_file, print_json, resumable_folder};
+use crate::commands::{Inputs, load_file, output_folder, print_json};
 use crate::failure::{Failure, INPUT, STOPPED};
 use crate::progress::Display;
-use crate::{show, signals};
+use crate::show;
+use crate::signals::{FirstStep, Signals, StartUp};
 
 /// Measures what is not measured yet, and prints where the scene's own settings stand.
 pub fn chart(args: &ChartArgs) -> Result<ExitCode, Failure> {
-    let stop = signals::stop_flag()?;
-    let (scene, _) = load_file(&args.scene, &args.set, args.lock.as_deref())?;
-    let folder = resumable_folder(args.out.as_deref(), &format!("{}-chart", scene.name))?;
+    let nothing = || StartUp::of_nothing("stopped before the first point: no point was measured");
+    let signals = Signals::listen(nothing())?;
+    let (scene, lock) = load_file(&args.scene, &args.set, args.lock.as_deref())?;
+    if let Some(folder) = &args.out {
+        let lock = lock.as_ref().map(|l| l.path.as_path());
+        let inputs = Inputs::of_scene(&args.scene, lock, &scene);
+        inputs.not_in(folder)?;
+        inputs.not_below(&folder.join(chart::POINTS))?;
+    }
+    let folder = signals.claim(
+        || {
+            output_folder(
+                args.out.as_deref(),
+                Existing::Keep,
+                &format!("{}-chart", scene.name),
+            )
+        },
+        |folder| Some(nothing().unless_kept(chart::has_points, kept_points(args, folder))),
+    )?;
     let processors = lennard_core::parallel::processors();
-    let command = command(args, &folder.display().to_string());
     let options = ChartOptions {
-        folder: &folder,
+        folder: folder.path(),
         size: match (args.quick, args.full) {
             (true, _) => Size::Quick,
             (false, true) => Size::Full,
@@ -29,27 +47,38 @@ pub fn chart(args: &ChartArgs) -> Result<ExitCode, Failure> {
         workers: args.workers.map_or(processors, usize::from),
         threads: usize::from(args.threads),
         with_peers: args.with_peers,
-        stop: &stop,
-        command: command.clone(),
+        stop: signals.stop(),
+        command: command(args, folder.path()),
     };
-    let mut display = Display::of_study(args.quiet);
+    let mut display = FirstStep::new(&signals, Display::of_study(args.quiet));
     let found = chart::run(&scene, &options, &mut display)?;
     drop(display);
     if args.json {
         print_json(&found)?;
     } else if !args.quiet {
-        show::chart(&found, &folder);
+        show::chart(&found, folder.path());
     }
     if !found.finished {
-        eprintln!("stopped on request; finished points are kept\n  to go on: {command}");
+        eprintln!("{}", kept_points(args, folder.path()));
         return Ok(ExitCode::from(STOPPED));
     }
     Ok(ExitCode::SUCCESS)
 }
 
+fn kept_points(args: &ChartArgs, folder: &Path) -> String {
+    format!(
+        "stopped on request; finished points are kept\n  to go on: {}",
+        command(args, folder)
+    )
+}
+
 /// The command that makes the same chart, or goes on with it.
-fn command(args: &ChartArgs, folder: &str) -> String {
-    let mut line = format!("lennard chart {} --out {folder}", args.scene.display());
+fn command(args: &ChartArgs, folder: &Path) -> String {
+    let mut line = format!(
+        "lennard chart {} --out {}",
+        args.scene.display(),
+        folder.display()
+    );
     for (key, value) in &args.set {
         line += &format!(" --set {key}={value}");
     }

@@ -6,13 +6,16 @@ use lennard_engine::Evaluated;
 use lennard_io::{Frame, FrameStyle};
 
 use crate::args::EnergyArgs;
-use crate::commands::{load, on_threads, print_json};
+use crate::commands::{load_locked, on_threads, print_json};
 use crate::failure::Failure;
 use crate::show;
 
 /// Evaluates the start configuration once and prints energy, virial and pressure.
 pub fn energy(args: &EnergyArgs) -> Result<ExitCode, Failure> {
-    let scene = load(&args.scene)?;
+    let (scene, lock) = load_locked(&args.scene)?;
+    if let Some(file) = &args.forces {
+        args.scene.inputs(&scene, lock.as_ref()).are_not(file)?;
+    }
     let threads = args.scene.threads.map_or(1, usize::from);
     let evaluated = on_threads(threads, || Ok(lennard_engine::evaluate_energy(&scene)?))?;
     if let Some(path) = &args.forces {
@@ -42,6 +45,9 @@ pub fn energy(args: &EnergyArgs) -> Result<ExitCode, Failure> {
         print_json(&evaluated.report)?;
     } else {
         show::energy(&evaluated.report);
+        for remark in &evaluated.report.remarks {
+            println!("  {remark}");
+        }
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -4,6 +4,7 @@ pub mod bench;
 pub mod chart;
 pub mod compare;
 pub mod energy;
+mod inputs;
 pub mod list;
 pub mod plan;
 pub mod resume;
@@ -18,18 +19,13 @@ use std::process::ExitCode;
 use clap::CommandFactory;
 use clap_complete::Shell;
 use lennard_engine::EngineError;
-use lennard_io::Existing;
+use lennard_io::{Existing, OutputFolder};
 use lennard_scene::{Lock, Scene};
 use serde::Serialize;
 
 use crate::args::{Cli, SceneArgs};
-use crate::failure::{Failure, INPUT, OTHER};
-
-/// Loads the scene of a command with its overrides, and with the settings of its lock file where it asks for an
-/// accuracy and there is one.
-pub fn load(args: &SceneArgs) -> Result<Scene, Failure> {
-    Ok(load_locked(args)?.0)
-}
+pub use crate::commands::inputs::Inputs;
+use crate::failure::{Failure, OTHER};
 
 /// A lock file that was used.
 pub struct UsedLock {
@@ -39,10 +35,18 @@ pub struct UsedLock {
     pub threads: usize,
 }
 
-/// The same, with the lock file that was used. Without one, a scene that leaves settings to be chosen is refused
+/// Loads the scene of a command with its overrides, and with the settings of its lock file where it asks for an
+/// accuracy and there is one. Without one, a scene that leaves settings to be chosen is refused
 /// where it would be built.
 pub fn load_locked(args: &SceneArgs) -> Result<(Scene, Option<UsedLock>), Failure> {
     load_file(&args.scene, &args.overrides(), args.lock.as_deref())
+}
+
+impl SceneArgs {
+    /// The files that the scene was read from.
+    pub fn inputs(&self, scene: &Scene, lock: Option<&UsedLock>) -> Inputs {
+        Inputs::of_scene(&self.scene, lock.map(|l| l.path.as_path()), scene)
+    }
 }
 
 /// The same from a scene file, what is changed in it, and the lock file if it is named.
@@ -93,37 +97,30 @@ pub fn threads(asked: Option<u16>, n_atoms: usize) -> usize {
     asked.map_or_else(|| lennard_engine::recommended_threads(n_atoms), usize::from)
 }
 
-/// Makes an output folder: the one named, or `runs/<stem>-<n>` with the first free n.
-pub fn output_folder(named: Option<&Path>, force: bool, stem: &str) -> Result<PathBuf, Failure> {
+/// Makes and claims an output folder: the one named, or `runs/<stem>-<n>` with the first free n.
+pub fn output_folder(
+    named: Option<&Path>,
+    existing: Existing,
+    stem: &str,
+) -> Result<OutputFolder, Failure> {
     let made = match named {
-        Some(folder) => {
-            lennard_engine::refuse_if_busy(folder)?;
-            let existing = if force {
-                Existing::Replace
-            } else {
-                Existing::Refuse
-            };
-            lennard_io::create_named_folder(folder, existing).map(|()| folder.to_owned())
-        }
+        Some(folder) => lennard_io::create_named_folder(folder, existing),
         None => lennard_io::create_numbered_folder("runs".as_ref(), stem),
     };
     made.map_err(|e| EngineError::Folder(e).into())
 }
 
-/// Makes the output folder of a study that goes on where it was stopped: the one named, whatever it holds, or
-/// `runs/<stem>-<n>` with the first free n.
-pub fn resumable_folder(named: Option<&Path>, stem: &str) -> Result<PathBuf, Failure> {
-    let Some(folder) = named else {
-        return output_folder(None, false, stem);
-    };
-    std::fs::create_dir_all(folder).map_err(|e| {
-        Failure::new(
-            "making the output folder",
-            format!("{}: {e}", folder.display()),
-            INPUT,
-        )
-    })?;
-    Ok(folder.to_owned())
+/// What a study says that a signal ends and that keeps nothing of what it has measured.
+pub const UNFINISHED: &str =
+    "stopped before the end: no result was written, and there is nothing to go on from";
+
+/// What `--force` allows.
+pub fn replace_if(force: bool) -> Existing {
+    if force {
+        Existing::Replace
+    } else {
+        Existing::Refuse
+    }
 }
 
 /// Writes the page of a finished run.

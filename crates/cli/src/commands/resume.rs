@@ -3,24 +3,40 @@
 use std::process::ExitCode;
 use std::time::Instant;
 
-use lennard_engine::{ResumeOptions, RunOptions};
+use lennard_engine::{EngineError, ResumeError, ResumeOptions, RunOptions};
+use lennard_io::Existing;
 
 use crate::args::ResumeArgs;
 use crate::commands::run::tell;
-use crate::commands::{on_threads, threads, write_report};
+use crate::commands::{on_threads, output_folder, threads, write_report};
 use crate::failure::Failure;
 use crate::progress::Display;
-use crate::{show, signals};
+use crate::show;
+use crate::signals::{Signals, StartUp};
 
 /// Goes on with a run and prints the table of its results.
 pub fn resume(args: &ResumeArgs) -> Result<ExitCode, Failure> {
     let deadline = args.control.deadline(Instant::now());
-    let stop = signals::stop_flag()?;
+    let loading = || {
+        StartUp::resumable(&format!(
+            "stopped before the first step: the checkpoint is untouched\n  to go on: {}",
+            command(args)
+        ))
+    };
+    let signals = Signals::listen(loading())?;
     let options = ResumeOptions {
         more_steps: args.steps.unwrap_or(0),
         isa: args.isa.clone(),
         older: args.older,
     };
+    if !args.folder.is_dir() {
+        return Err(EngineError::from(ResumeError::NoRun(args.folder.clone())).into());
+    }
+    // Claimed before it is read: what another process writes there would change in between.
+    let folder = signals.claim(
+        || output_folder(Some(&args.folder), Existing::Keep, ""),
+        |_| Some(loading()),
+    )?;
     let mut resumed = lennard_engine::resume(&args.folder, &options)?;
     let quiet = args.control.quiet || args.json;
     let simulation = &resumed.simulation;
@@ -36,12 +52,14 @@ pub fn resume(args: &ResumeArgs) -> Result<ExitCode, Failure> {
             println!("  all steps were done already; --steps N goes on for N more");
         }
     }
+    // The checkpoint is loaded: whatever happens now, the run can go on.
+    signals.under_way();
     let mut display = Display::new(args.control.quiet);
     let outcome = on_threads(threads, || {
         let options = RunOptions {
-            folder: &args.folder,
+            folder: &folder,
             threads,
-            stop: &stop,
+            stop: signals.stop(),
             deadline,
             progress: &mut display,
         };
@@ -50,4 +68,19 @@ pub fn resume(args: &ResumeArgs) -> Result<ExitCode, Failure> {
     drop(display);
     write_report(&outcome, &args.folder, &args.control)?;
     tell(&outcome, &args.folder, total, args.json, &args.control)
+}
+
+/// The command as it can be typed again.
+fn command(args: &ResumeArgs) -> String {
+    let mut line = format!("lennard resume {}", args.folder.display());
+    if let Some(steps) = args.steps {
+        line += &format!(" --steps {steps}");
+    }
+    if args.older {
+        line += " --older";
+    }
+    if let Some(isa) = &args.isa {
+        line += &format!(" --isa {isa}");
+    }
+    line
 }

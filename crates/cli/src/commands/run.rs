@@ -8,47 +8,56 @@ use lennard_engine::{Ending, Outcome, RunOptions};
 
 use crate::args::{ControlArgs, RunArgs};
 use crate::commands::{
-    load_locked, on_threads, output_folder, print_json, threads_with, write_report,
+    load_locked, on_threads, output_folder, print_json, replace_if, threads_with, write_report,
 };
-use crate::failure::Failure;
+use crate::failure::{Failure, STOPPED};
 use crate::progress::Display;
-use crate::{show, signals};
-
-/// Exit code of a run that was asked to stop and can be resumed.
-const STOPPED: u8 = 4;
+use crate::show;
+use crate::signals::{FirstStep, Leave, Signals, StartUp};
 
 /// Runs a scene and prints the table of its results.
 pub fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let deadline = args.control.deadline(Instant::now());
-    let stop = signals::stop_flag()?;
+    let nothing = || StartUp::of_nothing("stopped before the first step: nothing was written");
+    let signals = Signals::listen(nothing())?;
     let (scene, lock) = load_locked(&args.scene)?;
     let quiet = args.control.quiet || args.scene.json;
+    if let Some(folder) = &args.out {
+        args.scene.inputs(&scene, lock.as_ref()).not_in(folder)?;
+    }
     // Everything that can be wrong with the scene shows before anything is written.
     let mut simulation = lennard_engine::prepare(scene)?;
     let threads = threads_with(args.scene.threads, lock.as_ref(), simulation.state.len());
-    let folder = output_folder(args.out.as_deref(), args.force, &simulation.scene.name)?;
+    let name = &simulation.scene.name;
+    let folder = signals.claim(
+        || output_folder(args.out.as_deref(), replace_if(args.force), name),
+        |_| Some(nothing().leaving(Leave::WithoutTheRun)),
+    )?;
     if !quiet {
-        show::header(&simulation, threads, &folder);
+        show::header(&simulation, threads, folder.path());
         if let Some(lock) = &lock {
             println!("  settings from {}", lock.path.display());
         }
+        for remark in &simulation.remarks {
+            println!("  {remark}");
+        }
     }
-    let mut display = Display::new(args.control.quiet);
+    let mut display = FirstStep::new(&signals, Display::new(args.control.quiet));
     let outcome = on_threads(threads, || {
         let options = RunOptions {
             folder: &folder,
             threads,
-            stop: &stop,
+            stop: signals.stop(),
             deadline,
             progress: &mut display,
         };
-        lennard_engine::run(&mut simulation, options).map_err(|e| Failure::of_run(e, &folder))
+        lennard_engine::run(&mut simulation, options).map_err(|e| Failure::of_run(e, folder.path()))
     })?;
     drop(display);
-    write_report(&outcome, &folder, &args.control)?;
+    write_report(&outcome, folder.path(), &args.control)?;
     tell(
         &outcome,
-        &folder,
+        folder.path(),
         simulation.scene.total_steps(),
         args.scene.json,
         &args.control,

@@ -6,14 +6,20 @@ use lennard_studies::StudyError;
 use lennard_studies::stability::{self, StabilityOptions};
 
 use crate::args::StabilityArgs;
-use crate::commands::{on_threads, output_folder, print_json};
+use crate::commands::{UNFINISHED, on_threads, output_folder, print_json, replace_if};
 use crate::failure::{Failure, INPUT, OTHER};
 use crate::progress::Display;
 use crate::show;
+use crate::signals::{Signals, StartUp};
 
 /// Runs the study, writes its folder and prints its verdicts.
 pub fn stability(args: &StabilityArgs) -> Result<ExitCode, Failure> {
-    let folder = output_folder(args.out.as_deref(), args.force, "stability")?;
+    let nothing = || StartUp::of_nothing(UNFINISHED);
+    let signals = Signals::listen(nothing())?;
+    let folder = signals.claim(
+        || output_folder(args.out.as_deref(), replace_if(args.force), "stability"),
+        |_| Some(nothing()),
+    )?;
     let command = if args.quick {
         "lennard stability --quick"
     } else {
@@ -34,14 +40,14 @@ pub fn stability(args: &StabilityArgs) -> Result<ExitCode, Failure> {
     let mut progress = Display::of_study(args.quiet);
     let study = on_threads(threads, || {
         let study = stability::run(&options, &mut progress)?;
-        stability::write(&study, &folder)?;
+        stability::write(&study, folder.path())?;
         Ok(study)
     })?;
     drop(progress);
     if args.json {
         print_json(&study)?;
     } else if !args.quiet {
-        show::stability(&study, &folder);
+        show::stability(&study, folder.path());
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -7,14 +7,18 @@ use lennard_scene::{Chosen, Lock, Scene};
 use lennard_studies::tune::{self, TuneError, TuneOptions};
 
 use crate::args::TuneArgs;
-use crate::commands::{on_threads, print_json};
+use crate::commands::{Inputs, on_threads, print_json};
 use crate::failure::{Failure, INPUT, OTHER};
 use crate::progress::Display;
 use crate::show;
+use crate::signals::{Signals, StartUp};
 
 /// Finds the settings, writes the lock file and prints what was wanted, predicted and measured. A scene with settings of
 /// its own is asked for the usual accuracy, and nothing is written: it would not read a lock.
 pub fn tune(args: &TuneArgs) -> Result<ExitCode, Failure> {
+    Signals::listen(StartUp::of_nothing(
+        "stopped before the end: no lock file was written, and there is nothing to go on from",
+    ))?;
     let (path, overrides) = (&args.scene.scene, args.scene.overrides());
     let asked = Scene::load(path, &overrides)?;
     let named = args.scene.lock.clone();
@@ -27,6 +31,7 @@ pub fn tune(args: &TuneArgs) -> Result<ExitCode, Failure> {
     };
     if let Some(lock) = &lock {
         can_be_written(lock)?;
+        Inputs::of_scene(path, None, &scene).are_not(lock)?;
     }
     let available = lennard_core::parallel::processors();
     let threads = args.scene.threads.map_or(available, usize::from);

@@ -17,6 +17,7 @@ mod tables;
 pub use panels::{Axis, Mark, Panel, panels};
 pub use point::{ChartedPoint, Errors, Outcome};
 pub use standings::{Advice, Done, NOT_RESOLVED, Standing, basis, done, standings};
+pub use store::{POINTS, has_points};
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;

@@ -10,9 +10,15 @@ use super::{ChartError, ChartedPoint, Plan};
 use crate::kept::{SCENE_FILE, same_scene};
 
 /// Folder of the stored points.
-const POINTS: &str = "points";
+pub const POINTS: &str = "points";
 /// The plan that they belong to.
 const PLAN_FILE: &str = "plan.toml";
+
+/// Whether a folder holds points that an earlier chart has stored.
+#[must_use]
+pub fn has_points(folder: &Path) -> bool {
+    std::fs::read_dir(folder.join(POINTS)).is_ok_and(|mut points| points.next().is_some())
+}
 
 /// Where points are stored.
 pub(super) struct Store {
@@ -46,7 +52,7 @@ impl Store {
     }
 
     fn is_empty(&self) -> bool {
-        std::fs::read_dir(&self.folder).is_ok_and(|mut entries| entries.next().is_none())
+        lennard_io::is_empty_folder(&self.folder)
     }
 
     /// Removes what a chart has stored, and nothing else.

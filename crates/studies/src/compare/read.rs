@@ -16,7 +16,7 @@ pub enum ReadError {
     #[error("{} holds no run: it has no run.json\n  allowed: the output folder of a run, such as runs/triple-point-1", .0.display())]
     NoRun(PathBuf),
     /// The run has not come to its end.
-    #[error("{}: the run did not finish (it has {steps} of {total} steps), and nothing in it is a result{why}\n  to go on: lennard resume {}", folder.display(), folder.display())]
+    #[error("{}: the run did not finish (it has {steps} of {total} steps), and nothing in it is a result{why}\n  {}", folder.display(), lennard_engine::way_on(folder))]
     Unfinished {
         /// The folder.
         folder: PathBuf,

@@ -62,6 +62,9 @@ pub enum SweepError {
         /// What it holds.
         found: String,
     },
+    /// The folder of a point cannot be claimed.
+    #[error(transparent)]
+    Claim(#[from] lennard_io::FolderError),
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] lennard_io::WriteError),
@@ -124,7 +127,7 @@ pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Sweep, SweepE
     })?;
     let file: File = toml::from_str(&text).map_err(|e| SweepError::Malformed {
         file: path.to_owned(),
-        message: e.to_string().trim_end().to_owned(),
+        message: in_words(e.to_string().trim_end()),
     })?;
     let stem = path
         .file_stem()
@@ -138,8 +141,25 @@ pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Sweep, SweepE
     let points = points::expand(path, &base, &common, &file.point, file.grid.as_ref())?;
     Ok(Sweep {
         name: file.name.unwrap_or(stem),
+        base,
         points,
     })
+}
+
+/// What is wrong with the file, without the words of the reader for an integer that no key can hold.
+fn in_words(message: &str) -> String {
+    let beyond = |line: &str| {
+        let (integer, _) = line
+            .strip_prefix("invalid type: integer `")?
+            .split_once("` as ")?;
+        Some(format!(
+            "{integer} is an integer beyond 64 bits\n  allowed: whole numbers from -2^63 to 2^63 − 1"
+        ))
+    };
+    let lines = message
+        .lines()
+        .map(|line| beyond(line).unwrap_or_else(|| line.to_owned()));
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 /// Tables inside `[set]` and dotted keys in quotes mean the same.

@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use lennard_core::random::Streams;
 use lennard_scene::Scene;
+use rand::Rng;
 
 use super::SweepError;
 use super::file::{Axes, OneOrMany};
@@ -202,18 +204,33 @@ pub(super) fn expand(
         .collect()
 }
 
+/// The values of some keys as a name: `rho0.85-T1.128`.
+fn name_of(chosen: &[(&Key, &String)], takes: impl Fn(&Key) -> bool) -> String {
+    let parts: Vec<String> = chosen
+        .iter()
+        .filter(|(key, _)| takes(key))
+        .map(|(key, value)| format!("{}{value}", key.short))
+        .collect();
+    parts.join("-")
+}
+
+/// The seed of a point: the first number of the stream of `seed` that is called after the point, `sweep/rho0.85-T1.128`,
+/// without its last bit, so that a scene file can hold it. Here `seed` is that of the scene or the point's own, and the
+/// name is the point's without its seed.
+///
+/// With one seed for all points, points would feel the same noise of their heat baths, and their results would err alike.
+fn seed_of_point(seed: u64, name: &str) -> u64 {
+    let stream = format!("sweep/{name}");
+    Streams::new(seed).sequential(&stream).next_u64() >> 1
+}
+
 fn point(base: &Path, common: &[(String, String)], choice: &Choice) -> Result<Point, SweepError> {
     let chosen: Vec<(&Key, &String)> = KEYS
         .iter()
         .zip(choice)
         .filter_map(|(k, v)| Some((k, v.as_ref()?)))
         .collect();
-    let name = chosen
-        .iter()
-        .filter(|(key, _)| key.scene.is_some())
-        .map(|(key, value)| format!("{}{value}", key.short))
-        .collect::<Vec<_>>()
-        .join("-");
+    let name = name_of(&chosen, |key| key.scene.is_some());
     let mut overrides: Vec<(String, String)> = chosen
         .iter()
         .filter_map(|(key, value)| Some((key.scene?.to_owned(), (*value).clone())))
@@ -231,6 +248,8 @@ fn point(base: &Path, common: &[(String, String)], choice: &Choice) -> Result<Po
         source,
     };
     let mut scene = Scene::load(base, &all).map_err(refused)?;
+    let state = name_of(&chosen, |key| key.scene.is_some() && key.name != "seed");
+    scene.system.seed = seed_of_point(scene.system.seed, &state);
     if let Some(longer) = choice[LONGER].as_ref().and_then(|x| x.parse::<f64>().ok()) {
         for stage in scene.stages.iter_mut().filter(|stage| stage.measure) {
             stage.steps = (stage.steps as f64 * longer).round() as u64;
@@ -252,137 +271,4 @@ fn point(base: &Path, common: &[(String, String)], choice: &Choice) -> Result<Po
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::load;
-    use std::path::PathBuf;
-
-    fn inputs() -> PathBuf {
-        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../inputs")
-    }
-
-    fn sweep_of(text: &str) -> Result<Vec<String>, String> {
-        let folder = tempfile::tempdir().unwrap();
-        let base = inputs().join("verlet-1967/state-point.toml");
-        let path = folder.path().join("sweep.toml");
-        std::fs::write(&path, format!("base = {base:?}\n{text}")).unwrap();
-        match load(&path, &[]) {
-            Ok(sweep) => Ok(sweep.points.iter().map(|p| p.name.clone()).collect()),
-            Err(e) => Err(e.to_string()),
-        }
-    }
-
-    #[test]
-    fn points_and_grids_multiply() {
-        let names =
-            sweep_of("[[point]]\ndensity = 0.5\ntemperature = [2, 3.5]\n[grid]\nseed = [1, 2]\n")
-                .unwrap();
-        assert_eq!(
-            names,
-            [
-                "rho0.5-T2-seed1",
-                "rho0.5-T2-seed2",
-                "rho0.5-T3.5-seed1",
-                "rho0.5-T3.5-seed2"
-            ]
-        );
-    }
-
-    #[test]
-    fn what_is_no_sweep_is_said_clearly() {
-        for (text, wanted) in [
-            ("", "no points"),
-            ("[[point]]\n", "no points"),
-            ("[grid]\ndensity = []\n", "no points"),
-            (
-                "[[point]]\ndensity = 0.5\n[grid]\ndensity = [0.4]\n",
-                "found:   a key that [[point]] has too",
-            ),
-            (
-                "[[point]]\nseed = 1\n[grid]\nseed = [2]\n",
-                "allowed: each key in one of the two",
-            ),
-            (
-                "[[point]]\ndensity = 0.5\n[[point]]\ndensity = 0.5\n",
-                "allowed: each point once",
-            ),
-            ("[[point]]\nlonger = 2\n", "no points"),
-            (
-                "[[point]]\ndensity = 0.5\nlonger = -1\n",
-                "`point.longer` is not allowed\n  found:   -1",
-            ),
-            ("[[point]]\ndensty = 0.5\n", "densty"),
-            ("[[point]]\ndensity = -1.0\n", "system.density"),
-            (
-                "[set]\n\"system.densty\" = 1\n[[point]]\ndensity = 0.5\n",
-                "densty",
-            ),
-        ] {
-            let message = sweep_of(text).unwrap_err();
-            assert!(message.contains(wanted), "{text}: {message}");
-        }
-    }
-
-    #[test]
-    fn a_longer_point_has_more_measured_steps_and_no_other_name() {
-        let folder = tempfile::tempdir().unwrap();
-        let base = inputs().join("verlet-1967/state-point.toml");
-        let path = folder.path().join("sweep.toml");
-        let text = "[[point]]\ndensity = 0.5\nlonger = 2.5\n[[point]]\ndensity = 0.6\n";
-        std::fs::write(&path, format!("base = {base:?}\n{text}")).unwrap();
-        let steps = [("stage.production.steps".to_owned(), "1001".to_owned())];
-        let sweep = load(&path, &steps).unwrap();
-        let found: Vec<_> = sweep
-            .points
-            .iter()
-            .map(|p| {
-                (
-                    p.name.as_str(),
-                    p.scene.stages[2].steps,
-                    p.scene.stages[1].steps,
-                )
-            })
-            .collect();
-        assert_eq!(found, [("rho0.5", 2503, 10_000), ("rho0.6", 1001, 10_000)]);
-    }
-
-    #[test]
-    fn a_start_from_a_file_has_its_density_and_number_of_particles() {
-        let folder = tempfile::tempdir().unwrap();
-        let base = inputs().join("fluid/from-configuration.toml");
-        let path = folder.path().join("sweep.toml");
-        std::fs::write(
-            &path,
-            format!("base = {base:?}\n[grid]\ntemperature = [1.0, 1.2]\n"),
-        )
-        .unwrap();
-        for point in load(&path, &[]).unwrap().points {
-            // NIST's number 4: 30 particles in a cube of side 8.
-            assert_eq!(point.atoms, 30);
-            assert!(
-                (point.density - 30.0 / 512.0).abs() < 1e-12,
-                "{}",
-                point.density
-            );
-        }
-    }
-
-    #[test]
-    fn the_sweeps_that_come_along_are_whole() {
-        for (file, points) in [
-            ("verlet-1967/table.toml", 38),
-            ("sweep/isotherm.toml", 8),
-            ("sweep/transport.toml", 8),
-            ("sweep/time-step.toml", 4),
-            ("sweep/heat-capacity.toml", 4),
-        ] {
-            let sweep = load(&inputs().join(file), &[]).unwrap();
-            assert_eq!(sweep.points.len(), points, "{file}");
-        }
-        let table = load(
-            &inputs().join("verlet-1967/table.toml"),
-            &[("truncation.r_cut".into(), "4".into())],
-        )
-        .unwrap();
-        assert!(table.points.iter().all(|p| p.scene.truncation.r_cut == 4.0));
-    }
-}
+mod tests;

@@ -1,30 +1,27 @@
 //! Running the points of a sweep side by side, and going on where an earlier sweep stopped.
 
-use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
-use std::time::Duration;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use lennard_engine::{EngineError, ResumeOptions, RunOptions};
-use lennard_io::{Existing, RunRecord};
+use lennard_io::{CheckpointFolder, Existing, RunRecord};
 use serde::Serialize;
 
-use super::threads::{threads_of, workers};
+use super::side_by_side::run_all;
 use super::{Agreement, Point, Sweep, SweepError, agreement, page};
+use crate::Progress;
 use crate::compare::{ComparedRun, Row, RunFolder, StateOfMatter, compare};
-use crate::jobs::pool;
 use crate::kept::same_scene;
-use crate::{Progress, run_page};
 
 /// Name and version of the schema of [`SweepRecord`].
 const SWEEP_SCHEMA: &str = "lennard-sweep/1";
 
-/// Time between two looks at how far the points are.
-const LOOK_EVERY: Duration = Duration::from_millis(200);
+/// What a sweep writes itself in its folder: record, table and page.
+pub const FILES: [&str; 3] = ["sweep.json", "table.csv", "report.html"];
 
 /// How to run a sweep.
 pub struct SweepOptions<'a> {
-    /// The output folder, which exists; a folder for each point is made in it.
+    /// The output folder, held by this process; a folder for each point is made in it.
     pub folder: &'a Path,
     /// Threads for all points together: one for each point at work, and more for large points where there are
     /// fewer points than threads.
@@ -33,8 +30,8 @@ pub struct SweepOptions<'a> {
     pub replace: bool,
     /// Whether every point gets a `report.html` of its own.
     pub reports: bool,
-    /// Set from outside to stop: the points at work write checkpoints.
-    pub stop: &'a AtomicBool,
+    /// Set from outside to stop: the points at work write checkpoints, and those that start are given up.
+    pub stop: Arc<AtomicBool>,
     /// The command, for the page.
     pub command: String,
 }
@@ -47,6 +44,8 @@ pub enum Ending {
     Finished,
     /// It was asked to stop; the same command goes on.
     Stopped,
+    /// It was asked to stop before any point had a step that could be kept; nothing was written.
+    NotBegun,
     /// Some points failed.
     Failed,
 }
@@ -101,7 +100,8 @@ pub struct SweepRecord {
 }
 
 /// What is in the folder of a point.
-enum Found {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Found {
     /// A finished run of the same scene.
     Finished,
     /// A run of the same scene that can go on.
@@ -111,10 +111,20 @@ enum Found {
 }
 
 /// How the run of one point ended.
-enum Ran {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Ran {
     Kept,
     Finished,
     Stopped,
+}
+
+impl Ran {
+    pub(super) fn of(ending: lennard_engine::Ending) -> Self {
+        match ending {
+            lennard_engine::Ending::Finished => Self::Finished,
+            lennard_engine::Ending::Stopped | lennard_engine::Ending::OutOfTime => Self::Stopped,
+        }
+    }
 }
 
 /// Runs what is not finished yet, and writes table, page and record.
@@ -132,7 +142,7 @@ pub fn run(
         .iter()
         .map(|point| look(&options.folder.join(&point.name), point, options.replace))
         .collect::<Result<_, _>>()?;
-    let outcomes = run_all(sweep, &found, options, progress);
+    let outcomes = run_all(&sweep.points, found, options, progress);
     let points: Vec<SweptPoint> = sweep
         .points
         .iter()
@@ -142,7 +152,11 @@ pub fn run(
     let stopped =
         options.stop.load(Ordering::Relaxed) && points.iter().any(|p| p.compared.is_none());
     let ending = if stopped {
-        Ending::Stopped
+        if points.iter().any(|p| is_kept(p, options.folder)) {
+            Ending::Stopped
+        } else {
+            Ending::NotBegun
+        }
     } else if points.iter().any(|p| p.failure.is_some()) {
         Ending::Failed
     } else {
@@ -166,10 +180,14 @@ pub fn run(
         .collect(),
         points,
     };
-    lennard_io::write_json_atomically(&options.folder.join("sweep.json"), &record)?;
-    lennard_io::write_text_atomically(&options.folder.join("table.csv"), &page::csv(&record))?;
+    let [json, table, report] = FILES.map(|name| options.folder.join(name));
+    if ending == Ending::NotBegun {
+        return Ok(record);
+    }
+    lennard_io::write_json_atomically(&json, &record)?;
+    lennard_io::write_text_atomically(&table, &page::csv(&record))?;
     let html = page::page(&record, &options.command)?.to_html();
-    lennard_io::write_text_atomically(&options.folder.join("report.html"), &html)?;
+    lennard_io::write_text_atomically(&report, &html)?;
     Ok(record)
 }
 
@@ -183,144 +201,22 @@ fn look(folder: &Path, point: &Point, replace: bool) -> Result<Found, SweepError
         found,
     };
     let same = same_scene(folder, &point.scene) == Some(true);
-    match (lennard_io::read_run_record(&folder.join("run.json")), same) {
-        (Ok(RunRecord { finished: true, .. }), true) => Ok(Found::Finished),
-        (Ok(_), true) => Ok(Found::Begun),
-        _ if replace => Ok(Found::Nothing),
-        (Ok(_), false) => Err(other("it holds the run of another scene".into())),
-        (Err(e), _) => Err(other(format!("its run.json cannot be read: {e}"))),
-    }
-}
-
-/// Runs all points, and tells how far they are.
-fn run_all(
-    sweep: &Sweep,
-    found: &[Found],
-    options: &SweepOptions<'_>,
-    progress: &mut dyn Progress,
-) -> Vec<Result<Ran, String>> {
-    let points = &sweep.points;
-    let work = |point: &Point| point.scene.total_steps() * point.atoms as u64;
-    let total: u64 = points
-        .iter()
-        .zip(found)
-        .filter(|(_, f)| !matches!(f, Found::Finished))
-        .map(|(p, _)| work(p))
-        .sum();
-    let done: Vec<AtomicU64> = points.iter().map(|_| AtomicU64::new(0)).collect();
-    let next = AtomicUsize::new(0);
-    let to_run = found
-        .iter()
-        .filter(|f| !matches!(f, Found::Finished))
-        .count();
-    let workers = workers(to_run, options.threads);
-    let left = AtomicUsize::new(workers);
-    let results: Vec<Mutex<Option<Result<Ran, String>>>> =
-        points.iter().map(|_| Mutex::new(None)).collect();
-    std::thread::scope(|scope| {
-        for worker in 0..workers {
-            let (next, left, results, done) = (&next, &left, &results, &done);
-            scope.spawn(move || {
-                while let Some(i) =
-                    Some(next.fetch_add(1, Ordering::Relaxed)).filter(|i| *i < points.len())
-                {
-                    let threads = threads_of(worker, workers, options.threads, points[i].atoms);
-                    let result = run_point(&points[i], &found[i], options, threads, &done[i]);
-                    if let Ok(mut slot) = results[i].lock() {
-                        *slot = Some(result);
-                    }
-                }
-                left.fetch_sub(1, Ordering::Relaxed);
-            });
-        }
-        while left.load(Ordering::Relaxed) > 0 {
-            std::thread::sleep(LOOK_EVERY);
-            let so_far: u64 = done.iter().map(|d| d.load(Ordering::Relaxed)).sum();
-            let finished = results
-                .iter()
-                .filter(|r| r.lock().is_ok_and(|slot| slot.is_some()))
-                .count();
-            let share = so_far as f64 / total.max(1) as f64;
-            progress.update(
-                &format!("{finished} of {} points", points.len()),
-                share.min(1.0),
-            );
-        }
-    });
-    let not_run = || Err("it was not run".to_owned());
-    results
-        .into_iter()
-        .map(|slot| slot.into_inner().ok().flatten().unwrap_or_else(not_run))
-        .collect()
-}
-
-/// Counts particles times steps.
-struct Counter<'a> {
-    done: &'a AtomicU64,
-    atoms: u64,
-}
-
-impl lennard_engine::Progress for Counter<'_> {
-    fn update(&mut self, _stage: &str, done: u64, _total: u64) {
-        self.done.store(done * self.atoms, Ordering::Relaxed);
-    }
-}
-
-fn run_point(
-    point: &Point,
-    found: &Found,
-    options: &SweepOptions<'_>,
-    threads: usize,
-    done: &AtomicU64,
-) -> Result<Ran, String> {
-    if matches!(found, Found::Finished) {
-        return Ok(Ran::Kept);
-    }
-    if options.stop.load(Ordering::Relaxed) {
-        return Ok(Ran::Stopped);
-    }
-    let folder = options.folder.join(&point.name);
-    let ending = pool(threads)
-        .map_err(|e| e.to_string())?
-        .install(|| start_or_go_on(point, found, options, threads, &folder, done))
-        .map_err(|error| error.to_string())?;
-    if ending != lennard_engine::Ending::Finished {
-        return Ok(Ran::Stopped);
-    }
-    if options.reports {
-        run_page::write(&folder).map_err(|e| e.to_string())?;
-    }
-    Ok(Ran::Finished)
-}
-
-fn start_or_go_on(
-    point: &Point,
-    found: &Found,
-    options: &SweepOptions<'_>,
-    threads: usize,
-    folder: &PathBuf,
-    done: &AtomicU64,
-) -> Result<lennard_engine::Ending, EngineError> {
-    let mut counter = Counter {
-        done,
-        atoms: point.atoms as u64,
+    let found = match (lennard_io::read_run_record(&folder.join("run.json")), same) {
+        (Ok(RunRecord { finished: true, .. }), true) => return Ok(Found::Finished),
+        (Ok(_), true) => Found::Begun,
+        _ if replace => Found::Nothing,
+        (Ok(_), false) => return Err(other("it holds the run of another scene".into())),
+        (Err(e), _) => return Err(other(format!("its run.json cannot be read: {e}"))),
     };
-    let mut how = RunOptions {
-        folder,
-        threads,
-        stop: options.stop,
-        deadline: None,
-        progress: &mut counter,
-    };
-    if matches!(found, Found::Begun)
-        && let Ok(mut resumed) = lennard_engine::resume(folder, &ResumeOptions::default())
-    {
-        return Ok(lennard_engine::go_on(&mut resumed, how)?.ending);
-    }
-    let mut simulation = lennard_engine::prepare(point.scene.clone())?;
-    lennard_io::create_named_folder(folder, Existing::Replace).map_err(EngineError::Folder)?;
-    how.folder = folder;
-    Ok(lennard_engine::run(&mut simulation, how)?.ending)
+    // A run that a process goes on with by itself shows before any point is begun.
+    drop(lennard_io::create_named_folder(folder, Existing::Keep)?);
+    Ok(found)
+}
+
+/// Whether a point has a result, or a checkpoint from which it goes on.
+fn is_kept(point: &SweptPoint, folder: &Path) -> bool {
+    let checkpoints = CheckpointFolder::new(&folder.join(&point.name));
+    point.compared.is_some() || checkpoints.list().is_ok_and(|all| !all.is_empty())
 }
 
 fn conclude(point: &Point, outcome: Result<Ran, String>, folder: &Path) -> SweptPoint {

@@ -1,0 +1,191 @@
+use super::super::load;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+fn inputs() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../inputs")
+}
+
+fn sweep_of(text: &str) -> Result<Vec<String>, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let base = inputs().join("verlet-1967/state-point.toml");
+    let path = folder.path().join("sweep.toml");
+    std::fs::write(&path, format!("base = {base:?}\n{text}")).unwrap();
+    match load(&path, &[]) {
+        Ok(sweep) => Ok(sweep.points.iter().map(|p| p.name.clone()).collect()),
+        Err(e) => Err(e.to_string()),
+    }
+}
+
+#[test]
+fn points_and_grids_multiply() {
+    let names =
+        sweep_of("[[point]]\ndensity = 0.5\ntemperature = [2, 3.5]\n[grid]\nseed = [1, 2]\n")
+            .unwrap();
+    assert_eq!(
+        names,
+        [
+            "rho0.5-T2-seed1",
+            "rho0.5-T2-seed2",
+            "rho0.5-T3.5-seed1",
+            "rho0.5-T3.5-seed2"
+        ]
+    );
+}
+
+/// Proves that every point draws noise of its own, whether the sweep names seeds or not, and that the seed of a point
+/// follows from seed and point alone: whatever else the sweep holds, whatever the order. It does not judge the noise.
+#[test]
+fn every_point_has_a_seed_of_its_own() {
+    let seeds = |text: &str, set: &[(String, String)]| -> BTreeMap<String, u64> {
+        let folder = tempfile::tempdir().unwrap();
+        let base = inputs().join("verlet-1967/state-point.toml");
+        let path = folder.path().join("sweep.toml");
+        std::fs::write(&path, format!("base = {base:?}\n{text}")).unwrap();
+        let points = load(&path, set).unwrap().points;
+        points
+            .into_iter()
+            .map(|p| (p.name, p.scene.system.seed))
+            .collect()
+    };
+    let grid = "[grid]\ndensity = [0.5, 0.6]\ntemperature = [1.5, 2]\n";
+    let given = seeds(&format!("{grid}seed = [1, 2]\n"), &[]);
+    let different: BTreeSet<u64> = given.values().copied().collect();
+    assert_eq!((given.len(), different.len()), (8, 8));
+    let one = seeds(
+        "[[point]]\ntemperature = 2\ndensity = 0.6\nseed = 2\nlonger = 2\n",
+        &[],
+    );
+    assert_eq!(one["rho0.6-T2-seed2"], given["rho0.6-T2-seed2"]);
+    // Without seeds in the sweep, that of the base counts, or the one on the command line.
+    let of_base = seeds(grid, &[]);
+    assert_eq!(of_base.values().collect::<BTreeSet<_>>().len(), 4);
+    let set = [("system.seed".to_owned(), "2".to_owned())];
+    let typed = seeds(grid, &set);
+    assert_eq!(typed["rho0.6-T2"], given["rho0.6-T2-seed2"]);
+    assert_ne!(typed["rho0.6-T2"], of_base["rho0.6-T2"]);
+    // Written down: results of finished sweeps depend on it.
+    assert_eq!(typed["rho0.6-T2"], 1_391_517_163_838_379_471);
+}
+
+#[test]
+fn the_isotherm_is_held_at_its_temperature() {
+    let sweep = load(&inputs().join("sweep/isotherm.toml"), &[]).unwrap();
+    for point in &sweep.points {
+        let stage = point.scene.stages.last().unwrap();
+        assert_eq!(stage.temperature, 1.5, "{}", point.name);
+        let bath = stage.thermostat.as_ref().map(|bath| format!("{bath:?}"));
+        let bath = bath.unwrap_or_default().to_lowercase();
+        assert!(
+            bath.contains("bussi") && bath.contains("tau: 1.0"),
+            "{bath}"
+        );
+    }
+}
+
+#[test]
+fn what_is_no_sweep_is_said_clearly() {
+    for (text, wanted) in [
+        ("", "no points"),
+        ("[[point]]\n", "no points"),
+        ("[grid]\ndensity = []\n", "no points"),
+        (
+            "[[point]]\ndensity = 0.5\n[grid]\ndensity = [0.4]\n",
+            "found:   a key that [[point]] has too",
+        ),
+        (
+            "[[point]]\nseed = 1\n[grid]\nseed = [2]\n",
+            "allowed: each key in one of the two",
+        ),
+        (
+            "[[point]]\ndensity = 0.5\n[[point]]\ndensity = 0.5\n",
+            "allowed: each point once",
+        ),
+        ("[[point]]\nlonger = 2\n", "no points"),
+        (
+            "[[point]]\ndensity = 0.5\nlonger = -1\n",
+            "`point.longer` is not allowed\n  found:   -1",
+        ),
+        ("[[point]]\ndensty = 0.5\n", "densty"),
+        (
+            "[grid]\nseed = 99999999999999999999\n",
+            "99999999999999999999 is an integer beyond 64 bits",
+        ),
+        (
+            "[set]\n\"system.seed\" = 99999999999999999999\n[[point]]\ndensity = 0.5\n",
+            "an integer beyond 64 bits\n  allowed: whole numbers",
+        ),
+        ("[[point]]\ndensity = -1.0\n", "system.density"),
+        (
+            "[set]\n\"system.densty\" = 1\n[[point]]\ndensity = 0.5\n",
+            "densty",
+        ),
+    ] {
+        let message = sweep_of(text).unwrap_err();
+        assert!(message.contains(wanted), "{text}: {message}");
+    }
+}
+
+#[test]
+fn a_longer_point_has_more_measured_steps_and_no_other_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = inputs().join("verlet-1967/state-point.toml");
+    let path = folder.path().join("sweep.toml");
+    let text = "[[point]]\ndensity = 0.5\nlonger = 2.5\n[[point]]\ndensity = 0.6\n";
+    std::fs::write(&path, format!("base = {base:?}\n{text}")).unwrap();
+    let steps = [("stage.production.steps".to_owned(), "1001".to_owned())];
+    let sweep = load(&path, &steps).unwrap();
+    let found: Vec<_> = sweep
+        .points
+        .iter()
+        .map(|p| {
+            (
+                p.name.as_str(),
+                p.scene.stages[2].steps,
+                p.scene.stages[1].steps,
+            )
+        })
+        .collect();
+    assert_eq!(found, [("rho0.5", 2503, 10_000), ("rho0.6", 1001, 10_000)]);
+}
+
+#[test]
+fn a_start_from_a_file_has_its_density_and_number_of_particles() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = inputs().join("fluid/from-configuration.toml");
+    let path = folder.path().join("sweep.toml");
+    std::fs::write(
+        &path,
+        format!("base = {base:?}\n[grid]\ntemperature = [1.0, 1.2]\n"),
+    )
+    .unwrap();
+    for point in load(&path, &[]).unwrap().points {
+        // NIST's number 4: 30 particles in a cube of side 8.
+        assert_eq!(point.atoms, 30);
+        assert!(
+            (point.density - 30.0 / 512.0).abs() < 1e-12,
+            "{}",
+            point.density
+        );
+    }
+}
+
+#[test]
+fn the_sweeps_that_come_along_are_whole() {
+    for (file, points) in [
+        ("verlet-1967/table.toml", 38),
+        ("sweep/isotherm.toml", 8),
+        ("sweep/transport.toml", 8),
+        ("sweep/time-step.toml", 4),
+        ("sweep/heat-capacity.toml", 4),
+    ] {
+        let sweep = load(&inputs().join(file), &[]).unwrap();
+        assert_eq!(sweep.points.len(), points, "{file}");
+    }
+    let table = load(
+        &inputs().join("verlet-1967/table.toml"),
+        &[("truncation.r_cut".into(), "4".into())],
+    )
+    .unwrap();
+    assert!(table.points.iter().all(|p| p.scene.truncation.r_cut == 4.0));
+}
