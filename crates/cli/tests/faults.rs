@@ -157,6 +157,20 @@ fn permission_lost_stops_the_run_and_loses_nothing_before() {
     for checkpoint in checkpoints(&place.out()) {
         lennard_io::read_checkpoint(&checkpoint).unwrap();
     }
+    // Nor can one begin in an empty folder that it may not write to.
+    fs::create_dir(place.root.path().join("closed")).unwrap();
+    allow(&place.root.path().join("closed"), 0o555);
+    let closed = place
+        .command(&["run", "liquid.toml", "--quiet", "--out", "closed"])
+        .output()
+        .unwrap();
+    refused(
+        &closed,
+        2,
+        &[
+            "making the output folder: the output folder closed cannot be written to: Permission denied",
+        ],
+    );
     // A new run cannot begin there, and says so.
     allow(&place.out(), 0o755);
     allow(place.root.path(), 0o555);

@@ -248,7 +248,11 @@ fn an_input_in_the_output_folder_is_never_replaced() {
         .current_dir(bench.path("study"))
         .output()
         .unwrap();
-    refused(&output, &["scene.toml lies in the output folder ."]);
+    let words = [
+        "protecting the input: scene.toml lies in the output folder .",
+        "allowed: another output folder; no file that the command reads is replaced or removed",
+    ];
+    refused(&output, &words);
     assert!(before == contents(&bench.path("study")));
 }
 

@@ -12,6 +12,7 @@
 //! | `failed.xyz` | the state of a run at the step at which physics stopped it |
 //! | `before-failure.xyz` | the last state before that with which nothing was wrong |
 //! | `checkpoint-<step>.lennard` | everything for going on to the bit; the last two are kept |
+//! | `.lennard-claim` | the process at work there, as long as it is |
 
 use std::path::{Path, PathBuf};
 
