@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::run::SET_ASIDE_BYTES;
 use crate::simulation::Simulation;
 use crate::watchdog;
-use crate::{EngineError, SET_ASIDE_EVERY, build};
+use crate::{EngineError, build};
 use shares::{Costs, bath_name};
 
 /// One part of the work.
@@ -270,14 +270,7 @@ fn items(
             }
         },
     );
-    items.push(item(
-        "watchdog",
-        true,
-        format!(
-            "speeds every {} steps, a state set aside every {SET_ASIDE_EVERY}",
-            watchdog::EVERY
-        ),
-    ));
+    items.push(item("watchdog", true, watchdog::what_is_done()));
     items.push(item(
         "more than one thread",
         threads > 1,

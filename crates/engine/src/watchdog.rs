@@ -8,6 +8,7 @@
 use lennard_core::{DVec3, ForceError, PeriodicBox, State, StepError, parallel};
 
 use crate::initial::{ClosePair, closest_pair};
+use crate::run::SET_ASIDE_EVERY;
 
 /// Steps between two looks at the speeds: at a displacement limit of a fifth of σ a step nothing can
 /// cross more than a few σ unseen, and the look costs far below 1 % of the steps between.
@@ -15,6 +16,14 @@ pub const EVERY: u64 = 20;
 
 /// Steps between two looks at forces of a few particles, which show whether a list missed a pair; a multiple of [`EVERY`].
 pub const LISTS_EVERY: u64 = 100;
+
+/// What the watchdog does how often, for plans and benchmarks.
+#[must_use]
+pub fn what_is_done() -> String {
+    format!(
+        "speeds every {EVERY} steps, forces of one or two particles every {LISTS_EVERY}, a state set aside every {SET_ASIDE_EVERY}"
+    )
+}
 
 /// The longest legal move of a particle in one step, σ. Thermal moves are √T·dt ≈ 0.005 σ; a fifth of σ in
 /// one step carries two particles from contact to deep overlap.

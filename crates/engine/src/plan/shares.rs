@@ -124,6 +124,7 @@ impl Costs {
         take_steps_unseen(&mut bare, simulation)?;
         let dt = bare.stage_run().dt;
         let look = median(|| drop(watchdog::check_speeds(&bare.state, dt)));
+        let check = median(|| drop(bare.force_check.look(&bare.state)));
         let mut before = aside(&bare.state);
         let copy = median(|| set_aside(&bare.state, &mut before));
         let baths = simulation
@@ -147,7 +148,9 @@ impl Costs {
             observers,
             baths,
             frame: frame(&bare),
-            watch: look / watchdog::EVERY as f64 + copy / SET_ASIDE_EVERY as f64,
+            watch: look / watchdog::EVERY as f64
+                + check / watchdog::LISTS_EVERY as f64
+                + copy / SET_ASIDE_EVERY as f64,
         })
     }
 

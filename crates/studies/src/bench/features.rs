@@ -354,11 +354,7 @@ fn called_singly(
         lennard_io::write_checkpoint(&path, &checkpoint).map_err(EngineError::from)?;
         saving.push(clock.wall() / CHECKPOINTS_EVERY);
     }
-    let watched = format!(
-        "speeds every {} steps, forces of one or two particles every {}, a state set aside every {SET_ASIDE_EVERY}",
-        watchdog::EVERY,
-        watchdog::LISTS_EVERY
-    );
+    let watched = watchdog::what_is_done();
     let saved = Spread::of(saving);
     let saved_how = format!(
         "one each {CHECKPOINTS_EVERY:.0} s, {:.1} ms each with its disk",
