@@ -114,12 +114,12 @@ def test_energies_of_the_header_are_those_of_the_frame(every_step):
     for frame in lv.load_frames(every_step.folder)[::8]:
         kinetic = 0.5 * (frame.arrays["velo"] ** 2).sum()
         n = len(frame)
-        assert frame.info["kinetic_energy"] == pytest.approx(kinetic, rel=1e-13)
+        assert frame.info["total_kinetic_energy"] == pytest.approx(kinetic, rel=1e-13)
         assert frame.info["temperature"] == pytest.approx(2.0 * kinetic / (3 * n - 3), rel=1e-13)
         judged = frame.copy()
         judged.calc = LennardJones(sigma=1.0, epsilon=1.0, rc=2.5, smooth=False)
         # 20,000 pair terms of order one in two orders of summation.
-        assert frame.info["potential_energy"] == pytest.approx(judged.get_potential_energy(), rel=1e-12)
+        assert frame.info["total_potential_energy"] == pytest.approx(judged.get_potential_energy(), rel=1e-12)
         virial = -3.0 * judged.get_volume() * judged.get_stress()[:3].mean()
         # The mean of the kinetic energies half a step earlier and later, v -+ dt/2 F.
         forces = frame.get_forces()

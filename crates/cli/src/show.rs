@@ -188,7 +188,7 @@ pub fn plan(plan: &Plan) {
     }
     println!("{t}");
     println!(
-        "  memory: about {} ({:.0} bytes a particle)",
+        "  memory: about {} ({:.0} bytes per particle)",
         bytes(plan.bytes),
         plan.bytes as f64 / plan.atoms as f64
     );

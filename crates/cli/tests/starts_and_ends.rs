@@ -184,7 +184,7 @@ fn the_last_state_has_its_energies_whenever_samples_are_taken() {
             text
         };
         let (on, off) = (run("10", "on"), run("7", "off"));
-        for key in ["potential_energy", "kinetic_energy", "pressure"] {
+        for key in ["total_potential_energy", "total_kinetic_energy", "pressure"] {
             assert_eq!(header(&on, key), header(&off, key), "{key}");
         }
         let particles = |text: &str| text.lines().skip(2).map(str::to_owned).collect::<Vec<_>>();

@@ -140,7 +140,7 @@ where
     B: Send,
     F: Fn(usize, &mut [A], &mut [B]) + Sync,
 {
-    assert_eq!(a.len(), b.len(), "both arrays hold one item a particle");
+    assert_eq!(a.len(), b.len(), "both arrays hold one item per particle");
     let size = piece(a.len());
     let pieces = a.chunks_mut(size).zip(b.chunks_mut(size));
     for_each_item(pieces, |(), k, (x, y)| work(k * size, x, y));
@@ -158,7 +158,7 @@ where
 {
     assert!(
         a.len() == b.len() && b.len() == c.len(),
-        "all arrays hold one item a particle"
+        "all arrays hold one item per particle"
     );
     let size = piece(a.len());
     let rest = b.chunks_mut(size).zip(c.chunks_mut(size));

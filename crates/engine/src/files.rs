@@ -345,11 +345,11 @@ pub(crate) fn header(simulation: &Simulation) -> Vec<(&'static str, f64)> {
         potential_energy, ..
     } = simulation.state.energetics;
     if let Some(energy) = potential_energy {
-        extra.insert(0, ("potential_energy", energy));
+        extra.insert(0, ("total_potential_energy", energy));
         extra.insert(
             1,
             (
-                "kinetic_energy",
+                "total_kinetic_energy",
                 simulation
                     .dynamics
                     .kinetic_energy(&simulation.state.velocities),

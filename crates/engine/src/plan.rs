@@ -176,7 +176,7 @@ fn items(
             "tail correction",
             true,
             format!(
-                "computed once: {:.4} ε a particle, {:.4} ε/σ³",
+                "computed once: {:.4} ε per particle, {:.4} ε/σ³",
                 tail.energy_per_particle, tail.pressure
             ),
         ),

@@ -14,7 +14,7 @@ use crate::simulation::{Follower, Simulation, Verdict};
 use crate::watchdog::PhysicsFailure;
 use crate::{EngineError, record};
 
-/// Steps between two states set aside for the case that physics fails: a copy of so few bytes a particle each
+/// Steps between two states set aside for the case that physics fails: a copy of so few bytes per particle each
 /// hundred steps is far below 1 % of them.
 pub const SET_ASIDE_EVERY: u64 = 100;
 /// Bytes that a state set aside takes for each particle: position and velocity.

@@ -380,7 +380,7 @@ fn a_bath_holds_its_temperature_with_every_method_and_its_heat_is_accounted_for(
                 .thermodynamics
                 .conservation()
                 .energy_drift_per_atom_per_tau;
-            // The bath moves some 0.1 ε a particle; what is left after its heat is taken off is the method's own error.
+            // The bath moves some 0.1 ε per particle; what is left after its heat is taken off is the method's own error.
             assert!(drift.abs() < 1e-4, "{method} {bath}: {drift:e}");
         }
     }

@@ -160,7 +160,7 @@ impl Persist for BitReversibleVerlet {
         ] {
             let (cells, rest) = from.i64(name)?.as_chunks::<3>();
             if !rest.is_empty() {
-                return Err(from.misfit(name, "not three numbers a particle"));
+                return Err(from.misfit(name, "not three numbers per particle"));
             }
             *target = cells.to_vec();
         }

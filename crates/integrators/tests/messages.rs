@@ -146,6 +146,6 @@ fn integers_that_are_not_three_a_particle_are_refused() {
     let error = entry.build().restore(&archive.reader()).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "the saved entry `current` does not fit: not three numbers a particle"
+        "the saved entry `current` does not fit: not three numbers per particle"
     );
 }

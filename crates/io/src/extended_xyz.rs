@@ -76,7 +76,7 @@ pub(crate) fn parse_frame<R: BufRead>(
             count_line,
             format!("{n} particles"),
             format!(
-                "at most what the {} bytes left in the file can hold, {least} bytes a particle: \
+                "at most what the {} bytes left in the file can hold, {least} bytes per particle: \
                  the count is wrong or the frame is truncated",
                 lines.left()
             ),

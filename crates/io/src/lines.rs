@@ -162,7 +162,7 @@ impl<R: BufRead> Lines<R> {
             self.refuse(
                 format!("{} particles", excerpt(count.as_bytes())),
                 format!(
-                    "at most what the {} bytes left in the file can hold, {least_bytes_each} bytes a particle",
+                    "at most what the {} bytes left in the file can hold, {least_bytes_each} bytes per particle",
                     self.left()
                 ),
             )

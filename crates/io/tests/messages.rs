@@ -32,14 +32,14 @@ fn readers_say_what_they_would_take() {
         ),
         (
             "1000\nx\n".into(),
-            "at most what the 2 bytes left in the file can hold, 6 bytes a particle",
+            "at most what the 2 bytes left in the file can hold, 6 bytes per particle",
         ),
         (
             frame(
                 &format!("{BOX} Properties=pos:R:3:velo:R:3:forces:R:3"),
                 two,
             ),
-            "can hold, 18 bytes a particle: the count is wrong or the frame is truncated",
+            "can hold, 18 bytes per particle: the count is wrong or the frame is truncated",
         ),
         (
             frame(&format!("{BOX} length_scale=1e-320"), two),

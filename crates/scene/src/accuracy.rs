@@ -16,13 +16,13 @@ use crate::{Scene, Start};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Accuracy {
-    /// Error of the mean potential energy, ε a particle.
+    /// Error of the mean potential energy, ε per particle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub potential_energy: Option<f64>,
     /// Error of the mean pressure, ε/σ³.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<f64>,
-    /// Drift of the conserved energy, ε/τ a particle.
+    /// Drift of the conserved energy, ε/τ per particle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drift: Option<f64>,
 }
@@ -39,9 +39,9 @@ impl Accuracy {
     #[must_use]
     pub fn asked(&self) -> Vec<(&'static str, f64, &'static str)> {
         [
-            ("potential_energy", self.potential_energy, "ε a particle"),
+            ("potential_energy", self.potential_energy, "ε per particle"),
             ("pressure", self.pressure, "ε/σ³"),
-            ("drift", self.drift, "ε/τ a particle"),
+            ("drift", self.drift, "ε/τ per particle"),
         ]
         .into_iter()
         .filter_map(|(key, value, unit)| Some((key, value?, unit)))

@@ -214,9 +214,9 @@ static KEYS: &[KeyDoc] = keys! {
         "seed": Whole(0, i64::MAX), "`1`", "", "Seed of every random stream.";
     }
     "accuracy" of any {
-        "potential_energy": Positive, "not asked for", "ε a particle", "Largest error of the mean potential energy, at equal temperature: of the full potential, or, where `truncation.kind` and `truncation.r_cut` are both written, of that model.";
+        "potential_energy": Positive, "not asked for", "ε per particle", "Largest error of the mean potential energy, at equal temperature: of the full potential, or, where `truncation.kind` and `truncation.r_cut` are both written, of that model.";
         "pressure": Positive, "not asked for", "ε/σ³", "Largest error of the mean pressure, likewise.";
-        "drift": Positive, "not asked for", "ε/τ a particle", "Largest drift of the conserved energy.";
+        "drift": Positive, "not asked for", "ε/τ per particle", "Largest drift of the conserved energy.";
     }
     "potential" of any {
         "kind": Names(|| lennard_forcefield::potentials().iter().map(|p| p.name).collect()), "`\"lennard-jones\"`", "", "The pair potential U(r).";

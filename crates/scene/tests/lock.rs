@@ -74,7 +74,7 @@ fn a_scene_with_settings_can_be_freed_of_them() {
 fn judged() -> Vec<Judged> {
     vec![Judged {
         quantity: "potential_energy".into(),
-        unit: "ε a particle".into(),
+        unit: "ε per particle".into(),
         target: 1e-3,
         predicted: 4e-4,
         predicted_error: 1e-4,

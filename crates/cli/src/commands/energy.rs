@@ -30,7 +30,7 @@ pub fn energy(args: &EnergyArgs) -> Result<ExitCode, Failure> {
             element: scene.output.element.clone(),
             ..Default::default()
         };
-        let extra = [("potential_energy", report.potential_energy)];
+        let extra = [("total_potential_energy", report.potential_energy)];
         lennard_io::write_frame(
             path,
             &style,

@@ -105,12 +105,12 @@ fn skins(skin: &SkinStudy) {
         skin.cheapest,
         skin.with
     );
-    println!("  ns an atom-step by skin: {}", scan.join(", "));
+    println!("  ns per atom-step by skin: {}", scan.join(", "));
 }
 
 fn features(found: &FeatureStudy) {
     println!(
-        "  force provider and integrator by hand {} ns an atom-step, the engine with every feature off {} ns: {} more ({} to {})",
+        "  force provider and integrator by hand {} ns per atom-step, the engine with every feature off {} ns: {} more ({} to {})",
         found.bare_ns.with_range(),
         found.off_ns.with_range(),
         percent(found.engine_share.median),
@@ -123,7 +123,7 @@ fn features(found: &FeatureStudy) {
             "how often",
             "adds to a step",
             "range",
-            "ns an atom-step",
+            "ns per atom-step",
         ],
         2..5,
     );

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lennard_report::significant;
-use lennard_studies::compare::{ComparedRun, StateOfMatter, quantity_words};
+use lennard_studies::compare::{ComparedRun, StateOfMatter, Verdict, quantity_words};
 use lennard_studies::sweep::{Sweep, SweepRecord, probability_words, workers};
 
 use super::{table, with_error};
@@ -76,7 +76,10 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
                 let difference = r.difference.zip(r.combined_error);
                 cells.push(difference.map_or("–".into(), |(d, e)| pair(d, e)));
             }
-            verdicts.push(r.verdict_words());
+            verdicts.push(match r.verdict {
+                Verdict::PredictedBias => r.verdict_words(),
+                other => other.words().to_owned(),
+            });
         }
         cells.push(if compared.state.is_single_stable_phase() {
             verdicts.join(", ")
@@ -170,14 +173,20 @@ pub(super) fn quantities(run: &ComparedRun, all: bool) -> comfy_table::Table {
             (Some(x), None) => significant(x, 5),
             (None, _) => "–".into(),
         };
+        // As many digits as its error has, which follows from the next column.
         let difference = match (r.difference, r.combined_error) {
-            (Some(d), Some(e)) => pair(d, e),
+            (Some(d), Some(e)) => with_error(d, e).0,
             (Some(d), None) => significant(d, 3),
             (None, _) => "–".into(),
         };
+        let quantity = quantity_words(&r.quantity);
         rows.add_row([
-            quantity_words(&r.quantity),
-            format!("{} {}", pair(r.measured, r.standard_error), r.unit),
+            if r.unit.is_empty() {
+                quantity
+            } else {
+                format!("{quantity}, {}", r.unit)
+            },
+            pair(r.measured, r.standard_error),
             reference,
             difference,
             r.in_standard_errors

@@ -35,7 +35,7 @@ pub(super) fn all(study: &BenchStudy) -> Result<Vec<Drawn>, StudyError> {
             "skins",
             "Cost against skin",
             Axis::linear("skin / σ"),
-            Axis::linear("ns an atom-step"),
+            Axis::linear("ns per atom-step"),
         )
         .guided(Guide::Vertical(skin.chosen, "chosen".into()))
         .with(Series::from_points(

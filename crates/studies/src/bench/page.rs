@@ -171,7 +171,7 @@ pub(super) fn page(study: &BenchStudy, figures: Vec<Drawn>) -> Page {
                 "How often",
                 "Of a step",
                 "Range",
-                "ns an atom-step",
+                "ns per atom-step",
             ]
             .map(str::to_owned)
             .to_vec(),

@@ -33,7 +33,7 @@ fn each_variant_is_measured_once_and_its_numbers_agree_with_one_another() {
                 "{k:?}"
             );
         }
-        // ns an atom-step and million atom-steps a second are the same measurement.
+        // ns per atom-step and million atom-steps a second are the same measurement.
         assert!((k.speed.highest * k.step_ns.lowest - 1e3).abs() < 1e-6);
         // A list holds more than the pairs that count, and a pair that counts is never left out.
         assert!(

@@ -204,7 +204,7 @@ pub(super) fn performance(record: &RunRecord) -> PageTable {
     ]);
     PageTable {
         caption: format!(
-            "Wall time by kind of work: {} steps of {} particles, {} ns a particle and step; {} list builds; {}.",
+            "Wall time by kind of work: {} steps of {} particles, {} ns per particle and step; {} list builds; {}.",
             record.steps,
             record.atoms,
             significant(record.performance.ns_per_atom_step, 3),

@@ -15,7 +15,7 @@ use crate::settings::{Failed, Settings, Workbench};
 pub(super) const RUNGS: [f64; 7] = [0.25, 0.28, 0.32, 0.36, 0.40, 0.45, 0.50];
 /// Shortest run on a rung, τ: less does not tell a drift of 10⁻⁵.
 const SHORTEST_RUNG: f64 = 80.0;
-/// Without a wanted drift, a step is stable that drifts less than this: 10⁻³ ε/τ a particle is a per cent of T in ten τ.
+/// Without a wanted drift, a step is stable that drifts less than this: 10⁻³ ε/τ per particle is a per cent of T in ten τ.
 const LARGEST_DRIFT: f64 = 1e-3;
 /// A drift counts as seen from so many of its standard errors on.
 const SEEN: f64 = 3.0;
@@ -25,7 +25,7 @@ const SEEN: f64 = 3.0;
 pub(super) struct Rung {
     /// The step, τ.
     pub dt: f64,
-    /// Its drift with standard error, ε/τ a particle; `None` where the run failed.
+    /// Its drift with standard error, ε/τ per particle; `None` where the run failed.
     pub drift: Option<(f64, f64)>,
 }
 
@@ -115,13 +115,13 @@ impl Stability {
         }
     }
 
-    /// The drift that the step brings, ε/τ a particle: exponentially small below the limit.
+    /// The drift that the step brings, ε/τ per particle: exponentially small below the limit.
     pub fn of_step(&self, dt: f64) -> f64 {
         self.law.map_or(0.0, |(a, b)| (a - b / dt).exp())
     }
 }
 
-/// The drift that a force jumping at the cutoff brings, ε/τ a particle.
+/// The drift that a force jumping at the cutoff brings, ε/τ per particle.
 ///
 /// A pair that crosses r_cut within a step, at a share α of it, gets or gives the energy F·v·h·(α − ½), F being the
 /// jump and v the radial speed: no bias, but a variance F²v²h²/12. The map is reversible and keeps volume in phase

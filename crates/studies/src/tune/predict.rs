@@ -146,7 +146,7 @@ impl<'a> Models<'a> {
         })
     }
 
-    /// The drift, ε/τ a particle.
+    /// The drift, ε/τ per particle.
     pub fn drift(&self, settings: &Settings) -> Result<f64, TuneError> {
         let jump = drift::of_jump(
             &self.sample.own,

@@ -14,11 +14,11 @@ use crate::settings::{Failed, Measured, Settings, Value, Workbench};
 pub struct Runs {
     /// Simulated time of all runs, τ.
     pub time: f64,
-    /// U at the temperature of comparison, ε a particle.
+    /// U at the temperature of comparison, ε per particle.
     pub potential_energy: Value,
     /// P at the temperature of comparison, ε/σ³.
     pub pressure: Value,
-    /// Drift of the conserved energy, ε/τ a particle.
+    /// Drift of the conserved energy, ε/τ per particle.
     pub drift: Value,
     /// U and P less those of the equation of state of this model, and its name, where there is one.
     pub against_equation: Option<(String, Value, Value)>,
