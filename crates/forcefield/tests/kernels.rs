@@ -586,6 +586,38 @@ fn pairs_that_were_named_since_the_build_are_part_of_a_restart() {
 }
 
 #[test]
+fn builds_are_counted_on_after_a_restart_from_this_version_and_the_last() {
+    let (cell, start) = liquid([8, 8, 8], 0.8442, 0.1);
+    let options = ForceFieldOptions {
+        neighbor: verlet(Some(0.3)),
+        ..ForceFieldOptions::default()
+    };
+    let at = conditions(cell, start.len());
+    let mut forces = build(&options, &at).unwrap();
+    all(&mut forces, &start, Want::NOTHING);
+    let mut archive = StateArchive::default();
+    forces.save(&mut archive.writer());
+    assert_eq!(archive.arrays["list/counters"], Array::U64(vec![1]));
+    let mut restored = |counters: &[u64]| {
+        let counters = Array::U64(counters.to_vec());
+        archive.arrays.insert("list/counters".into(), counters);
+        let mut other = build(&options, &at).unwrap();
+        let found = other.restore(&archive.reader());
+        found.map(|()| other.statistics().builds)
+    };
+    assert_eq!(restored(&[7]).unwrap(), 7);
+    assert_eq!(restored(&[7, 0]).unwrap(), 7);
+    for wrong in [&[][..], &[1, 2, 3]] {
+        let error = restored(wrong).unwrap_err().to_string();
+        let said = format!(
+            "`list/counters` does not fit: {} numbers, wanted 1",
+            wrong.len()
+        );
+        assert!(error.contains(&said), "{error}");
+    }
+}
+
+#[test]
 fn a_number_that_is_not_finite_is_an_error_that_names_the_particle() {
     let (cell, start) = liquid([8, 8, 8], 0.8442, 0.1);
     let mut strategies: Vec<ForceFieldOptions> = kernels()
