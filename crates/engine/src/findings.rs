@@ -28,9 +28,13 @@ impl Simulation {
                     .into_iter()
                     .map(|average| {
                         let by_bath = by_thermostat(&average.name, dynamic, &baths);
-                        with_error_if_earned(
-                            average.doubted(equilibrium.doubt.clone()).doubted(by_bath),
-                        )
+                        // What speaks against the run speaks first: one reason for all.
+                        let own = average.doubt.clone();
+                        let average = Average {
+                            doubt: equilibrium.doubt.clone(),
+                            ..average
+                        };
+                        with_error_if_earned(average.doubted(own).doubted(by_bath))
                     })
                     .collect();
                 findings

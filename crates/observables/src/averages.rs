@@ -18,13 +18,10 @@ pub(crate) const FEWEST_FLUCTUATIONS: f64 = 300.0;
 /// The mean of a time series after `cut` rows, with what speaks against it.
 pub(crate) fn of_series(name: &str, unit: &str, column: &[f64], cut: usize) -> Average {
     let rest = &column[cut.min(column.len())..];
-    of_fluctuations(
-        name,
-        unit,
-        statistics::estimate_after(column, cut),
-        rest,
-        FEWEST_INDEPENDENT,
-    )
+    let estimate = statistics::estimate_after(column, cut);
+    with_doubts(name, unit, estimate, rest, FEWEST_INDEPENDENT, |trend| {
+        changes("it", trend)
+    })
 }
 
 /// An estimate whose error is that of the mean of `influence`: too short with fewer than `fewest` independent samples, and
@@ -36,13 +33,32 @@ pub(crate) fn of_fluctuations(
     influence: &[f64],
     fewest: f64,
 ) -> Average {
+    with_doubts(name, unit, estimate, influence, fewest, fluctuations_change)
+}
+
+fn with_doubts(
+    name: &str,
+    unit: &str,
+    estimate: Estimate,
+    influence: &[f64],
+    fewest: f64,
+    words: impl Fn(&Trend) -> String,
+) -> Average {
     let least = statistics::error_of_mean(influence).least_effective;
     Average::new(name, unit, estimate)
         .doubted(too_few(&estimate, least, influence.len(), fewest))
         .doubted(
             statistics::trend(influence, TRANSIENT_OF_MANY_ERRORS)
-                .map(|trend| Doubt::NotInEquilibrium(changes("it", &trend))),
+                .map(|trend| Doubt::NotInEquilibrium(words(&trend))),
         )
+}
+
+/// A trend of what a derived quantity is made of.
+fn fluctuations_change(trend: &Trend) -> String {
+    format!(
+        "what it is made of still changes from the first to the last third ({:.0} standard errors)",
+        trend.errors
+    )
 }
 
 /// A function of the whole run with its value over each of successive blocks (or what stands for them, such as the
@@ -69,7 +85,7 @@ pub(crate) fn of_blocks(
     let trend = statistics::trend(blocks, TRANSIENT_OF_MANY_ERRORS);
     average
         .doubted(few)
-        .doubted(trend.map(|trend| Doubt::NotInEquilibrium(changes("it", &trend))))
+        .doubted(trend.map(|trend| Doubt::NotInEquilibrium(fluctuations_change(&trend))))
 }
 
 fn too_few(estimate: &Estimate, least: f64, samples: usize, fewest: f64) -> Option<Doubt> {

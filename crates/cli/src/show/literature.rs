@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lennard_report::significant;
-use lennard_studies::compare::{ComparedRun, StateOfMatter, Verdict, quantity_words};
+use lennard_studies::compare::{ComparedRun, Row, StateOfMatter, Verdict, quantity_words};
 use lennard_studies::sweep::{Sweep, SweepRecord, probability_words, workers};
 
 use super::{table, with_error};
@@ -167,6 +167,11 @@ pub(super) fn quantities(run: &ComparedRun, all: bool) -> comfy_table::Table {
         ],
         1..6,
     );
+    // A reason that many rows share is that of the headline.
+    let shared = |row: &Row| {
+        let same = run.rows.iter().filter(|r| r.reason == row.reason).count();
+        !row.reason.is_empty() && same > 3
+    };
     for r in run.rows.iter().filter(|r| all || r.primary) {
         let reference = match (r.reference, r.reference_error) {
             (Some(x), Some(e)) => pair(x, e),
@@ -193,7 +198,11 @@ pub(super) fn quantities(run: &ComparedRun, all: bool) -> comfy_table::Table {
                 .map_or("–".into(), |z| format!("{z:+.1}")),
             r.tolerance
                 .map_or("–".into(), |t| format!("± {}", significant(t, 2))),
-            r.verdict_words(),
+            if shared(r) && !all {
+                r.verdict.words().to_owned()
+            } else {
+                r.verdict_words()
+            },
         ]);
     }
     rows
@@ -203,7 +212,11 @@ pub(super) fn quantities(run: &ComparedRun, all: bool) -> comfy_table::Table {
 pub(super) fn below_quantities(run: &ComparedRun, all: bool) {
     println!("  {}", console::style(&run.headline).bold());
     println!("  U and P are of: {}", run.model);
-    if let Some(equation) = &run.equation {
+    let judged_by = |equation: &&String| {
+        let rows = &mut run.rows.iter();
+        rows.any(|r| r.verdict.is_judged() && r.source == **equation)
+    };
+    if let Some(equation) = run.equation.as_ref().filter(judged_by) {
         println!(
             "  reference: {equation}, at ρ = {:.4} and {} = {:.4}, for {} particles",
             run.state.density,

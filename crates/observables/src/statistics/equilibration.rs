@@ -10,6 +10,9 @@ pub const LARGEST_CUT: f64 = 0.6;
 /// series in 100 passes it by chance, whatever its correlation (`cargo xtask coverage` publishes the rates).
 pub const TRANSIENT_ERRORS: f64 = 3.5;
 
+/// After a cut the bar is this much higher: each look at a rest is one more chance to be misled.
+const AFTER_A_CUT: f64 = 1.0;
+
 /// The bar for a series that is one of many of the same run: 1 in 1000 passes it by chance.
 pub const TRANSIENT_OF_MANY_ERRORS: f64 = 5.0;
 
@@ -85,7 +88,8 @@ pub fn equilibration(series: &[f64]) -> Equilibration {
     let blocks: Vec<f64> = series.chunks_exact(per_block).map(mean).collect();
     let most = (LARGEST_CUT * blocks.len() as f64) as usize;
     let mut start = 0;
-    while let Some(transient) = transient(&blocks[start..], TRANSIENT_ERRORS) {
+    let bar = |start: usize| TRANSIENT_ERRORS + if start > 0 { AFTER_A_CUT } else { 0.0 };
+    while let Some(transient) = transient(&blocks[start..], bar(start)) {
         let rest = blocks.len() - start;
         match transient.harmless_after(rest).map(|cut| start + cut) {
             Some(cut) if cut <= most && blocks.len() - cut >= SHORTEST => start = cut,
