@@ -42,8 +42,14 @@ impl Bench {
         self.root.path().join(name)
     }
 
+    /// Starts it with SIGHUP as a terminal leaves it: tests that run under `nohup` hand it on as ignored, and a run would
+    /// rightly ignore it too.
     fn start(&self, arguments: &[&str]) -> Child {
-        self.spawn(&mut lennard(arguments))
+        let mut command = Command::new("env");
+        command
+            .args(["--default-signal=HUP", env!("CARGO_BIN_EXE_lennard")])
+            .args(arguments);
+        self.spawn(&mut command)
     }
 
     fn spawn(&self, command: &mut Command) -> Child {

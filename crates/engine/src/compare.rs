@@ -89,6 +89,28 @@ pub fn with_equation_of_state(
     atoms: usize,
     thermodynamics: &Thermodynamics,
 ) -> Comparison {
+    beside_equation_of_state(scene, density, atoms, thermodynamics, Compared::Results)
+}
+
+/// What is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Compared {
+    /// Results alone: means against which nothing speaks, in a stable state, so that the difference is a finding.
+    Results,
+    /// Whatever was averaged: studies of settings compare short runs with each other, and tell their statistical floor.
+    Anything,
+}
+
+/// As [`with_equation_of_state`], with a choice of what is compared.
+#[must_use]
+pub fn beside_equation_of_state(
+    scene: &Scene,
+    density: f64,
+    atoms: usize,
+    thermodynamics: &Thermodynamics,
+    what: Compared,
+) -> Comparison {
+    let results = what == Compared::Results;
     let mut comparison = Comparison::default();
     let model = model_kind(scene);
     let equation = match lennard_literature::equation_of_state_for(model) {
@@ -99,7 +121,8 @@ pub fn with_equation_of_state(
         }
     };
     let equilibrium = thermodynamics.equilibrium();
-    if equilibrium.doubt.is_some() || measured_baths(scene).iter().any(|bath| !bath.canonical) {
+    let scaled = measured_baths(scene).iter().any(|bath| !bath.canonical);
+    if results && (equilibrium.doubt.is_some() || scaled) {
         // The averages say why.
         return comparison;
     }
@@ -117,7 +140,7 @@ pub fn with_equation_of_state(
         return comparison;
     }
     let phase = equation.phase(density, mean_temperature);
-    if !phase.is_stable() {
+    if results && !phase.is_stable() {
         comparison.remarks.push(format!(
             "not compared: by {} the state ρ = {density:.4}, T = {mean_temperature:.4} is {}",
             equation.spec().name,
@@ -146,7 +169,7 @@ pub fn with_equation_of_state(
         ),
     ];
     for (name, infinite, finite_size, against, reference_uncertainty) in quantities {
-        let sound = |a: &&Average| a.name == name && a.doubt.is_none();
+        let sound = |a: &&Average| a.name == name && (a.doubt.is_none() || !results);
         let Some(average) = averages.iter().find(sound) else {
             continue;
         };

@@ -24,7 +24,9 @@ pub use build::{
     recommended_threads, size_and_density, tail_correction,
 };
 pub use checkpointing::{Past, capture};
-pub use compare::{Comparison, finite_size, model_kind, with_equation_of_state};
+pub use compare::{
+    Compared, Comparison, beside_equation_of_state, finite_size, model_kind, with_equation_of_state,
+};
 pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
 pub use error::EngineError;
 pub use files::{Marks, RunFiles, discard};

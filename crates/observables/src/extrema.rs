@@ -113,7 +113,7 @@ pub(crate) fn fitted_vertex(
         return None;
     }
     let u = -b / (c + c.signum() * discriminant.sqrt());
-    (u.abs() <= 1.5).then(|| (centre + u * half_width, a + u * (b + u * (c + u * d))))
+    (u.abs() <= 1.5).then_some((centre + u * half_width, a + u * (b + u * (c + u * d))))
 }
 
 /// The mean of `y` over the points within `half_width` of each.

@@ -1,7 +1,7 @@
 //! What a run under some settings measures: energy conservation, temperatures, U and P.
 
 use lennard_core::Estimate;
-use lennard_engine::{Nobody, model_kind, with_equation_of_state};
+use lennard_engine::{Compared, Nobody, beside_equation_of_state, model_kind};
 use lennard_forcefield::PotentialOptions;
 use lennard_observables::{Thermodynamics, statistics};
 use serde::{Deserialize, Serialize};
@@ -142,11 +142,12 @@ impl Workbench {
         simulation.run(&mut Nobody)?;
         let found = &simulation.thermodynamics;
         let cut = found.equilibration_cut();
-        let comparison = with_equation_of_state(
+        let comparison = beside_equation_of_state(
             &simulation.scene,
             self.start().density(),
             simulation.state.len(),
             found,
+            Compared::Anything,
         );
         let rows = found.series();
         let of = |column: &[f64]| Value::from(statistics::estimate_after(column, cut));
