@@ -72,34 +72,36 @@ fn vertex(x: &[f64], y: &[f64], bin: usize, maximum: bool) -> Extremum {
 /// A place and a height.
 pub(crate) type Vertex = (f64, f64);
 
-/// The centre of the window from which the maximum or minimum near `start` is fitted: the window follows the vertex of its
-/// cubic until it rests there. `None` where the points near `start` have no such vertex.
-pub(crate) fn fit_centre(
+/// The maximum or minimum near `start`: the vertex of a cubic, fitted within `half_width` of the vertex itself, which the
+/// window follows until it rests there. `None` where the points near `start` have no such vertex.
+///
+/// Points count with (1 − u²)² at a distance u·half_width from the centre, so that none enters or leaves the window with a
+/// jump: the vertex is smooth in the data, where the lowest of many noisy points is not, and lies too low.
+pub(crate) fn fitted_extremum(
     x: &[f64],
     y: &[f64],
     start: f64,
     half_width: f64,
     maximum: bool,
-) -> Option<f64> {
+) -> Option<Vertex> {
     /// The window follows the vertex so many times at most.
-    const MOVES: usize = 8;
-    let mut centre = start;
+    const MOVES: usize = 100;
+    /// It rests where it moves by less than this part of its half width.
+    const AT_REST: f64 = 1e-7;
+    let mut found = (start, f64::NAN);
     for _ in 0..MOVES {
-        let (place, _) = fitted_vertex(x, y, centre, half_width, maximum)?;
-        if (place - centre).abs() < 0.05 * half_width {
+        let centre = found.0;
+        found = fitted_vertex(x, y, centre, half_width, maximum)?;
+        if (found.0 - centre).abs() < AT_REST * half_width {
             break;
         }
-        centre = place;
     }
-    Some(centre)
+    // A start is near: what has wandered off is another extremum.
+    ((found.0 - start).abs() <= 2.0 * half_width).then_some(found)
 }
 
-/// The maximum or minimum of a cubic fitted by least squares to the points within `half_width` of `centre`; `None` where it
-/// has none there.
-///
-/// A fit over many points is smooth in the data, where the lowest of many noisy points is not, and lies too low. The window
-/// stands still, so that a jackknife sees no jumps.
-pub(crate) fn fitted_vertex(
+/// The maximum or minimum of the cubic fitted within `half_width` of `centre`; `None` where it has none there.
+fn fitted_vertex(
     x: &[f64],
     y: &[f64],
     centre: f64,
@@ -140,7 +142,7 @@ fn cubic(x: &[f64], y: &[f64], centre: f64, half_width: f64) -> Option<[f64; 4]>
             continue;
         }
         points += 1;
-        let mut power = 1.0;
+        let mut power = (1.0 - u * u).powi(2);
         for k in 0..7 {
             moments[k] += power;
             if k < 4 {
@@ -167,12 +169,9 @@ mod tests {
         let x: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
         let cubic = |x: f64| 0.5 + (x - 1.0).powi(2) + 0.4 * (x - 1.0).powi(3);
         let y: Vec<f64> = x.iter().map(|x| cubic(*x)).collect();
-        let fitted = |y: &[f64], start: f64| {
-            let centre = fit_centre(&x, y, start, 0.2, false)?;
-            fitted_vertex(&x, y, centre, 0.2, false)
-        };
+        let fitted = |y: &[f64], start: f64| fitted_extremum(&x, y, start, 0.2, false);
         let (place, height) = fitted(&y, 1.2).unwrap();
-        assert!((place - 1.0).abs() < 1e-9 && (height - 0.5).abs() < 1e-12);
+        assert!((place - 1.0).abs() < 1e-8 && (height - 0.5).abs() < 1e-12);
         let rippled: Vec<f64> = y
             .iter()
             .enumerate()
@@ -180,8 +179,8 @@ mod tests {
             .collect();
         let (place, _) = fitted(&rippled, 1.15).unwrap();
         assert!((place - 1.0).abs() < 0.01, "{place}");
-        assert_eq!(fit_centre(&x, &y, 1.0, 0.2, true), None);
-        assert_eq!(fitted_vertex(&x[..3], &y[..3], 0.0, 0.2, false), None);
+        assert_eq!(fitted_extremum(&x, &y, 1.0, 0.2, true), None);
+        assert_eq!(fitted_extremum(&x[..3], &y[..3], 0.0, 0.2, false), None);
         let means = smoothed(&x, &rippled, 0.015);
         assert!((means[50] - rippled[49..=51].iter().sum::<f64>() / 3.0).abs() < 1e-12);
     }

@@ -36,6 +36,8 @@ pub(crate) struct LinearFit {
     pub slope: f64,
     /// The same fit to each block.
     pub block_slopes: Vec<f64>,
+    /// What the slope changes where the fit begins at twice the lag; 0 where the range was given.
+    pub change: f64,
     /// The longest lag in blocks: so many successive blocks share displacements.
     pub overlap: f64,
     /// Range of lags in τ.
@@ -85,8 +87,16 @@ pub(crate) fn fit_linear_regime(
     let blocks = blocks(end);
     let first_from = |time: f64| curve.times.partition_point(|t| *t * slack < time);
     let fit = |start: usize, settled: bool| -> Option<LinearFit> {
+        let later = first_from(2.0 * curve.times.get(start)?);
+        let slope_from =
+            |first: usize| weighted_slope(&curve.times[first..end], &curve.values[first..end]);
         (end >= start + FEWEST_POINTS).then(|| LinearFit {
-            slope: weighted_slope(&curve.times[start..end], &curve.values[start..end]),
+            slope: slope_from(start),
+            change: if fit_from.is_none() && later + FEWEST_POINTS <= end {
+                slope_from(later) - slope_from(start)
+            } else {
+                0.0
+            },
             block_slopes: blocks
                 .iter()
                 .map(|b| weighted_slope(&curve.times[start..end], &b[start..end]))

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::averages::of_blocks;
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
-use crate::extrema::{Extremum, extrema, fit_centre, fitted_vertex, smoothed};
+use crate::extrema::{Extremum, extrema, fitted_extremum, smoothed};
 use crate::pairs::count_distances;
 use crate::{BuildContext, ObservableError, Recipe};
 
@@ -35,14 +35,17 @@ const PROMINENCE_SIGMAS: f64 = 4.0;
 
 /// A cubic is fitted to g(r) within this distance (σ) of its first peak, and of its first minimum. The minimum is flat: its
 /// lowest bin wanders by a tenth of σ from run to run.
-const PEAK_HALF_WIDTH: f64 = 0.08;
-const MINIMUM_HALF_WIDTH: f64 = 0.2;
+const PEAK_HALF_WIDTH: f64 = 0.1;
+const MINIMUM_HALF_WIDTH: f64 = 0.25;
 
 /// g(r) is averaged over this distance (σ) on both sides before its extrema are looked for.
 const SMOOTHING: f64 = 0.05;
 
 /// The first minimum lies this far (σ) beyond the first peak.
 const MINIMUM_BEYOND_PEAK: std::ops::Range<f64> = 0.2..0.9;
+
+/// A fit that reaches less than this part of the highest bin does not describe the peak.
+const SHARPEST_FITTED: f64 = 0.8;
 
 /// Where g(r) does not fall below this after its first peak there is no shell of neighbors to be counted: a gas has none.
 const SHELL_BELOW: f64 = 0.9;
@@ -186,11 +189,17 @@ impl RadialDistribution {
         } else {
             MINIMUM_HALF_WIDTH
         };
-        let centre = fit_centre(&radii, g, place, half_width, maximum);
+        let from = |g: &[f64], start: f64| fitted_extremum(&radii, g, start, half_width, maximum);
+        // All start from where the whole run has it, and end where their own data have it.
+        let describes = |height: f64| !maximum || height > SHARPEST_FITTED * g[bin];
+        let whole = from(g, place)
+            .filter(|(_, height)| describes(*height))
+            .map(|(place, _)| place);
+        let radii = self.radii();
         move |pairs| {
             let g = self.distribution_from(pairs);
-            centre
-                .and_then(|centre| fitted_vertex(&radii, &g, centre, half_width, maximum))
+            whole
+                .and_then(|start| fitted_extremum(&radii, &g, start, half_width, maximum))
                 .unwrap_or((place, g[bin]))
         }
     }

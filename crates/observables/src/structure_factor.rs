@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::averages::of_blocks;
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
-use crate::extrema::{extrema, fit_centre, fitted_vertex};
+use crate::extrema::{extrema, fitted_extremum};
 use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -37,7 +37,7 @@ const SMALLEST_PROMINENCE: f64 = 0.05;
 const PROMINENCE_SIGMAS: f64 = 4.0;
 
 /// A cubic is fitted to S(k) within this distance (σ⁻¹) of its first peak.
-const PEAK_HALF_WIDTH: f64 = 0.6;
+const PEAK_HALF_WIDTH: f64 = 0.8;
 
 /// The largest multiple of 2π/L along an axis.
 const LARGEST_MULTIPLE: f64 = 4096.0;
@@ -296,10 +296,8 @@ impl Observable for StructureFactor {
         match found.iter().find(|e| e.maximum) {
             Some(peak) => {
                 let k = &self.wave_numbers;
-                let centre = fit_centre(k, &values, peak.place, PEAK_HALF_WIDTH, true);
                 let top = |values: &[f64]| {
-                    centre
-                        .and_then(|at| fitted_vertex(k, values, at, PEAK_HALF_WIDTH, true))
+                    fitted_extremum(k, values, peak.place, PEAK_HALF_WIDTH, true)
                         // Where shells are few, and in a crystal, the peak is one shell.
                         .unwrap_or((peak.place, values[peak.bin]))
                 };
