@@ -445,6 +445,33 @@ mod tests {
     }
 
     #[test]
+    fn the_discarded_part_leaves_no_trace() {
+        let (cell, crystal) = fcc(4, 1.1);
+        let context = BuildContext {
+            cell,
+            n_atoms: crystal.len(),
+            ..context(1.0, 1)
+        };
+        let options = RdfOptions {
+            r_max: Some(2.2),
+            bins: 100,
+        };
+        let make = || RadialDistribution::new(&options, &context).unwrap();
+        let (mut both, mut alone) = (make(), make());
+        for seed in 0..32 {
+            let gas = random_positions(crystal.len(), cell.lengths().x, seed);
+            sampled(&mut both, &cell, gas);
+        }
+        for _ in 0..32 {
+            sampled(&mut both, &cell, crystal.clone());
+            sampled(&mut alone, &cell, crystal.clone());
+        }
+        let g = |found: Findings| found.tables[0].columns[1].values.clone();
+        assert_eq!(g(both.finish(0.5)), g(alone.finish(0.0)));
+        assert_ne!(g(both.finish(0.0)), g(alone.finish(0.0)));
+    }
+
+    #[test]
     fn a_range_beyond_half_the_box_is_refused_and_half_the_box_is_not() {
         let context = context(8.0, 10);
         let with = |r_max| {

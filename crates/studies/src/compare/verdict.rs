@@ -147,7 +147,7 @@ impl Row {
     /// An average of a run, with what speaks against it, and no reference yet.
     pub(super) fn measured(quantity: &str, average: &AverageRecord) -> Self {
         let error_known_to = 1.0 / (2.0 * average.freedom).sqrt();
-        let mut row = Self {
+        Self {
             quantity: quantity.into(),
             unit: average.unit.clone(),
             primary: false,
@@ -166,11 +166,7 @@ impl Row {
             reason: average.reason.clone(),
             source: String::new(),
             remark: String::new(),
-        };
-        if average.is_sound() && error_known_to > UNCERTAIN_ERROR {
-            row.remark = format!("its error is known to {:.0} %", 100.0 * error_known_to);
         }
-        row
     }
 
     /// Whether nothing speaks against the measured side, so that it may be held against a reference.
@@ -181,14 +177,18 @@ impl Row {
     /// The verdict and its reason for a cell of a table.
     #[must_use]
     pub fn verdict_words(&self) -> String {
-        match (self.verdict, self.reason.as_str(), self.predicted_bias) {
+        let words = match (self.verdict, self.reason.as_str(), self.predicted_bias) {
             (Verdict::PredictedBias, _, Some(bias)) => {
                 format!("predicted bias of {}", lennard_report::signed(bias, 2))
             }
             (Verdict::NoReference, "", _) => "–".into(),
             (verdict, "", _) => verdict.words().into(),
             (verdict, reason, _) => format!("{}: {reason}", verdict.words()),
+        };
+        if self.is_sound() && self.error_known_to > UNCERTAIN_ERROR {
+            return format!("{words} (± known to {:.0} %)", 100.0 * self.error_known_to);
         }
+        words
     }
 
     /// Sets a reference beside a sound number; `error` is the standard error of the measured side of the difference. A number
