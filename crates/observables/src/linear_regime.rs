@@ -14,6 +14,9 @@ const AGREEMENT_PART: f64 = 0.005;
 /// The slope must be constant up to so many times the lag from which it is.
 const SHORTEST_STRETCH: f64 = 3.0;
 
+/// With weights 1/t³ lags beyond so many times the first hardly count.
+const DECISIVE: f64 = 4.0;
+
 /// Fewest points of a fit.
 const FEWEST_POINTS: usize = 4;
 
@@ -38,7 +41,7 @@ pub(crate) struct LinearFit {
     pub block_slopes: Vec<f64>,
     /// What the slope changes where the fit begins at twice the lag; 0 where the range was given.
     pub change: f64,
-    /// The longest lag in blocks: so many successive blocks share displacements.
+    /// The lags that decide the slope, in blocks: so many successive blocks share displacements.
     pub overlap: f64,
     /// Range of lags in τ.
     pub from: f64,
@@ -101,7 +104,8 @@ pub(crate) fn fit_linear_regime(
                 .iter()
                 .map(|b| weighted_slope(&curve.times[start..end], &b[start..end]))
                 .collect(),
-            overlap: curve.times[end - 1] * blocks.len() as f64 / curve.duration,
+            overlap: curve.times[end - 1].min(DECISIVE * curve.times[start]) * blocks.len() as f64
+                / curve.duration,
             from: curve.times[start],
             to: curve.times[end - 1],
             settled,

@@ -44,8 +44,8 @@ const LOWEST_PART: f64 = 0.5;
 ///
 /// Four widths are tried, from n/11 (ν = 8) to n/85 (ν = 64). The narrowest one with which all wider ones agree is taken.
 /// A slow part of small amplitude, which an estimate of the correlation function loses in its noise, shows in the
-/// widest windows. The error is widened by √(ν/(ν − 2)), which makes the mean square of (x̄ − μ)/error 1, as Student's t
-/// demands.
+/// widest windows. The error is widened so that two errors cover as much of Student's t with ν degrees of freedom as two
+/// errors of a normal distribution cover of that: by 1 + 5/(4ν) + 49/(32ν²), the first terms of Cornish and Fisher.
 ///
 /// Sources: D. N. Politis and J. P. Romano, "Bias-corrected nonparametric spectral estimation", J. Time Ser. Anal. 16, 67
 /// (1995), for the window; M. B. Priestley, Spectral Analysis and Time Series (1981), section 6.2.4, for ν.
@@ -55,7 +55,7 @@ pub fn error_of_mean(series: &[f64]) -> ErrorOfMean {
 }
 
 /// As [`error_of_mean`], for values that each look `overlap` places ahead and so are correlated that far: no window is taken
-/// that is narrower than two overlaps.
+/// that is narrower than one and a half overlaps.
 #[must_use]
 pub fn error_with_overlap(series: &[f64], overlap: f64) -> ErrorOfMean {
     let n = series.len();
@@ -83,11 +83,16 @@ pub fn error_with_overlap(series: &[f64], overlap: f64) -> ErrorOfMean {
     let squared = at_zero / blocks.len() as f64;
     let widest = found[0].0 / blocks.len() as f64;
     ErrorOfMean {
-        standard_error: (squared * freedom / (freedom - 2.0)).sqrt(),
+        standard_error: squared.sqrt() * widening(freedom),
         n_effective: of_samples / squared,
         least_effective: of_samples / squared.max(widest),
         freedom,
     }
+}
+
+/// The two-error quantile of Student's t over 2.
+fn widening(freedom: f64) -> f64 {
+    1.0 + 1.25 / freedom + 49.0 / (32.0 * freedom * freedom)
 }
 
 /// The spectrum at frequency zero of a short series, Σγ(t), by each window with its degrees of freedom, the widest first.
@@ -98,7 +103,7 @@ fn spectra_at_zero(series: &[f64], overlap: f64) -> Vec<(f64, f64)> {
         // So few are blocks, and taken as independent.
         return vec![(variance(series) * n / (n - 1.0), n - 1.0)];
     }
-    let narrowest = (2.0 * overlap).max(1.0);
+    let narrowest = (1.5 * overlap).max(1.0);
     let covariances = covariances(series, width(FREEDOMS[0]).ceil() as usize);
     FREEDOMS
         .iter()
@@ -252,8 +257,9 @@ mod tests {
     fn few_samples_have_the_wider_error_of_students_t() {
         let found = error_of_mean(&[1.0, -1.0, 1.0, -1.0]);
         assert_eq!(found.freedom, 3.0);
-        // s²/n with three degrees of freedom: (4/3)/4·3.
-        assert!((found.standard_error - 1.0).abs() < 1e-12);
+        // s²/n = 1/3, and the quantile of t with three degrees of freedom is 3.31 where the normal one is 2.
+        assert!((found.standard_error * 3.0_f64.sqrt() - 1.65).abs() < 0.1);
+        assert!((widening(8.0) - 1.18).abs() < 0.005 && (widening(64.0) - 1.02).abs() < 0.001);
         assert!(error_of_mean(&[1.0, 2.0, 3.0]).standard_error.is_nan());
         assert!(
             error_of_mean(&[1.0, f64::NAN, 3.0, 1.0])
