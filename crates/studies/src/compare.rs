@@ -152,7 +152,7 @@ fn headline(rows: &[Row], no_reference: Option<&str>) -> String {
     let biased = with(Verdict::PredictedBias);
     if let Some(first) = biased.first() {
         text += &format!(
-            " {} differ{} by the bias that {} is predicted to make.",
+            " {} differ{} as {} predicts, and what is left is within the tolerance.",
             capital(&names(&biased)),
             if biased.len() == 1 { "s" } else { "" },
             first.reason

@@ -186,7 +186,10 @@ impl Row {
             (verdict, reason, _) => format!("{}: {reason}", verdict.words()),
         };
         if self.is_sound() && self.error_known_to > UNCERTAIN_ERROR {
-            return format!("{words} (± known to {:.0} %)", 100.0 * self.error_known_to);
+            return format!(
+                "{words} (error known to {:.0} %)",
+                100.0 * self.error_known_to
+            );
         }
         words
     }

@@ -44,7 +44,7 @@ pub(crate) fn comparison(compared: &ComparedRun) -> PageTable {
                     r.in_standard_errors
                         .map_or("–".into(), |z| significant(z, 2)),
                 ),
-                Cell::number(number(r.tolerance)),
+                Cell::number(r.tolerance.map_or("–".into(), |t| significant(t, 2))),
                 verdict_cell(r),
             ]
         })
