@@ -238,7 +238,8 @@ fn folders_that_hold_something_else_are_refused_before_anything_is_computed() {
 #[cfg(unix)]
 #[test]
 fn a_chart_that_is_interrupted_says_how_to_go_on() {
-    let place = folder(SCENE);
+    // Long enough not to end before the signal comes, however late this test looks.
+    let place = folder(&SCENE.replace("steps = 10\n", "steps = 4000\n"));
     let mut running = lennard(&["chart", "scene.toml", "--quick", "--out", "out"])
         .current_dir(place.path())
         .stdout(std::process::Stdio::piped())

@@ -120,9 +120,13 @@ fn headline(rows: &[Row], no_reference: Option<&str>) -> String {
         let names: Vec<String> = rows.iter().map(|r| quantity_words(&r.quantity)).collect();
         names.join(", ")
     };
-    // The energy stands for the run: what speaks against all means speaks against it.
-    let energy = rows.iter().find(|r| r.quantity == "potential_energy");
-    if let Some(energy) = energy.filter(|r| !r.is_sound()) {
+    // What speaks against all means, and so against most of the primary ones, speaks against the run.
+    let primary: Vec<&Row> = rows.iter().filter(|r| r.primary).collect();
+    let shared = |row: &&&Row| {
+        let same = primary.iter().filter(|r| r.reason == row.reason).count();
+        !row.is_sound() && 2 * same > primary.len()
+    };
+    if let Some(energy) = primary.iter().find(shared) {
         return match energy.verdict {
             Verdict::NotInEquilibrium => {
                 format!(
