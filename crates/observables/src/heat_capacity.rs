@@ -44,7 +44,8 @@ impl Ensemble {
 /// C_V has the kinetic part f/2 of the system; c_v = (C_V − f/2)/N + 3/2 replaces it by 3/2 per particle.
 ///
 /// The variance about the mean of the same samples is too small by one part in the independent samples, for which it
-/// is corrected. The error is that of the mean of the linearised formula, correlation included.
+/// is corrected. The error is that of the mean of the linearised formula, correlation included, and is widened by its own
+/// part of the excess over the kinetic energy, of which it is as unsure.
 pub(crate) fn average(
     ensemble: Ensemble,
     rows: &ThermoSeries,
@@ -92,9 +93,15 @@ pub(crate) fn average(
         }
     };
     let error = estimate_after(&influence, 0);
+    // A variance that is too small by chance has an error that is too small by the same part.
+    let widened = error.standard_error * (1.0 + error.standard_error / value.abs());
     let estimate = Estimate {
         mean: value / n + 1.5,
-        standard_error: error.standard_error / n,
+        standard_error: if value == 0.0 {
+            error.standard_error
+        } else {
+            widened
+        } / n,
         equilibration_cut: from as u64,
         ..error
     };
