@@ -202,6 +202,12 @@ impl Rig {
                 // Asked to stop before it could listen, which is as good as a kill but was none.
                 None => {}
                 Some(STOPPED) if kill => tally.stops += 1,
+                // Asked to stop before its first step: it left nothing behind.
+                Some(OTHER) if kill && before_the_first_step(&output) => {
+                    tally.begun_anew += 1;
+                    arguments = beginning.clone();
+                    continue;
+                }
                 Some(INPUT) if no_checkpoint(&output) => {
                     tally.begun_anew += 1;
                     arguments = beginning.clone();
@@ -301,6 +307,11 @@ fn success(output: &Output) -> Result<(), Box<dyn Error>> {
     }
     let message = String::from_utf8_lossy(&output.stderr);
     Err(format!("it ended with {}:\n{message}", output.status).into())
+}
+
+/// Whether a run was asked to stop while it only started.
+fn before_the_first_step(output: &Output) -> bool {
+    String::from_utf8_lossy(&output.stderr).contains("stopped before the first step")
 }
 
 /// Whether a run was killed so early that there is nothing to go on from.
