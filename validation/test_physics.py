@@ -96,8 +96,8 @@ def runs(tmp_path_factory) -> dict[tuple[float, float], lv.Run]:
             n_atoms=864,
             truncation=f'kind = "cut"\nr_cut = {CUTOFF}\ntail_correction = true',
             equilibrate=8000,
-            # The pressure of the hot dense fluid fluctuates most.
-            steps=50000 if t < 2.0 else 120000,
+            # The pressure of the hot dense fluid fluctuates most, and the energy of a gas changes slowest.
+            steps=200000 if rho < 0.1 else 50000 if t < 2.0 else 120000,
             dt=0.004 if t < 2.0 else 0.003,
             seed=100 + i,
         )
