@@ -55,7 +55,7 @@ pub fn error_of_mean(series: &[f64]) -> ErrorOfMean {
 }
 
 /// As [`error_of_mean`], for values that each look `overlap` places ahead and so are correlated that far: no window is taken
-/// that is narrower than one and a half overlaps.
+/// that is narrower than one and a half overlaps, and the error is at least that of independent values.
 #[must_use]
 pub fn error_with_overlap(series: &[f64], overlap: f64) -> ErrorOfMean {
     let n = series.len();
@@ -79,7 +79,11 @@ pub fn error_with_overlap(series: &[f64], overlap: f64) -> ErrorOfMean {
     let blocks: Vec<f64> = series.chunks_exact(per_block).map(mean).collect();
     let found = spectra_at_zero(&blocks, overlap / per_block as f64);
     let narrowest = (0..found.len()).rev().find(|&at| agrees(&found, at));
-    let (at_zero, freedom) = found[narrowest.unwrap_or(0)];
+    let (mut at_zero, freedom) = found[narrowest.unwrap_or(0)];
+    if overlap > 0.0 {
+        // Values that share what they are made of are not anticorrelated: less than independent ones would give is noise.
+        at_zero = at_zero.max(variance(&blocks));
+    }
     let squared = at_zero / blocks.len() as f64;
     let widest = found[0].0 / blocks.len() as f64;
     ErrorOfMean {
