@@ -77,7 +77,7 @@ fn the_isotherm_is_held_at_its_temperature() {
         let bath = stage.thermostat.as_ref().map(|bath| format!("{bath:?}"));
         let bath = bath.unwrap_or_default().to_lowercase();
         assert!(
-            bath.contains("bussi") && bath.contains("tau: 1.0"),
+            bath.contains("bussi") && bath.contains("tau: 0.2"),
             "{bath}"
         );
     }
