@@ -88,18 +88,11 @@ pub(crate) fn of_blocks(
         .doubted(trend.map(|trend| Doubt::NotInEquilibrium(fluctuations_change(&trend))))
 }
 
-impl WithChoice for Average {
-    fn with_choice(mut self, change: f64) -> Self {
-        let error = &mut self.estimate.standard_error;
-        *error = error.hypot(0.5 * change);
-        self
-    }
-}
-
-/// Adds what a choice of the analysis decides.
-pub(crate) trait WithChoice {
-    /// Counts half of what the number changes with another choice that is as good, beside the error from blocks.
-    fn with_choice(self, change: f64) -> Self;
+/// The same with half of what the number changes under another choice of the analysis that is as good, beside its error.
+pub(crate) fn with_choice(mut average: Average, change: f64) -> Average {
+    let error = &mut average.estimate.standard_error;
+    *error = error.hypot(0.5 * change);
+    average
 }
 
 fn too_few(estimate: &Estimate, least: f64, samples: usize, fewest: f64) -> Option<Doubt> {

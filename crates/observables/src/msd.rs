@@ -9,7 +9,7 @@ use lennard_core::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::averages::{WithChoice, of_blocks};
+use crate::averages::{of_blocks, with_choice};
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::linear_regime::{LagCurve, LinearFit, fit_linear_regime};
@@ -192,8 +192,8 @@ impl MeanSquareDisplacement {
             )
         });
         let mut add = |name: &str, value: f64| {
-            let average =
-                of_blocks(name, "σ²/τ", value, &blocks, fit.overlap).with_choice(fit.change / 6.0);
+            let average = of_blocks(name, "σ²/τ", value, &blocks, fit.overlap);
+            let average = with_choice(average, fit.change / 6.0);
             findings.averages.push(average.doubted(unsettled.clone()));
         };
         let uncorrected = fit.slope / 6.0;

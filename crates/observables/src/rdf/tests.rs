@@ -1,0 +1,115 @@
+use super::*;
+use crate::testing::{context, fcc, random_positions, view_of};
+
+fn sampled(rdf: &mut RadialDistribution, cell: &PeriodicBox, positions: Vec<lennard_core::DVec3>) {
+    view_of(cell, positions, |view| rdf.sample(view));
+}
+
+#[test]
+fn the_distribution_of_an_ideal_gas_is_one() {
+    let context = context(8.0, 200);
+    let options = RdfOptions {
+        r_max: None,
+        bins: 40,
+    };
+    let mut rdf = RadialDistribution::new(&options, &context).unwrap();
+    for seed in 0..400 {
+        sampled(&mut rdf, &context.cell, random_positions(200, 8.0, seed));
+    }
+    let (g, error) = rdf.distribution();
+    // χ² of 40 bins about exactly 1 has mean 40 and standard deviation √80 = 9; errors from 50
+    // blocks widen it by a few per cent. The first bins hold few pairs and are left out.
+    let chi2: f64 = (4..40).map(|k| ((g[k] - 1.0) / error[k]).powi(2)).sum();
+    assert!((10.0..75.0).contains(&chi2), "{chi2}");
+    // All pairs together: the mean over the volume is exact but for pairs beyond r_max.
+    assert!((10..40).all(|k| (g[k] - 1.0).abs() < 0.05));
+}
+
+#[test]
+fn the_shells_of_a_face_centred_lattice_hold_12_6_24_12_24_8_and_48_neighbors() {
+    // Shells at d, √2 d, √3 d, 2d, √5 d, √6 d, √7 d, d the distance of nearest neighbors.
+    let d = 1.1;
+    let (cell, positions) = fcc(4, d);
+    let n = positions.len();
+    let context = BuildContext {
+        cell,
+        n_atoms: n,
+        ..context(1.0, 1)
+    };
+    let options = RdfOptions {
+        r_max: Some(2.8 * d),
+        bins: 280,
+    };
+    let mut rdf = RadialDistribution::new(&options, &context).unwrap();
+    sampled(&mut rdf, &cell, positions);
+    let findings = rdf.finish(0.0);
+    let coordination = &findings.tables[0].columns[3].values;
+    let up_to = |r: f64| coordination[(r * d / rdf.width()).round() as usize - 1];
+    let mut inner = 0.0;
+    for (shell, neighbors) in [
+        (1.0_f64, 12.0),
+        (2.0, 6.0),
+        (3.0, 24.0),
+        (4.0, 12.0),
+        (5.0, 24.0),
+        (6.0, 8.0),
+        (7.0, 48.0),
+    ] {
+        let r = shell.sqrt();
+        assert!((up_to(r - 0.02) - inner).abs() < 1e-9, "before √{shell}");
+        inner += neighbors;
+        assert!((up_to(r + 0.02) - inner).abs() < 1e-9, "after √{shell}");
+    }
+    let first = findings
+        .averages
+        .iter()
+        .find(|a| a.name == "coordination_number")
+        .unwrap();
+    assert!((first.estimate.mean - 12.0).abs() < 1e-9);
+    // A place is known to one bin.
+    let peaks = &findings.tables[1];
+    assert!((peaks.columns[1].values[0] - d).abs() < rdf.width());
+}
+
+#[test]
+fn the_discarded_part_leaves_no_trace() {
+    let (cell, crystal) = fcc(4, 1.1);
+    let context = BuildContext {
+        cell,
+        n_atoms: crystal.len(),
+        ..context(1.0, 1)
+    };
+    let options = RdfOptions {
+        r_max: Some(2.2),
+        bins: 100,
+    };
+    let make = || RadialDistribution::new(&options, &context).unwrap();
+    let (mut both, mut alone) = (make(), make());
+    for seed in 0..32 {
+        let gas = random_positions(crystal.len(), cell.lengths().x, seed);
+        sampled(&mut both, &cell, gas);
+    }
+    for _ in 0..32 {
+        sampled(&mut both, &cell, crystal.clone());
+        sampled(&mut alone, &cell, crystal.clone());
+    }
+    let g = |found: Findings| found.tables[0].columns[1].values.clone();
+    assert_eq!(g(both.finish(0.5)), g(alone.finish(0.0)));
+    assert_ne!(g(both.finish(0.0)), g(alone.finish(0.0)));
+}
+
+#[test]
+fn a_range_beyond_half_the_box_is_refused_and_half_the_box_is_not() {
+    let context = context(8.0, 10);
+    let with = |r_max| {
+        let options = RdfOptions {
+            r_max: Some(r_max),
+            bins: 10,
+        };
+        RadialDistribution::new(&options, &context)
+    };
+    assert!(with(4.0).is_ok());
+    let error = with(4.1).unwrap_err();
+    assert_eq!((error.key(), error.found()), ("r_max", "4.1"));
+    assert!(with(f64::NAN).is_err() && with(-1.0).is_err());
+}
