@@ -103,6 +103,9 @@ pub struct Estimate {
     pub standard_error: f64,
     /// The number of independent samples that it is worth.
     pub n_effective: f64,
+    /// The least number of independent samples that it may be worth, by the most careful estimate: what it is judged by where
+    /// it may be too short. Of many short series, just those whose error is too small by chance would pass otherwise.
+    pub least_effective: f64,
     /// Degrees of freedom ν of the standard error, which is itself known to 1/√(2ν) of its value.
     pub freedom: f64,
     /// The number of samples discarded at the start.
@@ -124,7 +127,12 @@ pub enum Doubt {
     /// The number lacks a part that cannot be told: a correlation that has not decayed.
     Incomplete(String),
     /// A thermostat changes what is measured.
-    Thermostat(String),
+    Thermostat {
+        /// How.
+        why: String,
+        /// Whether it sets the number, so that there is nothing to have an error.
+        sets_it: bool,
+    },
 }
 
 impl Doubt {
@@ -135,15 +143,18 @@ impl Doubt {
             Self::TooShort { .. } => "too-short",
             Self::NotInEquilibrium(_) => "not-in-equilibrium",
             Self::Incomplete(_) => "incomplete",
-            Self::Thermostat(_) => "thermostat",
+            Self::Thermostat { .. } => "thermostat",
         }
     }
 
-    /// Whether the mean has no standard error because of it. Under a thermostat the number is what was measured, and has
-    /// its error, though the fluid left alone has another.
+    /// Whether the mean has no standard error because of it. Under a thermostat that does not set the number, it is what was
+    /// measured, and has its error, though the fluid left alone has another.
     #[must_use]
     pub fn takes_the_error(&self) -> bool {
-        !matches!(self, Self::Thermostat(_))
+        match self {
+            Self::Thermostat { sets_it, .. } => *sets_it,
+            Self::TooShort { .. } | Self::NotInEquilibrium(_) | Self::Incomplete(_) => true,
+        }
     }
 
     /// The reason in words, for a run with so many measured steps.
@@ -161,25 +172,25 @@ impl Doubt {
                     why.clone()
                 }
             }
-            Self::NotInEquilibrium(why) | Self::Incomplete(why) | Self::Thermostat(why) => {
+            Self::NotInEquilibrium(why) | Self::Incomplete(why) | Self::Thermostat { why, .. } => {
                 why.clone()
             }
         }
     }
 
-    /// The graver of two doubts: what is not in equilibrium needs no error, however long it is.
+    /// The graver of two doubts, the first where they are alike: what is not in equilibrium needs no error, however long it
+    /// is.
     #[must_use]
-    pub fn graver(self, other: Self) -> Self {
+    pub fn graver(one: Option<Self>, other: Option<Self>) -> Option<Self> {
         let weight = |doubt: &Self| match doubt {
             Self::NotInEquilibrium(_) => (3, 0.0),
             Self::TooShort { longer, .. } => (2, *longer),
             Self::Incomplete(_) => (1, 0.0),
-            Self::Thermostat(_) => (0, 0.0),
+            Self::Thermostat { .. } => (0, 0.0),
         };
-        if weight(&other) > weight(&self) {
-            other
-        } else {
-            self
+        match (one, other) {
+            (Some(one), Some(other)) if weight(&other) > weight(&one) => Some(other),
+            (one, other) => one.or(other),
         }
     }
 }
@@ -212,12 +223,7 @@ impl Average {
     /// With a doubt, if there is one; of two the graver stays.
     #[must_use]
     pub fn doubted(mut self, doubt: Option<Doubt>) -> Self {
-        if let Some(new) = doubt {
-            self.doubt = Some(match self.doubt.take() {
-                None => new,
-                Some(old) => old.graver(new),
-            });
-        }
+        self.doubt = Doubt::graver(self.doubt, doubt);
         self
     }
 }

@@ -58,22 +58,26 @@ fn by_thermostat(
     baths: &[&'static ThermostatSpec],
 ) -> Option<Doubt> {
     if let Some(bath) = baths.iter().find(|b| dynamic && !b.keeps_motion) {
-        return Some(Doubt::Thermostat(format!(
-            "`{}` kicks each particle: this is the motion with its friction, not the fluid's own",
-            bath.name
-        )));
+        return Some(Doubt::Thermostat {
+            why: format!(
+                "`{}` kicks each particle: this is the motion with its friction, not the fluid's own",
+                bath.name
+            ),
+            sets_it: false,
+        });
     }
     let bath = baths.iter().find(|b| !b.canonical)?;
-    Some(Doubt::Thermostat(if SET_BY_SCALING.contains(&quantity) {
+    let sets_it = SET_BY_SCALING.contains(&quantity);
+    let why = if sets_it {
         format!("set by `{}`, not measured", bath.name)
     } else {
         format!("`{}` samples no known ensemble", bath.name)
-    }))
+    };
+    Some(Doubt::Thermostat { why, sets_it })
 }
 
 fn with_error_if_earned(mut average: Average) -> Average {
-    let set = matches!(&average.doubt, Some(Doubt::Thermostat(why)) if why.starts_with("set by"));
-    if set || average.doubt.as_ref().is_some_and(Doubt::takes_the_error) {
+    if average.doubt.as_ref().is_some_and(Doubt::takes_the_error) {
         average.estimate.standard_error = f64::NAN;
     }
     average
@@ -100,9 +104,9 @@ mod tests {
         );
         let rescale = spec("rescale");
         assert!(by_thermostat("pressure", false, &rescale).is_some());
-        let Some(Doubt::Thermostat(why)) = by_thermostat("temperature", false, &rescale) else {
-            panic!("no doubt")
-        };
+        let temperature = by_thermostat("temperature", false, &rescale).expect("a doubt");
+        let why = temperature.reason(1);
         assert!(why.starts_with("set by `rescale`"), "{why}");
+        assert!(temperature.takes_the_error());
     }
 }

@@ -102,6 +102,7 @@ fn record() -> RunRecord {
             mean: 0.1 + 0.2,
             standard_error: f64::NAN,
             n_effective: 12.5,
+            least_effective: 12.5,
             freedom: 32.0,
             equilibration_cut: 40,
         },

@@ -44,9 +44,8 @@ fn with_doubts(
     fewest: f64,
     words: impl Fn(&Trend) -> String,
 ) -> Average {
-    let least = statistics::error_of_mean(influence).least_effective;
     Average::new(name, unit, estimate)
-        .doubted(too_few(&estimate, least, influence.len(), fewest))
+        .doubted(too_few(&estimate, influence.len(), fewest))
         .doubted(
             statistics::trend(influence, TRANSIENT_OF_MANY_ERRORS)
                 .map(|trend| Doubt::NotInEquilibrium(words(&trend))),
@@ -76,16 +75,11 @@ pub(crate) fn of_blocks(
         standard_error: error.standard_error,
         // Blocks that are anticorrelated are noise of the estimate, not more samples.
         n_effective: error.n_effective.min(blocks.len() as f64),
+        least_effective: error.least_effective,
         freedom: error.freedom,
         equilibration_cut: 0,
     };
-    let average = Average::new(name, unit, estimate);
-    let least = error.least_effective;
-    let few = too_few(&estimate, least, blocks.len(), FEWEST_INDEPENDENT_BLOCKS);
-    let trend = statistics::trend(blocks, TRANSIENT_OF_MANY_ERRORS);
-    average
-        .doubted(few)
-        .doubted(trend.map(|trend| Doubt::NotInEquilibrium(fluctuations_change(&trend))))
+    of_fluctuations(name, unit, estimate, blocks, FEWEST_INDEPENDENT_BLOCKS)
 }
 
 /// The same with half of what the number changes under another choice of the analysis that is as good, beside its error.
@@ -95,7 +89,7 @@ pub(crate) fn with_choice(mut average: Average, change: f64) -> Average {
     average
 }
 
-fn too_few(estimate: &Estimate, least: f64, samples: usize, fewest: f64) -> Option<Doubt> {
+fn too_few(estimate: &Estimate, samples: usize, fewest: f64) -> Option<Doubt> {
     if samples < statistics::FEWEST_BLOCKS {
         return Some(Doubt::TooShort {
             why: match samples {
@@ -107,7 +101,7 @@ fn too_few(estimate: &Estimate, least: f64, samples: usize, fewest: f64) -> Opti
         });
     }
     // That samples are worth more than their number cannot be told from few of them.
-    let independent = least.min(samples as f64);
+    let independent = estimate.least_effective.min(samples as f64);
     // A constant has no error to be known.
     (estimate.standard_error != 0.0 && independent < fewest).then(|| Doubt::TooShort {
         why: format!(

@@ -9,8 +9,7 @@ pub struct ErrorOfMean {
     pub standard_error: f64,
     /// Independent samples that the series is worth, n·σ²/v; more than n where successive samples are anticorrelated.
     pub n_effective: f64,
-    /// The same by the widest window, where that has less: what a series is judged by that may be too short. Of many short
-    /// series, just the errors that are too small by chance would pass otherwise.
+    /// The same by the widest window, where that has less.
     pub least_effective: f64,
     /// Degrees of freedom ν of the error: it is known to 1/√(2ν) of its value.
     pub freedom: f64,

@@ -89,6 +89,7 @@ pub fn estimate_after(series: &[f64], cut: usize) -> Estimate {
         mean: mean(rest),
         standard_error: error.standard_error,
         n_effective: error.n_effective,
+        least_effective: error.least_effective,
         freedom: error.freedom,
         equilibration_cut: cut as u64,
     }

@@ -86,7 +86,7 @@ impl Thermodynamics {
         let n = rows.time.len();
         let doubt = doubt
             .or_else(|| self.not_at_bath(cut))
-            .or_else(|| longest(self.few_collisions(cut), self.slow_bath(cut)));
+            .or_else(|| Doubt::graver(self.few_collisions(cut), self.slow_bath(cut)));
         Equilibrium {
             cut,
             discarded: if n == 0 { 0.0 } else { cut as f64 / n as f64 },
@@ -149,14 +149,6 @@ impl Thermodynamics {
             ),
             longer: FEWEST_RELAXATIONS / times,
         })
-    }
-}
-
-/// The reason that asks for the longer run.
-fn longest(one: Option<Doubt>, other: Option<Doubt>) -> Option<Doubt> {
-    match (one, other) {
-        (Some(one), Some(other)) => Some(one.graver(other)),
-        (one, other) => one.or(other),
     }
 }
 
