@@ -378,7 +378,8 @@ fn ensemble(scene: &Scene, stage: &Stage) -> Option<Ensemble> {
 }
 
 /// The temperature that the bath of the measured stages holds; `None` where they have none, or not all the same.
-fn held_temperature(scene: &Scene) -> Option<HeldTemperature> {
+#[must_use]
+pub fn held_temperature(scene: &Scene) -> Option<HeldTemperature> {
     let mut measured = scene.stages.iter().filter(|s| s.measure);
     let first = measured.next()?;
     let options = first.thermostat.as_ref()?;

@@ -190,7 +190,7 @@ pub fn beside_equation_of_state(
                 half_steps: thermodynamics.has_half_steps(),
                 density,
             },
-            source: format!("{}, doi:{}", equation.spec().name, equation.spec().doi),
+            source: equation.spec().citation(),
             remark: equation.spec().model.clone(),
         });
     }

@@ -20,8 +20,8 @@ mod timers;
 pub mod watchdog;
 
 pub use build::{
-    Beginning, SMALLEST_START_DISTANCE, begin, conditions, forces, prepare, prepare_from,
-    recommended_threads, size_and_density, tail_correction,
+    Beginning, SMALLEST_START_DISTANCE, begin, conditions, forces, held_temperature, prepare,
+    prepare_from, recommended_threads, size_and_density, tail_correction,
 };
 pub use checkpointing::{Past, capture};
 pub use compare::{

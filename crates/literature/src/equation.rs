@@ -62,6 +62,14 @@ pub struct EquationSpec {
     pub critical: CriticalPoint,
 }
 
+impl EquationSpec {
+    /// Name and DOI, as beside a number that is compared with it.
+    #[must_use]
+    pub fn citation(&self) -> String {
+        format!("{}, doi:{}", self.name, self.doi)
+    }
+}
+
 /// Why a state cannot be looked up.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum OutsideRange {

@@ -38,7 +38,7 @@ pub use correlator::{Correlation, Correlator};
 pub use error::ObservableError;
 pub use heat_capacity::Ensemble;
 pub use momentum::{Momentum, MomentumOptions};
-pub use msd::{MeanSquareDisplacement, MsdOptions};
+pub use msd::{MeanSquareDisplacement, MsdOptions, YEH_HUMMER_XI};
 pub use pairs::count_distances;
 pub use pressure_tensor::{PressureTensor, PressureTensorOptions};
 pub use rdf::{RadialDistribution, RdfOptions};

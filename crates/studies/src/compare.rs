@@ -44,8 +44,10 @@ pub struct ComparedRun {
     pub equation: Option<String>,
     /// Quantity by quantity.
     pub rows: Vec<Row>,
-    /// What the rows say together, in a sentence.
+    /// What the rows say together, in a sentence or two.
     pub headline: String,
+    /// The reason that most of the primary rows share; the headline says it.
+    pub shared_reason: Option<String>,
     /// What belongs beside the numbers.
     pub remarks: Vec<String>,
 }
@@ -99,60 +101,58 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
             .as_ref()
             .ok()
             .filter(|_| no_reference.is_none())
-            .map(|e| format!("{}, doi:{}", e.spec().name, e.spec().doi)),
+            .map(|e| e.spec().citation()),
         headline: headline(&rows, no_reference.as_deref()),
+        shared_reason: shared_reason(&rows).map(|row| row.reason.clone()),
         rows,
         state,
         remarks,
     }
 }
 
+/// The first of the primary rows whose reason most of them share; `None` where there is no such reason.
+fn shared_reason(rows: &[Row]) -> Option<&Row> {
+    let primary = || rows.iter().filter(|r| r.primary);
+    primary().find(|row| {
+        let same = primary().filter(|r| r.reason == row.reason).count();
+        !row.reason.is_empty() && 2 * same > primary().count()
+    })
+}
+
 /// What the primary rows say together.
 fn headline(rows: &[Row], no_reference: Option<&str>) -> String {
-    let with = |verdict: Verdict| {
-        let found: Vec<&Row> = rows
-            .iter()
-            .filter(|r| r.primary && r.verdict == verdict)
-            .collect();
-        found
+    // What speaks against all means, and so against most of the primary ones, speaks against the run.
+    if let Some(row) = shared_reason(rows).filter(|row| !row.is_sound()) {
+        let reason = &row.reason;
+        return match row.verdict {
+            Verdict::NotInEquilibrium => {
+                format!("The run was not in equilibrium: {reason}. Its means are no results.")
+            }
+            Verdict::TooShort => format!("The run is too short: {reason}."),
+            _ => format!("Nothing is judged: {reason}."),
+        };
+    }
+    let primary = |wanted: &dyn Fn(&Row) -> bool| -> Vec<&Row> {
+        rows.iter().filter(|r| r.primary && wanted(r)).collect()
     };
+    let with = |verdict: Verdict| primary(&|r| r.verdict == verdict);
     let names = |rows: &[&Row]| {
         let names: Vec<String> = rows.iter().map(|r| quantity_words(&r.quantity)).collect();
         names.join(", ")
     };
-    // What speaks against all means, and so against most of the primary ones, speaks against the run.
-    let primary: Vec<&Row> = rows.iter().filter(|r| r.primary).collect();
-    let shared = |row: &&&Row| {
-        let same = primary.iter().filter(|r| r.reason == row.reason).count();
-        !row.is_sound() && 2 * same > primary.len()
-    };
-    if let Some(energy) = primary.iter().find(shared) {
-        return match energy.verdict {
-            Verdict::NotInEquilibrium => {
-                format!(
-                    "The run was not in equilibrium: {}. Its means are no results.",
-                    energy.reason
-                )
-            }
-            Verdict::TooShort => format!("The run is too short: {}.", energy.reason),
-            _ => format!("Nothing is judged: {}.", energy.reason),
-        };
-    }
-    let judged: Vec<&Row> = rows
-        .iter()
-        .filter(|r| r.primary && r.verdict.is_judged())
-        .collect();
+    let judged = primary(&|r| r.verdict.is_judged());
     let mut text = match (judged.len(), with(Verdict::Agrees).len()) {
-        (0, _) => match no_reference {
-            Some(why) => format!("No reference applies: {why}."),
-            None => "Nothing was held against a reference.".into(),
-        },
+        (0, _) if no_reference.is_none() => "Nothing was held against a reference.".into(),
+        (0, _) => String::new(),
         (1, 1) => format!("{} agrees with its reference.", capital(&names(&judged))),
         (all, agree) if all == agree => {
             format!("All {all} quantities that have a reference agree with it.")
         }
         (all, agree) => format!("{agree} of {all} quantities that have a reference agree with it."),
     };
+    if let Some(why) = no_reference {
+        text += &format!(" No reference of a homogeneous fluid applies: {why}.");
+    }
     let biased = with(Verdict::PredictedBias);
     if let Some(first) = biased.first() {
         text += &format!(
@@ -166,11 +166,11 @@ fn headline(rows: &[Row], no_reference: Option<&str>) -> String {
     if !differing.is_empty() {
         text += &format!(" Not explained: the difference in {}.", names(&differing));
     }
-    let short: Vec<&Row> = rows.iter().filter(|r| r.primary && !r.is_sound()).collect();
+    let short = primary(&|r| !r.is_sound());
     if !short.is_empty() {
         text += &format!(" No result yet: {}.", names(&short));
     }
-    text
+    text.trim_start().to_owned()
 }
 
 fn capital(text: &str) -> String {

@@ -167,11 +167,8 @@ pub(super) fn quantities(run: &ComparedRun, all: bool) -> comfy_table::Table {
         ],
         1..6,
     );
-    // A reason that many rows share is that of the headline.
-    let shared = |row: &Row| {
-        let same = run.rows.iter().filter(|r| r.reason == row.reason).count();
-        !row.reason.is_empty() && same > 3
-    };
+    // The headline says a reason that most rows share.
+    let in_headline = |row: &Row| run.shared_reason.as_ref() == Some(&row.reason);
     for r in run.rows.iter().filter(|r| all || r.primary) {
         let reference = match (r.reference, r.reference_error) {
             (Some(x), Some(e)) => pair(x, e),
@@ -198,7 +195,7 @@ pub(super) fn quantities(run: &ComparedRun, all: bool) -> comfy_table::Table {
                 .map_or("–".into(), |z| format!("{z:+.1}")),
             r.tolerance
                 .map_or("–".into(), |t| format!("± {}", significant(t, 2))),
-            if shared(r) && !all {
+            if in_headline(r) && !all {
                 r.verdict.words().to_owned()
             } else {
                 r.verdict_words()

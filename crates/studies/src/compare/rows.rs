@@ -136,21 +136,18 @@ impl Compared<'_> {
 
     /// The kinetic temperature beside that of the bath, where the bath holds just this one.
     fn beside_bath(&self, row: Row, half_steps: bool) -> Row {
-        let mut measured = self.run.scene.stages.iter().filter(|s| s.measure);
-        let Some((stage, bath)) = measured
-            .next()
-            .and_then(|stage| Some((stage, stage.thermostat.as_ref()?.spec())))
-            .filter(|(_, bath)| bath.canonical && bath.holds_half_steps == half_steps)
-        else {
+        let held = lennard_engine::held_temperature(&self.run.scene);
+        let Some(bath) = held.filter(|bath| bath.half_steps == half_steps) else {
             return row;
         };
-        let same = |s: &lennard_scene::Stage| s.temperature == stage.temperature;
-        if !measured.all(same) {
-            return row;
-        }
         let error = row.standard_error;
-        let source = format!("the temperature of the bath, `{}`", bath.name);
-        row.against(stage.temperature, None, error, BATH, &source)
+        row.against(
+            bath.temperature,
+            None,
+            error,
+            BATH,
+            "the temperature of the bath",
+        )
     }
 
     /// A sound number to which no reference applies in this state says why.
@@ -249,7 +246,13 @@ impl Compared<'_> {
         };
         let reference = equation.heat_capacity_volume(density, temperature);
         let error = row.standard_error;
-        self.unless_frozen(row.against(reference, None, error, HEAT_CAPACITY, &source(equation)))
+        self.unless_frozen(row.against(
+            reference,
+            None,
+            error,
+            HEAT_CAPACITY,
+            &equation.spec().citation(),
+        ))
     }
 
     fn configurational_temperature(&self, row: Row) -> Row {
@@ -280,7 +283,7 @@ impl Compared<'_> {
             None,
             error,
             VAPOR_PRESSURE,
-            &format!("vapor pressure by {}", source(equation)),
+            &format!("vapor pressure by {}", equation.spec().citation()),
         )
         .noted(format!(
             "by the equation the coexisting densities are {:.4} and {:.4} σ⁻³",
@@ -299,9 +302,4 @@ fn freezing_height(row: Row) -> Row {
     row.noted(format!(
         "{side} {HANSEN_VERLET}, the height at which a fluid freezes ({HANSEN_VERLET_SOURCE})"
     ))
-}
-
-/// Name and DOI of an equation of state.
-pub(super) fn source(equation: &dyn EquationOfState) -> String {
-    format!("{}, doi:{}", equation.spec().name, equation.spec().doi)
 }

@@ -1,6 +1,7 @@
 //! Transport coefficients beside tabulated ones, and beside themselves by another road.
 
 use lennard_literature::{ModelKind, TransportProperty, transport_near};
+use lennard_observables::YEH_HUMMER_XI;
 
 use super::rows::Compared;
 use super::verdict::Tolerance;
@@ -11,9 +12,6 @@ const TRANSPORT: Tolerance = Tolerance {
     absolute: 0.0,
     relative: 0.03,
 };
-
-/// The constant ξ of the finite-size correction in a cube.
-const YEH_HUMMER_XI: f64 = 2.837_297;
 
 impl Compared<'_> {
     /// A coefficient beside the tabulated state nearest to the run. The tables are for the full potential.
