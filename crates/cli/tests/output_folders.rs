@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use common::{lennard, stderr, stdout};
+use common::{Place, lennard, stderr, stdout};
 
 const SCENE: &str = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.2\n[truncation]\nr_cut = 2.2\n\
                      [[stage]]\nname = \"production\"\nsteps = 200\n";
@@ -16,36 +16,28 @@ const SCENE: &str = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.2\n
 const ENDLESS: &str = "stage.production.steps=1000000000";
 
 /// A folder with a scene and a sweep of it.
-struct Bench {
-    root: tempfile::TempDir,
+struct Bench(Place);
+
+impl std::ops::Deref for Bench {
+    type Target = Place;
+
+    fn deref(&self) -> &Place {
+        &self.0
+    }
 }
 
 impl Bench {
     fn new() -> Self {
-        let bench = Self {
-            root: tempfile::tempdir().unwrap(),
-        };
-        bench.write("liquid.toml", SCENE);
-        bench.write(
-            "sweep.toml",
-            "base = \"liquid.toml\"\n[grid]\ntemperature = [1.1, 1.3]\n",
-        );
-        bench
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.root.path().join(name)
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        let path = self.path(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, text).unwrap();
+        let sweep = "base = \"liquid.toml\"\n[grid]\ntemperature = [1.1, 1.3]\n";
+        Self(Place::with(&[
+            ("liquid.toml", SCENE),
+            ("sweep.toml", sweep),
+        ]))
     }
 
     fn command(&self, arguments: &[&str]) -> Command {
         let mut command = lennard(arguments);
-        command.current_dir(self.root.path());
+        command.current_dir(self.root());
         command
     }
 

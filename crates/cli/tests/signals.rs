@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
-use common::{lennard, stderr};
+use common::{Place, lennard, stderr};
 
 /// A start that takes seconds: particles at random, relaxed.
 const SLOW: &str = "[system]\nlattice = \"random\"\nn_atoms = 100_000\ndensity = 0.7\ntemperature = 1.2\n\
@@ -20,26 +20,19 @@ const SMALL: &str = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.2\n
 /// The signals that may come while a run starts, as `kill` and as numbers.
 const SIGNALS: [(&str, u32); 3] = [("INT", 2), ("TERM", 15), ("HUP", 1)];
 
-struct Bench {
-    root: tempfile::TempDir,
+struct Bench(Place);
+
+impl std::ops::Deref for Bench {
+    type Target = Place;
+
+    fn deref(&self) -> &Place {
+        &self.0
+    }
 }
 
 impl Bench {
     fn new() -> Self {
-        let bench = Self {
-            root: tempfile::tempdir().unwrap(),
-        };
-        bench.write("slow.toml", SLOW);
-        bench.write("small.toml", SMALL);
-        bench
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        fs::write(self.path(name), text).unwrap();
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.root.path().join(name)
+        Self(Place::with(&[("slow.toml", SLOW), ("small.toml", SMALL)]))
     }
 
     /// Starts it with SIGHUP as a terminal leaves it: tests that run under `nohup` hand it on as ignored, and a run would
@@ -54,7 +47,7 @@ impl Bench {
 
     fn spawn(&self, command: &mut Command) -> Child {
         command
-            .current_dir(self.root.path())
+            .current_dir(self.root())
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
             .spawn()
@@ -191,7 +184,7 @@ fn a_resume_that_loads_leaves_the_checkpoint_and_says_how_to_go_on() {
     );
     let made = lennard(&["run", "large.toml", "--quiet", "--out", "out"])
         .args(["--set", "stage.0.steps=2"])
-        .current_dir(bench.root.path())
+        .current_dir(bench.root())
         .output()
         .unwrap();
     assert!(made.status.success(), "{}", stderr(&made));

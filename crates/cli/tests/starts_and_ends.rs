@@ -3,48 +3,37 @@
 mod common;
 
 use std::fs;
-use std::path::PathBuf;
 use std::process::Output;
 
-use common::{lennard_in, stderr, stdout};
+use common::{Place, lennard_in, stderr, stdout};
 
 const SCENE: &str = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.2\n[truncation]\nr_cut = 2.2\n\
                      [[stage]]\nname = \"production\"\nsteps = 20\n";
 
-struct Bench {
-    root: tempfile::TempDir,
+struct Bench(Place);
+
+impl std::ops::Deref for Bench {
+    type Target = Place;
+
+    fn deref(&self) -> &Place {
+        &self.0
+    }
 }
 
 impl Bench {
     fn new() -> Self {
-        let bench = Self {
-            root: tempfile::tempdir().unwrap(),
-        };
-        bench.write("liquid.toml", SCENE);
-        bench.write(
-            "from-file.toml",
-            &SCENE.replace(
-                "n_atoms = 108\ndensity = 0.8",
-                "configuration = \"start.xyz\"",
-            ),
+        let from_file = SCENE.replace(
+            "n_atoms = 108\ndensity = 0.8",
+            "configuration = \"start.xyz\"",
         );
-        bench
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.root.path().join(name)
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        fs::write(self.path(name), text).unwrap();
-    }
-
-    fn read(&self, name: &str) -> String {
-        fs::read_to_string(self.path(name)).unwrap()
+        Self(Place::with(&[
+            ("liquid.toml", SCENE),
+            ("from-file.toml", &from_file),
+        ]))
     }
 
     fn lennard(&self, arguments: &[&str]) -> Output {
-        lennard_in(self.root.path(), arguments)
+        lennard_in(self.root(), arguments)
     }
 
     fn succeed(&self, arguments: &[&str]) -> String {

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::lennard_in;
+use common::{Place, lennard_in};
 use serde_json::Value;
 
 const SCENE: &str = r#"
@@ -42,19 +42,18 @@ kind = "structure-factor"
 
 /// Runs the scene with changes; its record and what `compare` says of it.
 fn run(changes: &[&str]) -> (Value, Value, String) {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
+    let place = Place::with(&[("scene.toml", SCENE)]);
     let mut arguments = vec!["run", "scene.toml", "--out", "out", "--json", "--no-report"];
     for change in changes {
         arguments.extend(["--set", change]);
     }
-    let ran = lennard_in(folder.path(), &arguments);
+    let ran = lennard_in(place.root(), &arguments);
     let said = String::from_utf8_lossy(&ran.stderr).into_owned();
     assert!(ran.status.success(), "{said}");
     let record: Value = serde_json::from_slice(&ran.stdout).unwrap();
     let compare = |extra: &[&str]| {
         let all: Vec<&str> = ["compare", "out"].iter().chain(extra).copied().collect();
-        lennard_in(folder.path(), &all)
+        lennard_in(place.root(), &all)
     };
     let compared: Value = serde_json::from_slice(&compare(&["--json"]).stdout).unwrap();
     let table = String::from_utf8_lossy(&compare(&[]).stdout).into_owned();
@@ -183,6 +182,12 @@ fn a_state_without_a_reference_is_named_and_has_none() {
         "{table}"
     );
     assert!(!table.contains("agrees with its reference: pressure"));
+    // The sentence says why, though the two temperatures agree.
+    let headline = compared["headline"].as_str().unwrap();
+    assert!(
+        headline.contains("No reference of a homogeneous fluid applies: "),
+        "{headline}"
+    );
     // A crystal is not set beside the equation of the fluid.
     let (_, compared, table) = run(&[
         "system.density=1.1",
@@ -232,10 +237,9 @@ fn a_slab_is_set_beside_saturation_and_not_beside_the_mean_density() {
 
 #[test]
 fn few_rows_by_default_and_every_one_with_all() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
+    let place = Place::with(&[("scene.toml", SCENE)]);
     let rows = |arguments: &[&str]| {
-        let said = lennard_in(folder.path(), arguments);
+        let said = lennard_in(place.root(), arguments);
         let text = String::from_utf8_lossy(&said.stdout).into_owned();
         (
             text.lines().filter(|l| l.starts_with('│')).count() - 1,

@@ -71,3 +71,43 @@ pub const SMALL: &[&str] = &[
     "--set",
     "stage.production.steps=400",
 ];
+
+/// A folder of its own for a test, with the files that it begins with.
+pub struct Place {
+    root: tempfile::TempDir,
+}
+
+impl Place {
+    /// A folder that holds these files: name and text.
+    pub fn with(files: &[(&str, &str)]) -> Self {
+        let place = Self {
+            root: tempfile::tempdir().unwrap(),
+        };
+        for (name, text) in files {
+            place.write(name, text);
+        }
+        place
+    }
+
+    /// The folder itself.
+    pub fn root(&self) -> &Path {
+        self.root.path()
+    }
+
+    /// A path in it.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.root.path().join(name)
+    }
+
+    /// Writes a file in it, and the folders on the way.
+    pub fn write(&self, name: &str, text: &str) {
+        let path = self.path(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    }
+
+    /// Reads a file in it.
+    pub fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path(name)).unwrap()
+    }
+}
