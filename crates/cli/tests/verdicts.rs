@@ -256,3 +256,31 @@ fn few_rows_by_default_and_every_one_with_all() {
     let (all, text) = rows(&["compare", "out", "--all"]);
     assert!(all > 12 && text.contains("kinetic energy"), "{text}");
 }
+
+#[test]
+fn one_part_of_the_run_is_discarded_for_every_observable() {
+    // A bath at another temperature, which it reaches in a tenth of the run.
+    let (record, ..) = run(&[
+        "stage.production.steps=20000",
+        "stage.production.temperature=1.0",
+        "stage.production.thermostat={ kind = \"langevin\", friction = 1.0 }",
+    ]);
+    let discarded = |name: &str| {
+        let average = &record["averages"][name];
+        average["equilibration_cut"].as_u64().unwrap()
+    };
+    let steps = 10 * discarded("potential_energy");
+    assert!((200..12_000).contains(&steps), "{steps}");
+    // Blocks are left out whole: of 64 at most, a 32nd part of the run.
+    for (name, every) in [
+        ("rdf_first_peak", 50),
+        ("structure_factor_first_peak", 100),
+        ("diffusion_coefficient", 10),
+    ] {
+        let own = every * discarded(name);
+        assert!(
+            (steps..=steps + 20_000 / 32).contains(&own),
+            "{name}: {own} {steps}"
+        );
+    }
+}

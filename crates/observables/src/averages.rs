@@ -1,6 +1,6 @@
 //! From estimates to averages: what has an error, and what is said in its place.
 
-use lennard_core::{Average, Doubt, Estimate};
+use lennard_core::{Average, Doubt, Estimate, Findings};
 
 use crate::statistics::{self, TRANSIENT_OF_MANY_ERRORS, Trend};
 
@@ -87,6 +87,13 @@ pub(crate) fn with_choice(mut average: Average, change: f64) -> Average {
     let error = &mut average.estimate.standard_error;
     *error = error.hypot(0.5 * change);
     average
+}
+
+/// Says in each average how many samples were discarded.
+pub(crate) fn tell_discarded(findings: &mut Findings, samples: u64) {
+    for average in &mut findings.averages {
+        average.estimate.equilibration_cut = samples;
+    }
 }
 
 fn too_few(estimate: &Estimate, samples: usize, fewest: f64) -> Option<Doubt> {

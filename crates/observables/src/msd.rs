@@ -9,7 +9,7 @@ use lennard_core::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::averages::{of_blocks, with_choice};
+use crate::averages::{of_blocks, tell_discarded, with_choice};
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::linear_regime::{LagCurve, LinearFit, fit_linear_regime};
@@ -272,6 +272,7 @@ impl Observable for MeanSquareDisplacement {
                 .remarks
                 .push("no diffusion coefficient: too few samples for a fit".into()),
         }
+        tell_discarded(&mut findings, self.samples - displacements.samples());
         findings.remarks.extend(self.tracked.remark());
         let diffusion = curve
             .times

@@ -6,7 +6,7 @@ use lennard_core::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::averages::of_blocks;
+use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::extrema::{Extremum, extrema, fitted_extremum, smoothed};
@@ -334,6 +334,7 @@ impl Observable for RadialDistribution {
             })
             .collect();
         self.add_peaks(&counts, &mut findings, &g, &error);
+        tell_discarded(&mut findings, self.counts.samples() - counts.samples());
         findings.tables.insert(
             0,
             Table::new(

@@ -9,7 +9,7 @@ use lennard_core::{
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::averages::of_blocks;
+use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::extrema::{extrema, fitted_extremum};
@@ -317,6 +317,7 @@ impl Observable for StructureFactor {
             }
             None => findings.remarks.push("S(k) has no peak".into()),
         }
+        tell_discarded(&mut findings, self.factors.samples() - factors.samples());
         findings.tables.push(
             Table::new(
                 "structure_factor",

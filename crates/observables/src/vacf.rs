@@ -8,7 +8,7 @@ use lennard_core::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::averages::of_blocks;
+use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::tracked::{DEFAULT_TRACKED, Tracked, sum_over_pairs};
@@ -214,6 +214,7 @@ impl Observable for VelocityAutocorrelation {
                 "the velocity autocorrelation falls by half in one sampling interval: sample more often for a good integral".into(),
             );
         }
+        tell_discarded(&mut findings, self.samples - products.samples());
         let normalised = c.iter().map(|value| value / c[0]).collect();
         findings.tables.push(
             Table::new(

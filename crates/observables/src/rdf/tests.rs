@@ -113,3 +113,41 @@ fn a_range_beyond_half_the_box_is_refused_and_half_the_box_is_not() {
     assert_eq!((error.key(), error.found()), ("r_max", "4.1"));
     assert!(with(f64::NAN).is_err() && with(-1.0).is_err());
 }
+
+/// A distribution with a peak at 1.1 σ and a minimum of `lowest` at 1.6 σ, in 40 equal samples.
+fn with_minimum(lowest: f64) -> Findings {
+    let context = context(8.0, 200);
+    let options = RdfOptions {
+        r_max: Some(4.0),
+        bins: 200,
+    };
+    let mut rdf = RadialDistribution::new(&options, &context).unwrap();
+    let bump = |r: f64, at: f64, width: f64| (-((r - at) / width).powi(2)).exp();
+    for _ in 0..40 {
+        rdf.counts.begin_sample();
+        for (k, r) in rdf.radii().into_iter().enumerate() {
+            let g = if r < 0.9 {
+                0.0
+            } else {
+                1.0 + 1.5 * bump(r, 1.1, 0.15) - (1.0 - lowest) * bump(r, 1.6, 0.2)
+            };
+            let pairs = g / rdf.normalisation(k);
+            rdf.counts.add(k, pairs, 1);
+        }
+    }
+    rdf.finish(0.0)
+}
+
+#[test]
+fn only_a_shell_of_neighbors_is_counted() {
+    let number = |findings: &Findings| {
+        let found = findings.averages.iter();
+        let mut found = found.filter(|a| a.name == "coordination_number");
+        found.next().map(|a| a.estimate.mean)
+    };
+    assert!(number(&with_minimum(0.6)).is_some());
+    // A gas: nearly even behind its first peak.
+    let gas = with_minimum(0.95);
+    assert_eq!(number(&gas), None);
+    assert!(gas.remarks.iter().any(|r| r.contains("no shell")));
+}

@@ -3,7 +3,7 @@
 use lennard_core::{Doubt, Findings, Persist, RestoreError, StateReader, StateWriter, Table};
 
 use super::helfand::Helfand;
-use crate::averages::of_blocks;
+use crate::averages::{of_blocks, tell_discarded};
 use crate::{BlockedSums, Correlation, Correlator, statistics};
 
 /// Successive lags at which the correlation must be lost in its error before it counts as decayed: one or two
@@ -120,6 +120,8 @@ impl GreenKubo {
             let name = format!("{}_einstein_helfand", words.name);
             add(&name, prefactor * slope, &blocks);
         }
+        let kept = self.temperature.after(discarded).samples();
+        tell_discarded(&mut findings, self.temperature.samples() - kept);
         findings.remarks.push(format!(
             "{}: plateau of the Green–Kubo integral from {from:.2} to {to:.2} τ; the Einstein–Helfand value is the slope over the same lags",
             words.plain
