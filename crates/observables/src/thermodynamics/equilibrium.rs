@@ -8,11 +8,6 @@ use super::Thermodynamics;
 use crate::averages::changes;
 use crate::statistics::{self, equilibration};
 
-/// The mean temperature and that of the bath differ where they do so by this many standard errors, and by the part below:
-/// a finite step moves temperatures by some tenths of a per cent.
-const BATH_ERRORS: f64 = 4.0;
-const BATH_PART: f64 = 0.003;
-
 /// Collisions of each particle that a run must last. In a gas the energy is that of pairs that meet, and of pairs that stay
 /// bound until a third particle comes by: its correlation lasts about one and a half mean collision times. With 40 of them
 /// a run has 13 independent stretches of that slow part, from which its error is known to a fifth.
@@ -32,6 +27,14 @@ pub struct HeldTemperature {
     pub half_steps: bool,
     /// Time in τ in which the bath brings the kinetic energy back to its mean.
     pub relaxation: f64,
+}
+
+impl HeldTemperature {
+    /// A mean temperature is not that of the bath where it is off by more than this many of its standard errors, and by more
+    /// than [`Self::PART`].
+    pub const ERRORS: f64 = 4.0;
+    /// A finite step moves temperatures by some tenths of a per cent.
+    pub const PART: f64 = 0.003;
 }
 
 /// What is discarded of a run, and what speaks against all of its means.
@@ -110,7 +113,8 @@ impl Thermodynamics {
         };
         let found = statistics::estimate_after(column, cut);
         let off = (found.mean - bath.temperature).abs();
-        let allowed = (BATH_ERRORS * found.standard_error).max(BATH_PART * bath.temperature);
+        let allowed = (HeldTemperature::ERRORS * found.standard_error)
+            .max(HeldTemperature::PART * bath.temperature);
         (off > allowed).then(|| {
             Doubt::NotInEquilibrium(format!(
                 "T is {:.4} ± {:.4} where its bath has {}",
@@ -157,5 +161,78 @@ fn few_words(number: f64) -> String {
         format!("{number:.1}")
     } else {
         format!("{number:.0}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ThermoSeries;
+    use crate::series::Columns;
+    use crate::statistics::synthetic::Ar1;
+    use crate::testing::context;
+
+    /// A stationary run at T = 1 with a step of a hundredth of τ between samples, in a box of this side.
+    fn run(side: f64, samples: usize) -> Thermodynamics {
+        let mut run = Thermodynamics::new(&context(side, 100));
+        let noise = [0, 1, 2].map(|seed| Ar1::new(0.5, seed).series(samples));
+        let names = ThermoSeries::default().names();
+        for ((t, u), p) in noise[0].iter().zip(&noise[1]).zip(&noise[2]) {
+            let row: Vec<f64> = names
+                .iter()
+                .map(|name| match *name {
+                    "temperature" | "temperature_of_positions" => 1.0 + 0.05 * t,
+                    "potential_energy_without_tail" => -5.0 + 0.1 * u,
+                    "pressure_without_tail" => 2.0 + 0.3 * p,
+                    _ => 0.0,
+                })
+                .collect();
+            run.series.push(&row);
+        }
+        run
+    }
+
+    fn with_bath(temperature: f64, relaxation: f64) -> Option<Doubt> {
+        let mut run = run(5.0, 4000);
+        run.set_bath(Some(HeldTemperature {
+            temperature,
+            half_steps: false,
+            relaxation,
+        }));
+        run.equilibrium().doubt
+    }
+
+    #[test]
+    fn a_run_that_is_not_at_the_temperature_of_its_bath_says_so() {
+        assert_eq!(with_bath(1.0, 0.5), None);
+        let Some(Doubt::NotInEquilibrium(why)) = with_bath(1.02, 0.5) else {
+            panic!("no doubt")
+        };
+        assert!(
+            why.starts_with("T is ") && why.ends_with("where its bath has 1.02"),
+            "{why}"
+        );
+    }
+
+    #[test]
+    fn a_run_shorter_than_40_relaxation_times_of_its_bath_is_too_short() {
+        // 40 τ.
+        let Some(Doubt::TooShort { longer, why }) = with_bath(1.0, 2.0) else {
+            panic!("no doubt")
+        };
+        assert!(
+            (longer - 2.0).abs() < 1e-9 && why.contains("20 relaxation times"),
+            "{why}"
+        );
+    }
+
+    #[test]
+    fn a_gas_needs_40_collisions() {
+        assert_eq!(run(5.0, 4000).equilibrium().doubt, None);
+        // ρ = 0.0125: a collision each 1/(4·0.0125·√π) = 11.3 τ.
+        let Some(Doubt::TooShort { longer, .. }) = run(20.0, 4000).equilibrium().doubt else {
+            panic!("no doubt")
+        };
+        assert!((longer - 11.284).abs() < 0.01, "{longer}");
     }
 }

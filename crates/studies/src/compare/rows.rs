@@ -1,6 +1,7 @@
 //! Quantity by quantity: what it is compared with, and how far off it may be.
 
 use lennard_literature::{EquationOfState, ModelKind, TransportProperty, equation_of_state_for};
+use lennard_observables::HeldTemperature;
 
 use super::read::HALF_STEPS;
 use super::tail_bias::tail_bias;
@@ -18,11 +19,11 @@ const PRESSURE: Tolerance = Tolerance {
     absolute: 0.005,
     relative: 0.0,
 };
-/// The kinetic temperature that a bath holds: a finite step moves it by some tenths of a per cent.
+/// The kinetic temperature beside that of its bath; a run that is off by more than these says so of all its means.
 const BATH: Tolerance = Tolerance {
-    errors: 4.0,
+    errors: HeldTemperature::ERRORS,
     absolute: 0.0,
-    relative: 0.003,
+    relative: HeldTemperature::PART,
 };
 const HEAT_CAPACITY: Tolerance = Tolerance {
     errors: 2.0,
