@@ -224,6 +224,11 @@ pub(super) fn below_quantities(run: &ComparedRun, all: bool) {
     }
     let hidden = run.rows.iter().filter(|r| !r.primary).count();
     if !all {
+        for row in run.rows.iter().filter(|r| r.primary) {
+            if let Some(words) = row.range_words() {
+                println!("  {}: {words}", quantity_words(&row.quantity));
+            }
+        }
         if hidden > 0 {
             println!("  {hidden} more quantities, sources and notes: --all");
         }

@@ -71,9 +71,11 @@ impl Compared<'_> {
             None => own_correction(run, self.state).map(|added| (corrected, corrected + added)),
         };
         match between {
-            Some((low, high)) => row.between(low, high).noted(format!(
-                "the source does not say that it is corrected: the difference is taken from the stretch between the uncorrected and the corrected value, {low:.4} to {high:.4}"
-            )),
+            Some((low, high)) => {
+                let row = row.between(low, high);
+                let words = row.range_words().unwrap_or_default();
+                row.noted(words)
+            }
             None => row,
         }
     }

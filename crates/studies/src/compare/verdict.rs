@@ -90,8 +90,10 @@ pub struct Row {
     pub reference: Option<f64>,
     /// One standard error of the reference, where its source gives one.
     pub reference_error: Option<f64>,
-    /// Measured − reference.
+    /// Measured − reference; where there is a range, its distance from the reference (zero inside).
     pub difference: Option<f64>,
+    /// The range in which the measured value lies, where it is not known which correction the reference contains.
+    pub measured_range: Option<[f64; 2]>,
     /// Standard error of the difference, with the error of the reference where there is one.
     pub combined_error: Option<f64>,
     /// The difference over its standard error.
@@ -157,6 +159,7 @@ impl Row {
             reference: None,
             reference_error: None,
             difference: None,
+            measured_range: None,
             combined_error: None,
             in_standard_errors: None,
             tolerance: None,
@@ -262,10 +265,22 @@ impl Row {
         {
             let difference = reference.max(low).min(high) - reference;
             self.difference = Some(difference);
+            self.measured_range = Some([low, high]);
             self.in_standard_errors = Some(difference / combined);
             self.judge();
         }
         self
+    }
+
+    /// What the difference is taken from, where that is a range and not the measured value.
+    #[must_use]
+    pub fn range_words(&self) -> Option<String> {
+        self.measured_range.map(|[low, high]| {
+            format!(
+                "the difference is taken from the range {low:.4} to {high:.4}, without and with the finite-size correction; the \
+                 source names no correction"
+            )
+        })
     }
 
     /// Adds what is to be known.
@@ -318,19 +333,26 @@ mod tests {
     }
 
     #[test]
-    fn a_value_known_to_lie_in_a_stretch_differs_by_its_distance_from_it() {
+    fn a_value_known_to_lie_in_a_range_differs_by_its_distance_from_it() {
         let row = |low, high| row(high).between(low, high);
         let inside = row(-5.1, -4.9);
         assert_eq!(
             (inside.difference, inside.verdict),
             (Some(0.0), Verdict::Agrees)
         );
+        assert!(
+            inside
+                .range_words()
+                .unwrap()
+                .contains("range -5.1000 to -4.9000")
+        );
         let above = row(-4.998, -4.9);
         assert!((above.in_standard_errors.unwrap() - 4.0).abs() < 1e-9);
         assert_eq!(above.verdict, Verdict::Agrees);
         assert_eq!(row(-5.2, -5.01).verdict, Verdict::Differs);
-        // What is no stretch changes nothing.
-        assert_eq!(row(f64::NAN, f64::NAN).verdict, Verdict::Differs);
+        // What is no range changes nothing.
+        let none = row(f64::NAN, f64::NAN);
+        assert_eq!((none.verdict, none.range_words()), (Verdict::Differs, None));
     }
 
     #[test]
