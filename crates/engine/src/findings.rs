@@ -1,6 +1,6 @@
 //! What the observables of a run found, and what speaks against it.
 
-use lennard_core::{Average, Doubt, Findings, Observable, ThermostatSpec};
+use lennard_core::{Average, Doubt, Findings, ThermostatSpec};
 use lennard_scene::Scene;
 
 use crate::Simulation;
@@ -14,13 +14,12 @@ impl Simulation {
     /// An average that is no result has no standard error.
     #[must_use]
     pub fn findings(&self) -> Vec<Findings> {
-        let equilibrium = self.thermodynamics.equilibrium();
+        let equilibrium = self.thermodynamics().equilibrium();
         let baths = measured_baths(&self.scene);
-        let thermodynamics: &dyn Observable = &self.thermodynamics;
-        let others = self.observers.iter().map(|o| &*o.observable);
-        std::iter::once(thermodynamics)
-            .chain(others.map(|o| o as &dyn Observable))
-            .map(|observable| {
+        self.observers
+            .iter()
+            .map(|observer| {
+                let observable = &observer.observable;
                 let mut findings = observable.finish(equilibrium.discarded);
                 let dynamic = observable.spec().dynamic;
                 findings.averages = findings

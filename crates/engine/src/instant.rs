@@ -3,7 +3,7 @@
 use lennard_core::{Momentum, State, System, TailCorrection, View};
 
 use crate::Simulation;
-use crate::simulation::StageRun;
+use crate::stage::StageRun;
 
 /// What observers see, made from the parts so that the observers beside them may be changed meanwhile.
 pub(crate) fn view<'a>(

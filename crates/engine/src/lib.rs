@@ -7,6 +7,7 @@ mod energy;
 mod error;
 mod files;
 mod findings;
+mod follower;
 mod force_check;
 pub mod initial;
 mod instant;
@@ -14,8 +15,12 @@ mod plan;
 mod record;
 mod resume;
 mod run;
+mod saved;
+mod schedule;
 mod simulation;
+mod stage;
 mod timers;
+mod watch;
 pub mod watchdog;
 
 pub use build::{
@@ -29,9 +34,12 @@ pub use compare::{
 pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
 pub use error::EngineError;
 pub use files::{Marks, RunFiles, discard};
+pub use follower::{Follower, StopAt, Unfollowed, Verdict};
 pub use force_check::{ForceCheck, Seen};
 pub use plan::{Plan, PlanItem, plan};
 pub use resume::{ResumeError, ResumeOptions, Resumed, resume, way_on};
 pub use run::{Ending, Outcome, Progress, RunOptions, SET_ASIDE_EVERY, go_on, run};
-pub use simulation::{Follower, Nobody, Observer, Simulation, StageRun, Verdict};
+pub use schedule::{Action, Observer, Operation, Schedule, Trigger};
+pub use simulation::Simulation;
+pub use stage::StageRun;
 pub use timers::Timers;
