@@ -3,17 +3,17 @@
 use std::path::Path;
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, ForceSum, PeriodicBox, State, System, TailCorrection};
+use lennard_core::{DVec3, ForceSum, PeriodicBox, State, System};
 use lennard_forcefield::{AllPairs, Conditions, ForceFieldOptions, Model, PairForces, Precision};
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
 use lennard_observables::{
-    BuildContext, Ensemble, HeldTemperature, ObservableOptions, Thermodynamics,
+    BuildContext, ObservableOptions, Thermodynamics,
 };
 use lennard_scene::{Geometry, Lattice, ObservableTable, Scene, Stage, Start};
 
+use crate::baths::{ensemble, held_temperature, measured_baths};
 use crate::error::misfit;
-use crate::findings::measured_baths;
 use crate::force_check::ForceCheck;
 use crate::initial::{self, closest_pair};
 use crate::schedule::Observer;
@@ -219,16 +219,6 @@ pub fn forces(
     Ok((options, built))
 }
 
-/// The tail correction per particle at the volume of a state, as observables use it.
-#[must_use]
-pub fn tail_correction(options: &ForceFieldOptions, state: &State) -> Option<TailCorrection> {
-    let tail = lennard_forcefield::tail_correction(options, state.len(), state.cell.volume());
-    tail.map(|t| TailCorrection {
-        energy_per_particle: t.energy_per_particle,
-        pressure: t.pressure,
-    })
-}
-
 /// Builds the simulation: particles placed, relaxed where the start is random, velocities drawn
 /// where the start has none.
 ///
@@ -357,33 +347,6 @@ fn observers(
         });
     }
     Ok(observers)
-}
-
-/// The ensemble that a stage samples; `None` where its dynamics sample none that is known.
-fn ensemble(scene: &Scene, stage: &Stage) -> Option<Ensemble> {
-    match &stage.thermostat {
-        Some(bath) => bath.spec().canonical.then_some(Ensemble::Canonical),
-        // A method that loses energy stays at no energy.
-        None => lennard_integrators::build(&scene.integrator.method)
-            .spec()
-            .symplectic
-            .then_some(Ensemble::Microcanonical),
-    }
-}
-
-/// The temperature that the bath of the measured stages holds; `None` where they have none, or not all the same.
-#[must_use]
-pub fn held_temperature(scene: &Scene) -> Option<HeldTemperature> {
-    let mut measured = scene.stages.iter().filter(|s| s.measure);
-    let first = measured.next()?;
-    let options = first.thermostat.as_ref()?;
-    let bath = options.spec();
-    let same = |s: &Stage| s.thermostat == first.thermostat && s.temperature == first.temperature;
-    (bath.canonical && measured.all(same)).then_some(HeldTemperature {
-        temperature: first.temperature,
-        half_steps: bath.holds_half_steps,
-        relaxation: options.relaxation(),
-    })
 }
 
 /// U′(r_cut) just inside the cutoff, where the force drops to zero with a jump (plain and shifted

@@ -9,7 +9,8 @@ use lennard_core::{Array, DMat3, DVec3, Energetics, Persist, StateArchive, State
 use lennard_forcefield::Precision;
 use lennard_io::{Checkpoint, CheckpointFolder, CheckpointMetadata, WriteError};
 
-use crate::files::{Marks, THERMO, TRAJECTORY};
+use crate::files::Marks;
+use crate::names::{THERMO, TRAJECTORY};
 use crate::timers::Timers;
 use crate::{EngineError, Simulation};
 

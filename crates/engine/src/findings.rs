@@ -1,9 +1,9 @@
 //! What the observables of a run found, and what speaks against it.
 
 use lennard_core::{Average, Doubt, Findings, ThermostatSpec};
-use lennard_scene::Scene;
 
 use crate::Simulation;
+use crate::baths::measured_baths;
 
 /// Quantities that velocity scaling sets instead of sampling them.
 const SET_BY_SCALING: [&str; 3] = ["temperature", "temperature_half_steps", "kinetic_energy"];
@@ -40,14 +40,6 @@ impl Simulation {
             })
             .collect()
     }
-}
-
-/// The thermostats of the measured stages.
-pub(crate) fn measured_baths(scene: &Scene) -> Vec<&'static ThermostatSpec> {
-    let measured = scene.stages.iter().filter(|s| s.measure);
-    measured
-        .filter_map(|s| Some(s.thermostat.as_ref()?.spec()))
-        .collect()
 }
 
 /// What a thermostat does to a quantity.

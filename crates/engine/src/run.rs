@@ -7,17 +7,14 @@ use lennard_core::{DVec3, Findings, State, Table};
 use lennard_io::{OutputFolder, RunRecord};
 
 use crate::checkpointing::{Checkpointer, Past};
+use crate::failure::PhysicsFailure;
 use crate::files::RunFiles;
 use crate::follower::{Follower, Verdict};
 use crate::resume::Resumed;
 use crate::schedule::{Action, Schedule};
 use crate::simulation::Simulation;
-use crate::watchdog::PhysicsFailure;
 use crate::{EngineError, record};
 
-/// Steps between two states set aside for the case that physics fails: a copy of so few bytes per particle each
-/// hundred steps is far below 1 % of them.
-pub const SET_ASIDE_EVERY: u64 = 100;
 /// Bytes that a state set aside takes for each particle: position and velocity.
 pub(crate) const SET_ASIDE_BYTES: usize = 2 * size_of::<DVec3>();
 

@@ -1,22 +1,16 @@
-//! A simulation: the system, its forces, the stage under way and the observables; and the main loop.
+//! A simulation: the system, its forces, the stage under way and the observables.
 
 use std::any::Any;
-use std::time::Instant;
 
 use lennard_core::random::Streams;
-use lennard_core::{Backend, Observable, State, System, Want};
+use lennard_core::{Backend, Integrator, Observable, State, System};
 use lennard_forcefield::ForceFieldOptions;
 use lennard_observables::Thermodynamics;
-use lennard_scene::Scene;
+use lennard_scene::{Scene, Stage};
 
-use crate::EngineError;
-use crate::follower::{Follower, Verdict};
 use crate::force_check::ForceCheck;
-use crate::instant::view;
 use crate::schedule::Observer;
-use crate::stage::StageRun;
 use crate::timers::Timers;
-use crate::watch::WATCH;
 
 /// Everything that a run is made of.
 pub struct Simulation {
@@ -48,121 +42,23 @@ pub struct Simulation {
     pub isa: String,
 }
 
-/// Up to this many particles a step is so short that a thread which falls asleep between two of its parts
-/// wakes too late to help.
-const SHORT_STEPS_UP_TO: usize = 50_000;
+/// The stage under way: its integrator, and what its heat bath has put in.
+pub struct StageRun {
+    /// Index in the scene.
+    pub index: usize,
+    /// Steps done of it.
+    pub steps_done: u64,
+    /// Step size in τ.
+    pub dt: f64,
+    /// The method that advances the state, with the heat bath between its steps.
+    pub integrator: Integrator,
+    /// Σ heat since the stage began, ε.
+    pub heat: f64,
+    /// Conserved energy per particle at the start, ε.
+    pub start_energy: f64,
+}
 
 impl Simulation {
-    /// Runs stages until the scene's end, or until a follower says stop. `Ok(true)` at the end.
-    ///
-    /// # Errors
-    /// [`EngineError`] where physics or a follower fails.
-    pub fn run(&mut self, follower: &mut dyn Follower) -> Result<bool, EngineError> {
-        if self.state.len() <= SHORT_STEPS_UP_TO {
-            lennard_core::parallel::awake(|| self.run_stages(follower))
-        } else {
-            self.run_stages(follower)
-        }
-    }
-
-    fn run_stages(&mut self, follower: &mut dyn Follower) -> Result<bool, EngineError> {
-        while self.enter_next_stage()? {
-            while self.steps_left() > 0 {
-                let next = self.next_due(follower);
-                self.advance_to(next, self.wanted_at(next, follower))?;
-                self.watch()?;
-                self.sample();
-                if follower.after_step(self)? == Verdict::Stop {
-                    return Ok(false);
-                }
-            }
-        }
-        Ok(true)
-    }
-
-    fn steps_left(&self) -> u64 {
-        self.current_stage().steps - self.stage_run().steps_done
-    }
-
-    /// The next step at which anything is due: an observable, the watchdog, the follower, or the end of the stage.
-    fn next_due(&self, follower: &dyn Follower) -> u64 {
-        let measured = self.current_stage().measure;
-        let is_due = |step: &u64| {
-            WATCH.trigger.is_due(*step, measured)
-                || self
-                    .observers
-                    .iter()
-                    .any(|o| o.trigger().is_due(*step, measured))
-                || follower.schedule().is_due(*step, measured)
-        };
-        let next = self.state.step + 1;
-        let end = self.state.step + self.steps_left();
-        if follower.is_waiting() {
-            return next;
-        }
-        (next..end).find(is_due).unwrap_or(end)
-    }
-
-    /// What all that is due at a step wants of the forces.
-    fn wanted_at(&self, step: u64, follower: &dyn Follower) -> Want {
-        let measured = self.current_stage().measure;
-        let samples = self.observers.iter().map(Observer::operation);
-        samples
-            .filter(|sample| sample.trigger.is_due(step, measured))
-            .fold(follower.schedule().want(step, measured), |all, sample| {
-                all | sample.want
-            })
-    }
-
-    /// Advances to a step, by as many steps at once as the integrator takes.
-    fn advance_to(&mut self, next: u64, want: Want) -> Result<(), EngineError> {
-        let clock = Instant::now();
-        let measured = self.current_stage().measure;
-        let stage = self.stage.as_mut().expect("a stage has been entered");
-        while self.state.step < next {
-            let before = self.state.step;
-            let forces = self.forces.as_mut();
-            let advanced = stage.integrator.stride(
-                &self.system,
-                &mut self.state,
-                forces,
-                stage.dt,
-                next - before,
-                want,
-            );
-            match advanced {
-                Ok((steps, report)) => {
-                    stage.steps_done += steps;
-                    stage.heat += report.heat;
-                    if measured {
-                        self.measured_steps += steps;
-                    }
-                }
-                Err(error) => {
-                    // The last step that began was not done.
-                    stage.steps_done += (self.state.step - before).saturating_sub(1);
-                    return Err(self.failed(error));
-                }
-            }
-        }
-        self.timers.step += clock.elapsed();
-        Ok(())
-    }
-
-    /// Lets the observables sample that are due.
-    fn sample(&mut self) {
-        let (step, measured) = (self.state.step, self.current_stage().measure);
-        let clock = Instant::now();
-        let (tail, stage) = (self.tail(), self.stage.as_ref());
-        let view = view(&self.state, &self.system, tail, stage);
-        for observer in &mut self.observers {
-            if observer.trigger().is_due(step, measured) {
-                observer.observable.sample(&view);
-            }
-        }
-        self.timers.observe += clock.elapsed();
-    }
-
     /// The observable of a type, where the scene has it.
     #[must_use]
     pub fn observable<T: Observable>(&self) -> Option<&T> {
@@ -180,5 +76,20 @@ impl Simulation {
     pub fn thermodynamics(&self) -> &Thermodynamics {
         self.observable()
             .expect("every run measures thermodynamics")
+    }
+
+    /// The stage under way.
+    ///
+    /// # Panics
+    /// Before the first stage: callers run inside the loop.
+    #[must_use]
+    pub fn stage_run(&self) -> &StageRun {
+        self.stage.as_ref().expect("a stage has been entered")
+    }
+
+    /// The scene's description of the stage under way.
+    #[must_use]
+    pub fn current_stage(&self) -> &Stage {
+        &self.scene.stages[self.stage_run().index]
     }
 }

@@ -1,25 +1,9 @@
 //! The stage under way, and the way into the next one.
 
-use lennard_core::{Integrator, Momentum, Want};
-use lennard_scene::Stage;
+use lennard_core::{Momentum, Want};
 
+use crate::simulation::StageRun;
 use crate::{EngineError, Simulation, initial};
-
-/// The stage under way: its integrator, and what its heat bath has put in.
-pub struct StageRun {
-    /// Index in the scene.
-    pub index: usize,
-    /// Steps done of it.
-    pub steps_done: u64,
-    /// Step size in τ.
-    pub dt: f64,
-    /// The method that advances the state, with the heat bath between its steps.
-    pub integrator: Integrator,
-    /// Σ heat since the stage began, ε.
-    pub heat: f64,
-    /// Conserved energy per particle at the start, ε.
-    pub start_energy: f64,
-}
 
 impl Simulation {
     /// Moves on to the next stage where the current one is done; `false` at the end of the scene.
@@ -83,20 +67,5 @@ impl Simulation {
                 want,
             )
             .map_err(|error| self.failed(error))
-    }
-
-    /// The stage under way.
-    ///
-    /// # Panics
-    /// Before the first stage: callers run inside the loop.
-    #[must_use]
-    pub fn stage_run(&self) -> &StageRun {
-        self.stage.as_ref().expect("a stage has been entered")
-    }
-
-    /// The scene's description of the stage under way.
-    #[must_use]
-    pub fn current_stage(&self) -> &Stage {
-        &self.scene.stages[self.stage_run().index]
     }
 }

@@ -2,9 +2,10 @@
 
 use lennard_core::StepError;
 
+use crate::failure::{PhysicsFailure, Symptom};
 use crate::force_check::Seen;
 use crate::schedule::{Action, Operation, Trigger};
-use crate::watchdog::{self, Circumstances, PhysicsFailure, Symptom};
+use crate::watchdog::{self, Circumstances};
 use crate::{EngineError, Simulation};
 
 /// When the watchdog looks at the speeds, whatever else is due.

@@ -7,8 +7,8 @@ use lennard_core::{
     ForceTerm, Part, PeriodicBox, Persist, RestoreError, StateArchive, StateReader, StateWriter,
     Want,
 };
-use lennard_engine::watchdog::{self, Symptom};
 use lennard_engine::{EngineError, Simulation, Unfollowed, prepare};
+use lennard_engine::{Symptom, watchdog};
 use lennard_forcefield::Model;
 use lennard_scene::Scene;
 
