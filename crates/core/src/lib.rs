@@ -16,6 +16,7 @@ mod persist;
 pub mod random;
 mod state;
 pub mod sweeps;
+mod table;
 pub mod tasks;
 mod thermostat;
 
@@ -25,9 +26,9 @@ pub use force::{ForceError, ForceProperties, ForceProvider, ForceStatistics, Str
 pub use glam::{DMat3, DVec3};
 pub use integrator::{Integrator, IntegratorSpec, StepError, StepReport};
 pub use observable::{
-    Average, Column, Doubt, Estimate, Findings, Observable, ObservableSpec, Table, TailCorrection,
-    View,
+    Average, Doubt, Estimate, Findings, Observable, ObservableSpec, TailCorrection, View,
 };
 pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, StateWriter};
 pub use state::{Configuration, Energetics, Part, State, Want};
+pub use table::{Cell, Column, RowsOf, Table, Tone, Value};
 pub use thermostat::{Thermostat, ThermostatSpec};
