@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use lennard_benches::arguments::{Arguments, exit_code};
 use lennard_core::parallel::awake;
-use lennard_core::{ForceProvider, Want};
+use lennard_core::{ForceTerm, Want};
 use lennard_forcefield::{Isa, KernelOptions, Precision, TruncationKind};
 
 const KEYS: [&str; 7] = [

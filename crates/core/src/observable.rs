@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::{Dynamics, PeriodicBox, Persist, State, Table, Want};
+use crate::{Momentum, PeriodicBox, Persist, State, System, Table, Want};
 
 /// What an observable declares about itself.
 #[derive(Debug, Clone, Copy)]
@@ -33,10 +33,10 @@ pub struct TailCorrection {
 pub struct View<'a> {
     /// Everything at `state.time`.
     pub state: &'a State,
-    /// Masses and degrees of freedom.
-    pub dynamics: &'a Dynamics,
-    /// The periodic box.
-    pub cell: &'a PeriodicBox,
+    /// Masses and constraints.
+    pub system: &'a System,
+    /// Whether the motion keeps the total momentum, which degrees of freedom depend on.
+    pub momentum: Momentum,
     /// The tail correction in use; `None` where the scene has none.
     pub tail: Option<TailCorrection>,
     /// Σ heat that thermostats have put in since the stage began, in ε: E − heat is conserved.
@@ -45,7 +45,44 @@ pub struct View<'a> {
     pub half_kick_step: Option<f64>,
 }
 
-impl View<'_> {
+impl<'a> View<'a> {
+    /// A state whose total momentum is conserved, without tail, heat and half steps.
+    #[must_use]
+    pub fn of(state: &'a State, system: &'a System) -> Self {
+        Self {
+            state,
+            system,
+            momentum: Momentum::Conserved,
+            tail: None,
+            heat: 0.0,
+            half_kick_step: None,
+        }
+    }
+
+    /// The box at this time.
+    #[must_use]
+    pub fn cell(&self) -> &PeriodicBox {
+        &self.state.cell
+    }
+
+    /// Degrees of freedom n_dof in T = 2K/n_dof.
+    #[must_use]
+    pub fn n_dof(&self) -> f64 {
+        self.system.n_dof(self.momentum)
+    }
+
+    /// The kinetic energy K in ε.
+    #[must_use]
+    pub fn kinetic_energy(&self) -> f64 {
+        self.system.kinetic_energy(&self.state.velocities)
+    }
+
+    /// The kinetic temperature 2K/n_dof in ε/k_B.
+    #[must_use]
+    pub fn temperature(&self) -> f64 {
+        2.0 * self.kinetic_energy() / self.n_dof()
+    }
+
     /// The mean of the kinetic energies half a step later and half a step earlier, in ε; `None` for a method that does
     /// not kick by halves.
     ///
@@ -61,13 +98,13 @@ impl View<'_> {
     #[must_use]
     pub fn half_step_kinetic_energy(&self) -> Option<f64> {
         let half = 0.5 * self.half_kick_step?;
-        let (dynamics, state) = (self.dynamics, self.state);
+        let (system, state) = (self.system, self.state);
         let squares: f64 = crate::parallel::ordered_sum(state.len(), |range| {
             range
-                .map(|i| state.forces[i].length_squared() / dynamics.masses.of(i))
+                .map(|i| state.forces[i].length_squared() / system.masses.of(i))
                 .sum()
         });
-        Some(dynamics.kinetic_energy(&state.velocities) + 0.5 * half * half * squares)
+        Some(self.kinetic_energy() + 0.5 * half * half * squares)
     }
 
     /// The temperature that belongs to the positions, in ε/k_B: 2K/n_dof with the kinetic energy of half steps where
@@ -76,8 +113,8 @@ impl View<'_> {
     pub fn temperature_of_positions(&self) -> f64 {
         let kinetic = self
             .half_step_kinetic_energy()
-            .unwrap_or_else(|| self.dynamics.kinetic_energy(&self.state.velocities));
-        2.0 * kinetic / self.dynamics.n_dof
+            .unwrap_or_else(|| self.kinetic_energy());
+        2.0 * kinetic / self.n_dof()
     }
 }
 

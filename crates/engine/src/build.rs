@@ -3,10 +3,8 @@
 use std::path::Path;
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, Dynamics, PeriodicBox, State, TailCorrection};
-use lennard_forcefield::{
-    AllPairs, Conditions, ForceFieldOptions, Model, PairForces, Precision, Tail,
-};
+use lennard_core::{DVec3, ForceSum, PeriodicBox, State, System, TailCorrection};
+use lennard_forcefield::{AllPairs, Conditions, ForceFieldOptions, Model, PairForces, Precision};
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
 use lennard_observables::{
@@ -131,8 +129,8 @@ fn remarks(path: &Path, read: &StartConfiguration) -> Vec<String> {
     let frame =
         (read.frames > 1).then(|| format!("the start is frame {0} of {0} of {file}", read.frames));
     let drift = read.velocities.as_deref().and_then(|velocities| {
-        let dynamics = Dynamics::fluid(velocities.len());
-        initial::Drift::of(&dynamics, velocities).map(|drift| drift.in_words(&file.to_string()))
+        let system = System::atoms(velocities.len());
+        initial::Drift::of(&system, velocities).map(|drift| drift.in_words(&file.to_string()))
     });
     frame.into_iter().chain(drift).collect()
 }
@@ -220,9 +218,10 @@ pub fn forces(
     Ok((options, built))
 }
 
-/// The tail correction per particle, as observables use it.
+/// The tail correction per particle at the volume of a state, as observables use it.
 #[must_use]
-pub fn tail_correction(tail: Option<&Tail>) -> Option<TailCorrection> {
+pub fn tail_correction(options: &ForceFieldOptions, state: &State) -> Option<TailCorrection> {
+    let tail = lennard_forcefield::tail_correction(options, state.len(), state.cell.volume());
     tail.map(|t| TailCorrection {
         energy_per_particle: t.energy_per_particle,
         pressure: t.pressure,
@@ -252,28 +251,25 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
     if beginning.relax {
         relax(&scene, cell, &mut beginning.positions)?;
     }
-    let dynamics = Dynamics::fluid(n);
+    let system = System::atoms(n);
     let streams = Streams::new(scene.system.seed);
     let velocities = match beginning.velocities {
         Some(mut given) => {
-            initial::remove_drift(&dynamics, &mut given);
+            initial::remove_drift(&system, &mut given);
             given
         }
-        None => initial::thermal_velocities(&dynamics, n, scene.system.temperature, streams),
+        None => initial::thermal_velocities(&system, n, scene.system.temperature, streams),
     };
-    let tail =
-        tail_correction(lennard_forcefield::tail_correction(&options, n, cell.volume()).as_ref());
     let (thermodynamics, observers) = observers(&scene, cell, n)?;
     let isa = provider.plan().isa.to_string();
-    let all_pairs = AllPairs::new(&options, cell).map_err(|e| misfit(&scene.source, &e))?;
+    let all_pairs = AllPairs::new(&options).map_err(|e| misfit(&scene.source, &e))?;
     Ok(Simulation {
-        state: State::new(beginning.positions, velocities),
+        state: State::new(cell, beginning.positions, velocities),
         scene,
-        cell,
-        dynamics,
-        forces: Box::new(provider),
+        system,
+        forces: Box::new(ForceSum::new(provider)),
         force_check: ForceCheck::new(all_pairs),
-        tail,
+        force_field: options,
         streams,
         stage: None,
         thermodynamics,
@@ -291,7 +287,7 @@ fn relax(scene: &Scene, cell: PeriodicBox, positions: &mut [DVec3]) -> Result<()
     let mut relaxing = scene.clone();
     relaxing.kernel.precision = Precision::Double;
     let (_, mut provider) = forces(&relaxing, cell, positions.len())?;
-    fire::relax(positions, &mut provider, &FireOptions::default())
+    fire::relax(&cell, positions, &mut provider, &FireOptions::default())
         .map(|_| ())
         .map_err(|e| {
             scene

@@ -32,7 +32,7 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
     let mut writer = archive.writer();
     simulation.save(&mut writer);
     let mut run = writer.section("run");
-    run.put_vec3("cell", &[simulation.cell.lengths()]);
+    run.put_vec3("cell", &[simulation.state.cell.lengths()]);
     save_energetics(&simulation.state.energetics, &mut run);
     let Timers {
         step,

@@ -16,7 +16,7 @@
 
 use std::path::{Path, PathBuf};
 
-use lennard_core::{Energetics, PeriodicBox, State, Table};
+use lennard_core::{Energetics, State, Table};
 use lennard_io::{
     FileMark, Frame, FrameStyle, OutputFolder, RunRecord, TableWriter, TrajectoryWriter, WriteError,
 };
@@ -163,9 +163,7 @@ impl RunFiles {
     /// [`WriteError`] where the row cannot be written.
     pub fn write_thermo(&mut self, simulation: &Simulation) -> Result<(), WriteError> {
         let n = simulation.state.len() as f64;
-        let temperature = simulation
-            .dynamics
-            .temperature(&simulation.state.velocities);
+        let temperature = simulation.view().temperature();
         let potential = simulation
             .potential_energy_per_particle()
             .unwrap_or(f64::NAN);
@@ -197,7 +195,6 @@ impl RunFiles {
             Some(trajectory) => {
                 let extra = header(simulation);
                 trajectory.write(&Frame {
-                    cell: &simulation.cell,
                     state: &simulation.state,
                     extra: &extra,
                 })
@@ -217,7 +214,6 @@ impl RunFiles {
             ..self.style.clone()
         };
         let frame = Frame {
-            cell: &simulation.cell,
             state: &simulation.state,
             extra: &header(simulation),
         };
@@ -228,12 +224,7 @@ impl RunFiles {
     ///
     /// # Errors
     /// [`WriteError`] where it cannot be written.
-    pub fn write_earlier_state(
-        &self,
-        name: &str,
-        cell: &PeriodicBox,
-        state: &State,
-    ) -> Result<(), WriteError> {
+    pub fn write_earlier_state(&self, name: &str, state: &State) -> Result<(), WriteError> {
         let style = FrameStyle {
             velocities: true,
             forces: false,
@@ -243,11 +234,7 @@ impl RunFiles {
         lennard_io::write_frame(
             &self.folder.join(name),
             &style,
-            &Frame {
-                cell,
-                state,
-                extra: &[],
-            },
+            &Frame { state, extra: &[] },
         )
     }
 
@@ -319,7 +306,7 @@ fn write_descriptions(folder: &Path, simulation: &Simulation) -> Result<(), Writ
         lennard_io::write_topology_gro(
             &folder.join(TOPOLOGY),
             n,
-            &simulation.cell,
+            &simulation.state.cell,
             &style(simulation),
         )?;
     }
@@ -334,12 +321,7 @@ fn half_steps(simulation: &Simulation) -> Option<f64> {
 
 /// What the header line of a frame says besides time and step.
 pub(crate) fn header(simulation: &Simulation) -> Vec<(&'static str, f64)> {
-    let mut extra = vec![(
-        "temperature",
-        simulation
-            .dynamics
-            .temperature(&simulation.state.velocities),
-    )];
+    let mut extra = vec![("temperature", simulation.view().temperature())];
     let Energetics {
         potential_energy, ..
     } = simulation.state.energetics;
@@ -347,12 +329,7 @@ pub(crate) fn header(simulation: &Simulation) -> Vec<(&'static str, f64)> {
         extra.insert(0, ("total_potential_energy", energy));
         extra.insert(
             1,
-            (
-                "total_kinetic_energy",
-                simulation
-                    .dynamics
-                    .kinetic_energy(&simulation.state.velocities),
-            ),
+            ("total_kinetic_energy", simulation.view().kinetic_energy()),
         );
     }
     if let Some(temperature) = half_steps(simulation) {

@@ -75,7 +75,9 @@ impl ForceCheck {
     }
 
     fn check(&self, particle: usize, state: &State) -> Result<Seen, Symptom> {
-        let wanted = self.all_pairs.force_on(particle, &state.positions);
+        let wanted = self
+            .all_pairs
+            .force_on(particle, &state.cell, &state.positions);
         let found = state.forces[particle];
         let deviation = (found - wanted.force).length() / wanted.tolerance;
         if deviation <= 1.0 {

@@ -11,7 +11,6 @@ mod force_check;
 pub mod initial;
 mod instant;
 mod plan;
-mod recall;
 mod record;
 mod resume;
 mod run;

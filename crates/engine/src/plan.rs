@@ -66,7 +66,7 @@ const STATE_BYTES: usize = 3 * size_of::<DVec3>();
 /// [`EngineError`] for everything that is wrong with the scene.
 pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineError> {
     let scene = simulation.scene.clone();
-    let (options, provider) = build::forces(&scene, simulation.cell, simulation.state.len())?;
+    let (options, provider) = build::forces(&scene, simulation.state.cell, simulation.state.len())?;
     let mut items = items(&scene, simulation, provider.plan(), threads);
     let costs = Costs::measure(simulation)?;
     let seconds = costs.of_run(&scene);
@@ -85,7 +85,7 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
         scene: scene.name.clone(),
         model: lennard_forcefield::model_name(&options),
         atoms: n,
-        density: n as f64 / simulation.cell.volume(),
+        density: n as f64 / simulation.state.cell.volume(),
         steps: scene.total_steps(),
         threads,
         items,
@@ -171,7 +171,7 @@ fn items(
             "switched off in the scene",
         )
     });
-    items.push(match simulation.tail {
+    items.push(match simulation.tail() {
         Some(tail) => item(
             "tail correction",
             true,

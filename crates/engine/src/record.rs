@@ -33,7 +33,7 @@ pub fn finished(
     trajectory_frames: Option<u64>,
     finished: bool,
 ) -> RunRecord {
-    let density = simulation.state.len() as f64 / simulation.cell.volume();
+    let density = simulation.state.len() as f64 / simulation.state.cell.volume();
     let compared = compare::with_equation_of_state(
         &simulation.scene,
         density,
@@ -105,7 +105,7 @@ fn bare(simulation: &Simulation, threads: usize) -> RunRecord {
         },
         steps: simulation.state.step,
         atoms: simulation.state.len() as u64,
-        n_dof: simulation.dynamics.n_dof as u64,
+        n_dof: simulation.view().n_dof() as u64,
         wall_s: 0.0,
         performance: Performance::default(),
         neighbor: NeighborRecord {

@@ -221,7 +221,7 @@ impl Recorder<'_> {
         }
         if self
             .files
-            .write_earlier_state("before-failure.xyz", &simulation.cell, &self.before)
+            .write_earlier_state("before-failure.xyz", &self.before)
             .is_ok()
         {
             let path = folder.join("before-failure.xyz");
@@ -332,6 +332,7 @@ pub(crate) fn aside(state: &State) -> State {
     State {
         step: state.step,
         time: state.time,
+        cell: state.cell,
         positions: state.positions.clone(),
         velocities: state.velocities.clone(),
         forces: Vec::new(),
@@ -343,6 +344,7 @@ pub(crate) fn aside(state: &State) -> State {
 pub(crate) fn set_aside(state: &State, to: &mut State) {
     to.step = state.step;
     to.time = state.time;
+    to.cell = state.cell;
     to.positions.clone_from(&state.positions);
     to.velocities.clone_from(&state.velocities);
 }

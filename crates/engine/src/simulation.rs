@@ -4,17 +4,16 @@ use std::time::Instant;
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    Dynamics, ForceProvider, Integrator, Observable, PeriodicBox, Persist, RestoreError, State,
-    StateReader, StateWriter, StepError, TailCorrection, Thermostat, Want,
+    Backend, Integrator, Momentum, Observable, Persist, RestoreError, State, StateReader,
+    StateWriter, StepError, System, Want,
 };
-use lennard_integrators::Coupling;
+use lennard_forcefield::ForceFieldOptions;
 use lennard_observables::Thermodynamics;
 use lennard_scene::{Scene, Stage};
 
 use crate::force_check::{ForceCheck, Seen};
 use crate::initial;
 use crate::instant::view;
-use crate::recall::Recall;
 use crate::timers::Timers;
 use crate::watchdog::{self, Circumstances, PhysicsFailure, Symptom};
 
@@ -26,7 +25,7 @@ pub struct Observer {
     pub observable: Box<dyn Observable>,
 }
 
-/// The stage under way: its method, its heat bath, and what the bath has put in.
+/// The stage under way: its integrator, and what its heat bath has put in.
 pub struct StageRun {
     /// Index in the scene.
     pub index: usize,
@@ -34,10 +33,8 @@ pub struct StageRun {
     pub steps_done: u64,
     /// Step size in τ.
     pub dt: f64,
-    /// The method that advances the state.
-    pub method: Box<dyn Integrator>,
-    /// The heat bath between steps, if any.
-    pub thermostat: Option<Box<dyn Thermostat>>,
+    /// The method that advances the state, with the heat bath between its steps.
+    pub integrator: Integrator,
     /// Σ heat since the stage began, ε.
     pub heat: f64,
     /// Conserved energy per particle at the start, ε.
@@ -48,18 +45,16 @@ pub struct StageRun {
 pub struct Simulation {
     /// The scene as resolved.
     pub scene: Scene,
-    /// The box.
-    pub cell: PeriodicBox,
-    /// Masses and degrees of freedom of the stage under way.
-    pub dynamics: Dynamics,
-    /// Positions, velocities, forces.
+    /// Masses and constraints.
+    pub system: System,
+    /// Box, positions, velocities, forces.
     pub state: State,
     /// The forces.
-    pub forces: Box<dyn ForceProvider + Send>,
+    pub forces: Box<dyn Backend>,
     /// Forces of a few particles at a time against sums over all pairs.
     pub force_check: ForceCheck,
-    /// The tail correction, if the scene has one.
-    pub tail: Option<TailCorrection>,
+    /// What the forces are of, which the tail correction follows from.
+    pub force_field: ForceFieldOptions,
     /// Random streams of the scene's seed.
     pub streams: Streams,
     /// The stage under way; `None` before the first.
@@ -146,7 +141,7 @@ impl Simulation {
         Ok(true)
     }
 
-    /// To the next step that somebody looks at: advance, couple to the bath, watch, sample.
+    /// Advances to the next step at which anything besides the motion is due, then watches and samples.
     fn go_on(&mut self, follower: &dyn Follower) -> Result<(), crate::EngineError> {
         let next = self.next_look(follower);
         let want =
@@ -154,27 +149,6 @@ impl Simulation {
         let clock = Instant::now();
         while self.state.step < next {
             self.advance(next, want)?;
-        }
-        let stage = self.stage.as_mut().expect("a stage has been entered");
-        let noise = self.streams.noise("thermostat");
-        let heat = stage
-            .thermostat
-            .as_mut()
-            .and_then(|bath| bath.apply(&self.dynamics, &mut self.state, stage.dt, &noise));
-        if let Some(heat) = heat {
-            stage.heat += heat;
-            if stage.method.spec().has_memory {
-                // The velocities that the method remembers are no longer those of the state; the forces are.
-                let mut recall = Recall::new(&self.state, self.forces.properties());
-                let started = stage.method.start(
-                    &self.dynamics,
-                    &mut self.state,
-                    &mut recall,
-                    stage.dt,
-                    want,
-                );
-                started.map_err(|error| self.failed(error))?;
-            }
         }
         self.timers.step += clock.elapsed();
         self.watch()?;
@@ -186,8 +160,8 @@ impl Simulation {
     fn advance(&mut self, next: u64, want: Want) -> Result<(), crate::EngineError> {
         let stage = self.stage.as_mut().expect("a stage has been entered");
         let before = self.state.step;
-        let advanced = stage.method.stride(
-            &self.dynamics,
+        let advanced = stage.integrator.stride(
+            &self.system,
             &mut self.state,
             self.forces.as_mut(),
             stage.dt,
@@ -217,9 +191,6 @@ impl Simulation {
         let plan = self.current_stage();
         let end = self.state.step + (plan.steps - stage.steps_done);
         let next = self.state.step + 1;
-        if stage.thermostat.is_some() {
-            return next;
-        }
         (next..end)
             .find(|step| {
                 step.is_multiple_of(watchdog::EVERY)
@@ -261,8 +232,8 @@ impl Simulation {
             return;
         }
         let clock = Instant::now();
-        let stage = self.stage.as_ref();
-        let view = view(&self.state, &self.dynamics, &self.cell, self.tail, stage);
+        let (tail, stage) = (self.tail(), self.stage.as_ref());
+        let view = view(&self.state, &self.system, tail, stage);
         if step.is_multiple_of(self.scene.output.thermo_every) {
             self.thermodynamics.sample(&view);
         }
@@ -317,16 +288,13 @@ impl Simulation {
         let was_noisy = self
             .stage
             .as_ref()
-            .is_some_and(|s| !s.method.spec().conserves_momentum);
-        self.stage = Some(self.stage_run_for(index));
-        let stage = self.stage_run();
-        let conserves = stage.method.spec().conserves_momentum;
-        self.dynamics = Dynamics::fluid(self.state.len());
-        if !conserves {
-            self.dynamics.n_dof = 3.0 * self.state.len() as f64;
-        } else if was_noisy {
+            .is_some_and(|s| s.integrator.momentum() == Momentum::Free);
+        let stage = self.stage_run_for(index);
+        let keeps_momentum = stage.integrator.momentum() == Momentum::Conserved;
+        self.stage = Some(stage);
+        if keeps_momentum && was_noisy {
             // A Langevin stage leaves the fluid drifting; n_dof = 3N − 3 assumes that it does not.
-            initial::remove_drift(&self.dynamics, &mut self.state.velocities);
+            initial::remove_drift(&self.system, &mut self.state.velocities);
         }
         self.restart_method(Want::ENERGY)?;
         let energy = self.conserved_energy_per_particle();
@@ -338,25 +306,16 @@ impl Simulation {
     fn stage_run_for(&self, index: usize) -> StageRun {
         let plan = &self.scene.stages[index];
         let noise = self.streams.noise("thermostat");
-        let (method, thermostat) = match &plan.thermostat {
-            None => (
-                lennard_integrators::build(&self.scene.integrator.method),
-                None,
-            ),
-            Some(options) => match lennard_integrators::couple(options, plan.temperature, noise) {
-                Coupling::Integrator(method) => (method, None),
-                Coupling::Thermostat(bath) => (
-                    lennard_integrators::build(&self.scene.integrator.method),
-                    Some(bath),
-                ),
-            },
+        let method = lennard_integrators::build(&self.scene.integrator.method);
+        let integrator = match &plan.thermostat {
+            None => method,
+            Some(bath) => bath.couple(method, plan.temperature, noise),
         };
         StageRun {
             index,
             steps_done: 0,
             dt: plan.dt.unwrap_or(self.scene.integrator.dt),
-            method,
-            thermostat,
+            integrator,
             heat: 0.0,
             start_energy: f64::NAN,
         }
@@ -366,9 +325,9 @@ impl Simulation {
     fn restart_method(&mut self, want: Want) -> Result<(), crate::EngineError> {
         let stage = self.stage.as_mut().expect("a stage has been entered");
         stage
-            .method
+            .integrator
             .start(
-                &self.dynamics,
+                &self.system,
                 &mut self.state,
                 self.forces.as_mut(),
                 stage.dt,
@@ -408,7 +367,7 @@ impl Simulation {
     fn diagnosed(&self, symptom: Symptom) -> crate::EngineError {
         let plan = self.current_stage();
         let stage = self.stage_run();
-        let spec = stage.method.spec();
+        let spec = stage.integrator.spec();
         let at = Circumstances {
             stage: &plan.name,
             method: spec.name,
@@ -418,9 +377,9 @@ impl Simulation {
                 .map(|limit| watchdog::rough_stable_dt(plan.temperature, limit)),
             steps_into_stage: stage.steps_done,
             temperature: plan.temperature,
-            density: self.state.len() as f64 / self.cell.volume(),
+            density: self.state.len() as f64 / self.state.cell.volume(),
         };
-        let failure: PhysicsFailure = watchdog::diagnose(&self.state, &self.cell, at, symptom);
+        let failure: PhysicsFailure = watchdog::diagnose(&self.state, at, symptom);
         crate::EngineError::Physics(Box::new(failure))
     }
 }
@@ -437,14 +396,10 @@ impl Persist for Simulation {
         }
         self.force_check.save(&mut to.section("force_check"));
         to.put_u64("measured_steps", &[self.measured_steps]);
-        to.put_f64("n_dof", &[self.dynamics.n_dof]);
         if let Some(stage) = &self.stage {
             to.put_u64("stage", &[stage.index as u64, stage.steps_done]);
             to.put_f64("stage_energy", &[stage.heat, stage.start_energy]);
-            stage.method.save(&mut to.section("method"));
-            if let Some(bath) = &stage.thermostat {
-                bath.save(&mut to.section("thermostat"));
-            }
+            stage.integrator.save(&mut to.section("method"));
         }
     }
 
@@ -460,7 +415,6 @@ impl Persist for Simulation {
         }
         self.force_check.restore(&from.section("force_check"))?;
         [self.measured_steps] = from.u64s("measured_steps")?;
-        [self.dynamics.n_dof] = from.f64s("n_dof")?;
         let [index, steps_done] = from.u64s("stage")?;
         if index as usize >= self.scene.stages.len() {
             return Err(from.misfit(
@@ -491,10 +445,7 @@ impl Persist for Simulation {
         let mut stage = self.stage_run_for(index as usize);
         stage.steps_done = steps_done;
         [stage.heat, stage.start_energy] = from.f64s("stage_energy")?;
-        stage.method.restore(&from.section("method"))?;
-        if let Some(bath) = &mut stage.thermostat {
-            bath.restore(&from.section("thermostat"))?;
-        }
+        stage.integrator.restore(&from.section("method"))?;
         self.stage = Some(stage);
         Ok(())
     }

@@ -3,9 +3,9 @@
 //! Watching has two parts. The forces refuse numbers that are not finite at every evaluation. The
 //! watchdog looks at the speeds (at every [`EVERY`]th step and wherever something is sampled), on sampled
 //! steps at the conserved energy, and at every [`LISTS_EVERY`]th step at forces of a few particles
-//! ([`crate::ForceCheck`]). A box too small for its cutoff is refused before the first step, and boxes do not change.
+//! ([`crate::ForceCheck`]). A box too small for its cutoff is refused before the first step, and by the forces where it shrinks.
 
-use lennard_core::{DVec3, ForceError, PeriodicBox, State, StepError, parallel};
+use lennard_core::{DVec3, ForceError, State, StepError, parallel};
 
 use crate::initial::{ClosePair, closest_pair};
 use crate::run::SET_ASIDE_EVERY;
@@ -318,12 +318,7 @@ fn fastest(state: &State) -> Option<(usize, f64)> {
 
 /// Puts together what is known of a failure.
 #[must_use]
-pub fn diagnose(
-    state: &State,
-    cell: &PeriodicBox,
-    at: Circumstances<'_>,
-    symptom: Symptom,
-) -> PhysicsFailure {
+pub fn diagnose(state: &State, at: Circumstances<'_>, symptom: Symptom) -> PhysicsFailure {
     PhysicsFailure {
         step: state.step,
         time: state.time,
@@ -332,7 +327,7 @@ pub fn diagnose(
         dt: at.dt,
         dt_limit: at.dt_limit,
         symptom,
-        closest: closest_pair(cell, &state.positions, 0.9),
+        closest: closest_pair(&state.cell, &state.positions, 0.9),
         non_finite: state.positions.iter().filter(|r| !r.is_finite()).count(),
         fastest: fastest(state),
         steps_into_stage: at.steps_into_stage,
@@ -357,9 +352,11 @@ pub fn rough_stable_dt(temperature: f64, limit: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lennard_core::PeriodicBox;
 
     fn state(speed: f64) -> State {
         let mut s = State::new(
+            PeriodicBox::new(DVec3::splat(10.0)).unwrap(),
             vec![DVec3::ZERO, DVec3::new(0.5, 0.0, 0.0)],
             vec![DVec3::ZERO; 2],
         );
@@ -382,7 +379,6 @@ mod tests {
 
     #[test]
     fn the_cause_named_fits_what_happened() {
-        let cell = PeriodicBox::new(DVec3::splat(10.0)).unwrap();
         let at = Circumstances {
             stage: "s",
             method: "velocity-verlet",
@@ -396,7 +392,7 @@ mod tests {
             particle: 1,
             distance: 3.0,
         };
-        let overlap = diagnose(&state(3e3), &cell, at, symptom.clone());
+        let overlap = diagnose(&state(3e3), at, symptom.clone());
         assert!(
             overlap.likely_cause().contains("overlapped at the start"),
             "{overlap}"
@@ -407,7 +403,7 @@ mod tests {
                 .contains("particles 0 and 1 at 0.5000 σ, an overlap"),
             "{overlap}"
         );
-        let cause = |at| diagnose(&state(3e3), &cell, at, symptom.clone()).likely_cause();
+        let cause = |at| diagnose(&state(3e3), at, symptom.clone()).likely_cause();
         let large = cause(Circumstances { dt: 0.05, ..at });
         assert!(
             large.contains("dt = 0.05 τ is too large")
@@ -432,7 +428,6 @@ mod tests {
         );
         let later = diagnose(
             &state(3e3),
-            &cell,
             Circumstances {
                 steps_into_stage: 5000,
                 dt: 0.01,

@@ -180,11 +180,9 @@ fn every_method_goes_on_from_a_saved_state_to_the_bit() {
             ("observable", OBSERVABLES),
         ];
         split_and_compare(&overrides, 37, method);
-        if entry.spec.has_memory {
-            let mut with_bath = overrides.to_vec();
-            with_bath.push(("stage.0.thermostat", "bussi"));
-            split_and_compare(&with_bath, 37, &format!("{method} with bussi"));
-        }
+        let mut with_bath = overrides.to_vec();
+        with_bath.push(("stage.0.thermostat", "bussi"));
+        split_and_compare(&with_bath, 37, &format!("{method} with bussi"));
     }
 }
 
@@ -261,10 +259,10 @@ fn a_run_that_goes_wrong_says_the_same_whether_it_was_looked_at_or_not() {
 #[test]
 fn momentum_is_conserved_and_the_temperature_is_the_one_asked_for_at_the_start() {
     let mut s = build(&[]);
-    assert!((s.dynamics.temperature(&s.state.velocities) - 1.4).abs() < 1e-13);
+    assert!((s.view().temperature() - 1.4).abs() < 1e-13);
     s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
     // Each step adds roundings of the kicks: N·√steps·ε_machine·|v| ≈ 256·30·1e-16·3, and a margin of ten.
-    assert!(s.dynamics.momentum(&s.state.velocities).length() < 2e-10);
+    assert!(s.system.momentum(&s.state.velocities).length() < 2e-10);
 }
 
 /// A full list in single precision does not cancel a pair's forces to the last bit, so that momentum takes a random walk: each
@@ -282,7 +280,7 @@ fn momentum_of_mixed_precision_stays_below_a_random_walk_of_its_rounding() {
         let squares: f64 = s.state.forces.iter().map(|f| f.length_squared()).sum();
         // δ = 7e-7 of the force in mixed precision (benches/NOTES.md); the walk reaches three times its width one time in 400.
         let walk = 7e-7 * (squares / n).sqrt() * 0.004 * (n * f64::from(steps)).sqrt();
-        let momentum = s.dynamics.momentum(&s.state.velocities).length();
+        let momentum = s.system.momentum(&s.state.velocities).length();
         assert!(
             momentum < 3.0 * walk,
             "{steps} steps: {momentum:e} of {walk:e}"
@@ -428,8 +426,8 @@ impl Follower for TurnBack {
             }
             let stage = simulation.stage.as_mut().expect("in a stage");
             let forces = simulation.forces.as_mut();
-            let started = stage.method.start(
-                &simulation.dynamics,
+            let started = stage.integrator.start(
+                &simulation.system,
                 &mut simulation.state,
                 forces,
                 stage.dt,
@@ -506,7 +504,7 @@ fn particles_nearly_on_top_of_each_other_are_relaxed_in_any_precision() {
             let simulation = prepare_from(scene, beginning)
                 .unwrap_or_else(|e| panic!("{precision}, {apart} σ: {e}"));
             let [a, b] = [0, 1].map(|i| simulation.state.positions[i]);
-            let distance = simulation.cell.minimum_image(a - b).length();
+            let distance = simulation.state.cell.minimum_image(a - b).length();
             assert!(distance > 0.7, "{precision}, {apart} σ: {distance}");
         }
     }

@@ -1,7 +1,7 @@
 //! What goes wrong below the engine, in the words in which a user reads it.
 
 use lennard_core::{
-    Configuration, DVec3, ForceError, ForceProvider, Part, PeriodicBox, StepError, Want,
+    Configuration, DVec3, ForceError, ForceTerm, Part, PeriodicBox, StepError, Want,
 };
 use lennard_engine::{evaluate_energy, prepare};
 use lennard_forcefield::{
@@ -93,11 +93,8 @@ fn every_force_field_that_cannot_be_says_why() {
 fn forces_and_steps_that_fail_say_which_particle_and_which_method() {
     let mut forces = build(&ForceFieldOptions::default(), &conditions()).unwrap();
     let mut evaluate = |positions: &[DVec3], part| {
-        let at = Configuration {
-            positions,
-            velocities: None,
-            time: 0.0,
-        };
+        let cell = conditions().cell;
+        let at = Configuration::at_rest(&cell, positions);
         let mut out = vec![DVec3::ZERO; positions.len()];
         forces
             .evaluate(at, part, Want::NOTHING, &mut out)

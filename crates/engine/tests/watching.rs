@@ -3,8 +3,9 @@
 use std::time::Instant;
 
 use lennard_core::{
-    Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceProvider, ForceStatistics,
-    Part, PeriodicBox, Persist, RestoreError, StateArchive, StateReader, StateWriter, Want,
+    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceStatistics,
+    ForceTerm, Part, PeriodicBox, Persist, RestoreError, StateArchive, StateReader, StateWriter,
+    Want,
 };
 use lennard_engine::watchdog::{self, Symptom};
 use lennard_engine::{EngineError, Nobody, Simulation, prepare};
@@ -40,7 +41,7 @@ const ROBBED: usize = 17;
 
 /// Forces with a fault from some evaluation on.
 struct Faulty {
-    forces: Box<dyn ForceProvider + Send>,
+    forces: Box<dyn Backend>,
     evaluations: u64,
     /// From this evaluation on, of the pairs of one particle the one nearest to the cutoff is left out.
     misses_after: u64,
@@ -74,7 +75,7 @@ impl Faulty {
     }
 }
 
-impl ForceProvider for Faulty {
+impl ForceTerm for Faulty {
     fn evaluate(
         &mut self,
         at: Configuration<'_>,
@@ -100,12 +101,14 @@ impl ForceProvider for Faulty {
     }
 }
 
+impl Backend for Faulty {}
+
 /// A simulation whose forces miss a pair, or break, after so many evaluations.
 fn faulty(overrides: &[(&str, &str)], misses_after: u64, broken_after: u64) -> Simulation {
     let mut simulation = build(overrides);
     let scene = &simulation.scene;
     let model = Model::new(&scene.potential, &scene.truncation).unwrap_or_else(|e| panic!("{e}"));
-    let cell = simulation.cell;
+    let cell = simulation.state.cell;
     let forces = std::mem::replace(&mut simulation.forces, build(&[]).forces);
     simulation.forces = Box::new(Faulty {
         forces,

@@ -1,7 +1,9 @@
 //! A Verlet list at work: positions packed into rows, validity checked before each use, pairs summed.
 
 use glam::DVec3;
-use lennard_core::{ForceError, PeriodicBox, RestoreError, StateReader, StateWriter, Stride};
+use lennard_core::{
+    ForceError, FusedSteps as Stride, PeriodicBox, RestoreError, StateReader, StateWriter,
+};
 use lennard_neighbor::{Criterion, Given, Images, NeighborList, SharedList};
 
 use crate::clock::Clock;
@@ -229,7 +231,7 @@ impl Listed {
         }
     }
 
-    /// Takes steps of a stride: see [`lennard_core::ForceProvider::stride`].
+    /// Takes steps of a stride: see [`lennard_core::Backend::advance`].
     pub fn stride<F: PairForm>(
         &mut self,
         form: F,

@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use glam::DVec3;
-use lennard_core::{Configuration, ForceError, ForceProvider, Part, Want};
+use lennard_core::{Configuration, ForceError, ForceTerm, Part, Want};
 
 use crate::form::Model;
 use crate::options::{Isa, Precision, TruncationOptions};
@@ -41,16 +41,11 @@ pub struct Work {
 /// [`ForceError`] where a position or a force is not finite.
 pub fn part_times(
     forces: &mut PairForces,
-    positions: &[DVec3],
+    at: Configuration<'_>,
     rounds: usize,
 ) -> Result<PartTimes, ForceError> {
-    let at = Configuration {
-        positions,
-        velocities: None,
-        time: 0.0,
-    };
-    let mut out = vec![DVec3::ZERO; positions.len()];
-    forces.rebuild(positions)?;
+    let mut out = vec![DVec3::ZERO; at.positions.len()];
+    forces.rebuild(at.positions)?;
     let mut best = PartTimes {
         forces: f64::INFINITY,
         totals: f64::INFINITY,
@@ -64,7 +59,7 @@ pub fn part_times(
         black_box(forces.evaluate(at, Part::All, Want::TOTALS, &mut out)?);
         best.totals = best.totals.min(start.elapsed().as_secs_f64());
         let start = Instant::now();
-        let built = forces.rebuild(positions)?;
+        let built = forces.rebuild(at.positions)?;
         let seconds = start.elapsed().as_secs_f64();
         best.build = best.build.min(if built { seconds } else { 0.0 });
     }
@@ -75,13 +70,8 @@ pub fn part_times(
 ///
 /// # Errors
 /// [`ForceError`] where a position or a force is not finite.
-pub fn work(forces: &mut PairForces, positions: &[DVec3]) -> Result<Work, ForceError> {
-    let at = Configuration {
-        positions,
-        velocities: None,
-        time: 0.0,
-    };
-    let mut out = vec![DVec3::ZERO; positions.len()];
+pub fn work(forces: &mut PairForces, at: Configuration<'_>) -> Result<Work, ForceError> {
+    let mut out = vec![DVec3::ZERO; at.positions.len()];
     let totals = forces.evaluate(at, Part::All, Want::ENERGY, &mut out)?;
     Ok(Work {
         lanes: forces.lanes(),

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use glam::{DMat3, DVec3};
 use lennard_core::{
-    Configuration, Energetics, ForceError, ForceProperties, ForceProvider, ForceStatistics, Masses,
-    Part, PeriodicBox, Persist, RestoreError, StateReader, StateWriter, Stride, Want,
+    Backend, Configuration, Energetics, ForceError, ForceProperties, ForceStatistics, ForceTerm,
+    FusedSteps, Masses, Part, PeriodicBox, Persist, RestoreError, StateReader, StateWriter, Want,
 };
 
 use crate::clock::Clock;
@@ -171,7 +171,7 @@ impl PairForces {
     }
 }
 
-impl ForceProvider for PairForces {
+impl ForceTerm for PairForces {
     fn evaluate(
         &mut self,
         at: Configuration<'_>,
@@ -215,24 +215,6 @@ impl ForceProvider for PairForces {
         Ok(totals.deliver(want, jump, each))
     }
 
-    fn stride(&mut self, mut stride: Stride<'_>) -> u64 {
-        let Masses::Uniform(mass) = stride.masses else {
-            return 0;
-        };
-        let pace = Pace {
-            half_kick: 0.5 * stride.dt / mass,
-            dt: stride.dt,
-        };
-        let Strategy::Verlet(listed) = &mut self.strategy else {
-            return 0;
-        };
-        let clock = &mut self.clock;
-        let taken =
-            with_form!(self.model.form, form => listed.stride(form, &mut stride, pace, clock));
-        self.evaluations += taken;
-        taken
-    }
-
     fn properties(&self) -> ForceProperties {
         ForceProperties {
             velocity_dependent: false,
@@ -273,6 +255,26 @@ impl ForceProvider for PairForces {
 fn all_pairs(n: usize) -> u64 {
     let n = n as u64;
     n * (n - 1) / 2
+}
+
+impl Backend for PairForces {
+    fn advance(&mut self, mut stride: FusedSteps<'_>) -> u64 {
+        let Masses::Uniform(mass) = stride.masses else {
+            return 0;
+        };
+        let pace = Pace {
+            half_kick: 0.5 * stride.dt / mass,
+            dt: stride.dt,
+        };
+        let Strategy::Verlet(listed) = &mut self.strategy else {
+            return 0;
+        };
+        let clock = &mut self.clock;
+        let taken =
+            with_form!(self.model.form, form => listed.stride(form, &mut stride, pace, clock));
+        self.evaluations += taken;
+        taken
+    }
 }
 
 impl Persist for PairForces {

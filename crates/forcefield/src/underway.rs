@@ -1,7 +1,7 @@
 //! Steps that follow each other, particles by place.
 
 use glam::DVec3;
-use lennard_core::{ForceError, Stride};
+use lennard_core::{ForceError, FusedSteps as Stride};
 use lennard_neighbor::Given;
 
 use crate::clock::Clock;

@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use lennard_core::{
-    Array, DVec3, ForceError, ForceProvider, Part, PeriodicBox, Persist, StateArchive, Want,
+    Array, DVec3, ForceError, ForceTerm, Part, PeriodicBox, Persist, StateArchive, Want,
 };
 use lennard_forcefield::*;
 use proptest::prelude::*;
@@ -76,8 +76,8 @@ fn agree_after_a_move(cells: [usize; 3]) {
                 ..base
             };
             let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
-            all(&mut forces, &start, Want::NOTHING);
-            let (found, energetics) = all(&mut forces, &positions, want_each());
+            all(&mut forces, cell, &start, Want::NOTHING);
+            let (found, energetics) = all(&mut forces, cell, &positions, want_each());
             assert_eq!(
                 forces.statistics().builds,
                 1,
@@ -171,7 +171,7 @@ fn small_boxes_of_any_side_agree_with_the_reference() {
                     ..base
                 };
                 let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
-                let (found, energetics) = all(&mut forces, &positions, want_each());
+                let (found, energetics) = all(&mut forces, cell, &positions, want_each());
                 assert_eq!(energetics.pairs, totals.pairs, "{side} σ, {kernel:?}");
                 for (i, (found, wanted)) in found.iter().zip(&wanted).enumerate() {
                     let most = 1e-4 * (1.0 + wanted.length());
@@ -201,10 +201,14 @@ fn forces_have_the_same_bits_with_and_without_energetics() {
                     ..base
                 };
                 let mut forces = build(&options, &conditions(cell, positions.len())).unwrap();
-                let (plain, none) = all(&mut forces, &positions, Want::NOTHING);
+                let (plain, none) = all(&mut forces, cell, &positions, Want::NOTHING);
                 assert_eq!(none, lennard_core::Energetics::default());
                 for want in [Want::ENERGY, Want::TOTALS, want_each()] {
-                    assert_eq!(all(&mut forces, &positions, want).0, plain, "{options:?}");
+                    assert_eq!(
+                        all(&mut forces, cell, &positions, want).0,
+                        plain,
+                        "{options:?}"
+                    );
                 }
             }
         }
@@ -227,7 +231,8 @@ fn the_same_bits_come_from_any_number_of_threads() {
                 (0..4)
                     .flat_map(|k| {
                         let positions = moved(&start, 0.06 * f64::from(k));
-                        [Want::NOTHING, want_each()].map(|want| all(&mut forces, &positions, want))
+                        [Want::NOTHING, want_each()]
+                            .map(|want| all(&mut forces, cell, &positions, want))
                     })
                     .collect::<Vec<_>>()
             };
@@ -251,7 +256,7 @@ fn forces_add_up_to_zero() {
             ..ForceFieldOptions::default()
         };
         let mut forces = build(&options, &conditions(cell, positions.len())).unwrap();
-        let (f, _) = all(&mut forces, &positions, Want::NOTHING);
+        let (f, _) = all(&mut forces, cell, &positions, Want::NOTHING);
         let size: f64 = magnitudes(&options, cell, &positions)
             .iter()
             .map(|m| m.0)
@@ -283,7 +288,7 @@ fn mixed_precision_does_not_suffer_far_from_the_origin() {
     for kernel in kernels() {
         let options = ForceFieldOptions { kernel, ..options };
         let mut forces = build(&options, &conditions(cell, far.len())).unwrap();
-        let (found, _) = all(&mut forces, &far, Want::NOTHING);
+        let (found, _) = all(&mut forces, cell, &far, Want::NOTHING);
         let squares: f64 = found
             .iter()
             .zip(&wanted)
@@ -311,8 +316,8 @@ fn canonical_forces_are_a_pure_function_of_the_positions() {
         };
         in_threads(threads, || {
             let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
-            all(&mut forces, before, Want::NOTHING);
-            all(&mut forces, &target, Want::NOTHING).0
+            all(&mut forces, cell, before, Want::NOTHING);
+            all(&mut forces, cell, &target, Want::NOTHING).0
         })
     };
     let wanted = bits(None, ListMode::Direct, 1, &start);
@@ -339,8 +344,8 @@ fn canonical_forces_are_a_pure_function_of_the_positions() {
         ..ForceFieldOptions::default()
     };
     let mut forces = build(&options, &conditions(cell, small.len())).unwrap();
-    let a = all(&mut forces, &small, Want::NOTHING).0;
-    assert!(a == all(&mut forces, &shifted, Want::NOTHING).0);
+    let a = all(&mut forces, cell, &small, Want::NOTHING).0;
+    assert!(a == all(&mut forces, cell, &shifted, Want::NOTHING).0);
 }
 
 #[test]
@@ -363,10 +368,10 @@ fn near_and_far_parts_add_up_to_the_whole_force() {
                 let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
                 assert!(forces.properties().splits);
                 for part in [Part::Near, Part::Far, Part::All] {
-                    evaluate(&mut forces, &start, part, Want::NOTHING).unwrap();
+                    evaluate(&mut forces, cell, &start, part, Want::NOTHING).unwrap();
                 }
                 let get = |forces: &mut PairForces, part| {
-                    evaluate(forces, &positions, part, Want::TOTALS).unwrap()
+                    evaluate(forces, cell, &positions, part, Want::TOTALS).unwrap()
                 };
                 let (near, e_near) = get(&mut forces, Part::Near);
                 let (far, e_far) = get(&mut forces, Part::Far);
@@ -406,7 +411,7 @@ fn near_and_far_parts_add_up_to_the_whole_force() {
     )
     .unwrap();
     assert_eq!(
-        evaluate(&mut whole, &start, Part::Near, Want::NOTHING).unwrap_err(),
+        evaluate(&mut whole, cell, &start, Part::Near, Want::NOTHING).unwrap_err(),
         ForceError::NotSplit
     );
 }
@@ -428,7 +433,7 @@ fn a_restart_continues_with_the_same_bits() {
         let parts = [Part::All, Part::Near, Part::Far];
         let mut one = build(&options, &at).unwrap();
         for part in parts {
-            evaluate(&mut one, &start, part, Want::NOTHING).unwrap();
+            evaluate(&mut one, cell, &start, part, Want::NOTHING).unwrap();
         }
         let mut archive = StateArchive::default();
         one.save(&mut archive.writer());
@@ -436,17 +441,17 @@ fn a_restart_continues_with_the_same_bits() {
         other.restore(&archive.reader()).unwrap();
         let later = moved(&start, 0.15);
         for part in parts {
-            let a = evaluate(&mut one, &later, part, Want::TOTALS).unwrap();
-            let b = evaluate(&mut other, &later, part, Want::TOTALS).unwrap();
+            let a = evaluate(&mut one, cell, &later, part, Want::TOTALS).unwrap();
+            let b = evaluate(&mut other, cell, &later, part, Want::TOTALS).unwrap();
             assert!(a == b, "{part:?}");
         }
         let (a, b) = (one.statistics(), other.statistics());
         assert_eq!((a.builds, a.evaluations), (b.builds, b.evaluations));
         // A provider that starts afresh builds its list elsewhere and sums in another order.
         let mut fresh = build(&options, &at).unwrap();
-        let a = all(&mut one, &later, Want::NOTHING).0;
+        let a = all(&mut one, cell, &later, Want::NOTHING).0;
         assert!(
-            a != all(&mut fresh, &later, Want::NOTHING).0,
+            a != all(&mut fresh, cell, &later, Want::NOTHING).0,
             "the test can tell orders apart"
         );
     }
@@ -481,11 +486,17 @@ fn no_pair_of_very_many_particles_is_missed_where_many_moved_far() {
         };
         let at = conditions(cell, n);
         let mut forces = build(&options, &at).unwrap();
-        all(&mut forces, &start, Want::NOTHING);
+        all(&mut forces, cell, &start, Want::NOTHING);
         for most in [0.13, 0.2, 0.36] {
             let later = moved(most);
-            let f = all(&mut forces, &later, Want::NOTHING).0;
-            let expected = all(&mut build(&options, &at).unwrap(), &later, Want::NOTHING).0;
+            let f = all(&mut forces, cell, &later, Want::NOTHING).0;
+            let expected = all(
+                &mut build(&options, &at).unwrap(),
+                cell,
+                &later,
+                Want::NOTHING,
+            )
+            .0;
             // But for rounding at the very cutoff, where the force jumps by 0.04.
             let differ = |i: &usize| (f[*i] - expected[*i]).length() > 0.02;
             for i in (0..n).filter(differ) {
@@ -535,8 +546,8 @@ fn pairs_that_were_named_since_the_build_are_part_of_a_restart() {
         };
         let at = conditions(cell, start.len());
         let mut one = build(&options, &at).unwrap();
-        all(&mut one, &start, Want::NOTHING);
-        let (_, found) = all(&mut one, &later, Want::ENERGY);
+        all(&mut one, cell, &start, Want::NOTHING);
+        let (_, found) = all(&mut one, cell, &later, Want::ENERGY);
         assert_eq!(found.pairs, reference(&options, cell, &later).1.pairs);
         assert_eq!(one.statistics().builds, 1, "the list named what it lacked");
         let mut archive = StateArchive::default();
@@ -570,9 +581,9 @@ fn pairs_that_were_named_since_the_build_are_part_of_a_restart() {
                 .zip(&later)
                 .map(|(a, b)| a.lerp(*b, share))
                 .collect();
-            let expected = all(&mut one, &again, Want::NOTHING).0;
-            assert!(expected == all(&mut same, &again, Want::NOTHING).0);
-            differ |= expected != all(&mut without, &again, Want::NOTHING).0;
+            let expected = all(&mut one, cell, &again, Want::NOTHING).0;
+            assert!(expected == all(&mut same, cell, &again, Want::NOTHING).0);
+            differ |= expected != all(&mut without, cell, &again, Want::NOTHING).0;
         }
         assert!(differ, "{kernel:?}: what was named changes nothing");
         for wrong in [vec![0, 1, 2], vec![0, 4096], vec![3, 3], vec![5, 4]] {
@@ -594,7 +605,7 @@ fn builds_are_counted_on_after_a_restart_from_this_version_and_the_last() {
     };
     let at = conditions(cell, start.len());
     let mut forces = build(&options, &at).unwrap();
-    all(&mut forces, &start, Want::NOTHING);
+    all(&mut forces, cell, &start, Want::NOTHING);
     let mut archive = StateArchive::default();
     forces.save(&mut archive.writer());
     assert_eq!(archive.arrays["list/counters"], Array::U64(vec![1]));
@@ -652,13 +663,13 @@ fn a_number_that_is_not_finite_is_an_error_that_names_the_particle() {
             for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
                 let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
                 if warm {
-                    all(&mut forces, &start, Want::NOTHING);
+                    all(&mut forces, cell, &start, Want::NOTHING);
                 }
                 let mut positions = start.clone();
                 positions[137].y = bad;
                 for threads in [1, 3] {
                     let error = in_threads(threads, || {
-                        evaluate(&mut forces, &positions, Part::All, Want::NOTHING)
+                        evaluate(&mut forces, cell, &positions, Part::All, Want::NOTHING)
                     });
                     assert_eq!(
                         error.unwrap_err(),
@@ -670,26 +681,26 @@ fn a_number_that_is_not_finite_is_an_error_that_names_the_particle() {
             for far in [1e6, -1e9, 1e15, 1e300, -1.7e308] {
                 let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
                 if warm {
-                    all(&mut forces, &start, Want::NOTHING);
+                    all(&mut forces, cell, &start, Want::NOTHING);
                 }
                 let mut positions = start.clone();
                 positions[5].x = far;
-                let _ = evaluate(&mut forces, &positions, Part::All, Want::TOTALS);
+                let _ = evaluate(&mut forces, cell, &positions, Part::All, Want::TOTALS);
             }
             let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
             if warm {
-                all(&mut forces, &start, Want::NOTHING);
+                all(&mut forces, cell, &start, Want::NOTHING);
             }
             let mut positions = start.clone();
             positions[200] = positions[33];
-            let error = evaluate(&mut forces, &positions, Part::All, Want::NOTHING);
+            let error = evaluate(&mut forces, cell, &positions, Part::All, Want::NOTHING);
             assert_eq!(
                 error.unwrap_err(),
                 ForceError::NonFiniteForce { particle: 33 },
                 "{options:?}"
             );
             // The provider is still usable.
-            all(&mut forces, &start, Want::TOTALS);
+            all(&mut forces, cell, &start, Want::TOTALS);
         }
     }
 }
@@ -709,14 +720,14 @@ fn no_pair_is_missed_along_a_trajectory() {
         let mean = velocities.iter().sum::<DVec3>() / n as f64;
         velocities.iter_mut().for_each(|v| *v -= mean);
         let dt = 0.004;
-        let (mut f, _) = all(&mut forces, &positions, Want::NOTHING);
+        let (mut f, _) = all(&mut forces, cell, &positions, Want::NOTHING);
         let (mut before, mut age) = (1, 0);
         for step in 0..150 {
             for ((r, v), f) in positions.iter_mut().zip(&mut velocities).zip(&f) {
                 *v += 0.5 * dt * *f;
                 *r += dt * *v;
             }
-            let (next, found) = all(&mut forces, &positions, Want::ENERGY);
+            let (next, found) = all(&mut forces, cell, &positions, Want::ENERGY);
             f = next;
             for (v, f) in velocities.iter_mut().zip(&f) {
                 *v += 0.5 * dt * *f;
@@ -753,11 +764,11 @@ fn a_pair_that_comes_from_beyond_the_list_is_not_missed_and_others_do_not_cost_a
                 ..ForceFieldOptions::default()
             };
             let mut forces = build(&options, &conditions(cell, n)).unwrap();
-            all(&mut forces, &start, Want::NOTHING);
+            all(&mut forces, cell, &start, Want::NOTHING);
             let mut positions = start.clone();
             positions[n - 2] += 0.16 * direction;
             positions[n - 1] -= 0.16 * direction;
-            let (_, found) = all(&mut forces, &positions, Want::ENERGY);
+            let (_, found) = all(&mut forces, cell, &positions, Want::ENERGY);
             assert_eq!(found.pairs, reference(&options, cell, &positions).1.pairs);
             assert_eq!(forces.statistics().builds, builds, "{options:?}");
         }
@@ -771,9 +782,9 @@ fn one_by_one(
     positions: &[DVec3],
     found: &[DVec3],
 ) -> Result<(), TestCaseError> {
-    let all_pairs = AllPairs::new(options, cell).unwrap();
+    let all_pairs = AllPairs::new(options).unwrap();
     for (i, f) in found.iter().enumerate() {
-        let wanted = all_pairs.force_on(i, positions);
+        let wanted = all_pairs.force_on(i, &cell, positions);
         let off = (*f - wanted.force).length();
         prop_assert!(
             off <= wanted.tolerance,
@@ -793,9 +804,9 @@ fn the_force_that_checks_is_that_of_the_reference_and_shows_one_pair_at_a_plain_
             for precision in [Precision::Double, Precision::Mixed] {
                 let mut options = base;
                 options.kernel.precision = precision;
-                let all_pairs = AllPairs::new(&options, cell).unwrap();
+                let all_pairs = AllPairs::new(&options).unwrap();
                 for (i, w) in wanted.iter().enumerate() {
-                    let found = all_pairs.force_on(i, positions);
+                    let found = all_pairs.force_on(i, &cell, positions);
                     assert!((found.force - *w).length() <= 1e-10 * (1.0 + w.length()) * loosened);
                     let is_plain = matches!(
                         base.truncation.kind,
@@ -825,7 +836,7 @@ fn a_pair_as_near_to_the_cutoff_as_rounding_may_count_or_not_and_any_other_count
     let at = |r: f64| {
         // Through a side of the box.
         let pair = [DVec3::new(11.0, 5.0, 5.0), DVec3::new(11.0 + r, 5.0, 5.0)];
-        AllPairs::new(&options, cell).unwrap().force_on(0, &pair)
+        AllPairs::new(&options).unwrap().force_on(0, &cell, &pair)
     };
     for r in [2.5 - 1e-9, 2.5 + 1e-9] {
         assert!(at(r).tolerance < 1e-10, "{r}: {:?}", at(r));
@@ -961,13 +972,13 @@ fn agrees_there(
         };
         let options = ForceFieldOptions { kernel, ..*base };
         let mut forces = build(&options, &conditions(cell, n)).unwrap();
-        all(&mut forces, start, Want::NOTHING);
-        let (found, energetics) = all(&mut forces, positions, Want::ENERGY);
+        all(&mut forces, cell, start, Want::NOTHING);
+        let (found, energetics) = all(&mut forces, cell, positions, Want::ENERGY);
         one_by_one(&options, cell, positions, &found)?;
         let (options_sharp, found_sharp) = {
             let options = ForceFieldOptions { kernel, ..sharp.0 };
             let mut forces = build(&options, &conditions(cell, n)).unwrap();
-            (options, all(&mut forces, positions, Want::NOTHING).0)
+            (options, all(&mut forces, cell, positions, Want::NOTHING).0)
         };
         one_by_one(&options_sharp, cell, positions, &found_sharp)?;
         if lasts && skin > 1e-9 {
@@ -1026,7 +1037,7 @@ proptest! {
         for kernel in kernels() {
             let get = |skin, at: &[DVec3]| {
                 let options = ForceFieldOptions { kernel, neighbor: verlet(Some(skin)), ..ForceFieldOptions::default() };
-                all(&mut build(&options, &conditions(cell, n)).unwrap(), at, Want::NOTHING).0
+                all(&mut build(&options, &conditions(cell, n)).unwrap(), cell, at, Want::NOTHING).0
             };
             let wanted = get(0.3, &positions);
             let sizes = magnitudes(&ForceFieldOptions::default(), cell, &positions);

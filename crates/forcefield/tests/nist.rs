@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use lennard_core::{Configuration, DVec3, ForceProvider, Part, PeriodicBox, Want};
+use lennard_core::{Configuration, DVec3, ForceTerm, Part, PeriodicBox, Want};
 use lennard_forcefield::{
     Conditions, ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions,
     TruncationKind, TruncationOptions, build, tail_correction,
@@ -84,11 +84,7 @@ fn nist_energies_and_virials_are_met_by_every_loop() {
             };
             let mut forces = build(&options, &conditions).unwrap();
             let mut f = vec![DVec3::ZERO; positions.len()];
-            let at = Configuration {
-                positions: &positions,
-                velocities: None,
-                time: 0.0,
-            };
+            let at = Configuration::at_rest(&periodic, &positions);
             let found = forces
                 .evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut f)
                 .unwrap();

@@ -5,7 +5,8 @@ mod common;
 use common::*;
 use lennard_core::sweeps::{drift, kick};
 use lennard_core::{
-    Configuration, DVec3, ForceError, ForceProvider, Masses, Part, PeriodicBox, Stride, Want,
+    Backend, Configuration, DVec3, ForceError, ForceTerm, FusedSteps, Masses, Part, PeriodicBox,
+    Want,
 };
 use lennard_forcefield::{
     ForceFieldOptions, Kernel, KernelOptions, ListMode, NeighborOptions, PairForces, Precision,
@@ -17,14 +18,16 @@ const DT: f64 = 0.004;
 /// A fluid where forces are due.
 #[derive(Clone, PartialEq)]
 struct Fluid {
+    cell: PeriodicBox,
     positions: Vec<DVec3>,
     velocities: Vec<DVec3>,
 }
 
 impl Fluid {
-    fn start(positions: Vec<DVec3>) -> Self {
+    fn start(cell: PeriodicBox, positions: Vec<DVec3>) -> Self {
         let noise = scatter(positions.len(), DVec3::splat(4.0), 0.7);
         Self {
+            cell,
             positions,
             velocities: noise.iter().map(|v| *v - DVec3::splat(2.0)).collect(),
         }
@@ -32,7 +35,7 @@ impl Fluid {
 
     /// What a stride says that it does, written out.
     fn step(&mut self, forces: &mut PairForces, masses: &Masses) -> Result<(), ForceError> {
-        let (f, _) = evaluate(forces, &self.positions, Part::All, Want::NOTHING)?;
+        let (f, _) = evaluate(forces, self.cell, &self.positions, Part::All, Want::NOTHING)?;
         kick(&mut self.velocities, &f, masses, 0.5 * DT);
         kick(&mut self.velocities, &f, masses, 0.5 * DT);
         drift(&mut self.positions, &self.velocities, DT);
@@ -40,7 +43,8 @@ impl Fluid {
     }
 
     fn stride(&mut self, forces: &mut PairForces, masses: &Masses, steps: u64) -> u64 {
-        forces.stride(Stride {
+        forces.advance(FusedSteps {
+            cell: &self.cell,
             positions: &mut self.positions,
             velocities: &mut self.velocities,
             masses,
@@ -66,7 +70,7 @@ fn strides_of_any_length_have_the_bits_of_single_steps() {
     for (k, shift) in [([7, 8, 9], 0.0), ([13, 14, 13], -3e6)] {
         let (cell, start) = liquid(k, 0.8, 0.1);
         let home = shift * cell.lengths();
-        let start = Fluid::start(start.into_iter().map(|r| r + home).collect());
+        let start = Fluid::start(cell, start.into_iter().map(|r| r + home).collect());
         for kernel in kernels() {
             for (kind, mass) in [(TruncationKind::Shift, 1.0), (TruncationKind::Switch, 2.5)] {
                 let masses = Masses::Uniform(mass);
@@ -110,7 +114,7 @@ fn strides_of_any_length_have_the_bits_of_single_steps() {
 fn a_stride_of_very_many_particles_has_the_bits_of_single_steps() {
     // As many as have their ways written, by the chunks of the step before too.
     let (cell, start) = liquid([52, 51, 50], 0.8442, 0.1);
-    let mut start = Fluid::start(start);
+    let mut start = Fluid::start(cell, start);
     // One in 17 is so fast that it is far for many steps before the list ends, and meets others.
     for (k, v) in start.velocities.iter_mut().enumerate() {
         *v = v.normalize() * if k % 17 == 0 { 4.0 } else { 1.0 };
@@ -162,7 +166,7 @@ fn a_stride_leaves_what_is_not_finite_to_single_steps() {
     for k in [[8, 8, 8], [13, 14, 13]] {
         let (cell, positions) = liquid(k, 0.8, 0.1);
         let n = positions.len();
-        let sound = Fluid::start(positions);
+        let sound = Fluid::start(cell, positions);
         // A velocity that leads nowhere, one that leads too far, and two particles that meet in one point after four steps, far
         // from the others in a box that has room for that.
         let (mut nowhere, mut far, mut meeting) = (sound.clone(), sound.clone(), sound);
@@ -175,7 +179,9 @@ fn a_stride_leaves_what_is_not_finite_to_single_steps() {
         }
         let roomy = PeriodicBox::new(6.0 * cell.lengths()).unwrap();
         // The same two alone.
+        meeting.cell = roomy;
         let alone = Fluid {
+            cell: roomy,
             positions: meeting.positions[77..79].to_vec(),
             velocities: meeting.velocities[77..79].to_vec(),
         };
@@ -214,7 +220,7 @@ fn a_stride_leaves_what_is_not_finite_to_single_steps() {
 #[test]
 fn forces_without_a_list_in_that_order_take_no_strides() {
     let (cell, positions) = liquid([8, 8, 8], 0.8, 0.1);
-    let start = Fluid::start(positions);
+    let start = Fluid::start(cell, positions);
     let base = options(KernelOptions::default(), TruncationKind::Shift);
     let canonical = ForceFieldOptions {
         canonical: true,
@@ -256,18 +262,14 @@ fn forces_without_a_list_in_that_order_take_no_strides() {
     let mut forces = build(&mixed, &conditions(cell, 512)).unwrap();
     assert_eq!(start.clone().stride(&mut forces, &same, 2), 0);
     assert_eq!(start.clone().stride(&mut forces, &same, 20), 20);
-    let at = Configuration {
-        positions: &start.positions,
-        velocities: None,
-        time: 0.0,
-    };
+    let at = Configuration::at_rest(&cell, &start.positions);
     // An evaluation elsewhere right after a stride finds its own list.
     let mut f = vec![DVec3::ZERO; 512];
     forces
         .evaluate(at, Part::All, Want::NOTHING, &mut f)
         .unwrap();
     let mut fresh = build(&mixed, &conditions(cell, 512)).unwrap();
-    let (expected, _) = all(&mut fresh, &start.positions, Want::NOTHING);
+    let (expected, _) = all(&mut fresh, cell, &start.positions, Want::NOTHING);
     let size: f64 = expected.iter().map(|f| f.length()).fold(0.0, f64::max);
     for (f, e) in f.iter().zip(&expected) {
         assert!((*f - *e).length() < 1e-5 * size);

@@ -39,6 +39,6 @@ pub mod rescale;
 
 pub use common::OptionError;
 pub use list::{
-    Coupling, IntegratorEntry, IntegratorOptions, OscillatorModel, ThermostatOptions, build,
-    couple, integrators, thermostats,
+    IntegratorEntry, IntegratorOptions, OscillatorModel, ThermostatOptions, build, integrators,
+    thermostats,
 };

@@ -2,15 +2,24 @@
 
 mod shared;
 
-use lennard_core::{DVec3, Dynamics, ForceError, Integrator, State, StateArchive, StepError, Want};
+use lennard_core::{
+    DVec3, ForceError, Integrator, Persist, State, StateArchive, StepError, System, Want,
+};
 use lennard_integrators::bit_reversible_verlet::{BitReversibleVerlet, Options};
 use lennard_integrators::measure::run;
 use lennard_integrators::oscillator::HarmonicForces;
 use lennard_integrators::{IntegratorOptions, build};
 use shared::{Cluster, cluster};
 
-fn method() -> BitReversibleVerlet {
-    BitReversibleVerlet::new(&Options::default())
+fn method() -> Integrator {
+    Integrator::new(BitReversibleVerlet::new(&Options::default()))
+}
+
+/// The positions as whole multiples of the grid spacing, as they are saved.
+fn grid_positions(integrator: &Integrator) -> Vec<i64> {
+    let mut archive = StateArchive::default();
+    integrator.save(&mut archive.writer());
+    archive.reader().i64("current").unwrap().to_vec()
 }
 
 fn reverse(state: &mut State) {
@@ -20,32 +29,32 @@ fn reverse(state: &mut State) {
 }
 
 /// Runs forward, turns the velocities round, and runs back with the same method object or a fresh one.
-fn there_and_back(
-    integrator: &mut dyn Integrator,
-    offset: DVec3,
-    steps: u64,
-) -> (State, State, State) {
+fn there_and_back(integrator: &mut Integrator, offset: DVec3, steps: u64) -> (State, State, State) {
     let (mut positions, velocities) = cluster(3, 0.8, 11);
     for x in &mut positions {
         *x += offset;
     }
-    let dynamics = Dynamics::fluid(27);
-    let mut state = State::new(positions, velocities);
+    let system = System::atoms(27);
+    let mut state = State::new(
+        lennard_core::PeriodicBox::boundless(),
+        positions,
+        velocities,
+    );
     let dt = 0.004;
     integrator
-        .start(&dynamics, &mut state, &mut Cluster, dt, Want::NOTHING)
+        .start(&system, &mut state, &mut Cluster, dt, Want::NOTHING)
         .unwrap();
     let start = state.clone();
     for _ in 0..steps {
         integrator
-            .step(&dynamics, &mut state, &mut Cluster, dt, Want::NOTHING)
+            .step(&system, &mut state, &mut Cluster, dt, Want::NOTHING)
             .unwrap();
     }
     let turning_point = state.clone();
     reverse(&mut state);
     run(
         integrator,
-        &dynamics,
+        &system,
         &mut Cluster,
         &mut state,
         dt,
@@ -80,20 +89,24 @@ fn it_returns_exactly_even_where_the_grid_is_finer_than_a_double() {
 #[test]
 fn velocity_verlet_does_not_return_exactly() {
     let mut verlet = build(&IntegratorOptions::VelocityVerlet(Default::default()));
-    let (start, _, end) = there_and_back(verlet.as_mut(), DVec3::ZERO, 20_000);
+    let (start, _, end) = there_and_back(&mut verlet, DVec3::ZERO, 20_000);
     assert_ne!(end.positions, start.positions);
 }
 
 #[test]
 fn it_returns_exactly_through_a_checkpoint() {
     let (positions, velocities) = cluster(3, 0.8, 12);
-    let dynamics = Dynamics::fluid(27);
-    let mut state = State::new(positions, velocities);
+    let system = System::atoms(27);
+    let mut state = State::new(
+        lennard_core::PeriodicBox::boundless(),
+        positions,
+        velocities,
+    );
     let dt = 0.004;
     let mut there = method();
     run(
         &mut there,
-        &dynamics,
+        &system,
         &mut Cluster,
         &mut state,
         dt,
@@ -101,11 +114,11 @@ fn it_returns_exactly_through_a_checkpoint() {
         |_, _| {},
     )
     .unwrap();
-    let start = there.grid_positions().to_vec();
+    let start = grid_positions(&there);
     let want = Want::NOTHING;
     for _ in 0..500 {
         there
-            .step(&dynamics, &mut state, &mut Cluster, dt, want)
+            .step(&system, &mut state, &mut Cluster, dt, want)
             .unwrap();
     }
     let mut archive = StateArchive::default();
@@ -115,7 +128,7 @@ fn it_returns_exactly_through_a_checkpoint() {
     reverse(&mut state);
     run(
         &mut back,
-        &dynamics,
+        &system,
         &mut Cluster,
         &mut state,
         dt,
@@ -123,16 +136,20 @@ fn it_returns_exactly_through_a_checkpoint() {
         |_, _| {},
     )
     .unwrap();
-    assert_eq!(back.grid_positions(), start);
+    assert_eq!(grid_positions(&back), start);
 }
 
 #[test]
 fn a_particle_that_leaves_the_grid_is_an_error() {
     // A repelling spring doubles the distance every 0.7 τ: 4096 σ come soon.
-    let mut state = State::new(vec![DVec3::X], vec![DVec3::X]);
+    let mut state = State::new(
+        lennard_core::PeriodicBox::boundless(),
+        vec![DVec3::X],
+        vec![DVec3::X],
+    );
     let result = run(
         &mut method(),
-        &Dynamics::fluid(1),
+        &System::atoms(1),
         &mut HarmonicForces::new(-1.0),
         &mut state,
         0.1,
@@ -151,14 +168,12 @@ fn a_particle_that_leaves_the_grid_is_an_error() {
     let last = state.positions[0].x;
     assert!(last > 1000.0 && last.is_finite());
     // So is one that starts outside.
-    let mut far = State::new(vec![DVec3::X * 1e9], vec![DVec3::ZERO]);
-    let mut forces = HarmonicForces::new(1.0);
-    let refused = method().start(
-        &Dynamics::fluid(1),
-        &mut far,
-        &mut forces,
-        0.1,
-        Want::NOTHING,
+    let mut far = State::new(
+        lennard_core::PeriodicBox::boundless(),
+        vec![DVec3::X * 1e9],
+        vec![DVec3::ZERO],
     );
+    let mut forces = HarmonicForces::new(1.0);
+    let refused = method().start(&System::atoms(1), &mut far, &mut forces, 0.1, Want::NOTHING);
     assert!(matches!(refused, Err(StepError::Unsuited { .. })));
 }

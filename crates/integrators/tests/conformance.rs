@@ -4,8 +4,8 @@ mod shared;
 
 use glam::DMat2;
 use lennard_core::{
-    Configuration, DVec3, Dynamics, ForceProvider, Integrator, Masses, Part, Persist, State,
-    StateArchive, Want,
+    Backend, Configuration, DVec3, ForceTerm, Integrator, Masses, Part, Persist, State,
+    StateArchive, System, Want,
 };
 use lennard_integrators::measure::{
     CountingForces, Kepler, KeplerForces, OscillatorBench, SearchRange, amplification_per_step,
@@ -30,28 +30,35 @@ fn largest_entry(m: DMat2) -> f64 {
 }
 
 /// A small cluster with unequal masses, started with a little motion.
-fn moving_cluster() -> (Dynamics, State) {
+fn moving_cluster() -> (System, State) {
     let (positions, velocities) = cluster(3, 0.5, 3);
-    let mut dynamics = Dynamics::fluid(positions.len());
-    dynamics.masses = Masses::Each(
+    let mut system = System::atoms(positions.len());
+    system.masses = Masses::Each(
         (0..positions.len())
             .map(|i| 1.0 + 0.5 * (i % 3) as f64)
             .collect(),
     );
-    (dynamics, State::new(positions, velocities))
+    (
+        system,
+        State::new(
+            lennard_core::PeriodicBox::boundless(),
+            positions,
+            velocities,
+        ),
+    )
 }
 
 fn steps(
-    integrator: &mut dyn Integrator,
-    dynamics: &Dynamics,
+    integrator: &mut Integrator,
+    system: &System,
     state: &mut State,
-    forces: &mut dyn ForceProvider,
+    forces: &mut dyn Backend,
     dt: f64,
     n: u64,
 ) {
     for _ in 0..n {
         integrator
-            .step(dynamics, state, forces, dt, Want::NOTHING)
+            .step(system, state, forces, dt, Want::NOTHING)
             .unwrap();
     }
 }
@@ -60,17 +67,17 @@ fn steps(
 fn strides_of_any_method_have_the_bits_of_its_steps() {
     let mut longest = 0;
     for entry in general_methods() {
-        let (dynamics, start) = moving_cluster();
+        let (system, start) = moving_cluster();
         let (mut one, mut all) = (start.clone(), start);
         let (mut method, mut other) = (entry.build(), entry.build());
         let dt = 0.001;
-        let begin = |method: &mut dyn Integrator, state: &mut State| {
+        let begin = |method: &mut Integrator, state: &mut State| {
             method
-                .start(&dynamics, state, &mut Cluster, dt, Want::ENERGY)
+                .start(&system, state, &mut Cluster, dt, Want::ENERGY)
                 .unwrap();
         };
-        begin(&mut *method, &mut one);
-        begin(&mut *other, &mut all);
+        begin(&mut method, &mut one);
+        begin(&mut other, &mut all);
         let (mut evaluations, mut heat) = (0, 0.0);
         for step in 1..=13 {
             let want = if step == 13 {
@@ -79,7 +86,7 @@ fn strides_of_any_method_have_the_bits_of_its_steps() {
                 Want::NOTHING
             };
             let report = method
-                .step(&dynamics, &mut one, &mut Cluster, dt, want)
+                .step(&system, &mut one, &mut Cluster, dt, want)
                 .unwrap();
             evaluations += report.force_evaluations;
             heat += report.heat;
@@ -88,7 +95,7 @@ fn strides_of_any_method_have_the_bits_of_its_steps() {
             let before = all.step;
             let (taken, report) = other
                 .stride(
-                    &dynamics,
+                    &system,
                     &mut all,
                     &mut Cluster,
                     dt,
@@ -187,8 +194,8 @@ fn every_state_that_a_method_publishes_belongs_to_one_time() {
             let mut state = Kepler::for_orders().start();
             let mut worst = 0.0_f64;
             run(
-                entry.build().as_mut(),
-                &Dynamics::fluid(1),
+                &mut entry.build(),
+                &System::atoms(1),
                 &mut KeplerForces,
                 &mut state,
                 dt,
@@ -215,22 +222,18 @@ fn every_state_that_a_method_publishes_belongs_to_one_time() {
 #[test]
 fn forces_and_clock_belong_to_the_new_positions() {
     for entry in general_methods() {
-        let (dynamics, mut state) = moving_cluster();
+        let (system, mut state) = moving_cluster();
         let mut integrator = entry.build();
         integrator
-            .start(&dynamics, &mut state, &mut Cluster, 0.004, Want::ENERGY)
+            .start(&system, &mut state, &mut Cluster, 0.004, Want::ENERGY)
             .unwrap();
         for n in 1..=3 {
             let want = if n == 3 { Want::ENERGY } else { Want::NOTHING };
             integrator
-                .step(&dynamics, &mut state, &mut Cluster, 0.004, want)
+                .step(&system, &mut state, &mut Cluster, 0.004, want)
                 .unwrap();
             let mut forces = vec![DVec3::ZERO; state.len()];
-            let at = Configuration {
-                positions: &state.positions,
-                velocities: None,
-                time: state.time,
-            };
+            let at = Configuration::at_rest(&state.cell, &state.positions);
             let found = Cluster
                 .evaluate(at, Part::All, Want::ENERGY, &mut forces)
                 .unwrap();
@@ -257,33 +260,19 @@ fn forces_and_clock_belong_to_the_new_positions() {
 fn methods_that_kick_by_halves_move_with_the_velocities_of_half_steps_and_no_others_do() {
     let dt = 0.004;
     for entry in general_methods() {
-        let (dynamics, mut state) = moving_cluster();
+        let (system, mut state) = moving_cluster();
         let mut integrator = entry.build();
         integrator
-            .start(&dynamics, &mut state, &mut Cluster, dt, Want::NOTHING)
+            .start(&system, &mut state, &mut Cluster, dt, Want::NOTHING)
             .unwrap();
-        steps(
-            integrator.as_mut(),
-            &dynamics,
-            &mut state,
-            &mut Cluster,
-            dt,
-            2,
-        );
+        steps(&mut integrator, &system, &mut state, &mut Cluster, dt, 2);
         let before = state.clone();
-        steps(
-            integrator.as_mut(),
-            &dynamics,
-            &mut state,
-            &mut Cluster,
-            dt,
-            1,
-        );
+        steps(&mut integrator, &system, &mut state, &mut Cluster, dt, 1);
         let mut worst = 0.0_f64;
         for i in 0..state.len() {
             let moved = (state.positions[i] - before.positions[i]) / dt;
             for (of, sign) in [(&before, 0.5), (&state, -0.5)] {
-                let kick = sign * dt / dynamics.masses.of(i) * of.forces[i];
+                let kick = sign * dt / system.masses.of(i) * of.forces[i];
                 worst = worst.max((moved - of.velocities[i] - kick).length());
             }
         }
@@ -310,34 +299,20 @@ fn symplectic_methods_keep_phase_space_area_and_no_others_do() {
 
 /// Runs to and fro on the cluster and returns the largest distance from the start.
 fn distance_after_return(entry: &IntegratorEntry, dt: f64, n: u64) -> f64 {
-    let (dynamics, mut state) = moving_cluster();
+    let (system, mut state) = moving_cluster();
     let mut integrator = entry.build();
     integrator
-        .start(&dynamics, &mut state, &mut Cluster, dt, Want::NOTHING)
+        .start(&system, &mut state, &mut Cluster, dt, Want::NOTHING)
         .unwrap();
     let start = state.clone();
-    steps(
-        integrator.as_mut(),
-        &dynamics,
-        &mut state,
-        &mut Cluster,
-        dt,
-        n,
-    );
+    steps(&mut integrator, &system, &mut state, &mut Cluster, dt, n);
     for v in &mut state.velocities {
         *v = -*v;
     }
     integrator
-        .start(&dynamics, &mut state, &mut Cluster, dt, Want::NOTHING)
+        .start(&system, &mut state, &mut Cluster, dt, Want::NOTHING)
         .unwrap();
-    steps(
-        integrator.as_mut(),
-        &dynamics,
-        &mut state,
-        &mut Cluster,
-        dt,
-        n,
-    );
+    steps(&mut integrator, &system, &mut state, &mut Cluster, dt, n);
     let pairs = |a: &[DVec3], b: &[DVec3], sign: f64| {
         a.iter()
             .zip(b)
@@ -368,16 +343,16 @@ fn reversible_methods_return_to_their_start_and_no_others_do() {
 #[test]
 fn force_evaluations_are_as_many_as_declared_and_reported() {
     for entry in general_methods() {
-        let (dynamics, mut state) = moving_cluster();
+        let (system, mut state) = moving_cluster();
         let mut forces = CountingForces::new(Cluster);
         let mut integrator = entry.build();
         integrator
-            .start(&dynamics, &mut state, &mut forces, 0.004, Want::NOTHING)
+            .start(&system, &mut state, &mut forces, 0.004, Want::NOTHING)
             .unwrap();
         for _ in 0..5 {
             let (evaluations, products) = (forces.evaluations, forces.products);
             let report = integrator
-                .step(&dynamics, &mut state, &mut forces, 0.004, Want::NOTHING)
+                .step(&system, &mut state, &mut forces, 0.004, Want::NOTHING)
                 .unwrap();
             let made = forces.evaluations - evaluations;
             let name = entry.spec.name;
@@ -400,34 +375,20 @@ fn force_evaluations_are_as_many_as_declared_and_reported() {
 fn a_run_in_two_parts_is_the_same_run_to_the_bit() {
     for entry in general_methods() {
         let dt = 0.004;
-        let (dynamics, mut whole) = moving_cluster();
+        let (system, mut whole) = moving_cluster();
         let mut integrator = entry.build();
         integrator
-            .start(&dynamics, &mut whole, &mut Cluster, dt, Want::NOTHING)
+            .start(&system, &mut whole, &mut Cluster, dt, Want::NOTHING)
             .unwrap();
         let mut first = whole.clone();
-        steps(
-            integrator.as_mut(),
-            &dynamics,
-            &mut whole,
-            &mut Cluster,
-            dt,
-            100,
-        );
+        steps(&mut integrator, &system, &mut whole, &mut Cluster, dt, 100);
 
         let mut integrator = entry.build();
         let (_, mut again) = moving_cluster();
         integrator
-            .start(&dynamics, &mut again, &mut Cluster, dt, Want::NOTHING)
+            .start(&system, &mut again, &mut Cluster, dt, Want::NOTHING)
             .unwrap();
-        steps(
-            integrator.as_mut(),
-            &dynamics,
-            &mut again,
-            &mut Cluster,
-            dt,
-            40,
-        );
+        steps(&mut integrator, &system, &mut again, &mut Cluster, dt, 40);
         let mut archive = StateArchive::default();
         again.save(&mut archive.writer().section("state"));
         integrator.save(&mut archive.writer().section("integrator"));
@@ -438,13 +399,21 @@ fn a_run_in_two_parts_is_the_same_run_to_the_bit() {
         fresh
             .restore(&archive.reader().section("integrator"))
             .unwrap();
-        steps(fresh.as_mut(), &dynamics, &mut first, &mut Cluster, dt, 60);
+        steps(&mut fresh, &system, &mut first, &mut Cluster, dt, 60);
         assert_eq!(first, whole, "{}", entry.spec.name);
 
-        // Without its memory a method that has one must not get through this test, nor restore quietly.
-        if entry.spec.has_memory {
-            let empty = StateArchive::default();
-            assert!(entry.build().restore(&empty.reader()).is_err());
+        // Without any one of its entries an integrator must not restore quietly.
+        for name in archive
+            .arrays
+            .keys()
+            .filter(|n| n.starts_with("integrator/"))
+        {
+            let mut without = archive.clone();
+            without.arrays.remove(name);
+            let restored = entry
+                .build()
+                .restore(&without.reader().section("integrator"));
+            assert!(restored.is_err(), "{} without {name}", entry.spec.name);
         }
     }
 }
@@ -453,21 +422,21 @@ fn a_run_in_two_parts_is_the_same_run_to_the_bit() {
 fn total_momentum_is_conserved() {
     for entry in general_methods() {
         assert!(entry.spec.conserves_momentum);
-        let (dynamics, mut state) = moving_cluster();
-        let before = dynamics.momentum(&state.velocities);
+        let (system, mut state) = moving_cluster();
+        let before = system.momentum(&state.velocities);
         let mut integrator = entry.build();
         integrator
-            .start(&dynamics, &mut state, &mut Cluster, 0.004, Want::NOTHING)
+            .start(&system, &mut state, &mut Cluster, 0.004, Want::NOTHING)
             .unwrap();
         steps(
-            integrator.as_mut(),
-            &dynamics,
+            &mut integrator,
+            &system,
             &mut state,
             &mut Cluster,
             0.004,
             500,
         );
-        let change = (dynamics.momentum(&state.velocities) - before).length();
+        let change = (system.momentum(&state.velocities) - before).length();
         // The coarsest is the bit-reversible method: each push is rounded to δ = 2⁻⁴⁸, so each particle's
         // momentum walks by m·δ/(h·√12) = 4e-13 a step and direction; √(27·500·3) of these add up to
         // 8e-11, and four times that is allowed.
@@ -508,7 +477,7 @@ fn the_energy_of_the_euler_methods_grows_and_decays_as_their_maps_say() {
         let mut bench = OscillatorBench::new(entry.oscillator, 1.0, 0.0);
         let start = glam::DVec2::new(1.0, 0.5);
         let samples = bench
-            .trajectory(entry.build().as_mut(), start, 0.1, 50)
+            .trajectory(&mut entry.build(), start, 0.1, 50)
             .unwrap();
         for pair in samples.windows(2) {
             let ratio = pair[1].energy / pair[0].energy;
@@ -575,7 +544,7 @@ fn long_runs_stay_bounded_just_inside_the_limit_and_run_away_just_outside() {
             let mut bench = OscillatorBench::new(entry.oscillator, 1.0, 0.0);
             let start = glam::DVec2::ONE;
             bench
-                .trajectory(entry.build().as_mut(), start, 2.0 * factor, 20_000)
+                .trajectory(&mut entry.build(), start, 2.0 * factor, 20_000)
                 .map_or(f64::INFINITY, |samples| {
                     samples.iter().fold(0.0, |m, s| s.position.abs().max(m))
                 })
@@ -604,43 +573,39 @@ fn amplification_of_the_euler_methods_is_known_to_1e_10() {
 
 #[test]
 fn exactly_the_methods_without_memory_take_new_velocities_without_a_new_start() {
-    // This is what a thermostat does between steps: where nothing is remembered, starting anew changes
-    // no bit; where something is, it must.
+    // Where nothing of other times is remembered, starting anew changes no bit; where something is, it must.
+    let remembering = [
+        "stormer-verlet",
+        "stormer-verlet-time-corrected",
+        "stormer-verlet-variable",
+        "leapfrog",
+        "bit-reversible-verlet",
+    ];
     for entry in general_methods() {
         let end = |start_anew: bool| {
-            let (dynamics, mut state) = moving_cluster();
+            let (system, mut state) = moving_cluster();
             let (dt, want) = (0.004, Want::NOTHING);
             let mut integrator = entry.build();
-            let start = |i: &mut dyn Integrator, state: &mut State| {
-                i.start(&dynamics, state, &mut Cluster, dt, want).unwrap();
+            let start = |i: &mut Integrator, state: &mut State| {
+                i.start(&system, state, &mut Cluster, dt, want).unwrap();
             };
-            start(integrator.as_mut(), &mut state);
-            steps(
-                integrator.as_mut(),
-                &dynamics,
-                &mut state,
-                &mut Cluster,
-                dt,
-                10,
-            );
+            start(&mut integrator, &mut state);
+            steps(&mut integrator, &system, &mut state, &mut Cluster, dt, 10);
             for v in &mut state.velocities {
                 *v *= 1.5;
             }
             if start_anew {
-                start(integrator.as_mut(), &mut state);
+                start(&mut integrator, &mut state);
             }
-            steps(
-                integrator.as_mut(),
-                &dynamics,
-                &mut state,
-                &mut Cluster,
-                dt,
-                10,
-            );
+            steps(&mut integrator, &system, &mut state, &mut Cluster, dt, 10);
             state
         };
         let name = entry.spec.name;
-        assert_eq!(end(true) != end(false), entry.spec.has_memory, "{name}");
+        assert_eq!(
+            end(true) != end(false),
+            remembering.contains(&name),
+            "{name}"
+        );
     }
 }
 
@@ -657,10 +622,14 @@ fn methods_that_accept_damping_follow_it_at_their_order() {
         let error = |steps: u64| {
             let dt = 2.0 / steps as f64;
             let mut forces = HarmonicForces::new(1.0).with_damping(0.5);
-            let mut state = State::new(vec![DVec3::X], vec![DVec3::ZERO]);
+            let mut state = State::new(
+                lennard_core::PeriodicBox::boundless(),
+                vec![DVec3::X],
+                vec![DVec3::ZERO],
+            );
             run(
-                entry.build().as_mut(),
-                &Dynamics::fluid(1),
+                &mut entry.build(),
+                &System::atoms(1),
                 &mut forces,
                 &mut state,
                 dt,
@@ -687,17 +656,17 @@ fn methods_for_a_changing_step_keep_the_order_that_they_claim() {
         };
         let error = |mean: f64| {
             let orbit = Kepler::for_orders();
-            let dynamics = Dynamics::fluid(1);
+            let system = System::atoms(1);
             let mut state = orbit.start();
             let mut integrator = entry.build();
             let step_at = |t: f64| mean * (1.0 + 0.5 * (2.0 * t).sin());
             let mut dt = step_at(0.0);
             integrator
-                .start(&dynamics, &mut state, &mut KeplerForces, dt, Want::NOTHING)
+                .start(&system, &mut state, &mut KeplerForces, dt, Want::NOTHING)
                 .unwrap();
             while state.time < 2.0 {
                 integrator
-                    .step(&dynamics, &mut state, &mut KeplerForces, dt, Want::NOTHING)
+                    .step(&system, &mut state, &mut KeplerForces, dt, Want::NOTHING)
                     .unwrap();
                 dt = step_at(state.time);
             }

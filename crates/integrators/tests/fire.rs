@@ -2,7 +2,7 @@
 
 mod shared;
 
-use lennard_core::DVec3;
+use lennard_core::{DVec3, PeriodicBox};
 use lennard_integrators::fire::{FireError, FireOptions, relax};
 use lennard_integrators::oscillator::HarmonicForces;
 use shared::{Cluster, scattered};
@@ -22,7 +22,13 @@ fn a_random_start_with_huge_forces_relaxes() {
     // 100 particles at ρ = 0.8, pairs as close as 0.1 σ: forces of the order 48·10¹³.
     let mut points = scattered(100, 5.0, 0.1, 1);
     assert!(closest_pair(&points) < 0.3);
-    let report = relax(&mut points, &mut Cluster, &FireOptions::default()).unwrap();
+    let report = relax(
+        &PeriodicBox::boundless(),
+        &mut points,
+        &mut Cluster,
+        &FireOptions::default(),
+    )
+    .unwrap();
     assert!(report.largest_force_before > 1e8, "{report:?}");
     assert!(report.largest_force <= 10.0);
     // The pair force alone passes 10 ε/σ below r = 1.04 σ; neighbors can hold a pair closer, not far.
@@ -37,7 +43,13 @@ fn relaxation_finds_the_minimum_of_a_pair() {
         largest_force: 1e-9,
         ..FireOptions::default()
     };
-    let report = relax(&mut points, &mut Cluster, &options).unwrap();
+    let report = relax(
+        &PeriodicBox::boundless(),
+        &mut points,
+        &mut Cluster,
+        &options,
+    )
+    .unwrap();
     // r = 2^{1/6}, U = −1; U″ = 57.1 there, so a force of 1e-9 leaves 2e-11 in r.
     assert!((closest_pair(&points) - 2.0_f64.powf(1.0 / 6.0)).abs() < 1e-10);
     assert!((report.potential_energy.unwrap() + 1.0).abs() < 1e-14);
@@ -59,7 +71,12 @@ fn no_particle_moves_farther_than_allowed() {
         max_steps: 7,
         ..FireOptions::default()
     };
-    let failed = relax(&mut points, &mut Cluster, &options);
+    let failed = relax(
+        &PeriodicBox::boundless(),
+        &mut points,
+        &mut Cluster,
+        &options,
+    );
     assert!(matches!(
         failed,
         Err(FireError::NotRelaxed { steps: 7, .. })
@@ -76,12 +93,22 @@ fn no_particle_moves_farther_than_allowed() {
 fn what_cannot_be_relaxed_is_refused() {
     let mut same_place = vec![DVec3::ONE; 2];
     assert!(matches!(
-        relax(&mut same_place, &mut Cluster, &FireOptions::default()),
+        relax(
+            &PeriodicBox::boundless(),
+            &mut same_place,
+            &mut Cluster,
+            &FireOptions::default()
+        ),
         Err(FireError::Force(_))
     ));
     let mut damped = HarmonicForces::new(1.0).with_damping(0.1);
     assert!(matches!(
-        relax(&mut [DVec3::ONE], &mut damped, &FireOptions::default()),
+        relax(
+            &PeriodicBox::boundless(),
+            &mut [DVec3::ONE],
+            &mut damped,
+            &FireOptions::default()
+        ),
         Err(FireError::VelocityDependentForce)
     ));
 }
@@ -90,6 +117,12 @@ fn what_cannot_be_relaxed_is_refused() {
 fn a_configuration_without_large_forces_is_left_alone() {
     let mut points = vec![DVec3::ZERO, DVec3::X * 1.2];
     let before = points.clone();
-    let report = relax(&mut points, &mut Cluster, &FireOptions::default()).unwrap();
+    let report = relax(
+        &PeriodicBox::boundless(),
+        &mut points,
+        &mut Cluster,
+        &FireOptions::default(),
+    )
+    .unwrap();
     assert_eq!((report.steps, points), (0, before));
 }

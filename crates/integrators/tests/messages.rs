@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use lennard_core::{
-    Configuration, DVec3, Dynamics, Energetics, ForceError, ForceProperties, ForceProvider, Part,
-    Persist, RestoreError, State, StateReader, StateWriter, StepError, Want,
+    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
+    Persist, RestoreError, State, StateReader, StateWriter, StepError, System, Want,
 };
 use lennard_integrators::fire::FireError;
 use lennard_integrators::measure::KeplerForces;
@@ -16,14 +16,18 @@ fn refusal(method: &str, constraints: usize) -> String {
         .iter()
         .find(|e| e.spec.name == method)
         .unwrap();
-    let mut dynamics = Dynamics::fluid(1);
-    dynamics.constraints = (0..constraints).map(|_| oscillator_constraint()).collect();
-    let mut state = State::new(vec![DVec3::X], vec![DVec3::ZERO]);
+    let mut system = System::atoms(1);
+    system.constraints = (0..constraints).map(|_| oscillator_constraint()).collect();
+    let mut state = State::new(
+        lennard_core::PeriodicBox::boundless(),
+        vec![DVec3::X],
+        vec![DVec3::ZERO],
+    );
     let mut forces = Unsplit;
     let started: Result<(), StepError> =
         entry
             .build()
-            .start(&dynamics, &mut state, &mut forces, 0.1, Want::NOTHING);
+            .start(&system, &mut state, &mut forces, 0.1, Want::NOTHING);
     started.unwrap_err().to_string()
 }
 
@@ -37,7 +41,7 @@ impl Persist for Unsplit {
     }
 }
 
-impl ForceProvider for Unsplit {
+impl ForceTerm for Unsplit {
     fn evaluate(
         &mut self,
         at: Configuration<'_>,
@@ -55,6 +59,8 @@ impl ForceProvider for Unsplit {
     }
 }
 
+impl Backend for Unsplit {}
+
 fn oscillator_constraint() -> Arc<dyn lennard_core::Constraint> {
     Arc::new(OscillatorConstraint::new(1.0, 0.0))
 }
@@ -67,9 +73,7 @@ impl lennard_core::Constraint for Nowhere {
     fn value(&self, _positions: &[DVec3]) -> f64 {
         f64::NAN
     }
-    fn gradient(&self, _positions: &[DVec3], out: &mut [DVec3]) {
-        out.fill(DVec3::ZERO);
-    }
+    fn gradient(&self, _positions: &[DVec3], _out: &mut Vec<(usize, DVec3)>) {}
     fn compliance(&self) -> f64 {
         0.0
     }
@@ -84,16 +88,20 @@ fn a_constraint_that_cannot_be_solved_for_is_refused_at_the_step() {
         .iter()
         .find(|e| e.spec.name == "spook")
         .unwrap();
-    let mut dynamics = Dynamics::fluid(1);
-    dynamics.constraints = vec![Arc::new(Nowhere)];
-    let mut state = State::new(vec![DVec3::X], vec![DVec3::ZERO]);
+    let mut system = System::atoms(1);
+    system.constraints = vec![Arc::new(Nowhere)];
+    let mut state = State::new(
+        lennard_core::PeriodicBox::boundless(),
+        vec![DVec3::X],
+        vec![DVec3::ZERO],
+    );
     let mut forces = HarmonicForces::new(1.0);
     let mut method = entry.build();
     method
-        .start(&dynamics, &mut state, &mut forces, 0.1, Want::NOTHING)
+        .start(&system, &mut state, &mut forces, 0.1, Want::NOTHING)
         .unwrap();
     let message = method
-        .step(&dynamics, &mut state, &mut forces, 0.1, Want::NOTHING)
+        .step(&system, &mut state, &mut forces, 0.1, Want::NOTHING)
         .unwrap_err()
         .to_string();
     assert!(

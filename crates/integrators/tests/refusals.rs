@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use lennard_core::{
-    Configuration, DVec3, Dynamics, Energetics, ForceError, ForceProperties, ForceProvider, Part,
-    Persist, RestoreError, State, StateReader, StateWriter, StepError, Want,
+    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
+    Persist, RestoreError, State, StateReader, StateWriter, StepError, System, Want,
 };
 use lennard_integrators::measure::{Kepler, KeplerForces, run};
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces};
@@ -30,7 +30,7 @@ impl Persist for Failing {
     }
 }
 
-impl ForceProvider for Failing {
+impl ForceTerm for Failing {
     fn evaluate(
         &mut self,
         at: Configuration<'_>,
@@ -53,6 +53,8 @@ impl ForceProvider for Failing {
     }
 }
 
+impl Backend for Failing {}
+
 #[test]
 fn forces_that_are_not_finite_stop_the_run() {
     for entry in general_methods() {
@@ -63,8 +65,8 @@ fn forces_that_are_not_finite_stop_the_run() {
             };
             let mut state = Kepler::for_orders().start();
             let result = run(
-                entry.build().as_mut(),
-                &Dynamics::fluid(1),
+                &mut entry.build(),
+                &System::atoms(1),
                 &mut forces,
                 &mut state,
                 0.01,
@@ -87,10 +89,14 @@ fn forces_that_are_not_finite_stop_the_run() {
 fn forces_that_depend_on_velocities_are_refused_where_the_method_assumes_none() {
     for entry in general_methods() {
         let mut forces = HarmonicForces::new(1.0).with_damping(0.1);
-        let mut state = State::new(vec![DVec3::X], vec![DVec3::Y]);
+        let mut state = State::new(
+            lennard_core::PeriodicBox::boundless(),
+            vec![DVec3::X],
+            vec![DVec3::Y],
+        );
         let mut integrator = entry.build();
         let started = integrator.start(
-            &Dynamics::fluid(1),
+            &System::atoms(1),
             &mut state,
             &mut forces,
             0.1,
@@ -113,25 +119,27 @@ fn impossible_steps_are_refused() {
     for entry in integrators() {
         for dt in [0.0, -0.01, f64::NAN, f64::INFINITY] {
             let exact = Arc::new(ExactOscillator::new(1.0, 0.0, 1.0));
-            let dynamics = Dynamics {
-                exact: Some(exact),
-                ..Dynamics::fluid(1)
-            };
+            let mut system = System::atoms(1);
+            system.exact = Some(exact);
             let mut forces = HarmonicForces::new(1.0);
-            let mut state = State::new(vec![DVec3::X], vec![DVec3::ZERO]);
+            let mut state = State::new(
+                lennard_core::PeriodicBox::boundless(),
+                vec![DVec3::X],
+                vec![DVec3::ZERO],
+            );
             let mut integrator = entry.build();
             let refused = |r: Result<(), StepError>| matches!(r, Err(StepError::BadStep(_)));
             let name = entry.spec.name;
             let want = Want::NOTHING;
             assert!(
-                refused(integrator.start(&dynamics, &mut state, &mut forces, dt, want)),
+                refused(integrator.start(&system, &mut state, &mut forces, dt, want)),
                 "{name}"
             );
             integrator
-                .start(&dynamics, &mut state, &mut forces, 0.1, want)
+                .start(&system, &mut state, &mut forces, 0.1, want)
                 .unwrap();
             let before = state.clone();
-            let step = integrator.step(&dynamics, &mut state, &mut forces, dt, want);
+            let step = integrator.step(&system, &mut state, &mut forces, dt, want);
             assert!(refused(step.map(|_| ())), "{name}");
             assert_eq!(state, before, "{name}: a refused step changed the state");
         }
@@ -143,23 +151,11 @@ fn a_changing_step_is_refused_by_exactly_the_methods_that_say_so() {
     for entry in general_methods() {
         let mut state = Kepler::for_orders().start();
         let mut integrator = entry.build();
-        let dynamics = Dynamics::fluid(1);
+        let system = System::atoms(1);
         integrator
-            .start(
-                &dynamics,
-                &mut state,
-                &mut KeplerForces,
-                0.01,
-                Want::NOTHING,
-            )
+            .start(&system, &mut state, &mut KeplerForces, 0.01, Want::NOTHING)
             .unwrap();
-        let result = integrator.step(
-            &dynamics,
-            &mut state,
-            &mut KeplerForces,
-            0.02,
-            Want::NOTHING,
-        );
+        let result = integrator.step(&system, &mut state, &mut KeplerForces, 0.02, Want::NOTHING);
         if entry.spec.fixed_step_only {
             assert_eq!(
                 result,

@@ -1,12 +1,19 @@
 //! Each heat bath against its conserved quantity and its canonical distribution.
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, Dynamics, ForceProvider, Integrator, State, Thermostat, Want};
-use lennard_integrators::langevin::{self, Langevin};
-use lennard_integrators::oscillator::HarmonicForces;
-use lennard_integrators::{
-    Coupling, IntegratorOptions, ThermostatOptions, build, bussi, couple, rescale, thermostats,
+use lennard_core::{
+    Backend, Constraint, DVec3, Integrator, Momentum, NoForces, State, Step, System, Thermostat,
+    Want,
 };
+use lennard_integrators::bussi::{self, Bussi};
+use lennard_integrators::langevin::{self, Langevin};
+use lennard_integrators::oscillator::{HarmonicForces, OscillatorConstraint};
+use lennard_integrators::rescale::{self, Rescale};
+use lennard_integrators::{
+    IntegratorOptions, ThermostatOptions, build, thermostats, velocity_verlet,
+};
+use std::sync::Arc;
+
 use rand_distr::{Distribution, StandardNormal};
 
 const TEMPERATURE: f64 = 0.722;
@@ -27,29 +34,40 @@ fn canonical_start(n: usize, seed: u64, temperature: f64) -> State {
             .collect::<Vec<_>>()
     };
     let positions = draw();
-    State::new(positions, draw())
+    State::new(lennard_core::PeriodicBox::boundless(), positions, draw())
 }
 
-fn independent(n: usize) -> Dynamics {
-    Dynamics {
-        n_dof: 3.0 * n as f64,
-        ..Dynamics::fluid(n)
-    }
-}
-
-fn thermostat(options: &ThermostatOptions) -> Box<dyn Thermostat> {
-    match couple(options, TEMPERATURE, Streams::new(1).noise("unused")) {
-        Coupling::Thermostat(t) => t,
-        Coupling::Integrator(_) => panic!("not a thermostat"),
-    }
-}
-
-fn baoab(friction: f64, temperature: f64, seed: u64) -> Langevin {
-    Langevin::new(
+fn baoab(friction: f64, temperature: f64, seed: u64) -> Integrator {
+    Integrator::new(Langevin::new(
         &langevin::Options { friction },
         temperature,
         Streams::new(seed).noise("langevin"),
-    )
+    ))
+}
+
+fn bussi_bath(tau: f64, seed: u64) -> Bussi {
+    let noise = Streams::new(seed).noise("bussi");
+    Bussi::new(&bussi::Options { tau }, TEMPERATURE, noise)
+}
+
+/// The baths that scale all velocities by one factor.
+fn rescaling_baths() -> [Box<dyn Thermostat>; 2] {
+    let rescale = Rescale::new(&rescale::Options { every: 1 }, TEMPERATURE);
+    [Box::new(rescale), Box::new(bussi_bath(0.5, 1))]
+}
+
+/// Lets a bath act once, and returns the heat, or nothing where it did not act.
+fn apply(bath: &mut dyn Thermostat, momentum: Momentum, state: &mut State, dt: f64) -> Option<f64> {
+    let system = System::atoms(state.len());
+    // A method whose motion keeps the momentum, and one whose motion does not.
+    let spec = match momentum {
+        Momentum::Conserved => &velocity_verlet::SPEC,
+        Momentum::Free => &langevin::SPEC,
+    };
+    let step = state.step;
+    let mut forces = NoForces;
+    let mut s = Step::new(&system, state, &mut forces, spec, dt, Want::NOTHING);
+    (bath.acts_after(step) && bath.apply(&mut s)).then(|| s.finish().heat)
 }
 
 fn potential(state: &State, stiffness: f64) -> f64 {
@@ -110,21 +128,20 @@ fn the_distance_from_the_canonical_distribution_sees_a_wrong_one() {
 
 #[test]
 fn rescaling_sets_exactly_the_wanted_temperature_on_its_steps_and_nothing_on_others() {
-    let mut bath = thermostat(&ThermostatOptions::Rescale(rescale::Options { every: 5 }));
-    let noise = Streams::new(1).noise("rescale");
-    let dynamics = Dynamics::fluid(100);
+    let mut bath = Rescale::new(&rescale::Options { every: 5 }, TEMPERATURE);
+    let system = System::atoms(100);
     let mut state = canonical_start(100, 2, 1.7);
     for step in 1..=10 {
         state.step = step;
-        let before = dynamics.kinetic_energy(&state.velocities);
-        let heat = bath.apply(&dynamics, &mut state, 0.005, &noise);
-        let after = dynamics.kinetic_energy(&state.velocities);
+        let before = system.kinetic_energy(&state.velocities);
+        let heat = apply(&mut bath, Momentum::Conserved, &mut state, 0.005);
+        let after = system.kinetic_energy(&state.velocities);
         assert_eq!(heat.is_some(), step % 5 == 0);
         // What it says it put in is what the kinetic energy gained, to the last bit.
         assert_eq!(heat.unwrap_or(0.0), after - before);
         if heat.is_some() {
             // One square root, one product a component and a sum of 300 terms.
-            let t = dynamics.temperature(&state.velocities);
+            let t = system.temperature(&state.velocities, Momentum::Conserved);
             assert!((t / TEMPERATURE - 1.0).abs() < 1e-14, "T = {t}");
         }
     }
@@ -132,33 +149,33 @@ fn rescaling_sets_exactly_the_wanted_temperature_on_its_steps_and_nothing_on_oth
 
 #[test]
 fn baths_leave_a_system_at_rest_at_rest() {
-    let noise = Streams::new(1).noise("rest");
-    let dynamics = Dynamics::fluid(3);
-    for options in [
-        ThermostatOptions::Rescale(rescale::Options { every: 1 }),
-        ThermostatOptions::Bussi(bussi::Options::default()),
-    ] {
-        let mut state = State::new(vec![DVec3::ZERO; 3], vec![DVec3::ZERO; 3]);
-        assert_eq!(
-            thermostat(&options).apply(&dynamics, &mut state, 0.005, &noise),
-            None
+    for mut bath in rescaling_baths() {
+        let mut state = State::new(
+            lennard_core::PeriodicBox::boundless(),
+            vec![DVec3::ZERO; 3],
+            vec![DVec3::ZERO; 3],
         );
+        let heat = apply(bath.as_mut(), Momentum::Conserved, &mut state, 0.005);
+        assert_eq!(heat, None);
         assert_eq!(state.velocities, [DVec3::ZERO; 3]);
     }
 }
 
 /// Kinetic energies of an ideal gas with n_dof = 6 under stochastic rescaling, a sample every step.
 fn kinetic_energies_under_bussi(steps: u64, dt_over_tau: f64, seed: u64) -> Vec<f64> {
-    let options = ThermostatOptions::Bussi(bussi::Options { tau: 0.5 });
-    let mut bath = thermostat(&options);
-    let noise = Streams::new(seed).noise("bussi");
-    let dynamics = Dynamics::fluid(3);
+    let mut bath = bussi_bath(0.5, seed);
+    let system = System::atoms(3);
     let mut state = canonical_start(3, seed, TEMPERATURE);
     (1..=steps)
         .map(|step| {
             state.step = step;
-            bath.apply(&dynamics, &mut state, 0.5 * dt_over_tau, &noise);
-            dynamics.kinetic_energy(&state.velocities)
+            apply(
+                &mut bath,
+                Momentum::Conserved,
+                &mut state,
+                0.5 * dt_over_tau,
+            );
+            system.kinetic_energy(&state.velocities)
         })
         .collect()
 }
@@ -205,19 +222,29 @@ fn stochastic_rescaling_relaxes_with_its_time_constant() {
 #[test]
 fn stochastic_rescaling_serves_a_single_degree_of_freedom() {
     // n_dof = 1: K = ½T·χ²(1), mean ½T, variance ½T²; the velocity must change its sign at times.
-    let dynamics = Dynamics {
-        n_dof: 1.0,
-        ..Dynamics::fluid(1)
-    };
-    let mut bath = thermostat(&ThermostatOptions::Bussi(bussi::Options { tau: 0.5 }));
-    let noise = Streams::new(13).noise("bussi");
-    let mut state = State::new(vec![DVec3::ZERO], vec![DVec3::X]);
+    // Two rigid constraints leave one of the three degrees of freedom.
+    let rigid = || -> Arc<dyn Constraint> { Arc::new(OscillatorConstraint::new(0.0, 0.0)) };
+    let mut system = System::atoms(1);
+    system.constraints = vec![rigid(), rigid()];
+    assert_eq!(system.n_dof(Momentum::Conserved), 1.0);
+    let mut bath = bussi_bath(0.5, 13);
+    let boundless = lennard_core::PeriodicBox::boundless();
+    let mut state = State::new(boundless, vec![DVec3::ZERO], vec![DVec3::X]);
     let n = 20_000_u64;
     let (mut sum, mut positive) = (0.0, 0_u64);
     for step in 1..=n {
         state.step = step;
-        bath.apply(&dynamics, &mut state, 3.0, &noise);
-        sum += dynamics.kinetic_energy(&state.velocities);
+        let mut forces = NoForces;
+        let spec = &velocity_verlet::SPEC;
+        bath.apply(&mut Step::new(
+            &system,
+            &mut state,
+            &mut forces,
+            spec,
+            3.0,
+            Want::NOTHING,
+        ));
+        sum += system.kinetic_energy(&state.velocities);
         positive += u64::from(state.velocities[0].x > 0.0);
     }
     let n = n as f64;
@@ -234,23 +261,21 @@ fn energy_minus_heat_is_conserved_under_rescaling_and_stochastic_rescaling() {
         ThermostatOptions::Rescale(rescale::Options { every: 7 }),
         ThermostatOptions::Bussi(bussi::Options { tau: 0.3 }),
     ] {
-        let mut bath = thermostat(&options);
+        let system = System::atoms(n);
+        let method = build(&IntegratorOptions::default());
         let noise = Streams::new(3).noise("heat");
-        let dynamics = independent(n);
-        let mut integrator = build(&IntegratorOptions::default());
+        let mut integrator = options.couple(method, TEMPERATURE, noise);
         let mut forces = HarmonicForces::new(omega * omega);
         let mut state = canonical_start(n, 4, 3.0 * TEMPERATURE);
-        let energy = |s: &State| dynamics.kinetic_energy(&s.velocities) + potential(s, 1.0);
+        let energy = |s: &State| system.kinetic_energy(&s.velocities) + potential(s, 1.0);
         let start = energy(&state);
         integrator
-            .start(&dynamics, &mut state, &mut forces, dt, Want::NOTHING)
+            .start(&system, &mut state, &mut forces, dt, Want::NOTHING)
             .unwrap();
         let (mut heat, mut total_heat) = (0.0, 0.0_f64);
         for _ in 0..2000 {
-            integrator
-                .step(&dynamics, &mut state, &mut forces, dt, Want::NOTHING)
-                .unwrap();
-            heat += bath.apply(&dynamics, &mut state, dt, &noise).unwrap_or(0.0);
+            let step = integrator.step(&system, &mut state, &mut forces, dt, Want::NOTHING);
+            heat += step.unwrap().heat;
             total_heat = total_heat.max(heat.abs());
             let deviation = (energy(&state) - heat - start).abs() / start;
             assert!(
@@ -266,40 +291,36 @@ fn energy_minus_heat_is_conserved_under_rescaling_and_stochastic_rescaling() {
 
 #[test]
 fn baths_keep_the_direction_of_momentum() {
-    let noise = Streams::new(1).noise("momentum");
-    let dynamics = Dynamics::fluid(50);
-    for options in [
-        ThermostatOptions::Rescale(rescale::Options { every: 1 }),
-        ThermostatOptions::Bussi(bussi::Options::default()),
-    ] {
+    let system = System::atoms(50);
+    for mut bath in rescaling_baths() {
         let mut state = canonical_start(50, 6, 1.0);
-        let mean = dynamics.momentum(&state.velocities) / 50.0;
+        let mean = system.momentum(&state.velocities) / 50.0;
         for v in &mut state.velocities {
             *v -= mean;
         }
         for step in 0..100 {
             state.step = step;
-            thermostat(&options).apply(&dynamics, &mut state, 0.1, &noise);
+            apply(bath.as_mut(), Momentum::Conserved, &mut state, 0.1);
         }
         // 100 products of 50 numbers of the order 1.
-        assert!(dynamics.momentum(&state.velocities).length() < 1e-11);
+        assert!(system.momentum(&state.velocities).length() < 1e-11);
     }
 }
 
 fn run_langevin(
-    bath: &mut Langevin,
+    bath: &mut Integrator,
     state: &mut State,
-    forces: &mut dyn ForceProvider,
+    forces: &mut dyn Backend,
     dt: f64,
     steps: u64,
 ) -> f64 {
-    let dynamics = independent(state.len());
+    let system = System::atoms(state.len());
     let mut heat = 0.0;
-    bath.start(&dynamics, state, forces, dt, Want::NOTHING)
+    bath.start(&system, state, forces, dt, Want::NOTHING)
         .unwrap();
     for _ in 0..steps {
         heat += bath
-            .step(&dynamics, state, forces, dt, Want::NOTHING)
+            .step(&system, state, forces, dt, Want::NOTHING)
             .unwrap()
             .heat;
     }
@@ -327,7 +348,7 @@ fn langevin_samples_the_canonical_kinetic_energy_of_an_ideal_gas() {
         .collect();
     assert!(distance_from_canonical(kinetic, 3) < KS_LIMIT);
     // All the energy there is came in as heat; 8 differences of sums of 120,000 terms.
-    let total = independent(state.len()).kinetic_energy(&state.velocities);
+    let total = System::atoms(state.len()).kinetic_energy(&state.velocities);
     assert!((heat / total - 1.0).abs() < 1e-12);
 }
 
@@ -362,28 +383,24 @@ fn langevin_gives_oscillators_their_exact_spread_at_any_step() {
 fn langevin_has_its_temperature_on_half_steps_and_less_on_whole_ones() {
     // BAOAB gives the positions of an oscillator their exact spread; on whole steps ⟨v²⟩ = T·(1 − h²ω²/4).
     let (n, dt) = (2000, 0.6);
-    let dynamics = independent(n);
-    let cell = lennard_core::PeriodicBox::new(DVec3::splat(1.0)).unwrap();
+    let system = System::atoms(n);
     let mut forces = HarmonicForces::new(1.0);
     let mut state = canonical_start(n, 5, TEMPERATURE);
     let mut bath = baoab(1.0, TEMPERATURE, 6);
-    bath.start(&dynamics, &mut state, &mut forces, dt, Want::NOTHING)
+    bath.start(&system, &mut state, &mut forces, dt, Want::NOTHING)
         .unwrap();
     let (mut whole, mut half) = (0.0, 0.0);
     let (settle, steps) = (50, 1000);
     for s in 0..settle + steps {
-        bath.step(&dynamics, &mut state, &mut forces, dt, Want::NOTHING)
+        bath.step(&system, &mut state, &mut forces, dt, Want::NOTHING)
             .unwrap();
         if s >= settle {
             let view = lennard_core::View {
-                state: &state,
-                dynamics: &dynamics,
-                cell: &cell,
-                tail: None,
-                heat: 0.0,
                 half_kick_step: Some(dt),
+                momentum: Momentum::Free,
+                ..lennard_core::View::of(&state, &system)
             };
-            whole += dynamics.temperature(&state.velocities) / f64::from(steps);
+            whole += system.temperature(&state.velocities, Momentum::Free) / f64::from(steps);
             half += view.temperature_of_positions() / f64::from(steps);
         }
     }
@@ -397,8 +414,8 @@ fn langevin_has_its_temperature_on_half_steps_and_less_on_whole_ones() {
 fn energy_minus_heat_is_conserved_under_langevin_up_to_the_square_of_the_step() {
     let n = 2000;
     let spread = |dt: f64| {
-        let dynamics = independent(n);
-        let energy = |s: &State| dynamics.kinetic_energy(&s.velocities) + potential(s, 1.0);
+        let system = System::atoms(n);
+        let energy = |s: &State| system.kinetic_energy(&s.velocities) + potential(s, 1.0);
         let runs = 12;
         let sum: f64 = (0..runs)
             .map(|seed| {
@@ -426,14 +443,14 @@ fn langevin_without_friction_is_velocity_verlet() {
     let (mut a, mut b) = (canonical_start(n, 9, 1.0), canonical_start(n, 9, 1.0));
     let mut forces = HarmonicForces::new(1.0);
     let heat = run_langevin(&mut baoab(1e-300, 1.0, 1), &mut a, &mut forces, 0.1, 100);
-    let dynamics = independent(n);
+    let system = System::atoms(n);
     let mut verlet = build(&IntegratorOptions::default());
     verlet
-        .start(&dynamics, &mut b, &mut forces, 0.1, Want::NOTHING)
+        .start(&system, &mut b, &mut forces, 0.1, Want::NOTHING)
         .unwrap();
     for _ in 0..100 {
         verlet
-            .step(&dynamics, &mut b, &mut forces, 0.1, Want::NOTHING)
+            .step(&system, &mut b, &mut forces, 0.1, Want::NOTHING)
             .unwrap();
     }
     // The drift in two halves rounds differently: 100 steps of an ulp each.

@@ -3,7 +3,7 @@
 
 mod shared;
 
-use lennard_core::{DVec3, Dynamics, ForceProvider, Part, State, Want};
+use lennard_core::{DVec3, ForceTerm, Integrator, Part, State, System, Want};
 use lennard_integrators::measure::{
     exponential_error, fitted_order, one_step_errors, run, start_orders, variable_step_errors,
     velocity_estimate_errors,
@@ -96,10 +96,14 @@ fn a_single_step_errs_as_claimed() {
 fn end_of_run(name: &str, steps: u64) -> State {
     let entry = integrators().iter().find(|e| e.spec.name == name).unwrap();
     let (positions, velocities) = cluster(3, 0.5, 3);
-    let mut state = State::new(positions, velocities);
+    let mut state = State::new(
+        lennard_core::PeriodicBox::boundless(),
+        positions,
+        velocities,
+    );
     run(
-        entry.build().as_mut(),
-        &Dynamics::fluid(27),
+        &mut entry.build(),
+        &System::atoms(27),
         &mut Cluster,
         &mut state,
         0.004,
@@ -147,11 +151,8 @@ fn velocity_verlet_is_newmark_with_beta_0_and_gamma_one_half() {
     let (mut x, mut v) = cluster(3, 0.5, 3);
     let force = |x: &[DVec3]| {
         let mut f = vec![DVec3::ZERO; x.len()];
-        let at = lennard_core::Configuration {
-            positions: x,
-            velocities: None,
-            time: 0.0,
-        };
+        let cell = lennard_core::PeriodicBox::boundless();
+        let at = lennard_core::Configuration::at_rest(&cell, x);
         Cluster
             .evaluate(at, Part::All, Want::NOTHING, &mut f)
             .unwrap();
@@ -177,7 +178,11 @@ fn velocity_verlet_is_newmark_with_beta_0_and_gamma_one_half() {
 fn the_shadow_energy_of_velocity_verlet_is_exact_on_the_oscillator() {
     // ½v² + ½ω²x²·(1 − (ωh)²/4) is conserved to rounding: what oscillates is only the difference.
     let (omega, dt) = (1.0, 0.9);
-    let mut state = State::new(vec![DVec3::X], vec![0.3 * DVec3::X]);
+    let mut state = State::new(
+        lennard_core::PeriodicBox::boundless(),
+        vec![DVec3::X],
+        vec![0.3 * DVec3::X],
+    );
     let shadow = |s: &State| {
         let q = omega * omega * dt * dt;
         0.5 * s.velocities[0].length_squared()
@@ -185,8 +190,8 @@ fn the_shadow_energy_of_velocity_verlet_is_exact_on_the_oscillator() {
     };
     let start = shadow(&state);
     run(
-        &mut velocity_verlet::VelocityVerlet,
-        &Dynamics::fluid(1),
+        &mut Integrator::new(velocity_verlet::VelocityVerlet),
+        &System::atoms(1),
         &mut HarmonicForces::new(omega * omega),
         &mut state,
         dt,
@@ -198,12 +203,9 @@ fn the_shadow_energy_of_velocity_verlet_is_exact_on_the_oscillator() {
 
 /// Means of the kinetic energy on whole steps and on half steps and of the potential energy, of oscillators with ω = 1.
 fn mean_energies(entry: &lennard_integrators::IntegratorEntry, dt: f64) -> (f64, f64, f64) {
-    let dynamics = Dynamics {
-        n_dof: 3.0,
-        ..Dynamics::fluid(1)
-    };
-    let cell = lennard_core::PeriodicBox::new(DVec3::splat(1.0)).unwrap();
+    let system = System::atoms(1);
     let mut state = State::new(
+        lennard_core::PeriodicBox::boundless(),
         vec![DVec3::new(1.0, 0.0, -0.3)],
         vec![DVec3::new(0.0, 0.5, 0.2)],
     );
@@ -212,22 +214,18 @@ fn mean_energies(entry: &lennard_integrators::IntegratorEntry, dt: f64) -> (f64,
     let steps = 200_000;
     let mut forces = HarmonicForces::new(1.0);
     run(
-        entry.build().as_mut(),
-        &dynamics,
+        &mut entry.build(),
+        &system,
         &mut forces,
         &mut state,
         dt,
         steps,
         |state, _| {
             let view = lennard_core::View {
-                state,
-                dynamics: &dynamics,
-                cell: &cell,
-                tail: None,
-                heat: 0.0,
                 half_kick_step: Some(dt),
+                ..lennard_core::View::of(state, &system)
             };
-            whole += dynamics.kinetic_energy(&state.velocities);
+            whole += system.kinetic_energy(&state.velocities);
             half += view.half_step_kinetic_energy().unwrap();
             potential += 0.5 * state.positions[0].length_squared();
         },

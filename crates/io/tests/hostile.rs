@@ -24,7 +24,6 @@ fn trajectory_text() -> Vec<u8> {
             ..FrameStyle::default()
         };
         let frame = Frame {
-            cell: &common::cell(),
             state: &system(4, 2.0, seed),
             extra: &[("potential_energy", -5.5)],
         };

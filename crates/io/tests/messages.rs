@@ -205,14 +205,9 @@ fn a_checkpoint_with_a_right_checksum_and_senseless_content_says_what_makes_no_s
 fn writers_say_what_they_do_not_write() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out");
-    let cell = common::cell();
     let state = common::system(3, 0.4, 1);
     let write = |style: &FrameStyle, state: &State, extra: &[(&str, f64)]| {
-        let frame = Frame {
-            state,
-            cell: &cell,
-            extra,
-        };
+        let frame = Frame { state, extra };
         write_frame(&path, style, &frame).unwrap_err().to_string()
     };
     let style = FrameStyle::default();
@@ -304,10 +299,9 @@ fn files_that_were_changed_are_not_gone_on_with_and_the_reason_is_given() {
     assert!(message.ends_with("the file has only 15 bytes"), "{message}");
 
     let path = folder.path().join("t.xyz");
-    let (cell, state) = (common::cell(), common::system(2, 0.4, 1));
+    let state = common::system(2, 0.4, 1);
     let frame = Frame {
         state: &state,
-        cell: &cell,
         extra: &[],
     };
     let mut trajectory = TrajectoryWriter::create(&path, &FrameStyle::default()).unwrap();

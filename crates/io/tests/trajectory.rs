@@ -15,12 +15,8 @@ fn style() -> FrameStyle {
     FrameStyle::default()
 }
 
-fn frame<'a>(cell: &'a PeriodicBox, state: &'a State) -> Frame<'a> {
-    Frame {
-        cell,
-        state,
-        extra: &[],
-    }
+fn frame(state: &State) -> Frame<'_> {
+    Frame { state, extra: &[] }
 }
 
 fn text_of(style: &FrameStyle, frame: &Frame<'_>) -> String {
@@ -30,23 +26,23 @@ fn text_of(style: &FrameStyle, frame: &Frame<'_>) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-fn two_particles() -> (PeriodicBox, State) {
+fn two_particles() -> State {
     let cell = PeriodicBox::new(DVec3::new(4.0, 5.0, 6.5)).unwrap();
     let positions = vec![DVec3::new(0.1, -1.0, 13.25), DVec3::new(1.0, 2.0, 3.0)];
     let velocities = vec![DVec3::new(1e-7, -2.5, 0.0), DVec3::new(0.0, 1e22, -0.1)];
-    let mut state = State::new(positions, velocities);
+    let mut state = State::new(cell, positions, velocities);
     state.forces = vec![DVec3::new(48.0, 0.0, -24.0), DVec3::new(-48.0, 0.0, 24.0)];
     (state.step, state.time) = (100, 0.5);
-    (cell, state)
+    state
 }
 
 #[test]
 fn the_dialect_is_written_byte_for_byte() {
-    let (cell, state) = two_particles();
+    let state = two_particles();
     let extra = [("potential_energy", -5.5), ("temperature", 1.0)];
     let frame = Frame {
         extra: &extra,
-        ..frame(&cell, &state)
+        ..frame(&state)
     };
     assert_eq!(
         text_of(&style(), &frame),
@@ -65,7 +61,7 @@ fn the_dialect_is_written_byte_for_byte() {
         length_scale: 2.0,
     };
     assert_eq!(
-        text_of(&other, &self::frame(&cell, &state)),
+        text_of(&other, &self::frame(&state)),
         "2\n\
          Lattice=\"8.0 0.0 0.0 0.0 10.0 0.0 0.0 0.0 13.0\" \
          Properties=species:S:1:pos:R:3:forces:R:3 pbc=\"T T T\" \
@@ -85,7 +81,7 @@ fn unwrapped_frames_read_back_to_the_bit() {
     let state = system(5000, 40.0, 1);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.xyz");
-    write_frame(&path, &style, &frame(&cell(), &state)).unwrap();
+    write_frame(&path, &style, &frame(&state)).unwrap();
     let read = read_trajectory(&path).unwrap();
     assert_eq!(read.len(), 1);
     assert_eq!(read[0].positions, state.positions);
@@ -104,7 +100,7 @@ fn the_same_bytes_are_written_for_any_number_of_threads() {
             .num_threads(threads)
             .build()
             .unwrap()
-            .install(|| text_of(&style(), &frame(&cell(), &state)))
+            .install(|| text_of(&style(), &frame(&state)))
     };
     let one = text(1);
     assert_eq!(one.lines().count(), 20_002);
@@ -126,7 +122,7 @@ proptest! {
         seed in any::<u64>(), reach in 0.5_f64..1e6,
     ) {
         let state = system(50, reach, seed);
-        let text = text_of(&style(), &frame(&cell(), &state));
+        let text = text_of(&style(), &frame(&state));
         let read = lennard_io::read_trajectory_bytes(text.as_bytes()).unwrap();
         for (written, read) in state.positions.iter().zip(&read[0].positions) {
             for axis in 0..3 {
@@ -146,7 +142,7 @@ proptest! {
     fn a_length_scale_is_taken_out_again_within_rounding(seed in any::<u64>(), scale in 1e-3_f64..1e3) {
         let style = FrameStyle { length_scale: scale, wrapped: false, forces: true, ..style() };
         let state = system(20, 3.0, seed);
-        let text = text_of(&style, &frame(&cell(), &state));
+        let text = text_of(&style, &frame(&state));
         let read = lennard_io::read_trajectory_bytes(text.as_bytes()).unwrap();
         // One multiplication and one division round once each, by at most half a unit in the last place.
         let close = |a: DVec3, b: DVec3| (a - b).abs().cmple(2.0 * f64::EPSILON * a.abs()).all();
@@ -167,14 +163,14 @@ fn a_resumed_trajectory_is_byte_identical_to_one_that_was_never_stopped() {
     let states: Vec<State> = (0..6).map(|seed| system(30, 2.0, seed)).collect();
     let mut writer = TrajectoryWriter::create(&whole, &style()).unwrap();
     for state in &states {
-        writer.write(&frame(&cell(), state)).unwrap();
+        writer.write(&frame(state)).unwrap();
     }
     assert_eq!(writer.finish().unwrap().records, 6);
 
     let mut writer = TrajectoryWriter::create(&split, &style()).unwrap();
     let mut mark = FileMark::default();
     for (i, state) in states[..5].iter().enumerate() {
-        writer.write(&frame(&cell(), state)).unwrap();
+        writer.write(&frame(state)).unwrap();
         if i == 2 {
             mark = writer.mark();
         }
@@ -184,7 +180,7 @@ fn a_resumed_trajectory_is_byte_identical_to_one_that_was_never_stopped() {
     std::fs::write(&split, &killed[..killed.len() - 17]).unwrap();
     let mut writer = TrajectoryWriter::resume_at(&split, &style(), mark).unwrap();
     for state in &states[3..] {
-        writer.write(&frame(&cell(), state)).unwrap();
+        writer.write(&frame(state)).unwrap();
     }
     assert_eq!(writer.finish().unwrap().records, 6);
     assert!(std::fs::read(&whole).unwrap() == std::fs::read(&split).unwrap());
@@ -197,9 +193,7 @@ fn whole_frames_are_told_from_a_truncated_one_wherever_it_is_cut() {
     let mut writer = TrajectoryWriter::create(&path, &style()).unwrap();
     let mut ends = vec![0];
     for seed in 0..3 {
-        writer
-            .write(&frame(&cell(), &system(3, 2.0, seed)))
-            .unwrap();
+        writer.write(&frame(&system(3, 2.0, seed))).unwrap();
         ends.push(writer.mark().bytes);
     }
     let text = std::fs::read(&path).unwrap();
@@ -220,7 +214,7 @@ fn a_start_configuration_is_the_last_frame() {
     for seed in 0..3 {
         let mut state = system(10, 0.9, seed);
         state.step = seed;
-        writer.write(&frame(&cell(), &state)).unwrap();
+        writer.write(&frame(&state)).unwrap();
     }
     writer.finish().unwrap();
     let start = read_configuration(&path).unwrap();
@@ -238,15 +232,13 @@ fn numbers_that_are_not_finite_are_never_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.xyz");
     let mut writer = TrajectoryWriter::create(&path, &style()).unwrap();
-    writer
-        .write(&frame(&cell(), &system(5000, 1.0, 0)))
-        .unwrap();
+    writer.write(&frame(&system(5000, 1.0, 0))).unwrap();
     let before = std::fs::read(&path).unwrap();
     for bad in [f64::NAN, f64::INFINITY] {
         let mut state = system(5000, 1.0, 0);
         state.velocities[4321].y = bad;
         state.velocities[4999].y = bad;
-        let error = writer.write(&frame(&cell(), &state)).unwrap_err();
+        let error = writer.write(&frame(&state)).unwrap_err();
         assert!(
             matches!(
                 error,
@@ -261,11 +253,11 @@ fn numbers_that_are_not_finite_are_never_written() {
     }
     let mut state = system(5, 1.0, 0);
     state.positions[3].x = 1e200;
-    let error = writer.write(&frame(&cell(), &state)).unwrap_err();
+    let error = writer.write(&frame(&state)).unwrap_err();
     assert!(matches!(error, WriteError::NotFinite { particle: 3, .. }));
     state.positions[3].x = 0.0;
     state.time = f64::NAN;
-    assert!(writer.write(&frame(&cell(), &state)).is_err());
+    assert!(writer.write(&frame(&state)).is_err());
     assert!(std::fs::read(&path).unwrap() == before);
 }
 
@@ -273,7 +265,7 @@ fn numbers_that_are_not_finite_are_never_written() {
 fn what_readers_would_take_for_something_else_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.xyz");
-    let (cell, state) = two_particles();
+    let state = two_particles();
     for element in ["", "LJ", "ar", "Ar ", "1"] {
         let style = FrameStyle {
             element: element.into(),
@@ -286,12 +278,12 @@ fn what_readers_would_take_for_something_else_is_refused() {
         let extra = [(key, 1.0)];
         let frame = Frame {
             extra: &extra,
-            ..frame(&cell, &state)
+            ..frame(&state)
         };
         assert!(write_frame(&path, &style(), &frame).is_err(), "{key}");
     }
-    let empty = State::new(vec![], vec![]);
-    assert!(write_frame(&path, &style(), &self::frame(&cell, &empty)).is_err());
+    let empty = State::new(state.cell, vec![], vec![]);
+    assert!(write_frame(&path, &style(), &self::frame(&empty)).is_err());
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
@@ -306,7 +298,7 @@ fn time_for_frames_of_a_million_atoms() {
     let mut writer = TrajectoryWriter::create(&path, &style()).unwrap();
     for _ in 0..2 {
         let start = std::time::Instant::now();
-        writer.write(&frame(&cell(), &state)).unwrap();
+        writer.write(&frame(&state)).unwrap();
         println!("written in {:?}", start.elapsed());
     }
     println!("{} MB a frame", writer.finish().unwrap().bytes / 2_000_000);

@@ -236,7 +236,7 @@ impl Observable for MeanSquareDisplacement {
     fn sample(&mut self, view: &View<'_>) {
         let now = self
             .tracked
-            .relative_to_centre_of_mass(view.dynamics, &view.state.positions);
+            .relative_to_centre_of_mass(view.system, &view.state.positions);
         let weight = 1.0 / now.len().max(1) as f64;
         self.displacements.begin_sample();
         for (level, history) in self.levels.iter_mut().enumerate() {
@@ -253,7 +253,7 @@ impl Observable for MeanSquareDisplacement {
             history.truncate(POINTS as usize - 1);
             history.push_front(now.clone());
         }
-        self.temperatures += view.dynamics.temperature(&view.state.velocities);
+        self.temperatures += view.temperature();
         self.samples += 1;
     }
 

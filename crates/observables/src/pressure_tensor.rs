@@ -86,7 +86,7 @@ impl PressureTensor {
     #[must_use]
     pub fn of(view: &View<'_>) -> Option<DMat3> {
         let (velocities, forces) = (&view.state.velocities, &view.state.forces);
-        let masses = &view.dynamics.masses;
+        let masses = &view.system.masses;
         // The mean of m·v⊗v over the half steps on both sides, as in the scalar pressure: m·v⊗v + (h/2)²·F⊗F/m.
         let quarter = view.half_kick_step.map_or(0.0, |h| 0.25 * h * h);
         let kinetic = parallel::ordered_sum(velocities.len(), |range| {
@@ -97,10 +97,10 @@ impl PressureTensor {
                 })
                 .sum::<DMat3>()
         });
-        let degrees = 3.0 * velocities.len() as f64 / view.dynamics.n_dof;
+        let degrees = 3.0 * velocities.len() as f64 / view.n_dof();
         let virial = view.state.energetics.virial?;
         let symmetric = (virial + virial.transpose()) * 0.5;
-        Some((kinetic * degrees + symmetric) * (1.0 / view.cell.volume()))
+        Some((kinetic * degrees + symmetric) * (1.0 / view.cell().volume()))
     }
 }
 

@@ -309,7 +309,7 @@ impl Observable for RadialDistribution {
     }
 
     fn sample(&mut self, view: &View<'_>) {
-        let found = count_distances(&view.state.positions, view.cell, self.r_max, self.bins);
+        let found = count_distances(&view.state.positions, view.cell(), self.r_max, self.bins);
         self.counts.begin_sample();
         let (sums, counts) = self.counts.current();
         for ((sum, count), pairs) in sums.iter_mut().zip(counts).zip(found) {

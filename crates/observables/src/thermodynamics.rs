@@ -235,9 +235,9 @@ impl Observable for Thermodynamics {
         let energetics = &state.energetics;
         let asked = "the force evaluation gives what the observable wants";
         let n = state.len() as f64;
-        let volume = view.cell.volume();
-        let kinetic = view.dynamics.kinetic_energy(&state.velocities) / n;
-        let temperature = 2.0 * kinetic * n / view.dynamics.n_dof;
+        let volume = view.cell().volume();
+        let kinetic = view.system.kinetic_energy(&state.velocities) / n;
+        let temperature = 2.0 * kinetic * n / view.n_dof();
         let potential = energetics.potential_energy.expect(asked) / n;
         let conserved = energetics
             .conserved_potential
@@ -258,8 +258,8 @@ impl Observable for Thermodynamics {
         } else {
             (0.0, 0.0)
         };
-        let momentum: DVec3 = view.dynamics.momentum(&state.velocities) / n;
-        self.n_dof = view.dynamics.n_dof;
+        let momentum: DVec3 = view.system.momentum(&state.velocities) / n;
+        self.n_dof = view.n_dof();
         self.half_steps = view.half_kick_step.is_some();
         self.energy_line.push(state.time, conserved_energy);
         self.largest_momentum = self.largest_momentum.max(momentum.length());

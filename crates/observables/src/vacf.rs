@@ -150,7 +150,7 @@ impl Observable for VelocityAutocorrelation {
     fn sample(&mut self, view: &View<'_>) {
         let now = self
             .tracked
-            .relative_to_centre_of_mass(view.dynamics, &view.state.velocities);
+            .relative_to_centre_of_mass(view.system, &view.state.velocities);
         let weight = 1.0 / now.len().max(1) as f64;
         let expired = |&(born, _): &(u64, _)| self.samples - born >= self.lags as u64;
         while self.origins.front().is_some_and(expired) {
@@ -267,7 +267,7 @@ mod tests {
     use super::*;
     use crate::statistics;
     use crate::testing::{context, normal};
-    use lennard_core::{Dynamics, State};
+    use lennard_core::{State, System};
 
     /// Langevin velocities: C(t) = 3T e^{−γt} per particle, D = T/γ; relative to the centre of mass
     /// both lose 1/N.
@@ -282,17 +282,10 @@ mod tests {
         let start = (0..n)
             .map(|i| temperature.sqrt() * normal(seed, u64::MAX, i))
             .collect();
-        let mut state = State::new(vec![DVec3::ZERO; n], start);
+        let mut state = State::new(context.cell, vec![DVec3::ZERO; n], start);
         let mut vacf = VelocityAutocorrelation::new(&VacfOptions::default(), &context).unwrap();
         for s in 0..samples {
-            vacf.sample(&View {
-                state: &state,
-                dynamics: &Dynamics::fluid(n),
-                cell: &context.cell,
-                tail: None,
-                heat: 0.0,
-                half_kick_step: None,
-            });
+            vacf.sample(&View::of(&state, &System::atoms(n)));
             for (i, v) in state.velocities.iter_mut().enumerate() {
                 *v = decay * *v + kick * normal(seed, s, i);
             }

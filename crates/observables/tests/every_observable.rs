@@ -3,7 +3,7 @@
 use glam::Vec3Swizzles;
 use lennard_core::random::Streams;
 use lennard_core::{
-    DMat3, DVec3, Dynamics, Energetics, Observable, PeriodicBox, State, StateArchive, View,
+    DMat3, DVec3, Energetics, Observable, PeriodicBox, State, StateArchive, System, View,
 };
 use lennard_observables::{BuildContext, MsdOptions, ObservableOptions, build, observables};
 use rand_distr::{Distribution, StandardNormal};
@@ -37,8 +37,8 @@ fn walk_of(n: usize, samples: u64, mut look: impl FnMut(u64, &View<'_>)) {
         DVec3::from_array(std::array::from_fn(|_| StandardNormal.sample(&mut rng)))
     };
     let start: Vec<DVec3> = (0..n).map(|i| 4.0 * normal(u64::MAX, i)).collect();
-    let mut state = State::new(start, vec![DVec3::ZERO; n]);
-    let dynamics = Dynamics::fluid(n);
+    let mut state = State::new(context.cell, start, vec![DVec3::ZERO; n]);
+    let system = System::atoms(n);
     for s in 0..samples {
         for i in 0..n {
             state.velocities[i] = normal(s, i);
@@ -63,12 +63,8 @@ fn walk_of(n: usize, samples: u64, mut look: impl FnMut(u64, &View<'_>)) {
         look(
             s,
             &View {
-                state: &state,
-                dynamics: &dynamics,
-                cell: &context.cell,
-                tail: None,
                 heat: 0.01 * s as f64,
-                half_kick_step: None,
+                ..View::of(&state, &system)
             },
         );
     }

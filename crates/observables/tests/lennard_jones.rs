@@ -2,7 +2,7 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    DMat3, DVec3, Dynamics, Energetics, Estimate, Observable, PeriodicBox, State, View,
+    DMat3, DVec3, Energetics, Estimate, Momentum, Observable, PeriodicBox, State, System, View,
 };
 use lennard_observables::{
     BuildContext, MeanSquareDisplacement, MsdOptions, RadialDistribution, RdfOptions,
@@ -81,13 +81,13 @@ fn fluid(cell: &PeriodicBox) -> State {
         .collect();
     let mean = velocities.iter().sum::<DVec3>() / 256.0;
     velocities.iter_mut().for_each(|v| *v -= mean);
-    let mut state = State::new(positions, velocities);
+    let mut state = State::new(*cell, positions, velocities);
     forces(cell, &mut state);
-    let dynamics = Dynamics::fluid(256);
+    let system = System::atoms(256);
     for step in 0..2500 {
         advance(cell, &mut state);
         if step < 1500 && step % 10 == 0 {
-            let factor = (1.2 / dynamics.temperature(&state.velocities)).sqrt();
+            let factor = (1.2 / system.temperature(&state.velocities, Momentum::Conserved)).sqrt();
             state.velocities.iter_mut().for_each(|v| *v *= factor);
         }
     }
@@ -128,20 +128,13 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
     let mut vacf = VelocityAutocorrelation::new(&options, &context).unwrap();
     let mut rdf = RadialDistribution::new(&RdfOptions::default(), &context).unwrap();
     let mut state = fluid(&cell);
-    let dynamics = Dynamics::fluid(256);
+    let system = System::atoms(256);
     for step in 0..10_000_u64 {
         advance(&cell, &mut state);
         if step % EVERY != 0 {
             continue;
         }
-        let view = View {
-            state: &state,
-            dynamics: &dynamics,
-            cell: &cell,
-            tail: None,
-            heat: 0.0,
-            half_kick_step: None,
-        };
+        let view = View::of(&state, &system);
         thermodynamics.sample(&view);
         msd.sample(&view);
         vacf.sample(&view);

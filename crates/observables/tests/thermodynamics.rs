@@ -2,7 +2,7 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    DMat3, DVec3, Dynamics, Energetics, Estimate, Findings, Observable, PeriodicBox, State,
+    DMat3, DVec3, Energetics, Estimate, Findings, Observable, PeriodicBox, State, System,
     TailCorrection, View,
 };
 use lennard_observables::{BuildContext, PressureTensor, Thermodynamics, ThermodynamicsOptions};
@@ -37,7 +37,11 @@ fn average(findings: &Findings, name: &str) -> Estimate {
 fn pair_at_sigma() -> State {
     let direction = DVec3::new(2.0, 1.0, 2.0) / 3.0;
     let v = DVec3::new(0.5, -0.25, 1.0);
-    let mut state = State::new(vec![direction, DVec3::ZERO], vec![v, -v]);
+    let mut state = State::new(
+        context(2, 10.0).cell,
+        vec![direction, DVec3::ZERO],
+        vec![v, -v],
+    );
     let force = 24.0 * direction;
     state.forces = vec![force, -force];
     state.energetics = Energetics {
@@ -58,7 +62,7 @@ fn pair_at_sigma() -> State {
 #[test]
 fn a_pair_at_sigma_has_the_values_worked_out_by_hand() {
     let context = context(2, 10.0);
-    let dynamics = Dynamics::fluid(2);
+    let system = System::atoms(2);
     let state = pair_at_sigma();
     let tail = TailCorrection {
         energy_per_particle: -0.5,
@@ -67,12 +71,9 @@ fn a_pair_at_sigma_has_the_values_worked_out_by_hand() {
     let mut thermodynamics = Thermodynamics::new(&context);
     let mut tensor = PressureTensor::new(&context);
     let view = View {
-        state: &state,
-        dynamics: &dynamics,
-        cell: &context.cell,
         tail: Some(tail),
         heat: 0.3,
-        half_kick_step: None,
+        ..View::of(&state, &system)
     };
     thermodynamics.sample(&view);
     tensor.sample(&view);
@@ -111,17 +112,13 @@ fn a_pair_at_sigma_has_the_values_worked_out_by_hand() {
 #[test]
 fn half_steps_add_the_kicks_of_both_sides_to_temperature_and_pressure() {
     let context = context(2, 10.0);
-    let dynamics = Dynamics::fluid(2);
+    let system = System::atoms(2);
     let state = pair_at_sigma();
     let mut thermodynamics = Thermodynamics::new(&context);
     let mut tensor = PressureTensor::new(&context);
     let view = View {
-        state: &state,
-        dynamics: &dynamics,
-        cell: &context.cell,
-        tail: None,
-        heat: 0.0,
         half_kick_step: Some(0.01),
+        ..View::of(&state, &system)
     };
     thermodynamics.sample(&view);
     tensor.sample(&view);
@@ -162,11 +159,11 @@ fn half_steps_add_the_kicks_of_both_sides_to_temperature_and_pressure() {
 fn an_ideal_gas_of_any_size_has_the_pressure_of_its_density_and_temperature() {
     for n in [2, 3, 50] {
         let context = context(n, 5.0);
-        let dynamics = Dynamics::fluid(n);
+        let system = System::atoms(n);
         let mut velocities: Vec<DVec3> = (0..n).map(|i| normal(1, 0, i)).collect();
         let mean = velocities.iter().sum::<DVec3>() / n as f64;
         velocities.iter_mut().for_each(|v| *v -= mean);
-        let mut state = State::new(vec![DVec3::ZERO; n], velocities);
+        let mut state = State::new(context.cell, vec![DVec3::ZERO; n], velocities);
         state.energetics = Energetics {
             potential_energy: Some(0.0),
             virial: Some(DMat3::ZERO),
@@ -176,14 +173,7 @@ fn an_ideal_gas_of_any_size_has_the_pressure_of_its_density_and_temperature() {
             configurational_temperature: false,
         };
         let mut thermodynamics = Thermodynamics::with_options(&options, &context);
-        thermodynamics.sample(&View {
-            state: &state,
-            dynamics: &dynamics,
-            cell: &context.cell,
-            tail: None,
-            heat: 0.0,
-            half_kick_step: None,
-        });
+        thermodynamics.sample(&View::of(&state, &system));
         let rows = thermodynamics.series();
         let exact = n as f64 / 125.0 * rows.temperature[0];
         assert!((rows.pressure[0] / exact - 1.0).abs() < 1e-14);
@@ -197,8 +187,9 @@ fn sampled(
     samples: u64,
     mut set: impl FnMut(u64, &mut State) -> f64,
 ) {
-    let dynamics = Dynamics::fluid(context.n_atoms);
+    let system = System::atoms(context.n_atoms);
     let mut state = State::new(
+        context.cell,
         vec![DVec3::ZERO; context.n_atoms],
         vec![DVec3::ZERO; context.n_atoms],
     );
@@ -212,12 +203,8 @@ fn sampled(
         };
         let heat = set(s, &mut state);
         thermodynamics.sample(&View {
-            state: &state,
-            dynamics: &dynamics,
-            cell: &context.cell,
-            tail: None,
             heat,
-            half_kick_step: None,
+            ..View::of(&state, &system)
         });
     }
 }

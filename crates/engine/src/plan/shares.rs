@@ -5,8 +5,9 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use lennard_core::{Configuration, Observable, Part, Persist, StateArchive, Want};
-use lennard_integrators::Coupling;
+use lennard_core::{
+    Configuration, Integrator, NoForces, Observable, Part, Persist, StateArchive, Want,
+};
 use lennard_io::{Frame, Sink, TrajectoryWriter};
 use lennard_scene::{Scene, Stage};
 
@@ -76,11 +77,7 @@ impl Costs {
         let evaluate = |bare: &mut Simulation, want| -> Result<f64, EngineError> {
             let mut fault = None;
             let time = median(|| {
-                let at = Configuration {
-                    positions: &bare.state.positions,
-                    velocities: None,
-                    time: bare.state.time,
-                };
+                let at = Configuration::at_rest(&bare.state.cell, &bare.state.positions);
                 match bare
                     .forces
                     .evaluate(at, Part::All, want, &mut bare.state.forces)
@@ -108,13 +105,7 @@ impl Costs {
         } else {
             0.0
         };
-        let view = view(
-            &bare.state,
-            &bare.dynamics,
-            &bare.cell,
-            bare.tail,
-            bare.stage.as_ref(),
-        );
+        let view = view(&bare.state, &bare.system, bare.tail(), bare.stage.as_ref());
         let thermodynamics = median(|| simulation.thermodynamics.sample(&view));
         let observers = simulation.observers.iter_mut();
         let sampled = |o: &mut Observer| median(|| o.observable.sample(&view));
@@ -255,7 +246,7 @@ fn with_everything_off(simulation: &Simulation) -> Result<Simulation, EngineErro
     }];
     scene.observables.clear();
     let beginning = Beginning {
-        cell: simulation.cell,
+        cell: simulation.state.cell,
         positions: simulation.state.positions.clone(),
         velocities: Some(simulation.state.velocities.clone()),
         relax: false,
@@ -280,28 +271,29 @@ fn checkpoint_bytes(bare: &Simulation) -> usize {
     archive.bytes()
 }
 
-/// One call of a stage's heat bath, mean over some steps; 0 for one that takes the integrator's place.
+/// What a stage's heat bath adds to a step, mean over some steps in free flight; for a bath inside the step this is the
+/// difference to the scene's method.
 fn bath(bare: &Simulation, stage: &Stage) -> f64 {
-    let noise = bare.streams.noise("thermostat");
     let Some(options) = &stage.thermostat else {
         return 0.0;
     };
-    let Coupling::Thermostat(mut bath) =
-        lennard_integrators::couple(options, stage.temperature, noise)
-    else {
-        return 0.0;
-    };
     let noise = bare.streams.noise("thermostat");
-    let mut state = bare.state.clone();
+    let method = || lennard_integrators::build(&bare.scene.integrator.method);
     let dt = bare.stage_run().dt;
     // Baths that act on some steps only are met on those and on others.
-    const STEPS: u32 = 20;
-    let clock = Instant::now();
-    for _ in 0..STEPS {
-        state.step += 1;
-        bath.apply(&bare.dynamics, &mut state, dt, &noise);
-    }
-    clock.elapsed().as_secs_f64() / f64::from(STEPS)
+    const STEPS: u64 = 20;
+    let time = |mut integrator: Integrator| {
+        let mut state = bare.state.clone();
+        let started = integrator.start(&bare.system, &mut state, &mut NoForces, dt, Want::NOTHING);
+        let clock = Instant::now();
+        let mut step =
+            || integrator.step(&bare.system, &mut state, &mut NoForces, dt, Want::NOTHING);
+        if started.is_err() || (0..STEPS).any(|_| step().is_err()) {
+            return 0.0;
+        }
+        clock.elapsed().as_secs_f64() / STEPS as f64
+    };
+    time(options.couple(method(), stage.temperature, noise)) - time(method())
 }
 
 /// Formatting one frame, without the disk.
@@ -309,7 +301,6 @@ fn frame(bare: &Simulation) -> f64 {
     let extra = header(bare);
     let frame = Frame {
         state: &bare.state,
-        cell: &bare.cell,
         extra: &extra,
     };
     let nowhere = Path::new("nowhere");

@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use lennard_core::{
-    Configuration, DVec3, Energetics, ForceError, ForceProvider, Part, PeriodicBox, Want,
+    Configuration, DVec3, Energetics, ForceError, ForceTerm, Part, PeriodicBox, Want,
 };
 use lennard_forcefield::{
     Conditions, ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions,
@@ -75,22 +75,24 @@ pub fn kernels() -> Vec<KernelOptions> {
 
 pub fn evaluate(
     forces: &mut PairForces,
+    cell: PeriodicBox,
     positions: &[DVec3],
     part: Part,
     want: Want,
 ) -> Result<(Vec<DVec3>, Energetics), ForceError> {
     let mut f = vec![DVec3::ZERO; positions.len()];
-    let at = Configuration {
-        positions,
-        velocities: None,
-        time: 0.0,
-    };
+    let at = Configuration::at_rest(&cell, positions);
     let e = forces.evaluate(at, part, want, &mut f)?;
     Ok((f, e))
 }
 
-pub fn all(forces: &mut PairForces, positions: &[DVec3], want: Want) -> (Vec<DVec3>, Energetics) {
-    evaluate(forces, positions, Part::All, want).unwrap()
+pub fn all(
+    forces: &mut PairForces,
+    cell: PeriodicBox,
+    positions: &[DVec3],
+    want: Want,
+) -> (Vec<DVec3>, Energetics) {
+    evaluate(forces, cell, positions, Part::All, want).unwrap()
 }
 
 pub fn reference(
@@ -112,6 +114,7 @@ pub fn reference(
     };
     all(
         &mut build(&options, &conditions(cell, positions.len())).unwrap(),
+        cell,
         positions,
         want,
     )

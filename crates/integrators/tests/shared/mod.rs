@@ -3,8 +3,8 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceProvider, Part, Persist,
-    RestoreError, StateReader, StateWriter, Stride, Want, sweeps,
+    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, FusedSteps,
+    Part, Persist, RestoreError, StateReader, StateWriter, Want, sweeps,
 };
 use rand::RngExt;
 
@@ -20,7 +20,7 @@ impl Persist for Cluster {
     }
 }
 
-impl ForceProvider for Cluster {
+impl ForceTerm for Cluster {
     fn evaluate(
         &mut self,
         at: Configuration<'_>,
@@ -58,15 +58,20 @@ impl ForceProvider for Cluster {
         })
     }
 
-    fn stride(&mut self, stride: Stride<'_>) -> u64 {
+    fn properties(&self) -> ForceProperties {
+        ForceProperties {
+            splits: true,
+            ..ForceProperties::default()
+        }
+    }
+}
+
+impl Backend for Cluster {
+    fn advance(&mut self, stride: FusedSteps<'_>) -> u64 {
         let steps = stride.steps.min(2);
         let mut forces = vec![DVec3::ZERO; stride.positions.len()];
         for _ in 0..steps {
-            let at = Configuration {
-                positions: stride.positions,
-                velocities: None,
-                time: 0.0,
-            };
+            let at = Configuration::at_rest(stride.cell, stride.positions);
             self.evaluate(at, Part::All, Want::NOTHING, &mut forces)
                 .unwrap();
             for _ in 0..2 {
@@ -75,13 +80,6 @@ impl ForceProvider for Cluster {
             sweeps::drift(stride.positions, stride.velocities, stride.dt);
         }
         steps
-    }
-
-    fn properties(&self) -> ForceProperties {
-        ForceProperties {
-            splits: true,
-            ..ForceProperties::default()
-        }
     }
 }
 

@@ -28,7 +28,7 @@ pub fn system(n: usize, reach: f64, seed: u64) -> State {
     let velocities = (0..n)
         .map(|i| vector(DVec3::splat(10_f64.powi(i as i32 % 7 - 3))))
         .collect();
-    let mut state = State::new(positions, velocities);
+    let mut state = State::new(cell(), positions, velocities);
     state.forces = (0..n).map(|_| vector(DVec3::splat(300.0))).collect();
     state.step = 1200;
     state.time = 4.8;

@@ -92,9 +92,9 @@ impl ThermalConductivity {
     pub fn heat_flux(view: &View<'_>) -> Option<DVec3> {
         let state = view.state;
         let each = state.energetics.per_particle.as_ref()?;
-        let masses = &view.dynamics.masses;
+        let masses = &view.system.masses;
         let mass: f64 = (0..state.len()).map(|i| masses.of(i)).sum();
-        let drift = view.dynamics.momentum(&state.velocities) / mass;
+        let drift = view.system.momentum(&state.velocities) / mass;
         let sum = parallel::ordered_sum(state.len(), |range| {
             range
                 .map(|i| {
@@ -106,7 +106,7 @@ impl ThermalConductivity {
                 })
                 .sum::<DVec3>()
         });
-        Some(sum / view.cell.volume())
+        Some(sum / view.cell().volume())
     }
 }
 
@@ -127,7 +127,7 @@ impl Observable for ThermalConductivity {
     fn sample(&mut self, view: &View<'_>) {
         let flux =
             Self::heat_flux(view).expect("the force evaluation gives what the observable wants");
-        let temperature = view.dynamics.temperature(&view.state.velocities);
+        let temperature = view.temperature();
         self.flux.push(&flux.to_array(), temperature);
     }
 
@@ -152,27 +152,18 @@ impl Persist for ThermalConductivity {
 mod tests {
     use super::*;
     use crate::testing::{context, normal};
-    use lennard_core::{DMat3, Dynamics, Energetics, State};
+    use lennard_core::{DMat3, Energetics, State, System};
 
     fn flux(velocities: Vec<DVec3>, each: Vec<(f64, DMat3)>) -> DVec3 {
         let n = velocities.len();
-        let mut state = State::new(vec![DVec3::ZERO; n], velocities);
+        let cell = context(2.0, n).cell;
+        let mut state = State::new(cell, vec![DVec3::ZERO; n], velocities);
         state.energetics = Energetics {
             per_particle: Some(each),
             ..Energetics::default()
         };
-        let context = context(2.0, n);
-        let (dynamics, cell) = (Dynamics::fluid(n), context.cell);
-        ThermalConductivity::heat_flux(&View {
-            state: &state,
-            dynamics: &dynamics,
-            cell: &cell,
-            tail: None,
-            heat: 0.0,
-            half_kick_step: None,
-        })
-        .unwrap()
-            * cell.volume()
+        let system = System::atoms(n);
+        ThermalConductivity::heat_flux(&View::of(&state, &system)).unwrap() * cell.volume()
     }
 
     #[test]

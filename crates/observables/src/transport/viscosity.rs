@@ -113,7 +113,7 @@ impl Observable for ShearViscosity {
     fn sample(&mut self, view: &View<'_>) {
         let p =
             PressureTensor::of(view).expect("the force evaluation gives what the observable wants");
-        let temperature = view.dynamics.temperature(&view.state.velocities);
+        let temperature = view.temperature();
         self.flux.push(&shear_components(&p), temperature);
     }
 
@@ -138,7 +138,7 @@ impl Persist for ShearViscosity {
 mod tests {
     use super::*;
     use crate::testing::{context, normal};
-    use lennard_core::{DVec3, Dynamics, Energetics, State};
+    use lennard_core::{DVec3, Energetics, State, System};
 
     #[test]
     fn every_component_of_an_ideal_gas_has_the_variance_of_its_kinetic_stress() {
@@ -183,9 +183,13 @@ mod tests {
         let (volume, phi) = (125.0, 0.9_f64);
         let options = ShearViscosityOptions { window: 4.0 };
         let mut viscosity = ShearViscosity::new(&options, &context).unwrap();
-        let mut state = State::new(vec![DVec3::ZERO; 2], vec![DVec3::X, -DVec3::X]);
-        let dynamics = Dynamics::fluid(2);
-        let temperature = dynamics.temperature(&state.velocities);
+        let mut state = State::new(
+            context.cell,
+            vec![DVec3::ZERO; 2],
+            vec![DVec3::X, -DVec3::X],
+        );
+        let system = System::atoms(2);
+        let temperature = system.temperature(&state.velocities, lennard_core::Momentum::Conserved);
         let mut shear = DVec3::ZERO;
         for s in 0..60_000 {
             shear = phi * shear + (1.0 - phi * phi).sqrt() * normal(8, s, 0);
@@ -197,14 +201,7 @@ mod tests {
                 ])),
                 ..Energetics::default()
             };
-            viscosity.sample(&View {
-                state: &state,
-                dynamics: &dynamics,
-                cell: &context.cell,
-                tail: None,
-                heat: 0.0,
-                half_kick_step: None,
-            });
+            viscosity.sample(&View::of(&state, &system));
         }
         let estimate = viscosity.finish(0.0).averages[0].estimate;
         // Three of the five components are alive, and the trapezoidal sum of φ^k is ½(1 + φ)/(1 − φ) steps. The

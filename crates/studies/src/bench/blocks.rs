@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use lennard_core::{Dynamics, PeriodicBox, State, Want};
+use lennard_core::{Configuration, Momentum, PeriodicBox, State, System, Want};
 use lennard_engine::{Beginning, EngineError, Follower, Simulation, Verdict, prepare_from};
 use lennard_forcefield::measure;
 use lennard_scene::Scene;
@@ -67,9 +67,10 @@ impl Start {
             Ok(clock.elapsed().as_secs_f64() / FEWEST_STEPS as f64)
         })?;
         let state = simulation.state.clone();
-        let cell = simulation.cell;
+        let cell = simulation.state.cell;
         let (_, mut forces) = lennard_engine::forces(&first.scene, cell, state.len())?;
-        let pairs = measure::work(&mut forces, &state.positions)?.pairs;
+        let pairs =
+            measure::work(&mut forces, Configuration::at_rest(&cell, &state.positions))?.pairs;
         Ok(Self {
             cell,
             steps: ((block.as_secs_f64() / step) as u64).clamp(FEWEST_STEPS, MOST_STEPS),
@@ -78,8 +79,13 @@ impl Start {
         })
     }
 
+    /// Box and positions.
+    pub(super) fn configuration(&self) -> Configuration<'_> {
+        Configuration::at_rest(&self.cell, &self.state.positions)
+    }
+
     pub(super) fn temperature(&self) -> f64 {
-        Dynamics::fluid(self.state.len()).temperature(&self.state.velocities)
+        System::atoms(self.state.len()).temperature(&self.state.velocities, Momentum::Conserved)
     }
 
     /// A simulation of a scene from this state, its list built and its memory touched.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lennard_core::{Dynamics, Want};
+use lennard_core::{System, Want};
 use lennard_engine::{
     EngineError, Follower, Past, RunFiles, SET_ASIDE_EVERY, Simulation, Verdict, capture, watchdog,
 };
@@ -262,14 +262,14 @@ fn bare(scene: &Scene, start: &Start) -> Result<f64, BenchError> {
     let mut state = start.state.clone();
     let (_, mut forces) = lennard_engine::forces(scene, start.cell, state.len())?;
     let mut method = lennard_integrators::build(&scene.integrator.method);
-    let dynamics = Dynamics::fluid(state.len());
+    let system = System::atoms(state.len());
     let dt = scene.stage_dt(&scene.stages[0]);
-    method.start(&dynamics, &mut state, &mut forces, dt, Want::NOTHING)?;
+    method.start(&system, &mut state, &mut forces, dt, Want::NOTHING)?;
     let mut steps = |count: u64| -> Result<(), BenchError> {
         let mut left = count;
         while left > 0 {
             let (taken, _) =
-                method.stride(&dynamics, &mut state, &mut forces, dt, left, Want::NOTHING)?;
+                method.stride(&system, &mut state, &mut forces, dt, left, Want::NOTHING)?;
             left -= taken;
         }
         Ok(())

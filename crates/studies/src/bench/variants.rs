@@ -200,7 +200,7 @@ fn block(variant: &Variant, start: &Start) -> Result<Block, BenchError> {
         drop(simulation);
         let (_, mut forces) =
             lennard_engine::forces(&variant.scene, start.cell, start.state.len())?;
-        let parts = measure::part_times(&mut forces, &start.state.positions, ROUNDS)?;
+        let parts = measure::part_times(&mut forces, start.configuration(), ROUNDS)?;
         Ok(Block {
             seconds,
             on_processor,
@@ -267,7 +267,7 @@ fn result(variant: &Variant, blocks: &[Block], start: &Start) -> Result<KernelRe
     let has_list = blocks.iter().all(|b| b.parts.build > 0.0);
     let forces_ns = spread(&|b| b.parts.forces * 1e9 / n);
     let (_, mut forces) = lennard_engine::forces(&variant.scene, start.cell, start.state.len())?;
-    let work = measure::work(&mut forces, &start.state.positions)?;
+    let work = measure::work(&mut forces, start.configuration())?;
     let meetings = if variant.kernel == "reference" {
         1.0
     } else {

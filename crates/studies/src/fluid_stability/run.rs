@@ -1,6 +1,6 @@
 //! One run of the fluid at constant energy, and what it says about the method.
 
-use lennard_core::{ForceProvider, StepError, Want};
+use lennard_core::{ForceTerm, Momentum, StepError, Want};
 use lennard_forcefield::Precision;
 use lennard_integrators::IntegratorEntry;
 use serde::Serialize;
@@ -105,7 +105,7 @@ struct Sample {
 /// Runs the plan to its end or to its failure; only a fluid that cannot even be started is an error.
 pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
     let options = (plan.entry.default_options)();
-    let mut system = plan.start.system(plan.dt, &options, plan.precision)?;
+    let mut system = plan.start.bench(plan.dt, &options, plan.precision)?;
     let mut method = plan.entry.build();
     let mut result = FluidRun {
         method: plan.entry.spec.name,
@@ -129,13 +129,13 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
         ..Want::NOTHING
     };
     let every = ((SAMPLE_INTERVAL / plan.dt).round() as u64).max(1);
-    let (dynamics, state, forces) = (&system.dynamics, &mut system.state, &mut system.forces);
+    let (system, state, forces) = (&system.system, &mut system.state, &mut system.forces);
     let stopped = |step: u64, time: f64, reason: StepError| Outcome::Stopped {
         step,
         time,
         reason: reason.to_string(),
     };
-    if let Err(reason) = method.start(dynamics, state, forces, plan.dt, looking) {
+    if let Err(reason) = method.start(system, state, forces, plan.dt, looking) {
         result.outcome = stopped(0, 0.0, reason);
         return Ok(result);
     }
@@ -143,9 +143,9 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
         Some(Sample {
             time: state.time,
             energy: (state.energetics.conserved_potential?
-                + dynamics.kinetic_energy(&state.velocities))
+                + system.kinetic_energy(&state.velocities))
                 / ATOMS as f64,
-            temperature: dynamics.temperature(&state.velocities),
+            temperature: system.temperature(&state.velocities, Momentum::Conserved),
             force_squared: state.forces.iter().map(|f| f.length_squared()).sum(),
             laplacian: state.energetics.laplacian?,
         })
@@ -156,7 +156,7 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
     for n in 1..=plan.steps {
         let due = n % every == 0;
         let want = if due { looking } else { Want::NOTHING };
-        if let Err(reason) = method.step(dynamics, state, forces, plan.dt, want) {
+        if let Err(reason) = method.step(system, state, forces, plan.dt, want) {
             result.outcome = stopped(n, n as f64 * plan.dt, reason);
             break;
         }
@@ -165,7 +165,7 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
             continue;
         }
         let Some(sample) = look(state) else { continue };
-        momentum = momentum.max(dynamics.momentum(&state.velocities).length() / ATOMS as f64);
+        momentum = momentum.max(system.momentum(&state.velocities).length() / ATOMS as f64);
         let change = sample.energy - samples[0].energy;
         // A NaN is as far away as an infinity.
         if change.abs() > limit || change.is_nan() {

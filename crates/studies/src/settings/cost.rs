@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use lennard_core::random::Streams;
-use lennard_core::{Configuration, ForceProvider, Part as ForcePart, Want};
+use lennard_core::{Configuration, ForceTerm, Part as ForcePart, Want};
 use lennard_engine::{EngineError, Follower, Simulation, Verdict};
 use lennard_forcefield::ListMode;
 use lennard_integrators::IntegratorOptions;
@@ -199,11 +199,7 @@ impl Workbench {
         let mut provider = self.forces(settings)?;
         let mut pairs = |part: ForcePart| -> Result<f64, StudyError> {
             let mut out = vec![glam::DVec3::ZERO; self.start().len()];
-            let at = Configuration {
-                positions: &self.start().positions,
-                velocities: None,
-                time: 0.0,
-            };
+            let at = Configuration::at_rest(&self.start().cell, &self.start().positions);
             let found = provider
                 .evaluate(at, part, Want::ENERGY, &mut out)
                 .map_err(|source| StudyError::Force {

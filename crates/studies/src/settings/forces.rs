@@ -1,7 +1,7 @@
 //! How far the forces are from what they should be, at the start.
 
 use glam::DVec3;
-use lennard_core::{Configuration, ForceProvider, Part, Want};
+use lennard_core::{Configuration, ForceTerm, Part, Want};
 use lennard_forcefield::{
     ForceFieldOptions, Kernel, KernelOptions, Model, NeighborOptions, PotentialOptions, Precision,
     TruncationKind, TruncationOptions,
@@ -202,11 +202,7 @@ impl Workbench {
         let scene = settings.apply(self.scene())?;
         let conditions = lennard_engine::conditions(&scene, start.cell, start.len());
         let mut out = vec![DVec3::ZERO; start.len()];
-        let at = Configuration {
-            positions: &start.positions,
-            velocities: None,
-            time: 0.0,
-        };
+        let at = Configuration::at_rest(&start.cell, &start.positions);
         lennard_forcefield::build(options, &conditions)?
             .evaluate(at, Part::All, Want::NOTHING, &mut out)
             .map_err(|source| StudyError::Force {
@@ -265,11 +261,7 @@ mod tests {
             dt: 0.004,
         };
         let mut right = vec![DVec3::ZERO; boxes.positions.len()];
-        let at = Configuration {
-            positions: &boxes.positions,
-            velocities: None,
-            time: 0.0,
-        };
+        let at = Configuration::at_rest(&boxes.cell, &boxes.positions);
         lennard_forcefield::build(&options, &conditions)
             .unwrap()
             .evaluate(at, Part::All, Want::NOTHING, &mut right)

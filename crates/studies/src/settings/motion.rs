@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
-use lennard_core::{Dynamics, State, Want};
+use lennard_core::{State, System, Want};
 use lennard_forcefield::{ListMode, Precision, TruncationOptions};
 use lennard_integrators::{IntegratorOptions, blanes_moan};
 use serde::{Deserialize, Serialize};
@@ -160,6 +160,7 @@ impl Workbench {
 
     fn state(&self) -> State {
         State::new(
+            self.start().cell,
             self.start().positions.clone(),
             self.start().velocities.clone(),
         )
@@ -174,7 +175,7 @@ impl Workbench {
         dt: f64,
     ) -> Result<(), StudyError> {
         let mut forces = self.forces(settings)?;
-        let dynamics = Dynamics::fluid(state.len());
+        let system = System::atoms(state.len());
         let mut method = lennard_integrators::build(&settings.integrator);
         let failed = |source| StudyError::Step {
             method: settings.integrator.name(),
@@ -182,11 +183,11 @@ impl Workbench {
             source,
         };
         method
-            .start(&dynamics, state, &mut forces, dt, Want::NOTHING)
+            .start(&system, state, &mut forces, dt, Want::NOTHING)
             .map_err(failed)?;
         for _ in 0..steps {
             method
-                .step(&dynamics, state, &mut forces, dt, Want::NOTHING)
+                .step(&system, state, &mut forces, dt, Want::NOTHING)
                 .map_err(failed)?;
         }
         Ok(())

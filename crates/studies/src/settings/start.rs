@@ -53,9 +53,9 @@ impl Start {
         }
         let mut simulation = lennard_engine::prepare(before)?;
         simulation.run(&mut Nobody)?;
-        let Simulation { cell, state, .. } = simulation;
+        let Simulation { state, .. } = simulation;
         Ok(Self {
-            cell,
+            cell: state.cell,
             positions: state.positions,
             velocities: state.velocities,
         })

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec2;
-use lennard_core::{DVec3, Dynamics, Integrator, State, StepError, Want};
+use lennard_core::{DVec3, Integrator, State, StepError, System, Want};
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces, OscillatorConstraint};
 use lennard_integrators::{IntegratorEntry, OscillatorModel};
 
@@ -20,8 +20,8 @@ pub(crate) enum Spring {
 
 /// A method, an oscillator and a state on the x axis.
 pub(crate) struct Rig {
-    pub(crate) integrator: Box<dyn Integrator>,
-    dynamics: Dynamics,
+    pub(crate) integrator: Integrator,
+    system: System,
     forces: HarmonicForces,
     state: State,
 }
@@ -34,29 +34,33 @@ impl Rig {
         (x, v): (f64, f64),
         dt: f64,
     ) -> Result<Self, StepError> {
-        let mut dynamics = Dynamics::fluid(1);
+        let mut system = System::atoms(1);
         let mut stiffness = 0.0;
         match (spring, entry.oscillator) {
             (Spring::Stiffness(k), OscillatorModel::Constraint) => {
-                dynamics.constraints = vec![Arc::new(OscillatorConstraint::spring(k, 0.0))];
+                system.constraints = vec![Arc::new(OscillatorConstraint::spring(k, 0.0))];
             }
             (Spring::Rigid { damping_time }, _) => {
-                dynamics.constraints = vec![Arc::new(OscillatorConstraint::new(0.0, damping_time))];
+                system.constraints = vec![Arc::new(OscillatorConstraint::new(0.0, damping_time))];
             }
             (Spring::Stiffness(k), OscillatorModel::ExactSolution) => {
                 stiffness = k;
-                dynamics.exact = Some(Arc::new(ExactOscillator::new(k, 0.0, 1.0)));
+                system.exact = Some(Arc::new(ExactOscillator::new(k, 0.0, 1.0)));
             }
             (Spring::Stiffness(k), OscillatorModel::Force) => stiffness = k,
         }
         let mut rig = Self {
             integrator: entry.build(),
-            dynamics,
+            system,
             forces: HarmonicForces::new(stiffness),
-            state: State::new(vec![DVec3::new(x, 0.0, 0.0)], vec![DVec3::new(v, 0.0, 0.0)]),
+            state: State::new(
+                lennard_core::PeriodicBox::boundless(),
+                vec![DVec3::new(x, 0.0, 0.0)],
+                vec![DVec3::new(v, 0.0, 0.0)],
+            ),
         };
         rig.integrator.start(
-            &rig.dynamics,
+            &rig.system,
             &mut rig.state,
             &mut rig.forces,
             dt,
@@ -68,7 +72,7 @@ impl Rig {
     /// One step; the new (x, v).
     pub(crate) fn step(&mut self, dt: f64) -> Result<DVec2, StepError> {
         self.integrator.step(
-            &self.dynamics,
+            &self.system,
             &mut self.state,
             &mut self.forces,
             dt,

@@ -203,13 +203,12 @@ mod tests {
                 let n = state.len() as f64;
                 let energy = simulation.conserved_energy_per_particle().unwrap();
                 self.energies.push(energy * n);
-                self.temperatures
-                    .push(simulation.dynamics.temperature(&state.velocities));
+                self.temperatures.push(simulation.view().temperature());
                 // Pairs in the last twentieth of a diameter below the cutoff.
                 let bins = (self.r_cut / 0.05).round() as usize;
                 let counts = lennard_observables::count_distances(
                     &state.positions,
-                    &simulation.cell,
+                    &simulation.state.cell,
                     self.r_cut,
                     bins,
                 );

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use lennard_core::{Configuration, ForceProvider, Part, Want};
+use lennard_core::{Configuration, ForceTerm, Part, Want};
 use lennard_forcefield::{Precision, TruncationKind, TruncationOptions};
 use serde::Serialize;
 
@@ -200,11 +200,7 @@ fn mixed_errors(sample: &Sample, survey: &Survey) -> Result<[Value; 2], TuneErro
                 let mut scene = sample.canonical.clone();
                 scene.kernel.precision = precision;
                 let (_, mut forces) = lennard_engine::forces(&scene, end.cell, end.len())?;
-                let at = Configuration {
-                    positions: &end.positions,
-                    velocities: None,
-                    time: 0.0,
-                };
+                let at = Configuration::at_rest(&end.cell, &end.positions);
                 let mut out = vec![glam::DVec3::ZERO; end.len()];
                 let e = forces
                     .evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut out)

@@ -84,7 +84,7 @@ impl Follower for Watcher<'_> {
         let asked = "the step was asked for totals";
         let bins = bins_within(self.sample.sight);
         let reach = bins as f64 * BIN_WIDTH;
-        let counts = count_distances(&state.positions, &simulation.cell, reach, bins);
+        let counts = count_distances(&state.positions, &simulation.state.cell, reach, bins);
         self.frames.push(Frame {
             potential: e.conserved_potential.expect(asked),
             virial: e.scalar_virial().expect(asked),
@@ -125,7 +125,7 @@ impl Survey {
             simulation.run(&mut watcher)?;
             let time = simulation.state.time - PARTING_TIME;
             let end = Start {
-                cell: simulation.cell,
+                cell: simulation.state.cell,
                 positions: simulation.state.positions,
                 velocities: simulation.state.velocities,
             };
