@@ -25,7 +25,7 @@ pub enum Value {
         /// Significant digits for a reader; `None` means as few as the number needs, four at most.
         digits: Option<usize>,
     },
-    /// A number with its standard error. A program gets the error in a column of its own.
+    /// A number with its standard error.
     Measured {
         /// The number.
         value: f64,
@@ -209,6 +209,9 @@ pub struct Column {
     pub name: String,
     /// Unit (`σ`, `ε`, or empty).
     pub unit: String,
+    /// Whether a program gets the standard errors in a second column.
+    #[serde(skip)]
+    pub has_errors: bool,
     /// Cells, one per row.
     pub cells: Vec<Cell>,
 }
@@ -220,6 +223,7 @@ impl Column {
         Self {
             name: name.into(),
             unit: unit.into(),
+            has_errors: false,
             cells: Vec::new(),
         }
     }
@@ -346,6 +350,18 @@ impl<'a, T> RowsOf<'a, T> {
     pub fn column<C: Into<Cell>>(mut self, heading: &str, cell: impl Fn(&'a T) -> C) -> Self {
         self.table.columns.push(Column {
             cells: self.items.iter().map(|item| cell(item).into()).collect(),
+            ..Column::headed(heading)
+        });
+        self
+    }
+
+    /// Adds a column of numbers with standard errors, where an item has them.
+    #[must_use]
+    pub fn measured(mut self, heading: &str, pair: impl Fn(&'a T) -> Option<(f64, f64)>) -> Self {
+        let cell = |item| pair(item).map_or_else(Cell::default, |(v, e)| Cell::measured(v, e));
+        self.table.columns.push(Column {
+            has_errors: true,
+            cells: self.items.iter().map(cell).collect(),
             ..Column::headed(heading)
         });
         self

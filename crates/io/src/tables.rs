@@ -29,19 +29,16 @@ fn push_record<F: AsRef<[u8]>>(
 
 /// The headings of a column: its own, and one for the standard errors where it has any.
 fn headings(column: &Column) -> impl Iterator<Item = String> {
-    let error = has_errors(column).then(|| format!("{} standard error", column.name));
+    let error = column
+        .has_errors
+        .then(|| format!("{} standard error", column.name));
     std::iter::once(column.heading()).chain(error)
-}
-
-fn has_errors(column: &Column) -> bool {
-    let is_measured = |cell: &Cell| matches!(cell.value, Value::Measured { .. });
-    column.cells.iter().any(is_measured)
 }
 
 /// The fields of a cell: its value, and its standard error where the column has any.
 fn fields(column: &Column, row: usize) -> impl Iterator<Item = Vec<u8>> {
     let cell = &column.cells[row];
-    let error = has_errors(column).then(|| match cell.value {
+    let error = column.has_errors.then(|| match cell.value {
         Value::Measured { error, .. } => number_text(error),
         _ => Vec::new(),
     });

@@ -37,13 +37,13 @@ fn a_table_has_its_units_in_the_heading_and_reads_back_to_the_bit() {
 #[test]
 fn words_errors_and_missing_values_have_fields_of_their_own() {
     let items = [
-        ("a, b", Some(0.5), Cell::measured(1.0, 0.25), 7_u64),
-        ("c", None, Cell::default(), 8),
+        ("a, b", Some(0.5), Some((1.0, 0.25)), 7_u64),
+        ("c", None, None, 8),
     ];
     let table = Table::rows_of("t", "", &items)
         .column("name", |i| i.0)
         .column("x [σ]", |i| Cell::rounded(i.1, 2))
-        .column("u [ε]", |i| i.2.clone())
+        .measured("u [ε]", |i| i.2)
         .column("n", |i| i.3)
         .column("range", |i| Cell::figures(format!("{} – {}", i.3, i.3 + 1)))
         .table();
