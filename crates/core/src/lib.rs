@@ -20,6 +20,7 @@ mod state;
 mod step;
 pub mod sweeps;
 mod system;
+mod table;
 pub mod tasks;
 mod thermostat;
 
@@ -32,12 +33,12 @@ pub use glam::{DMat3, DVec3};
 pub use integrator::Integrator;
 pub use method::{Method, without_constraints};
 pub use observable::{
-    Average, Column, Doubt, Estimate, Findings, Observable, ObservableSpec, Table, TailCorrection,
-    View,
+    Average, Doubt, Estimate, Findings, Observable, ObservableSpec, TailCorrection, View,
 };
 pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, StateWriter};
 pub use spec::{IntegratorSpec, StepError, StepReport};
 pub use state::{Configuration, Energetics, Part, State, Want};
 pub use step::{Parts, Step, check_finite};
 pub use system::{Constraint, ExactSolution, Masses, Momentum, System};
+pub use table::{Cell, Column, RowsOf, Table, Tone, Value};
 pub use thermostat::{Thermostat, ThermostatSpec};

@@ -44,7 +44,7 @@ fn the_shells_of_a_face_centred_lattice_hold_12_6_24_12_24_8_and_48_neighbors() 
     let mut rdf = RadialDistribution::new(&options, &context).unwrap();
     sampled(&mut rdf, &cell, positions);
     let findings = rdf.finish(0.0);
-    let coordination = &findings.tables[0].columns[3].values;
+    let coordination = findings.tables[0].columns[3].numbers();
     let up_to = |r: f64| coordination[(r * d / rdf.width()).round() as usize - 1];
     let mut inner = 0.0;
     for (shell, neighbors) in [
@@ -69,7 +69,7 @@ fn the_shells_of_a_face_centred_lattice_hold_12_6_24_12_24_8_and_48_neighbors() 
     assert!((first.estimate.mean - 12.0).abs() < 1e-9);
     // A place is known to one bin.
     let peaks = &findings.tables[1];
-    assert!((peaks.columns[1].values[0] - d).abs() < rdf.width());
+    assert!((peaks.columns[1].numbers()[0] - d).abs() < rdf.width());
 }
 
 #[test]
@@ -94,7 +94,7 @@ fn the_discarded_part_leaves_no_trace() {
         sampled(&mut both, &cell, crystal.clone());
         sampled(&mut alone, &cell, crystal.clone());
     }
-    let g = |found: Findings| found.tables[0].columns[1].values.clone();
+    let g = |found: Findings| found.tables[0].columns[1].numbers();
     assert_eq!(g(both.finish(0.5)), g(alone.finish(0.0)));
     assert_ne!(g(both.finish(0.0)), g(alone.finish(0.0)));
 }

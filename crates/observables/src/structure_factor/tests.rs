@@ -11,7 +11,7 @@ fn an_ideal_gas_scatters_with_one_at_every_wave_number() {
         });
     }
     let table = &factor.finish(0.0).tables[0];
-    let columns = |k: usize| &table.columns[k].values;
+    let columns = |k: usize| table.columns[k].numbers();
     assert!(columns(0).len() > 40);
     let chi2: f64 = columns(1)
         .iter()
