@@ -1,8 +1,10 @@
 //! What observables see and what they give back.
 
+use std::any::Any;
+
 use serde::Serialize;
 
-use crate::{Momentum, PeriodicBox, Persist, State, System, Want};
+use crate::{Momentum, PeriodicBox, Persist, State, System, Table, Want};
 
 /// What an observable declares about itself.
 #[derive(Debug, Clone, Copy)]
@@ -119,7 +121,7 @@ impl<'a> View<'a> {
 }
 
 /// An observable: looks at the run, never changes it.
-pub trait Observable: Persist + Send {
+pub trait Observable: Persist + Send + Any {
     /// What it declares about itself.
     fn spec(&self) -> &'static ObservableSpec;
     /// What it needs from the force evaluation on the steps when it samples.
@@ -261,56 +263,6 @@ impl Average {
     #[must_use]
     pub fn doubted(mut self, doubt: Option<Doubt>) -> Self {
         self.doubt = Doubt::graver(self.doubt, doubt);
-        self
-    }
-}
-
-/// A column of a table.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Column {
-    /// Heading.
-    pub name: String,
-    /// Unit (`σ`, `ε`, or empty).
-    pub unit: String,
-    /// Values, one a row.
-    pub values: Vec<f64>,
-}
-
-/// A table, written as CSV with one heading line.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Table {
-    /// File stem (`rdf`).
-    pub name: String,
-    /// One line that says what it holds.
-    pub caption: String,
-    /// Columns of equal length.
-    pub columns: Vec<Column>,
-}
-
-impl Table {
-    /// An empty table.
-    #[must_use]
-    pub fn new(name: impl Into<String>, caption: impl Into<String>) -> Self {
-        Self {
-            name: name.into(),
-            caption: caption.into(),
-            columns: Vec::new(),
-        }
-    }
-
-    /// Adds a column.
-    #[must_use]
-    pub fn with(
-        mut self,
-        name: impl Into<String>,
-        unit: impl Into<String>,
-        values: Vec<f64>,
-    ) -> Self {
-        self.columns.push(Column {
-            name: name.into(),
-            unit: unit.into(),
-            values,
-        });
         self
     }
 }

@@ -18,22 +18,11 @@ use std::path::{Path, PathBuf};
 
 use lennard_core::{Energetics, State, Table};
 use lennard_io::{
-    Cell, FileMark, Frame, FrameStyle, OutputFolder, RunRecord, TableWriter, TrajectoryWriter,
-    WriteError,
+    FileMark, Frame, FrameStyle, OutputFolder, RunRecord, TableWriter, TrajectoryWriter, WriteError,
 };
 
+use crate::names::{RECORD, SCENE, THERMO, TOPOLOGY, TRAJECTORY};
 use crate::{EngineError, Simulation};
-
-/// The scene as resolved.
-pub(crate) const SCENE: &str = "scene.toml";
-/// Instantaneous values.
-pub(crate) const THERMO: &str = "thermo.csv";
-/// Frames.
-pub(crate) const TRAJECTORY: &str = "trajectory.xyz";
-/// The run record.
-const RECORD: &str = "run.json";
-/// Names and box for mdtraj.
-const TOPOLOGY: &str = "topology.gro";
 
 const THERMO_COLUMNS: &[(&str, &str)] = &[
     ("step", ""),
@@ -174,15 +163,15 @@ impl RunFiles {
             .unwrap_or(f64::NAN);
         let heat = simulation.stage_run().heat / n;
         self.thermo.write(&[
-            Cell::Integer(simulation.state.step),
-            Cell::Number(simulation.state.time),
-            Cell::Integer(simulation.stage_run().index as u64),
-            Cell::Number(temperature),
-            Cell::Number(half_steps(simulation).unwrap_or(f64::NAN)),
-            Cell::Number(potential),
-            Cell::Number(pressure),
-            Cell::Number(conserved),
-            Cell::Number(heat),
+            simulation.state.step.into(),
+            simulation.state.time.into(),
+            simulation.stage_run().index.into(),
+            temperature.into(),
+            half_steps(simulation).unwrap_or(f64::NAN).into(),
+            potential.into(),
+            pressure.into(),
+            conserved.into(),
+            heat.into(),
         ])
     }
 

@@ -1,8 +1,8 @@
 //! Tables and the run record.
 
-use lennard_core::{Average, Estimate, Table};
+use lennard_core::{Average, Cell, Column, Estimate, Table};
 use lennard_io::{
-    AverageRecord, Cell, Comparison, Conservation, Host, NeighborRecord, Performance, RUN_SCHEMA,
+    AverageRecord, Comparison, Conservation, Host, NeighborRecord, Performance, RUN_SCHEMA,
     RunRecord, StageSeconds, StatePoint, TableWriter, ThermostatRecord, WriteError,
     read_run_record, read_run_record_bytes, read_table_csv, write_json_atomically, write_table_csv,
 };
@@ -27,9 +27,44 @@ fn a_table_has_its_units_in_the_heading_and_reads_back_to_the_bit() {
     assert_eq!(back.name, "rdf");
     for (written, read) in table().columns.iter().zip(&back.columns) {
         assert_eq!((&written.name, &written.unit), (&read.name, &read.unit));
-        let bits = |values: &[f64]| -> Vec<u64> { values.iter().map(|x| x.to_bits()).collect() };
-        assert_eq!(bits(&written.values), bits(&read.values));
+        let bits = |column: &Column| -> Vec<u64> {
+            column.numbers().iter().map(|x| x.to_bits()).collect()
+        };
+        assert_eq!(bits(written), bits(read));
     }
+}
+
+#[test]
+fn words_errors_and_missing_values_have_fields_of_their_own() {
+    let items = [
+        ("a, b", Some(0.5), Some((1.0, 0.25)), 7_u64),
+        ("c", None, None, 8),
+    ];
+    let table = Table::rows_of("t", "", &items)
+        .column("name", |i| i.0)
+        .column("x [σ]", |i| Cell::rounded(i.1, 2))
+        .measured("u [ε]", |i| i.2)
+        .column("n", |i| i.3)
+        .column("range", |i| Cell::figures(format!("{} – {}", i.3, i.3 + 1)))
+        .table();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.csv");
+    write_table_csv(&path, &table).unwrap();
+    assert_eq!(
+        std::fs::read_to_string(&path).unwrap(),
+        "name,x [σ],u [ε],u standard error,n,range\n\"a, b\",0.5,1.0,0.25,7,7 – 8\nc,,,,8,8 – 9\n"
+    );
+    let path = folder.path().join("t.json");
+    write_json_atomically(&path, &table).unwrap();
+    let read: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    assert_eq!(
+        read["columns"][2],
+        serde_json::json!({
+            "name": "u",
+            "unit": "ε",
+            "cells": [{"value": 1.0, "standard_error": 0.25}, null],
+        })
+    );
 }
 
 #[test]

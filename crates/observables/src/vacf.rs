@@ -307,8 +307,8 @@ mod tests {
             let table = &findings.tables[0];
             for k in [0, 4, 20] {
                 let exact = 3.0 * temperature * relative * (-gamma * h * k as f64).exp();
-                let error = table.columns[2].values[k];
-                assert!((table.columns[1].values[k] - exact).abs() < 5.0 * error);
+                let error = table.columns[2].numbers()[k];
+                assert!((table.columns[1].numbers()[k] - exact).abs() < 5.0 * error);
             }
         }
         // The trapezoidal sum of e^{−γt} is h/2·coth(γh/2) in place of 1/γ.

@@ -233,9 +233,9 @@ fn every_table_has_columns_of_equal_length_and_every_average_is_a_number() {
     for observable in &all {
         let findings = observable.finish(0.0);
         for table in &findings.tables {
-            let rows = table.columns[0].values.len();
+            let rows = table.rows();
             assert!(
-                table.columns.iter().all(|c| c.values.len() == rows),
+                table.columns.iter().all(|c| c.cells.len() == rows),
                 "{}",
                 table.name
             );

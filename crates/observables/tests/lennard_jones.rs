@@ -176,11 +176,11 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
 
     // The energy once more, from g(r): U/N = ½(N − 1)/V·Σ g·U·(shell), up to the cutoff.
     let table = &all[3].tables[0];
-    let radii = &table.columns[0].values;
+    let radii = table.columns[0].numbers();
     let width = radii[1] - radii[0];
     let energy: f64 = radii
         .iter()
-        .zip(&table.columns[1].values)
+        .zip(&table.columns[1].numbers())
         .filter(|(r, _)| **r < R_CUT)
         .map(|(r, g)| {
             let (s6, shell) = (r.powi(-6), 4.0 * std::f64::consts::PI * r * r * width);

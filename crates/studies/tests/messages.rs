@@ -45,13 +45,6 @@ fn a_study_that_fails_says_where() {
             },
             "cannot create the folder runs/x: ",
         ),
-        (
-            StudyError::Csv {
-                name: "orders",
-                reason: "why".into(),
-            },
-            "cannot write orders: why",
-        ),
     ] {
         assert!(error.to_string().contains(wanted), "{error}");
     }

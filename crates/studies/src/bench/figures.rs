@@ -1,28 +1,17 @@
 //! The pictures of a benchmark.
 
-use lennard_report::{Axis, BarFigure, BarSeries, Figure, Guide, Look, Point, Series, Symbol};
+use lennard_report::{
+    Axis, BarFigure, BarSeries, Figure, Guide, Look, Picture, Point, Series, Symbol,
+};
 
 use super::{BenchStudy, KernelResult, Spread};
-use crate::StudyError;
-
-/// A picture with what is said below it.
-pub(super) struct Drawn {
-    /// File stem.
-    pub(super) name: &'static str,
-    /// The picture.
-    pub(super) svg: String,
-    /// What it shows.
-    pub(super) caption: String,
-    /// The file with its numbers.
-    pub(super) data: &'static str,
-}
 
 /// All pictures that the study has the numbers for.
-pub(super) fn all(study: &BenchStudy) -> Result<Vec<Drawn>, StudyError> {
+pub(super) fn all(study: &BenchStudy) -> Vec<Picture> {
     let mut figures = Vec::new();
     if !study.kernels.is_empty() {
-        figures.push(speeds(study)?);
-        figures.push(parts(study)?);
+        figures.push(speeds(study));
+        figures.push(parts(study));
     }
     if let Some(skin) = &study.skin {
         let points = skin.points.iter().map(|p| Point {
@@ -38,21 +27,20 @@ pub(super) fn all(study: &BenchStudy) -> Result<Vec<Drawn>, StudyError> {
             Axis::linear("ns per atom-step"),
         )
         .guided(Guide::Vertical(skin.chosen, "chosen".into()))
-        .with(Series::from_points(
+        .with(Series::new(
             "whole step",
             Look::Points(Symbol::Disc),
             0,
-            points.collect(),
+            points,
         ));
-        figures.push(Drawn {
-            name: "skins",
-            svg: figure.to_svg()?,
-            caption: format!(
+        figures.push(Picture::new(
+            figure,
+            format!(
                 "Whole steps with other skins ({}); lines are half the range over {} repeats.",
                 skin.with, study.repeats
             ),
-            data: "skins.csv",
-        });
+            "skins.csv",
+        ));
     }
     if let Some(found) = &study.features {
         let figure = BarFigure {
@@ -76,17 +64,12 @@ pub(super) fn all(study: &BenchStudy) -> Result<Vec<Drawn>, StudyError> {
                     .collect(),
             }],
         };
-        figures.push(Drawn {
-            name: "features",
-            svg: figure.to_svg()?,
-            caption: format!(
+        figures.push(Picture::new(figure, format!(
                 "Each alone and as often as the table says, against the engine with every feature off; {} of one thread, median of {} rounds, lines are half the range.",
                 found.clock, study.repeats
-            ),
-            data: "features.csv",
-        });
+            ), "features.csv"));
     }
-    Ok(figures)
+    figures
 }
 
 fn bar(spread: Spread) -> Option<(f64, Option<f64>)> {
@@ -94,7 +77,7 @@ fn bar(spread: Spread) -> Option<(f64, Option<f64>)> {
 }
 
 /// Whole steps of every variant: a group for each kernel, a bar for each number of threads.
-fn speeds(study: &BenchStudy) -> Result<Drawn, StudyError> {
+fn speeds(study: &BenchStudy) -> Picture {
     let groups = labels(study);
     let mut threads: Vec<usize> = study.kernels.iter().map(|k| k.threads).collect();
     threads.sort_unstable();
@@ -117,19 +100,18 @@ fn speeds(study: &BenchStudy) -> Result<Drawn, StudyError> {
         series: series.collect(),
         groups,
     };
-    Ok(Drawn {
-        name: "speed",
-        svg: figure.to_svg()?,
-        caption: format!(
+    Picture::new(
+        figure,
+        format!(
             "Whole steps at constant energy, lists included: median of {} blocks of {} steps, lines are half the range.",
             study.repeats, study.steps
         ),
-        data: "kernels.csv",
-    })
+        "kernels.csv",
+    )
 }
 
 /// The parts of a step on the fewest threads.
-fn parts(study: &BenchStudy) -> Result<Drawn, StudyError> {
+fn parts(study: &BenchStudy) -> Picture {
     let fewest = study.kernels.iter().map(|k| k.threads).min().unwrap_or(1);
     let groups = labels(study);
     let of = |part: &dyn Fn(&KernelResult) -> Option<Spread>| -> Vec<_> {
@@ -168,10 +150,9 @@ fn parts(study: &BenchStudy) -> Result<Drawn, StudyError> {
             .collect(),
         groups,
     };
-    Ok(Drawn {
-        name: "parts",
-        svg: figure.to_svg()?,
-        caption: format!(
+    Picture::new(
+        figure,
+        format!(
             "Medians of whole steps with half their range, best times of parts alone. A list build is paid once in {} steps.",
             study
                 .kernels
@@ -179,8 +160,8 @@ fn parts(study: &BenchStudy) -> Result<Drawn, StudyError> {
                 .find_map(|k| k.steps_per_build)
                 .map_or("all".into(), |s| format!("{s:.1}"))
         ),
-        data: "kernels.csv",
-    })
+        "kernels.csv",
+    )
 }
 
 /// The best alone.

@@ -17,12 +17,12 @@ mod variants;
 use std::path::{Path, PathBuf};
 
 use lennard_engine::EngineError;
-use lennard_io::{write_json_atomically, write_text_atomically};
 use lennard_scene::{Scene, SceneError};
 use serde::Serialize;
 
 pub use doubts::Doubt;
 pub use features::{Feature, FeatureStudy};
+pub use page::{features as feature_table, kernels as kernel_table};
 pub use skins::{SkinPoint, SkinStudy};
 pub use spread::Spread;
 pub use variants::KernelResult;
@@ -225,24 +225,8 @@ pub fn run(options: &BenchOptions, progress: &mut dyn Progress) -> Result<BenchS
 /// # Errors
 /// [`StudyError`] where a figure cannot be drawn or a file cannot be written.
 pub fn write(study: &BenchStudy, dir: &Path) -> Result<(), StudyError> {
-    let folder = dir.join("figures");
-    std::fs::create_dir_all(&folder).map_err(|source| StudyError::Folder {
-        path: folder.display().to_string(),
-        source,
-    })?;
-    let figures = figures::all(study)?;
-    for figure in &figures {
-        write_text_atomically(&folder.join(format!("{}.svg", figure.name)), &figure.svg)?;
-    }
-    for table in page::csv(study) {
-        write_text_atomically(&dir.join(format!("{}.csv", table.name)), &table.to_csv()?)?;
-    }
-    write_json_atomically(&dir.join("bench.json"), study)?;
-    write_text_atomically(
-        &dir.join("report.html"),
-        &page::page(study, figures).to_html(),
-    )?;
-    Ok(())
+    let page = page::page(study);
+    crate::files::write_all(dir, &page::csv(study), ("bench.json", study), &page)
 }
 
 /// A part of the whole, as progress is told.

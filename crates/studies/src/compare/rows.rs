@@ -39,7 +39,7 @@ const TEMPERATURES: Tolerance = Tolerance {
 };
 
 /// Height of the main peak of S(k) at freezing.
-const HANSEN_VERLET: f64 = 2.85;
+pub(crate) const HANSEN_VERLET: f64 = 2.85;
 const HANSEN_VERLET_SOURCE: &str =
     "J.-P. Hansen and L. Verlet, Phys. Rev. 184, 151 (1969), doi:10.1103/PhysRev.184.151";
 

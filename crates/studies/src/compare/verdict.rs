@@ -1,7 +1,10 @@
 //! A measured number beside a reference, and what follows.
 
+use lennard_core::Tone;
 use lennard_io::AverageRecord;
 use serde::Serialize;
+
+use crate::claims::Demand;
 
 /// What can be said of a measured number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -50,6 +53,21 @@ impl Verdict {
             Self::Incomplete => "incomplete",
             Self::Thermostat => "changed by the thermostat",
             Self::NoReference => "no reference",
+        }
+    }
+
+    /// The tone of a cell that says it.
+    #[must_use]
+    pub fn tone(self) -> Tone {
+        match self {
+            Self::Agrees => Tone::Good,
+            Self::Differs => Tone::Bad,
+            Self::PredictedBias
+            | Self::NotInEquilibrium
+            | Self::TooShort
+            | Self::Incomplete
+            | Self::Thermostat => Tone::Careful,
+            Self::NoReference => Tone::Plain,
         }
     }
 
@@ -226,9 +244,9 @@ impl Row {
     }
 
     fn judge(&mut self) {
-        let within = |difference: f64, allowed: f64| difference.abs() <= allowed;
-        if let (Some(difference), Some(allowed)) = (self.difference, self.tolerance) {
-            (self.verdict, self.reason) = if within(difference, allowed) {
+        if let (Some(difference), Some(within)) = (self.difference, self.tolerance) {
+            let nothing = Demand::Near { value: 0.0, within };
+            (self.verdict, self.reason) = if nothing.met_by(difference) {
                 (Verdict::Agrees, String::new())
             } else {
                 (Verdict::Differs, "not explained".into())

@@ -19,7 +19,6 @@ use fluid::{STATES, Start, TRUNCATIONS};
 use limit::FluidLimit;
 use run::{FluidRun, Plan};
 
-pub(crate) use figures::{FluidFigures, figures};
 pub(crate) use page::sections;
 pub(crate) use tables::csv;
 

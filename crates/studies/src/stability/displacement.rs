@@ -127,25 +127,17 @@ fn short_run(
     stiffness: f64,
     steps: u32,
 ) -> Result<Run, StudyError> {
-    let method = entry.spec.name;
-    let mut rig =
-        Rig::start(entry, Spring::Stiffness(stiffness), (START, 0.0), STEP).map_err(|source| {
-            StudyError::Step {
-                method,
-                dt: STEP,
-                source,
-            }
-        })?;
+    let mut rig = Rig::start(entry, Spring::Stiffness(stiffness), (START, 0.0), STEP)?;
     let energy = |x: f64, v: f64| 0.5 * stiffness * x * x + 0.5 * MASS * v * v;
     let mut run = Run {
-        method,
+        method: entry.spec.name,
         group,
         positions: vec![START],
         energies: vec![energy(START, 0.0)],
         stopped: None,
     };
     for _ in 0..steps {
-        match rig.step(STEP) {
+        match rig.try_step(STEP) {
             Ok(z) => {
                 run.positions.push(z.x);
                 run.energies.push(energy(z.x, z.y));
@@ -165,21 +157,15 @@ fn summarise(
     omega_h: f64,
     steps: u32,
 ) -> Result<Summary, StudyError> {
-    let method = entry.spec.name;
-    let failed = |source| StudyError::Step {
-        method,
-        dt: STEP,
-        source,
-    };
     let spring = Spring::Stiffness(stiffness);
-    let far = excursion(entry, spring, STEP, steps, DIVERGED).map_err(failed)?;
-    let measured = measured_map(entry, omega_h / STEP, STEP).map_err(failed)?;
+    let far = excursion(entry, spring, STEP, steps, DIVERGED)?;
+    let measured = measured_map(entry, omega_h / STEP, STEP)?;
     // The declared map in units of the step, so that x and v·h have the same size.
     let map = theory(entry, omega_h);
     let neutral = |m: &StepMap| (m.radius() - 1.0).abs() < 1e-9;
     let finite = |x: f64| x.is_finite().then_some(x);
     Ok(Summary {
-        method,
+        method: entry.spec.name,
         steps,
         theory_radius: map.map_or(f64::NAN, StepMap::radius),
         theory_amplitude: map.filter(neutral).and_then(|m| m.amplitude(START, 0.0)),

@@ -1,13 +1,12 @@
 //! The figures of the oscillator part.
 
-use lennard_report::{Axis, Dash, Figure, Guide, Look, Series, Symbol};
+use lennard_report::{Axis, Dash, Figure, Guide, Look, Picture, Series, Symbol};
 
 use super::OscillatorStudy;
-use super::amplification::theory;
+use super::amplification::{MapPoint, theory};
 use super::displacement::{Case, Run, STEP};
 use super::groups::Group;
 use super::map::StepMap;
-use crate::files::Captioned;
 
 /// The largest spectral radius shown.
 const TALLEST: f64 = 3.0;
@@ -20,45 +19,38 @@ pub(crate) fn dense(from: f64, to: f64, n: u32) -> impl Iterator<Item = f64> {
     (0..=n).map(move |i| from + (to - from) * f64::from(i) / f64::from(n))
 }
 
-/// Theory as lines, one a group, and the measurement of every method as marks beside each other.
-pub(crate) fn amplification(study: &OscillatorStudy) -> Captioned {
+/// The measured points of a group.
+fn points_of(study: &OscillatorStudy, group: usize) -> impl Iterator<Item = &MapPoint> {
+    let methods = study.methods.iter().filter(move |m| m.group == group);
+    methods.flat_map(|m| &m.points)
+}
+
+/// The entry of a group in the legend.
+fn entry(group: &Group, index: usize) -> Series {
+    Series::entry(&group.name, Look::joined(index), index)
+}
+
+/// Theory as lines, one per group, and the measurement of every method as marks beside each other.
+pub(crate) fn amplification(study: &OscillatorStudy) -> Picture {
     let mut figure = Figure::new(
         "amplification",
         "Amplification of one step on the oscillator",
         Axis::linear("ωh").from_to(0.0, 4.0),
         Axis::linear("spectral radius of the one-step map").from_to(0.0, TALLEST),
     )
-    .guided(Guide::Horizontal(1.0, String::new()))
+    .level(1.0, "")
     .guided(Guide::Vertical(2.0, "ωh = 2".into()));
     for (g, group) in study.groups.iter().enumerate() {
-        let line = dense(0.004, 4.0, 999).map(|x| {
-            (
-                x,
-                theory(group.first(), x).map_or(f64::NAN, StepMap::radius),
-            )
-        });
-        figure = figure.with(Series::new(
-            String::new(),
-            Look::Line(Dash::cycle(g)),
-            g,
-            line,
-        ));
+        let radius = |x| theory(group.first(), x).map_or(f64::NAN, StepMap::radius);
+        figure = figure.line("", g, dense(0.004, 4.0, 999).map(|x| (x, radius(x))));
     }
     for (g, group) in study.groups.iter().enumerate() {
-        let points: Vec<(f64, f64)> = study
-            .methods
-            .iter()
-            .filter(|m| m.group == g)
-            .flat_map(|m| m.points.iter().map(|p| (p.omega_h, p.measured_radius)))
-            .filter(|p| p.1 <= TALLEST)
-            .collect();
-        let look = Look::LineAndPoints(Dash::cycle(g), Symbol::cycle(g));
-        let marks = Series::new(String::new(), Look::Points(Symbol::cycle(g)), g, points);
-        figure = figure
-            .with(marks)
-            .with(Series::new(group.name.clone(), look, g, []));
+        let points = points_of(study, g)
+            .map(|p| (p.omega_h, p.measured_radius))
+            .filter(|p| p.1 <= TALLEST);
+        figure = figure.marks("", g, points).with(entry(group, g));
     }
-    Captioned::new(
+    Picture::new(
         figure,
         "Spectral radius of the one-step map on ẍ = −ω²x against ωh. Lines: the map that each method \
          declares. Marks: the map that three consecutive states of a run show. Above 1 a run grows, below 1 \
@@ -67,7 +59,7 @@ pub(crate) fn amplification(study: &OscillatorStudy) -> Captioned {
     )
 }
 
-pub(crate) fn phase(study: &OscillatorStudy) -> Captioned {
+pub(crate) fn phase(study: &OscillatorStudy) -> Picture {
     let mut figure = Figure::new(
         "phase-error",
         "Phase error of one step on the oscillator",
@@ -86,26 +78,14 @@ pub(crate) fn phase(study: &OscillatorStudy) -> Captioned {
                 let phase = theory(group.first(), x).and_then(StepMap::phase);
                 (x, phase.map_or(f64::NAN, |p| error(x, p)))
             });
-        figure = figure.with(Series::new(
-            String::new(),
-            Look::Line(Dash::cycle(g)),
-            g,
-            line,
-        ));
-        let points: Vec<(f64, f64)> = study
-            .methods
-            .iter()
-            .filter(|m| m.group == g)
-            .flat_map(|m| &m.points)
-            .filter_map(|p| Some((p.omega_h, error(p.omega_h, p.measured_phase?))))
-            .collect();
-        let look = Look::LineAndPoints(Dash::cycle(g), Symbol::cycle(g));
-        let marks = Series::new(String::new(), Look::Points(Symbol::cycle(g)), g, points);
+        let points = points_of(study, g)
+            .filter_map(|p| Some((p.omega_h, error(p.omega_h, p.measured_phase?))));
         figure = figure
-            .with(marks)
-            .with(Series::new(group.name.clone(), look, g, []));
+            .line("", g, line)
+            .marks("", g, points)
+            .with(entry(group, g));
     }
-    Captioned::new(
+    Picture::new(
         figure,
         "The angle θ by which a step turns the oscillator, against the true angle ωh. Lines: declared maps. \
          Marks: measured. The slope is the order of the method in h; a line ends where its eigenvalues \
@@ -115,7 +95,7 @@ pub(crate) fn phase(study: &OscillatorStudy) -> Captioned {
 }
 
 /// Displacement, its first steps, and energy, for one stiffness.
-pub(crate) fn case(case: &Case, groups: &[Group]) -> Vec<Captioned> {
+pub(crate) fn case(case: &Case, groups: &[Group]) -> Vec<Picture> {
     let line = |run: &Run, values: &[f64], take: usize| {
         let sight = run
             .positions
@@ -124,7 +104,7 @@ pub(crate) fn case(case: &Case, groups: &[Group]) -> Vec<Captioned> {
             .map_or(values.len(), |n| n + 1);
         let points = values.iter().take(take.min(sight)).enumerate();
         let points = points.map(|(n, v)| (n as f64 * STEP, *v));
-        let series = Series::new("", Look::Line(Dash::cycle(run.group)), run.group, points);
+        let series = Series::new("", Look::line(run.group), run.group, points);
         // Where a method stopped by itself is marked.
         match run.stopped {
             Some(_) if run.positions.len() < take => {
@@ -168,38 +148,36 @@ pub(crate) fn case(case: &Case, groups: &[Group]) -> Vec<Captioned> {
     }
     for figure in [&mut displacement, &mut close, &mut energy] {
         for (g, group) in groups.iter().enumerate() {
-            let look = Look::Line(Dash::cycle(g));
-            figure
-                .series
-                .push(Series::new(group.name.clone(), look, g, []));
+            let entry = Series::entry(&group.name, Look::line(g), g);
+            figure.series.push(entry);
         }
     }
-    let mut figures = vec![Captioned::new(
+    let mut figures = vec![Picture::new(
         displacement,
         format!(
             "Displacement against time at {} (ωh = {:.6}), from 1 m at rest, h = {STEP} s; one line for \
              each distinct one-step map.",
             case.title, case.omega_h
         ),
-        &data,
+        data.as_str(),
     )];
     if case.name != "k-100" {
-        figures.push(Captioned::new(
+        figures.push(Picture::new(
             close,
             "The same, close up: with so few steps in a period every line is a zigzag between its points.",
-            &data,
+            data.as_str(),
         ));
     }
-    figures.push(Captioned::new(
+    figures.push(Picture::new(
         energy,
         "Energy against time over the energy at the start, on a logarithmic axis: a straight rise is \
          exponential growth.",
-        &data,
+        data.as_str(),
     ));
     figures
 }
 
-pub(crate) fn infinite(study: &OscillatorStudy) -> Captioned {
+pub(crate) fn infinite(study: &OscillatorStudy) -> Picture {
     let found = &study.infinite;
     let steps = || found.shown_steps.iter().map(|n| f64::from(*n));
     let mut figure = Figure::new(
@@ -217,14 +195,14 @@ pub(crate) fn infinite(study: &OscillatorStudy) -> Captioned {
         let look = if i == 0 {
             Look::Points(Symbol::Disc)
         } else {
-            Look::Line(Dash::cycle(i))
+            Look::line(i)
         };
         let points = steps().zip(run.displacements.iter().copied());
         figure = figure.with(Series::new(name, look, i, points));
     }
     for (i, run) in found.stiff.iter().enumerate().skip(1) {
         let color = found.rigid.len() + i - 1;
-        let points: Vec<(f64, f64)> = envelope(steps().zip(run.displacements.iter().copied()));
+        let points = envelope(steps().zip(run.displacements.iter().copied()));
         let name = format!("ωh = {}, τ = 0", run.omega_h);
         figure = figure.with(Series::new(name, Look::Line(Dash::Dashed), color, points));
     }
@@ -235,7 +213,7 @@ pub(crate) fn infinite(study: &OscillatorStudy) -> Captioned {
         6,
         line,
     ));
-    Captioned::new(
+    Picture::new(
         figure,
         "SPOOK with ε = 0 (k = ∞): without damping |x| grows as 2n + 1, with any damping it dies away. \
          Dashed: large finite stiffnesses (envelope of |x|) follow the same line until their amplitude \
@@ -245,11 +223,9 @@ pub(crate) fn infinite(study: &OscillatorStudy) -> Captioned {
 }
 
 /// The largest value so far.
-fn envelope(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
-    points
-        .scan(0.0_f64, |largest, (x, y)| {
-            *largest = largest.max(y);
-            Some((x, *largest))
-        })
-        .collect()
+fn envelope(points: impl Iterator<Item = (f64, f64)>) -> impl Iterator<Item = (f64, f64)> {
+    points.scan(0.0_f64, |largest, (x, y)| {
+        *largest = largest.max(y);
+        Some((x, *largest))
+    })
 }

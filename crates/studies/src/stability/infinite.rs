@@ -87,11 +87,6 @@ fn shown_steps() -> Vec<u32> {
 /// Measures everything.
 pub(crate) fn measure(quick: bool) -> Result<Infinite, StudyError> {
     let spook = entry("spook")?;
-    let failed = |source| StudyError::Step {
-        method: "spook",
-        dt: STEP,
-        source,
-    };
     let steps = if quick { STEPS / 5 } else { STEPS };
     let shown = shown_steps();
     let mut deviation_from_linear = 0.0_f64;
@@ -101,13 +96,13 @@ pub(crate) fn measure(quick: bool) -> Result<Infinite, StudyError> {
             damping_time: damping_steps * STEP,
         };
         let gamma = 1.0 / (1.0 + 4.0 * damping_steps);
-        let far = excursion(spook, spring, STEP, steps, f64::INFINITY).map_err(failed)?;
-        let mut rig = Rig::start(spook, spring, (1.0, 0.0), STEP).map_err(failed)?;
+        let far = excursion(spook, spring, STEP, steps, f64::INFINITY)?;
+        let mut rig = Rig::start(spook, spring, (1.0, 0.0), STEP)?;
         let mut displacements = Vec::new();
         let mut states = Vec::new();
         let mut last = 1.0;
         for n in 1..=steps {
-            let z = rig.step(STEP).map_err(failed)?;
+            let z = rig.step(STEP)?;
             last = z.x.abs();
             if states.len() < 3 {
                 states.push(z);
@@ -136,11 +131,11 @@ pub(crate) fn measure(quick: bool) -> Result<Infinite, StudyError> {
             let spring = Spring::Stiffness((omega_h / STEP).powi(2));
             // Near the end of the line x turns by π − 4/(ωh) a step: a beat takes π·ωh/4 steps.
             let enough = (4.0 * omega_h) as u32 + 1000;
-            let far = excursion(spook, spring, STEP, enough, f64::INFINITY).map_err(failed)?;
-            let mut rig = Rig::start(spook, spring, (1.0, 0.0), STEP).map_err(failed)?;
+            let far = excursion(spook, spring, STEP, enough, f64::INFINITY)?;
+            let mut rig = Rig::start(spook, spring, (1.0, 0.0), STEP)?;
             let mut displacements = Vec::new();
             for n in 1..=SHOWN {
-                let z = rig.step(STEP).map_err(failed)?;
+                let z = rig.step(STEP)?;
                 if shown.binary_search(&n).is_ok() {
                     displacements.push(z.x.abs());
                 }

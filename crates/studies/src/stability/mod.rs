@@ -146,10 +146,8 @@ fn oscillator(quick: bool, progress: &mut dyn Progress) -> Result<OscillatorStud
 pub fn write(study: &StabilityStudy, dir: &Path) -> Result<(), StudyError> {
     let mut tables = tables::csv(&study.oscillator);
     tables.extend(fluid_stability::csv(&study.fluid));
-    tables.push(tables::claims(&study.claims));
-    let layout = page::Layout::of(study);
-    let page = page::page(study, &layout)?.to_html();
-    crate::files::write_all(dir, &tables, &layout.all(), study, &page)
+    tables.push(crate::claims::csv(&study.claims));
+    crate::files::write_all(dir, &tables, ("study.json", study), &page::page(study))
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces, Oscillato
 use lennard_integrators::{IntegratorEntry, OscillatorModel};
 
 use super::map::StepMap;
+use crate::StudyError;
 
 /// An oscillator of unit mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,7 +21,8 @@ pub(crate) enum Spring {
 
 /// A method, an oscillator and a state on the x axis.
 pub(crate) struct Rig {
-    pub(crate) integrator: Integrator,
+    method: &'static str,
+    integrator: Integrator,
     system: System,
     forces: HarmonicForces,
     state: State,
@@ -33,7 +35,7 @@ impl Rig {
         spring: Spring,
         (x, v): (f64, f64),
         dt: f64,
-    ) -> Result<Self, StepError> {
+    ) -> Result<Self, StudyError> {
         let mut system = System::atoms(1);
         let mut stiffness = 0.0;
         match (spring, entry.oscillator) {
@@ -50,6 +52,7 @@ impl Rig {
             (Spring::Stiffness(k), OscillatorModel::Force) => stiffness = k,
         }
         let mut rig = Self {
+            method: entry.spec.name,
             integrator: entry.build(),
             system,
             forces: HarmonicForces::new(stiffness),
@@ -59,18 +62,34 @@ impl Rig {
                 vec![DVec3::new(v, 0.0, 0.0)],
             ),
         };
-        rig.integrator.start(
+        let started = rig.integrator.start(
             &rig.system,
             &mut rig.state,
             &mut rig.forces,
             dt,
             Want::NOTHING,
-        )?;
-        Ok(rig)
+        );
+        match started {
+            Ok(_) => Ok(rig),
+            Err(source) => Err(rig.failure(dt, source)),
+        }
     }
 
-    /// One step; the new (x, v).
-    pub(crate) fn step(&mut self, dt: f64) -> Result<DVec2, StepError> {
+    fn failure(&self, dt: f64, source: StepError) -> StudyError {
+        StudyError::Step {
+            method: self.method,
+            dt,
+            source,
+        }
+    }
+
+    /// One step of a method that must not fail here; the new (x, v).
+    pub(crate) fn step(&mut self, dt: f64) -> Result<DVec2, StudyError> {
+        self.try_step(dt).map_err(|source| self.failure(dt, source))
+    }
+
+    /// One step of a method that may fail; the new (x, v).
+    pub(crate) fn try_step(&mut self, dt: f64) -> Result<DVec2, StepError> {
         self.integrator.step(
             &self.system,
             &mut self.state,
@@ -121,11 +140,11 @@ pub(crate) fn excursion(
     dt: f64,
     steps: u32,
     bound: f64,
-) -> Result<Excursion, StepError> {
+) -> Result<Excursion, StudyError> {
     let mut rig = Rig::start(entry, spring, (1.0, 0.0), dt)?;
     let mut halves = [1.0_f64, 0.0];
     for n in 0..steps {
-        let x = match rig.step(dt) {
+        let x = match rig.try_step(dt) {
             Ok(z) => z.x.abs(),
             Err(_) => f64::INFINITY,
         };
@@ -152,7 +171,7 @@ pub(crate) fn measured_map(
     entry: &IntegratorEntry,
     omega: f64,
     dt: f64,
-) -> Result<StepMap, StepError> {
+) -> Result<StepMap, StudyError> {
     let spring = Spring::Stiffness(omega * omega);
     let start = (PROBE, 0.3 * PROBE / dt);
     let mut rig = Rig::start(entry, spring, start, dt)?;

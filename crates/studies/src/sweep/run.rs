@@ -185,8 +185,8 @@ pub fn run(
         return Ok(record);
     }
     lennard_io::write_json_atomically(&json, &record)?;
-    lennard_io::write_text_atomically(&table, &page::csv(&record))?;
-    let html = page::page(&record, &options.command)?.to_html();
+    lennard_io::write_table_csv(&table, &page::csv(&record))?;
+    let html = page::page(&record, &options.command).to_html()?;
     lennard_io::write_text_atomically(&report, &html)?;
     Ok(record)
 }
