@@ -3,6 +3,9 @@
 //! [`options!`](crate::options!) declares a struct of options. From each of its fields come the key of the scene file, its default,
 //! the check of its range and its row in the reference. [`choices!`](crate::choices!) declares an enum of names.
 
+/// The most steps that a scene may ask for: at 10⁴ steps per second, three thousand years.
+pub const MOST_STEPS: i64 = 1_000_000_000_000_000;
+
 /// The values that a key may hold.
 #[derive(Debug, Clone, Copy)]
 pub enum Allowed {

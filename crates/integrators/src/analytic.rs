@@ -5,16 +5,15 @@ use lennard_core::{
     ExactSolution, ForceProperties, Integrator, IntegratorSpec, Method, Parts, Step, StepError,
     System,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::OscillatorModel;
 use crate::common::{MethodOptions, remembers_nothing};
 use crate::oscillator::ExactOscillator;
 
-/// Options of the exact solution: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of the exact solution: there are none.
+    pub struct Options {}
+}
 
 /// What the exact solution declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {

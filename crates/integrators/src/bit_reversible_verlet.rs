@@ -5,25 +5,17 @@ use lennard_core::{
     DVec3, ForceError, Integrator, IntegratorSpec, Masses, Method, Parts, Persist, RestoreError,
     State, StateReader, StateWriter, Step, StepError,
 };
-use serde::{Deserialize, Serialize};
 
-use crate::common::{MethodOptions, OptionError};
+use crate::common::MethodOptions;
 use crate::velocity_verlet::oscillator_map;
 
-/// Options of the bit-reversible method.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Options {
-    /// Spacing δ of the position grid, in σ; best a power of two.
-    pub grid_spacing: f64,
-}
-
-impl Default for Options {
-    /// 2⁻⁴⁸ σ ≈ 3.6·10⁻¹⁵ σ, the resolution of a double at a few dozen σ, with room for ±4096 σ.
-    fn default() -> Self {
-        Self {
-            grid_spacing: 2.0_f64.powi(-48),
-        }
+lennard_core::options! {
+    /// Options of the bit-reversible method.
+    ///
+    /// The default spacing 2⁻⁴⁸ σ is the resolution of a double at a few dozen σ, with room for ±4096 σ.
+    pub struct Options {
+        /// Spacing of the grid of positions, best a power of two; the default is 2⁻⁴⁸.
+        grid_spacing: f64 = 2.0_f64.powi(-48), Positive, in "σ";
     }
 }
 
@@ -154,10 +146,6 @@ fn to_position(q: Cell, spacing: f64) -> DVec3 {
 impl MethodOptions for Options {
     fn build(&self) -> Integrator {
         Integrator::new(BitReversibleVerlet::new(self))
-    }
-
-    fn check(&self) -> Result<(), OptionError> {
-        OptionError::unless_positive("grid_spacing", self.grid_spacing)
     }
 }
 

@@ -3,23 +3,16 @@
 use lennard_core::random::NoiseStream;
 use lennard_core::{Integrator, Parts, Step, Thermostat, ThermostatSpec};
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
-use serde::{Deserialize, Serialize};
 
-use crate::common::{BathOptions, OptionError, remembers_nothing, scale_velocities};
+use crate::common::{BathOptions, remembers_nothing, scale_velocities};
 
-/// Options of stochastic velocity rescaling.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Options {
-    /// Relaxation time of the kinetic energy, in τ.
-    pub tau: f64,
-}
-
-impl Default for Options {
-    /// 0.5 τ, about 1 ps for argon: a few vibrations, so that equilibration is quick and the
-    /// dynamics little disturbed.
-    fn default() -> Self {
-        Self { tau: 0.5 }
+lennard_core::options! {
+    /// Options of stochastic velocity rescaling.
+    ///
+    /// The default relaxation time, about 1 ps for argon, is a few vibrations: equilibration is quick, the dynamics little disturbed.
+    pub struct Options {
+        /// Relaxation time of the kinetic energy.
+        tau: f64 = 0.5, Positive, in "τ";
     }
 }
 
@@ -30,10 +23,6 @@ impl BathOptions for Options {
 
     fn relaxation(&self) -> f64 {
         self.tau
-    }
-
-    fn check(&self) -> Result<(), OptionError> {
-        OptionError::unless_positive("tau", self.tau)
     }
 }
 

@@ -1,48 +1,9 @@
 //! What the methods share: checks of their options, and the scaling of velocities.
 
+use lennard_core::options::Options;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
 use lennard_core::{Integrator, Parts, Step};
-
-/// An option with an impossible value.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{key}` = {found} is not allowed: {allowed}")]
-pub struct OptionError {
-    /// The key inside the method's table (`tau`).
-    pub key: &'static str,
-    /// The value found.
-    pub found: String,
-    /// What is allowed, in words.
-    pub allowed: &'static str,
-}
-
-impl OptionError {
-    /// Refuses a number that is not finite and positive.
-    pub(crate) fn unless_positive(key: &'static str, value: f64) -> Result<(), Self> {
-        if value.is_finite() && value > 0.0 {
-            Ok(())
-        } else {
-            Err(Self {
-                key,
-                found: format!("{value:?}"),
-                allowed: "a finite positive number",
-            })
-        }
-    }
-
-    /// Refuses a count of zero.
-    pub(crate) fn unless_counted(key: &'static str, value: u64) -> Result<(), Self> {
-        if value > 0 {
-            Ok(())
-        } else {
-            Err(Self {
-                key,
-                found: value.to_string(),
-                allowed: "a whole number of at least 1",
-            })
-        }
-    }
-}
 
 /// How a method is given the harmonic oscillator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,26 +18,20 @@ pub enum OscillatorModel {
 }
 
 /// What the options type of each method provides for the list.
-pub(crate) trait MethodOptions: Default {
+pub(crate) trait MethodOptions: Options {
     /// How the method is given the oscillator.
     const OSCILLATOR: OscillatorModel = OscillatorModel::Force;
     /// The method with these options.
     fn build(&self) -> Integrator;
-    /// Whether every option has a possible value.
-    fn check(&self) -> Result<(), OptionError> {
-        Ok(())
-    }
 }
 
 /// What the options type of each bath provides for the list.
-pub(crate) trait BathOptions: Default {
+pub(crate) trait BathOptions: Options {
     /// Couples a method to the bath at `temperature` (ε/k_B), whose random numbers come from `noise`.
     fn couple(&self, method: Integrator, temperature: f64, noise: NoiseStream) -> Integrator;
     /// The time in τ in which the bath brings a kinetic energy that is off back to its mean, by a factor of e; 0 for a bath
     /// that sets it.
     fn relaxation(&self) -> f64;
-    /// Whether every option has a possible value.
-    fn check(&self) -> Result<(), OptionError>;
 }
 
 /// Implements [`lennard_core::Persist`] for a type that remembers nothing between steps.

@@ -2,14 +2,13 @@
 
 use glam::DMat2;
 use lennard_core::{Integrator, IntegratorSpec, Method, Step, StepError};
-use serde::{Deserialize, Serialize};
 
 use crate::common::{MethodOptions, remembers_nothing};
 
-/// Options of explicit Euler: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of explicit Euler: there are none.
+    pub struct Options {}
+}
 
 /// What explicit Euler declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {

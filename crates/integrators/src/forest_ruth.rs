@@ -2,15 +2,14 @@
 
 use glam::DMat2;
 use lennard_core::{Integrator, IntegratorSpec};
-use serde::{Deserialize, Serialize};
 
 use crate::common::MethodOptions;
 use crate::composition::Composition;
 
-/// Options of the method of Forest and Ruth: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of Forest–Ruth: there are none.
+    pub struct Options {}
+}
 
 /// What the method of Forest and Ruth declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {

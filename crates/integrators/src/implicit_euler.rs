@@ -6,28 +6,17 @@ use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, Integrator, IntegratorSpec, Masses,
     Method, Part, Parts, PeriodicBox, State, Step, StepError, Want, check_finite, sweeps,
 };
-use serde::{Deserialize, Serialize};
 
-use crate::common::{MethodOptions, OptionError, remembers_nothing};
+use crate::common::{MethodOptions, remembers_nothing};
 use crate::krylov::{conjugate_gradients, dot};
 
-/// Options of implicit Euler.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Options {
-    /// Largest error of a position in its equation, in σ; rounding sets a floor of its own.
-    pub tolerance: f64,
-    /// Newton iterations after which a step fails.
-    pub max_iterations: u32,
-}
-
-impl Default for Options {
-    /// Far below what a step of first order leaves, and within reach of double precision.
-    fn default() -> Self {
-        Self {
-            tolerance: 1e-12,
-            max_iterations: 60,
-        }
+lennard_core::options! {
+    /// Options of implicit Euler. The defaults lie far below what a step of first order leaves, and within reach of double precision.
+    pub struct Options {
+        /// Largest error of a position in its equation.
+        tolerance: f64 = 1e-12, Positive, in "σ";
+        /// Newton iterations after which a step fails.
+        max_iterations: u32 = 60, Whole(1, 1_000_000);
     }
 }
 
@@ -88,11 +77,6 @@ impl ImplicitEuler {
 impl MethodOptions for Options {
     fn build(&self) -> Integrator {
         Integrator::new(ImplicitEuler::new(self))
-    }
-
-    fn check(&self) -> Result<(), OptionError> {
-        OptionError::unless_positive("tolerance", self.tolerance)?;
-        OptionError::unless_counted("max_iterations", u64::from(self.max_iterations))
     }
 }
 

@@ -6,22 +6,14 @@ use lennard_core::{
     DVec3, Integrator, IntegratorSpec, Method, Parts, Step, StepError, ThermostatSpec,
 };
 use rand_distr::{Distribution, StandardNormal};
-use serde::{Deserialize, Serialize};
 
-use crate::common::{BathOptions, OptionError, remembers_nothing};
+use crate::common::{BathOptions, remembers_nothing};
 
-/// Options of Langevin dynamics.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Options {
-    /// Friction γ in 1/τ: velocities are forgotten within 1/γ.
-    pub friction: f64,
-}
-
-impl Default for Options {
-    /// 1/τ, a common choice for Lennard-Jones fluids.
-    fn default() -> Self {
-        Self { friction: 1.0 }
+lennard_core::options! {
+    /// Options of Langevin dynamics: velocities are forgotten within the inverse of the friction.
+    pub struct Options {
+        /// Friction coefficient γ.
+        friction: f64 = 1.0, Positive, in "τ⁻¹";
     }
 }
 
@@ -34,10 +26,6 @@ impl BathOptions for Options {
     /// Velocities lose e^{−γt} of themselves, and their squares twice as much.
     fn relaxation(&self) -> f64 {
         0.5 / self.friction
-    }
-
-    fn check(&self) -> Result<(), OptionError> {
-        OptionError::unless_positive("friction", self.friction)
     }
 }
 

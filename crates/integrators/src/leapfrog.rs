@@ -5,15 +5,14 @@ use lennard_core::{
     DVec3, Integrator, IntegratorSpec, Method, Parts, Persist, RestoreError, StateReader,
     StateWriter, Step, StepError, sweeps,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::common::MethodOptions;
 use crate::velocity_verlet::oscillator_map;
 
-/// Options of leapfrog: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of leapfrog: there are none.
+    pub struct Options {}
+}
 
 /// What leapfrog declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {

@@ -37,7 +37,7 @@ pub mod bussi;
 pub mod langevin;
 pub mod rescale;
 
-pub use common::{OptionError, OscillatorModel};
+pub use common::OscillatorModel;
 pub use list::{
     IntegratorEntry, IntegratorOptions, ThermostatOptions, build, integrators, thermostats,
 };

@@ -1,10 +1,11 @@
 //! The lists of methods, and everything that is made from them.
 
+use lennard_core::options::{Keys, OptionError, Options};
 use lennard_core::random::NoiseStream;
 use lennard_core::{Integrator, IntegratorSpec, ThermostatSpec};
 use serde::{Deserialize, Serialize};
 
-use crate::common::{BathOptions, MethodOptions, OptionError, OscillatorModel};
+use crate::common::{BathOptions, MethodOptions, OscillatorModel};
 
 /// One line of the list of integrators.
 #[derive(Debug, Clone, Copy)]
@@ -54,13 +55,19 @@ macro_rules! list_of_integrators {
                 }
             }
 
+            /// The scene keys of every entry of the list, by its name.
+            #[must_use]
+            pub fn keys() -> Vec<(&'static str, Keys)> {
+                vec![$((crate::$module::SPEC.name, <crate::$module::Options as Options>::KEYS),)*]
+            }
+
             /// Whether every option has a possible value.
             ///
             /// # Errors
             /// [`OptionError`], which names the key, what was found and what is allowed.
             pub fn check(&self) -> Result<(), OptionError> {
                 match self {
-                    $(Self::$variant(options) => MethodOptions::check(options),)*
+                    $(Self::$variant(options) => options.check(),)*
                 }
             }
         }
@@ -160,13 +167,19 @@ macro_rules! list_of_thermostats {
                 }
             }
 
+            /// The scene keys of every entry of the list, by its name.
+            #[must_use]
+            pub fn keys() -> Vec<(&'static str, Keys)> {
+                vec![$((crate::$module::BATH.name, <crate::$module::Options as Options>::KEYS),)*]
+            }
+
             /// Whether every option has a possible value.
             ///
             /// # Errors
             /// [`OptionError`], which names the key, what was found and what is allowed.
             pub fn check(&self) -> Result<(), OptionError> {
                 match self {
-                    $(Self::$variant(options) => BathOptions::check(options),)*
+                    $(Self::$variant(options) => options.check(),)*
                 }
             }
 

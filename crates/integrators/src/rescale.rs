@@ -2,22 +2,14 @@
 
 use lennard_core::random::NoiseStream;
 use lennard_core::{Integrator, Parts, Step, Thermostat, ThermostatSpec};
-use serde::{Deserialize, Serialize};
 
-use crate::common::{BathOptions, OptionError, remembers_nothing, scale_velocities};
+use crate::common::{BathOptions, remembers_nothing, scale_velocities};
 
-/// Options of velocity rescaling.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Options {
-    /// Steps from one rescaling to the next.
-    pub every: u64,
-}
-
-impl Default for Options {
-    /// Every 10 steps: long enough for kinetic and potential energy to exchange something in between.
-    fn default() -> Self {
-        Self { every: 10 }
+lennard_core::options! {
+    /// Options of velocity rescaling. Kinetic and potential energy exchange something within the default of ten steps.
+    pub struct Options {
+        /// Steps between two rescalings.
+        every: u64 = 10, Whole(1, lennard_core::options::MOST_STEPS), in "steps";
     }
 }
 
@@ -29,10 +21,6 @@ impl BathOptions for Options {
     /// The bath sets the kinetic energy at once.
     fn relaxation(&self) -> f64 {
         0.0
-    }
-
-    fn check(&self) -> Result<(), OptionError> {
-        OptionError::unless_counted("every", self.every)
     }
 }
 

@@ -5,15 +5,14 @@ use lennard_core::{
     Constraint, DVec3, ForceProperties, Integrator, IntegratorSpec, Masses, Method, Persist,
     RestoreError, State, StateReader, StateWriter, Step, StepError, System,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::OscillatorModel;
 use crate::common::MethodOptions;
 
-/// Options of SPOOK: there are none; compliance and damping belong to the constraint.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of SPOOK: there are none; compliance and damping belong to the constraint.
+    pub struct Options {}
+}
 
 /// What SPOOK declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {

@@ -1,16 +1,15 @@
 //! Störmer–Verlet with the last displacement scaled to a step that changes.
 
 use lennard_core::{Integrator, IntegratorSpec};
-use serde::{Deserialize, Serialize};
 
 use crate::common::MethodOptions;
 use crate::stormer_verlet::{Recurrence, StepRule};
 use crate::velocity_verlet::oscillator_map;
 
-/// Options of this rule: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of this rule: there are none.
+    pub struct Options {}
+}
 
 /// What this rule declares about itself: its orders hold for a constant
 /// step; each change of the step leaves an error ½·a·(h − h′) in the velocity, so that a run with a

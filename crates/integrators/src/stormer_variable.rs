@@ -1,16 +1,15 @@
 //! Störmer–Verlet for a step that changes, in its more exact form.
 
 use lennard_core::{Integrator, IntegratorSpec};
-use serde::{Deserialize, Serialize};
 
 use crate::common::MethodOptions;
 use crate::stormer_verlet::{Recurrence, StepRule};
 use crate::velocity_verlet::oscillator_map;
 
-/// Options of this rule: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of this rule: there are none.
+    pub struct Options {}
+}
 
 /// What this rule declares about itself. With
 /// v(t) = (x − x⁻)/h′ + ½h′·a it is velocity Verlet for any sequence of steps.

@@ -2,15 +2,14 @@
 
 use lennard_core::parallel::for_each_piece;
 use lennard_core::{DVec3, Integrator, IntegratorSpec, Method, Step, StepError};
-use serde::{Deserialize, Serialize};
 
 use crate::common::{MethodOptions, remembers_nothing};
 use crate::velocity_verlet::oscillator_map;
 
-/// Options of short velocity Verlet: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of short velocity Verlet: there are none.
+    pub struct Options {}
+}
 
 /// What the short form of velocity Verlet declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {

@@ -7,7 +7,6 @@ use lennard_core::{
     DVec3, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
     StateWriter, Table, View, Want,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::averages::{of_blocks, tell_discarded, with_choice};
 use crate::blocks::BlockedSums;
@@ -38,34 +37,19 @@ const BLOCKS: usize = 64;
 /// Relative difference of two sides below which a box counts as a cube.
 const CUBE_TOLERANCE: f64 = 1e-9;
 
-/// Options of [`MeanSquareDisplacement`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct MsdOptions {
-    /// Longest lag in τ.
-    pub longest_lag: f64,
-    /// Shortest lag of the straight-line fit in τ; by default where the slope stops changing.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fit_from: Option<f64>,
-    /// Longest lag of the fit in τ; by default a twentieth of the run.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fit_to: Option<f64>,
-    /// Shear viscosity in ε τ/σ³, for the finite-size correction of Yeh and Hummer in a cubic box.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub viscosity: Option<f64>,
-    /// Number of particles followed, evenly chosen.
-    pub particles: usize,
-}
-
-impl Default for MsdOptions {
-    fn default() -> Self {
-        Self {
-            longest_lag: 100.0,
-            fit_from: None,
-            fit_to: None,
-            viscosity: None,
-            particles: DEFAULT_TRACKED,
-        }
+lennard_core::options! {
+    /// Options of [`MeanSquareDisplacement`].
+    pub struct MsdOptions {
+        /// Longest lag.
+        longest_lag: f64 = 100.0, Positive, in "τ";
+        /// Shortest lag of the straight-line fit for the diffusion coefficient.
+        fit_from: Option<f64> = None, else "where the slope stops changing", Positive, in "τ";
+        /// Longest lag of the fit.
+        fit_to: Option<f64> = None, else "a twentieth of the run", Positive, in "τ";
+        /// Shear viscosity for the finite-size correction of Yeh and Hummer.
+        viscosity: Option<f64> = None, else "the reference table's, where it has one near", Positive, in "ε τ/σ³";
+        /// Number of particles followed, evenly chosen.
+        particles: usize = DEFAULT_TRACKED, Whole(1, 10_000_000);
     }
 }
 

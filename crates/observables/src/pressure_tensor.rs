@@ -4,7 +4,6 @@ use lennard_core::{
     DMat3, DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
     StateWriter, Table, View, Want, parallel,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::averages::of_series;
 use crate::seen_box::SeenBox;
@@ -24,10 +23,10 @@ const SPEC: ObservableSpec = ObservableSpec {
 /// Rows kept before neighbors are averaged in pairs.
 const MOST_ROWS: usize = 1 << 16;
 
-/// Options of [`PressureTensor`]: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct PressureTensorOptions {}
+lennard_core::options! {
+    /// Options of [`PressureTensor`]: there are none.
+    pub struct PressureTensorOptions {}
+}
 
 impl Recipe for PressureTensorOptions {
     const SPEC: &'static ObservableSpec = &SPEC;

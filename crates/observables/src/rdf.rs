@@ -4,7 +4,6 @@ use lennard_core::{
     Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter, Table,
     View, Want,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
@@ -51,23 +50,13 @@ const SHARPEST_FITTED: f64 = 0.8;
 /// Where g(r) does not fall below this after its first peak there is no shell of neighbors to be counted: a gas has none.
 const SHELL_BELOW: f64 = 0.9;
 
-/// Options of [`RadialDistribution`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct RdfOptions {
-    /// Largest distance in σ, at most half the shortest side; by default the smaller of that and 6 σ.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub r_max: Option<f64>,
-    /// Number of bins of equal width.
-    pub bins: usize,
-}
-
-impl Default for RdfOptions {
-    fn default() -> Self {
-        Self {
-            r_max: None,
-            bins: 300,
-        }
+lennard_core::options! {
+    /// Options of [`RadialDistribution`].
+    pub struct RdfOptions {
+        /// Largest distance.
+        r_max: Option<f64> = None, else "the smaller of half the shortest side and 6", Words("a number above 0, at most half the shortest box side"), in "σ";
+        /// Number of bins of equal width.
+        bins: usize = 300, Whole(1, 100_000);
     }
 }
 

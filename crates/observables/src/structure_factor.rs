@@ -7,7 +7,6 @@ use lennard_core::{
     StateWriter, Table, View, Want,
 };
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
@@ -43,25 +42,15 @@ const PEAK_HALF_WIDTH: f64 = 0.8;
 /// The largest multiple of 2π/L along an axis.
 const LARGEST_MULTIPLE: f64 = 4096.0;
 
-/// Options of [`StructureFactor`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct StructureFactorOptions {
-    /// Largest wave number in σ⁻¹.
-    pub k_max: f64,
-    /// Number of shells of equal width between 0 and `k_max`.
-    pub shells: usize,
-    /// Wave vectors tried in each shell.
-    pub directions: usize,
-}
-
-impl Default for StructureFactorOptions {
-    fn default() -> Self {
-        Self {
-            k_max: 15.0,
-            shells: 75,
-            directions: 24,
-        }
+lennard_core::options! {
+    /// Options of [`StructureFactor`].
+    pub struct StructureFactorOptions {
+        /// Largest wave number.
+        k_max: f64 = 15.0, Positive, in "σ⁻¹";
+        /// Number of shells of equal width between 0 and `k_max`.
+        shells: usize = 75, Whole(1, 1000);
+        /// Wave vectors tried in each shell.
+        directions: usize = 24, Whole(1, 1000);
     }
 }
 

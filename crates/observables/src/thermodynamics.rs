@@ -9,7 +9,8 @@ use lennard_core::{
     DVec3, Estimate, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
     StateWriter, View, Want, parallel,
 };
-use serde::{Deserialize, Serialize};
+
+use serde::Serialize;
 
 use crate::averages::{FEWEST_INDEPENDENT, of_fluctuations, of_series};
 use crate::seen_box::SeenBox;
@@ -32,19 +33,11 @@ const SPEC: ObservableSpec = ObservableSpec {
 /// Rows kept before neighbors are averaged in pairs.
 const MOST_ROWS: usize = 1 << 16;
 
-/// Options of [`Thermodynamics`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ThermodynamicsOptions {
-    /// Whether to take the configurational temperature, for which the forces' Laplacian is evaluated.
-    pub configurational_temperature: bool,
-}
-
-impl Default for ThermodynamicsOptions {
-    fn default() -> Self {
-        Self {
-            configurational_temperature: true,
-        }
+lennard_core::options! {
+    /// Options of [`Thermodynamics`].
+    pub struct ThermodynamicsOptions {
+        /// Whether the configurational temperature is taken, for which the Laplacian of U is evaluated.
+        configurational_temperature: bool = true, Flag;
     }
 }
 

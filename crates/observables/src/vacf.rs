@@ -6,7 +6,6 @@ use lennard_core::{
     DVec3, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
     StateWriter, Table, View, Want,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
@@ -36,25 +35,15 @@ const DECAYED: f64 = 0.01;
 /// that starts as 1 − (Ωt)²/2 the rule errs by about a tenth of what is lost in the first interval.
 const FINE_ENOUGH: f64 = 0.5;
 
-/// Options of [`VelocityAutocorrelation`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct VacfOptions {
-    /// Longest lag in τ.
-    pub window: f64,
-    /// Number of time origins that are followed at once; they are spread over the window.
-    pub origins: usize,
-    /// Number of particles followed, evenly chosen.
-    pub particles: usize,
-}
-
-impl Default for VacfOptions {
-    fn default() -> Self {
-        Self {
-            window: 4.0,
-            origins: 16,
-            particles: DEFAULT_TRACKED,
-        }
+lennard_core::options! {
+    /// Options of [`VelocityAutocorrelation`].
+    pub struct VacfOptions {
+        /// Longest lag.
+        window: f64 = 4.0, Positive, in "τ";
+        /// Number of time origins followed at once.
+        origins: usize = 16, Whole(1, 10_000);
+        /// Number of particles followed, evenly chosen.
+        particles: usize = DEFAULT_TRACKED, Whole(1, 10_000_000);
     }
 }
 

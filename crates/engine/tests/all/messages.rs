@@ -53,7 +53,7 @@ fn every_force_field_that_cannot_be_says_why() {
         ),
         (
             refusal(|o, _| o.potential = PotentialOptions::SoftSphere(SoftSphere { exponent: 3 })),
-            "the soft-sphere exponent 3 is out of range",
+            "the potential's `exponent` = 3 is not allowed: a whole number from 4 to 72",
         ),
         (
             refusal(|o, _| o.neighbor.skin = Some(f64::NAN)),

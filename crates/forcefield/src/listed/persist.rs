@@ -17,7 +17,7 @@ impl Listed {
             for (particle, r) in particles.iter().zip(built) {
                 built_at[*particle as usize] = *r;
             }
-            to.put_vec3("built_box", &[cell.lengths()]);
+            to.put_f64("built_box", &cell.lengths().to_array());
         }
         to.put_vec3("built_at", &built_at);
         let inserted = self.validity.inserted().iter().flatten();
@@ -80,10 +80,6 @@ impl Listed {
 
 /// The box of the build.
 fn build_box(from: &StateReader<'_>) -> Result<PeriodicBox, RestoreError> {
-    match from.vec3("built_box")? {
-        [lengths] => {
-            PeriodicBox::new(*lengths).map_err(|e| from.misfit("built_box", e.to_string()))
-        }
-        others => Err(from.misfit("built_box", format!("{} boxes, wanted 1", others.len()))),
-    }
+    let sides: [f64; 3] = from.f64s("built_box")?;
+    PeriodicBox::new(sides.into()).map_err(|e| from.misfit("built_box", e.to_string()))
 }

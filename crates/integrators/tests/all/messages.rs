@@ -136,7 +136,7 @@ fn methods_say_what_is_missing() {
     let options: IntegratorOptions = toml::from_str("kind = \"respa\"\ninner_steps = 0").unwrap();
     assert_eq!(
         options.check().unwrap_err().to_string(),
-        "`inner_steps` = 0 is not allowed: a whole number of at least 1"
+        "`inner_steps` = 0 is not allowed: a whole number from 1 to 1000000"
     );
 }
 

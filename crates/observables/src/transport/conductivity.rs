@@ -4,7 +4,6 @@ use lennard_core::{
     DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
     View, Want, parallel,
 };
-use serde::{Deserialize, Serialize};
 
 use super::green_kubo::{GreenKubo, Words};
 use super::{DEFAULT_WINDOW, checked_interval};
@@ -27,19 +26,11 @@ const WORDS: Words = Words {
     correlation_unit: "k_B/(στ²)",
 };
 
-/// Options of [`ThermalConductivity`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ThermalConductivityOptions {
-    /// Longest lag in τ.
-    pub window: f64,
-}
-
-impl Default for ThermalConductivityOptions {
-    fn default() -> Self {
-        Self {
-            window: DEFAULT_WINDOW,
-        }
+lennard_core::options! {
+    /// Options of [`ThermalConductivity`].
+    pub struct ThermalConductivityOptions {
+        /// Longest lag of the correlation of the heat flux.
+        window: f64 = DEFAULT_WINDOW, Positive, in "τ";
     }
 }
 

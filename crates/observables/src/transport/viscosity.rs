@@ -4,7 +4,6 @@ use lennard_core::{
     DMat3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
     View, Want,
 };
-use serde::{Deserialize, Serialize};
 
 use super::green_kubo::{GreenKubo, Words};
 use super::{DEFAULT_WINDOW, checked_interval};
@@ -28,19 +27,11 @@ const WORDS: Words = Words {
     correlation_unit: "ε/σ³",
 };
 
-/// Options of [`ShearViscosity`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ShearViscosityOptions {
-    /// Longest lag in τ.
-    pub window: f64,
-}
-
-impl Default for ShearViscosityOptions {
-    fn default() -> Self {
-        Self {
-            window: DEFAULT_WINDOW,
-        }
+lennard_core::options! {
+    /// Options of [`ShearViscosity`].
+    pub struct ShearViscosityOptions {
+        /// Longest lag of the correlation of the pressure tensor.
+        window: f64 = DEFAULT_WINDOW, Positive, in "τ";
     }
 }
 
