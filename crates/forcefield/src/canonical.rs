@@ -9,8 +9,8 @@ use lennard_core::PeriodicBox;
 use lennard_core::parallel::for_each_piece;
 use rayon::prelude::*;
 
-use crate::reference::outer;
 use crate::simd::{ChunkTotals, PerParticle};
+use crate::sums::outer;
 use crate::truncation::PairForm;
 
 /// Particles per task: part of the definition of the sums.

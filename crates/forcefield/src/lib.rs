@@ -27,13 +27,13 @@ mod validity;
 
 pub use all_pairs::{AllPairs, CheckedForce};
 pub use catalog::{PotentialSpec, TruncationSpec, potentials, truncations};
-pub use error::ForceFieldError;
+pub use error::{ForceFieldError, LARGEST_N};
 pub use form::{Model, model_name};
 pub use options::{
     ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions, PotentialOptions,
     Precision, SplitOptions, TruncationKind, TruncationOptions,
 };
-pub use plan::{Conditions, ForcePlan, LARGEST_N, Search, recommended_threads};
+pub use plan::{Conditions, ForcePlan, Search, recommended_threads};
 pub use potential::Pair;
 pub use provider::{PairForces, build};
 pub use real::Real;

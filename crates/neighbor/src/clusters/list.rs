@@ -17,20 +17,11 @@ use lennard_core::tasks::for_each_item;
 
 use super::block::Block;
 use super::chunk::{ClusterBlocks, ClusterChunk};
-use super::format::CLUSTER;
+use super::format::{CLUSTER, Reach};
 use super::scan::ClusterScanner;
 use super::search::{Scratch, Search};
 use crate::rows::ATOMS_PER_CHUNK;
 use crate::sort::{ColumnTable, GridError, Positions};
-
-/// The distances that a list is built for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reach {
-    /// The cutoff r_cut, σ.
-    pub r_cut: f64,
-    /// The list radius r_list, σ.
-    pub r_list: f64,
-}
 
 /// Full lists in fixed point, one per cluster.
 ///
