@@ -214,7 +214,7 @@ fn coordination_counts_neighbors_whatever_the_box() {
         &wider,
         positions.iter().map(|r| 1.02 * *r).collect(),
     );
-    let coordination = &rdf.finish(0.0).tables[0].columns[3].values;
+    let coordination = rdf.finish(0.0).tables[0].columns[3].numbers();
     assert!(
         (coordination[130] - 12.0).abs() < 1e-9,
         "{}",

@@ -104,7 +104,7 @@ fn in_a_box_that_changes_wave_vectors_go_with_it() {
         let scaled = positions.iter().map(|r| scale * *r).collect();
         view_of(&cell, scaled, |view| factor.sample(view));
         let table = factor.finish(0.0).tables.swap_remove(0);
-        [0, 1].map(|k| table.columns[k].values.clone())
+        [0, 1].map(|k| table.columns[k].numbers())
     };
     let ([k, s], [wider_k, wider_s]) = (measured(1.0), measured(1.04));
     for i in 0..k.len() {
