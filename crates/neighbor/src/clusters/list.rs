@@ -26,7 +26,7 @@ use crate::sort::{ColumnTable, GridError, Positions};
 /// Full lists in fixed point, one per cluster.
 ///
 /// A list contains every particle within the list radius of a member once, by its nearest image. A particle near to
-/// one half of the cluster alone is kept apart where that saves work, since the other half need not look at it.
+/// one half of the cluster alone is kept apart where that saves work: the other half does not look at it.
 #[derive(Debug, Clone, Default)]
 pub struct ClusterList {
     table: ColumnTable,
@@ -120,7 +120,7 @@ impl ClusterList {
 
     /// Inserts a pair of slots at each end that does not list it yet.
     ///
-    /// Forces are those of a list that had the pair from its build on, except for the order of the sums.
+    /// The forces equal the forces of a list that had the pair from its build on, except for the order of the sums.
     pub fn insert(&mut self, [a, b]: [u32; 2]) {
         for (own, other) in [(a, b), (b, a)] {
             let (chunk, k, member) = address(own);
