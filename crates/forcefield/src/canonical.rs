@@ -10,8 +10,8 @@ use lennard_core::parallel::for_each_piece;
 use rayon::prelude::*;
 
 use crate::pair::PairForm;
-use crate::reference::outer;
 use crate::simd::{ChunkTotals, PerParticle};
+use crate::sums::outer;
 
 /// Particles per task: part of the definition of the sums.
 const PARTICLES_PER_CHUNK: usize = 64;

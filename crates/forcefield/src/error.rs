@@ -4,6 +4,9 @@ use lennard_core::options::OptionError;
 
 use crate::pair::OwnEnd;
 
+/// The largest number of particles: rows, ghosts included, are numbered in 32 bits.
+pub const LARGEST_N: usize = 500_000_000;
+
 /// Why a force field cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ForceFieldError {
@@ -156,7 +159,7 @@ impl ForceFieldError {
             Self::BadSplit { r_cut, .. } => format!("above 0 and below r_cut = {r_cut}"),
             Self::BadSplitWidth(_) => "above 0 and at most r_split".into(),
             Self::NoParticles => "at least 1".into(),
-            Self::TooManyParticles(_) => format!("at most {}", crate::plan::LARGEST_N),
+            Self::TooManyParticles(_) => format!("at most {}", LARGEST_N),
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::validity::ListValidity;
 pub struct FusedBuffers {
     positions: Vec<DVec3>,
     velocities: Vec<DVec3>,
-    /// Positions of the next step, where chunks still read those of this step. It is empty for many particles.
+    /// Positions of the next step, where chunks still read the positions of this step. It is empty for many particles.
     next: Vec<DVec3>,
     /// 0, 1, …
     slots: Vec<u32>,

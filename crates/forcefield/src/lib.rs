@@ -22,7 +22,7 @@ mod sums;
 mod validity;
 
 pub use all_pairs::{AllPairs, CheckedForce};
-pub use error::ForceFieldError;
+pub use error::{ForceFieldError, LARGEST_N};
 pub use options::{
     ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions, Precision,
     SplitOptions, TruncationOptions,
@@ -32,7 +32,7 @@ pub use pair::{
     Tail, TruncationKind, TruncationSpec, Wca, model_name, potentials, tail_correction,
     truncations,
 };
-pub use plan::{Conditions, ForcePlan, LARGEST_N, Search, recommended_threads};
+pub use plan::{Conditions, ForcePlan, Search, recommended_threads};
 pub use provider::{PairForces, build};
 pub use real::Real;
 

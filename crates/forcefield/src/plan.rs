@@ -4,14 +4,12 @@ use lennard_core::PeriodicBox;
 use lennard_neighbor::skin::{SkinInputs, cheapest_skin};
 use serde::Serialize;
 
-use crate::error::ForceFieldError;
+use crate::error::{ForceFieldError, LARGEST_N};
 use crate::listed::Loop;
 use crate::options::{ForceFieldOptions, Kernel, ListMode, Precision};
 use crate::pair::Model;
 use crate::simd::Level;
 
-/// The largest number of particles: rows, ghosts included, are numbered in 32 bits.
-pub const LARGEST_N: usize = 500_000_000;
 /// Up to this many particles, all pairs cost no more than a list.
 ///
 /// At 32 particles a step takes 5.0 µs by all pairs and 2.2 µs by a list; at 108 it takes 94 and 7 µs (supercritical

@@ -4,8 +4,12 @@ use glam::{DMat3, DVec3};
 use lennard_core::{Energetics, Want};
 
 use crate::pair::Pair;
-use crate::reference::outer;
 use crate::simd::{ChunkTotals, PerParticle};
+
+/// The matrix a ⊗ b.
+pub fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}
 
 /// Totals over pairs, each counted once.
 #[derive(Debug, Clone, Copy)]

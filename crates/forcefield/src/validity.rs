@@ -183,7 +183,7 @@ impl ListValidity {
 
     /// Whether the list contains every pair inside the cutoff, by a search ahead of the far movers.
     ///
-    /// The box is that of the build: in any other box the criterion never asks for this search.
+    /// The box equals the box of the build: in any other box the criterion never asks for this search.
     fn unlisted<P: PairList>(
         &self,
         list: &P,

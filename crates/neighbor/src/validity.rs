@@ -63,8 +63,8 @@ pub enum Validity {
 /// The right side is the *effective skin*. In the box of the build it is the skin.
 ///
 /// Beyond that, a pair can be missing only where one of its particles moved by more than half the skin toward the
-/// other. The criterion answers [`Validity::Uncertain`] while such particles are few and none moved by more than a
-/// whole skin (one and a half skins in large systems). It does so in the box of the build only.
+/// other. The criterion answers [`Validity::Uncertain`] while such particles are few and moved by at most one skin (one
+/// and a half skins in large systems). It does so in the box of the build only.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Criterion {
     /// Largest 4·|d|² that is allowed, rounded down, σ²; negative where no displacement is allowed.

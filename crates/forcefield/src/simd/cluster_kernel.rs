@@ -177,7 +177,7 @@ impl<L: FixedLanes, F: PairForm, V: Frame<L>> ClusterKernel<L, F, V> {
         [of_first, of_second]
     }
 
-    /// Adds the pairs of one block with all members; where it is `MASKED`, those of its entries that are `valid` for each.
+    /// Adds the pairs of one block with all members; where it is `MASKED`, only the entries that are `valid` for each.
     ///
     /// # Safety
     /// As [`ClusterKernel::run`].
@@ -204,7 +204,7 @@ impl<L: FixedLanes, F: PairForm, V: Frame<L>> ClusterKernel<L, F, V> {
         [a, b, c, d]
     }
 
-    /// Adds the pairs of one member with one register of neighbors; where they are `MASKED`, those set in `bits`.
+    /// Adds the pairs of one member with one register of neighbors; where they are `MASKED`, only the lanes set in `bits`.
     #[inline(always)]
     fn interact<A: Accumulate<L>, C: Accumulate<L>, const MASKED: bool>(
         &self,

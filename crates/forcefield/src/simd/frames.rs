@@ -89,7 +89,7 @@ impl<L: FixedLanes> Frame<L> for AbsoluteFrame<L> {
 
 /// Coordinates relative to the center of a compact cluster.
 ///
-/// Neighbors are rounded once for all four members, and differences are those of small singles.
+/// Neighbors are rounded once for all four members, and differences are taken between small singles.
 /// In a `CUBIC` box the units are equal along all axes, and distances stay in units of the rows.
 pub struct ClusterFrame<L: FixedLanes, const CUBIC: bool> {
     center: L::Rows,

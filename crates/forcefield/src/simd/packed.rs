@@ -37,7 +37,7 @@ pub enum Prepared {
     Nothing,
     /// The chunks of the step before packed the rows. The list must be judged.
     Packed,
-    /// Rows are packed and the list was judged. It contains by now what it lacked.
+    /// Rows are packed and the list was judged. The pairs that it lacked have been inserted.
     Judged,
 }
 

@@ -167,7 +167,7 @@ pub fn near_cluster<const FOLDED: bool>(
     first: u32,
     found: &mut ClusterNeighbors,
 ) {
-    candidates.check(found);
+    found.check(candidates);
     let to = found.slots.each_mut().map(|slots| slots.as_mut_ptr());
     let from = candidates.at.each_ref().map(|axis| axis.as_ptr());
     let from_slot = candidates.slot.as_ptr();

@@ -8,7 +8,7 @@ use lennard_forcefield::{
     PairForces, Precision, build,
 };
 
-/// Reproducible numbers in [0, 1): Weyl's sequence, one irrational an axis.
+/// Reproducible numbers in [0, 1): Weyl's sequence, with one irrational number per axis.
 pub fn scatter(n: usize, lengths: DVec3, seed: f64) -> Vec<DVec3> {
     let step = DVec3::new(0.819_172_513, 0.671_043_607, 0.549_700_478);
     (0..n)
@@ -16,7 +16,7 @@ pub fn scatter(n: usize, lengths: DVec3, seed: f64) -> Vec<DVec3> {
         .collect()
 }
 
-/// A perturbed simple cubic lattice of `k³` particles at this density: a liquid's distances, no overlap.
+/// A perturbed simple cubic lattice at this density: distances as in a liquid, without overlap.
 pub fn liquid(k: [usize; 3], density: f64, shake: f64) -> (PeriodicBox, Vec<DVec3>) {
     let a = density.powf(-1.0 / 3.0);
     let cell = PeriodicBox::new(DVec3::new(k[0] as f64, k[1] as f64, k[2] as f64) * a).unwrap();
@@ -119,7 +119,7 @@ pub fn reference(
     )
 }
 
-/// Σ_j |F_ij| of each particle, and Σ_j (|U″| + |U′/r|), by which rounding is judged.
+/// Σ_j |F_ij| and Σ_j (|U″| + |U′/r|) of each particle: the scales of rounding errors.
 pub fn magnitudes(
     options: &ForceFieldOptions,
     cell: PeriodicBox,

@@ -138,14 +138,15 @@ fn agree_after_a_move(cells: [usize; 3]) {
     }
 }
 
-/// What lies beyond the last candidate of a search once came near where a number that was meant to be far is a whole number
-/// of boxes: the largest single is one of 12 and of 15, not of 13.
+/// Elements behind the last candidate of a search must be near to nothing.
+///
+/// The largest single is a whole number of boxes of 12 σ and of 15 σ, and not of 13 σ. It once seemed near in such boxes.
 #[test]
 fn small_boxes_of_any_side_agree_with_the_reference() {
     for side in [12.0, 13.0, 15.0] {
         let k = 9;
         let (cell, start) = liquid([k, k, k], (k as f64 / side).powi(3), 0.3);
-        // Several builds, after each of which something else lies in what the search leaves behind.
+        // Each of several builds leaves other elements behind the candidates.
         for step in 0..4 {
             let positions = moved(&start, 0.2 * f64::from(step));
             let base = ForceFieldOptions {
@@ -206,7 +207,7 @@ fn forces_have_the_same_bits_with_and_without_energetics() {
 
 #[test]
 fn the_same_bits_come_from_any_number_of_threads() {
-    // Few, of which each thread has a copy of its own, and many; lists are built anew on the way.
+    // Few particles, with one copy per thread, and many. Lists are built again on the way.
     for (sides, many) in [([12, 11, 10], false), ([14, 13, 12], true)] {
         let (cell, start) = liquid(sides, 0.8442, 0.15);
         assert_eq!(start.len() > 2048, many);
@@ -436,7 +437,7 @@ fn a_restart_continues_with_the_same_bits() {
         }
         let (a, b) = (one.statistics(), other.statistics());
         assert_eq!((a.builds, a.evaluations), (b.builds, b.evaluations));
-        // A provider that starts afresh builds its list elsewhere and sums in another order.
+        // New forces build their list at other positions and sum in another order.
         let mut fresh = build(&options, &at).unwrap();
         let a = all(&mut one, cell, &later, Want::NOTHING).0;
         assert!(
@@ -448,7 +449,7 @@ fn a_restart_continues_with_the_same_bits() {
 
 #[test]
 fn no_pair_of_very_many_particles_is_missed_where_many_moved_far() {
-    // As many as have their ways written; the second of two looks has them.
+    // So many particles that displacements are packed, from the second look on.
     let (cell, start) = liquid([52, 51, 50], 0.8442, 0.2);
     let n = start.len();
     let noise = scatter(n, DVec3::splat(2.0), 0.7);
@@ -486,7 +487,7 @@ fn no_pair_of_very_many_particles_is_missed_where_many_moved_far() {
                 Want::NOTHING,
             )
             .0;
-            // But for rounding at the very cutoff, where the force jumps by 0.04.
+            // Rounding may decide at the very cutoff, where the force jumps by 0.04.
             let differ = |i: &usize| (f[*i] - expected[*i]).length() > 0.02;
             for i in (0..n).filter(differ) {
                 let r = |j: &DVec3| cell.minimum_image(later[i] - *j).length();
@@ -498,16 +499,16 @@ fn no_pair_of_very_many_particles_is_missed_where_many_moved_far() {
             assert_eq!(
                 forces.statistics().builds,
                 1,
-                "the list named what it lacked"
+                "the missing pairs were inserted"
             );
         }
     }
 }
 
 #[test]
-fn pairs_that_were_named_since_the_build_are_part_of_a_restart() {
+fn pairs_that_were_inserted_since_the_build_are_part_of_a_restart() {
     let (cell, start) = liquid([16, 16, 16], 0.8442, 0.15);
-    // One in 33 moves by more than half the skin toward where others are.
+    // One particle in 33 moves by more than half the skin toward others.
     let push = |r: &DVec3, k: usize| {
         let direction = DVec3::from((*r * 12.9898).to_array().map(f64::sin)).normalize();
         if k.is_multiple_of(33) {
@@ -538,7 +539,11 @@ fn pairs_that_were_named_since_the_build_are_part_of_a_restart() {
         all(&mut one, cell, &start, Want::NOTHING);
         let (_, found) = all(&mut one, cell, &later, Want::ENERGY);
         assert_eq!(found.pairs, reference(&options, cell, &later).1.pairs);
-        assert_eq!(one.statistics().builds, 1, "the list named what it lacked");
+        assert_eq!(
+            one.statistics().builds,
+            1,
+            "the missing pairs were inserted"
+        );
         let mut archive = StateArchive::default();
         one.save(&mut archive.writer());
         let (name, named) = archive
@@ -560,7 +565,7 @@ fn pairs_that_were_named_since_the_build_are_part_of_a_restart() {
             let mut other = build(&options, &at).unwrap();
             other.restore(&archive.reader()).map(|()| other)
         };
-        // Where they are near no longer, what was named still decides in which order the others are summed.
+        // Inserted pairs decide the order of the sums, even after they have moved apart.
         let mut same = restored(Some(places.clone())).unwrap();
         let mut without = restored(None).unwrap();
         let mut differ = false;
@@ -574,7 +579,7 @@ fn pairs_that_were_named_since_the_build_are_part_of_a_restart() {
             assert!(expected == all(&mut same, cell, &again, Want::NOTHING).0);
             differ |= expected != all(&mut without, cell, &again, Want::NOTHING).0;
         }
-        assert!(differ, "{kernel:?}: what was named changes nothing");
+        assert!(differ, "{kernel:?}: inserted pairs change nothing");
         for wrong in [vec![0, 1, 2], vec![0, 4096], vec![3, 3], vec![5, 4]] {
             let error = restored(Some(wrong)).err().unwrap().to_string();
             assert!(
@@ -586,7 +591,7 @@ fn pairs_that_were_named_since_the_build_are_part_of_a_restart() {
 }
 
 #[test]
-fn builds_are_counted_on_after_a_restart_from_this_version_and_the_last() {
+fn the_count_of_builds_continues_after_a_restart_from_this_version_and_the_last() {
     let (cell, start) = liquid([8, 8, 8], 0.8442, 0.1);
     let options = ForceFieldOptions {
         neighbor: verlet(Some(0.3)),
@@ -704,7 +709,7 @@ fn a_number_that_is_not_finite_is_an_error_that_names_the_particle() {
                 ForceError::NonFiniteForce { particle: 33 },
                 "{options:?}"
             );
-            // The provider is still usable.
+            // The forces are usable again.
             all(&mut forces, cell, &start, Want::TOTALS);
         }
     }
@@ -737,7 +742,7 @@ fn no_pair_is_missed_along_a_trajectory() {
             for (v, f) in velocities.iter_mut().zip(&f) {
                 *v += 0.5 * dt * *f;
             }
-            // A list that is about to be replaced is likeliest to miss a pair.
+            // A list lacks a pair most likely just before it expires.
             let builds = forces.statistics().builds;
             age = if builds > before { 0 } else { age + 1 };
             before = builds;
@@ -752,16 +757,16 @@ fn no_pair_is_missed_along_a_trajectory() {
 
 #[test]
 fn a_pair_that_comes_from_beyond_the_list_is_not_missed_and_others_do_not_cost_a_build() {
-    // Two that move by 0.16 σ each, more than half the skin of 0.3: together from 2.81 to 2.49 σ, or past each other.
+    // Two particles move by 0.16 σ each, more than half the skin of 0.3: from 2.81 to 2.49 σ apart, or past each other.
     let cell = PeriodicBox::new(DVec3::splat(30.0)).unwrap();
     let mut start = scatter(500, cell.lengths() - DVec3::splat(6.0), 0.4);
     let (a, b) = (DVec3::splat(27.0), DVec3::splat(27.0) + DVec3::X * 2.81);
     start.extend([a, b]);
     let n = start.len();
     for kernel in kernels() {
-        // Lists that four share name it from then on; others are built anew.
-        let shared = kernel.precision == Precision::Mixed;
-        for (direction, builds) in [(DVec3::X, if shared { 1 } else { 2 }), (DVec3::Y, 1)] {
+        // Cluster lists insert the pair. Other lists are built again.
+        let inserts = kernel.precision == Precision::Mixed;
+        for (direction, builds) in [(DVec3::X, if inserts { 1 } else { 2 }), (DVec3::Y, 1)] {
             let options = ForceFieldOptions {
                 potential: PotentialOptions::SoftSphere(SoftSphere { exponent: 4 }),
                 kernel,
@@ -780,7 +785,7 @@ fn a_pair_that_comes_from_beyond_the_list_is_not_missed_and_others_do_not_cost_a
     }
 }
 
-/// Every force beside the sum over all pairs that checks it: the same by the reference, and the kernel's within the tolerance.
+/// Checks every force of a kernel against the sum over all pairs, within its tolerance.
 fn one_by_one(
     options: &ForceFieldOptions,
     cell: PeriodicBox,
@@ -916,15 +921,16 @@ impl Shape {
     }
 }
 
-/// Coordinates in mixed precision are seen from a point amid four particles, up to 3 + 2.5 σ off: two roundings of half
-/// a last place, 2.4e-7 σ each.
+/// Rounding of coordinates relative to the cluster center, up to 3 + 2.5 σ away: twice half a unit in the last place,
+/// 2.4e-7 σ each.
 const SEEN: f64 = 5e-7;
 
-/// One particle in so many moves farther than half the skin: so few that what they may meet is looked for.
+/// One particle in this many moves by more than half the skin: so few that the list looks ahead of them.
 const MOVED_FAR: usize = 40;
 
-/// Every kernel beside the reference, its list built before the particles move by just under half the skin, and some of
-/// them by up to all of it.
+/// Compares every kernel with the reference after its list was built and the particles have moved.
+///
+/// They move by just under half the skin, and some of them by up to the whole skin.
 fn agrees_with_the_reference(shape: &Shape) -> Result<(), TestCaseError> {
     let r_cut = 2.5;
     // A last place more: at exactly two cutoffs, rounding must not make the box too small.
@@ -942,7 +948,7 @@ fn agrees_with_the_reference(shape: &Shape) -> Result<(), TestCaseError> {
     agrees_there(shape.n, cell, skin, (&start, &far), false)
 }
 
-/// The same where particles came from `start` to `positions`; whether the list must last that long.
+/// Compares the kernels after a move from `start` to `positions`; `lasts` says whether the list must last that long.
 fn agrees_there(
     n: usize,
     cell: PeriodicBox,

@@ -1,4 +1,4 @@
-//! Steps taken in one go are those taken one by one, to the bit.
+//! Fused steps have the bits of single steps.
 
 use crate::common::*;
 use lennard_core::sweeps::{drift, kick};
@@ -13,7 +13,7 @@ use lennard_forcefield::{
 
 const DT: f64 = 0.004;
 
-/// A fluid where forces are due.
+/// A fluid before the evaluation of its forces.
 #[derive(Clone, PartialEq)]
 struct Fluid {
     cell: PeriodicBox,
@@ -31,7 +31,7 @@ impl Fluid {
         }
     }
 
-    /// What a stride says that it does, written out.
+    /// One step of the sequence that fused steps promise.
     fn step(&mut self, forces: &mut PairForces, masses: &Masses) -> Result<(), ForceError> {
         let (f, _) = evaluate(forces, self.cell, &self.positions, Part::All, Want::NOTHING)?;
         kick(&mut self.velocities, &f, masses, 0.5 * DT);
@@ -52,7 +52,7 @@ impl Fluid {
     }
 }
 
-/// A list short-lived enough for several builds in the steps below.
+/// A list with a thin skin, which is built several times in the steps below.
 fn options(kernel: KernelOptions, kind: TruncationKind) -> ForceFieldOptions {
     ForceFieldOptions {
         kernel,
@@ -64,7 +64,8 @@ fn options(kernel: KernelOptions, kind: TruncationKind) -> ForceFieldOptions {
 
 #[test]
 fn strides_of_any_length_have_the_bits_of_single_steps() {
-    // No multiples of four or of a chunk; rows packed by each thread, and by all together.
+    // The numbers are no multiples of four or of a chunk. Each thread packs the rows of the first, and all threads pack
+    // the rows of the second.
     for (k, shift) in [([7, 8, 9], 0.0), ([13, 14, 13], -3e6)] {
         let (cell, start) = liquid(k, 0.8, 0.1);
         let home = shift * cell.lengths();
@@ -89,7 +90,7 @@ fn strides_of_any_length_have_the_bits_of_single_steps() {
                             if left == 0 {
                                 break;
                             }
-                            // As a method does between two strides.
+                            // A method takes single steps between two strides.
                             all.step(&mut forces, &masses).unwrap();
                             left -= 1;
                         }
@@ -110,10 +111,10 @@ fn strides_of_any_length_have_the_bits_of_single_steps() {
 
 #[test]
 fn a_stride_of_very_many_particles_has_the_bits_of_single_steps() {
-    // As many as have their ways written, by the chunks of the step before too.
+    // So many that displacements are packed, by the chunks of the step before too.
     let (cell, start) = liquid([52, 51, 50], 0.8442, 0.1);
     let mut start = Fluid::start(cell, start);
-    // One in 17 is so fast that it is far for many steps before the list ends, and meets others.
+    // One particle in 17 is so fast that it is a far mover for many steps of a list, and it meets others.
     for (k, v) in start.velocities.iter_mut().enumerate() {
         *v = v.normalize() * if k % 17 == 0 { 4.0 } else { 1.0 };
     }
@@ -138,8 +139,9 @@ fn a_stride_of_very_many_particles_has_the_bits_of_single_steps() {
     assert_eq!(forces.statistics().builds, expected);
 }
 
-/// Takes all that a stride of some length takes, which single steps take too with forces that are `fresh`, and then single
-/// steps up to the one that fails.
+/// Takes a stride of some length, then single steps up to the step that fails.
+///
+/// Single steps with `fresh` forces must agree with the stride.
 fn fails(start: &Fluid, fresh: impl Fn() -> PairForces, stride: u64) -> (u64, ForceError) {
     let masses = Masses::Uniform(1.0);
     let (mut fluid, mut forces) = (start.clone(), fresh());
@@ -160,13 +162,13 @@ fn fails(start: &Fluid, fresh: impl Fn() -> PairForces, stride: u64) -> (u64, Fo
 
 #[test]
 fn a_stride_leaves_what_is_not_finite_to_single_steps() {
-    // Rows packed by each thread; and by all together, then by the chunks of the step before.
+    // Rows packed by each thread; and by all threads, then by the chunks of the step before.
     for k in [[8, 8, 8], [13, 14, 13]] {
         let (cell, positions) = liquid(k, 0.8, 0.1);
         let n = positions.len();
         let sound = Fluid::start(cell, positions);
-        // A velocity that leads nowhere, one that leads too far, and two particles that meet in one point after four steps, far
-        // from the others in a box that has room for that.
+        // An infinite velocity, a velocity that leads too far, and two particles that meet in one point after four steps.
+        // The box has room for these two far from the others.
         let (mut nowhere, mut far, mut meeting) = (sound.clone(), sound.clone(), sound);
         nowhere.velocities[77].y = f64::INFINITY;
         far.velocities[77].y = 1e12;
@@ -194,13 +196,13 @@ fn a_stride_leaves_what_is_not_finite_to_single_steps() {
                 let fresh = || build(&options(kernel, TruncationKind::Shift), &at).unwrap();
                 let expected = fails(start, fresh, 0);
                 assert!(expected.0 >= least, "{expected:?}");
-                // Those that end before what fails, with it, and after it.
+                // Strides that end before the failure, with it, and after it.
                 for stride in [3, 4, 5, 6, 50] {
                     let found = fails(start, fresh, stride);
                     assert_eq!(found, expected, "{kernel:?}, {stride} steps");
                 }
             }
-            // What was left is as it was.
+            // The stride that failed at its first step changed nothing.
             let (mut all, mut forces) = (
                 nowhere.clone(),
                 build(
@@ -249,7 +251,7 @@ fn forces_without_a_list_in_that_order_take_no_strides() {
         assert!(fluid == start);
         assert_eq!(forces.statistics().evaluations, 0);
     }
-    // A stride that is not worth its trouble.
+    // A stride of two steps is too short to be worth the gathering of particles.
     let mixed = ForceFieldOptions {
         kernel: KernelOptions {
             precision: Precision::Mixed,
@@ -261,7 +263,7 @@ fn forces_without_a_list_in_that_order_take_no_strides() {
     assert_eq!(start.clone().stride(&mut forces, &same, 2), 0);
     assert_eq!(start.clone().stride(&mut forces, &same, 20), 20);
     let at = Configuration::at_rest(&cell, &start.positions);
-    // An evaluation elsewhere right after a stride finds its own list.
+    // An evaluation at other positions right after a stride builds a list of its own.
     let mut f = vec![DVec3::ZERO; 512];
     forces
         .evaluate(at, Part::All, Want::NOTHING, &mut f)

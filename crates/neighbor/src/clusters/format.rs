@@ -1,4 +1,4 @@
-//! The constants of the cluster list's format.
+//! The format of cluster lists.
 
 /// Members of a cluster: the particles at consecutive slots that share one list.
 pub const CLUSTER: usize = 4;
@@ -23,4 +23,13 @@ pub fn cluster_center<const N: usize>(second: [i32; N], third: [i32; N]) -> [i32
         center[axis] = second[axis].wrapping_add(third[axis].wrapping_sub(second[axis]) >> 1);
     }
     center
+}
+
+/// The distances that a list is built for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reach {
+    /// The cutoff r_cut, σ.
+    pub r_cut: f64,
+    /// The list radius r_list, σ.
+    pub r_list: f64,
 }

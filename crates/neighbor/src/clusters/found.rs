@@ -39,6 +39,22 @@ impl ClusterNeighbors {
         }
     }
 
+    /// Checks that there is room for all candidates and one register more, and that one register behind the last
+    /// candidate can be read.
+    ///
+    /// # Panics
+    /// Where an array is too short: that is a bug of the caller.
+    pub fn check(&self, candidates: &GroupCandidates) {
+        for axis in &candidates.at {
+            assert!(axis.len() >= candidates.len + PADDING);
+        }
+        assert!(candidates.square.len() >= candidates.len + PADDING);
+        assert!(candidates.slot.len() >= candidates.len + PADDING);
+        for (slots, len) in self.slots.iter().zip(self.len) {
+            assert!(slots.len() >= len + candidates.len + PADDING);
+        }
+    }
+
     /// The slots of one kind.
     pub(super) fn of(&self, kind: usize) -> &[u32] {
         &self.slots[kind][..self.len[kind]]

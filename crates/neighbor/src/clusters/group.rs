@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use super::found::ClusterNeighbors;
 use crate::sort::{ColumnTable, PADDING};
 
 /// The bounding box of a group of particles, and the search radius around it.
@@ -74,22 +73,6 @@ impl GroupCandidates {
             }
             self.square.resize(total, 0.0);
             self.slot.resize(total, 0);
-        }
-    }
-
-    /// Checks that one register behind the last candidate can be read, and that `found` has room for all candidates
-    /// and one register more.
-    ///
-    /// # Panics
-    /// Where an array is too short: that is a bug of the caller.
-    pub fn check(&self, found: &ClusterNeighbors) {
-        for axis in &self.at {
-            assert!(axis.len() >= self.len + PADDING);
-        }
-        assert!(self.square.len() >= self.len + PADDING);
-        assert!(self.slot.len() >= self.len + PADDING);
-        for (slots, len) in found.slots.iter().zip(found.len) {
-            assert!(slots.len() >= len + self.len + PADDING);
         }
     }
 }

@@ -17,25 +17,16 @@ use lennard_core::tasks::for_each_item;
 
 use super::block::Block;
 use super::chunk::{ClusterBlocks, ClusterChunk};
-use super::format::CLUSTER;
+use super::format::{CLUSTER, Reach};
 use super::scan::ClusterScanner;
 use super::search::{Scratch, Search};
 use crate::rows::ATOMS_PER_CHUNK;
 use crate::sort::{ColumnTable, GridError, Positions};
 
-/// The distances that a list is built for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reach {
-    /// The cutoff r_cut, σ.
-    pub r_cut: f64,
-    /// The list radius r_list, σ.
-    pub r_list: f64,
-}
-
 /// Full lists in fixed point, one per cluster.
 ///
 /// A list contains every particle within the list radius of a member once, by its nearest image. A particle near to
-/// one half of the cluster alone is kept apart where that saves work, since the other half need not look at it.
+/// one half of the cluster alone is kept apart where that saves work: the other half does not look at it.
 #[derive(Debug, Clone, Default)]
 pub struct ClusterList {
     table: ColumnTable,
@@ -129,7 +120,7 @@ impl ClusterList {
 
     /// Inserts a pair of slots at each end that does not list it yet.
     ///
-    /// Forces are those of a list that had the pair from its build on, except for the order of the sums.
+    /// The forces equal the forces of a list that had the pair from its build on, except for the order of the sums.
     pub fn insert(&mut self, [a, b]: [u32; 2]) {
         for (own, other) in [(a, b), (b, a)] {
             let (chunk, k, member) = address(own);

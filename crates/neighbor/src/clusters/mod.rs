@@ -12,8 +12,8 @@ mod search;
 
 pub use block::Block;
 pub use chunk::{ClusterBlocks, ClusterChunk, Span};
-pub use format::{BLOCK, CLUSTER, ENTRY_SCALE, cluster_center};
+pub use format::{BLOCK, CLUSTER, ENTRY_SCALE, Reach, cluster_center};
 pub use found::{ALL_MEMBERS, ClusterNeighbors, FIRST_HALF, SECOND_HALF};
 pub use group::{GroupBounds, GroupCandidates};
-pub use list::{ClusterList, Reach};
+pub use list::ClusterList;
 pub use scan::{ClusterScanner, ScalarClusterScanner};

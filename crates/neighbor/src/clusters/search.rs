@@ -5,10 +5,9 @@ use std::ops::Range;
 use lennard_core::PeriodicBox;
 
 use super::chunk::ClusterChunk;
-use super::format::{BLOCK_REACH, CLUSTER, cluster_center};
+use super::format::{BLOCK_REACH, CLUSTER, Reach, cluster_center};
 use super::found::ClusterNeighbors;
 use super::group::{GroupBounds, GroupCandidates};
-use super::list::Reach;
 use super::scan::ClusterScanner;
 use crate::rows::ATOMS_PER_CHUNK;
 use crate::sort::{CellRange, ColumnTable, FIXED_UNITS, wrap_cell};

@@ -16,6 +16,15 @@ use std::ops::Range;
 /// The number is small, so that 864 particles keep several threads busy.
 pub const ATOMS_PER_CHUNK: usize = 48;
 
+/// What the entries of a list number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Images {
+    /// Entries number rows: each periodic image is a ghost row of its own.
+    Ghosts,
+    /// Entries number slots: the force loop finds the nearest image by arithmetic.
+    Folded,
+}
+
 /// List entries, relative to the base of the chunk.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Entries {

@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use super::chunk::{Entries, ListChunk};
-use super::list::Images;
+use super::chunk::{Entries, Images, ListChunk};
 use super::scan::{Candidates, Center, Numbering, RowScanner};
 use crate::room::give_back;
 use crate::sort::{PADDING, RowTable};

@@ -4,19 +4,10 @@ use lennard_core::PeriodicBox;
 use lennard_core::parallel::part;
 use lennard_core::tasks::for_each_item;
 
-use super::chunk::{ATOMS_PER_CHUNK, ListChunk};
+use super::chunk::{ATOMS_PER_CHUNK, Images, ListChunk};
 use super::fill::{Filler, Scratch};
 use super::scan::RowScanner;
 use crate::sort::{GridError, Positions, RowTable};
-
-/// What the entries of a list number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Images {
-    /// Entries number rows: each periodic image is a ghost row of its own.
-    Ghosts,
-    /// Entries number slots: the force loop finds the nearest image by arithmetic.
-    Folded,
-}
 
 /// A full Verlet list: for each particle, all particles within the list radius.
 ///

@@ -5,6 +5,6 @@ mod fill;
 mod list;
 mod scan;
 
-pub use chunk::{ATOMS_PER_CHUNK, Entries, ListChunk};
-pub use list::{Images, NeighborList};
+pub use chunk::{ATOMS_PER_CHUNK, Entries, Images, ListChunk};
+pub use list::NeighborList;
 pub use scan::{Candidates, Center, Numbering, RowScanner, ScalarScanner};
