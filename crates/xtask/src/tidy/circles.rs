@@ -1,7 +1,7 @@
 //! Files of a crate import each other in one direction: no file needs itself through others.
 //!
 //! An edge goes from a file to each module that its paths name: `crate::a::B`, `super::a::B`, `self::a::B`, and `a::B`
-//! for a child module `a`. A path to a re-export leads to the module that defines the item. Tests do not count.
+//! for a child module `a`. A path to a re-export leads to the module that defines the item. Re-exports and tests do not count.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
@@ -221,10 +221,12 @@ impl Reader<'_> {
                     tree(&tokens[at + 1..end], &mut Vec::new(), &mut leaves);
                     for (path, name) in leaves {
                         let path = self.absolute(&path, module);
+                        // A module that only shows an item of another does not need it.
                         if is_public {
-                            to.exports.insert(name, path.clone());
+                            to.exports.insert(name, path);
+                        } else {
+                            to.paths.extend(path);
                         }
-                        to.paths.extend(path);
                     }
                     at = end;
                 }
