@@ -15,6 +15,7 @@ mod observable;
 pub mod parallel;
 mod persist;
 pub mod random;
+mod spec;
 mod state;
 mod step;
 pub mod sweeps;
@@ -30,11 +31,12 @@ pub use force::{
 pub use force_sum::ForceSum;
 pub use glam::{DMat3, DVec3};
 pub use integrator::Integrator;
-pub use method::{IntegratorSpec, Method, StepError, StepReport, without_constraints};
+pub use method::{Method, without_constraints};
 pub use observable::{
     Average, Doubt, Estimate, Findings, Observable, ObservableSpec, TailCorrection, View,
 };
 pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, StateWriter};
+pub use spec::{IntegratorSpec, StepError, StepReport};
 pub use state::{Configuration, Energetics, Part, State, Want};
 pub use step::{Parts, Step, check_finite};
 pub use system::{Constraint, ExactSolution, Masses, Momentum, System};

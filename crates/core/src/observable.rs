@@ -1,5 +1,7 @@
 //! What observables see and what they give back.
 
+use std::any::Any;
+
 use serde::Serialize;
 
 use crate::{Momentum, PeriodicBox, Persist, State, System, Table, Want};
@@ -119,7 +121,7 @@ impl<'a> View<'a> {
 }
 
 /// An observable: looks at the run, never changes it.
-pub trait Observable: Persist + Send {
+pub trait Observable: Persist + Send + Any {
     /// What it declares about itself.
     fn spec(&self) -> &'static ObservableSpec;
     /// What it needs from the force evaluation on the steps when it samples.

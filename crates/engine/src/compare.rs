@@ -7,7 +7,7 @@ use lennard_literature::{EquationOfState, FiniteSize, Kept, ModelKind};
 use lennard_observables::Thermodynamics;
 use lennard_scene::Scene;
 
-use crate::findings::measured_baths;
+use crate::baths::measured_baths;
 
 /// What was compared, and what could not be.
 #[derive(Debug, Clone, Default)]

@@ -21,18 +21,8 @@ use lennard_io::{
     FileMark, Frame, FrameStyle, OutputFolder, RunRecord, TableWriter, TrajectoryWriter, WriteError,
 };
 
+use crate::names::{RECORD, SCENE, THERMO, TOPOLOGY, TRAJECTORY};
 use crate::{EngineError, Simulation};
-
-/// The scene as resolved.
-pub(crate) const SCENE: &str = "scene.toml";
-/// Instantaneous values.
-pub(crate) const THERMO: &str = "thermo.csv";
-/// Frames.
-pub(crate) const TRAJECTORY: &str = "trajectory.xyz";
-/// The run record.
-const RECORD: &str = "run.json";
-/// Names and box for mdtraj.
-const TOPOLOGY: &str = "topology.gro";
 
 const THERMO_COLUMNS: &[(&str, &str)] = &[
     ("step", ""),

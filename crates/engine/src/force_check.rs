@@ -3,7 +3,8 @@
 use lennard_core::{Persist, RestoreError, State, StateReader, StateWriter};
 use lennard_forcefield::AllPairs;
 
-use crate::watchdog::{LISTS_EVERY, Symptom};
+use crate::failure::Symptom;
+use crate::watchdog::LISTS_EVERY;
 
 /// Particles checked at a look, where a step is long enough for as many.
 const AT_A_LOOK: usize = 2;

@@ -46,7 +46,16 @@ impl Simulation {
     /// The tail correction at the present volume, if the scene has one.
     #[must_use]
     pub fn tail(&self) -> Option<TailCorrection> {
-        crate::build::tail_correction(&self.force_field, &self.state)
+        let state = &self.state;
+        let tail = lennard_forcefield::tail_correction(
+            &self.force_field,
+            state.len(),
+            state.cell.volume(),
+        );
+        tail.map(|t| TailCorrection {
+            energy_per_particle: t.energy_per_particle,
+            pressure: t.pressure,
+        })
     }
 
     /// What observers see of the state as it is.

@@ -154,7 +154,7 @@ fn items(
             ),
         ),
     ];
-    let want = simulation.thermodynamics.want();
+    let want = simulation.thermodynamics().want();
     items.push(if want.laplacian {
         item(
             "configurational temperature",

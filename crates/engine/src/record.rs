@@ -38,9 +38,9 @@ pub fn finished(
         &simulation.scene,
         density,
         simulation.state.len(),
-        &simulation.thermodynamics,
+        simulation.thermodynamics(),
     );
-    let conservation = simulation.thermodynamics.conservation();
+    let conservation = simulation.thermodynamics().conservation();
     let wall_s = wall.as_secs_f64();
     let atom_steps = simulation.state.len() as f64 * simulation.state.step as f64;
     let averages: BTreeMap<String, AverageRecord> = findings

@@ -4,28 +4,13 @@ use std::fs;
 use std::path::Path;
 
 use lennard_core::{Array, DVec3, Want};
-use lennard_engine::{EngineError, Follower, ResumeOptions, Simulation, Verdict, resume};
+use lennard_engine::{Action, Operation, ResumeOptions, Schedule, StopAt, Trigger, resume};
 use lennard_io::{Checkpoint, FileMark, checkpoint_bytes, read_checkpoint};
-use lennard_scene::Scene;
 
 /// Takes a few steps, with everything evaluated at each.
-struct AFew(u64);
-
-impl Follower for AFew {
-    fn want(&self, _: &Scene, _: u64, _: bool) -> Want {
-        Want::ENERGY_AND_VIRIAL
-    }
-    fn looks_at(&self, _: &Scene, _: u64, _: bool) -> bool {
-        true
-    }
-    fn after_step(&mut self, _: &mut Simulation) -> Result<Verdict, EngineError> {
-        self.0 -= 1;
-        Ok(if self.0 == 0 {
-            Verdict::Stop
-        } else {
-            Verdict::Continue
-        })
-    }
+fn a_few(from: u64) -> StopAt {
+    let each = Operation::new(Action::Call, Trigger::Always).wanting(Want::ENERGY_AND_VIRIAL);
+    StopAt::following(Schedule::empty().with(each), from + 4)
 }
 
 /// The checkpoints that fuzzing starts from, as if this version had written them.
@@ -55,7 +40,8 @@ impl Bench {
         fs::write(&path, checkpoint_bytes(checkpoint)).unwrap();
         let mut resumed =
             resume(self.0.path(), &ResumeOptions::default()).map_err(|e| e.to_string())?;
-        resumed.simulation.run(&mut AFew(4)).map_err(|e| {
+        let mut a_few = a_few(resumed.simulation.state.step);
+        resumed.simulation.run(&mut a_few).map_err(|e| {
             assert!([2, 3].contains(&e.exit_code()), "{e}");
             e.to_string()
         })?;

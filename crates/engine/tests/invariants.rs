@@ -2,7 +2,8 @@
 
 use lennard_core::{DVec3, Persist, StateArchive, Want};
 use lennard_engine::{
-    EngineError, Follower, Nobody, Simulation, Verdict, begin, prepare, prepare_from,
+    Action, EngineError, Follower, Operation, Schedule, Simulation, StopAt, Trigger, Unfollowed,
+    Verdict, begin, prepare, prepare_from,
 };
 use lennard_scene::Scene;
 
@@ -66,25 +67,6 @@ fn bits(simulation: &Simulation) -> Vec<[u64; 3]> {
     all.map(|v| v.to_array().map(f64::to_bits)).collect()
 }
 
-/// Stops after a number of steps.
-struct StopAt(u64);
-
-impl Follower for StopAt {
-    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
-        Want::NOTHING
-    }
-    fn looks_at(&self, _scene: &Scene, step: u64, _measured: bool) -> bool {
-        step == self.0
-    }
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        Ok(if simulation.state.step == self.0 {
-            Verdict::Stop
-        } else {
-            Verdict::Continue
-        })
-    }
-}
-
 fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -100,7 +82,7 @@ fn the_bits_are_the_same_for_any_number_of_threads() {
         let run = |threads| {
             on_threads(threads, || {
                 let mut s = build(&[("system.n_atoms", n), ("stage.0.steps", steps)]);
-                s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+                s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
                 bits(&s)
             })
         };
@@ -116,7 +98,7 @@ fn split_and_compare(overrides: &[(&str, &str)], first: u64, what: &str) {
     let mut whole = build(overrides);
     assert!(
         whole
-            .run(&mut Nobody)
+            .run(&mut Unfollowed)
             .unwrap_or_else(|e| panic!("{what}: {e}"))
     );
     let steps = whole.state.step;
@@ -124,7 +106,7 @@ fn split_and_compare(overrides: &[(&str, &str)], first: u64, what: &str) {
     let mut begun = build(overrides);
     assert!(
         !begun
-            .run(&mut StopAt(first))
+            .run(&mut StopAt::new(first))
             .unwrap_or_else(|e| panic!("{what}: {e}"))
     );
     let saved = archive(&begun);
@@ -134,7 +116,7 @@ fn split_and_compare(overrides: &[(&str, &str)], first: u64, what: &str) {
         .unwrap_or_else(|e| panic!("{what}: {e}"));
     assert!(
         resumed
-            .run(&mut Nobody)
+            .run(&mut Unfollowed)
             .unwrap_or_else(|e| panic!("{what}: {e}"))
     );
 
@@ -144,7 +126,7 @@ fn split_and_compare(overrides: &[(&str, &str)], first: u64, what: &str) {
     // Going on in the same simulation is the same again.
     assert!(
         begun
-            .run(&mut Nobody)
+            .run(&mut Unfollowed)
             .unwrap_or_else(|e| panic!("{what}: {e}"))
     );
     assert!(bits(&begun) == bits(&whole), "{what}");
@@ -204,14 +186,14 @@ fn observing_changes_no_bit_of_the_trajectory() {
         ];
         let run = |more: &[(&str, &str)]| {
             let mut s = build(&[&fluid, more].concat());
-            s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+            s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
             s
         };
         let bare = run(&[("output.thermo_every", "1000")]);
         let watched = run(&[("output.thermo_every", "1"), ("observable", every)]);
         let what = format!("{n} particles in {precision} precision");
         assert!(bits(&watched) == bits(&bare), "{what}");
-        let samples = |s: &Simulation| s.thermodynamics.series().time.len();
+        let samples = |s: &Simulation| s.thermodynamics().series().time.len();
         assert!(samples(&watched) > samples(&bare), "{what}");
         let (a, b) = (bare.forces.statistics(), watched.forces.statistics());
         assert_eq!(
@@ -219,21 +201,6 @@ fn observing_changes_no_bit_of_the_trajectory() {
             (b.evaluations, b.builds),
             "{what}"
         );
-    }
-}
-
-/// Looks at every step, and wants nothing.
-struct Onlooker;
-
-impl Follower for Onlooker {
-    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
-        Want::NOTHING
-    }
-    fn looks_at(&self, _scene: &Scene, _step: u64, _measured: bool) -> bool {
-        true
-    }
-    fn after_step(&mut self, _simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        Ok(Verdict::Continue)
     }
 }
 
@@ -252,7 +219,9 @@ fn a_run_that_goes_wrong_says_the_same_whether_it_was_looked_at_or_not() {
             let error = s.run(follower).expect_err("the step is too long");
             (error.to_string(), s.state.step, s.stage_run().steps_done)
         };
-        assert_eq!(run(&mut Nobody), run(&mut Onlooker), "dt = {dt}");
+        let each = Operation::new(Action::Call, Trigger::Always);
+        let mut onlooker = StopAt::following(Schedule::empty().with(each), u64::MAX);
+        assert_eq!(run(&mut Unfollowed), run(&mut onlooker), "dt = {dt}");
     }
 }
 
@@ -260,7 +229,7 @@ fn a_run_that_goes_wrong_says_the_same_whether_it_was_looked_at_or_not() {
 fn momentum_is_conserved_and_the_temperature_is_the_one_asked_for_at_the_start() {
     let mut s = build(&[]);
     assert!((s.view().temperature() - 1.4).abs() < 1e-13);
-    s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     // Each step adds roundings of the kicks: N·√steps·ε_machine·|v| ≈ 256·30·1e-16·3, and a margin of ten.
     assert!(s.system.momentum(&s.state.velocities).length() < 2e-10);
 }
@@ -275,7 +244,7 @@ fn momentum_of_mixed_precision_stays_below_a_random_walk_of_its_rounding() {
             ("kernel.precision", "mixed"),
             ("stage.0.steps", &steps.to_string()),
         ]);
-        s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+        s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         let n = s.state.forces.len() as f64;
         let squares: f64 = s.state.forces.iter().map(|f| f.length_squared()).sum();
         // δ = 7e-7 of the force in mixed precision (benches/NOTES.md); the walk reaches three times its width one time in 400.
@@ -308,8 +277,8 @@ fn the_energy_fluctuation_falls_as_the_square_of_dt() {
             ("stage", &stages),
             ("output.thermo_every", "1"),
         ]);
-        s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
-        s.thermodynamics.conservation().energy_rms_per_atom
+        s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        s.thermodynamics().conservation().energy_rms_per_atom
     };
     // The same 8 τ of the same liquid at both steps; one of them scatters by 0.035, and the mean of four by half as much.
     let exponents = ["11", "12", "13", "14"].map(|seed| {
@@ -324,7 +293,7 @@ fn the_energy_fluctuation_falls_as_the_square_of_dt() {
 fn a_step_far_too_large_stops_the_run_and_says_why() {
     let mut s = build(&[("integrator.dt", "0.08")]);
     let error = s
-        .run(&mut Nobody)
+        .run(&mut Unfollowed)
         .expect_err("dt = 0.08 is far past the limit of stability");
     assert_eq!(error.exit_code(), 3);
     let text = error.to_string();
@@ -335,7 +304,7 @@ fn a_step_far_too_large_stops_the_run_and_says_why() {
 #[test]
 fn hot_particles_outrun_no_list() {
     let mut s = build(&[("system.temperature", "3")]);
-    s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     let statistics = s.forces.statistics();
     let seen = s.force_check.seen();
     assert!(
@@ -353,7 +322,7 @@ fn a_heat_bath_costs_a_method_with_memory_no_second_force_evaluation() {
             ("stage.0.thermostat", "bussi"),
             ("stage.0.steps", "50"),
         ]);
-        s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+        s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(s.forces.statistics().evaluations, 51, "{method}");
     }
 }
@@ -368,14 +337,14 @@ fn a_bath_holds_its_temperature_with_every_method_and_its_heat_is_accounted_for(
                 ("stage.0.thermostat", bath),
                 ("stage.0.steps", "3000"),
             ]);
-            s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
-            let series = s.thermodynamics.series();
+            s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+            let series = s.thermodynamics().series();
             let late = &series.temperature[series.temperature.len() / 3..];
             let mean = late.iter().sum::<f64>() / late.len() as f64;
             // Canonical: σ_T = T·√(2/3N) = 0.05 for one sample; several tens of independent ones leave 0.01.
             assert!((mean - 1.0).abs() < 0.04, "{method} {bath}: {mean}");
             let drift = s
-                .thermodynamics
+                .thermodynamics()
                 .conservation()
                 .energy_drift_per_atom_per_tau;
             // The bath moves some 0.1 ε per particle; what is left after its heat is taken off is the method's own error.
@@ -393,8 +362,8 @@ fn the_energy_of_the_triple_point_does_not_drift_in_a_hundred_thousand_steps() {
         ("integrator.dt", "0.004618802153517006"),
         ("stage", stages),
     ]);
-    s.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
-    let found = s.thermodynamics.conservation();
+    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    let found = s.thermodynamics().conservation();
     let (drift, error) = (
         found.energy_drift_per_atom_per_tau,
         found.energy_drift_standard_error,
@@ -405,17 +374,16 @@ fn the_energy_of_the_triple_point_does_not_drift_in_a_hundred_thousand_steps() {
 
 /// Reverses all velocities at step `turn`, and keeps the positions of step 1.
 struct TurnBack {
+    schedule: Schedule,
     turn: u64,
     first: Vec<lennard_core::DVec3>,
 }
 
 impl Follower for TurnBack {
-    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
-        Want::NOTHING
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
-    fn looks_at(&self, _scene: &Scene, step: u64, _measured: bool) -> bool {
-        step == 1 || step == self.turn
-    }
+
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
         if simulation.state.step == 1 {
             self.first.clone_from(&simulation.state.positions);
@@ -449,6 +417,10 @@ fn return_distance(method: &str, n: &str, steps: u64, threads: usize) -> f64 {
             ("stage", &stages),
         ]);
         let mut turn = TurnBack {
+            schedule: [1, steps]
+                .map(|step| Operation::new(Action::Call, Trigger::At(step)))
+                .into_iter()
+                .collect(),
             turn: steps,
             first: Vec::new(),
         };

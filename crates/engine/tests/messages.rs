@@ -224,7 +224,7 @@ fn starts_that_cannot_be_say_what_would_be() {
     ))
     .unwrap_or_else(|e| panic!("{e}"));
     let message = simulation
-        .run(&mut lennard_engine::Nobody)
+        .run(&mut lennard_engine::Unfollowed)
         .unwrap_err()
         .to_string();
     for wanted in [

@@ -7,8 +7,8 @@ use lennard_core::{
     ForceTerm, Part, PeriodicBox, Persist, RestoreError, StateArchive, StateReader, StateWriter,
     Want,
 };
-use lennard_engine::watchdog::{self, Symptom};
-use lennard_engine::{EngineError, Nobody, Simulation, prepare};
+use lennard_engine::{EngineError, Simulation, Unfollowed, prepare};
+use lennard_engine::{Symptom, watchdog};
 use lennard_forcefield::Model;
 use lennard_scene::Scene;
 
@@ -135,7 +135,7 @@ fn one_missed_pair_just_inside_a_plain_cutoff_stops_the_run() {
             u64::MAX,
         );
         let error = simulation
-            .run(&mut Nobody)
+            .run(&mut Unfollowed)
             .expect_err("one pair was left out");
         assert_eq!(error.exit_code(), 3);
         let text = error.to_string();
@@ -189,7 +189,7 @@ fn every_method_leaves_the_whole_force_which_is_checked_and_found_right() {
             };
             let mut simulation = prepare(scene).unwrap_or_else(|e| panic!("{e}"));
             simulation
-                .run(&mut Nobody)
+                .run(&mut Unfollowed)
                 .unwrap_or_else(|e| panic!("{}: {e}", entry.spec.name));
             // At step 100 and at the end.
             let seen = simulation.force_check.seen();
@@ -210,7 +210,7 @@ fn every_method_leaves_the_whole_force_which_is_checked_and_found_right() {
 #[test]
 fn what_was_checked_is_counted_on_after_a_restart() {
     let mut whole = build(&[("stage.0.steps", "250")]);
-    whole.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+    whole.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(whole.force_check.seen().forces, 3);
     let mut archive = StateArchive::default();
     whole.save(&mut archive.writer());
@@ -219,7 +219,7 @@ fn what_was_checked_is_counted_on_after_a_restart() {
         .restore(&archive.reader())
         .unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(again.force_check.seen(), whole.force_check.seen());
-    again.run(&mut Nobody).unwrap_or_else(|e| panic!("{e}"));
+    again.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(again.force_check.seen().forces, 5);
     // A checkpoint of a version that checked nothing.
     archive
@@ -236,7 +236,7 @@ fn what_was_checked_is_counted_on_after_a_restart() {
 fn a_force_that_is_not_finite_stops_the_run_at_that_step_and_names_the_particle() {
     let mut simulation = faulty(&[], u64::MAX, 42);
     let error = simulation
-        .run(&mut Nobody)
+        .run(&mut Unfollowed)
         .expect_err("a force was not finite");
     assert_eq!(error.exit_code(), 3);
     let text = error.to_string();
@@ -264,7 +264,7 @@ fn what_watching_costs() {
         let mut simulation = build(&[("system.n_atoms", n), ("stage.0.steps", "200")]);
         let clock = Instant::now();
         simulation
-            .run(&mut Nobody)
+            .run(&mut Unfollowed)
             .unwrap_or_else(|e| panic!("{e}"));
         let step = clock.elapsed().as_secs_f64() / 200.0;
         let repeats = 100;

@@ -4,8 +4,6 @@ use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
 use lennard_core::{Integrator, Parts, Step};
 
-use crate::OscillatorModel;
-
 /// An option with an impossible value.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{key}` = {found} is not allowed: {allowed}")]
@@ -44,6 +42,18 @@ impl OptionError {
             })
         }
     }
+}
+
+/// How a method is given the harmonic oscillator.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OscillatorModel {
+    /// As the force −k·x of [`crate::oscillator::HarmonicForces`].
+    Force,
+    /// As the constraint of [`crate::oscillator::OscillatorConstraint`], with no other force.
+    Constraint,
+    /// As a force for the published forces, and as its own exact solution
+    /// ([`crate::oscillator::ExactOscillator`]).
+    ExactSolution,
 }
 
 /// What the options type of each method provides for the list.

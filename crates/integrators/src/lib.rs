@@ -37,8 +37,7 @@ pub mod bussi;
 pub mod langevin;
 pub mod rescale;
 
-pub use common::OptionError;
+pub use common::{OptionError, OscillatorModel};
 pub use list::{
-    IntegratorEntry, IntegratorOptions, OscillatorModel, ThermostatOptions, build, integrators,
-    thermostats,
+    IntegratorEntry, IntegratorOptions, ThermostatOptions, build, integrators, thermostats,
 };

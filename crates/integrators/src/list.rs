@@ -4,19 +4,7 @@ use lennard_core::random::NoiseStream;
 use lennard_core::{Integrator, IntegratorSpec, ThermostatSpec};
 use serde::{Deserialize, Serialize};
 
-use crate::common::{BathOptions, MethodOptions, OptionError};
-
-/// How a method is given the harmonic oscillator.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum OscillatorModel {
-    /// As the force −k·x of [`crate::oscillator::HarmonicForces`].
-    Force,
-    /// As the constraint of [`crate::oscillator::OscillatorConstraint`], with no other force.
-    Constraint,
-    /// As a force for the published forces, and as its own exact solution
-    /// ([`crate::oscillator::ExactOscillator`]).
-    ExactSolution,
-}
+use crate::common::{BathOptions, MethodOptions, OptionError, OscillatorModel};
 
 /// One line of the list of integrators.
 #[derive(Debug, Clone, Copy)]

@@ -13,6 +13,7 @@ use crate::averages::{of_blocks, tell_discarded, with_choice};
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::linear_regime::{LagCurve, LinearFit, fit_linear_regime};
+use crate::seen_box::SeenBox;
 use crate::tracked::{DEFAULT_TRACKED, Tracked, sum_over_pairs};
 use crate::{BuildContext, ObservableError, Recipe};
 
@@ -95,6 +96,7 @@ pub struct MeanSquareDisplacement {
     options: MsdOptions,
     context: BuildContext,
     tracked: Tracked,
+    seen: SeenBox,
     samples: u64,
     levels: Vec<VecDeque<Vec<DVec3>>>,
     displacements: BlockedSums,
@@ -129,6 +131,7 @@ impl MeanSquareDisplacement {
             options: options.clone(),
             context: *context,
             tracked: Tracked::new(context.n_atoms, options.particles),
+            seen: SeenBox::new(&context.cell),
             samples: 0,
             levels: vec![VecDeque::new(); levels],
             displacements: BlockedSums::new(levels * POINTS as usize, BLOCKS),
@@ -173,14 +176,14 @@ impl MeanSquareDisplacement {
     }
 
     fn is_cubic(&self) -> bool {
-        let sides = self.context.cell.lengths();
+        let sides = self.seen.sides();
         (sides.max_element() - sides.min_element()) / sides.max_element() < CUBE_TOLERANCE
     }
 
     /// What finite size takes away from D in a periodic cube, 2.837297 T/(6πηL), in σ²/τ.
     fn finite_size_correction(&self, viscosity: f64) -> f64 {
         let temperature = self.temperatures / self.samples as f64;
-        YEH_HUMMER_XI * temperature / (6.0 * PI * viscosity * self.context.cell.lengths().x)
+        YEH_HUMMER_XI * temperature / (6.0 * PI * viscosity * self.seen.sides().x)
     }
 
     fn report(&self, fit: &LinearFit, findings: &mut Findings) {
@@ -234,6 +237,7 @@ impl Observable for MeanSquareDisplacement {
     }
 
     fn sample(&mut self, view: &View<'_>) {
+        self.seen.see(view.cell());
         let now = self
             .tracked
             .relative_to_centre_of_mass(view.system, &view.state.positions);
@@ -299,6 +303,7 @@ impl Persist for MeanSquareDisplacement {
         to.put_u64("samples", &[self.samples]);
         to.put_f64("temperatures", &[self.temperatures]);
         self.displacements.save(&mut to.section("displacements"));
+        self.seen.save(&mut to.section("box"));
         for (level, history) in self.levels.iter().enumerate() {
             let all: Vec<DVec3> = history.iter().flatten().copied().collect();
             to.put_vec3(&format!("level_{level}"), &all);
@@ -309,6 +314,7 @@ impl Persist for MeanSquareDisplacement {
         [self.samples] = from.u64s("samples")?;
         [self.temperatures] = from.f64s("temperatures")?;
         self.displacements.restore(&from.section("displacements"))?;
+        self.seen.restore(&from.section("box"))?;
         let n = self.tracked.len();
         for (level, history) in self.levels.iter_mut().enumerate() {
             let name = format!("level_{level}");

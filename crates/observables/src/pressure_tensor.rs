@@ -7,6 +7,7 @@ use lennard_core::{
 use serde::{Deserialize, Serialize};
 
 use crate::averages::of_series;
+use crate::seen_box::SeenBox;
 use crate::series::{Series, impl_columns};
 use crate::{BuildContext, ObservableError, Recipe};
 
@@ -68,7 +69,7 @@ impl_columns!(Rows {
 /// symmetric; its two halves are averaged.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PressureTensor {
-    context: BuildContext,
+    seen: SeenBox,
     series: Series<Rows>,
 }
 
@@ -77,7 +78,7 @@ impl PressureTensor {
     #[must_use]
     pub fn new(context: &BuildContext) -> Self {
         Self {
-            context: *context,
+            seen: SeenBox::new(&context.cell),
             series: Series::new(Rows::default(), MOST_ROWS),
         }
     }
@@ -124,6 +125,7 @@ impl Observable for PressureTensor {
     /// Where the state lacks what [`Observable::want`] asks for: that is a bug of the caller.
     fn sample(&mut self, view: &View<'_>) {
         let p = Self::of(view).expect("the force evaluation gives what the observable wants");
+        self.seen.see(view.cell());
         let tail = view.tail.unwrap_or_default().pressure;
         self.series.push(&[
             view.state.time,
@@ -144,7 +146,7 @@ impl Observable for PressureTensor {
             average.estimate.equilibration_cut *= self.series.stride();
             average
         };
-        let length = self.context.cell.lengths().z;
+        let length = self.seen.sides().z;
         let tension: Vec<f64> = (0..rows.xx.len())
             .map(|i| 0.5 * length * (rows.zz[i] - 0.5 * (rows.xx[i] + rows.yy[i])))
             .collect();
@@ -185,9 +187,11 @@ impl Observable for PressureTensor {
 impl Persist for PressureTensor {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.series.save(&mut to.section("series"));
+        self.seen.save(&mut to.section("box"));
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.series.restore(&from.section("series"))
+        self.series.restore(&from.section("series"))?;
+        self.seen.restore(&from.section("box"))
     }
 }

@@ -12,6 +12,7 @@ use lennard_core::{
 use serde::{Deserialize, Serialize};
 
 use crate::averages::{FEWEST_INDEPENDENT, of_fluctuations, of_series};
+use crate::seen_box::SeenBox;
 use crate::series::Series;
 use crate::statistics::{self, RunningLine};
 use crate::thermo_series::ThermoSeries;
@@ -100,6 +101,7 @@ pub struct Conservation {
 pub struct Thermodynamics {
     options: ThermodynamicsOptions,
     context: BuildContext,
+    seen: SeenBox,
     series: Series<ThermoSeries>,
     energy_line: RunningLine,
     largest_momentum: f64,
@@ -123,6 +125,7 @@ impl Thermodynamics {
         Self {
             options: options.clone(),
             context: *context,
+            seen: SeenBox::new(&context.cell),
             series: Series::new(ThermoSeries::default(), MOST_ROWS),
             energy_line: RunningLine::default(),
             largest_momentum: 0.0,
@@ -209,9 +212,9 @@ impl Thermodynamics {
         }
     }
 
-    /// Mean Laplacian of the jump of the force, per particle, for g(r_cut) = 1.
-    fn jump_laplacian(&self) -> f64 {
-        let density = self.context.n_atoms as f64 / self.context.cell.volume();
+    /// Mean Laplacian of the jump of the force, per particle, for g(r_cut) = 1 in this volume (σ³).
+    fn jump_laplacian(&self, volume: f64) -> f64 {
+        let density = self.context.n_atoms as f64 / volume;
         -4.0 * PI * density * self.context.r_cut.powi(2) * self.force_jump
     }
 }
@@ -235,6 +238,7 @@ impl Observable for Thermodynamics {
         let energetics = &state.energetics;
         let asked = "the force evaluation gives what the observable wants";
         let n = state.len() as f64;
+        self.seen.see(view.cell());
         let volume = view.cell().volume();
         let kinetic = view.system.kinetic_energy(&state.velocities) / n;
         let temperature = 2.0 * kinetic * n / view.n_dof();
@@ -254,7 +258,7 @@ impl Observable for Thermodynamics {
                 state.forces[range].iter().map(|f| f.length_squared()).sum()
             });
             let laplacian = energetics.laplacian.expect(asked);
-            (squares / n, laplacian / n + self.jump_laplacian())
+            (squares / n, laplacian / n + self.jump_laplacian(volume))
         } else {
             (0.0, 0.0)
         };
@@ -378,6 +382,7 @@ impl Observable for Thermodynamics {
 impl Persist for Thermodynamics {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.series.save(&mut to.section("series"));
+        self.seen.save(&mut to.section("box"));
         self.energy_line.save(&mut to.section("energy"));
         to.put_f64("largest_momentum", &[self.largest_momentum]);
         to.put_f64("n_dof", &[self.n_dof]);
@@ -386,6 +391,7 @@ impl Persist for Thermodynamics {
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         self.series.restore(&from.section("series"))?;
+        self.seen.restore(&from.section("box"))?;
         self.energy_line.restore(&from.section("energy"))?;
         [self.largest_momentum] = from.f64s("largest_momentum")?;
         [self.n_dof] = from.f64s("n_dof")?;

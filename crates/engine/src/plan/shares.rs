@@ -5,17 +5,17 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use lennard_core::{
-    Configuration, Integrator, NoForces, Observable, Part, Persist, StateArchive, Want,
-};
+use lennard_core::{Configuration, Integrator, NoForces, Part, Persist, StateArchive, Want};
 use lennard_io::{Frame, Sink, TrajectoryWriter};
 use lennard_scene::{Scene, Stage};
 
 use crate::build::{Beginning, prepare_from};
 use crate::files::{header, style};
+use crate::follower::{Follower, StopAt, Verdict};
 use crate::instant::view;
 use crate::run::{aside, set_aside};
-use crate::simulation::{Follower, Observer, Simulation, Verdict};
+use crate::schedule::{Action, Observer, Operation, Schedule, Trigger};
+use crate::simulation::Simulation;
 use crate::{EngineError, SET_ASIDE_EVERY, watchdog};
 
 /// How long the steps are measured.
@@ -62,7 +62,9 @@ impl Costs {
     pub(super) fn measure(simulation: &mut Simulation) -> Result<Self, EngineError> {
         let mut bare = with_everything_off(simulation)?;
         let now = Instant::now();
+        let each_step = Operation::new(Action::Call, Trigger::Always);
         let mut follower = ForAWhile {
+            schedule: Schedule::empty().with(each_step),
             end: now + STEPS_FOR,
             last: now,
             steps: Vec::new(),
@@ -106,12 +108,12 @@ impl Costs {
             0.0
         };
         let view = view(&bare.state, &bare.system, bare.tail(), bare.stage.as_ref());
-        let thermodynamics = median(|| simulation.thermodynamics.sample(&view));
         let observers = simulation.observers.iter_mut();
         let sampled = |o: &mut Observer| median(|| o.observable.sample(&view));
-        let observers = observers
-            .map(|o| (o.observable.want(), sampled(o)))
-            .collect();
+        let mut observers = observers.map(|o| (o.observable.want(), sampled(o)));
+        // The first is thermodynamics, whose wishes are parts of the plan by themselves.
+        let thermodynamics = observers.next().map_or(0.0, |(_, cost)| cost);
+        let observers = observers.collect();
         take_steps_unseen(&mut bare, simulation)?;
         let dt = bare.stage_run().dt;
         let look = median(|| drop(watchdog::check_speeds(&bare.state, dt)));
@@ -259,7 +261,13 @@ fn take_steps_unseen(bare: &mut Simulation, scene: &Simulation) -> Result<(), En
     let without_bath = |stage: &Stage| stage.thermostat.is_none();
     if scene.scene.stages.iter().any(without_bath) {
         let end = bare.state.step + watchdog::EVERY;
-        bare.run(&mut AsTheSceneLooks { scene, end })?;
+        let samples = scene.observers.iter().map(|o| Operation {
+            // Of observables only the times are followed; the bare scene is not measured.
+            trigger: Trigger::Every(o.every),
+            ..Operation::new(Action::Sample, o.trigger())
+        });
+        let schedule = samples.fold(Schedule::of_output(&scene.scene), Schedule::with);
+        bare.run(&mut StopAt::following(schedule, end))?;
     }
     Ok(())
 }
@@ -336,18 +344,15 @@ impl Sink for Nowhere {
 
 /// Stops after a while, asks for nothing.
 struct ForAWhile {
+    schedule: Schedule,
     end: Instant,
     last: Instant,
     steps: Vec<f64>,
 }
 
 impl Follower for ForAWhile {
-    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
-        Want::NOTHING
-    }
-
-    fn looks_at(&self, _scene: &Scene, _step: u64, _measured: bool) -> bool {
-        true
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
 
     fn after_step(&mut self, _simulation: &mut Simulation) -> Result<Verdict, EngineError> {
@@ -355,32 +360,6 @@ impl Follower for ForAWhile {
         self.steps.push((now - self.last).as_secs_f64());
         self.last = now;
         Ok(if now >= self.end {
-            Verdict::Stop
-        } else {
-            Verdict::Continue
-        })
-    }
-}
-
-/// Looks at the steps that rows, frames or observables of a scene look at, and stops at a step.
-struct AsTheSceneLooks<'a> {
-    scene: &'a Simulation,
-    end: u64,
-}
-
-impl Follower for AsTheSceneLooks<'_> {
-    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
-        Want::NOTHING
-    }
-
-    fn looks_at(&self, _scene: &Scene, step: u64, _measured: bool) -> bool {
-        let (row, frame) = self.scene.scene.output.due(step, true);
-        let mut observers = self.scene.observers.iter();
-        row || frame || observers.any(|o| step.is_multiple_of(o.every)) || step == self.end
-    }
-
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        Ok(if simulation.state.step == self.end {
             Verdict::Stop
         } else {
             Verdict::Continue

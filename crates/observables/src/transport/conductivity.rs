@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::green_kubo::{GreenKubo, Words};
 use super::{DEFAULT_WINDOW, checked_interval};
+use crate::seen_box::SeenBox;
 use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -66,7 +67,7 @@ impl Recipe for ThermalConductivityOptions {
 /// constant part of the enthalpy and does not enter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThermalConductivity {
-    volume: f64,
+    seen: SeenBox,
     flux: GreenKubo,
 }
 
@@ -81,7 +82,7 @@ impl ThermalConductivity {
     ) -> Result<Self, ObservableError> {
         let interval = checked_interval(options.window, context)?;
         Ok(Self {
-            volume: context.cell.volume(),
+            seen: SeenBox::new(&context.cell),
             flux: GreenKubo::new(3, interval, options.window),
         })
     }
@@ -127,6 +128,7 @@ impl Observable for ThermalConductivity {
     fn sample(&mut self, view: &View<'_>) {
         let flux =
             Self::heat_flux(view).expect("the force evaluation gives what the observable wants");
+        self.seen.see(view.cell());
         let temperature = view.temperature();
         self.flux.push(&flux.to_array(), temperature);
     }
@@ -134,17 +136,19 @@ impl Observable for ThermalConductivity {
     fn finish(&self, discarded: f64) -> Findings {
         let temperature = self.flux.mean_temperature(discarded);
         self.flux
-            .findings(discarded, self.volume / temperature.powi(2), WORDS)
+            .findings(discarded, self.seen.volume() / temperature.powi(2), WORDS)
     }
 }
 
 impl Persist for ThermalConductivity {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.flux.save(to);
+        self.seen.save(&mut to.section("box"));
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.flux.restore(from)
+        self.flux.restore(from)?;
+        self.seen.restore(&from.section("box"))
     }
 }
 

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::green_kubo::{GreenKubo, Words};
 use super::{DEFAULT_WINDOW, checked_interval};
+use crate::seen_box::SeenBox;
 use crate::{BuildContext, ObservableError, PressureTensor, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -63,7 +64,7 @@ impl Recipe for ShearViscosityOptions {
 /// P_os. A tail correction is isotropic and does not enter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShearViscosity {
-    volume: f64,
+    seen: SeenBox,
     flux: GreenKubo,
 }
 
@@ -78,7 +79,7 @@ impl ShearViscosity {
     ) -> Result<Self, ObservableError> {
         let interval = checked_interval(options.window, context)?;
         Ok(Self {
-            volume: context.cell.volume(),
+            seen: SeenBox::new(&context.cell),
             flux: GreenKubo::new(5, interval, options.window),
         })
     }
@@ -113,6 +114,7 @@ impl Observable for ShearViscosity {
     fn sample(&mut self, view: &View<'_>) {
         let p =
             PressureTensor::of(view).expect("the force evaluation gives what the observable wants");
+        self.seen.see(view.cell());
         let temperature = view.temperature();
         self.flux.push(&shear_components(&p), temperature);
     }
@@ -120,17 +122,19 @@ impl Observable for ShearViscosity {
     fn finish(&self, discarded: f64) -> Findings {
         let temperature = self.flux.mean_temperature(discarded);
         self.flux
-            .findings(discarded, self.volume / temperature, WORDS)
+            .findings(discarded, self.seen.volume() / temperature, WORDS)
     }
 }
 
 impl Persist for ShearViscosity {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.flux.save(to);
+        self.seen.save(&mut to.section("box"));
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.flux.restore(from)
+        self.flux.restore(from)?;
+        self.seen.restore(&from.section("box"))
     }
 }
 

@@ -3,7 +3,9 @@
 use std::time::{Duration, Instant};
 
 use lennard_core::{Configuration, Momentum, PeriodicBox, State, System, Want};
-use lennard_engine::{Beginning, EngineError, Follower, Simulation, Verdict, prepare_from};
+use lennard_engine::{
+    Action, Beginning, EngineError, Operation, Simulation, StopAt, Trigger, prepare_from,
+};
 use lennard_forcefield::measure;
 use lennard_scene::Scene;
 
@@ -114,28 +116,10 @@ pub(super) fn take_wanting(
     want: Want,
 ) -> Result<(), EngineError> {
     let end = simulation.state.step + steps;
-    simulation.run(&mut Until { end, want }).map(|_| ())
-}
-
-struct Until {
-    end: u64,
-    want: Want,
-}
-
-impl Follower for Until {
-    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
-        self.want
-    }
-
-    fn looks_at(&self, _scene: &Scene, step: u64, _measured: bool) -> bool {
-        step == self.end || !self.want.is_nothing()
-    }
-
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        Ok(if simulation.state.step == self.end {
-            Verdict::Stop
-        } else {
-            Verdict::Continue
-        })
-    }
+    let wanted =
+        (!want.is_nothing()).then(|| Operation::new(Action::Call, Trigger::Always).wanting(want));
+    let schedule = wanted.into_iter().collect();
+    simulation
+        .run(&mut StopAt::following(schedule, end))
+        .map(drop)
 }

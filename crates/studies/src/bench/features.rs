@@ -4,7 +4,8 @@ use std::path::Path;
 
 use lennard_core::{System, Want};
 use lennard_engine::{
-    EngineError, Follower, Past, RunFiles, SET_ASIDE_EVERY, Simulation, Verdict, capture, watchdog,
+    Action, EngineError, Follower, Operation, Past, RunFiles, SET_ASIDE_EVERY, Schedule,
+    Simulation, Trigger, Verdict, capture, watchdog,
 };
 use lennard_integrators::ThermostatOptions;
 use lennard_observables::ObservableOptions;
@@ -246,9 +247,13 @@ fn block(on: &On, scene: &Scene, start: &Start, scratch: &Path) -> Result<f64, B
         On::Written(scene) => {
             let mut simulation = start.simulation(scene)?;
             let files = RunFiles::create(scratch, &simulation)?;
+            let end = simulation.state.step + start.steps;
+            let stop = Operation::new(Action::Call, Trigger::At(end));
+            let schedule = Schedule::of_output(&simulation.scene).with(stop);
             let mut writing = Writing {
                 files,
-                end: simulation.state.step + start.steps,
+                schedule,
+                end,
             };
             let clock = Clock::start();
             simulation.run(&mut writing)?;
@@ -283,23 +288,18 @@ fn bare(scene: &Scene, start: &Start) -> Result<f64, BenchError> {
 /// Writes rows and frames as a run does.
 struct Writing {
     files: RunFiles,
+    schedule: Schedule,
     end: u64,
 }
 
 impl Follower for Writing {
-    fn want(&self, scene: &Scene, step: u64, _measured: bool) -> Want {
-        match scene.output.due(step, true) {
-            (false, false) => Want::NOTHING,
-            _ => Want::ENERGY_AND_VIRIAL,
-        }
-    }
-
-    fn looks_at(&self, scene: &Scene, step: u64, _measured: bool) -> bool {
-        step == self.end || scene.output.due(step, true) != (false, false)
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
 
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        let (row, frame) = simulation.scene.output.due(simulation.state.step, true);
+        let due = |action| self.schedule.does(action, simulation.state.step, true);
+        let (row, frame) = (due(Action::Row), due(Action::Frame));
         if row {
             self.files.write_thermo(simulation)?;
         }

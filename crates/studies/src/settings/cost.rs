@@ -4,7 +4,9 @@ use std::time::Instant;
 
 use lennard_core::random::Streams;
 use lennard_core::{Configuration, ForceTerm, Part as ForcePart, Want};
-use lennard_engine::{EngineError, Follower, Simulation, Verdict};
+use lennard_engine::{
+    Action, EngineError, Follower, Operation, Schedule, Simulation, Trigger, Verdict,
+};
 use lennard_forcefield::ListMode;
 use lennard_integrators::IntegratorOptions;
 use lennard_scene::Scene;
@@ -138,16 +140,15 @@ pub fn modelled_work(scene: &Scene, start: &Start, settings: &Settings) -> f64 {
 
 /// Starts the clock after the warm-up.
 struct Stopwatch {
+    schedule: Schedule,
     from: Option<(Instant, u64)>,
 }
 
 impl Follower for Stopwatch {
-    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
-        Want::NOTHING
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
-    fn looks_at(&self, _scene: &Scene, step: u64, _measured: bool) -> bool {
-        step == WARM_UP
-    }
+
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
         if simulation.state.step == WARM_UP {
             let evaluations = simulation.forces.statistics().evaluations;
@@ -173,7 +174,10 @@ impl Workbench {
             bath: true,
         };
         let mut simulation = self.simulation(settings, &[part], 1)?;
-        let mut watch = Stopwatch { from: None };
+        let mut watch = Stopwatch {
+            schedule: Schedule::empty().with(Operation::new(Action::Call, Trigger::At(WARM_UP))),
+            from: None,
+        };
         simulation.run(&mut watch)?;
         let (from, before) = watch.from.expect("the run is longer than its warm-up");
         let elapsed = from.elapsed().as_secs_f64();

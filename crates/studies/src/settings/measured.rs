@@ -1,7 +1,7 @@
 //! What a run under some settings measures: energy conservation, temperatures, U and P.
 
 use lennard_core::Estimate;
-use lennard_engine::{Compared, Nobody, beside_equation_of_state, model_kind};
+use lennard_engine::{Compared, Unfollowed, beside_equation_of_state, model_kind};
 use lennard_forcefield::PotentialOptions;
 use lennard_observables::{Thermodynamics, statistics};
 use serde::{Deserialize, Serialize};
@@ -139,8 +139,8 @@ impl Workbench {
         let every = ((SAMPLE_INTERVAL / dt).round() as u64).max(1);
         let parts = [part(settling, false), part(time, true)];
         let mut simulation = self.simulation(settings, &parts, every)?;
-        simulation.run(&mut Nobody)?;
-        let found = &simulation.thermodynamics;
+        simulation.run(&mut Unfollowed)?;
+        let found = simulation.thermodynamics();
         let cut = found.equilibration_cut();
         let comparison = beside_equation_of_state(
             &simulation.scene,

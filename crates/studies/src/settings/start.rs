@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use lennard_core::PeriodicBox;
-use lennard_engine::{Beginning, Nobody, Simulation};
+use lennard_engine::{Beginning, Simulation, Unfollowed};
 use lennard_integrators::{ThermostatOptions, bussi};
 use lennard_scene::{Scene, Stage};
 
@@ -52,7 +52,7 @@ impl Start {
             });
         }
         let mut simulation = lennard_engine::prepare(before)?;
-        simulation.run(&mut Nobody)?;
+        simulation.run(&mut Unfollowed)?;
         let Simulation { state, .. } = simulation;
         Ok(Self {
             cell: state.cell,

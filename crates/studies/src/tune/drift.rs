@@ -175,6 +175,7 @@ mod tests {
     /// Looks at energy and neighbors of a running fluid.
     struct Looks {
         every: u64,
+        schedule: lennard_engine::Schedule,
         energies: Vec<f64>,
         temperatures: Vec<f64>,
         shell: Vec<f64>,
@@ -182,16 +183,8 @@ mod tests {
     }
 
     impl lennard_engine::Follower for Looks {
-        fn want(&self, _: &Scene, step: u64, _: bool) -> lennard_core::Want {
-            if step.is_multiple_of(self.every) {
-                lennard_core::Want::ENERGY
-            } else {
-                lennard_core::Want::NOTHING
-            }
-        }
-
-        fn looks_at(&self, _: &Scene, step: u64, _: bool) -> bool {
-            step.is_multiple_of(self.every)
+        fn schedule(&self) -> &lennard_engine::Schedule {
+            &self.schedule
         }
 
         fn after_step(
@@ -231,6 +224,14 @@ mod tests {
         let every = 125;
         let mut looks = Looks {
             every,
+            schedule: std::iter::once(
+                lennard_engine::Operation::new(
+                    lennard_engine::Action::Call,
+                    lennard_engine::Trigger::Every(every),
+                )
+                .wanting(lennard_core::Want::ENERGY),
+            )
+            .collect(),
             energies: vec![],
             temperatures: vec![],
             shell: vec![],
