@@ -7,9 +7,7 @@ use lennard_core::{DVec3, ForceSum, PeriodicBox, State, System};
 use lennard_forcefield::{AllPairs, Conditions, ForceFieldOptions, Model, PairForces, Precision};
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
-use lennard_observables::{
-    BuildContext, ObservableOptions, Thermodynamics,
-};
+use lennard_observables::{BuildContext, ObservableOptions, Thermodynamics};
 use lennard_scene::{Geometry, Lattice, ObservableTable, Scene, Stage, Start};
 
 use crate::baths::{ensemble, held_temperature, measured_baths};

@@ -45,10 +45,11 @@ pub fn cell_text(cell: &Cell, errors: ErrorStyle) -> String {
     }
 }
 
-/// Whether a column stands on the right: any of its cells is numeric.
+/// Whether a column stands on the right: any of its cells is numeric, or all are missing.
 #[must_use]
 pub fn is_numeric(column: &Column) -> bool {
-    column.cells.iter().any(|c| c.value.is_numeric())
+    let is_missing = |cell: &Cell| cell.value == Value::Missing;
+    column.cells.iter().any(|c| c.value.is_numeric()) || column.cells.iter().all(is_missing)
 }
 
 /// The table as a figure of a page, with the command that made it.
