@@ -188,9 +188,11 @@ pub fn own_settings(chart: &Chart, standings: &[Standing<'_>]) -> Table {
             Advice::Itself => "itself".into(),
         })
         .column("Cost", |s| match s.advice {
-            Advice::Cheaper(mark) => Cell::rounded(mark.wall / s.own.wall, 2),
+            Advice::Cheaper(mark) => {
+                Cell::figures(format!("{} ×", significant(mark.wall / s.own.wall, 2)))
+            }
             Advice::NotResolved => Cell::default(),
-            Advice::Itself => 1_u64.into(),
+            Advice::Itself => Cell::figures("1 ×"),
         })
         .table()
 }

@@ -55,7 +55,7 @@ pub(crate) const HANSEN_VERLET: f64 = 2.85;
 const HANSEN_VERLET_SOURCE: &str =
     "J.-P. Hansen and L. Verlet, Phys. Rev. 184, 151 (1969), doi:10.1103/PhysRev.184.151";
 
-/// The quantities that people look for first, in the order of a table.
+/// The quantities that readers look for first, in the order of a table.
 const PRIMARY: [&str; 9] = [
     "potential_energy",
     "pressure",
@@ -68,7 +68,7 @@ const PRIMARY: [&str; 9] = [
     "coordination_number",
 ];
 
-/// What they look for where vapor and liquid stand side by side.
+/// The quantities that readers look for where vapor and liquid stand side by side.
 const PRIMARY_OF_A_SLAB: [&str; 4] = [
     "potential_energy",
     "pressure_zz",
@@ -76,7 +76,7 @@ const PRIMARY_OF_A_SLAB: [&str; 4] = [
     "configurational_temperature",
 ];
 
-/// A coefficient below this part of √T is that of a crystal or a glass: the liquid at its triple point has 0.04.
+/// A crystal or a glass has a coefficient below this part of √T; the liquid at its triple point has 0.04.
 const FROZEN_DIFFUSION: f64 = 1e-3;
 
 /// What a run is compared by.
@@ -125,7 +125,7 @@ impl Compared<'_> {
         })
     }
 
-    /// The kinetic temperature beside that of the bath, where the bath holds just this one.
+    /// The kinetic temperature beside the temperature of the bath, where the bath holds this very temperature.
     fn beside_bath(&self, row: Row, half_steps: bool) -> Row {
         let held = lennard_engine::held_temperature(&self.run.scene);
         let Some(bath) = held.filter(|bath| bath.half_steps == half_steps) else {
@@ -149,8 +149,8 @@ impl Compared<'_> {
         equation.filter(|_| self.no_reference.is_none())
     }
 
-    /// U or P beside the equation of state for as many particles. The error of the difference is that which the run itself
-    /// has found: it needs the whole series.
+    /// U or P beside the equation of state for as many particles. The run itself has found the error of the difference:
+    /// it needs the whole series.
     fn beside_equation(&self, row: Row, tolerance: Tolerance) -> Row {
         let run = self.run;
         let of = |c: &&lennard_io::Comparison| c.quantity == row.quantity;

@@ -294,8 +294,8 @@ impl Row {
         self
     }
 
-    /// Takes the measured value for anywhere between two, where it is not known which of them the reference is of: the
-    /// difference is then that of the nearest one. Without a reference nothing changes.
+    /// Takes the measured value for anywhere between two values, where the source does not say which of them it gives. The
+    /// difference is then the distance to the nearest value. Without a reference nothing changes.
     pub(super) fn between(mut self, low: f64, high: f64) -> Self {
         if let (Some(reference), Some(combined)) = (self.reference, self.combined_error)
             && low <= high

@@ -6,7 +6,7 @@ use lennard_report::significant;
 use super::fluid::{STATES, TRUNCATIONS};
 use super::limit::FluidLimit;
 use super::run::{FluidRun, Outcome};
-use super::{FluidStudy, SHOWN_TRUNCATION};
+use super::{FluidStudy, SHOWN_TRUNCATION, limit_at};
 
 pub(crate) fn in_words(outcome: &Outcome) -> String {
     match outcome {
@@ -87,21 +87,19 @@ pub(crate) fn limits_on_page(study: &FluidStudy) -> Table {
             methods.push(l.method);
         }
     }
-    let shown = TRUNCATIONS[SHOWN_TRUNCATION].1;
-    let others = || TRUNCATIONS.iter().map(|t| t.1).filter(|t| *t != shown);
     let caption = "Largest stable dt in τ, ρ* = 0.8442, 256 atoms, cutoff 2.5 σ (`fluid-limits.csv` has both \
                    ends of each bracket and how the run beyond it failed). The steps of methods with several \
                    force evaluations a step are not comparable without that number.";
     let mut table = Table::rows_of("fluid-limits", caption, &methods)
         .column("Method", |method| format!("`{method}`"));
-    for state in STATES.iter().map(|s| s.name) {
-        for truncation in std::iter::once(shown).chain(others()) {
-            let here = |l: &&FluidLimit| l.state == state && l.truncation == truncation;
-            if study.limits.iter().any(|l| here(&l)) {
-                table = table.column(&format!("{state}, {truncation}"), |method| {
-                    let mut limits = study.limits.iter().filter(here);
-                    limits.find(|l| l.method == *method).map(limit_cell)
-                });
+    let others = (0..TRUNCATIONS.len()).filter(|t| *t != SHOWN_TRUNCATION);
+    let truncations: Vec<usize> = std::iter::once(SHOWN_TRUNCATION).chain(others).collect();
+    for (state, point) in STATES.iter().enumerate() {
+        for truncation in &truncations {
+            let limit = |method| limit_at(&study.limits, method, state, *truncation);
+            if methods.iter().any(|method| limit(method).is_some()) {
+                let heading = format!("{}, {}", point.name, TRUNCATIONS[*truncation].1);
+                table = table.column(&heading, |method| limit(method).map(limit_cell));
             }
         }
     }
@@ -116,7 +114,7 @@ fn limit_cell(limit: &FluidLimit) -> Cell {
     }
 }
 
-/// What a step costs, and what it gives, at one step all can take.
+/// Cost and quality of each method at one step that all can take.
 pub(crate) fn cost_on_page(study: &FluidStudy) -> Table {
     let shown = TRUNCATIONS[SHOWN_TRUNCATION].1;
     let here = |r: &&FluidRun| r.truncation == shown && r.dt == 0.004;

@@ -193,7 +193,7 @@ fn name_of(chosen: &[(&Key, &String)], takes: impl Fn(&Key) -> bool) -> String {
 }
 
 /// The seed of a point: the first number of the stream of `seed` that is called after the point, `sweep/rho0.85-T1.128`,
-/// without its last bit, so that a scene file can hold it. Here `seed` is that of the scene or the point's own, and the
+/// without its last bit, so that a scene file can hold it. Here `seed` is the seed of the scene or of the point, and the
 /// name is the point's without its seed.
 ///
 /// With one seed for all points, points would feel the same noise of their heat baths, and their results would err alike.
