@@ -1,0 +1,7 @@
+//! Tests of forces from outside: formulas, kernels, reference configurations, steps taken in one go.
+
+mod common;
+mod formulas;
+mod kernels;
+mod nist;
+mod strides;
