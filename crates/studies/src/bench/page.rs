@@ -77,7 +77,7 @@ pub(super) fn page(study: &BenchStudy) -> Page {
         sections.push(section.list(doubts));
     }
     if !study.kernels.is_empty() {
-        sections.push(Section::new("Kernels").table(kernels(study)));
+        sections.push(Section::new("Kernels").table(kernels(study, true)));
     }
     if let Some(skin) = &study.skin {
         sections.push(Section::new("Skin").text(format!(
@@ -125,47 +125,51 @@ pub(super) fn page(study: &BenchStudy) -> Page {
     }
 }
 
-/// What each feature adds to a step.
+/// The cost of each feature.
 #[must_use]
 pub fn features(found: &FeatureStudy) -> Table {
     let caption = "What each adds to a step in which everything is off.";
     Table::rows_of("features", caption, &found.features)
         .column("Feature", |f| &f.name)
         .column("How often", |f| &f.how)
-        .column("Of a step", |f| Cell::figures(percent(f.share.median)))
+        .column("Adds to a step", |f| Cell::figures(percent(f.share.median)))
         .column("Range", |f| {
             let (low, high) = (percent(f.share.lowest), percent(f.share.highest));
-            Cell::figures(format!("{low} – {high}"))
+            Cell::figures(format!("{low} to {high}"))
         })
         .column("ns per atom-step", |f| Cell::rounded(f.ns, 3))
         .table()
 }
 
-/// The speed of each kernel.
+/// The speed of each kernel; with the range of whole steps, and the median beside best times, where there is room.
 #[must_use]
-pub fn kernels(study: &BenchStudy) -> Table {
+pub fn kernels(study: &BenchStudy, with_ranges: bool) -> Table {
     let caption = "Whole steps: median and range. Forces, the list given, and one build: best times and their median in brackets. The arithmetic limit is the same force with \
                    everything in registers, measured on this processor: its share is the part of the force time that such arithmetic \
-                   would take.";
+                   would take. Times are ns per atom.";
+    let whole = |spread: Spread| match with_ranges {
+        true => Cell::figures(spread.with_range()),
+        false => Cell::rounded(spread.median, 3),
+    };
+    let part = |spread: Spread| match with_ranges {
+        true => Cell::figures(best(spread)),
+        false => Cell::rounded(spread.lowest, 3),
+    };
     Table::rows_of("kernels", caption, &study.kernels)
         .column("Kernel", KernelResult::label)
         .column("Threads", |k| k.threads)
         .column("M atom-steps/s", |k| Cell::figures(k.marked_speed()))
-        .column("Step [ns an atom]", |k| {
-            Cell::figures(k.step_ns.with_range())
-        })
-        .column("The same, processor time", |k| {
-            k.processor_ns.map(|s| Cell::figures(s.with_range()))
-        })
-        .column("Forces", |k| Cell::figures(best(k.forces_ns)))
-        .column("With totals", |k| Cell::figures(best(k.totals_ns)))
-        .column("One build", |k| k.build_ns.map(|s| Cell::figures(best(s))))
+        .column("Whole step", |k| whole(k.step_ns))
+        .column("Processor time", |k| k.processor_ns.map(whole))
+        .column("Forces alone", |k| part(k.forces_ns))
+        .column("With totals", |k| part(k.totals_ns))
+        .column("One list build", |k| k.build_ns.map(part))
         .column("Lists in a step", |k| {
             Cell::figures(percent(k.list_share.median))
         })
-        .column("Lanes a pair", |k| Cell::rounded(k.lanes_per_pair, 3))
+        .column("Lanes per pair", |k| Cell::rounded(k.lanes_per_pair, 3))
         .column("Of the limit", |k| Cell::figures(k.marked_limit_share()))
-        .column("Bytes an atom", |k| {
+        .column("Bytes per atom", |k| {
             Cell::figures(format!("{:.0}", k.bytes_per_atom))
         })
         .table()

@@ -175,14 +175,17 @@ pub fn own_settings(chart: &Chart, standings: &[Standing<'_>]) -> Table {
     );
     Table::rows_of("own-settings", caption, standings)
         .column("Error of", |s| s.panel.title)
-        .column("Own", |s| error_cell(s.own))
+        .column("Own", |s| match (s.own.error, s.own.standard_error) {
+            (Some(error), None) => Cell::rounded(error, 2),
+            _ => error_cell(s.own),
+        })
         .column("Floor", |s| Cell::rounded(s.panel.floor, 2))
         .column("No.", |s| match s.advice {
             Advice::Cheaper(mark) => Some(mark.number),
             Advice::NotResolved => None,
             Advice::Itself => Some(s.own.number),
         })
-        .column("Cheapest no worse", |s| match s.advice {
+        .column("Cheapest that is no worse", |s| match s.advice {
             Advice::Cheaper(mark) => tables::label(chart, mark.number),
             Advice::NotResolved => NOT_RESOLVED.into(),
             Advice::Itself => "itself".into(),
