@@ -23,6 +23,17 @@ pub enum ForceError {
         /// Index of the particle, from 0.
         particle: usize,
     },
+    /// The box changed, and the cutoff exceeds half of its shortest side.
+    #[error(
+        "the cutoff of {r_cut} σ exceeds half the shortest side of the box, {largest} σ; \
+         take more particles, a shorter cutoff or a higher pressure"
+    )]
+    CutoffOverHalfBox {
+        /// The cutoff, σ.
+        r_cut: f64,
+        /// Half the shortest side, σ.
+        largest: f64,
+    },
     /// The forces have no near and far part.
     #[error("these forces cannot be split into a near and a far part")]
     NotSplit,

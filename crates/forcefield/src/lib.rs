@@ -4,26 +4,26 @@
 //! reference loop stays for ever, and every other one is compared with it.
 
 mod all_pairs;
+mod canonical;
 mod catalog;
 mod clock;
-mod copies;
 mod error;
 mod form;
+mod fused;
 mod listed;
 pub mod measure;
+mod non_finite;
 mod options;
 mod plan;
 mod potential;
 mod provider;
-mod pure;
 mod real;
 mod reference;
 mod simd;
 mod sums;
 mod tail;
-mod terms;
 mod truncation;
-mod underway;
+mod validity;
 
 pub use all_pairs::{AllPairs, CheckedForce};
 pub use catalog::{PotentialSpec, TruncationSpec, potentials, truncations};
@@ -50,13 +50,8 @@ pub fn check(o: &ForceFieldOptions, c: &Conditions) -> Result<(), ForceFieldErro
 /// Names of the instruction sets that this processor has, widest first; each can be forced with `kernel.isa`.
 #[must_use]
 pub fn available_isas() -> Vec<&'static str> {
-    [
-        simd::Level::Avx512,
-        simd::Level::Avx2,
-        simd::Level::Portable,
-    ]
-    .into_iter()
-    .filter(|level| level.is_available())
-    .map(simd::Level::name)
-    .collect()
+    simd::Level::available()
+        .into_iter()
+        .map(simd::Level::name)
+        .collect()
 }

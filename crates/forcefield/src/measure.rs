@@ -1,4 +1,4 @@
-//! What a benchmark asks of the force field: parts of a step on their own, and what the processor could do.
+//! Measurements of the force field for benchmarks: parts of a step on their own, and the speed limit of the processor.
 //!
 //! Nothing here decides anything about a run.
 
@@ -18,7 +18,7 @@ use crate::truncation::Plain;
 /// Best times of the parts of a step, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PartTimes {
-    /// One evaluation of the forces alone with a list that is valid: packing, check and pair loop.
+    /// One evaluation of forces with a valid list: packing, check and pair loop.
     pub forces: f64,
     /// The same with energy, virial and Laplacian.
     pub totals: f64,
@@ -26,10 +26,10 @@ pub struct PartTimes {
     pub build: f64,
 }
 
-/// How many pairs the loop computes.
+/// The number of pairs that a loop computes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Work {
-    /// Lanes computed in one evaluation, padding included; a full list meets each pair twice.
+    /// Lanes computed in one evaluation, padding included; a full list contains each pair twice.
     pub lanes: u64,
     /// Pairs with r ≤ r_cut, each counted once.
     pub pairs: u64,
@@ -45,7 +45,7 @@ pub fn part_times(
     rounds: usize,
 ) -> Result<PartTimes, ForceError> {
     let mut out = vec![DVec3::ZERO; at.positions.len()];
-    forces.rebuild(at.positions)?;
+    forces.rebuild(at)?;
     let mut best = PartTimes {
         forces: f64::INFINITY,
         totals: f64::INFINITY,
@@ -59,7 +59,7 @@ pub fn part_times(
         black_box(forces.evaluate(at, Part::All, Want::TOTALS, &mut out)?);
         best.totals = best.totals.min(start.elapsed().as_secs_f64());
         let start = Instant::now();
-        let built = forces.rebuild(at.positions)?;
+        let built = forces.rebuild(at)?;
         let seconds = start.elapsed().as_secs_f64();
         best.build = best.build.min(if built { seconds } else { 0.0 });
     }
@@ -79,9 +79,10 @@ pub fn work(forces: &mut PairForces, at: Configuration<'_>) -> Result<Work, Forc
     })
 }
 
-/// The pairs a second that one thread computes with everything in registers: the Lennard-Jones force with
-/// the instructions of the pair loop, no list and no memory. The best of a few short runs; `None` where
-/// this processor lacks the instruction set.
+/// The pairs per second that one thread computes with everything in registers, without a list and without memory.
+///
+/// The force is Lennard-Jones, with the instructions of the pair loop. The result is the best of a few short runs.
+/// `None` where this processor lacks the instruction set.
 #[must_use]
 pub fn arithmetic_limit(isa: Isa, precision: Precision) -> Option<f64> {
     /// Rounds of one run, a few milliseconds.
@@ -105,8 +106,9 @@ pub fn arithmetic_limit(isa: Isa, precision: Precision) -> Option<f64> {
     Some(best)
 }
 
-/// The mean number of pairs a particle that lie within the cutoff of a model in a structureless fluid of
-/// this density (σ⁻³), each counted once: (2π/3)·ρ·r_cut³.
+/// The mean number of pairs per particle within the cutoff of a model, each counted once: (2π/3)·ρ·r_cut³.
+///
+/// The fluid of this density (σ⁻³) has no structure.
 #[must_use]
 pub fn expected_pairs(model: &Model, density: f64) -> f64 {
     2.0 / 3.0 * std::f64::consts::PI * density * model.r_cut.powi(3)

@@ -127,6 +127,15 @@ fn forces_and_steps_that_fail_say_which_particle_and_which_method() {
         "the force depends on velocities, and the method gives none"
     );
     assert_eq!(
+        ForceError::CutoffOverHalfBox {
+            r_cut: 2.5,
+            largest: 2.4
+        }
+        .to_string(),
+        "the cutoff of 2.5 σ exceeds half the shortest side of the box, 2.4 σ; take more particles, a shorter cutoff or \
+         a higher pressure"
+    );
+    assert_eq!(
         lennard_neighbor::GridError::BadPosition { particle: 7 }.to_string(),
         "the position of particle 7 is not a usable number"
     );

@@ -587,7 +587,7 @@ fn pairs_that_were_named_since_the_build_are_part_of_a_restart() {
         for wrong in [vec![0, 1, 2], vec![0, 4096], vec![3, 3], vec![5, 4]] {
             let error = restored(Some(wrong)).err().unwrap().to_string();
             assert!(
-                error.contains("no pairs of 4096 places that this list can name"),
+                error.contains("no pairs of 4096 slots that this list can take"),
                 "{error}"
             );
         }
@@ -607,6 +607,22 @@ fn builds_are_counted_on_after_a_restart_from_this_version_and_the_last() {
     let mut archive = StateArchive::default();
     forces.save(&mut archive.writer());
     assert_eq!(archive.arrays["list/counters"], Array::U64(vec![1]));
+    for wrong in [vec![], vec![cell.lengths(); 2], vec![DVec3::NEG_ONE]] {
+        let said = match wrong[..] {
+            [_] => "`list/built_box` does not fit: a box side must be".to_owned(),
+            _ => format!(
+                "`list/built_box` does not fit: {} boxes, wanted 1",
+                wrong.len()
+            ),
+        };
+        let mut archive = archive.clone();
+        archive
+            .arrays
+            .insert("list/built_box".into(), Array::Vec3(wrong));
+        let mut other = build(&options, &at).unwrap();
+        let error = other.restore(&archive.reader()).unwrap_err().to_string();
+        assert!(error.contains(&said), "{error}");
+    }
     let mut restored = |counters: &[u64]| {
         let counters = Array::U64(counters.to_vec());
         archive.arrays.insert("list/counters".into(), counters);

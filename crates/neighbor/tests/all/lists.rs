@@ -1,20 +1,56 @@
-//! Lists against their brute-force twin, after the particles have moved.
+//! Lists against the brute-force search, after the particles have moved.
 
 use std::collections::BTreeSet;
 
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 use lennard_neighbor::{
-    Given, Images, NeighborList, ScalarScanner, ScalarSharedScanner, SharedList, brute_force_pairs,
+    ClusterList, GridError, Images, NeighborList, Positions, Reach, ScalarClusterScanner,
+    ScalarScanner, brute_force_pairs,
 };
 use proptest::prelude::*;
 
-/// Reproducible numbers in [0, 1): Weyl's sequence, one irrational an axis.
+/// Reproducible numbers in [0, 1): Weyl's sequence, with one irrational number per axis.
 fn scatter(n: usize, lengths: DVec3, seed: f64) -> Vec<DVec3> {
     let step = DVec3::new(0.819_172_513, 0.671_043_607, 0.549_700_478);
     (0..n)
         .map(|i| ((i as f64 + 0.5 + seed) * step).fract() * lengths)
         .collect()
+}
+
+fn build_rows(
+    list: &mut NeighborList,
+    cell: &PeriodicBox,
+    radius: f64,
+    positions: Positions<'_>,
+) -> Result<(), GridError> {
+    let built = list.build(cell, radius, positions, &ScalarScanner);
+    assert!(built.is_err() || list.is_valid());
+    built
+}
+
+fn build_clusters(
+    list: &mut ClusterList,
+    cell: &PeriodicBox,
+    [r_cut, r_list]: [f64; 2],
+    positions: Positions<'_>,
+) -> Result<(), GridError> {
+    let reach = Reach { r_cut, r_list };
+    let built = list.build(cell, reach, positions, &ScalarClusterScanner);
+    assert!(built.is_err() || list.is_valid());
+    built
+}
+
+fn row_list(cell: &PeriodicBox, radius: f64, images: Images, at: &[DVec3]) -> NeighborList {
+    let mut list = NeighborList::new(images, 8);
+    build_rows(&mut list, cell, radius, Positions::ById(at)).unwrap();
+    list
+}
+
+fn cluster_list(cell: &PeriodicBox, radii: [f64; 2], at: &[DVec3]) -> ClusterList {
+    let mut list = ClusterList::default();
+    build_clusters(&mut list, cell, radii, Positions::ById(at)).unwrap();
+    list
 }
 
 fn pairs_of(list: &NeighborList) -> BTreeSet<(u32, u32)> {
@@ -28,7 +64,7 @@ fn pairs_of(list: &NeighborList) -> BTreeSet<(u32, u32)> {
 }
 
 /// A pair within the radius that is listed for one of the two alone. Beyond the radius lies a margin for roundings, in which
-/// one may know of the other and not the other way around.
+/// one may know of the other and not the other way bounds.
 fn listed_by_one_alone(
     cell: &PeriodicBox,
     at: &[DVec3],
@@ -44,8 +80,8 @@ fn listed_by_one_alone(
 }
 
 #[test]
-fn both_ends_know_of_each_other_but_for_what_lies_in_the_margin_for_roundings() {
-    // Random boxes of the property below once had a pair 1.9e-5 σ beyond the radius that one alone of the two knew.
+fn both_ends_list_each_other_except_inside_the_margin_for_rounding() {
+    // The property below once met this box: only one end lists a pair 1.9e-5 σ beyond the radius.
     let sides = DVec3::new(9.217523365621945, 7.082424794350008, 12.099558010694189);
     let (radius, filling) = (3.442004854113472, 0.36792482416237093);
     let (seed, origin) = (444.94401692190166, 48.291509618035214);
@@ -54,9 +90,7 @@ fn both_ends_know_of_each_other_but_for_what_lies_in_the_margin_for_roundings() 
         .into_iter()
         .map(|r| r + DVec3::splat(origin))
         .collect();
-    let mut list = NeighborList::new(cell, radius, Images::Ghosts, 8);
-    list.build(Given::ByParticle(&positions), &ScalarScanner)
-        .unwrap();
+    let list = row_list(&cell, radius, Images::Ghosts, &positions);
     let listed = pairs_of(&list);
     assert_eq!(
         listed_by_one_alone(&cell, &positions, radius, &listed),
@@ -65,7 +99,7 @@ fn both_ends_know_of_each_other_but_for_what_lies_in_the_margin_for_roundings() 
     assert_eq!(
         listed_by_one_alone(&cell, &positions, radius + 2e-5, &listed),
         Some((264, 1)),
-        "what was found"
+        "the pair inside the margin"
     );
 }
 
@@ -75,10 +109,8 @@ fn a_bad_position_is_named_and_does_not_hang() {
     for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY, 1e300] {
         let mut positions = scatter(50, cell.lengths(), 0.0);
         positions[17].z = bad;
-        let mut list = NeighborList::new(cell, 3.0, Images::Ghosts, 8);
-        let error = list
-            .build(Given::ByParticle(&positions), &ScalarScanner)
-            .unwrap_err();
+        let mut list = NeighborList::new(Images::Ghosts, 8);
+        let error = build_rows(&mut list, &cell, 3.0, Positions::ById(&positions)).unwrap_err();
         assert!(error.to_string().contains("17"));
     }
 }
@@ -95,51 +127,44 @@ fn lists_built_again_by_place_are_those_of_positions_by_particle() {
         let cell = PeriodicBox::new(sides).unwrap();
         let filled = if n == 60 { DVec3::splat(2.0) } else { sides };
         let before = scatter(n, filled, 0.0);
-        let mut shared = SharedList::new(cell, 2.5, 2.7);
-        let mut rows = NeighborList::new(cell, 2.7, Images::Ghosts, 8);
-        shared
-            .build(Given::ByParticle(&before), &ScalarSharedScanner)
-            .unwrap();
-        rows.build(Given::ByParticle(&before), &ScalarScanner)
-            .unwrap();
-        // Farther than from cell to cell, also out of the box.
+        let mut clusters = cluster_list(&cell, [2.5, 2.7], &before);
+        let mut rows = row_list(&cell, 2.7, Images::Ghosts, &before);
+        // Displacements exceed a cell, and some lead out of the box.
         let now: Vec<DVec3> = before
             .iter()
             .zip(scatter(n, DVec3::splat(3.0), 77.0))
             .map(|(r, way)| *r + way - DVec3::splat(1.5))
             .collect();
-        let mut new_shared = SharedList::new(cell, 2.5, 2.7);
-        let mut new_rows = NeighborList::new(cell, 2.7, Images::Ghosts, 8);
-        new_shared
-            .build(Given::ByParticle(&now), &ScalarSharedScanner)
-            .unwrap();
-        new_rows
-            .build(Given::ByParticle(&now), &ScalarScanner)
-            .unwrap();
+        let new_clusters = cluster_list(&cell, [2.5, 2.7], &now);
+        let new_rows = row_list(&cell, 2.7, Images::Ghosts, &now);
 
-        let by_place = |particles: &[u32]| -> Vec<DVec3> {
+        let by_slot = |particles: &[u32]| -> Vec<DVec3> {
             particles.iter().map(|p| now[*p as usize]).collect()
         };
-        let (places, row_places) = (
-            shared.table().particle.clone(),
+        let (slots, row_slots) = (
+            clusters.table().particle.clone(),
             rows.table().particle.clone(),
         );
-        shared
-            .build(Given::ByPlace(&by_place(&places)), &ScalarSharedScanner)
-            .unwrap();
-        rows.build(Given::ByPlace(&by_place(&row_places)), &ScalarScanner)
-            .unwrap();
-        for (table, from, places) in [
-            (&shared.table().particle, shared.table().from(), &places),
-            (&rows.table().particle, rows.table().from(), &row_places),
+        let (by_slot, by_row_slot) = (by_slot(&slots), by_slot(&row_slots));
+        let by_slot = Positions::BySlot(&by_slot);
+        build_clusters(&mut clusters, &cell, [2.5, 2.7], by_slot).unwrap();
+        let by_slot = Positions::BySlot(&by_row_slot);
+        build_rows(&mut rows, &cell, 2.7, by_slot).unwrap();
+        for (table, source, slots) in [
+            (
+                &clusters.table().particle,
+                clusters.table().source(),
+                &slots,
+            ),
+            (&rows.table().particle, rows.table().source(), &row_slots),
         ] {
-            for (particle, from) in table.iter().zip(from) {
-                assert_eq!(*particle, places[*from as usize]);
+            for (particle, source) in table.iter().zip(source) {
+                assert_eq!(*particle, slots[*source as usize]);
             }
         }
-        assert_eq!(shared.table().particle, new_shared.table().particle);
-        assert_eq!(shared.table().at, new_shared.table().at);
-        assert_eq!(shared.chunks(), new_shared.chunks());
+        assert_eq!(clusters.table().particle, new_clusters.table().particle);
+        assert_eq!(clusters.table().at, new_clusters.table().at);
+        assert_eq!(clusters.chunks(), new_clusters.chunks());
         assert_eq!(rows.table().particle, new_rows.table().particle);
         assert_eq!(rows.table().row, new_rows.table().row);
         assert_eq!(rows.neighbors(), new_rows.neighbors());
@@ -150,13 +175,8 @@ fn lists_built_again_by_place_are_those_of_positions_by_particle() {
 fn a_bad_position_by_place_is_named_by_its_particle() {
     let cell = PeriodicBox::new(DVec3::splat(9.0)).unwrap();
     let positions = scatter(50, cell.lengths(), 0.0);
-    let mut shared = SharedList::new(cell, 2.5, 2.7);
-    let mut rows = NeighborList::new(cell, 2.7, Images::Ghosts, 8);
-    shared
-        .build(Given::ByParticle(&positions), &ScalarSharedScanner)
-        .unwrap();
-    rows.build(Given::ByParticle(&positions), &ScalarScanner)
-        .unwrap();
+    let mut clusters = cluster_list(&cell, [2.5, 2.7], &positions);
+    let mut rows = row_list(&cell, 2.7, Images::Ghosts, &positions);
     let bad = |particles: &[u32]| -> Vec<DVec3> {
         let position = |p: &u32| match p {
             17 => DVec3::splat(f64::NAN),
@@ -164,14 +184,12 @@ fn a_bad_position_by_place_is_named_by_its_particle() {
         };
         particles.iter().map(position).collect()
     };
-    let (of_shared, of_rows) = (bad(&shared.table().particle), bad(&rows.table().particle));
-    let error = shared
-        .build(Given::ByPlace(&of_shared), &ScalarSharedScanner)
-        .unwrap_err();
+    let (of_clusters, of_rows) = (bad(&clusters.table().particle), bad(&rows.table().particle));
+    let by_slot = Positions::BySlot(&of_clusters);
+    let error = build_clusters(&mut clusters, &cell, [2.5, 2.7], by_slot).unwrap_err();
     assert!(error.to_string().contains("particle 17"));
-    let error = rows
-        .build(Given::ByPlace(&of_rows), &ScalarScanner)
-        .unwrap_err();
+    let by_slot = Positions::BySlot(&of_rows);
+    let error = build_rows(&mut rows, &cell, 2.7, by_slot).unwrap_err();
     assert!(error.to_string().contains("particle 17"));
 }
 
@@ -179,10 +197,8 @@ fn a_bad_position_by_place_is_named_by_its_particle() {
 fn a_cluster_in_a_vacuum_does_not_pay_for_the_vacuum() {
     let cell = PeriodicBox::new(DVec3::splat(3000.0)).unwrap();
     let positions = scatter(200, DVec3::splat(8.0), 0.0);
-    let mut list = NeighborList::new(cell, 2.8, Images::Ghosts, 8);
-    list.build(Given::ByParticle(&positions), &ScalarScanner)
-        .unwrap();
-    // A grid of cells as small as the list radius would have 1.2e9 of them.
+    let list = row_list(&cell, 2.8, Images::Ghosts, &positions);
+    // A grid with cells of the list radius would have 1.2e9 cells.
     assert!(list.bytes() < 2_000_000, "{}", list.bytes());
     let wanted = brute_force_pairs(&cell, &positions, 2.8).len() as u64;
     // The margin for rounding grows with the box: 4e-3 σ here.
@@ -198,9 +214,7 @@ fn a_cluster_in_a_vacuum_does_not_pay_for_the_vacuum() {
 fn many_particles_get_wide_entries_only_where_narrow_ones_do_not_reach() {
     let cell = PeriodicBox::new(DVec3::new(9.0, 9.0, 30_000.0)).unwrap();
     let positions = scatter(60_000, cell.lengths(), 0.0);
-    let mut list = NeighborList::new(cell, 1.5, Images::Folded, 8);
-    list.build(Given::ByParticle(&positions), &ScalarScanner)
-        .unwrap();
+    let list = row_list(&cell, 1.5, Images::Folded, &positions);
     let narrow = list
         .chunks()
         .iter()
@@ -210,58 +224,61 @@ fn many_particles_get_wide_entries_only_where_narrow_ones_do_not_reach() {
 }
 
 #[test]
-fn shared_lists_reach_over_more_places_than_an_entry_can_count() {
-    // A slab of a few columns along x: what is near across it stands 18,000 places away and more.
+fn cluster_lists_reach_over_more_slots_than_an_entry_can_count() {
+    // A slab of a few columns along x: neighbors across it lie at least 18,000 slots apart.
     let cell = PeriodicBox::new(DVec3::new(6.0, 173.0, 173.0)).unwrap();
     let positions = scatter(72_000, cell.lengths(), 0.0);
-    let mut shared = SharedList::new(cell, 1.4, 1.5);
-    shared
-        .build(Given::ByParticle(&positions), &ScalarSharedScanner)
-        .unwrap();
-    let blocks = || shared.chunks().iter().flat_map(|c| &c.blocks);
+    let clusters = cluster_list(&cell, [1.4, 1.5], &positions);
+    let blocks = || clusters.chunks().iter().flat_map(|c| &c.blocks);
     assert!(blocks().any(|b| b.base > 0), "bases are in use");
-    let mut rows = NeighborList::new(cell, 1.5, Images::Ghosts, 8);
-    rows.build(Given::ByParticle(&positions), &ScalarScanner)
-        .unwrap();
-    let mut shared_by_four = 0;
-    for (i, (rows, shared)) in rows.neighbors().iter().zip(shared.neighbors()).enumerate() {
-        assert!(shared.windows(2).all(|w| w[0] < w[1]), "{i} has each once");
-        assert!(rows.iter().all(|j| shared.binary_search(j).is_ok()), "{i}");
-        shared_by_four += shared.len();
+    let rows = row_list(&cell, 1.5, Images::Ghosts, &positions);
+    let mut listed_by_clusters = 0;
+    for (i, (rows, clusters)) in rows
+        .neighbors()
+        .iter()
+        .zip(clusters.neighbors())
+        .enumerate()
+    {
+        assert!(
+            clusters.windows(2).all(|w| w[0] < w[1]),
+            "{i} has each once"
+        );
+        assert!(
+            rows.iter().all(|j| clusters.binary_search(j).is_ok()),
+            "{i}"
+        );
+        listed_by_clusters += clusters.len();
     }
     assert!(
-        shared_by_four as u64 > 2 * rows.pairs(),
-        "others' neighbors too"
+        listed_by_clusters as u64 > 2 * rows.pairs(),
+        "neighbors of other members too"
     );
 }
 
 #[test]
-fn shared_lists_name_pairs_after_the_build_once_and_lose_none() {
-    // A dense box, in which what is near to two of four alone has blocks of its own; and a wide one, in which other places
-    // are beyond the reach of a block.
+fn cluster_lists_insert_pairs_after_the_build_once_and_lose_none() {
+    // In a dense box, halves of a cluster have blocks of their own. In a wide box, slots lie beyond the reach of a block.
     let dense = PeriodicBox::new(DVec3::new(9.0, 10.0, 11.0)).unwrap();
     let wide = PeriodicBox::new(DVec3::new(6.0, 173.0, 173.0)).unwrap();
     for (cell, n) in [(dense, 1500), (wide, 72_000)] {
         let positions = scatter(n, cell.lengths(), 0.0);
-        let mut list = SharedList::new(cell, 1.9, 2.1);
-        list.build(Given::ByParticle(&positions), &ScalarSharedScanner)
-            .unwrap();
+        let mut list = cluster_list(&cell, [1.9, 2.1], &positions);
         let before = list.neighbors();
         let (lanes, pairs) = (list.lanes(), list.pairs());
         let particle = list.table().particle.clone();
-        // Neighbors in space and far away ones: the list does not judge.
+        // Near and far particles: the list accepts every pair.
         let n = n as u32;
         let step = (n / 700) as usize;
-        let wanted = (0..n - 1).step_by(step).flat_map(|place| {
-            let far = (u64::from(place) * 7919 % u64::from(n)) as u32;
-            [[place, (place + 40) % n], [place, far], [far, place]]
+        let wanted = (0..n - 1).step_by(step).flat_map(|slot| {
+            let far = (u64::from(slot) * 7919 % u64::from(n)) as u32;
+            [[slot, (slot + 40) % n], [slot, far], [far, slot]]
         });
         let wanted: Vec<[u32; 2]> = wanted.filter(|[a, b]| a != b).collect();
-        let new = wanted.iter().filter(|pair| !list.names(**pair)).count();
+        let new = wanted.iter().filter(|pair| !list.contains(**pair)).count();
         assert!(new > 700, "{new} of {}", wanted.len());
         for pair in &wanted {
-            list.name(*pair);
-            assert!(list.names(*pair));
+            list.insert(*pair);
+            assert!(list.contains(*pair));
         }
         let after = list.neighbors();
         let mut has: Vec<BTreeSet<u32>> = Vec::new();
@@ -274,31 +291,26 @@ fn shared_lists_name_pairs_after_the_build_once_and_lose_none() {
             assert!(before[i].iter().all(|j| has[i].contains(j)), "{i} lost one");
         }
         for pair in &wanted {
-            let [a, b] = pair.map(|place| particle[place as usize]);
+            let [a, b] = pair.map(|slot| particle[slot as usize]);
             assert!(has[a as usize].contains(&b) && has[b as usize].contains(&a));
         }
         assert!(list.pairs() > pairs && list.lanes() > lanes);
-        // Once more changes nothing.
+        // A second insertion changes nothing.
         for pair in &wanted {
-            list.name(*pair);
+            list.insert(*pair);
         }
         assert_eq!(list.neighbors(), after);
     }
 }
 
 #[test]
-fn shared_lists_of_a_wide_box_cost_few_lanes_more() {
+fn cluster_lists_of_a_wide_box_cost_few_lanes_more() {
     let lanes_an_atom = |n: usize| {
         let cell = PeriodicBox::new(DVec3::splat((n as f64 / 0.85).cbrt())).unwrap();
-        let mut list = SharedList::new(cell, 2.5, 2.8);
-        list.build(
-            Given::ByParticle(&scatter(n, cell.lengths(), 0.0)),
-            &ScalarSharedScanner,
-        )
-        .unwrap();
+        let list = cluster_list(&cell, [2.5, 2.8], &scatter(n, cell.lengths(), 0.0));
         list.lanes() as f64 / n as f64
     };
-    // Blocks that are cut where places lie too far apart made it 1.13 times as many.
+    // With blocks cut wherever slots lie too far apart, the ratio was 1.13.
     let (narrow, wide) = (lanes_an_atom(32_000), lanes_an_atom(97_556));
     assert!(wide < 1.06 * narrow, "{narrow} {wide}");
 }
@@ -325,26 +337,25 @@ proptest! {
             .map(|r| r + DVec3::splat(origin))
             .collect();
         let images = if folded { Images::Folded } else { Images::Ghosts };
-        let mut list = NeighborList::new(cell, r_cut + skin, images, 8);
-        list.build(Given::ByParticle(&start), &ScalarScanner).unwrap();
+        let list = row_list(&cell, r_cut + skin, images, &start);
 
         let listed = pairs_of(&list);
-        // A full list: both ends know of each other.
+        // A full list: both ends list each other.
         let one_sided = listed_by_one_alone(&cell, &start, r_cut + skin, &listed);
         prop_assert_eq!(one_sided, None);
-        // No duplicates: at most one image lies within half a box, but for rounding at just half.
+        // No duplicates: at most one image lies within half a box. Exactly half is left out because of rounding.
         if r_cut + skin < 0.999 * cell.largest_cutoff() {
             for (i, neighbors) in list.neighbors().iter().enumerate() {
                 prop_assert!(neighbors.windows(2).all(|w| w[0] < w[1]), "particle {}", i);
                 prop_assert!(!neighbors.contains(&(i as u32)));
             }
         }
-        // Nothing listed that is clearly too far.
+        // No listed pair is clearly too far apart.
         for (i, j) in &listed {
             let r = cell.minimum_image(start[*i as usize] - start[*j as usize]).length();
             prop_assert!(r <= r_cut + skin + 1e-3);
         }
-        // The worst move: all by just under half the skin, in many directions.
+        // The largest allowed displacements: just under half the skin, in many directions.
         let moved: Vec<DVec3> = start
             .iter()
             .zip(scatter(n, DVec3::splat(2.0), seed + 0.3))
@@ -353,17 +364,16 @@ proptest! {
         for pair in brute_force_pairs(&cell, &moved, r_cut) {
             prop_assert!(listed.contains(&pair), "{:?} of {}", pair, n);
         }
-        // Shared lists hold more than what is near, but each of it once.
-        let mut shared = SharedList::new(cell, r_cut, r_cut + skin);
-        shared.build(Given::ByParticle(&start), &ScalarSharedScanner).unwrap();
+        // Cluster lists contain more than the near particles, and each of them once.
+        let clusters = cluster_list(&cell, [r_cut, r_cut + skin], &start);
         let mut listed = BTreeSet::new();
-        for (i, neighbors) in shared.neighbors().iter().enumerate() {
+        for (i, neighbors) in clusters.neighbors().iter().enumerate() {
             prop_assert!(neighbors.windows(2).all(|w| w[0] < w[1]), "particle {}", i);
             prop_assert!(!neighbors.contains(&(i as u32)));
             listed.extend(neighbors.iter().map(|j| (i as u32, *j)));
         }
         for pair in brute_force_pairs(&cell, &moved, r_cut) {
-            prop_assert!(listed.contains(&pair), "{:?} of {} in shared lists", pair, n);
+            prop_assert!(listed.contains(&pair), "{:?} of {} in cluster lists", pair, n);
         }
     }
 }

@@ -274,7 +274,7 @@ fn result(variant: &Variant, blocks: &[Block], start: &Start) -> Result<KernelRe
         MEETINGS
     };
     // The limit is that of the loops that compute in whole registers: no other loop could reach it.
-    let limit = matches!(variant.kernel, "rows" | "shared")
+    let limit = matches!(variant.kernel, "rows" | "cluster")
         .then(|| measure::arithmetic_limit(isa(variant.isa), variant.precision))
         .flatten();
     let ideal_ns =
