@@ -220,3 +220,25 @@ pub fn list(entries: &[Entry]) {
         println!("  source: {}", entry.source);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_stand_on_the_right_and_errors_beside_them() {
+        let items = [("a", Some((1.5, 0.25))), ("longer", None)];
+        let items = Table::rows_of("t", "", &items)
+            .column("name", |i| i.0)
+            .measured("x [σ]", |i| i.1)
+            .table();
+        let text = table(&items).to_string();
+        for line in [
+            "│ name   ┆       x / σ │",
+            "│ a      ┆ 1.50 ± 0.25 │",
+            "│ longer ┆           – │",
+        ] {
+            assert!(text.contains(line), "{line} in\n{text}");
+        }
+    }
+}

@@ -2,14 +2,10 @@
 
 use std::path::Path;
 
-use lennard_report::significant;
+use lennard_report::{percent, significant};
 use lennard_studies::bench::{BenchStudy, FeatureStudy, SkinStudy, feature_table, kernel_table};
 
 use super::table;
-
-fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
-}
 
 /// What was measured.
 pub fn bench(study: &BenchStudy, folder: &Path) {

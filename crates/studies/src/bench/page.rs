@@ -1,7 +1,7 @@
 //! The tables and the page of a benchmark.
 
 use lennard_core::{Cell, RowsOf, Table};
-use lennard_report::{Page, Section, significant};
+use lennard_report::{Page, Section, percent, significant};
 
 use super::{BenchStudy, FeatureStudy, KernelResult, Spread, figures};
 
@@ -12,10 +12,6 @@ fn best(spread: Spread) -> String {
         significant(spread.lowest, 3),
         significant(spread.median, 3)
     )
-}
-
-fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
 }
 
 /// Every number, as CSV.

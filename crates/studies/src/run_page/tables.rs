@@ -2,7 +2,7 @@
 
 use lennard_core::{Cell, Table};
 use lennard_io::RunRecord;
-use lennard_report::significant;
+use lennard_report::{percent, significant};
 
 use crate::compare::{ComparedRun, Row, RunFolder, quantity_words, table};
 
@@ -126,7 +126,7 @@ pub(super) fn performance(record: &RunRecord) -> Table {
         .column("Work", |(name, _)| *name)
         .column("Seconds", |(_, seconds)| Cell::rounded(*seconds, 3))
         .column("Share", |(_, seconds)| {
-            Cell::figures(format!("{:.1} %", 100.0 * seconds / record.wall_s))
+            Cell::figures(percent(seconds / record.wall_s))
         })
         .table()
 }
