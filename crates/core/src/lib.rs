@@ -12,6 +12,7 @@ mod force_sum;
 mod integrator;
 mod method;
 mod observable;
+pub mod options;
 pub mod parallel;
 mod persist;
 pub mod random;

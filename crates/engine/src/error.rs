@@ -48,7 +48,7 @@ impl EngineError {
 #[must_use]
 pub fn misfit(source: &Source, error: &ForceFieldError) -> EngineError {
     source
-        .invalid(error.key(), error.found(), error.allowed())
+        .invalid(&error.key(), error.found(), error.allowed())
         .into()
 }
 

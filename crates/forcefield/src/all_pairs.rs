@@ -4,8 +4,8 @@ use glam::DVec3;
 use lennard_core::PeriodicBox;
 
 use crate::error::ForceFieldError;
-use crate::form::Model;
 use crate::options::{ForceFieldOptions, Precision, SplitOptions};
+use crate::pair::Model;
 
 /// Rounding of sums and of pair formulas in double precision, as a share of Σ|F_ij|.
 const DOUBLE: f64 = 1e-12;

@@ -9,9 +9,9 @@ use lennard_core::PeriodicBox;
 use lennard_core::parallel::for_each_piece;
 use rayon::prelude::*;
 
+use crate::pair::PairForm;
 use crate::reference::outer;
 use crate::simd::{ChunkTotals, PerParticle};
-use crate::truncation::PairForm;
 
 /// Particles per task: part of the definition of the sums.
 const PARTICLES_PER_CHUNK: usize = 64;

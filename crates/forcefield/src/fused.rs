@@ -5,11 +5,11 @@ use lennard_core::{ForceError, FusedSteps};
 use lennard_neighbor::Positions;
 
 use crate::clock::Clock;
+use crate::pair::PairForm;
 use crate::simd::{
     Detail, KickDrift, ListStatus, PackedCopies, PairList, Prepared, Request, SlotState, are_few,
     by_slot, fused_step, to_particles,
 };
-use crate::truncation::PairForm;
 use crate::validity::ListValidity;
 
 /// Particles in the order of a list.

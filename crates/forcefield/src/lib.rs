@@ -5,39 +5,36 @@
 
 mod all_pairs;
 mod canonical;
-mod catalog;
 mod clock;
 mod error;
-mod form;
 mod fused;
 mod listed;
 pub mod measure;
 mod non_finite;
 mod options;
+mod pair;
 mod plan;
-mod potential;
 mod provider;
 mod real;
 mod reference;
 mod simd;
 mod sums;
-mod tail;
-mod truncation;
 mod validity;
 
 pub use all_pairs::{AllPairs, CheckedForce};
-pub use catalog::{PotentialSpec, TruncationSpec, potentials, truncations};
 pub use error::ForceFieldError;
-pub use form::{Model, model_name};
 pub use options::{
-    ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions, PotentialOptions,
-    Precision, SplitOptions, TruncationKind, TruncationOptions,
+    ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions, Precision,
+    SplitOptions, TruncationOptions,
+};
+pub use pair::{
+    Form, LennardJones, Model, OwnEnd, Pair, Plain, PotentialOptions, PotentialSpec, SoftSphere,
+    Tail, TruncationKind, TruncationSpec, Wca, model_name, potentials, tail_correction,
+    truncations,
 };
 pub use plan::{Conditions, ForcePlan, LARGEST_N, Search, recommended_threads};
-pub use potential::Pair;
 pub use provider::{PairForces, build};
 pub use real::Real;
-pub use tail::{Tail, tail_correction};
 
 /// Whether a force field can be built for these conditions; nothing is built.
 ///

@@ -8,12 +8,12 @@ use std::time::Instant;
 use glam::DVec3;
 use lennard_core::{Configuration, ForceError, ForceTerm, Part, Want};
 
-use crate::form::Model;
 use crate::options::{Isa, Precision, TruncationOptions};
-use crate::potential::LennardJones;
+use crate::pair::LennardJones;
+use crate::pair::Model;
+use crate::pair::Plain;
 use crate::provider::PairForces;
 use crate::simd::{Level, limit};
-use crate::truncation::Plain;
 
 /// Best times of the parts of a step, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,7 +92,7 @@ pub fn arithmetic_limit(isa: Isa, precision: Precision) -> Option<f64> {
     let level = Level::choose(isa)?;
     let r_cut = TruncationOptions::default().r_cut;
     let form = Plain {
-        potential: LennardJones,
+        potential: LennardJones {},
         shift: 0.0,
     };
     let best = (0..RUNS)

@@ -5,9 +5,9 @@ use lennard_neighbor::skin::{SkinInputs, cheapest_skin};
 use serde::Serialize;
 
 use crate::error::ForceFieldError;
-use crate::form::Model;
 use crate::listed::Loop;
 use crate::options::{ForceFieldOptions, Kernel, ListMode, Precision};
+use crate::pair::Model;
 use crate::simd::Level;
 
 /// The largest number of particles: rows, ghosts included, are numbered in 32 bits.
@@ -153,7 +153,7 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
         reason.push_str("; this loop is always in double precision");
     }
     let plan = ForcePlan {
-        model: crate::form::model_name(o),
+        model: crate::pair::model_name(o),
         search,
         reason,
         r_cut,

@@ -9,15 +9,15 @@ use lennard_core::{
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
 use crate::clock::Clock;
 use crate::error::ForceFieldError;
-use crate::form::{Model, SplitWeights, with_form};
 use crate::listed::{Listed, Loop};
 use crate::non_finite;
 use crate::options::{ForceFieldOptions, SplitOptions};
+use crate::pair::PairForm;
+use crate::pair::{Model, SplitWeights, with_form};
 use crate::plan::{Conditions, ForcePlan, Search, TIE_MARGIN, decide};
 use crate::reference;
 use crate::simd::{Detail, KickDrift, PerParticle};
 use crate::sums::Totals;
-use crate::truncation::PairForm;
 
 /// The search for pairs, with the arrays that it needs.
 enum Strategy {

@@ -3,10 +3,10 @@
 use glam::{DMat3, DVec3};
 use lennard_core::PeriodicBox;
 
-use crate::form::Model;
+use crate::pair::Model;
+use crate::pair::PairForm;
 use crate::simd::PerParticle;
 use crate::sums::Totals;
-use crate::truncation::PairForm;
 
 /// Writes forces and returns the totals; `each` takes the entries of each particle where they are wanted.
 pub fn evaluate<F: PairForm>(

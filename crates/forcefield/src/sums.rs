@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 use lennard_core::{Energetics, Want};
 
-use crate::potential::Pair;
+use crate::pair::Pair;
 use crate::reference::outer;
 use crate::simd::{ChunkTotals, PerParticle};
 

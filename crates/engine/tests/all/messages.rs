@@ -5,8 +5,8 @@ use lennard_core::{
 };
 use lennard_engine::{evaluate_energy, prepare};
 use lennard_forcefield::{
-    Conditions, ForceFieldError, ForceFieldOptions, Isa, PotentialOptions, SplitOptions,
-    TruncationKind, TruncationOptions, build, check,
+    Conditions, ForceFieldError, ForceFieldOptions, Isa, PotentialOptions, SoftSphere,
+    SplitOptions, TruncationKind, TruncationOptions, Wca, build, check,
 };
 use lennard_scene::Scene;
 
@@ -39,20 +39,20 @@ fn every_force_field_that_cannot_be_says_why() {
         ),
         (
             refusal(|o, _| {
-                o.potential = PotentialOptions::Wca {};
+                o.potential = PotentialOptions::Wca(Wca {});
                 o.truncation.r_cut = 1.1;
             }),
             "the WCA potential ends at 2^(1/6) σ: a cutoff of 1.1 would cut into it",
         ),
         (
             refusal(|o, _| {
-                o.potential = PotentialOptions::Wca {};
+                o.potential = PotentialOptions::Wca(Wca {});
                 o.truncation = TruncationOptions::new(TruncationKind::Switch, 1.2);
             }),
             "the WCA potential ends smoothly by itself and takes no switch",
         ),
         (
-            refusal(|o, _| o.potential = PotentialOptions::SoftSphere { exponent: 3 }),
+            refusal(|o, _| o.potential = PotentialOptions::SoftSphere(SoftSphere { exponent: 3 })),
             "the soft-sphere exponent 3 is out of range",
         ),
         (

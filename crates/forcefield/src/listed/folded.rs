@@ -4,8 +4,8 @@ use glam::DVec3;
 use lennard_neighbor::NeighborList;
 
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
+use crate::pair::PairForm;
 use crate::simd::{ListInUse, ListStatus, MotionSummary, Ordered, Outcome, PerParticle};
-use crate::truncation::PairForm;
 
 /// Folded positions, and the neighbors of each particle in ascending order.
 #[derive(Default)]

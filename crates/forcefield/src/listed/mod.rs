@@ -11,12 +11,12 @@ use self::folded::Folded;
 use crate::clock::Clock;
 use crate::fused::FusedBuffers;
 use crate::non_finite;
+use crate::pair::PairForm;
 use crate::simd::{
     Detail, DoubleRow, FixedRow, KickDrift, Level, ListStatus, Outcome, PackedCopies, PerParticle,
     Prepared, Request,
 };
 use crate::sums::Totals;
-use crate::truncation::PairForm;
 use crate::validity::ListValidity;
 
 /// A list with the private copies of the positions that its loop reads.

@@ -4,7 +4,7 @@ use glam::DMat3;
 
 use super::lanes::Lanes;
 use super::totals::ChunkTotals;
-use crate::potential::Pair;
+use crate::pair::Pair;
 
 /// The units that a loop computes in.
 #[derive(Clone, Copy, Debug)]

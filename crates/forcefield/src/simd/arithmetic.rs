@@ -1,7 +1,7 @@
 //! The arithmetic of pairs with everything in registers: the speed limit of the pair loops.
 
 use super::lanes::Lanes;
-use crate::truncation::PairForm;
+use crate::pair::PairForm;
 
 /// Registers of independent pairs that [`arithmetic`] keeps in flight.
 const IN_FLIGHT: usize = 4;

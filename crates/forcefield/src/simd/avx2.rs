@@ -12,8 +12,8 @@ use super::row::{DoubleRow, FixedRow};
 use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
 use crate::options::Precision;
+use crate::pair::PairForm;
 use crate::real::Real;
-use crate::truncation::PairForm;
 
 /// Four doubles. A value proves that this processor has AVX2 and FMA.
 #[derive(Clone, Copy)]

@@ -14,8 +14,8 @@ use super::row::{DoubleRow, FixedRow};
 use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
 use crate::options::Precision;
+use crate::pair::PairForm;
 use crate::real::Real;
-use crate::truncation::PairForm;
 
 /// Eight doubles. A value proves that this processor has AVX-512.
 #[derive(Clone, Copy)]

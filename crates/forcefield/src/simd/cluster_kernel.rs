@@ -17,7 +17,7 @@ use super::accumulate::{Accumulate, Units};
 use super::block_stream::BlockStream;
 use super::frames::Frame;
 use super::lanes::FixedLanes;
-use crate::truncation::PairForm;
+use crate::pair::PairForm;
 
 /// The units of a frame, and the constants of the loop in these units.
 #[derive(Clone, Copy)]

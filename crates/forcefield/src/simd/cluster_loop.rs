@@ -14,7 +14,7 @@ use super::output::Output;
 use super::prefetch::{Parts, prefetch, prefetch_read};
 use super::row::FixedRow;
 use super::totals::{ChunkTotals, Detail};
-use crate::truncation::PairForm;
+use crate::pair::PairForm;
 
 /// One evaluation.
 pub struct ClusterJob<'a, F> {

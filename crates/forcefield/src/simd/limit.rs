@@ -3,7 +3,7 @@
 use super::by_level::by_level;
 use super::level::Level;
 use crate::options::Precision;
-use crate::truncation::PairForm;
+use crate::pair::PairForm;
 
 /// The arithmetic of pairs with everything in registers; see [`super::arithmetic::arithmetic`].
 pub fn limit<F: PairForm>(

@@ -11,7 +11,7 @@ use super::output::Output;
 use super::packed::{Evaluation, ListStatus, Outcome, PackedCopies, Request, RunChunk};
 use super::pair_list::PairList;
 use super::totals::PerParticle;
-use crate::truncation::PairForm;
+use crate::pair::PairForm;
 
 /// Positions and the index in them of each slot.
 #[derive(Clone, Copy)]

@@ -15,7 +15,7 @@ use super::pack::{By, pack_double, pack_fixed, pack_fixed_part};
 use super::row::{DoubleRow, FixedRow};
 use super::row_loop::RowJob;
 use super::totals::{ChunkTotals, Detail};
-use crate::truncation::PairForm;
+use crate::pair::PairForm;
 
 /// Writes the rows of the slots from one on, and |d|² where given. No other thread may write the rows of these slots.
 pub type PackPart<List> = unsafe fn(

@@ -11,8 +11,8 @@ use super::row::{DoubleRow, FixedRow};
 use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
 use crate::options::Precision;
+use crate::pair::PairForm;
 use crate::real::Real;
-use crate::truncation::PairForm;
 
 /// `N` numbers side by side.
 #[derive(Clone, Copy)]

@@ -8,7 +8,7 @@ use super::lanes::{Entry, RowLanes};
 use super::output::Output;
 use super::prefetch::prefetch;
 use super::totals::{ChunkTotals, Detail};
-use crate::truncation::PairForm;
+use crate::pair::PairForm;
 
 /// One evaluation.
 pub struct RowJob<'a, F> {

@@ -81,13 +81,14 @@ fn figure(chart: &Chart, panel: &Panel, axis: Axis) -> Picture {
     Picture::new(figure, caption, format!("{}.csv", panel.name))
 }
 
-const GROUPS: [&str; 6] = [
+const GROUPS: [&str; 7] = [
     "cut, with tail",
     "cut, without tail",
     "shifted",
     "force-shifted",
     "switched",
     "another engine",
+    "another truncation",
 ];
 
 fn group(point: &ChartedPoint) -> usize {
@@ -99,6 +100,7 @@ fn group(point: &ChartedPoint) -> usize {
         TruncationKind::Shift => 2,
         TruncationKind::ForceShift => 3,
         TruncationKind::Switch => 4,
+        _ => 6,
     }
 }
 

@@ -2,7 +2,6 @@
 
 use lennard_core::Estimate;
 use lennard_engine::{Compared, Unfollowed, beside_equation_of_state, model_kind};
-use lennard_forcefield::PotentialOptions;
 use lennard_observables::{Thermodynamics, statistics};
 use serde::{Deserialize, Serialize};
 
@@ -220,7 +219,7 @@ impl Workbench {
         let temperature = self.measured_stage().temperature;
         let equation = lennard_literature::thol_2016();
         let density = self.start().density();
-        if matches!(self.scene().potential, PotentialOptions::LennardJones {})
+        if self.scene().potential.spec().is_lennard_jones
             && equation.check(density, temperature).is_ok()
         {
             let state = equation.at(density, temperature);

@@ -134,7 +134,7 @@ pub(super) fn of_jump(
     dt: f64,
 ) -> Result<f64, TuneError> {
     let model = Model::new(&scene.potential, &truncation)
-        .map_err(|e| scene.source.invalid(e.key(), e.found(), e.allowed()))?;
+        .map_err(|e| scene.source.invalid(&e.key(), e.found(), e.allowed()))?;
     let (t, g) = (survey.temperature, survey.g(model.r_cut));
     Ok(0.5 * variance_growth(&model, survey.density(), g, t, dt) / t)
 }

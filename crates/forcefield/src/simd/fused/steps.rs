@@ -5,6 +5,7 @@ use lennard_core::parallel::{for_each_piece, for_each_range, part};
 use lennard_neighbor::ATOMS_PER_CHUNK;
 
 use super::pack_ahead::{Ahead, NextRows};
+use crate::pair::PairForm;
 use crate::simd::disjoint::Disjoint;
 use crate::simd::kick_drift::KickDrift;
 use crate::simd::list_in_use::{ListInUse, Ordered};
@@ -12,7 +13,6 @@ use crate::simd::output::Output;
 use crate::simd::packed::{ListStatus, PackedCopies, Request, are_few};
 use crate::simd::pair_list::PairList;
 use crate::simd::prefetch::Region;
-use crate::truncation::PairForm;
 
 /// Particles by slot.
 pub struct SlotState<'a> {

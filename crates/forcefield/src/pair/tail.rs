@@ -4,8 +4,7 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use crate::options::{ForceFieldOptions, PotentialOptions};
-use crate::potential::{LennardJones, PairPotential, SoftSphere, Wca};
+use crate::options::ForceFieldOptions;
 
 /// What lies beyond the cutoff of a homogeneous fluid; totals for the system.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -29,25 +28,15 @@ pub fn tail_correction(o: &ForceFieldOptions, n_atoms: usize, volume: f64) -> Op
     if !o.truncation.tail_correction {
         return None;
     }
-    let r_cut = o.truncation.r_cut;
-    Some(match o.potential {
-        PotentialOptions::LennardJones {} => tail_of(&LennardJones, r_cut, n_atoms, volume),
-        PotentialOptions::Wca {} => tail_of(&Wca, r_cut, n_atoms, volume),
-        PotentialOptions::SoftSphere { exponent } => {
-            tail_of(&SoftSphere { exponent }, r_cut, n_atoms, volume)
-        }
-    })
-}
-
-fn tail_of<P: PairPotential>(potential: &P, r_cut: f64, n_atoms: usize, volume: f64) -> Tail {
+    let (energy, virial) = o.potential.tail_integrals(o.truncation.r_cut);
     let n = n_atoms as f64;
     let pairs_density = 2.0 * PI * n * (n / volume);
-    let energy = pairs_density * potential.tail_energy(r_cut);
-    let virial = -pairs_density * potential.tail_virial(r_cut);
-    Tail {
+    let energy = pairs_density * energy;
+    let virial = -pairs_density * virial;
+    Some(Tail {
         energy,
         virial,
         pressure: virial / (3.0 * volume),
         energy_per_particle: energy / n,
-    }
+    })
 }
