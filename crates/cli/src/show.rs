@@ -153,7 +153,7 @@ pub fn energy(report: &EnergyReport) {
         ("P = ρT + W/(3V), with tail", report.pressure, "ε/σ³"),
         ("T of the kinetic part", report.temperature, "ε/k_B"),
     ];
-    let values = Table::rows_of("energy", "", &values)
+    let values = Table::rows_of("energy", &values)
         .column("quantity", |v| v.0)
         .column("value", |v| Cell::figures(format!("{:.15e}", v.1)))
         .column("unit", |v| v.2);
@@ -168,7 +168,7 @@ pub fn plan(plan: &Plan) {
         plan.scene, plan.atoms, plan.density, plan.steps
     );
     println!("  {}", plan.model);
-    let items = Table::rows_of("plan", "", &plan.items)
+    let items = Table::rows_of("plan", &plan.items)
         .column("part", |i| &i.part)
         .column("", |i| if i.on { "on" } else { "off" })
         .column("share", |i| {
@@ -228,7 +228,7 @@ mod tests {
     #[test]
     fn numbers_stand_on_the_right_and_errors_beside_them() {
         let items = [("a", Some((1.5, 0.25))), ("longer", None)];
-        let items = Table::rows_of("t", "", &items)
+        let items = Table::rows_of("t", &items)
             .column("name", |i| i.0)
             .measured("x [σ]", |i| i.1)
             .table();

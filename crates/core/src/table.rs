@@ -101,13 +101,9 @@ impl Table {
 
     /// A table with one row per item, whose columns are added by [`RowsOf::column`].
     #[must_use]
-    pub fn rows_of<T>(
-        name: impl Into<String>,
-        caption: impl Into<String>,
-        items: &[T],
-    ) -> RowsOf<'_, T> {
+    pub fn rows_of<T>(name: impl Into<String>, items: &[T]) -> RowsOf<'_, T> {
         RowsOf {
-            table: Self::new(name, caption),
+            table: Self::new(name, ""),
             items,
         }
     }
@@ -152,6 +148,13 @@ pub struct RowsOf<'a, T> {
 }
 
 impl<'a, T> RowsOf<'a, T> {
+    /// Says what the table holds.
+    #[must_use]
+    pub fn caption(mut self, caption: impl Into<String>) -> Self {
+        self.table.caption = caption.into();
+        self
+    }
+
     /// Adds a column with the heading `name [unit]`, or just `name`; `cell` gives the cell of an item.
     #[must_use]
     pub fn column<C: Into<Cell>>(mut self, heading: &str, cell: impl Fn(&'a T) -> C) -> Self {
@@ -202,7 +205,7 @@ mod tests {
     #[test]
     fn a_table_of_items_has_a_row_for_each_and_gives_its_numbers_back() {
         let items = [("a", Some(1.5), 3_usize), ("b", None, 4)];
-        let table = Table::rows_of("t", "", &items)
+        let table = Table::rows_of("t", &items)
             .column("name", |i| i.0)
             .column("value [σ]", |i| i.1)
             .column("count", |i| i.2)

@@ -132,7 +132,7 @@ mod tests {
     #[test]
     fn a_column_with_a_number_stands_on_the_right_and_tones_are_classes() {
         let items = [(Some(1.5), Tone::Good), (None, Tone::Plain)];
-        let table = Table::rows_of("t", "", &items)
+        let table = Table::rows_of("t", &items)
             .column("x [σ]", |i| Cell::rounded(i.0, 2).toned(i.1))
             .column("fate", |i| {
                 Cell::words(if i.0.is_some() { "bounded" } else { "diverges" })

@@ -18,7 +18,7 @@ fn best(spread: Spread) -> String {
 pub(super) fn csv(study: &BenchStudy) -> Vec<Table> {
     let mut tables = Vec::new();
     if !study.kernels.is_empty() {
-        let table = Table::rows_of("kernels", "", &study.kernels)
+        let table = Table::rows_of("kernels", &study.kernels)
             .column("kernel", |k| &k.kernel)
             .column("isa", |k| &k.isa)
             .column("precision", |k| &k.precision)
@@ -41,11 +41,11 @@ pub(super) fn csv(study: &BenchStudy) -> Vec<Table> {
         tables.push(table.table());
     }
     tables.extend(study.skin.iter().map(|skin| {
-        let table = Table::rows_of("skins", "", &skin.points).column("skin [σ]", |p| p.skin);
+        let table = Table::rows_of("skins", &skin.points).column("skin [σ]", |p| p.skin);
         spread(table, "step [ns/atom]", |p| p.step_ns).table()
     }));
     tables.extend(study.features.iter().map(|found| {
-        let table = Table::rows_of("features", "", &found.features)
+        let table = Table::rows_of("features", &found.features)
             .column("feature", |f| &f.name)
             .column("how often", |f| &f.how);
         spread(table, "share of a step", |f| f.share)
@@ -125,7 +125,8 @@ pub(super) fn page(study: &BenchStudy) -> Page {
 #[must_use]
 pub fn features(found: &FeatureStudy) -> Table {
     let caption = "What each adds to a step in which everything is off.";
-    Table::rows_of("features", caption, &found.features)
+    Table::rows_of("features", &found.features)
+        .caption(caption)
         .column("Feature", |f| &f.name)
         .column("How often", |f| &f.how)
         .column("Adds to a step", |f| Cell::figures(percent(f.share.median)))
@@ -151,7 +152,8 @@ pub fn kernels(study: &BenchStudy, with_ranges: bool) -> Table {
         true => Cell::figures(best(spread)),
         false => Cell::rounded(spread.lowest, 3),
     };
-    Table::rows_of("kernels", caption, &study.kernels)
+    Table::rows_of("kernels", &study.kernels)
+        .caption(caption)
         .column("Kernel", KernelResult::label)
         .column("Threads", |k| k.threads)
         .column("M atom-steps/s", |k| Cell::figures(k.marked_speed()))
