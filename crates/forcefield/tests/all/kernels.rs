@@ -603,18 +603,16 @@ fn the_count_of_builds_continues_after_a_restart_from_this_version_and_the_last(
     let mut archive = StateArchive::default();
     forces.save(&mut archive.writer());
     assert_eq!(archive.arrays["list/counters"], Array::U64(vec![1]));
-    for wrong in [vec![], vec![cell.lengths(); 2], vec![DVec3::NEG_ONE]] {
-        let said = match wrong[..] {
-            [_] => "`list/built_box` does not fit: a box side must be".to_owned(),
-            _ => format!(
-                "`list/built_box` does not fit: {} boxes, wanted 1",
-                wrong.len()
-            ),
-        };
+    for (wrong, said) in [
+        (vec![], "0 values, wanted 3"),
+        (vec![9.0; 2], "2 values, wanted 3"),
+        (vec![-1.0; 3], "a box side must be"),
+    ] {
+        let said = format!("`list/built_box` does not fit: {said}");
         let mut archive = archive.clone();
         archive
             .arrays
-            .insert("list/built_box".into(), Array::Vec3(wrong));
+            .insert("list/built_box".into(), Array::F64(wrong));
         let mut other = build(&options, &at).unwrap();
         let error = other.restore(&archive.reader()).unwrap_err().to_string();
         assert!(error.contains(&said), "{error}");
