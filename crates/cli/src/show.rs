@@ -153,7 +153,7 @@ pub fn energy(report: &EnergyReport) {
         ("P = ρT + W/(3V), with tail", report.pressure, "ε/σ³"),
         ("T of the kinetic part", report.temperature, "ε/k_B"),
     ];
-    let values = Table::rows_of("energy", "", &values)
+    let values = Table::rows_of("energy", &values)
         .column("quantity", |v| v.0)
         .column("value", |v| Cell::figures(format!("{:.15e}", v.1)))
         .column("unit", |v| v.2);
@@ -168,7 +168,7 @@ pub fn plan(plan: &Plan) {
         plan.scene, plan.atoms, plan.density, plan.steps
     );
     println!("  {}", plan.model);
-    let items = Table::rows_of("plan", "", &plan.items)
+    let items = Table::rows_of("plan", &plan.items)
         .column("part", |i| &i.part)
         .column("", |i| if i.on { "on" } else { "off" })
         .column("share", |i| {
@@ -218,5 +218,27 @@ pub fn list(entries: &[Entry]) {
             println!("  {name}: {shown}");
         }
         println!("  source: {}", entry.source);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_stand_on_the_right_and_errors_beside_them() {
+        let items = [("a", Some((1.5, 0.25))), ("longer", None)];
+        let items = Table::rows_of("t", &items)
+            .column("name", |i| i.0)
+            .measured("x [σ]", |i| i.1)
+            .table();
+        let text = table(&items).to_string();
+        for line in [
+            "│ name   ┆       x / σ │",
+            "│ a      ┆ 1.50 ± 0.25 │",
+            "│ longer ┆           – │",
+        ] {
+            assert!(text.contains(line), "{line} in\n{text}");
+        }
     }
 }

@@ -21,7 +21,9 @@ pub use axis::{Axis, Scale};
 pub use bars::{BarFigure, BarSeries};
 pub use escape::{escape, inline_markup};
 pub use figure::{FailedPoint, Figure, Guide, Look, Point, Series};
-pub use number::{counted, plain_or_scientific, plus_minus, signed, significant, with_error};
+pub use number::{
+    counted, percent, plain_or_scientific, plus_minus, signed, significant, with_error,
+};
 pub use page::{Block, Page, Section};
 pub use palette::{COLORS, Dash, Symbol};
 pub use picture::{Drawing, Picture};

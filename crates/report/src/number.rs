@@ -64,6 +64,12 @@ pub fn plain_or_scientific(value: f64) -> String {
     }
 }
 
+/// A part of a whole: `12.3 %`.
+#[must_use]
+pub fn percent(part: f64) -> String {
+    format!("{:.1} %", 100.0 * part)
+}
+
 /// A number of things: `1 thread`, `2 threads`.
 #[must_use]
 pub fn counted(n: usize, thing: &str) -> String {

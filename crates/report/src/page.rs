@@ -255,7 +255,8 @@ mod tests {
                     .text("<script>alert(1)</script>")
                     .with(Block::Equations(vec!["x < 1".into()]))
                     .table(
-                        Table::rows_of("t", "Cap <i>tion</i>", &["<img src=x onerror=y>"])
+                        Table::rows_of("t", &["<img src=x onerror=y>"])
+                            .caption("Cap <i>tion</i>")
                             .column("a<b", |text| Cell::words(*text).toned(Tone::Bad))
                             .table(),
                     ),

@@ -45,10 +45,11 @@ pub fn cell_text(cell: &Cell, errors: ErrorStyle) -> String {
     }
 }
 
-/// Whether a column stands on the right: any of its cells is numeric.
+/// Whether a column stands on the right: any of its cells is numeric, or all are missing.
 #[must_use]
 pub fn is_numeric(column: &Column) -> bool {
-    column.cells.iter().any(|c| c.value.is_numeric())
+    let is_missing = |cell: &Cell| cell.value == Value::Missing;
+    column.cells.iter().any(|c| c.value.is_numeric()) || column.cells.iter().all(is_missing)
 }
 
 /// The table as a figure of a page, with the command that made it.
@@ -131,7 +132,7 @@ mod tests {
     #[test]
     fn a_column_with_a_number_stands_on_the_right_and_tones_are_classes() {
         let items = [(Some(1.5), Tone::Good), (None, Tone::Plain)];
-        let table = Table::rows_of("t", "", &items)
+        let table = Table::rows_of("t", &items)
             .column("x [σ]", |i| Cell::rounded(i.0, 2).toned(i.1))
             .column("fate", |i| {
                 Cell::words(if i.0.is_some() { "bounded" } else { "diverges" })

@@ -153,7 +153,8 @@ pub fn table(claims: &[Claim]) -> Table {
                    the measured number meets the claim. The word “differs” in the column of the theory would \
                    say that theory and measurement disagree by more than a stated cause explains (`claims.csv` \
                    has tolerances and their causes).";
-    Table::rows_of("claims", caption, claims)
+    Table::rows_of("claims", claims)
+        .caption(caption)
         .column("Source", |c| c.source)
         .column("Claim", |c| &c.statement)
         .column("Judged by", |c| &c.quantity)
@@ -176,7 +177,7 @@ pub fn table(claims: &[Claim]) -> Table {
 
 /// The claims for a program.
 pub(crate) fn csv(claims: &[Claim]) -> Table {
-    Table::rows_of("claims", "", claims)
+    Table::rows_of("claims", claims)
         .column("source", |c| c.source)
         .column("claim", |c| &c.statement)
         .column("judged by", |c| &c.quantity)

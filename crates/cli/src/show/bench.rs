@@ -2,14 +2,10 @@
 
 use std::path::Path;
 
-use lennard_report::significant;
+use lennard_report::{percent, significant};
 use lennard_studies::bench::{BenchStudy, FeatureStudy, SkinStudy, feature_table, kernel_table};
 
 use super::table;
-
-fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
-}
 
 /// What was measured.
 pub fn bench(study: &BenchStudy, folder: &Path) {
@@ -41,7 +37,7 @@ pub fn bench(study: &BenchStudy, folder: &Path) {
 }
 
 fn kernels(study: &BenchStudy) {
-    println!("{}", table(&kernel_table(study)));
+    println!("{}", table(&kernel_table(study, false)));
     println!(
         "  ns an atom: medians of whole steps, in brackets the range; best times of forces alone (the list given) and of one build, which is\n  \
          paid once in many steps; processor time is that of a step on one thread, steadier than the clock where others are at work"

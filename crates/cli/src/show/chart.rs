@@ -46,7 +46,8 @@ pub fn chart(chart: &Chart, folder: &Path) {
         }
     }
     if !standings.is_empty() {
-        println!("{}", table(&own_settings(chart, &standings)));
+        let own = own_settings(chart, &standings).without(&["No."]);
+        println!("{}", table(&own));
         println!("  {}", basis(chart));
     }
     let failed = chart

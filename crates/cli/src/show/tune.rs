@@ -19,7 +19,7 @@ pub fn tuning(tuning: &Tuning) {
         lennard_report::counted(tuning.threads, "thread")
     );
     println!("  measured against: {}", tuning.safest);
-    let errors = Table::rows_of("errors", "", &tuning.rows)
+    let errors = Table::rows_of("errors", &tuning.rows)
         .column("error of", |r| r.judged.quantity.replace('_', " "))
         .column("target", |r| {
             Cell::figures(format!("{:.1e}", r.judged.target))
@@ -55,7 +55,7 @@ pub fn tuning(tuning: &Tuning) {
         .chain(usual.map(|usual| ("r_cut 2.5, dt 0.004, double", usual)))
         .chain([("safest", &tuning.safest_cost)])
         .collect();
-    let costs = Table::rows_of("costs", "", &costs)
+    let costs = Table::rows_of("costs", &costs)
         .column("settings", |(name, _)| *name)
         .column("an atom and τ", |(_, c)| {
             Cell::figures(duration(c.wall.median))

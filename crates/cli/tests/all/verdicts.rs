@@ -247,7 +247,7 @@ fn few_rows_by_default_and_every_one_with_all() {
     let (few, text) = rows(&["run", "scene.toml", "--out", "out", "--no-report"]);
     assert!((5..=8).contains(&few), "{text}");
     assert!(
-        text.contains("difference / s.e.") && text.contains("tolerance"),
+        text.contains("Difference / s.e.") && text.contains("Tolerance"),
         "{text}"
     );
     assert!(text.contains("--all") && !text.contains("note:"), "{text}");

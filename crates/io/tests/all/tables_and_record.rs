@@ -40,7 +40,7 @@ fn words_errors_and_missing_values_have_fields_of_their_own() {
         ("a, b", Some(0.5), Some((1.0, 0.25)), 7_u64),
         ("c", None, None, 8),
     ];
-    let table = Table::rows_of("t", "", &items)
+    let table = Table::rows_of("t", &items)
         .column("name", |i| i.0)
         .column("x [σ]", |i| Cell::rounded(i.1, 2))
         .measured("u [ε]", |i| i.2)

@@ -1,7 +1,7 @@
 //! The tables and the page of a benchmark.
 
 use lennard_core::{Cell, RowsOf, Table};
-use lennard_report::{Page, Section, significant};
+use lennard_report::{Page, Section, percent, significant};
 
 use super::{BenchStudy, FeatureStudy, KernelResult, Spread, figures};
 
@@ -14,15 +14,11 @@ fn best(spread: Spread) -> String {
     )
 }
 
-fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
-}
-
 /// Every number, as CSV.
 pub(super) fn csv(study: &BenchStudy) -> Vec<Table> {
     let mut tables = Vec::new();
     if !study.kernels.is_empty() {
-        let table = Table::rows_of("kernels", "", &study.kernels)
+        let table = Table::rows_of("kernels", &study.kernels)
             .column("kernel", |k| &k.kernel)
             .column("isa", |k| &k.isa)
             .column("precision", |k| &k.precision)
@@ -45,11 +41,11 @@ pub(super) fn csv(study: &BenchStudy) -> Vec<Table> {
         tables.push(table.table());
     }
     tables.extend(study.skin.iter().map(|skin| {
-        let table = Table::rows_of("skins", "", &skin.points).column("skin [σ]", |p| p.skin);
+        let table = Table::rows_of("skins", &skin.points).column("skin [σ]", |p| p.skin);
         spread(table, "step [ns/atom]", |p| p.step_ns).table()
     }));
     tables.extend(study.features.iter().map(|found| {
-        let table = Table::rows_of("features", "", &found.features)
+        let table = Table::rows_of("features", &found.features)
             .column("feature", |f| &f.name)
             .column("how often", |f| &f.how);
         spread(table, "share of a step", |f| f.share)
@@ -77,7 +73,7 @@ pub(super) fn page(study: &BenchStudy) -> Page {
         sections.push(section.list(doubts));
     }
     if !study.kernels.is_empty() {
-        sections.push(Section::new("Kernels").table(kernels(study)));
+        sections.push(Section::new("Kernels").table(kernels(study, true)));
     }
     if let Some(skin) = &study.skin {
         sections.push(Section::new("Skin").text(format!(
@@ -125,47 +121,53 @@ pub(super) fn page(study: &BenchStudy) -> Page {
     }
 }
 
-/// What each feature adds to a step.
+/// The cost of each feature.
 #[must_use]
 pub fn features(found: &FeatureStudy) -> Table {
     let caption = "What each adds to a step in which everything is off.";
-    Table::rows_of("features", caption, &found.features)
+    Table::rows_of("features", &found.features)
+        .caption(caption)
         .column("Feature", |f| &f.name)
         .column("How often", |f| &f.how)
-        .column("Of a step", |f| Cell::figures(percent(f.share.median)))
+        .column("Adds to a step", |f| Cell::figures(percent(f.share.median)))
         .column("Range", |f| {
             let (low, high) = (percent(f.share.lowest), percent(f.share.highest));
-            Cell::figures(format!("{low} – {high}"))
+            Cell::figures(format!("{low} to {high}"))
         })
         .column("ns per atom-step", |f| Cell::rounded(f.ns, 3))
         .table()
 }
 
-/// The speed of each kernel.
+/// The speed of each kernel; with the range of whole steps, and the median beside best times, where there is room.
 #[must_use]
-pub fn kernels(study: &BenchStudy) -> Table {
+pub fn kernels(study: &BenchStudy, with_ranges: bool) -> Table {
     let caption = "Whole steps: median and range. Forces, the list given, and one build: best times and their median in brackets. The arithmetic limit is the same force with \
                    everything in registers, measured on this processor: its share is the part of the force time that such arithmetic \
-                   would take.";
-    Table::rows_of("kernels", caption, &study.kernels)
+                   would take. Times are ns per atom.";
+    let whole = |spread: Spread| match with_ranges {
+        true => Cell::figures(spread.with_range()),
+        false => Cell::rounded(spread.median, 3),
+    };
+    let part = |spread: Spread| match with_ranges {
+        true => Cell::figures(best(spread)),
+        false => Cell::rounded(spread.lowest, 3),
+    };
+    Table::rows_of("kernels", &study.kernels)
+        .caption(caption)
         .column("Kernel", KernelResult::label)
         .column("Threads", |k| k.threads)
         .column("M atom-steps/s", |k| Cell::figures(k.marked_speed()))
-        .column("Step [ns an atom]", |k| {
-            Cell::figures(k.step_ns.with_range())
-        })
-        .column("The same, processor time", |k| {
-            k.processor_ns.map(|s| Cell::figures(s.with_range()))
-        })
-        .column("Forces", |k| Cell::figures(best(k.forces_ns)))
-        .column("With totals", |k| Cell::figures(best(k.totals_ns)))
-        .column("One build", |k| k.build_ns.map(|s| Cell::figures(best(s))))
+        .column("Whole step", |k| whole(k.step_ns))
+        .column("Processor time", |k| k.processor_ns.map(whole))
+        .column("Forces alone", |k| part(k.forces_ns))
+        .column("With totals", |k| part(k.totals_ns))
+        .column("One list build", |k| k.build_ns.map(part))
         .column("Lists in a step", |k| {
             Cell::figures(percent(k.list_share.median))
         })
-        .column("Lanes a pair", |k| Cell::rounded(k.lanes_per_pair, 3))
+        .column("Lanes per pair", |k| Cell::rounded(k.lanes_per_pair, 3))
         .column("Of the limit", |k| Cell::figures(k.marked_limit_share()))
-        .column("Bytes an atom", |k| {
+        .column("Bytes per atom", |k| {
             Cell::figures(format!("{:.0}", k.bytes_per_atom))
         })
         .table()

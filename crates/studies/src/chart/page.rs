@@ -119,7 +119,8 @@ fn front(chart: &Chart, panel: &Panel) -> Table {
     let mut marks: Vec<&Mark> = panel.marks.iter().filter(|m| m.on_wall_front).collect();
     marks.sort_by(|a, b| a.wall.total_cmp(&b.wall));
     let caption = "The front by wall time, the cheapest first.";
-    Table::rows_of("front", caption, &marks)
+    Table::rows_of("front", &marks)
+        .caption(caption)
         .column("", |m| m.number)
         .column("Settings", |m| tables::label(chart, m.number))
         .column("µs per atom and τ", |m| Cell::rounded(1e6 * m.wall, 3))
@@ -173,24 +174,30 @@ pub fn own_settings(chart: &Chart, standings: &[Standing<'_>]) -> Table {
          of the scene. Each row looks at one error alone. {}",
         basis(chart)
     );
-    Table::rows_of("own-settings", caption, standings)
+    Table::rows_of("own-settings", standings)
+        .caption(caption)
         .column("Error of", |s| s.panel.title)
-        .column("Own", |s| error_cell(s.own))
+        .column("Own", |s| match (s.own.error, s.own.standard_error) {
+            (Some(error), None) => Cell::rounded(error, 2),
+            _ => error_cell(s.own),
+        })
         .column("Floor", |s| Cell::rounded(s.panel.floor, 2))
         .column("No.", |s| match s.advice {
             Advice::Cheaper(mark) => Some(mark.number),
             Advice::NotResolved => None,
             Advice::Itself => Some(s.own.number),
         })
-        .column("Cheapest no worse", |s| match s.advice {
+        .column("Cheapest that is no worse", |s| match s.advice {
             Advice::Cheaper(mark) => tables::label(chart, mark.number),
             Advice::NotResolved => NOT_RESOLVED.into(),
             Advice::Itself => "itself".into(),
         })
         .column("Cost", |s| match s.advice {
-            Advice::Cheaper(mark) => Cell::rounded(mark.wall / s.own.wall, 2),
+            Advice::Cheaper(mark) => {
+                Cell::figures(format!("{} ×", significant(mark.wall / s.own.wall, 2)))
+            }
             Advice::NotResolved => Cell::default(),
-            Advice::Itself => 1_u64.into(),
+            Advice::Itself => Cell::figures("1 ×"),
         })
         .table()
 }
@@ -206,7 +213,8 @@ fn all_points(chart: &Chart) -> Section {
         value.map(|v| (v.mean, v.standard_error))
     };
     let mut section = Section::new("All points").table(
-        Table::rows_of("all-points", caption, &chart.points)
+        Table::rows_of("all-points", &chart.points)
+            .caption(caption)
             .column("", |p| p.number)
             .column("Settings", |p| tables::label(chart, p.number))
             .column("µs per atom and τ", |p| {

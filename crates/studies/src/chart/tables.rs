@@ -12,7 +12,7 @@ pub(super) fn points(chart: &Chart) -> Table {
     let wall = |point: &ChartedPoint, pick: fn(&crate::settings::Spread) -> f64| {
         point.cost().map(|c| pick(&c.wall))
     };
-    let table = Table::rows_of("points", "", &chart.points)
+    let table = Table::rows_of("points", &chart.points)
         .column("number", |p| p.number)
         .column("engine", |p| p.engine.as_deref().unwrap_or("lennard"))
         .column("settings", |p| &p.label)
@@ -99,7 +99,7 @@ fn word(choice: &impl Serialize) -> String {
 
 /// The marks of a panel.
 pub(super) fn panel(chart: &Chart, panel: &Panel) -> Table {
-    Table::rows_of(panel.name, "", &panel.marks)
+    Table::rows_of(panel.name, &panel.marks)
         .column("number", |m| m.number)
         .column("settings", |m| label(chart, m.number))
         .column("wall median [s per atom and tau]", |m| m.wall)

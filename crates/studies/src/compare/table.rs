@@ -11,7 +11,8 @@ pub fn table(rows: &[&Row], verdict: impl Fn(&Row) -> String) -> Table {
     let caption = "Digits in brackets are one standard error (s.e.) in the last digits; a number without them has none, and the verdict says why. Energy and pressure agree within 4 standard errors and what the \
                    equation of state may be off by (0.003 ε and 0.005 ε/σ³), c_v within 2 standard errors and 2 %, transport coefficients within 2 \
                    combined standard errors and 3 %.";
-    Table::rows_of("comparison", caption, rows)
+    Table::rows_of("comparison", rows)
+        .caption(caption)
         .column("Quantity", |r| {
             let words = quantity_words(&r.quantity);
             if r.unit.is_empty() {

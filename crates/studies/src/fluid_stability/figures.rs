@@ -2,9 +2,9 @@
 
 use lennard_report::{Axis, Dash, Figure, Look, Picture, Point, Series};
 
-use super::fluid::{STATES, TRUNCATIONS};
+use super::fluid::{STATES, StatePoint, TRUNCATIONS};
 use super::run::FluidRun;
-use super::{FluidStudy, SHOWN_TRUNCATION};
+use super::{FluidStudy, SHOWN_TRUNCATION, limit_at};
 use crate::stability::groups::groups;
 
 /// Steps common to the energy figures, τ.
@@ -39,15 +39,6 @@ fn drawn() -> Vec<(String, &'static str, usize)> {
         .enumerate()
         .map(|(g, group)| (group.name.clone(), group.representative().spec.name, g))
         .collect()
-}
-
-/// Runs of a method at one state point under the truncation that is shown, by falling dt.
-fn runs_of<'a>(study: &'a FluidStudy, state: usize, method: &str) -> Vec<&'a FluidRun> {
-    let truncation = TRUNCATIONS[SHOWN_TRUNCATION].1;
-    let here = |r: &&FluidRun| {
-        r.method == method && r.state == STATES[state].name && r.truncation == truncation
-    };
-    study.runs.iter().filter(here).collect()
 }
 
 fn series(
@@ -88,7 +79,8 @@ fn per_method(
     let title = format!("{title}, {}", STATES[state].name);
     let mut figure = Figure::new(file_stem(kind, state), title, dt_axis(), y);
     for (name, method, i) in drawn() {
-        let runs = runs_of(study, state, method);
+        let here = study.runs_at(state, SHOWN_TRUNCATION);
+        let runs: Vec<&FluidRun> = here.filter(|r| r.method == method).collect();
         if !runs.is_empty() {
             figure = figure.with(series(&name, i, &runs, &value));
         }
@@ -139,10 +131,8 @@ fn truncation(study: &FluidStudy, state: usize) -> Option<Picture> {
     let mut figure = Figure::new(file_stem("truncation", state), title, dt_axis(), y);
     for (i, (_, name)) in TRUNCATIONS.iter().enumerate() {
         let mut runs: Vec<&FluidRun> = study
-            .runs
-            .iter()
-            .filter(|r| r.method == "velocity-verlet" && r.state == STATES[state].name)
-            .filter(|r| r.truncation == *name)
+            .runs_at(state, i)
+            .filter(|r| r.method == "velocity-verlet")
             .collect();
         runs.sort_by(|a, b| a.dt.total_cmp(&b.dt));
         figure = figure.with(series(name, i, &runs, |r| Some((r.fluctuation?, None))));
@@ -159,7 +149,6 @@ fn truncation(study: &FluidStudy, state: usize) -> Option<Picture> {
 
 /// The largest stable steps against the temperature.
 pub(super) fn limits(study: &FluidStudy) -> Option<Picture> {
-    let truncation = TRUNCATIONS[SHOWN_TRUNCATION].1;
     let mut figure = Figure::new(
         "fluid-limits",
         "Largest stable step on the fluid",
@@ -167,15 +156,11 @@ pub(super) fn limits(study: &FluidStudy) -> Option<Picture> {
         Axis::logarithmic("largest stable dt / τ"),
     );
     for (name, method, i) in drawn() {
-        let points: Vec<(f64, f64)> = STATES
-            .iter()
-            .filter_map(|s| {
-                let place = |l: &&super::FluidLimit| {
-                    l.method == method && l.state == s.name && l.truncation == truncation
-                };
-                Some((s.temperature, study.limits.iter().find(place)?.middle()?))
-            })
-            .collect();
+        let point = |(state, point): (usize, &StatePoint)| {
+            let limit = limit_at(&study.limits, method, state, SHOWN_TRUNCATION)?;
+            Some((point.temperature, limit.middle()?))
+        };
+        let points: Vec<(f64, f64)> = STATES.iter().enumerate().filter_map(point).collect();
         if !points.is_empty() {
             figure = figure.joined(name, i, points);
         }

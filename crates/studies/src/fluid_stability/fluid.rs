@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::StudyError;
 
-/// Density of all state points, σ⁻³: that of the liquid near its triple point.
+/// Density of all state points, σ⁻³: the density of the liquid near its triple point.
 pub const DENSITY: f64 = 0.8442;
 /// Cutoff, σ.
 pub const R_CUT: f64 = 2.5;
@@ -144,7 +144,7 @@ impl Start {
         Ok(start)
     }
 
-    /// The bench at this start, with forces as the method wants them.
+    /// The bench at this start, with the forces that the method needs.
     pub(crate) fn bench(
         &self,
         dt: f64,

@@ -37,12 +37,12 @@ pub enum Outcome {
         step: u64,
         /// Time, τ.
         time: f64,
-        /// Change of energy by then, ε an atom.
+        /// Change of energy by then, ε per atom.
         change: f64,
     },
 }
 
-/// A run and its numbers; those are not there where the run did not complete.
+/// A run and its numbers, which are missing where the run did not complete.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FluidRun {
     /// The method.
@@ -57,21 +57,21 @@ pub struct FluidRun {
     pub steps: u64,
     /// How it ended.
     pub outcome: Outcome,
-    /// Slope of the energy, ε/τ an atom.
+    /// Slope of the energy, ε/τ per atom.
     pub drift: Option<f64>,
     /// Its standard error, from the slopes between blocks.
     pub drift_error: Option<f64>,
-    /// RMS of the energy around that slope, ε an atom.
+    /// RMS of the energy around that slope, ε per atom.
     pub fluctuation: Option<f64>,
-    /// Energy at the end less that at the start, ε an atom.
+    /// Energy at the end less the energy at the start, ε per atom.
     pub change: Option<f64>,
     /// Kinetic temperature less the configurational one Σ⟨F²⟩/⟨∇²U⟩, as a share of T*.
     pub temperature_error: Option<f64>,
     /// Its standard error.
     pub temperature_error_error: Option<f64>,
-    /// Largest |Σ m·v| an atom.
+    /// Largest |Σ m·v| per atom.
     pub momentum: Option<f64>,
-    /// Force evaluations a step, Hessian products counted as two.
+    /// Force evaluations per step, Hessian products counted as two.
     pub evaluations_per_step: f64,
 }
 
@@ -93,7 +93,7 @@ pub(crate) struct Plan<'a> {
     pub(crate) precision: Precision,
 }
 
-/// One look at a running system.
+/// A sample of a running system.
 struct Sample {
     time: f64,
     energy: f64,

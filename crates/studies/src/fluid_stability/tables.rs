@@ -6,7 +6,7 @@ use lennard_report::significant;
 use super::fluid::{STATES, TRUNCATIONS};
 use super::limit::FluidLimit;
 use super::run::{FluidRun, Outcome};
-use super::{FluidStudy, SHOWN_TRUNCATION};
+use super::{FluidStudy, SHOWN_TRUNCATION, limit_at};
 
 pub(crate) fn in_words(outcome: &Outcome) -> String {
     match outcome {
@@ -47,7 +47,7 @@ fn of_runs<'a, T>(table: RowsOf<'a, T>, run: impl Fn(&'a T) -> &'a FluidRun) -> 
 
 /// All CSV tables of the fluid part.
 pub(crate) fn csv(study: &FluidStudy) -> Vec<Table> {
-    let limits = Table::rows_of("fluid-limits", "", &study.limits)
+    let limits = Table::rows_of("fluid-limits", &study.limits)
         .column("method", |l| l.method)
         .column("state", |l| l.state)
         .column("truncation", |l| l.truncation)
@@ -58,11 +58,11 @@ pub(crate) fn csv(study: &FluidStudy) -> Vec<Table> {
     let double = study.double.iter().map(|r| ("double", r));
     let mixed = study.mixed.iter().map(|r| ("mixed", r));
     let both: Vec<_> = double.chain(mixed).collect();
-    let precision = Table::rows_of("fluid-precision", "", &both).column("precision", |(p, _)| *p);
-    let edge = Table::rows_of("fluid-past-the-limit", "", &study.past_limit)
+    let precision = Table::rows_of("fluid-precision", &both).column("precision", |(p, _)| *p);
+    let edge = Table::rows_of("fluid-past-the-limit", &study.past_limit)
         .column("dt / limit", |(factor, _)| *factor);
     vec![
-        of_runs(Table::rows_of("fluid", "", &study.runs), |r| r),
+        of_runs(Table::rows_of("fluid", &study.runs), |r| r),
         limits,
         of_runs(precision, |(_, r)| r),
         of_runs(edge, |(_, r)| r),
@@ -87,21 +87,20 @@ pub(crate) fn limits_on_page(study: &FluidStudy) -> Table {
             methods.push(l.method);
         }
     }
-    let shown = TRUNCATIONS[SHOWN_TRUNCATION].1;
-    let others = || TRUNCATIONS.iter().map(|t| t.1).filter(|t| *t != shown);
     let caption = "Largest stable dt in τ, ρ* = 0.8442, 256 atoms, cutoff 2.5 σ (`fluid-limits.csv` has both \
                    ends of each bracket and how the run beyond it failed). The steps of methods with several \
                    force evaluations a step are not comparable without that number.";
-    let mut table = Table::rows_of("fluid-limits", caption, &methods)
+    let mut table = Table::rows_of("fluid-limits", &methods)
+        .caption(caption)
         .column("Method", |method| format!("`{method}`"));
-    for state in STATES.iter().map(|s| s.name) {
-        for truncation in std::iter::once(shown).chain(others()) {
-            let here = |l: &&FluidLimit| l.state == state && l.truncation == truncation;
-            if study.limits.iter().any(|l| here(&l)) {
-                table = table.column(&format!("{state}, {truncation}"), |method| {
-                    let mut limits = study.limits.iter().filter(here);
-                    limits.find(|l| l.method == *method).map(limit_cell)
-                });
+    let others = (0..TRUNCATIONS.len()).filter(|t| *t != SHOWN_TRUNCATION);
+    let truncations: Vec<usize> = std::iter::once(SHOWN_TRUNCATION).chain(others).collect();
+    for (state, point) in STATES.iter().enumerate() {
+        for truncation in &truncations {
+            let limit = |method| limit_at(&study.limits, method, state, *truncation);
+            if methods.iter().any(|method| limit(method).is_some()) {
+                let heading = format!("{}, {}", point.name, TRUNCATIONS[*truncation].1);
+                table = table.column(&heading, |method| limit(method).map(limit_cell));
             }
         }
     }
@@ -116,14 +115,15 @@ fn limit_cell(limit: &FluidLimit) -> Cell {
     }
 }
 
-/// What a step costs, and what it gives, at one step all can take.
+/// Cost and quality of each method at one step that all can take.
 pub(crate) fn cost_on_page(study: &FluidStudy) -> Table {
     let shown = TRUNCATIONS[SHOWN_TRUNCATION].1;
     let here = |r: &&FluidRun| r.truncation == shown && r.dt == 0.004;
     let runs: Vec<&FluidRun> = study.runs.iter().filter(here).collect();
     let caption = "Cost and quality at the same step, force-shifted. Evaluations include the two that a \
                    product with the Hessian takes; implicit Euler solves a nonlinear system in each step.";
-    Table::rows_of("cost", caption, &runs)
+    Table::rows_of("cost", &runs)
+        .caption(caption)
         .column("Method", |r| format!("`{}`", r.method))
         .column("State", |r| Cell::figures(r.state))
         .column("dt [τ]", |r| Cell::rounded(r.dt, 2))
@@ -145,7 +145,8 @@ pub(crate) fn past_on_page(study: &FluidStudy) -> Table {
          forces where a number would not be finite; no file gets such a number.",
         super::limit::LEAST_STEPS * 4
     );
-    Table::rows_of("past-the-limit", caption, &study.past_limit)
+    Table::rows_of("past-the-limit", &study.past_limit)
+        .caption(caption)
         .column("Method", |(_, r)| format!("`{}`", r.method))
         .column("dt / limit", |(factor, _)| Cell::rounded(*factor, 3))
         .column("dt [τ]", |(_, r)| Cell::rounded(r.dt, 2))

@@ -2,7 +2,7 @@
 
 use lennard_core::{Cell, Table};
 use lennard_io::RunRecord;
-use lennard_report::significant;
+use lennard_report::{percent, significant};
 
 use crate::compare::{ComparedRun, Row, RunFolder, quantity_words, table};
 
@@ -38,7 +38,8 @@ pub(super) fn stages(run: &RunFolder) -> Table {
         scene.integrator.method.name(),
         run.record.model
     );
-    Table::rows_of("stages", caption, &scene.stages)
+    Table::rows_of("stages", &scene.stages)
+        .caption(caption)
         .column("Stage", |s| &s.name)
         .column("Steps", |s| s.steps)
         .column("dt [τ]", |s| Cell::rounded(scene.stage_dt(s), 4))
@@ -86,7 +87,8 @@ pub(super) fn averages(compared: &ComparedRun, record: &RunRecord) -> Table {
         .collect();
     let caption = "Means with their standard errors, the number of independent samples that they are worth, the samples discarded at the start, and why a \
                    mean has no error.";
-    Table::rows_of("averages", caption, &rows)
+    Table::rows_of("averages", &rows)
+        .caption(caption)
         .column("Quantity", |(row, _)| quantity_words(&row.quantity))
         .measured("Mean", |(_, a)| Some((a.mean, a.standard_error)))
         .column("Unit", |(_, a)| &a.unit)
@@ -122,11 +124,12 @@ pub(super) fn performance(record: &RunRecord) -> Table {
         record.neighbor.builds,
         record.neighbor.forces_checked()
     );
-    Table::rows_of("performance", caption, &parts)
+    Table::rows_of("performance", &parts)
+        .caption(caption)
         .column("Work", |(name, _)| *name)
         .column("Seconds", |(_, seconds)| Cell::rounded(*seconds, 3))
         .column("Share", |(_, seconds)| {
-            Cell::figures(format!("{:.1} %", 100.0 * seconds / record.wall_s))
+            Cell::figures(percent(seconds / record.wall_s))
         })
         .table()
 }

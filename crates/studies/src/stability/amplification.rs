@@ -42,11 +42,11 @@ pub struct MapPoint {
     pub measured_radius: f64,
     /// Angle of its eigenvalues, where they are complex.
     pub theory_phase: Option<f64>,
-    /// The same as measured.
+    /// The angle as measured.
     pub measured_phase: Option<f64>,
 }
 
-/// What was found of one method.
+/// The map and the limits of one method.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MethodMap {
     /// The method.
@@ -67,8 +67,7 @@ pub struct MethodMap {
     pub bounded_at_1000: Option<bool>,
 }
 
-/// The map that a method declares; every method on the list declares one, and one that does not is
-/// measured without a theory line.
+/// The map that a method declares. A method without one is measured without a theory line.
 pub(crate) fn theory(entry: &IntegratorEntry, omega_h: f64) -> Option<StepMap> {
     entry
         .spec
@@ -76,7 +75,7 @@ pub(crate) fn theory(entry: &IntegratorEntry, omega_h: f64) -> Option<StepMap> {
         .map(|map| StepMap(map(omega_h, 1.0)))
 }
 
-/// Looks at every method of the groups.
+/// Measures every method of the groups.
 pub(crate) fn measure(groups: &[Group], quick: bool) -> Result<Vec<MethodMap>, StudyError> {
     let methods: Vec<(usize, &IntegratorEntry)> = groups
         .iter()
@@ -150,7 +149,7 @@ fn measured_limit(entry: &IntegratorEntry) -> Result<Option<f64>, StudyError> {
     bisect(good, bad, |x| bounded(entry, x, BISECTION_STEPS)).map(Some)
 }
 
-/// The same of the declared map, by its spectral radius alone.
+/// The first ωh at which the spectral radius of the declared map is above 1.
 fn theory_limit(entry: &IntegratorEntry) -> Option<f64> {
     let map = |x| theory(entry, x).map(StepMap::radius);
     let steady = |x| Ok(map(x).is_none_or(|r| r < 1.0 + RADIUS_ROUNDING));
@@ -194,7 +193,7 @@ fn bisect(
     Ok(0.5 * (good + bad))
 }
 
-/// The growth a step, (|z_n|/|z_0|)^{1/n} with |z|² = x² + (v/ω)², over [`GROWTH_STEPS`] steps at ωh.
+/// The growth per step, (|z_n|/|z_0|)^{1/n} with |z|² = x² + (v/ω)², over [`GROWTH_STEPS`] steps at ωh.
 ///
 /// Exact for methods whose map is a rotation times a factor, such as both plain Euler methods.
 pub(crate) fn mean_growth(entry: &IntegratorEntry, omega_h: f64) -> Result<f64, StudyError> {

@@ -96,85 +96,76 @@ pub(crate) fn phase(study: &OscillatorStudy) -> Picture {
 
 /// Displacement, its first steps, and energy, for one stiffness.
 pub(crate) fn case(case: &Case, groups: &[Group]) -> Vec<Picture> {
-    let line = |run: &Run, values: &[f64], take: usize| {
-        let sight = run
-            .positions
-            .iter()
-            .position(|x| x.abs() > OUT_OF_SIGHT)
-            .map_or(values.len(), |n| n + 1);
-        let points = values.iter().take(take.min(sight)).enumerate();
-        let points = points.map(|(n, v)| (n as f64 * STEP, *v));
-        let series = Series::new("", Look::line(run.group), run.group, points);
-        // Where a method stopped by itself is marked.
-        match run.stopped {
-            Some(_) if run.positions.len() < take => {
-                series.with_failures(vec![(run.positions.len() - 1) as f64 * STEP])
-            }
-            _ => series,
-        }
-    };
-    let time = || Axis::linear("time / s");
-    let reach = if case.name == "k-inside" { 130.0 } else { 3.5 };
-    let data = format!("displacement-{}.csv", case.name);
-    // Large swings first: whatever stays small is drawn over them.
+    // Large swings first: small ones are drawn over them.
     let mut runs: Vec<&Run> = case.runs.iter().collect();
     let size = |r: &Run| r.positions.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     runs.sort_by(|a, b| size(b).total_cmp(&size(a)));
-    let end = runs.iter().map(|r| r.positions.len()).max().unwrap_or(1);
-    let mut displacement = Figure::new(
-        format!("displacement-{}", case.name),
-        format!("Displacement, {}", case.title),
-        time().from_to(0.0, (end - 1) as f64 * STEP),
-        Axis::linear("x / m").from_to(-reach, reach),
-    );
-    let mut close = Figure::new(
-        format!("first-steps-{}", case.name),
-        format!("The first {CLOSE_STEPS} steps, {}", case.title),
-        time().from_to(0.0, CLOSE_STEPS as f64 * STEP),
-        Axis::linear("x / m").from_to(-3.5, 3.5),
-    );
-    let mut energy = Figure::new(
-        format!("energy-{}", case.name),
-        format!("Energy, {}", case.title),
-        time().from_to(0.0, (end - 1) as f64 * STEP),
-        Axis::logarithmic("(½kx² + ½mv²) / E(0)").from_to(1e-4, 1e8),
-    );
-    for run in runs {
-        displacement = displacement.with(line(run, &run.positions, usize::MAX));
-        close = close.with(line(run, &run.positions, CLOSE_STEPS + 1));
-        let start = run.energies[0];
-        let relative: Vec<f64> = run.energies.iter().map(|e| e / start).collect();
-        energy = energy.with(line(run, &relative, usize::MAX));
-    }
-    for figure in [&mut displacement, &mut close, &mut energy] {
-        for (g, group) in groups.iter().enumerate() {
-            let entry = Series::entry(&group.name, Look::line(g), g);
-            figure.series.push(entry);
+    let steps = runs.iter().map(|r| r.positions.len()).max();
+    let last = steps.unwrap_or(1) - 1;
+    let picture = |stem: &str, title: &str, last: usize, y: Axis, value: Value, caption: String| {
+        let x = Axis::linear("time / s").from_to(0.0, last as f64 * STEP);
+        let name = format!("{stem}-{}", case.name);
+        let mut figure = Figure::new(name, format!("{title}, {}", case.title), x, y);
+        for run in &runs {
+            figure = figure.with(line_of(run, last, value));
         }
-    }
-    let mut figures = vec![Picture::new(
-        displacement,
+        for (g, group) in groups.iter().enumerate() {
+            figure = figure.with(Series::entry(&group.name, Look::line(g), g));
+        }
+        Picture::new(figure, caption, format!("displacement-{}.csv", case.name))
+    };
+    let reach = if case.name == "k-inside" { 130.0 } else { 3.5 };
+    let position: Value = |run, n| run.positions[n];
+    let mut pictures = vec![picture(
+        "displacement",
+        "Displacement",
+        last,
+        Axis::linear("x / m").from_to(-reach, reach),
+        position,
         format!(
             "Displacement against time at {} (ωh = {:.6}), from 1 m at rest, h = {STEP} s; one line for \
              each distinct one-step map.",
             case.title, case.omega_h
         ),
-        data.as_str(),
     )];
     if case.name != "k-100" {
-        figures.push(Picture::new(
-            close,
-            "The same, close up: with so few steps in a period every line is a zigzag between its points.",
-            data.as_str(),
+        pictures.push(picture(
+            "first-steps",
+            &format!("The first {CLOSE_STEPS} steps"),
+            CLOSE_STEPS,
+            Axis::linear("x / m").from_to(-3.5, 3.5),
+            position,
+            "The same, close up: with so few steps in a period every line is a zigzag between its points.".into(),
         ));
     }
-    figures.push(Picture::new(
-        energy,
+    pictures.push(picture(
+        "energy",
+        "Energy",
+        last,
+        Axis::logarithmic("(½kx² + ½mv²) / E(0)").from_to(1e-4, 1e8),
+        |run, n| run.energies[n] / run.energies[0],
         "Energy against time over the energy at the start, on a logarithmic axis: a straight rise is \
-         exponential growth.",
-        data.as_str(),
+         exponential growth."
+            .into(),
     ));
-    figures
+    pictures
+}
+
+/// A number of a run at a step.
+type Value = fn(&Run, usize) -> f64;
+
+/// A run up to a step, or to where it leaves every figure. A cross marks where a method stopped by itself.
+fn line_of(run: &Run, last: usize, value: Value) -> Series {
+    let out_of_sight = |x: &f64| x.abs() > OUT_OF_SIGHT;
+    let sight = run.positions.iter().position(out_of_sight);
+    let steps = run.positions.len();
+    let shown = sight.map_or(steps, |n| n + 1).min(last + 1);
+    let points = (0..shown).map(|n| (n as f64 * STEP, value(run, n)));
+    let series = Series::new("", Look::line(run.group), run.group, points);
+    if run.stopped.is_some() && steps <= last + 1 {
+        return series.with_failures(vec![(steps - 1) as f64 * STEP]);
+    }
+    series
 }
 
 pub(crate) fn infinite(study: &OscillatorStudy) -> Picture {

@@ -1,4 +1,4 @@
-//! What the article and our own list claim of these methods, beside what was measured.
+//! The claims of the article and of our own list about these methods, beside the measurements.
 
 use super::OscillatorStudy;
 use super::manual_judgement::{self, or_infinity};

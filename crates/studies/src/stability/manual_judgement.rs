@@ -1,4 +1,4 @@
-//! What the manual of SPOOK claims of a stiff oscillator, beside what was measured.
+//! The claims of SPOOK's manual about a stiff oscillator, beside the measurements.
 
 use super::OscillatorStudy;
 use super::amplification::{mean_growth, theory};
@@ -16,7 +16,7 @@ const HALVES: &str = "max |x|, second half of the long run over the first";
 
 const SAMPLING_REASON: &str = "the largest of many samples of a cosine misses its crest by less";
 
-/// A growth factor a step averaged over 1000 steps.
+/// A growth factor per step, averaged over 1000 steps.
 const GROWTH_TOLERANCE: f64 = 1e-10;
 /// max |x| over a long run: the phases sampled fill the circle to 10⁻³, and the crest is missed by half
 /// its square.

@@ -15,7 +15,7 @@ const START: (f64, f64) = (1.0, 0.5);
 const END: f64 = 2.0;
 /// The coarsest step is END over this number of steps; each further one is half as long.
 const COARSEST: u32 = 16;
-/// Number of steps lengths.
+/// Number of step lengths.
 const REFINEMENTS: u32 = 7;
 /// Errors below this are rounding: 512 steps of a few 10⁻¹⁶ each.
 const ROUNDING: f64 = 2e-13;
@@ -59,7 +59,7 @@ fn exact(t: f64) -> (f64, f64) {
     (x * t.cos() + v * t.sin(), v * t.cos() - x * t.sin())
 }
 
-/// (x, v) from time 0, one a step, to the end.
+/// (x, v) from time 0 to the end, one per step.
 fn path(
     entry: &IntegratorEntry,
     start: (f64, f64),

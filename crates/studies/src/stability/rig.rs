@@ -75,6 +75,12 @@ impl Rig {
         }
     }
 
+    /// The one-step map that the next three states show.
+    pub(crate) fn map(&mut self, dt: f64) -> Result<StepMap, StudyError> {
+        let states = [self.step(dt)?, self.step(dt)?, self.step(dt)?];
+        Ok(StepMap::from_states(states))
+    }
+
     fn failure(&self, dt: f64, source: StepError) -> StudyError {
         StudyError::Step {
             method: self.method,
@@ -174,7 +180,5 @@ pub(crate) fn measured_map(
 ) -> Result<StepMap, StudyError> {
     let spring = Spring::Stiffness(omega * omega);
     let start = (PROBE, 0.3 * PROBE / dt);
-    let mut rig = Rig::start(entry, spring, start, dt)?;
-    let states = [rig.step(dt)?, rig.step(dt)?, rig.step(dt)?];
-    Ok(StepMap::from_states(states))
+    Rig::start(entry, spring, start, dt)?.map(dt)
 }

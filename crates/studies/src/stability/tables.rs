@@ -27,7 +27,7 @@ fn amplification(study: &OscillatorStudy) -> Table {
     let points: Vec<_> = all
         .flat_map(|m| m.points.iter().map(move |p| (m.method, p)))
         .collect();
-    Table::rows_of("amplification", "", &points)
+    Table::rows_of("amplification", &points)
         .column("method", |(method, _)| *method)
         .column("omega h", |(_, p)| p.omega_h)
         .column("radius by theory", |(_, p)| p.theory_radius)
@@ -38,7 +38,7 @@ fn amplification(study: &OscillatorStudy) -> Table {
 }
 
 fn limits(study: &OscillatorStudy) -> Table {
-    Table::rows_of("limits", "", &study.methods)
+    Table::rows_of("limits", &study.methods)
         .column("method", |m| m.method)
         .column("limit declared", |m| m.declared_limit)
         .column("limit by theory", |m| m.theory_limit)
@@ -87,7 +87,7 @@ fn orders(study: &OscillatorStudy) -> Table {
             at: *at,
         }));
     }
-    Table::rows_of("orders", "", &points)
+    Table::rows_of("orders", &points)
         .column("kind", |p| p.kind)
         .column("name", |p| p.name)
         .column("order by theory", |p| p.theory)
@@ -104,7 +104,7 @@ fn growth(study: &OscillatorStudy) -> Table {
         .iter()
         .flat_map(|g| steps(g).map(move |n| (g, n)))
         .collect();
-    Table::rows_of("exponential-error", "", &points)
+    Table::rows_of("exponential-error", &points)
         .column("wh", |(g, _)| g.wh)
         .column("wt", |(g, n)| g.times[*n])
         .column("relative error from the growing root", |(g, n)| {
@@ -131,7 +131,7 @@ fn infinite(study: &OscillatorStudy) -> Table {
         .iter()
         .flat_map(|(name, x)| found.shown_steps.iter().zip(*x).map(move |p| (name, p)))
         .collect();
-    Table::rows_of("infinite-stiffness", "", &points)
+    Table::rows_of("infinite-stiffness", &points)
         .column("run", |(name, _)| *name)
         .column("step", |(_, (n, _))| **n)
         .column("|x| [m]", |(_, (_, x))| **x)
@@ -142,7 +142,7 @@ fn infinite(study: &OscillatorStudy) -> Table {
 fn displacement(study: &OscillatorStudy, case: &Case) -> Table {
     let steps = case.runs.iter().map(|r| r.positions.len()).max();
     let steps: Vec<usize> = (0..steps.unwrap_or(0)).collect();
-    let mut table = Table::rows_of(format!("displacement-{}", case.name), "", &steps)
+    let mut table = Table::rows_of(format!("displacement-{}", case.name), &steps)
         .column("time [s]", |n| *n as f64 * STEP);
     for run in &case.runs {
         let label = &study.groups[run.group].name;
@@ -163,7 +163,7 @@ fn summaries(study: &OscillatorStudy) -> Table {
         .iter()
         .flat_map(|case| case.summaries.iter().map(move |s| (case, s)))
         .collect();
-    Table::rows_of("stiffnesses", "", &all)
+    Table::rows_of("stiffnesses", &all)
         .column("k [N/m]", |(case, _)| case.stiffness)
         .column("omega h", |(case, _)| case.omega_h)
         .column("method", |(_, s)| s.method)
@@ -182,7 +182,7 @@ fn paths(study: &OscillatorStudy) -> Table {
         .iter()
         .flat_map(|run| run.path.iter().map(move |p| (run.rule, p)))
         .collect();
-    Table::rows_of("variable-step", "", &points)
+    Table::rows_of("variable-step", &points)
         .column("rule", |(rule, _)| *rule)
         .column("time [s]", |(_, p)| p.0)
         .column("x [m]", |(_, p)| p.1)
@@ -195,7 +195,8 @@ pub(crate) fn limits_on_page(study: &OscillatorStudy) -> Table {
                    bisection over runs of 50 000 steps, which count as bounded while |x| < 10⁶. The last \
                    column is the largest relative difference between the measured and the declared spectral \
                    radius.";
-    Table::rows_of("limits", caption, &study.methods)
+    Table::rows_of("limits", &study.methods)
+        .caption(caption)
         .column("Method", |m| format!("`{}`", m.method))
         .column("Declared", |m| {
             Cell::rounded(m.declared_limit, 8).or_figures("none")
@@ -227,7 +228,8 @@ pub(crate) fn case_on_page(case: &Case) -> Table {
         significant(case.stiffness, 7),
         case.omega_h
     );
-    Table::rows_of(case.name, caption, &case.summaries)
+    Table::rows_of(case.name, &case.summaries)
+        .caption(caption)
         .column("Method", |s| format!("`{}`", s.method))
         .column("Fate", |s| {
             let (fate, tone) = match s.growth_of_halves {

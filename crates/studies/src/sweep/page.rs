@@ -23,7 +23,7 @@ pub(super) fn csv(record: &SweepRecord) -> Table {
     let compared =
         |p: &SweptPoint, number: fn(&ComparedRun) -> u64| p.compared.as_ref().map_or(0, number);
     let mean = |p: &SweptPoint, quantity: &str| p.row(quantity).map(|r| r.measured);
-    let mut table = Table::rows_of("table", "", &record.points)
+    let mut table = Table::rows_of("table", &record.points)
         .column("name", |p| &p.name)
         .column("density", |p| state(p).density)
         .column("temperature", |p| state(p).temperature)
@@ -163,7 +163,8 @@ fn differences(record: &SweepRecord, quantity: &str, title: &str, unit: &str) ->
 pub fn agreement_table(record: &SweepRecord) -> Table {
     let caption = "Differences of all points that are single stable phases. p is the probability of a χ² at least so large: first were the \
                    equation exact, then were it off at random by its own uncertainty.";
-    Table::rows_of("agreement", caption, &record.agreement)
+    Table::rows_of("agreement", &record.agreement)
+        .caption(caption)
         .column("Quantity", |a| quantity_words(&a.quantity))
         .column("Points judged", |a| a.points)
         .column("Agree", |a| {
@@ -196,7 +197,8 @@ pub fn point_table(record: &SweepRecord) -> Table {
                    cutoff.";
     let mean =
         |p: &SweptPoint, quantity: &str| Cell::rounded(p.row(quantity).map(|r| r.measured), 5);
-    let mut table = Table::rows_of("points", caption, &record.points)
+    let mut table = Table::rows_of("points", &record.points)
+        .caption(caption)
         .column("Point", |p| &p.name)
         .column("T, whole steps", |p| mean(p, "temperature"))
         .column("T, half steps", |p| mean(p, "temperature_half_steps"));
