@@ -4,8 +4,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A real number, or several side by side.
 ///
-/// Formulas written over it give the same value per lane whichever type they run on, up to the
-/// rounding of the type and of fused multiply-adds.
+/// A formula gives the same value per lane with any type, up to the rounding of the type and of fused multiply-adds.
 pub trait Real:
     Copy
     + Add<Output = Self>
@@ -14,15 +13,19 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// The constant `value` in every lane.
-    fn splat(value: f64) -> Self;
+    /// The constant `value` in every lane of a number like this one.
+    ///
+    /// A register exists only where the processor has its instruction set. So a constant is made from a number at hand.
+    #[must_use]
+    fn splat(self, value: f64) -> Self;
     /// `self·a + b`, fused where the instruction set fuses.
     fn mul_add(self, a: Self, b: Self) -> Self;
-    /// 1/self, divided out: a divider works beside the ports of products, of which an estimate made as good by
-    /// Newton's method would take more.
+    /// 1/self by a division.
+    ///
+    /// The divider works beside the ports of products. An estimate with a Newton step would take more of these ports.
     #[inline(always)]
     fn recip(self) -> Self {
-        Self::splat(1.0) / self
+        self.splat(1.0) / self
     }
     /// √self.
     fn sqrt(self) -> Self;
@@ -34,7 +37,7 @@ pub trait Real:
 
 impl Real for f64 {
     #[inline(always)]
-    fn splat(value: f64) -> Self {
+    fn splat(self, value: f64) -> Self {
         value
     }
     #[inline(always)]

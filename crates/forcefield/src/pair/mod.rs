@@ -38,7 +38,7 @@ impl<R: Real> Pair<R> {
     /// The values in ε, of a formula that counts in `unit` ε.
     #[inline(always)]
     fn in_epsilon(self, unit: f64) -> Self {
-        let unit = R::splat(unit);
+        let unit = self.energy.splat(unit);
         Self {
             energy: self.energy * unit,
             force: self.force * unit,

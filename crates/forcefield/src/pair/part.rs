@@ -63,7 +63,7 @@ impl<F: PairForm> PairForm for Part<F> {
         let step = self.step.eval(r2);
         let weight = step
             .value
-            .mul_add(R::splat(self.sign), R::splat(self.offset));
+            .mul_add(r2.splat(self.sign), r2.splat(self.offset));
         Pair {
             energy: weight * pair.energy,
             force: weight * pair.force,

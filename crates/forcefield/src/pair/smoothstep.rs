@@ -34,21 +34,21 @@ impl Smoothstep {
     /// The value and its derivatives at r² = `r2`.
     #[inline(always)]
     pub fn eval<R: Real>(&self, r2: R) -> Step<R> {
-        let inv_width = R::splat(self.inv_width);
-        let x = ((r2 - R::splat(self.on)) * inv_width)
-            .max(R::splat(0.0))
-            .min(R::splat(1.0));
+        let inv_width = r2.splat(self.inv_width);
+        let x = ((r2 - r2.splat(self.on)) * inv_width)
+            .max(r2.splat(0.0))
+            .min(r2.splat(1.0));
         let x2 = x * x;
-        let polynomial = x.mul_add(x.mul_add(R::splat(6.0), R::splat(-15.0)), R::splat(10.0));
+        let polynomial = x.mul_add(x.mul_add(r2.splat(6.0), r2.splat(-15.0)), r2.splat(10.0));
         // 1 − x, exact to the last bit near x = 1, keeps the derivatives' double zero there.
-        let rest = R::splat(1.0) - x;
+        let rest = r2.splat(1.0) - x;
         Step {
-            value: -(x2 * x).mul_add(polynomial, R::splat(-1.0)),
-            first: x2 * (rest * rest) * (R::splat(-30.0) * inv_width),
+            value: -(x2 * x).mul_add(polynomial, r2.splat(-1.0)),
+            first: x2 * (rest * rest) * (r2.splat(-30.0) * inv_width),
             second: x
                 * rest
-                * x.mul_add(R::splat(2.0), R::splat(-1.0))
-                * (R::splat(60.0) * inv_width * inv_width),
+                * x.mul_add(r2.splat(2.0), r2.splat(-1.0))
+                * (r2.splat(60.0) * inv_width * inv_width),
         }
     }
 }
@@ -58,7 +58,7 @@ impl Smoothstep {
 #[inline(always)]
 pub(super) fn weighted<R: Real>(pair: Pair<R>, step: Step<R>, r2: R) -> Pair<R> {
     let two_first = step.first + step.first;
-    let four_r2 = r2 * R::splat(4.0);
+    let four_r2 = r2 * r2.splat(4.0);
     Pair {
         energy: step.value * pair.energy,
         force: step.value.mul_add(pair.force, -(two_first * pair.energy)),

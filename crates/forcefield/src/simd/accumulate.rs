@@ -95,7 +95,7 @@ impl<L: Lanes> Accumulate<L> for PairSums<L> {
         self.pairs += L::count(inside);
         self.energy = self.energy + pair.energy.keep(inside);
         let curvature = pair.curvature.keep(inside);
-        self.laplacian = self.laplacian + f.mul_add(L::splat(-2.0), curvature);
+        self.laplacian = self.laplacian + f.mul_add(f.splat(-2.0), curvature);
         let [xx, yy, zz, xy, xz, yz] = &mut self.virial;
         let (fx, fy, fz) = (dx * f, dy * f, dz * f);
         *xx = dx.mul_add(fx, *xx);

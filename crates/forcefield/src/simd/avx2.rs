@@ -13,7 +13,6 @@ use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
 use crate::options::Precision;
 use crate::pair::PairForm;
-use crate::real::Real;
 
 /// Four doubles. A value proves that this processor has AVX2 and FMA.
 #[derive(Clone, Copy)]
@@ -63,7 +62,8 @@ impl Lanes for F64x4 {
 
     #[inline(always)]
     fn constant(_isa: Avx2, value: f64) -> Self {
-        Self::splat(value)
+        // SAFETY: the token proves AVX2.
+        Self(unsafe { _mm256_set1_pd(value) })
     }
 
     #[inline(always)]
@@ -143,7 +143,8 @@ impl Lanes for F32x8 {
 
     #[inline(always)]
     fn constant(_isa: Avx2, value: f64) -> Self {
-        Self::splat(value)
+        // SAFETY: the token proves AVX2.
+        Self(unsafe { _mm256_set1_ps(value as f32) })
     }
 
     #[inline(always)]

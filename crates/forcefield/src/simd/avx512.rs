@@ -15,7 +15,6 @@ use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
 use crate::options::Precision;
 use crate::pair::PairForm;
-use crate::real::Real;
 
 /// Eight doubles. A value proves that this processor has AVX-512.
 #[derive(Clone, Copy)]
@@ -65,7 +64,8 @@ impl Lanes for F64x8 {
 
     #[inline(always)]
     fn constant(_isa: Avx512, value: f64) -> Self {
-        Self::splat(value)
+        // SAFETY: the token proves AVX-512.
+        Self(unsafe { _mm512_set1_pd(value) })
     }
 
     #[inline(always)]
@@ -160,7 +160,8 @@ impl Lanes for F32x16 {
 
     #[inline(always)]
     fn constant(_isa: Avx512, value: f64) -> Self {
-        Self::splat(value)
+        // SAFETY: the token proves AVX-512.
+        Self(unsafe { _mm512_set1_ps(value as f32) })
     }
 
     #[inline(always)]

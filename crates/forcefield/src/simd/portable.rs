@@ -61,7 +61,7 @@ macro_rules! group {
         }
         impl<const N: usize> Real for Group<$float, N> {
             #[inline(always)]
-            fn splat(value: f64) -> Self {
+            fn splat(self, value: f64) -> Self {
                 Self([value as $float; N])
             }
             #[inline(always)]
@@ -130,7 +130,7 @@ impl<const N: usize> Lanes for Group<f64, N> {
 
     #[inline(always)]
     fn constant(_isa: (), value: f64) -> Self {
-        Self::splat(value)
+        Self([value; N])
     }
 
     #[inline(always)]
@@ -169,7 +169,7 @@ impl<const N: usize> Lanes for Group<f32, N> {
 
     #[inline(always)]
     fn constant(_isa: (), value: f64) -> Self {
-        Self::splat(value)
+        Self([value as f32; N])
     }
 
     #[inline(always)]

@@ -49,8 +49,8 @@ macro_rules! register {
         }
         impl crate::real::Real for $lanes {
             #[inline(always)]
-            fn splat(value: f64) -> Self {
-                // SAFETY: formulas make constants beside values, and a value proves the instruction set.
+            fn splat(self, value: f64) -> Self {
+                // SAFETY: as above.
                 Self(unsafe { $splat(value as $float) })
             }
             #[inline(always)]

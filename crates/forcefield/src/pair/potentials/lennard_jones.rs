@@ -39,10 +39,10 @@ impl PairPotential for LennardJones {
         let inv_r6 = inv_r4 * inv_r2;
         let inv_r8 = inv_r4 * inv_r4;
         Pair {
-            energy: inv_r6 * inv_r6.mul_add(R::splat(1.0 / 12.0), R::splat(-1.0 / 12.0)),
+            energy: inv_r6 * inv_r6.mul_add(inv_r2.splat(1.0 / 12.0), inv_r2.splat(-1.0 / 12.0)),
             // r⁻⁸·(r⁻⁶ − 1/2): one multiplication less than with r⁻⁶ times a factor.
-            force: inv_r8 * inv_r4.mul_add(inv_r2, R::splat(-0.5)),
-            curvature: inv_r8 * inv_r6.mul_add(R::splat(13.0), R::splat(-3.5)),
+            force: inv_r8 * inv_r4.mul_add(inv_r2, inv_r2.splat(-0.5)),
+            curvature: inv_r8 * inv_r6.mul_add(inv_r2.splat(13.0), inv_r2.splat(-3.5)),
         }
     }
 

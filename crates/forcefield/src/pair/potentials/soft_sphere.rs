@@ -48,7 +48,7 @@ impl PairPotential for SoftSphere {
         let mut energy = if self.exponent % 2 == 1 {
             inv_r2.sqrt()
         } else {
-            R::splat(1.0)
+            inv_r2.splat(1.0)
         };
         // r⁻ⁿ by squaring: the exponent is the same for all lanes.
         let mut bits = self.exponent / 2;
@@ -64,8 +64,8 @@ impl PairPotential for SoftSphere {
         let scaled = energy * inv_r2;
         Pair {
             energy,
-            force: scaled * R::splat(n),
-            curvature: scaled * R::splat(n * (n + 1.0)),
+            force: scaled * inv_r2.splat(n),
+            curvature: scaled * inv_r2.splat(n * (n + 1.0)),
         }
     }
 

@@ -47,7 +47,7 @@ impl PairPotential for Wca {
     fn eval<R: Real>(&self, inv_r2: R) -> Pair<R> {
         let pair = LennardJones {}.eval(inv_r2);
         Pair {
-            energy: pair.energy + R::splat(1.0 / Self::UNIT),
+            energy: pair.energy + inv_r2.splat(1.0 / Self::UNIT),
             ..pair
         }
     }

@@ -60,8 +60,8 @@ impl<P: PairPotential> PairForm for ForceShift<P> {
         let pair = self.potential.eval(inv_r2);
         let r = r2.sqrt();
         Pair {
-            energy: pair.energy - r.mul_add(R::splat(self.slope), R::splat(self.constant)),
-            force: inv_r2.sqrt().mul_add(R::splat(self.slope), pair.force),
+            energy: pair.energy - r.mul_add(r2.splat(self.slope), r2.splat(self.constant)),
+            force: inv_r2.sqrt().mul_add(r2.splat(self.slope), pair.force),
             curvature: pair.curvature,
         }
     }

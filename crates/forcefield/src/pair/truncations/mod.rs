@@ -50,7 +50,7 @@ impl<P: PairPotential> PairForm for Plain<P> {
     fn eval<R: Real>(&self, _r2: R, inv_r2: R) -> Pair<R> {
         let pair = self.potential.eval(inv_r2);
         Pair {
-            energy: pair.energy - R::splat(self.shift),
+            energy: pair.energy - inv_r2.splat(self.shift),
             ..pair
         }
     }

@@ -1,0 +1,111 @@
+//! The bits of forces: with and without energetics, on any number of threads, and canonical.
+
+use super::*;
+
+#[test]
+fn forces_have_the_same_bits_with_and_without_energetics() {
+    let (cell, positions) = liquid([8, 8, 8], 0.8442, 0.15);
+    for base in forms() {
+        for kernel in kernels() {
+            for neighbor in [
+                verlet(None),
+                NeighborOptions {
+                    mode: ListMode::Direct,
+                    skin: None,
+                },
+            ] {
+                let options = ForceFieldOptions {
+                    kernel,
+                    neighbor,
+                    ..base
+                };
+                let mut forces = build(&options, &conditions(cell, positions.len())).unwrap();
+                let (plain, none) = all(&mut forces, cell, &positions, Want::NOTHING);
+                assert_eq!(none, lennard_core::Energetics::default());
+                for want in [Want::ENERGY, Want::TOTALS, want_each()] {
+                    assert_eq!(
+                        all(&mut forces, cell, &positions, want).0,
+                        plain,
+                        "{options:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_same_bits_come_from_any_number_of_threads() {
+    // Few particles, with one copy per thread, and many. Lists are built again on the way.
+    for (sides, many) in [([12, 11, 10], false), ([14, 13, 12], true)] {
+        let (cell, start) = liquid(sides, 0.8442, 0.15);
+        assert_eq!(start.len() > 2048, many);
+        for kernel in kernels() {
+            let run = || {
+                let options = ForceFieldOptions {
+                    kernel,
+                    ..ForceFieldOptions::default()
+                };
+                let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
+                (0..4)
+                    .flat_map(|k| {
+                        let positions = moved(&start, 0.06 * f64::from(k));
+                        [Want::NOTHING, want_each()]
+                            .map(|want| all(&mut forces, cell, &positions, want))
+                    })
+                    .collect::<Vec<_>>()
+            };
+            let one = in_threads(1, run);
+            for threads in [2, 3, 8] {
+                assert!(
+                    in_threads(threads, run) == one,
+                    "{threads} threads, {kernel:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn canonical_forces_are_a_pure_function_of_the_positions() {
+    let (cell, start) = liquid([9, 8, 8], 0.8442, 0.15);
+    let target = moved(&start, 0.1);
+    let bits = |skin: Option<f64>, mode, threads, before: &[DVec3]| {
+        let options = ForceFieldOptions {
+            canonical: true,
+            neighbor: NeighborOptions { mode, skin },
+            ..ForceFieldOptions::default()
+        };
+        in_threads(threads, || {
+            let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
+            all(&mut forces, cell, before, Want::NOTHING);
+            all(&mut forces, cell, &target, Want::NOTHING).0
+        })
+    };
+    let wanted = bits(None, ListMode::Direct, 1, &start);
+    for (skin, threads) in [(0.0, 1), (0.21, 2), (0.4, 3), (0.7, 8)] {
+        for before in [&start, &target, &moved(&start, 0.3)] {
+            let found = bits(Some(skin), ListMode::Verlet, threads, before);
+            assert!(found == wanted, "skin {skin}, {threads} threads");
+        }
+    }
+    // Shifting a particle by whole boxes of a power-of-two side changes no bit either.
+    let cell = PeriodicBox::new(DVec3::splat(8.0)).unwrap();
+    let (_, small) = liquid([7, 7, 7], 343.0 / 512.0, 0.1);
+    let small: Vec<DVec3> = small
+        .iter()
+        .map(|r| cell.wrap((*r * 1024.0).round() / 1024.0))
+        .collect();
+    let shifted: Vec<DVec3> = small
+        .iter()
+        .enumerate()
+        .map(|(i, r)| *r + 8.0 * DVec3::new(i as f64 % 3.0, -(i as f64 % 5.0), 1.0))
+        .collect();
+    let options = ForceFieldOptions {
+        canonical: true,
+        ..ForceFieldOptions::default()
+    };
+    let mut forces = build(&options, &conditions(cell, small.len())).unwrap();
+    let a = all(&mut forces, cell, &small, Want::NOTHING).0;
+    assert!(a == all(&mut forces, cell, &shifted, Want::NOTHING).0);
+}
