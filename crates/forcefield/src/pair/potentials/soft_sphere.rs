@@ -1,6 +1,6 @@
 //! The soft sphere, an inverse power.
 
-use super::{LARGEST_EXPONENT, inverse_power, Potential, PotentialSpec, SMALLEST_EXPONENT};
+use super::{LARGEST_EXPONENT, Potential, PotentialSpec, SMALLEST_EXPONENT, inverse_power};
 use crate::pair::{Pair, PairPotential};
 use crate::real::Real;
 
