@@ -15,6 +15,7 @@ pub mod parallel;
 mod persist;
 pub mod random;
 mod state;
+pub mod stopwatch;
 pub mod sweeps;
 pub mod tasks;
 mod thermostat;

@@ -3,7 +3,7 @@
 mod shares;
 
 use lennard_core::{DVec3, Observable};
-use lennard_forcefield::{Precision, Search};
+use lennard_forcefield::Search;
 use lennard_scene::Scene;
 use serde::Serialize;
 
@@ -12,6 +12,8 @@ use crate::simulation::Simulation;
 use crate::watchdog;
 use crate::{EngineError, build};
 use shares::{Costs, bath_name};
+
+pub use shares::watching_seconds;
 
 /// One part of the work.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -126,13 +128,11 @@ fn items(
     let spec = scene.integrator.method.spec();
     let mut items = vec![
         item("pair forces", true, {
-            let precision = match forces.precision {
-                Precision::Double => "double",
-                Precision::Mixed => "mixed",
-            };
             format!(
-                "every step, `{}` loop, {} in {precision} precision",
-                forces.kernel, forces.isa
+                "every step, `{}` loop, {} in {} precision",
+                forces.kernel,
+                forces.isa,
+                forces.precision.name()
             )
         }),
         item(

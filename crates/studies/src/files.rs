@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lennard_io::{write_json_atomically, write_text_atomically};
-use lennard_report::{Figure, PageFigure};
+use lennard_report::{BarFigure, Figure, PageFigure, ReportError};
 use serde::Serialize;
 
 use crate::StudyError;
@@ -61,21 +61,63 @@ pub(crate) fn exact_or_empty(value: Option<f64>) -> String {
     value.map(exact).unwrap_or_default()
 }
 
-/// A figure with what is said below it.
+/// A figure of any kind.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Drawing {
+    /// Points and lines.
+    Plot(Figure),
+    /// Bars in groups.
+    Bars(BarFigure),
+}
+
+impl From<Figure> for Drawing {
+    fn from(figure: Figure) -> Self {
+        Self::Plot(figure)
+    }
+}
+
+impl From<BarFigure> for Drawing {
+    fn from(figure: BarFigure) -> Self {
+        Self::Bars(figure)
+    }
+}
+
+impl Drawing {
+    /// File stem.
+    pub(crate) fn name(&self) -> &str {
+        match self {
+            Self::Plot(figure) => &figure.name,
+            Self::Bars(figure) => &figure.name,
+        }
+    }
+
+    fn to_svg(&self) -> Result<String, ReportError> {
+        match self {
+            Self::Plot(figure) => figure.to_svg(),
+            Self::Bars(figure) => figure.to_svg(),
+        }
+    }
+}
+
+/// A figure with the words below it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Captioned {
-    pub(crate) figure: Figure,
+    pub(crate) figure: Drawing,
     pub(crate) caption: String,
     /// Name of the CSV file with its numbers.
     pub(crate) data: String,
 }
 
 impl Captioned {
-    pub(crate) fn new(figure: Figure, caption: impl Into<String>, data: &str) -> Self {
+    pub(crate) fn new(
+        figure: impl Into<Drawing>,
+        caption: impl Into<String>,
+        data: impl Into<String>,
+    ) -> Self {
         Self {
-            figure,
+            figure: figure.into(),
             caption: caption.into(),
-            data: data.to_owned(),
+            data: data.into(),
         }
     }
 
@@ -89,12 +131,12 @@ impl Captioned {
     }
 }
 
-/// Writes tables, figures (in `figures/`), the study as `study.json` and the page as `report.html`.
+/// Writes tables, figures (in `figures/`), the study as the JSON file that is named, and the page as `report.html`.
 pub(crate) fn write_all(
     dir: &Path,
     tables: &[TextTable],
     figures: &[Captioned],
-    study: &impl Serialize,
+    (json, study): (&str, &impl Serialize),
     page: &str,
 ) -> Result<(), StudyError> {
     let figure_dir = dir.join("figures");
@@ -106,10 +148,10 @@ pub(crate) fn write_all(
         write_text_atomically(&dir.join(format!("{}.csv", table.name)), &table.to_csv()?)?;
     }
     for item in figures {
-        let path = figure_dir.join(format!("{}.svg", item.figure.name));
+        let path = figure_dir.join(format!("{}.svg", item.figure.name()));
         write_text_atomically(&path, &item.figure.to_svg()?)?;
     }
-    write_json_atomically(&dir.join("study.json"), study)?;
+    write_json_atomically(&dir.join(json), study)?;
     write_text_atomically(&dir.join("report.html"), page)?;
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Settings for an accuracy, as a person reads them.
 
-use lennard_studies::settings::Cost;
+use lennard_studies::lab::Cost;
 use lennard_studies::tune::Tuning;
 
 use super::{duration, table};
@@ -60,7 +60,7 @@ pub fn tuning(tuning: &Tuning) {
         costs.add_row([
             name.to_owned(),
             duration(wall.median),
-            format!("{} to {}", duration(wall.low), duration(wall.high)),
+            format!("{} to {}", duration(wall.lowest), duration(wall.highest)),
             format!("{:.2}", wall.median / chosen),
         ]);
     };

@@ -5,11 +5,13 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use lennard_core::stopwatch::{Spread, Stopwatch, repeated, timed};
 use lennard_core::{Configuration, Observable, Part, Persist, StateArchive, Want};
 use lennard_integrators::Coupling;
 use lennard_io::{Frame, Sink, TrajectoryWriter};
 use lennard_scene::{Scene, Stage};
 
+use crate::bare::bare;
 use crate::build::{Beginning, prepare_from};
 use crate::files::{header, style};
 use crate::instant::view;
@@ -23,8 +25,8 @@ const STEPS_FOR: Duration = Duration::from_millis(400);
 const PART_FOR: Duration = Duration::from_millis(30);
 /// Calls of a part that is measured alone, at most.
 const CALLS: usize = 9;
-/// Steps of a stage that never ends.
-const ENDLESS: u64 = 1_000_000_000_000_000;
+/// Calls of a part of the watchdog in one measurement.
+const WATCHING_CALLS: u32 = 50;
 
 /// Seconds of each part, for one call or one step.
 pub(super) struct Costs {
@@ -71,8 +73,7 @@ impl Costs {
         let all = follower.steps.len() as f64;
         // The first step also builds the list and warms the caches.
         let first = usize::from(follower.steps.len() > 1);
-        let mut times = follower.steps.split_off(first);
-        times.sort_by(f64::total_cmp);
+        let times = follower.steps.split_off(first);
         let evaluate = |bare: &mut Simulation, want| -> Result<f64, EngineError> {
             let mut fault = None;
             let time = median(|| {
@@ -81,10 +82,8 @@ impl Costs {
                     velocities: None,
                     time: bare.state.time,
                 };
-                match bare
-                    .forces
-                    .evaluate(at, Part::All, want, &mut bare.state.forces)
-                {
+                let forces = &mut bare.state.forces;
+                match bare.forces.evaluate(at, Part::All, want, forces) {
                     Ok(found) => bare.state.energetics = found,
                     Err(error) => fault = Some(error),
                 }
@@ -122,21 +121,13 @@ impl Costs {
             .map(|o| (o.observable.want(), sampled(o)))
             .collect();
         take_steps_unseen(&mut bare, simulation)?;
-        let dt = bare.stage_run().dt;
-        let look = median(|| drop(watchdog::check_speeds(&bare.state, dt)));
-        let check = median(|| drop(bare.force_check.look(&bare.state)));
-        let mut before = aside(&bare.state);
-        let copy = median(|| set_aside(&bare.state, &mut before));
-        let baths = simulation
-            .scene
-            .stages
-            .iter()
-            .map(|stage| bath(&bare, stage))
-            .collect();
+        let stages = simulation.scene.stages.iter();
+        let baths = stages.map(|stage| bath(&bare, stage)).collect();
+        let step = times.iter().sum::<f64>() / times.len() as f64;
         Ok(Self {
             steps: times.len() as u64,
-            step: times.iter().sum::<f64>() / times.len() as f64,
-            median_step: times[times.len() / 2],
+            step,
+            median_step: Spread::of(times).map_or(f64::NAN, |steps| steps.median),
             force: statistics.force_seconds / all,
             neighbor: statistics.neighbor_seconds / all,
             force_bytes: bare.forces.statistics().bytes,
@@ -148,9 +139,7 @@ impl Costs {
             observers,
             baths,
             frame: frame(&bare),
-            watch: look / watchdog::EVERY as f64
-                + check / watchdog::LISTS_EVERY as f64
-                + copy / SET_ASIDE_EVERY as f64,
+            watch: watching_seconds(&bare),
         })
     }
 
@@ -231,36 +220,36 @@ fn gcd(a: u64, b: u64) -> u64 {
 }
 
 /// The median time of a call, s.
-fn median(mut call: impl FnMut()) -> f64 {
-    let begin = Instant::now();
-    let mut times = Vec::with_capacity(CALLS);
-    while times.is_empty() || times.len() < CALLS && begin.elapsed() < PART_FOR {
-        let clock = Instant::now();
-        call();
-        times.push(clock.elapsed().as_secs_f64());
-    }
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
+fn median(call: impl FnMut()) -> f64 {
+    repeated(PART_FOR, CALLS, call).median
 }
 
-/// The same particles in one stage without end at constant energy, with nothing to observe, write or couple to.
+/// Seconds that the watchdog takes per step, on the clock of the calling thread: its looks at the speeds and at single
+/// forces, and the copy of the state that it goes back to.
+#[must_use]
+pub fn watching_seconds(simulation: &Simulation) -> f64 {
+    let state = &simulation.state;
+    let per_call = |call: &mut dyn FnMut()| {
+        let watch = Stopwatch::start();
+        (0..WATCHING_CALLS).for_each(|_| call());
+        watch.on_processor() / f64::from(WATCHING_CALLS)
+    };
+    let dt = simulation.stage_run().dt;
+    let mut before = aside(state);
+    per_call(&mut || drop(watchdog::check_speeds(state, dt))) / watchdog::EVERY as f64
+        + per_call(&mut || drop(simulation.force_check.look(state))) / watchdog::LISTS_EVERY as f64
+        + per_call(&mut || set_aside(state, &mut before)) / SET_ASIDE_EVERY as f64
+}
+
+/// The same particles with everything off.
 fn with_everything_off(simulation: &Simulation) -> Result<Simulation, EngineError> {
-    let mut scene = simulation.scene.clone();
-    let stage = scene.stages.iter().rposition(|s| s.measure).unwrap_or(0);
-    scene.stages = vec![Stage {
-        steps: ENDLESS,
-        thermostat: None,
-        measure: false,
-        ..scene.stages.swap_remove(stage)
-    }];
-    scene.observables.clear();
     let beginning = Beginning {
         cell: simulation.cell,
         positions: simulation.state.positions.clone(),
         velocities: Some(simulation.state.velocities.clone()),
         relax: false,
     };
-    prepare_from(scene, beginning)
+    prepare_from(bare(&simulation.scene), beginning)
 }
 
 /// Takes some steps as the scene does, which are many at once where nobody looks: what those take memory for is then there.
@@ -296,12 +285,13 @@ fn bath(bare: &Simulation, stage: &Stage) -> f64 {
     let dt = bare.stage_run().dt;
     // Baths that act on some steps only are met on those and on others.
     const STEPS: u32 = 20;
-    let clock = Instant::now();
-    for _ in 0..STEPS {
-        state.step += 1;
-        bath.apply(&bare.dynamics, &mut state, dt, &noise);
-    }
-    clock.elapsed().as_secs_f64() / f64::from(STEPS)
+    let (seconds, ()) = timed(|| {
+        for _ in 0..STEPS {
+            state.step += 1;
+            bath.apply(&bare.dynamics, &mut state, dt, &noise);
+        }
+    });
+    seconds / f64::from(STEPS)
 }
 
 /// Formatting one frame, without the disk.

@@ -1,92 +1,73 @@
 //! The pictures of a benchmark.
 
+use lennard_core::stopwatch::Spread;
 use lennard_report::{Axis, BarFigure, BarSeries, Figure, Guide, Look, Point, Series, Symbol};
 
-use super::{BenchStudy, KernelResult, Spread};
-use crate::StudyError;
-
-/// A picture with what is said below it.
-pub(super) struct Drawn {
-    /// File stem.
-    pub(super) name: &'static str,
-    /// The picture.
-    pub(super) svg: String,
-    /// What it shows.
-    pub(super) caption: String,
-    /// The file with its numbers.
-    pub(super) data: &'static str,
-}
+use super::{BenchStudy, FeatureStudy, KernelResult, SkinStudy};
+use crate::files::Captioned;
 
 /// All pictures that the study has the numbers for.
-pub(super) fn all(study: &BenchStudy) -> Result<Vec<Drawn>, StudyError> {
+pub(super) fn all(study: &BenchStudy) -> Vec<Captioned> {
     let mut figures = Vec::new();
     if !study.kernels.is_empty() {
-        figures.push(speeds(study)?);
-        figures.push(parts(study)?);
+        figures.push(speeds(study));
+        figures.push(parts(study));
     }
-    if let Some(skin) = &study.skin {
-        let points = skin.points.iter().map(|p| Point {
-            x: p.skin,
-            y: p.step_ns.median,
-            error: Some(p.step_ns.half_range()),
-            ..Point::default()
-        });
-        let figure = Figure::new(
-            "skins",
-            "Cost against skin",
-            Axis::linear("skin / σ"),
-            Axis::linear("ns per atom-step"),
-        )
-        .guided(Guide::Vertical(skin.chosen, "chosen".into()))
-        .with(Series::from_points(
-            "whole step",
-            Look::Points(Symbol::Disc),
-            0,
-            points.collect(),
-        ));
-        figures.push(Drawn {
-            name: "skins",
-            svg: figure.to_svg()?,
-            caption: format!(
-                "Whole steps with other skins ({}); lines are half the range over {} repeats.",
-                skin.with, study.repeats
-            ),
-            data: "skins.csv",
-        });
-    }
-    if let Some(found) = &study.features {
-        let figure = BarFigure {
-            name: "features".into(),
-            title: "What a feature adds to a step".into(),
-            axis: Axis::linear("% of a step with everything off"),
-            groups: found.features.iter().map(|f| f.name.clone()).collect(),
-            series: vec![BarSeries {
-                name: "added".into(),
-                color: 0,
-                // Below nothing is noise, and a bar of it would say otherwise.
-                values: found
-                    .features
-                    .iter()
-                    .map(|f| {
-                        Some((
-                            100.0 * f.share.median.max(0.0),
-                            Some(100.0 * f.share.half_range()),
-                        ))
-                    })
-                    .collect(),
-            }],
-        };
-        figures.push(Drawn {
-            name: "features",
-            svg: figure.to_svg()?,
-            caption: format!(
-                "Each alone and as often as the table says, against the engine with every feature off; {} of one thread, median of {} rounds, lines are half the range.",
-                found.clock, study.repeats
-            ),
-            data: "features.csv",
-        });
-    }
-    Ok(figures)
+    figures.extend(study.skin.iter().map(|skin| skins(study, skin)));
+    let found = study.features.iter();
+    figures.extend(found.map(|found| features(study, found)));
+    figures
+}
+
+fn skins(study: &BenchStudy, skin: &SkinStudy) -> Captioned {
+    let points = skin.points.iter().map(|p| Point {
+        x: p.skin,
+        y: p.step_ns.median,
+        error: Some(p.step_ns.half_range()),
+        ..Point::default()
+    });
+    let figure = Figure::new(
+        "skins",
+        "Cost against skin",
+        Axis::linear("skin / σ"),
+        Axis::linear("ns per atom-step"),
+    )
+    .guided(Guide::Vertical(skin.chosen, "chosen".into()))
+    .with(Series::from_points(
+        "whole step",
+        Look::Points(Symbol::Disc),
+        0,
+        points.collect(),
+    ));
+    let caption = format!(
+        "Whole steps with other skins ({}); lines are half the range over {} repeats.",
+        skin.with, study.repeats
+    );
+    Captioned::new(figure, caption, "skins.csv")
+}
+
+fn features(study: &BenchStudy, found: &FeatureStudy) -> Captioned {
+    // Below nothing is noise, and a bar of it would say otherwise.
+    let value = |share: Spread| {
+        let (height, error) = (share.median.max(0.0), share.half_range());
+        Some((100.0 * height, Some(100.0 * error)))
+    };
+    let figure = BarFigure {
+        name: "features".into(),
+        title: "What a feature adds to a step".into(),
+        axis: Axis::linear("% of a step with everything off"),
+        groups: found.features.iter().map(|f| f.name.clone()).collect(),
+        series: vec![BarSeries {
+            name: "added".into(),
+            color: 0,
+            values: found.features.iter().map(|f| value(f.share)).collect(),
+        }],
+    };
+    let caption = format!(
+        "Each alone and as often as the table says, against the engine with every feature off; {} of one thread, median of {} rounds, lines are half the range.",
+        found.clock, study.repeats
+    );
+    Captioned::new(figure, caption, "features.csv")
 }
 
 fn bar(spread: Spread) -> Option<(f64, Option<f64>)> {
@@ -94,7 +75,7 @@ fn bar(spread: Spread) -> Option<(f64, Option<f64>)> {
 }
 
 /// Whole steps of every variant: a group for each kernel, a bar for each number of threads.
-fn speeds(study: &BenchStudy) -> Result<Drawn, StudyError> {
+fn speeds(study: &BenchStudy) -> Captioned {
     let groups = labels(study);
     let mut threads: Vec<usize> = study.kernels.iter().map(|k| k.threads).collect();
     threads.sort_unstable();
@@ -117,19 +98,15 @@ fn speeds(study: &BenchStudy) -> Result<Drawn, StudyError> {
         series: series.collect(),
         groups,
     };
-    Ok(Drawn {
-        name: "speed",
-        svg: figure.to_svg()?,
-        caption: format!(
-            "Whole steps at constant energy, lists included: median of {} blocks of {} steps, lines are half the range.",
-            study.repeats, study.steps
-        ),
-        data: "kernels.csv",
-    })
+    let caption = format!(
+        "Whole steps at constant energy, lists included: median of {} blocks of {} steps, lines are half the range.",
+        study.repeats, study.steps
+    );
+    Captioned::new(figure, caption, "kernels.csv")
 }
 
 /// The parts of a step on the fewest threads.
-fn parts(study: &BenchStudy) -> Result<Drawn, StudyError> {
+fn parts(study: &BenchStudy) -> Captioned {
     let fewest = study.kernels.iter().map(|k| k.threads).min().unwrap_or(1);
     let groups = labels(study);
     let of = |part: &dyn Fn(&KernelResult) -> Option<Spread>| -> Vec<_> {
@@ -168,19 +145,12 @@ fn parts(study: &BenchStudy) -> Result<Drawn, StudyError> {
             .collect(),
         groups,
     };
-    Ok(Drawn {
-        name: "parts",
-        svg: figure.to_svg()?,
-        caption: format!(
-            "Medians of whole steps with half their range, best times of parts alone. A list build is paid once in {} steps.",
-            study
-                .kernels
-                .iter()
-                .find_map(|k| k.steps_per_build)
-                .map_or("all".into(), |s| format!("{s:.1}"))
-        ),
-        data: "kernels.csv",
-    })
+    let steps_per_build = study.kernels.iter().find_map(|k| k.steps_per_build);
+    let caption = format!(
+        "Medians of whole steps with half their range, best times of parts alone. A list build is paid once in {} steps.",
+        steps_per_build.map_or("all".into(), |s| format!("{s:.1}"))
+    );
+    Captioned::new(figure, caption, "kernels.csv")
 }
 
 /// The best alone.

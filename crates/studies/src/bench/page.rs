@@ -1,10 +1,11 @@
 //! The tables and the page of a benchmark.
 
-use lennard_report::{Block, Cell, Page, PageFigure, PageTable, Section, significant};
+use lennard_core::stopwatch::Spread;
+use lennard_report::{Block, Cell, Page, PageTable, Section, significant};
 
-use super::figures::Drawn;
-use super::{BenchStudy, Spread};
-use crate::files::{TextTable, exact, exact_or_empty};
+use super::{BenchStudy, with_range};
+use crate::StudyError;
+use crate::files::{Captioned, TextTable, exact, exact_or_empty};
 
 /// The best time, in brackets the median of the repeats: `70.1 (74.3)`.
 fn best(spread: Spread) -> String {
@@ -111,16 +112,9 @@ pub(super) fn csv(study: &BenchStudy) -> Vec<TextTable> {
 }
 
 /// The page.
-pub(super) fn page(study: &BenchStudy, figures: Vec<Drawn>) -> Page {
-    let figures = figures
-        .into_iter()
-        .map(|f| PageFigure {
-            svg: f.svg,
-            caption: f.caption,
-            command: Some(study.command.clone()),
-            data: Some(f.data.into()),
-        })
-        .collect();
+pub(super) fn page(study: &BenchStudy, figures: &[Captioned]) -> Result<Page, StudyError> {
+    let figures = figures.iter().map(|f| f.on_page(&study.command));
+    let figures = figures.collect::<Result<_, _>>()?;
     let mut sections = vec![Section::new("Pictures").with(Block::Figures(figures))];
     let doubts = study.doubts();
     if !doubts.is_empty() {
@@ -144,8 +138,8 @@ pub(super) fn page(study: &BenchStudy, figures: Vec<Drawn>) -> Page {
         let section = Section::new("Features").text(format!(
             "Force provider and integrator called by hand take {} ns an atom and step, the engine with every feature off {} ns: {} more \
              (from {} to {}).",
-            found.bare_ns.with_range(),
-            found.off_ns.with_range(),
+            with_range(found.bare_ns),
+            with_range(found.off_ns),
             percent(found.engine_share.median),
             percent(found.engine_share.lowest),
             percent(found.engine_share.highest)
@@ -183,7 +177,7 @@ pub(super) fn page(study: &BenchStudy, figures: Vec<Drawn>) -> Page {
                 .with(Block::List(found.left_out.clone())),
         );
     }
-    Page {
+    Ok(Page {
         title: format!("{}: how fast", study.scene),
         lead: format!(
             "{} atoms at ρ = {:.4}, {}, {:.1} pairs an atom within the cutoff, T = {:.3}. Every block of {} steps starts from the same \
@@ -204,7 +198,7 @@ pub(super) fn page(study: &BenchStudy, figures: Vec<Drawn>) -> Page {
             .cloned()
             .chain([("command".to_owned(), format!("`{}`", study.command))])
             .collect(),
-    }
+    })
 }
 
 fn kernels(study: &BenchStudy) -> PageTable {
@@ -213,8 +207,8 @@ fn kernels(study: &BenchStudy) -> PageTable {
             Cell::text(k.label()),
             Cell::number(k.threads.to_string()),
             Cell::number(k.marked_speed()),
-            Cell::number(k.step_ns.with_range()),
-            Cell::number(k.processor_ns.map_or("–".into(), Spread::with_range)),
+            Cell::number(with_range(k.step_ns)),
+            Cell::number(k.processor_ns.map_or("–".into(), with_range)),
             Cell::number(best(k.forces_ns)),
             Cell::number(best(k.totals_ns)),
             Cell::number(k.build_ns.map_or("–".into(), best)),

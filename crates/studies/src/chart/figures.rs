@@ -79,7 +79,7 @@ fn figure(chart: &Chart, panel: &Panel, axis: Axis) -> Captioned {
             "The same against the number of pair forces, which depends on no machine.".into()
         }
     };
-    Captioned::new(figure, caption, &format!("{}.csv", panel.name))
+    Captioned::new(figure, caption, format!("{}.csv", panel.name))
 }
 
 const GROUPS: [&str; 6] = [

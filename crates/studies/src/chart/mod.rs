@@ -4,6 +4,7 @@
 //! goes on where it was stopped.
 
 mod figures;
+pub(crate) mod grid;
 mod kinds;
 mod measure;
 mod page;
@@ -14,6 +15,7 @@ mod standings;
 mod store;
 mod tables;
 
+pub use grid::{LeftOut, Size};
 pub use panels::{Axis, Mark, Panel, panels};
 pub use point::{ChartedPoint, Errors, Outcome};
 pub use standings::{Advice, Done, NOT_RESOLVED, Standing, basis, done, standings};
@@ -25,7 +27,7 @@ use std::sync::atomic::AtomicBool;
 use lennard_scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{LeftOut, Size, Slopes};
+use crate::lab::Slopes;
 use crate::{Progress, StudyError, files};
 
 /// Name and version of the schema of [`Chart`].
@@ -159,7 +161,13 @@ fn write(chart: &Chart, options: &ChartOptions<'_>) -> Result<(), ChartError> {
     let mut tables = vec![tables::points(chart)];
     tables.extend(chart.panels.iter().map(|p| tables::panel(chart, p)));
     let page = page::page(chart, &figures, &options.command)?;
-    files::write_all(options.folder, &tables, &figures, chart, &page.to_html())?;
+    files::write_all(
+        options.folder,
+        &tables,
+        &figures,
+        ("study.json", chart),
+        &page.to_html(),
+    )?;
     for panel in &chart.panels {
         let path = options.folder.join(format!("{}.json", panel.name));
         lennard_io::write_json_atomically(&path, &tables::panel_json(chart, panel))?;

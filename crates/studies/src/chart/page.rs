@@ -103,7 +103,7 @@ fn of_panel(
     let mut shown: Vec<PageFigure> = Vec::new();
     for axis in [Axis::Wall, Axis::Forces] {
         let name = figures::name(panel, axis);
-        if let Some(figure) = drawn.iter().find(|f| f.figure.name == name) {
+        if let Some(figure) = drawn.iter().find(|f| f.figure.name() == name) {
             shown.push(figure.on_page(command)?);
         }
     }
@@ -264,7 +264,7 @@ fn all_points(chart: &Chart) -> Section {
                     row.extend((0..5).map(|_| none()));
                 }
                 Some(Outcome::Found(m)) => {
-                    let value = |v: crate::settings::Value| {
+                    let value = |v: crate::lab::Value| {
                         if v.mean.is_finite() {
                             Cell::number(with_error(v.mean, v.standard_error))
                         } else {

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{Cost, Failed, ForceErrors, Measured, Settings, Timing, TrajectoryError};
+use crate::lab::{Cost, Failed, ForceErrors, Measured, Timing, TrajectoryError};
+use crate::settings::Settings;
 
 /// What came of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,11 +1,11 @@
 //! Where the scene's own settings stand among the others, and what a chart may advise.
 
+use lennard_core::stopwatch::BUSY;
 use lennard_engine::watchdog::rough_stable_dt;
 use lennard_report::significant;
 
 use super::panels::{Mark, Panel};
 use super::{Chart, ChartedPoint};
-use crate::settings::BUSY;
 
 /// An error that is statistical counts as known to so many standard errors.
 const CERTAIN: f64 = 2.0;
@@ -190,9 +190,11 @@ pub fn stability_limit(chart: &Chart, point: &ChartedPoint) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::grid::Size;
     use super::super::{Errors, Outcome, Plan};
     use super::*;
-    use crate::settings::{ForceErrors, Settings, Size, Slopes};
+    use crate::lab::{ForceErrors, Slopes};
+    use crate::settings::Settings;
 
     fn mark(number: usize, wall: f64, error: f64, standard_error: Option<f64>) -> Mark {
         Mark {
@@ -279,7 +281,7 @@ mod tests {
         assert!((0.022..0.026).contains(&limit), "{limit}");
         assert_eq!(advised(&of_forces), Some(2));
         // A run that failed at 0.01 tells more than the rough limit.
-        let failed = || crate::settings::Failed {
+        let failed = || crate::lab::Failed {
             reason: "it blew up".into(),
             step: None,
         };

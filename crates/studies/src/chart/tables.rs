@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::point::Outcome;
 use super::{Chart, Panel};
 use crate::files::{TextTable, exact, exact_or_empty};
-use crate::settings::Value;
+use crate::lab::Value;
 
 /// Every point with everything that is known of it.
 pub(super) fn points(chart: &Chart) -> TextTable {
@@ -55,7 +55,7 @@ pub(super) fn points(chart: &Chart) -> TextTable {
         let cost = point.cost();
         let errors = point.errors.as_ref();
         let measured = point.measured();
-        let wall = |pick: fn(&crate::settings::Spread) -> f64| {
+        let wall = |pick: fn(&lennard_core::stopwatch::Spread) -> f64| {
             exact_or_empty(cost.as_ref().map(|c| pick(&c.wall)))
         };
         let mut row = vec![
@@ -67,12 +67,12 @@ pub(super) fn points(chart: &Chart) -> TextTable {
             word(&s.truncation.kind),
             exact(s.truncation.r_cut),
             s.truncation.tail_correction.to_string(),
-            s.precision_label().to_owned(),
+            s.precision.name().to_owned(),
             word(&s.list),
             exact_or_empty(s.skin),
             wall(|w| w.median),
-            wall(|w| w.low),
-            wall(|w| w.high),
+            wall(|w| w.lowest),
+            wall(|w| w.highest),
             point.timings.len().to_string(),
             exact_or_empty(cost.map(|c| c.evaluations_per_tau)),
             exact_or_empty(cost.map(|c| c.pair_forces_per_atom_tau)),

@@ -149,7 +149,7 @@ pub fn write(study: &StabilityStudy, dir: &Path) -> Result<(), StudyError> {
     tables.push(tables::claims(&study.claims));
     let layout = page::Layout::of(study);
     let page = page::page(study, &layout)?.to_html();
-    crate::files::write_all(dir, &tables, &layout.all(), study, &page)
+    crate::files::write_all(dir, &tables, &layout.all(), ("study.json", study), &page)
 }
 
 #[cfg(test)]

@@ -9,7 +9,8 @@ use super::prices::Prices;
 use super::sample::Sample;
 use super::verify::Runs;
 use super::{Row, TuneError};
-use crate::settings::{Settings, Value};
+use crate::lab::Value;
+use crate::settings::Settings;
 
 /// What a search was made with.
 pub(super) struct Search<'a> {

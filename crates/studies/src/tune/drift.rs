@@ -8,8 +8,9 @@ use lennard_scene::Scene;
 use super::TuneError;
 use super::sample::Sample;
 use super::survey::Survey;
-use crate::jobs::side_by_side;
-use crate::settings::{Failed, Settings, Workbench};
+use crate::jobs::side_by_side_quietly;
+use crate::lab::{Failed, Workbench};
+use crate::settings::Settings;
 
 /// Steps at which stability is tried, as shares of the rough limit.
 pub(super) const RUNGS: [f64; 7] = [0.25, 0.28, 0.32, 0.36, 0.40, 0.45, 0.50];
@@ -45,7 +46,6 @@ impl Stability {
         survey: &Survey,
         wanted: Option<f64>,
         seconds: f64,
-        done: impl FnMut(f64),
     ) -> Result<Self, TuneError> {
         let mut scene = sample.own.clone();
         scene.stages = sample.canonical.stages.clone();
@@ -80,7 +80,7 @@ impl Stability {
                 Err(other) => Err(other),
             }
         };
-        let rungs: Vec<Rung> = side_by_side(&RUNGS, climb, done)
+        let rungs: Vec<Rung> = side_by_side_quietly(&RUNGS, climb)
             .into_iter()
             .collect::<Result<_, _>>()?;
         Ok(Self::of(&rungs, wanted))

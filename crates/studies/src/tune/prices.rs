@@ -5,7 +5,8 @@ use lennard_scene::{Geometry, Lattice, Scene, Stage, Start as SceneStart};
 
 use super::TuneError;
 use super::sample::Sample;
-use crate::settings::{Settings, Start, Workbench, costs};
+use crate::lab::{Start, Workbench, costs};
+use crate::settings::Settings;
 
 /// Cutoffs timed, σ.
 const NODES: [f64; 7] = [2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0];
@@ -67,7 +68,7 @@ impl Prices {
             // The least of the repeats: what disturbs a timing only makes it longer.
             nodes[of].push((
                 settings.truncation.r_cut.powi(3),
-                cost.wall.low * settings.dt,
+                cost.wall.lowest * settings.dt,
             ));
         }
         nodes.iter_mut().for_each(|nodes| never_falling(nodes));

@@ -7,7 +7,8 @@ use lennard_integrators::{ThermostatOptions, bussi, velocity_verlet};
 use lennard_scene::{Geometry, Lattice, Scene, Stage, Start as SceneStart};
 
 use super::TuneError;
-use crate::settings::{Settings, Start};
+use crate::lab::Start;
+use crate::settings::Settings;
 
 /// Fluids of this many particles are judged as they are: below, half the box is too short to see what a cutoff leaves
 /// out; above, a minute samples no better, since errors of means go with the number of particles times the time.

@@ -10,10 +10,10 @@ use super::sample::Sample;
 use super::search::tune_and;
 use super::{TuneError, TuneOptions, Tuning};
 use crate::Progress;
-use crate::jobs::side_by_side;
-use crate::settings::{
-    CUTOFFS, Failed, Measured, Settings, Slopes, TRUNCATIONS, Value, Workbench, costs,
-};
+use crate::chart::grid::{CUTOFFS, TRUNCATIONS};
+use crate::jobs::side_by_side_quietly;
+use crate::lab::{Failed, Measured, Slopes, Value, Workbench, costs};
+use crate::settings::Settings;
 
 /// Steps of the grid, τ.
 const STEPS: [f64; 6] = [0.002, 0.004, 0.008, 0.012, 0.016, 0.024];
@@ -101,16 +101,12 @@ struct Seeds {
 impl Seeds {
     fn prepare(scene: &Scene, seeds: u64) -> Result<Self, TuneError> {
         let numbers: Vec<u64> = (0..seeds).map(|s| 70_001 + 13 * s).collect();
-        let prepared = side_by_side(
-            &numbers,
-            |seed| -> Result<Workbench, TuneError> {
-                let mut other = scene.clone();
-                other.system.seed = *seed;
-                let sample = Sample::prepare(&other)?;
-                Ok(Workbench::with_start(&sample.own, sample.start))
-            },
-            |_| {},
-        );
+        let prepared = side_by_side_quietly(&numbers, |seed| -> Result<Workbench, TuneError> {
+            let mut other = scene.clone();
+            other.system.seed = *seed;
+            let sample = Sample::prepare(&other)?;
+            Ok(Workbench::with_start(&sample.own, sample.start))
+        });
         let benches: Vec<Workbench> = prepared.into_iter().collect::<Result<_, _>>()?;
         let bench = benches
             .first()
@@ -130,7 +126,7 @@ impl Seeds {
             ]
         };
         let mut found = Vec::new();
-        for run in side_by_side(&self.benches, one, |_| {}) {
+        for run in side_by_side_quietly(&self.benches, one) {
             match run {
                 Ok(run) => found.push(numbers(run)),
                 Err(error) => return Ok(Err(Failed::from_error(error)?)),
@@ -285,7 +281,7 @@ fn cheaper_than(
     let mut prices = Vec::new();
     for (settings, cost) in priced.iter().zip(costs(bench, &priced, 1, 3, 0.05, 1)?) {
         let cost = cost.map_err(|f| TuneError::Nothing(f.reason))?;
-        prices.push(cost.wall.low * settings.dt);
+        prices.push(cost.wall.lowest * settings.dt);
     }
     let chosen = prices[0] / tuning.settings.dt;
     // A longer step wants a new list sooner: the price of a step is a line in dt.

@@ -3,12 +3,12 @@
 use lennard_core::Estimate;
 use lennard_engine::{Compared, Nobody, beside_equation_of_state, model_kind};
 use lennard_forcefield::PotentialOptions;
-use lennard_observables::{Thermodynamics, statistics};
+use lennard_observables::{ThermoSeries, Thermodynamics, statistics};
 use serde::{Deserialize, Serialize};
 
-use super::Settings;
-use super::workbench::{Part, Workbench};
+use super::workbench::{ShortStage, Workbench};
 use crate::StudyError;
+use crate::settings::Settings;
 
 /// Time between two samples, τ: about the time in which the pressure forgets itself.
 const SAMPLE_INTERVAL: f64 = 0.04;
@@ -39,6 +39,13 @@ impl From<Estimate> for Value {
 }
 
 impl Value {
+    /// A value that was not measured.
+    const UNKNOWN: Self = Self {
+        mean: f64::NAN,
+        standard_error: f64::NAN,
+        n_effective: 0.0,
+    };
+
     /// This less another, independent one.
     #[must_use]
     pub fn minus(&self, other: &Self) -> Self {
@@ -131,17 +138,17 @@ impl Workbench {
     ) -> Result<Measured, StudyError> {
         let dt = self.stage_dt(settings);
         let settling = SETTLING_TIME.min(LARGEST_SETTLING_SHARE * time);
-        let part = |time: f64, measure: bool| Part {
+        let stage = |time: f64, measure: bool| ShortStage {
             steps: (time / dt).ceil().max(1.0) as u64,
             measure,
-            bath: true,
         };
         let every = ((SAMPLE_INTERVAL / dt).round() as u64).max(1);
-        let parts = [part(settling, false), part(time, true)];
-        let mut simulation = self.simulation(settings, &parts, every)?;
+        let stages = [stage(settling, false), stage(time, true)];
+        let mut simulation = self.simulation(settings, &stages, every)?;
         simulation.run(&mut Nobody)?;
         let found = &simulation.thermodynamics;
         let cut = found.equilibration_cut();
+        let rows = found.series();
         let comparison = beside_equation_of_state(
             &simulation.scene,
             self.start().density(),
@@ -149,65 +156,75 @@ impl Workbench {
             found,
             Compared::Anything,
         );
-        let rows = found.series();
-        let of = |column: &[f64]| Value::from(statistics::estimate_after(column, cut));
-        let at_reference = |estimate: Estimate, slope: f64| {
-            let off = of(&rows.temperature_of_positions).mean - slopes.temperature;
-            Value {
-                mean: estimate.mean - slope * off,
-                ..Value::from(estimate)
-            }
-        };
+        let (configurational, _) = statistics::ratio(&rows.squared_force, &rows.laplacian, cut);
         let conservation = found.conservation();
-        let entry = |name: &str| {
-            let entries = comparison.entries.iter();
-            entries.into_iter().find(|e| e.quantity == name).cloned()
-        };
-        let difference = |e: &lennard_io::Comparison| Value {
-            mean: e.difference,
-            standard_error: e.standard_error,
-            n_effective: f64::NAN,
-        };
-        let against_equation = entry("potential_energy")
-            .zip(entry("pressure"))
-            .map(|(u, p)| AgainstEquation {
-                source: u.source.clone(),
-                potential_energy: Value {
-                    n_effective: of(&rows.potential_energy).n_effective,
-                    ..difference(&u)
-                },
-                pressure: Value {
-                    n_effective: of(&rows.pressure).n_effective,
-                    ..difference(&p)
-                },
-                own_uncertainty: u.reference_uncertainty.zip(p.reference_uncertainty),
-            });
         Ok(Measured {
-            time: parts[1].steps as f64 * dt,
-            temperature: of(&rows.temperature),
-            temperature_of_positions: of(&rows.temperature_of_positions),
-            configurational_temperature: statistics::ratio(
-                &rows.squared_force,
-                &rows.laplacian,
-                cut,
-            )
-            .0
-            .into(),
+            time: stages[1].steps as f64 * dt,
+            configurational_temperature: configurational.into(),
             temperature_difference: temperature_difference(found, cut),
-            potential_energy: of(&rows.potential_energy),
-            pressure: of(&rows.pressure),
-            potential_energy_at_reference: at_reference(
-                found.potential_energy_against(slopes.du_dt),
-                slopes.du_dt,
-            ),
-            pressure_at_reference: at_reference(found.pressure_against(slopes.dp_dt), slopes.dp_dt),
             energy_rms: conservation.energy_rms_per_atom,
             drift: Drift {
                 slope: conservation.energy_drift_per_atom_per_tau,
                 standard_error: conservation.energy_drift_standard_error,
             },
-            against_equation,
             remarks: comparison.remarks,
+            ..self.measured(settings, rows, cut, slopes)?
+        })
+    }
+
+    /// What the rows of a run of these settings say from row `cut` on, whichever engine made them: all but the
+    /// configurational temperature.
+    pub(crate) fn measured(
+        &self,
+        settings: &Settings,
+        rows: &ThermoSeries,
+        cut: usize,
+        slopes: &Slopes,
+    ) -> Result<Measured, StudyError> {
+        let of = |column: &[f64]| Value::from(statistics::estimate_after(column, cut));
+        let temperature = of(&rows.temperature_of_positions);
+        let about = |column: &[f64], slope: f64| -> Value {
+            let positions = &rows.temperature_of_positions;
+            statistics::about_line(column, positions, slope, cut).into()
+        };
+        let at_reference = |column: &[f64], slope: f64| {
+            let value = about(column, slope);
+            Value {
+                mean: value.mean - slope * (temperature.mean - slopes.temperature),
+                ..value
+            }
+        };
+        let line = statistics::drift(&rows.time, &rows.conserved_energy);
+        Ok(Measured {
+            time: rows.time.last().copied().unwrap_or(0.0),
+            temperature: of(&rows.temperature),
+            temperature_of_positions: temperature,
+            configurational_temperature: Value::UNKNOWN,
+            temperature_difference: Value::UNKNOWN,
+            potential_energy: of(&rows.potential_energy),
+            pressure: of(&rows.pressure),
+            potential_energy_at_reference: at_reference(&rows.potential_energy, slopes.du_dt),
+            pressure_at_reference: at_reference(&rows.pressure, slopes.dp_dt),
+            energy_rms: line.rms,
+            drift: Drift {
+                slope: line.slope,
+                standard_error: line.standard_error,
+            },
+            against_equation: self.against_equation(
+                settings,
+                temperature.mean,
+                |du_dt, dp_dt| {
+                    let of_slope = |column: &[f64], slope: f64| Value {
+                        n_effective: of(column).n_effective,
+                        ..about(column, slope)
+                    };
+                    (
+                        of_slope(&rows.potential_energy, du_dt),
+                        of_slope(&rows.pressure, dp_dt),
+                    )
+                },
+            )?,
+            remarks: Vec::new(),
         })
     }
 
@@ -255,13 +272,10 @@ impl Workbench {
         })
     }
 
-    /// Means of somebody else's run of these settings at this temperature, beside the equation of state of their model;
-    /// `None` where there is none or it does not cover the state. `about` is asked for U and P with the errors of their
+    /// U and P of a run of these settings at this temperature, less the values of the equation of state of their model.
+    /// `None` where there is no equation or it does not cover the state. `about` gives U and P with the errors of their
     /// differences from lines with the slopes ∂U/∂T and ∂P/∂T.
-    ///
-    /// # Errors
-    /// [`StudyError::Settings`] where the settings do not fit the scene.
-    pub fn against_equation(
+    fn against_equation(
         &self,
         settings: &Settings,
         temperature: f64,
@@ -330,8 +344,8 @@ mod tests {
     use lennard_forcefield::TruncationKind;
     use lennard_integrators::ThermostatOptions;
 
-    use super::super::tests::scene;
     use super::*;
+    use crate::settings::tests::scene;
 
     #[test]
     fn energy_errors_fall_with_the_step_and_temperatures_agree() {

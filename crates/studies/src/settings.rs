@@ -1,27 +1,4 @@
-//! Everything about a scene that trades speed for accuracy, as one value, and what it costs and errs.
-//!
-//! [`Settings`] are taken from a scene and laid over one; [`grid`] lists sensible ones around a scene;
-//! a [`Workbench`] measures them, all from one equilibrated start: [`Workbench::timing`] and [`costs`] say what they
-//! cost, [`Workbench::force_errors`], [`Workbench::measure`], [`Workbench::trajectory_error`] and
-//! [`Workbench::reversibility`] what they err.
-
-mod cost;
-mod forces;
-mod grid;
-mod measured;
-mod motion;
-mod start;
-mod workbench;
-
-pub use cost::{BUSY, Cost, Spread, Timing, costs, modelled_work};
-pub(crate) use cost::{lowest_median_highest, shuffled};
-pub use forces::{ForceErrors, Untruncated};
-pub(crate) use grid::{COMMON_STEPS, CUTOFFS, TRUNCATIONS};
-pub use grid::{Grid, LeftOut, Size, grid};
-pub use measured::{AgainstEquation, Drift, Measured, Slopes, Value};
-pub use motion::{TightTrajectory, TrajectoryError};
-pub use start::Start;
-pub use workbench::{Failed, Workbench};
+//! Everything about a scene that trades speed for accuracy, as one value.
 
 use lennard_forcefield::{
     ListMode, NeighborOptions, PotentialOptions, Precision, SplitOptions, TruncationKind,
@@ -161,7 +138,7 @@ impl Settings {
             self.integrator.name(),
             lennard_report::significant(self.dt, 3),
             self.truncation_label(),
-            self.precision_label(),
+            self.precision.name(),
         )
     }
 
@@ -177,15 +154,6 @@ impl Settings {
             TruncationKind::Shift => format!("shifted at {r_cut} σ"),
             TruncationKind::ForceShift => format!("force-shifted at {r_cut} σ"),
             TruncationKind::Switch => format!("switched at {r_cut} σ"),
-        }
-    }
-
-    /// `double` or `mixed`.
-    #[must_use]
-    pub fn precision_label(&self) -> &'static str {
-        match self.precision {
-            Precision::Double => "double",
-            Precision::Mixed => "mixed",
         }
     }
 
@@ -227,10 +195,10 @@ pub fn truncation_is_free(scene: &Scene) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    pub(super) fn scene(extra: &[(&str, &str)]) -> Scene {
+    pub(crate) fn scene(extra: &[(&str, &str)]) -> Scene {
         const TEXT: &str = r#"
             [system]
             n_atoms = 256
