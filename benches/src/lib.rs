@@ -67,8 +67,6 @@ pub struct Run {
     pub forces: Vec<DVec3>,
     /// What gives them.
     pub provider: PairForces,
-    options: ForceFieldOptions,
-    conditions: Conditions,
     masses: Masses,
     dt: f64,
     time: f64,
@@ -147,8 +145,6 @@ impl Case {
             positions,
             velocities,
             provider,
-            options,
-            conditions,
             masses: Masses::Uniform(1.0),
             dt: self.dt,
             time: 0.0,
@@ -172,25 +168,6 @@ impl Run {
         };
         self.provider
             .evaluate(at, Part::All, want, &mut self.forces)
-    }
-
-    /// What builds the same forces once more, with no list yet.
-    pub fn fresh_providers(&self) -> impl Fn() -> Result<PairForces, ForceFieldError> + use<> {
-        let (options, conditions) = (self.options, self.conditions);
-        move || build(&options, &conditions)
-    }
-
-    /// Evaluates other forces where the particles are.
-    ///
-    /// # Errors
-    /// [`ForceError`] where one is not finite.
-    pub fn evaluate_with(&mut self, provider: &mut PairForces) -> Result<Energetics, ForceError> {
-        let at = Configuration {
-            positions: &self.positions,
-            velocities: None,
-            time: self.time,
-        };
-        provider.evaluate(at, Part::All, Want::NOTHING, &mut self.forces)
     }
 
     /// Takes `steps` steps of velocity Verlet, as many as possible in strides, and gives what `want` asks for at the last one.

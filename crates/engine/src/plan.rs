@@ -3,8 +3,8 @@
 mod shares;
 
 use lennard_core::{DVec3, Observable};
-use lennard_forcefield::Search;
-use lennard_scene::Scene;
+use lennard_forcefield::{ForcePlan, Search};
+use lennard_scene::{Scene, Stage};
 use serde::Serialize;
 
 use crate::run::SET_ASIDE_BYTES;
@@ -98,192 +98,164 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
     })
 }
 
-fn item(part: &str, on: bool, why: impl Into<String>) -> PlanItem {
+/// A part of the work: how it is done, or why it is not.
+fn item(part: &str, how: Result<String, &str>) -> PlanItem {
+    let on = how.is_ok();
     PlanItem {
         part: part.to_owned(),
         on,
-        why: why.into(),
+        why: how.unwrap_or_else(str::to_owned),
         share: None,
     }
 }
 
-fn neighbor_in_words(forces: &lennard_forcefield::ForcePlan) -> String {
-    if forces.search == Search::Verlet {
-        format!(
-            "list radius {:.3} σ (skin {:.3} σ): {}",
-            forces.r_list, forces.skin, forces.reason
-        )
-    } else {
-        forces.reason.clone()
+fn neighbor_in_words(forces: &ForcePlan) -> Result<String, &str> {
+    if forces.search != Search::Verlet {
+        return Err(&forces.reason);
     }
+    Ok(format!(
+        "list radius {:.3} σ (skin {:.3} σ): {}",
+        forces.r_list, forces.skin, forces.reason
+    ))
 }
 
 fn items(
     scene: &Scene,
     simulation: &Simulation,
-    forces: &lennard_forcefield::ForcePlan,
+    forces: &ForcePlan,
     threads: usize,
 ) -> Vec<PlanItem> {
-    let output = &scene.output;
-    let spec = scene.integrator.method.spec();
-    let mut items = vec![
-        item("pair forces", true, {
-            format!(
-                "every step, `{}` loop, {} in {} precision",
-                forces.kernel,
-                forces.isa,
-                forces.precision.name()
-            )
-        }),
-        item(
-            "neighbor list",
-            forces.search == Search::Verlet,
-            neighbor_in_words(forces),
-        ),
-        item(
-            "integrator",
-            true,
-            format!("{}, dt = {} τ", spec.name, scene.integrator.dt),
-        ),
-        item(
-            "energy and virial",
-            true,
-            format!(
-                "on every {}th step, for thermo.csv and the averages; not between",
-                output.thermo_every
-            ),
-        ),
-    ];
-    let want = simulation.thermodynamics.want();
-    items.push(if want.laplacian {
-        item(
-            "configurational temperature",
-            true,
-            format!(
-                "Laplacian on every {}th step of measured stages",
-                output.thermo_every
-            ),
-        )
-    } else {
-        item(
-            "configurational temperature",
-            false,
-            "switched off in the scene",
-        )
-    });
-    items.push(match simulation.tail {
-        Some(tail) => item(
-            "tail correction",
-            true,
-            format!(
-                "computed once: {:.4} ε per particle, {:.4} ε/σ³",
-                tail.energy_per_particle, tail.pressure
-            ),
-        ),
-        None if scene.truncation.tail_correction => {
-            item("tail correction", false, "the potential has none")
-        }
-        None => item(
-            "tail correction",
-            false,
-            "not asked for, or not a plain cutoff",
-        ),
-    });
+    let mut items = Vec::from(of_steps(scene, simulation, forces));
     for stage in &scene.stages {
-        let bath = match &stage.thermostat {
-            Some(t) => format!("{} at T = {}", t.name(), stage.temperature),
-            None => "constant energy, no thermostat".into(),
-        };
-        let measured = if stage.measure {
-            ", measured"
-        } else {
-            ", not measured: no observable runs"
-        };
-        items.push(item(
-            &format!("stage {}", stage.name),
-            true,
-            format!("{} steps, {bath}{measured}", stage.steps),
-        ));
-        if let Some(thermostat) = &stage.thermostat {
-            items.push(item(
-                &bath_name(stage, thermostat.name()),
-                true,
-                "once a step, or as often as its table says; one that is an integrator costs what the integrator does",
-            ));
-        }
+        items.extend(of_stage(stage));
     }
-    items.push(item(
-        "thermodynamics",
-        scene.stages.iter().any(|s| s.measure),
-        format!(
-            "averages on every {}th step of measured stages",
-            output.thermo_every
-        ),
-    ));
-    for table in scene
-        .observables
-        .iter()
-        .filter(|o| o.options.name() != "thermodynamics")
-    {
-        items.push(item(
-            table.options.name(),
-            true,
-            format!("every {} steps", table.every),
-        ));
-    }
-    for spec in lennard_observables::observables() {
-        let named = scene
-            .observables
-            .iter()
-            .any(|o| o.options.name() == spec.name);
-        if !named && spec.name != "thermodynamics" {
-            items.push(item(spec.name, false, "not in the scene"));
-        }
-    }
-    items.push(match output.trajectory_every {
-        Some(every) => item(
-            "trajectory",
-            true,
-            format!("a frame every {every} steps of measured stages"),
-        ),
-        None => item("trajectory", false, "no `trajectory_every` in [output]"),
-    });
-    items.push(
-        match (scene.checkpoint.every_steps, scene.checkpoint.every_seconds) {
-            (None, None) => item(
-                "checkpoints",
-                false,
-                "at the end alone, or when the run is stopped",
-            ),
-            (steps, seconds) => {
-                let steps = steps.map(|n| format!("every {n} steps"));
-                let seconds = seconds.map(|s| format!("every {s} s"));
-                let both: Vec<String> = steps.into_iter().chain(seconds).collect();
-                item(
-                    "checkpoints",
-                    true,
-                    format!(
-                        "{}, and at the end; their cost is that of the disk",
-                        both.join(" and ")
-                    ),
-                )
-            }
-        },
+    items.extend(of_observables(scene));
+    items.extend(of_output(scene));
+    items.push(item("watchdog", Ok(watchdog::what_is_done())));
+    let more_threads = format!(
+        "{threads} at work; {} pay for {} particles",
+        forces.recommended_threads,
+        simulation.state.len()
     );
-    items.push(item("watchdog", true, watchdog::what_is_done()));
     items.push(item(
         "more than one thread",
-        threads > 1,
-        format!(
-            "{threads} at work; {} pay for {} particles",
-            forces.recommended_threads,
-            simulation.state.len()
-        ),
+        if threads > 1 {
+            Ok(more_threads)
+        } else {
+            Err(&more_threads)
+        },
     ));
     items.push(item(
         "image flags",
-        false,
-        "positions are kept unwrapped; flags are made only where a frame is written",
+        Err("positions are kept unwrapped; flags are made only where a frame is written"),
     ));
     items
+}
+
+fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [PlanItem; 6] {
+    let rows = scene.output.thermo_every;
+    let laplacian = format!("Laplacian on every {rows}th step of measured stages");
+    let tail = match simulation.tail {
+        Some(tail) => Ok(format!(
+            "computed once: {:.4} ε per particle, {:.4} ε/σ³",
+            tail.energy_per_particle, tail.pressure
+        )),
+        None if scene.truncation.tail_correction => Err("the potential has none"),
+        None => Err("not asked for, or not a plain cutoff"),
+    };
+    let (kernel, isa, precision) = (forces.kernel, forces.isa, forces.precision.name());
+    let method = scene.integrator.method.spec().name;
+    let [pairs, integrator, energies] = [
+        format!("every step, `{kernel}` loop, {isa} in {precision} precision"),
+        format!("{method}, dt = {} τ", scene.integrator.dt),
+        format!("on every {rows}th step, for thermo.csv and the averages; not between"),
+    ];
+    let wants_laplacian = simulation.thermodynamics.want().laplacian;
+    [
+        item("pair forces", Ok(pairs)),
+        item("neighbor list", neighbor_in_words(forces)),
+        item("integrator", Ok(integrator)),
+        item("energy and virial", Ok(energies)),
+        item(
+            "configurational temperature",
+            wants_laplacian
+                .then_some(laplacian)
+                .ok_or("switched off in the scene"),
+        ),
+        item("tail correction", tail),
+    ]
+}
+
+fn of_stage(stage: &Stage) -> impl Iterator<Item = PlanItem> {
+    let bath = match &stage.thermostat {
+        Some(t) => format!("{} at T = {}", t.name(), stage.temperature),
+        None => "constant energy, no thermostat".into(),
+    };
+    let measured = if stage.measure {
+        ", measured"
+    } else {
+        ", not measured: no observable runs"
+    };
+    let itself = item(
+        &format!("stage {}", stage.name),
+        Ok(format!("{} steps, {bath}{measured}", stage.steps)),
+    );
+    let bath = stage.thermostat.as_ref().map(|thermostat| {
+        let how = "once a step, or as often as its table says; one that is an integrator costs what the integrator does";
+        item(&bath_name(stage, thermostat.name()), Ok(how.into()))
+    });
+    [itself].into_iter().chain(bath)
+}
+
+fn of_observables(scene: &Scene) -> Vec<PlanItem> {
+    const THERMO: &str = "thermodynamics";
+    let rows = scene.output.thermo_every;
+    let averages = format!("averages on every {rows}th step of measured stages");
+    let mut items = vec![item(
+        THERMO,
+        if scene.stages.iter().any(|s| s.measure) {
+            Ok(averages)
+        } else {
+            Err(&averages)
+        },
+    )];
+    let tables = scene.observables.iter();
+    let named = tables.map(|table| (table.options.name(), table.every));
+    let named: Vec<_> = named.filter(|(name, _)| *name != THERMO).collect();
+    for (name, every) in &named {
+        items.push(item(name, Ok(format!("every {every} steps"))));
+    }
+    for spec in lennard_observables::observables() {
+        if spec.name != THERMO && named.iter().all(|(name, _)| *name != spec.name) {
+            items.push(item(spec.name, Err("not in the scene")));
+        }
+    }
+    items
+}
+
+fn of_output(scene: &Scene) -> [PlanItem; 2] {
+    let frames = |every| format!("a frame every {every} steps of measured stages");
+    let trajectory = scene.output.trajectory_every.map(frames);
+    let (steps, seconds) = (scene.checkpoint.every_steps, scene.checkpoint.every_seconds);
+    let when: Vec<String> = steps
+        .map(|n| format!("every {n} steps"))
+        .into_iter()
+        .chain(seconds.map(|s| format!("every {s} s")))
+        .collect();
+    let checkpoints = format!(
+        "{}, and at the end; their cost is that of the disk",
+        when.join(" and ")
+    );
+    [
+        item(
+            "trajectory",
+            trajectory.ok_or("no `trajectory_every` in [output]"),
+        ),
+        item(
+            "checkpoints",
+            (!when.is_empty())
+                .then_some(checkpoints)
+                .ok_or("at the end alone, or when the run is stopped"),
+        ),
+    ]
 }

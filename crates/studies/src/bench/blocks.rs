@@ -8,7 +8,6 @@ use lennard_engine::{EngineError, Simulation, take};
 use lennard_forcefield::measure;
 use lennard_scene::Scene;
 
-use super::variants::Variant;
 use super::{BenchError, BenchOptions};
 use crate::Progress;
 use crate::jobs::pool;
@@ -22,7 +21,7 @@ const WARM_STEPS: u64 = 300;
 const WARM_STEPS_QUICK: u64 = 100;
 /// How long that may take.
 const WARM_FOR: Duration = Duration::from_secs(5);
-/// How long a block should take on the first variant, s.
+/// How long a block should take with the warm-up's settings, s.
 const BLOCK: f64 = 0.1;
 const BLOCK_QUICK: f64 = 0.025;
 /// Fewest steps of a block: several lives of a list.
@@ -40,9 +39,10 @@ pub(super) struct Blocks {
 }
 
 impl Blocks {
-    /// Runs the first variant from the scene's start until it is warm.
+    /// Runs a scene on `threads` threads from its start until it is warm.
     pub(super) fn warmed(
-        variants: &[Variant],
+        scene: &Scene,
+        threads: usize,
         options: &BenchOptions,
         progress: &mut dyn Progress,
     ) -> Result<Self, BenchError> {
@@ -52,10 +52,8 @@ impl Blocks {
         } else {
             (WARM_STEPS, BLOCK)
         };
-        let scene = &variants[0].scene;
-        let most = variants.iter().map(|v| v.threads).max().unwrap_or(1);
         let mut simulation = lennard_engine::prepare(scene.clone())?;
-        let seconds = pool(most)?.install(|| -> Result<f64, EngineError> {
+        let seconds = pool(threads)?.install(|| -> Result<f64, EngineError> {
             let end = Instant::now() + WARM_FOR;
             while simulation.state.step < steps && Instant::now() < end {
                 take(&mut simulation, SETTLING, Want::NOTHING)?;

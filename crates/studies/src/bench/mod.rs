@@ -191,7 +191,8 @@ pub fn run(options: &BenchOptions, progress: &mut dyn Progress) -> Result<BenchS
         &options.precisions,
         &options.threads,
     )?;
-    let blocks = Blocks::warmed(&plan, options, progress)?;
+    let most = plan.iter().map(|variant| variant.threads).max();
+    let blocks = Blocks::warmed(&plan[0].scene, most.unwrap_or(1), options, progress)?;
     let mut study = BenchStudy {
         schema: "lennard-bench/1",
         scene: plan[0].scene.name.clone(),

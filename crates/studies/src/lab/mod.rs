@@ -8,6 +8,7 @@ mod forces;
 mod measured;
 mod motion;
 pub(crate) mod peers;
+mod slopes;
 mod start;
 mod tight;
 mod timing;
@@ -16,8 +17,9 @@ mod workbench;
 
 pub(crate) use by_hand::ByHand;
 pub use forces::ForceErrors;
-pub use measured::{AgainstEquation, Drift, Measured, Slopes, Value};
+pub use measured::{AgainstEquation, Drift, Measured, Value};
 pub use motion::TrajectoryError;
+pub use slopes::Slopes;
 pub use start::Start;
 pub use tight::TightTrajectory;
 pub use timing::{Cost, Timing, costs, modelled_work};
