@@ -1,8 +1,9 @@
 //! Whole steps of the cases A, B and C without the engine, for the comparison with other engines:
-//! `steps CASE [STEPS] [key=value ...]` with keys `threads`, `beside`, `precision`, `isa`, `skin`, `repeats` and `warm`. With `beside`, blocks on
-//! so many threads are taken in turn with those on `threads`, and the median of the ratios of neighboring blocks tells
-//! more than two runs on a machine whose clock drifts. `skin` takes the place of the one that the case would choose. Kernels
-//! and lists by themselves are what `lennard bench` is for.
+//! `steps CASE [STEPS] [key=value ...]` with keys `threads`, `beside`, `precision`, `isa`, `skin`, `repeats` and `warm`.
+//!
+//! With `beside`, blocks on two numbers of threads take turns. The median of their ratios tells more than two runs on a
+//! machine whose clock drifts. `skin` replaces the skin that the case would choose. `lennard bench` times kernels and
+//! lists by themselves.
 
 use std::io::{Write, stdout};
 use std::process::ExitCode;

@@ -88,7 +88,7 @@ pub fn work(forces: &mut PairForces, positions: &[DVec3]) -> Result<Work, ForceE
     })
 }
 
-/// The pairs a second that one thread computes with everything in registers: the Lennard-Jones force with
+/// The pairs per second that one thread computes with everything in registers: the Lennard-Jones force with
 /// the instructions of the pair loop, no list and no memory. The best of a few short runs; `None` where
 /// this processor lacks the instruction set.
 #[must_use]
@@ -113,7 +113,7 @@ pub fn arithmetic_limit(isa: Isa, precision: Precision) -> Option<f64> {
     Some(best)
 }
 
-/// The mean number of pairs a particle that lie within the cutoff of a model in a structureless fluid of
+/// The mean number of pairs per particle that lie within the cutoff of a model in a structureless fluid of
 /// this density (σ⁻³), each counted once: (2π/3)·ρ·r_cut³.
 #[must_use]
 pub fn expected_pairs(model: &Model, density: f64) -> f64 {

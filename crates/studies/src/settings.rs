@@ -29,14 +29,14 @@ pub struct Settings {
     pub skin: Option<f64>,
 }
 
-/// The cutoff, σ, that most people take for a liquid.
+/// The usual cutoff of a liquid, σ.
 const USUAL_CUTOFF: f64 = 2.5;
-/// The time step, τ, that they take.
+/// The usual time step, τ.
 const USUAL_DT: f64 = 0.004;
 
 impl Settings {
-    /// What most people would take in place of these: a cutoff of 2.5 σ with its tail and a step of 0.004 τ, in double
-    /// precision. None where these end the potential otherwise, or where the cutoff is over `largest_cutoff`.
+    /// The usual settings in place of these: a cutoff of 2.5 σ with its tail and a step of 0.004 τ, in double precision.
+    /// `None` where these settings end the potential otherwise, or where the cutoff is over `largest_cutoff`.
     #[must_use]
     pub fn usual(&self, largest_cutoff: f64) -> Option<Self> {
         let cut = self.truncation.kind == TruncationKind::Cut && self.truncation.tail_correction;
@@ -60,7 +60,7 @@ impl Settings {
         })
     }
 
-    /// Those of a scene.
+    /// The settings of a scene.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         Self {
@@ -77,7 +77,7 @@ impl Settings {
     /// The scene with these settings in place of its own.
     ///
     /// Every stage keeps its simulated time, and every interval of sampling and writing too, to the nearest whole step;
-    /// a stage with a dt of its own keeps its ratio to that of the scene.
+    /// a stage with a dt of its own keeps its ratio to the dt of the scene.
     ///
     /// # Errors
     /// [`StudyError::Settings`] where they do not go together or do not fit the scene.

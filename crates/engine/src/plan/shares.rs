@@ -40,7 +40,7 @@ pub(super) struct Costs {
     force: f64,
     /// List building of such a step.
     neighbor: f64,
-    /// Bytes that the forces hold, steps that nobody looks at included where the scene has some.
+    /// Bytes that the forces hold; fused steps are included where the scene has steps without an observer.
     pub(super) force_bytes: u64,
     /// Bytes of what a checkpoint is put together in.
     pub(super) checkpoint_bytes: usize,
@@ -97,7 +97,7 @@ impl Costs {
             per_particle: true,
             ..Want::TOTALS
         };
-        // Measured only where somebody asks: on a large system it takes memory. It also leaves what observers look at.
+        // Measured only where an observer asks: on a large system it takes memory. It also leaves what observers look at.
         let wants_each = simulation
             .observers
             .iter()
@@ -189,7 +189,7 @@ impl Costs {
         parts
     }
 
-    /// What wishes cost at the forces, of which a share `alone` is on steps where nobody else asks.
+    /// Seconds that `want` costs at the forces, where a share `alone` of the steps has no other reason to compute totals.
     fn wanted(&self, want: Want, alone: f64) -> f64 {
         let totals = if want.is_nothing() {
             0.0
@@ -210,7 +210,7 @@ fn alone(every: u64, rows: u64) -> f64 {
     1.0 - gcd(every, rows) as f64 / rows as f64
 }
 
-/// How a stage's heat bath is called in the plan.
+/// The name of a stage's heat bath in the plan.
 pub(super) fn bath_name(stage: &Stage, thermostat: &str) -> String {
     format!("thermostat {thermostat} of {}", stage.name)
 }
@@ -252,7 +252,7 @@ fn with_everything_off(simulation: &Simulation) -> Result<Simulation, EngineErro
     prepare_from(bare(&simulation.scene), beginning)
 }
 
-/// Takes some steps as the scene does, which are many at once where nobody looks: what those take memory for is then there.
+/// Takes some steps as the scene does, several in one go where nothing observes them: their memory is then there.
 fn take_steps_unseen(bare: &mut Simulation, scene: &Simulation) -> Result<(), EngineError> {
     let without_bath = |stage: &Stage| stage.thermostat.is_none();
     if scene.scene.stages.iter().any(without_bath) {

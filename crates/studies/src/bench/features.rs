@@ -33,11 +33,11 @@ const CHECKPOINTS_EVERY: f64 = 600.0;
 pub struct Feature {
     /// Its name.
     pub name: String,
-    /// How often it is at work in this measurement.
+    /// How often the feature is at work in this measurement.
     pub how: String,
-    /// What it adds to a step in which everything is off, as a share of that step.
+    /// The time that it adds to a step, as a share of a step with everything off.
     pub share: Spread,
-    /// The same in nanoseconds an atom and step.
+    /// The time that it adds, in nanoseconds per particle and step.
     pub ns: f64,
 }
 
@@ -50,9 +50,9 @@ pub struct FeatureStudy {
     pub steps: u64,
     /// What was read: `processor time`, or `wall clock` where the system does not tell.
     pub clock: &'static str,
-    /// Force provider and integrator called by hand, nanoseconds an atom and step.
+    /// Force provider and integrator called by hand, nanoseconds per particle and step.
     pub bare_ns: Spread,
-    /// The engine with every feature off, nanoseconds an atom and step.
+    /// The engine with every feature off, nanoseconds per particle and step.
     pub off_ns: Spread,
     /// What the engine adds to the bare loop, as a share of it.
     pub engine_share: Spread,

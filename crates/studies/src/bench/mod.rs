@@ -42,7 +42,7 @@ const FLUID: (&str, &str) = (
 /// What is measured.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Subject {
-    /// A built-in case: that of `inputs/bench/melt-32k.toml`, or of `inputs/bench/fluid-864.toml` for a quick look.
+    /// A built-in case: `inputs/bench/melt-32k.toml`, or `inputs/bench/fluid-864.toml` for a quick look.
     BuiltIn {
         /// Whether the small one.
         quick: bool,

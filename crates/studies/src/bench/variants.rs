@@ -16,7 +16,7 @@ use crate::jobs::pool;
 /// Evaluations and builds that each repeat times alone. The best counts: on a busy machine most of such short times are
 /// disturbed.
 const ROUNDS: usize = 3;
-/// Bytes of position, velocity and force of a particle.
+/// Bytes per particle of position, velocity and force.
 const STATE_BYTES: f64 = 72.0;
 /// A full list meets each pair twice.
 const MEETINGS: f64 = 2.0;
@@ -55,18 +55,18 @@ pub struct KernelResult {
     pub precision: String,
     /// Threads.
     pub threads: usize,
-    /// Million atom-steps a second, whole steps.
+    /// Whole steps, million atom-steps per second.
     pub speed: Spread,
-    /// Nanoseconds an atom and whole step.
+    /// Nanoseconds per particle and whole step.
     pub step_ns: Spread,
-    /// The same in time that the thread really had a processor, on a shared machine a steadier measure; `None` for more
-    /// than one thread, or where the system does not tell.
+    /// The same on the clock of the processor, steadier on a shared machine. `None` for more than one thread, or where
+    /// the system does not tell.
     pub processor_ns: Option<Spread>,
-    /// Nanoseconds an atom for the forces alone, the list given: packing, check and pair loop.
+    /// Nanoseconds per particle for the forces alone, the list given: packing, check and pair loop.
     pub forces_ns: Spread,
     /// The same with energy, virial and Laplacian.
     pub totals_ns: Spread,
-    /// Nanoseconds an atom for one list build; `None` where there is no list.
+    /// Nanoseconds per particle for one list build; `None` where there is no list.
     pub build_ns: Option<Spread>,
     /// Share of list building in the whole steps.
     pub list_share: Spread,
@@ -76,11 +76,11 @@ pub struct KernelResult {
     pub skin: f64,
     /// Lanes computed for each pair that counts, met as often as the loop meets it.
     pub lanes_per_pair: f64,
-    /// Pairs a second and thread with everything in registers, measured; `None` where this loop has no such measurement.
+    /// Pairs per second and thread with everything in registers, measured; `None` where this loop has no such measurement.
     pub limit: Option<f64>,
     /// The time of that arithmetic as a share of the shortest force time: the limit is a best time too.
     pub limit_share: Option<f64>,
-    /// Bytes an atom in state, lists and private copies.
+    /// Bytes per particle in state, lists and private copies.
     pub bytes_per_atom: f64,
     /// What speaks against these figures; empty where nothing does.
     pub doubts: Vec<Doubt>,

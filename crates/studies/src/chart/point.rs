@@ -86,7 +86,7 @@ impl ChartedPoint {
         Cost::of(&self.timings, self.pair_forces_per_atom_tau?)
     }
 
-    /// Whether it has so many timings, or cannot be timed.
+    /// Whether the point has `repeats` timings, or cannot be timed.
     #[must_use]
     pub fn is_timed(&self, repeats: usize) -> bool {
         self.not_timed.is_some() || self.timings.len() >= repeats

@@ -10,8 +10,8 @@ use super::workbench::{Workbench, failed_forces};
 use crate::StudyError;
 use crate::settings::{Settings, truncation_is_free};
 
-/// Up to so many particles the reference loop over all pairs is asked for the same model; beyond, the canonical loop
-/// in double precision over a list.
+/// Largest number of particles whose forces are judged by the reference loop over all pairs; beyond, the canonical loop
+/// in double precision over a list judges.
 const REFERENCE_UP_TO: usize = 10_000;
 /// Root mean square errors of the forces, relative to the root mean square of the forces themselves.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -56,7 +56,7 @@ impl Workbench {
         self.errors_of_forces(settings, &found)
     }
 
-    /// The errors of forces at the start, `[N]` in ε/σ, that somebody else has computed for these settings.
+    /// The errors of forces at the start, `[N]` in ε/σ, that any engine has computed for these settings.
     ///
     /// # Errors
     /// [`StudyError`] where the settings do not fit.

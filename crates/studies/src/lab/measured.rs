@@ -86,8 +86,8 @@ pub struct Measured {
     pub time: f64,
     /// Kinetic temperature of whole steps, ε/k_B.
     pub temperature: Value,
-    /// Temperature of the positions, ε/k_B: that of half steps where the method has them, else that of whole steps. U
-    /// and P are judged at this one, as those of any run.
+    /// Temperature of the positions, ε/k_B: half steps have it where the method has half steps, else whole steps. U and P
+    /// of every run are judged at this temperature.
     pub temperature_of_positions: Value,
     /// Configurational temperature, ε/k_B.
     pub configurational_temperature: Value,

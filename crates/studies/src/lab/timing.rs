@@ -18,7 +18,7 @@ use crate::settings::Settings;
 const SECONDS_PER_NEIGHBOR: f64 = 1.5e-9;
 /// Seconds for one particle and step besides the forces, in such plans.
 const SECONDS_PER_PARTICLE: f64 = 1.5e-8;
-/// Evaluations a step of a method that iterates, in such plans.
+/// Evaluations per step of a method that iterates, in such plans.
 const EVALUATIONS_OF_ITERATION: f64 = 25.0;
 /// Steps before the clock starts: the first list is built, caches are warm.
 const WARM_UP: u64 = 20;
@@ -128,8 +128,8 @@ impl Workbench {
         })
     }
 
-    /// Pair forces (each pair once) for each particle and simulated τ, where a τ takes so many evaluations. The pairs
-    /// are counted at the start.
+    /// Pair forces (each pair once) for each particle and simulated τ, where a τ takes `evaluations_per_tau`
+    /// evaluations. The pairs are counted at the start.
     ///
     /// # Errors
     /// [`StudyError`] where the settings do not fit.

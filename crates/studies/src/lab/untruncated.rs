@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::start::Start;
 use crate::StudyError;
 
-/// The most pairs of a particle and an image for the forces of the untruncated fluid.
+/// Most pairs of a particle and an image in the forces of the untruncated fluid.
 const MOST_PAIRS: f64 = 1.2e8;
 /// The most particles at which those forces are taken, evenly chosen.
 const MOST_PARTICLES: usize = 1024;
@@ -23,7 +23,7 @@ pub struct Untruncated {
     pub forces: Vec<DVec3>,
     /// Pairs up to this distance are in the sum, σ.
     pub reach: f64,
-    /// An estimate of what the sum leaves out, relative to the forces: that of neighbors beyond the reach that are
+    /// An estimate of what the sum leaves out, relative to the forces: the force of neighbors beyond the reach that are
     /// placed at random.
     pub left_out: f64,
 }

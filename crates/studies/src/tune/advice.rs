@@ -125,7 +125,7 @@ pub(super) fn about(full: bool, settings: &Settings) -> String {
     }
 }
 
-/// Standard errors of U and P that the run of the scene will have: those of the verification, scaled with time and
+/// Standard errors of U and P that the run of the scene will have: the errors of the verification, scaled with time and
 /// number of particles.
 pub(super) fn planned_errors(scene: &Scene, sample: &Sample, runs: &Runs, dt: f64) -> [f64; 2] {
     let measured = scene.stages.iter().filter(|s| s.measure);

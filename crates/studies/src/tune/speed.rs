@@ -10,7 +10,7 @@ use crate::lab::{Cost, Value};
 /// The chosen settings beside the usual ones, timed in turn.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Speed {
-    /// Median time of the chosen settings over that of the usual ones; absent where the usual ones do not fit.
+    /// Median time of the chosen settings over the median time of the usual ones; absent where the usual ones do not fit.
     pub over_usual: Option<f64>,
     /// Whether every timing of the chosen settings is shorter than every one of the usual; absent likewise.
     pub is_faster: Option<bool>,

@@ -19,7 +19,7 @@ use crate::lab::{Slopes, Start, Value};
 const FRAME_INTERVAL: f64 = 0.06;
 /// Frames of each chain, however little time there is: fewer have no errors.
 const FEWEST_FRAMES: usize = 60;
-/// The chains part for so long before they are looked at, τ: the same start with other noise.
+/// Time, τ, in which the chains part before their frames count: they have one start and different noise.
 const PARTING_TIME: f64 = 3.0;
 
 /// One look at the fluid; totals of the system.
@@ -102,7 +102,7 @@ impl Follower for Watcher<'_> {
 }
 
 impl Survey {
-    /// Runs one chain a thread for so long.
+    /// Runs one chain per thread until `budget` is spent.
     pub fn run(sample: &Sample, budget: Duration) -> Result<Self, TuneError> {
         let chains: Vec<u64> = (0..rayon::current_num_threads() as u64).collect();
         let dt = sample.canonical.integrator.dt;

@@ -19,14 +19,14 @@ use crate::settings::Settings;
 const STEPS: [f64; 6] = [0.002, 0.004, 0.008, 0.012, 0.016, 0.024];
 /// Steps at which the settings of the grid are priced, τ.
 const PRICED_STEPS: [f64; 2] = [STEPS[1], STEPS[3]];
-/// The choice may cost so many times the cheapest setting of the grid that meets the target.
+/// Largest cost of the choice over the cost of the cheapest setting of the grid that meets the target.
 pub const ALLOWED_FACTOR: f64 = 1.3;
 /// Step of the tight runs as a share of velocity Verlet's stability limit: the method of Blanes and Moan makes six
-/// evaluations a step, and its error of fourth order is far below those on trial.
+/// evaluations per step, and its error of fourth order is far below the errors on trial.
 const TIGHT_STEP: f64 = 0.25;
 /// Longest cutoff of the tight runs, σ.
 const TIGHT_CUTOFF: f64 = 6.0;
-/// Lengths of the runs that reject a cheaper setting, as shares of those of the choice: one that errs much shows soon.
+/// Lengths of the runs that reject a cheaper setting, as shares of the runs of the choice: a large error shows soon.
 const LENGTHS: [f64; 3] = [0.1, 0.4, 1.0];
 /// Standard errors within which a target is met, and beyond which it is missed.
 const SIGNIFICANT: f64 = 2.0;
@@ -49,7 +49,7 @@ pub struct TrialOptions {
 pub struct Cheaper {
     /// In a line.
     pub label: String,
-    /// Its cost over that of the choice.
+    /// Its cost over the cost of the choice.
     pub cost: f64,
     /// By what it misses; `None` where the runs cannot tell that it does.
     pub misses: Option<String>,
@@ -136,7 +136,7 @@ impl Seeds {
     }
 }
 
-/// Mean and standard error over seeds of a quantity, less that of the tight runs of the same seeds.
+/// Mean and standard error over seeds of a quantity, less its value in the tight runs of the same seeds.
 fn over_seeds(runs: &[Found], tight: &[Found], which: usize) -> Value {
     let reference = |i: usize| if which == 2 { 0.0 } else { tight[i][which] };
     let all: Vec<f64> = runs
@@ -263,7 +263,7 @@ fn models_of_grid(bench: &Workbench) -> Vec<Model> {
 }
 
 /// Every setting of the grid that would cost less than the choice by more than the factor allowed, with its number in
-/// the grid and its cost over that of the choice.
+/// the grid and its cost over the cost of the choice.
 fn cheaper_than(
     tuning: &Tuning,
     bench: &Workbench,

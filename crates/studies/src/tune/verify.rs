@@ -21,7 +21,7 @@ pub struct Runs {
     pub pressure: Value,
     /// Drift of the conserved energy, ε/τ per particle.
     pub drift: Value,
-    /// U and P less those of the equation of state of this model, and its name, where there is one.
+    /// The name of the equation of state of this model, and U and P less its values, where there is one.
     pub against_equation: Option<(String, Value, Value)>,
 }
 
@@ -69,7 +69,7 @@ fn together(values: &[Value]) -> Value {
     }
 }
 
-/// Runs settings on every thread from the ends of the survey's chains, each for its time in τ; `None` where a run fails.
+/// Runs each of `all` settings on every thread from the ends of the survey's chains, for its time in τ.
 pub(super) fn runs(
     sample: &Sample,
     survey: &Survey,
