@@ -5,8 +5,8 @@ pub mod arguments;
 use lennard_core::random::Streams;
 use lennard_core::sweeps::{kick, kick_and_drift};
 use lennard_core::{
-    Configuration, DVec3, Dynamics, Energetics, ForceError, ForceProvider, Masses, Part,
-    PeriodicBox, Stride, Want,
+    Backend, Configuration, DVec3, Energetics, ForceError, ForceTerm, FusedSteps, Masses, Momentum,
+    Part, PeriodicBox, System, Want,
 };
 use lennard_forcefield::{
     Conditions, ForceFieldError, ForceFieldOptions, KernelOptions, NeighborOptions, PairForces,
@@ -67,6 +67,7 @@ pub struct Run {
     pub forces: Vec<DVec3>,
     /// What gives them.
     pub provider: PairForces,
+    cell: PeriodicBox,
     masses: Masses,
     dt: f64,
     time: f64,
@@ -138,13 +139,16 @@ impl Case {
             .collect();
         let mean = velocities.iter().sum::<DVec3>() / n as f64;
         velocities.iter_mut().for_each(|v| *v -= mean);
-        let scale = (START_TEMPERATURE / Dynamics::fluid(n).temperature(&velocities)).sqrt();
+        let scale = (START_TEMPERATURE
+            / System::atoms(n).temperature(&velocities, Momentum::Conserved))
+        .sqrt();
         velocities.iter_mut().for_each(|v| *v *= scale);
         let mut run = Run {
             forces: vec![DVec3::ZERO; n],
             positions,
             velocities,
             provider,
+            cell,
             masses: Masses::Uniform(1.0),
             dt: self.dt,
             time: 0.0,
@@ -162,6 +166,7 @@ impl Run {
     /// [`ForceError`] where one is not finite.
     pub fn evaluate(&mut self, want: Want) -> Result<Energetics, ForceError> {
         let at = Configuration {
+            cell: &self.cell,
             positions: &self.positions,
             velocities: None,
             time: self.time,
@@ -187,14 +192,15 @@ impl Run {
                 0.5 * dt,
                 dt,
             );
-            let stride = Stride {
+            let stride = FusedSteps {
+                cell: &self.cell,
                 positions: &mut self.positions,
                 velocities: &mut self.velocities,
                 masses: &self.masses,
                 dt,
                 steps: left as u64 - 1,
             };
-            let taken = 1 + self.provider.stride(stride) as usize;
+            let taken = 1 + self.provider.advance(stride) as usize;
             self.time += dt * taken as f64;
             left -= taken;
             energetics = self.evaluate(if left == 0 { want } else { Want::NOTHING })?;
@@ -206,12 +212,12 @@ impl Run {
     /// Kinetic energy, ε.
     #[must_use]
     pub fn kinetic_energy(&self) -> f64 {
-        Dynamics::fluid(self.positions.len()).kinetic_energy(&self.velocities)
+        System::atoms(self.positions.len()).kinetic_energy(&self.velocities)
     }
 
     /// Temperature, ε/k_B.
     #[must_use]
     pub fn temperature(&self) -> f64 {
-        Dynamics::fluid(self.positions.len()).temperature(&self.velocities)
+        System::atoms(self.positions.len()).temperature(&self.velocities, Momentum::Conserved)
     }
 }

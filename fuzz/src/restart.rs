@@ -3,9 +3,8 @@
 use std::cell::RefCell;
 
 use lennard_core::{Array, DVec3, Want};
-use lennard_engine::{EngineError, Follower, ResumeOptions, Simulation, Verdict, resume};
+use lennard_engine::{Action, Operation, ResumeOptions, Schedule, StopAt, Trigger, resume};
 use lennard_io::{checkpoint_bytes, read_checkpoint_bytes};
-use lennard_scene::Scene;
 
 use crate::targets::assert_short;
 
@@ -19,25 +18,10 @@ thread_local! {
     static FOLDER: RefCell<Option<tempfile::TempDir>> = const { RefCell::new(None) };
 }
 
-struct AFew(u64);
-
-impl Follower for AFew {
-    fn want(&self, _: &Scene, _: u64, _: bool) -> Want {
-        Want::ENERGY_AND_VIRIAL
-    }
-
-    fn looks_at(&self, _: &Scene, _: u64, _: bool) -> bool {
-        true
-    }
-
-    fn after_step(&mut self, _: &mut Simulation) -> Result<Verdict, EngineError> {
-        self.0 -= 1;
-        Ok(if self.0 == 0 {
-            Verdict::Stop
-        } else {
-            Verdict::Continue
-        })
-    }
+/// Takes a few steps, with everything evaluated at each.
+fn a_few(from: u64) -> StopAt {
+    let each = Operation::new(Action::Call, Trigger::Always).wanting(Want::ENERGY_AND_VIRIAL);
+    StopAt::following(Schedule::empty().with(each), from + STEPS)
 }
 
 /// In memory where the system has such a place: a disk would make each input ten times as long.
@@ -58,7 +42,8 @@ pub fn restart(bytes: &[u8]) -> bool {
             .expect("a temporary file can be written");
         let resumed = resume(folder.path(), &ResumeOptions::default());
         let went_on = resumed.and_then(|mut resumed| {
-            resumed.simulation.run(&mut AFew(STEPS))?;
+            let from = resumed.simulation.state.step;
+            resumed.simulation.run(&mut a_few(from))?;
             // What observables make of it must be no panic either.
             drop(resumed.simulation.findings());
             Ok(())

@@ -6,7 +6,7 @@ use std::io::{Write, stdout};
 use std::process::ExitCode;
 
 use lennard_benches::arguments::{Arguments, BadArgument, exit_code};
-use lennard_core::{DVec3, ForceProvider, Want};
+use lennard_core::{DVec3, ForceTerm, Want};
 use lennard_forcefield::{KernelOptions, Precision, TruncationKind};
 use lennard_observables::statistics::drift;
 

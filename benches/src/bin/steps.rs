@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use lennard_benches::arguments::{Arguments, exit_code};
 use lennard_core::parallel::awake;
 use lennard_core::stopwatch::{in_turn, timed};
-use lennard_core::{ForceProvider, Want};
+use lennard_core::{ForceTerm, Want};
 use lennard_forcefield::{Isa, KernelOptions, Precision, TruncationKind};
 
 const KEYS: [&str; 7] = [

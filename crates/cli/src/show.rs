@@ -13,40 +13,34 @@ pub use tune::tuning;
 use std::path::Path;
 
 use comfy_table::presets::UTF8_FULL_CONDENSED;
-use comfy_table::{CellAlignment, ContentArrangement, Table};
+use comfy_table::{CellAlignment, ContentArrangement};
+use lennard_core::{Cell, Table};
 use lennard_engine::{EnergyReport, Plan, Simulation};
 use lennard_io::RunRecord;
-use lennard_studies::claims::Verdict;
+use lennard_report::{ErrorStyle, cell_text, heading, is_numeric};
+use lennard_studies::claims;
 use lennard_studies::compare::ComparedRun;
 use lennard_studies::stability::StabilityStudy;
 
 use crate::commands::list::Entry;
 
 /// A table that fits the terminal.
-fn table(heading: &[&str], right_aligned: std::ops::Range<usize>) -> Table {
-    let mut table = Table::new();
-    table
+fn table(table: &Table) -> comfy_table::Table {
+    let mut shown = comfy_table::Table::new();
+    shown
         .load_style(UTF8_FULL_CONDENSED)
         .set_content_arrangement(ContentArrangement::Dynamic)
-        .set_header(heading.to_vec());
-    for column in right_aligned {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
+        .set_header(table.columns.iter().map(heading));
+    for row in 0..table.rows() {
+        let cells = table.row(row);
+        shown.add_row(cells.map(|cell| cell_text(&cell, ErrorStyle::PlusMinus)));
+    }
+    for (column, shown) in table.columns.iter().zip(shown.column_iter_mut()) {
+        if is_numeric(column) {
+            shown.set_cell_alignment(CellAlignment::Right);
         }
     }
-    table
-}
-
-/// A value with its standard error, both to the second digit of the error: `-6.0812 ± 0.0019`.
-pub fn with_error(mean: f64, error: f64) -> (String, String) {
-    if !(error.is_finite() && error > 0.0) {
-        return (format!("{mean:.6}"), "–".into());
-    }
-    let decimals = (1.0 - error.log10().floor()).clamp(0.0, 17.0) as usize;
-    if decimals > 8 {
-        return (format!("{mean:.3e}"), format!("{error:.1e}"));
-    }
-    (format!("{mean:.decimals$}"), format!("{error:.decimals$}"))
+    shown
 }
 
 /// Wall time in words.
@@ -73,8 +67,8 @@ fn bytes(n: u64) -> String {
 pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
     let scene = &simulation.scene;
     let n = simulation.state.len();
-    let density = n as f64 / simulation.cell.volume();
-    let [x, y, z] = simulation.cell.lengths().to_array();
+    let density = n as f64 / simulation.state.cell.volume();
+    let [x, y, z] = simulation.state.cell.lengths().to_array();
     println!("{}", console::style(&scene.name).bold());
     println!("  {n} particles, density {density:.4}, box {x:.4} × {y:.4} × {z:.4} σ");
     println!("  {}", lennard_forcefield::model_name(&scene.force_field()));
@@ -151,18 +145,19 @@ pub fn energy(report: &EnergyReport) {
         "{} particles, {} pairs within the cutoff, {}",
         report.atoms, report.pairs, report.model
     );
-    let mut t = table(&["quantity", "value", "unit"], 1..2);
-    for (name, value, unit) in [
+    let values = [
         ("U, pairs", report.potential_energy, "ε"),
         ("U, tail", report.tail_energy, "ε"),
         ("W = Σ r_ij·F_ij, pairs", report.virial, "ε"),
         ("W, tail", report.tail_virial, "ε"),
         ("P = ρT + W/(3V), with tail", report.pressure, "ε/σ³"),
         ("T of the kinetic part", report.temperature, "ε/k_B"),
-    ] {
-        t.add_row([name.to_owned(), format!("{value:.15e}"), unit.to_owned()]);
-    }
-    println!("{t}");
+    ];
+    let values = Table::rows_of("energy", &values)
+        .column("quantity", |v| v.0)
+        .column("value", |v| Cell::figures(format!("{:.15e}", v.1)))
+        .column("unit", |v| v.2);
+    println!("{}", table(&values.table()));
     println!("  T is {from}");
 }
 
@@ -173,20 +168,17 @@ pub fn plan(plan: &Plan) {
         plan.scene, plan.atoms, plan.density, plan.steps
     );
     println!("  {}", plan.model);
-    let mut t = table(&["part", "", "share", "how, or why not"], 2..3);
-    for item in &plan.items {
-        let share = item.share.map_or_else(String::new, |s| match 100.0 * s {
-            s if s < 0.05 => "< 0.1 %".to_owned(),
-            s => format!("{s:.1} %"),
-        });
-        t.add_row([
-            item.part.as_str(),
-            if item.on { "on" } else { "off" },
-            share.as_str(),
-            item.why.as_str(),
-        ]);
-    }
-    println!("{t}");
+    let items = Table::rows_of("plan", &plan.items)
+        .column("part", |i| &i.part)
+        .column("", |i| if i.on { "on" } else { "off" })
+        .column("share", |i| {
+            Cell::figures(i.share.map_or_else(String::new, |s| match 100.0 * s {
+                s if s < 0.05 => "< 0.1 %".to_owned(),
+                s => format!("{s:.1} %"),
+            }))
+        })
+        .column("how, or why not", |i| &i.why);
+    println!("{}", table(&items.table()));
     println!(
         "  memory: about {} ({:.0} bytes per particle)",
         bytes(plan.bytes),
@@ -203,23 +195,8 @@ pub fn plan(plan: &Plan) {
 
 /// The verdicts of the stability study, and the largest stable steps.
 pub fn stability(study: &StabilityStudy, folder: &Path) {
-    let mut claims = table(&["source", "claim", "measured", "theory", "verdict"], 2..4);
-    for claim in &study.claims {
-        let verdict = match claim.verdict {
-            Verdict::Holds => "holds",
-            Verdict::DoesNotHold => "does not hold",
-        };
-        claims.add_row([
-            claim.source.to_owned(),
-            claim.statement.clone(),
-            format!("{:.6}", claim.measured),
-            claim
-                .theory
-                .map_or_else(|| "–".into(), |t| format!("{t:.6}")),
-            verdict.to_owned(),
-        ]);
-    }
-    println!("{claims}");
+    let claims = claims::table(&study.claims).without(&["Judged by", "Wanted"]);
+    println!("{}", table(&claims));
     println!("  page: {}", folder.join("report.html").display());
 }
 
@@ -246,16 +223,22 @@ pub fn list(entries: &[Entry]) {
 
 #[cfg(test)]
 mod tests {
-    use super::with_error;
+    use super::*;
 
     #[test]
-    fn a_mean_is_shown_to_the_second_digit_of_its_error() {
-        assert_eq!(
-            with_error(-6.081_234, 0.001_94),
-            ("-6.0812".into(), "0.0019".into())
-        );
-        assert_eq!(with_error(0.164_9, 0.032), ("0.165".into(), "0.032".into()));
-        assert_eq!(with_error(108.9, 12.0), ("109".into(), "12".into()));
-        assert_eq!(with_error(1.0, f64::NAN), ("1.000000".into(), "–".into()));
+    fn numbers_stand_on_the_right_and_errors_beside_them() {
+        let items = [("a", Some((1.5, 0.25))), ("longer", None)];
+        let items = Table::rows_of("t", &items)
+            .column("name", |i| i.0)
+            .measured("x [σ]", |i| i.1)
+            .table();
+        let text = table(&items).to_string();
+        for line in [
+            "│ name   ┆       x / σ │",
+            "│ a      ┆ 1.50 ± 0.25 │",
+            "│ longer ┆           – │",
+        ] {
+            assert!(text.contains(line), "{line} in\n{text}");
+        }
     }
 }

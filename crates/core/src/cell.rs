@@ -41,6 +41,24 @@ impl PeriodicBox {
         Self::new(DVec3::splat((n as f64 / density).cbrt()))
     }
 
+    /// A box so large that its faces are never reached: for systems without a box, such as one oscillator.
+    ///
+    /// Minimum images are the pair vectors themselves, nothing wraps, and the volume is infinite.
+    #[must_use]
+    pub const fn boundless() -> Self {
+        Self {
+            lengths: DVec3::splat(1e150),
+        }
+    }
+
+    /// The same box with each side multiplied by a factor.
+    ///
+    /// # Errors
+    /// [`BoxError::BadLength`] where a side is then not finite and positive.
+    pub fn scaled(&self, factors: DVec3) -> Result<Self, BoxError> {
+        Self::new(self.lengths * factors)
+    }
+
     /// The three sides in σ.
     #[must_use]
     pub fn lengths(&self) -> DVec3 {
@@ -127,6 +145,14 @@ mod tests {
         let (wrapped, image) = cell().split(DVec3::new(-1e-20, 5.0, -12.5));
         assert_eq!(wrapped, DVec3::new(0.0, 0.0, 5.5));
         assert_eq!(image, IVec3::new(0, 1, -3));
+    }
+
+    #[test]
+    fn a_boundless_box_leaves_everything_where_it_is() {
+        let cell = PeriodicBox::boundless();
+        let d = DVec3::new(-3.5, 1e20, 0.0);
+        assert_eq!((cell.minimum_image(d), cell.wrap(-d).y), (d, 0.0));
+        assert!(cell.volume().is_infinite());
     }
 
     #[test]

@@ -1,8 +1,12 @@
-//! The forces, as an integrator sees them.
+//! Forces: terms that add, and the backend that an integrator asks for their sum.
 
 use glam::DVec3;
 
-use crate::{Configuration, Energetics, Masses, Part, Persist, Want};
+use crate::parallel::for_each_piece;
+use crate::{
+    Configuration, Energetics, Masses, Part, PeriodicBox, Persist, RestoreError, StateReader,
+    StateWriter, Want,
+};
 
 /// Why forces cannot be given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -19,7 +23,18 @@ pub enum ForceError {
         /// Index of the particle, from 0.
         particle: usize,
     },
-    /// The provider has no near and far part.
+    /// The box changed, and the cutoff exceeds half of its shortest side.
+    #[error(
+        "the cutoff of {r_cut} σ exceeds half the shortest side of the box, {largest} σ; \
+         take more particles, a shorter cutoff or a higher pressure"
+    )]
+    CutoffOverHalfBox {
+        /// The cutoff, σ.
+        r_cut: f64,
+        /// Half the shortest side, σ.
+        largest: f64,
+    },
+    /// The forces have no near and far part.
     #[error("these forces cannot be split into a near and a far part")]
     NotSplit,
     /// The force needs velocities and got none.
@@ -38,7 +53,19 @@ pub struct ForceProperties {
     pub splits: bool,
 }
 
-/// What the provider did so far, for the run record.
+impl ForceProperties {
+    /// The properties of a sum of two forces.
+    #[must_use]
+    pub fn with_term(self, other: Self) -> Self {
+        Self {
+            velocity_dependent: self.velocity_dependent || other.velocity_dependent,
+            linear: self.linear && other.linear,
+            splits: self.splits && other.splits,
+        }
+    }
+}
+
+/// What the forces did so far, for the run record.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ForceStatistics {
     /// Evaluations so far.
@@ -57,33 +84,14 @@ pub struct ForceStatistics {
     pub bytes: u64,
 }
 
-/// Steps of kick-drift-kick that follow each other and that nobody looks at in between.
-///
-/// It begins where forces are due: after a drift, with half a kick given. Each of its steps is F at x,
-/// v ← v + (h/2m)·F twice (the closing half kick of one step and the opening one of the next), x ← x + h·v, so that it
-/// ends where forces are due again.
-#[derive(Debug)]
-pub struct Stride<'a> {
-    /// Unwrapped positions, `[N]`, σ.
-    pub positions: &'a mut [DVec3],
-    /// Velocities, `[N]`, σ/τ.
-    pub velocities: &'a mut [DVec3],
-    /// The masses.
-    pub masses: &'a Masses,
-    /// The step h, τ.
-    pub dt: f64,
-    /// How many to take.
-    pub steps: u64,
-}
-
-/// Gives forces; knows of lists, box and potentials, none of which an integrator sees.
-pub trait ForceProvider: Persist {
+/// One kind of force: pairs, bonds, walls, fields. Terms add; none of them moves a particle.
+pub trait ForceTerm: Persist + Send {
     /// Writes F = −∂U/∂r at `at` to `forces` (`[N]`, ε/σ) and returns what `want` asks for.
     ///
     /// Forces are the same to the bit whatever `want` asks for.
     ///
     /// # Errors
-    /// [`ForceError`] where a position or a force is not finite, or the part is not to be had.
+    /// [`ForceError`] where a position or a force is not finite, or the part does not exist.
     fn evaluate(
         &mut self,
         at: Configuration<'_>,
@@ -92,14 +100,29 @@ pub trait ForceProvider: Persist {
         forces: &mut [DVec3],
     ) -> Result<Energetics, ForceError>;
 
-    /// Takes steps in one go, and says how many: as many as were asked for, fewer, or none. Positions and velocities are
-    /// then those of that many steps, the same to the bit as by [`ForceProvider::evaluate`] and [`crate::sweeps`]; forces
-    /// are nowhere written. It never fails: what it leaves is for the caller to do step by step, who meets any error there.
+    /// Adds its forces to those in `forces`; `scratch` is working space, whose content means nothing before and after.
     ///
-    /// The default takes none.
-    fn stride(&mut self, stride: Stride<'_>) -> u64 {
-        let _ = stride;
-        0
+    /// The default evaluates into the scratch. A term that touches few particles adds to these alone.
+    ///
+    /// # Errors
+    /// As [`ForceTerm::evaluate`].
+    fn add(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        scratch: &mut Vec<DVec3>,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        scratch.resize(forces.len(), DVec3::ZERO);
+        let found = self.evaluate(at, part, want, scratch)?;
+        let term = &scratch[..];
+        for_each_piece(forces, |first, sums| {
+            for (sum, f) in sums.iter_mut().zip(&term[first..]) {
+                *sum += *f;
+            }
+        });
+        Ok(found)
     }
 
     /// What kind of force this is.
@@ -116,7 +139,7 @@ pub trait ForceProvider: Persist {
     /// η = ε_machine^{1/3}/max|d|, whose error is of the order η²·U⁗.
     ///
     /// # Errors
-    /// As [`ForceProvider::evaluate`].
+    /// As [`ForceTerm::evaluate`].
     fn hessian_vector(
         &mut self,
         at: Configuration<'_>,
@@ -131,37 +154,94 @@ pub trait ForceProvider: Persist {
             return Ok(());
         }
         let eta = f64::EPSILON.cbrt() / largest;
-        let mut displaced: Vec<DVec3> = at
-            .positions
-            .iter()
-            .zip(direction)
-            .map(|(x, d)| *x + eta * *d)
-            .collect();
-        let mut backward = vec![DVec3::ZERO; displaced.len()];
-        self.evaluate(
-            Configuration {
-                positions: &displaced,
-                ..at
-            },
-            Part::All,
-            Want::NOTHING,
-            out,
-        )?;
-        for ((p, x), d) in displaced.iter_mut().zip(at.positions).zip(direction) {
-            *p = *x - eta * *d;
-        }
-        self.evaluate(
-            Configuration {
-                positions: &displaced,
-                ..at
-            },
-            Part::All,
-            Want::NOTHING,
-            &mut backward,
-        )?;
+        let displaced_by = |eta: f64| -> Vec<DVec3> {
+            let moved = at.positions.iter().zip(direction);
+            moved.map(|(x, d)| *x + eta * *d).collect()
+        };
+        let mut forces_at = |positions: &[DVec3], forces: &mut [DVec3]| {
+            let at = Configuration { positions, ..at };
+            self.evaluate(at, Part::All, Want::NOTHING, forces)
+        };
+        forces_at(&displaced_by(eta), out)?;
+        let mut backward = vec![DVec3::ZERO; out.len()];
+        forces_at(&displaced_by(-eta), &mut backward)?;
         for (o, b) in out.iter_mut().zip(&backward) {
             *o = (*b - *o) / (2.0 * eta);
         }
         Ok(())
     }
 }
+
+/// Steps of kick-drift-kick that follow each other without a look in between.
+///
+/// They begin where forces are due: after a drift, with half a kick given. Each of the steps is F at x,
+/// v ← v + (h/2m)·F twice (the closing half kick of one step and the opening one of the next), x ← x + h·v, so that they
+/// end where forces are due again.
+#[derive(Debug)]
+pub struct FusedSteps<'a> {
+    /// The box.
+    pub cell: &'a PeriodicBox,
+    /// Unwrapped positions, `[N]`, σ.
+    pub positions: &'a mut [DVec3],
+    /// Velocities, `[N]`, σ/τ.
+    pub velocities: &'a mut [DVec3],
+    /// The masses.
+    pub masses: &'a Masses,
+    /// The step h, τ.
+    pub dt: f64,
+    /// How many steps to take.
+    pub steps: u64,
+}
+
+/// The machine that evaluates the sum of all force terms, and may take several steps at once.
+pub trait Backend: ForceTerm {
+    /// Takes steps in one go and returns how many: all of them, fewer, or none. Positions and velocities then have the bits
+    /// of that many steps by [`ForceTerm::evaluate`] and [`crate::sweeps`]; no force is written. It never fails: the caller
+    /// takes the steps that are left one by one, and meets any error there.
+    ///
+    /// The default takes none.
+    fn advance(&mut self, steps: FusedSteps<'_>) -> u64 {
+        let _ = steps;
+        0
+    }
+}
+
+/// No force at all: free flight.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NoForces;
+
+impl Persist for NoForces {
+    fn save(&self, _to: &mut StateWriter<'_>) {}
+    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
+        Ok(())
+    }
+}
+
+impl ForceTerm for NoForces {
+    fn evaluate(
+        &mut self,
+        _at: Configuration<'_>,
+        _part: Part,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        forces.fill(DVec3::ZERO);
+        Ok(Energetics {
+            potential_energy: want.energy.then_some(0.0),
+            conserved_potential: want.energy.then_some(0.0),
+            virial: want.virial.then_some(glam::DMat3::ZERO),
+            laplacian: want.laplacian.then_some(0.0),
+            ..Energetics::default()
+        })
+    }
+
+    fn properties(&self) -> ForceProperties {
+        ForceProperties {
+            linear: true,
+            splits: true,
+            velocity_dependent: false,
+        }
+    }
+}
+
+impl Backend for NoForces {}

@@ -7,28 +7,40 @@
 //! Pair vectors are `r_ij = r_i − r_j`; the pair virial is `W = Σ r_ij·F_ij` without a factor 1/3.
 
 mod cell;
-mod dynamics;
 mod force;
+mod force_sum;
 mod integrator;
+mod method;
 mod observable;
+pub mod options;
 pub mod parallel;
 mod persist;
 pub mod random;
+mod spec;
 mod state;
+mod step;
 pub mod stopwatch;
 pub mod sweeps;
+mod system;
+mod table;
 pub mod tasks;
 mod thermostat;
 
 pub use cell::{BoxError, PeriodicBox};
-pub use dynamics::{Constraint, Dynamics, ExactSolution, Masses};
-pub use force::{ForceError, ForceProperties, ForceProvider, ForceStatistics, Stride};
+pub use force::{
+    Backend, ForceError, ForceProperties, ForceStatistics, ForceTerm, FusedSteps, NoForces,
+};
+pub use force_sum::ForceSum;
 pub use glam::{DMat3, DVec3};
-pub use integrator::{Integrator, IntegratorSpec, StepError, StepReport};
+pub use integrator::Integrator;
+pub use method::{Method, without_constraints};
 pub use observable::{
-    Average, Column, Doubt, Estimate, Findings, Observable, ObservableSpec, Table, TailCorrection,
-    View,
+    Average, Doubt, Estimate, Findings, Observable, ObservableSpec, TailCorrection, View,
 };
 pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, StateWriter};
+pub use spec::{IntegratorSpec, StepError, StepReport};
 pub use state::{Configuration, Energetics, Part, State, Want};
+pub use step::{Parts, Step, check_finite};
+pub use system::{Constraint, ExactSolution, Masses, Momentum, System};
+pub use table::{Cell, Column, RowsOf, Table, Tone, Value};
 pub use thermostat::{Thermostat, ThermostatSpec};

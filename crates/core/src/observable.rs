@@ -1,8 +1,10 @@
 //! What observables see and what they give back.
 
+use std::any::Any;
+
 use serde::Serialize;
 
-use crate::{Dynamics, PeriodicBox, Persist, State, Want};
+use crate::{Momentum, PeriodicBox, Persist, State, System, Table, Want};
 
 /// What an observable declares about itself.
 #[derive(Debug, Clone, Copy)]
@@ -33,10 +35,10 @@ pub struct TailCorrection {
 pub struct View<'a> {
     /// Everything at `state.time`.
     pub state: &'a State,
-    /// Masses and degrees of freedom.
-    pub dynamics: &'a Dynamics,
-    /// The periodic box.
-    pub cell: &'a PeriodicBox,
+    /// Masses and constraints.
+    pub system: &'a System,
+    /// Whether the motion keeps the total momentum, which degrees of freedom depend on.
+    pub momentum: Momentum,
     /// The tail correction in use; `None` where the scene has none.
     pub tail: Option<TailCorrection>,
     /// Σ heat that thermostats have put in since the stage began, in ε: E − heat is conserved.
@@ -45,7 +47,44 @@ pub struct View<'a> {
     pub half_kick_step: Option<f64>,
 }
 
-impl View<'_> {
+impl<'a> View<'a> {
+    /// A state whose total momentum is conserved, without tail, heat and half steps.
+    #[must_use]
+    pub fn of(state: &'a State, system: &'a System) -> Self {
+        Self {
+            state,
+            system,
+            momentum: Momentum::Conserved,
+            tail: None,
+            heat: 0.0,
+            half_kick_step: None,
+        }
+    }
+
+    /// The box at this time.
+    #[must_use]
+    pub fn cell(&self) -> &PeriodicBox {
+        &self.state.cell
+    }
+
+    /// Degrees of freedom n_dof in T = 2K/n_dof.
+    #[must_use]
+    pub fn n_dof(&self) -> f64 {
+        self.system.n_dof(self.momentum)
+    }
+
+    /// The kinetic energy K in ε.
+    #[must_use]
+    pub fn kinetic_energy(&self) -> f64 {
+        self.system.kinetic_energy(&self.state.velocities)
+    }
+
+    /// The kinetic temperature 2K/n_dof in ε/k_B.
+    #[must_use]
+    pub fn temperature(&self) -> f64 {
+        2.0 * self.kinetic_energy() / self.n_dof()
+    }
+
     /// The mean of the kinetic energies half a step later and half a step earlier, in ε; `None` for a method that does
     /// not kick by halves.
     ///
@@ -61,13 +100,13 @@ impl View<'_> {
     #[must_use]
     pub fn half_step_kinetic_energy(&self) -> Option<f64> {
         let half = 0.5 * self.half_kick_step?;
-        let (dynamics, state) = (self.dynamics, self.state);
+        let (system, state) = (self.system, self.state);
         let squares: f64 = crate::parallel::ordered_sum(state.len(), |range| {
             range
-                .map(|i| state.forces[i].length_squared() / dynamics.masses.of(i))
+                .map(|i| state.forces[i].length_squared() / system.masses.of(i))
                 .sum()
         });
-        Some(dynamics.kinetic_energy(&state.velocities) + 0.5 * half * half * squares)
+        Some(self.kinetic_energy() + 0.5 * half * half * squares)
     }
 
     /// The temperature that belongs to the positions, in ε/k_B: 2K/n_dof with the kinetic energy of half steps where
@@ -76,13 +115,13 @@ impl View<'_> {
     pub fn temperature_of_positions(&self) -> f64 {
         let kinetic = self
             .half_step_kinetic_energy()
-            .unwrap_or_else(|| self.dynamics.kinetic_energy(&self.state.velocities));
-        2.0 * kinetic / self.dynamics.n_dof
+            .unwrap_or_else(|| self.kinetic_energy());
+        2.0 * kinetic / self.n_dof()
     }
 }
 
 /// An observable: looks at the run, never changes it.
-pub trait Observable: Persist + Send {
+pub trait Observable: Persist + Send + Any {
     /// What it declares about itself.
     fn spec(&self) -> &'static ObservableSpec;
     /// What it needs from the force evaluation on the steps when it samples.
@@ -224,56 +263,6 @@ impl Average {
     #[must_use]
     pub fn doubted(mut self, doubt: Option<Doubt>) -> Self {
         self.doubt = Doubt::graver(self.doubt, doubt);
-        self
-    }
-}
-
-/// A column of a table.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Column {
-    /// Heading.
-    pub name: String,
-    /// Unit (`σ`, `ε`, or empty).
-    pub unit: String,
-    /// Values, one a row.
-    pub values: Vec<f64>,
-}
-
-/// A table, written as CSV with one heading line.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Table {
-    /// File stem (`rdf`).
-    pub name: String,
-    /// One line that says what it holds.
-    pub caption: String,
-    /// Columns of equal length.
-    pub columns: Vec<Column>,
-}
-
-impl Table {
-    /// An empty table.
-    #[must_use]
-    pub fn new(name: impl Into<String>, caption: impl Into<String>) -> Self {
-        Self {
-            name: name.into(),
-            caption: caption.into(),
-            columns: Vec::new(),
-        }
-    }
-
-    /// Adds a column.
-    #[must_use]
-    pub fn with(
-        mut self,
-        name: impl Into<String>,
-        unit: impl Into<String>,
-        values: Vec<f64>,
-    ) -> Self {
-        self.columns.push(Column {
-            name: name.into(),
-            unit: unit.into(),
-            values,
-        });
         self
     }
 }

@@ -2,6 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
+use crate::PeriodicBox;
+
 /// What an integrator advances. After `step`, everything in it belongs to `time`.
 ///
 /// Particles keep the order of the start configuration; kernels that want another order keep a
@@ -12,13 +14,15 @@ pub struct State {
     pub step: u64,
     /// Time in τ.
     pub time: f64,
+    /// The box. No other owner keeps a copy that has to agree.
+    pub cell: PeriodicBox,
     /// Unwrapped positions, `[N]`, σ.
     pub positions: Vec<DVec3>,
     /// Velocities, `[N]`, σ/τ.
     pub velocities: Vec<DVec3>,
     /// Forces F = −∂U/∂r at `positions`, `[N]`, ε/σ.
     pub forces: Vec<DVec3>,
-    /// Energy, virial and so on at `positions`; each entry is `None` where nobody asked for it on this step.
+    /// Energy, virial and so on at `positions`; each entry is `None` where it was not asked for on this step.
     pub energetics: Energetics,
 }
 
@@ -28,7 +32,7 @@ impl State {
     /// # Panics
     /// Where the two arrays differ in length: that is a bug of the caller.
     #[must_use]
-    pub fn new(positions: Vec<DVec3>, velocities: Vec<DVec3>) -> Self {
+    pub fn new(cell: PeriodicBox, positions: Vec<DVec3>, velocities: Vec<DVec3>) -> Self {
         assert_eq!(
             positions.len(),
             velocities.len(),
@@ -38,6 +42,7 @@ impl State {
         Self {
             step: 0,
             time: 0.0,
+            cell,
             positions,
             velocities,
             forces,
@@ -135,12 +140,27 @@ pub enum Part {
 /// Where the forces are wanted.
 #[derive(Debug, Clone, Copy)]
 pub struct Configuration<'a> {
+    /// The box.
+    pub cell: &'a PeriodicBox,
     /// Unwrapped positions, `[N]`, σ.
     pub positions: &'a [DVec3],
     /// Velocities, `[N]`, σ/τ, for forces that depend on them.
     pub velocities: Option<&'a [DVec3]>,
     /// Time in τ, for forces that depend on it.
     pub time: f64,
+}
+
+impl<'a> Configuration<'a> {
+    /// Positions in a box at time 0, without velocities.
+    #[must_use]
+    pub fn at_rest(cell: &'a PeriodicBox, positions: &'a [DVec3]) -> Self {
+        Self {
+            cell,
+            positions,
+            velocities: None,
+            time: 0.0,
+        }
+    }
 }
 
 /// Totals over the system; each is `None` where it was not asked for.
@@ -166,6 +186,20 @@ impl Energetics {
     #[must_use]
     pub fn scalar_virial(&self) -> Option<f64> {
         self.virial.map(|w| w.x_axis.x + w.y_axis.y + w.z_axis.z)
+    }
+
+    /// The sum over two force terms; an entry is kept only where both have it, but for the number of pairs, which some terms
+    /// do not have.
+    #[must_use]
+    pub fn with_term(&self, other: &Self) -> Self {
+        let pairs = match (self.pairs, other.pairs) {
+            (Some(a), Some(b)) => Some(a + b),
+            (a, b) => a.or(b),
+        };
+        Self {
+            pairs,
+            ..self.plus(other)
+        }
     }
 
     /// The sum of two parts (RESPA's near and far); an entry is kept only where both have it.

@@ -1,7 +1,6 @@
 //! Heat baths that act on the velocities between steps.
 
-use crate::random::NoiseStream;
-use crate::{Dynamics, Persist, State};
+use crate::{Persist, Step};
 
 /// What a thermostat declares about itself.
 #[derive(Debug, Clone, Copy)]
@@ -12,7 +11,7 @@ pub struct ThermostatSpec {
     pub summary: &'static str,
     /// Whether it samples the canonical ensemble.
     pub canonical: bool,
-    /// Whether the motion of single particles stays that of the fluid left alone, but for what vanishes as 1/N.
+    /// Whether single particles move as in the isolated fluid, but for what vanishes as 1/N.
     pub keeps_motion: bool,
     /// Whether the bath holds the temperature of half steps, and not that of whole steps.
     pub holds_half_steps: bool,
@@ -20,18 +19,18 @@ pub struct ThermostatSpec {
     pub source: &'static str,
 }
 
-/// Couples the velocities to a heat bath, once after each step.
+/// Couples the velocities to a heat bath after a step.
 pub trait Thermostat: Persist + Send {
     /// What it declares about itself.
     fn spec(&self) -> &'static ThermostatSpec;
 
-    /// Changes the velocities and returns the energy put in, in ε, so that E − Σ heat is conserved;
-    /// returns `None` where nothing was touched on this step. `noise` is keyed by `state.step`.
-    fn apply(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        dt: f64,
-        noise: &NoiseStream,
-    ) -> Option<f64>;
+    /// Whether the bath may act after this step. Between steps where it does not act, several steps are taken at once.
+    fn acts_after(&self, step: u64) -> bool {
+        let _ = step;
+        true
+    }
+
+    /// Changes the velocities and counts the energy put in ([`Step::add_heat`]), so that E − Σ heat is conserved. Returns
+    /// whether it changed anything.
+    fn apply(&mut self, step: &mut Step<'_>) -> bool;
 }

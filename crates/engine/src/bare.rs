@@ -4,7 +4,9 @@ use lennard_core::Want;
 use lennard_scene::{Scene, Stage};
 
 use crate::EngineError;
-use crate::simulation::{Follower, Simulation, Verdict};
+use crate::follower::StopAt;
+use crate::schedule::{Action, Operation, Trigger};
+use crate::simulation::Simulation;
 
 /// Steps of a stage that ends when its follower says so; as an interval, one that no run reaches.
 pub const ENDLESS: u64 = 1_000_000_000_000_000;
@@ -42,29 +44,10 @@ pub fn bare(scene: &Scene) -> Scene {
 /// [`EngineError`] where the run fails.
 pub fn take(simulation: &mut Simulation, steps: u64, want: Want) -> Result<(), EngineError> {
     let end = simulation.state.step + steps;
-    simulation.run(&mut Until { end, want }).map(drop)
-}
-
-/// Stops at a step.
-struct Until {
-    end: u64,
-    want: Want,
-}
-
-impl Follower for Until {
-    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
-        self.want
-    }
-
-    fn looks_at(&self, _scene: &Scene, step: u64, _measured: bool) -> bool {
-        step == self.end || !self.want.is_nothing()
-    }
-
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        Ok(if simulation.state.step == self.end {
-            Verdict::Stop
-        } else {
-            Verdict::Continue
-        })
-    }
+    let wanted =
+        (!want.is_nothing()).then(|| Operation::new(Action::Call, Trigger::Always).wanting(want));
+    let schedule = wanted.into_iter().collect();
+    simulation
+        .run(&mut StopAt::following(schedule, end))
+        .map(drop)
 }

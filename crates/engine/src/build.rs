@@ -3,22 +3,19 @@
 use std::path::Path;
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, Dynamics, PeriodicBox, State, TailCorrection};
-use lennard_forcefield::{
-    AllPairs, Conditions, ForceFieldOptions, Model, PairForces, Precision, Tail,
-};
+use lennard_core::{DVec3, ForceSum, PeriodicBox, State, System};
+use lennard_forcefield::{AllPairs, Conditions, ForceFieldOptions, Model, PairForces, Precision};
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
-use lennard_observables::{
-    BuildContext, Ensemble, HeldTemperature, ObservableOptions, Thermodynamics,
-};
-use lennard_scene::{Geometry, Lattice, Scene, Stage, Start};
+use lennard_observables::{BuildContext, ObservableOptions, Thermodynamics};
+use lennard_scene::{Geometry, Lattice, ObservableTable, Scene, Stage, Start};
 
+use crate::baths::{ensemble, held_temperature, measured_baths};
 use crate::error::misfit;
-use crate::findings::measured_baths;
 use crate::force_check::ForceCheck;
 use crate::initial::{self, closest_pair};
-use crate::simulation::{Observer, Simulation};
+use crate::schedule::Observer;
+use crate::simulation::Simulation;
 use crate::timers::Timers;
 use crate::{EngineError, compare};
 
@@ -131,8 +128,8 @@ fn remarks(path: &Path, read: &StartConfiguration) -> Vec<String> {
     let frame =
         (read.frames > 1).then(|| format!("the start is frame {0} of {0} of {file}", read.frames));
     let drift = read.velocities.as_deref().and_then(|velocities| {
-        let dynamics = Dynamics::fluid(velocities.len());
-        initial::Drift::of(&dynamics, velocities).map(|drift| drift.in_words(&file.to_string()))
+        let system = System::atoms(velocities.len());
+        initial::Drift::of(&system, velocities).map(|drift| drift.in_words(&file.to_string()))
     });
     frame.into_iter().chain(drift).collect()
 }
@@ -220,15 +217,6 @@ pub fn forces(
     Ok((options, built))
 }
 
-/// The tail correction per particle, as observables use it.
-#[must_use]
-pub fn tail_correction(tail: Option<&Tail>) -> Option<TailCorrection> {
-    tail.map(|t| TailCorrection {
-        energy_per_particle: t.energy_per_particle,
-        pressure: t.pressure,
-    })
-}
-
 /// Builds the simulation: particles placed, relaxed where the start is random, velocities drawn
 /// where the start has none.
 ///
@@ -252,31 +240,27 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
     if beginning.relax {
         relax(&scene, cell, &mut beginning.positions)?;
     }
-    let dynamics = Dynamics::fluid(n);
+    let system = System::atoms(n);
     let streams = Streams::new(scene.system.seed);
     let velocities = match beginning.velocities {
         Some(mut given) => {
-            initial::remove_drift(&dynamics, &mut given);
+            initial::remove_drift(&system, &mut given);
             given
         }
-        None => initial::thermal_velocities(&dynamics, n, scene.system.temperature, streams),
+        None => initial::thermal_velocities(&system, n, scene.system.temperature, streams),
     };
-    let tail =
-        tail_correction(lennard_forcefield::tail_correction(&options, n, cell.volume()).as_ref());
-    let (thermodynamics, observers) = observers(&scene, cell, n)?;
+    let observers = observers(&scene, cell, n)?;
     let isa = provider.plan().isa.to_string();
-    let all_pairs = AllPairs::new(&options, cell).map_err(|e| misfit(&scene.source, &e))?;
+    let all_pairs = AllPairs::new(&options).map_err(|e| misfit(&scene.source, &e))?;
     Ok(Simulation {
-        state: State::new(beginning.positions, velocities),
+        state: State::new(cell, beginning.positions, velocities),
         scene,
-        cell,
-        dynamics,
-        forces: Box::new(provider),
+        system,
+        forces: Box::new(ForceSum::new(provider)),
         force_check: ForceCheck::new(all_pairs),
-        tail,
+        force_field: options,
         streams,
         stage: None,
-        thermodynamics,
         observers,
         measured_steps: 0,
         remarks: Vec::new(),
@@ -291,7 +275,7 @@ fn relax(scene: &Scene, cell: PeriodicBox, positions: &mut [DVec3]) -> Result<()
     let mut relaxing = scene.clone();
     relaxing.kernel.precision = Precision::Double;
     let (_, mut provider) = forces(&relaxing, cell, positions.len())?;
-    fire::relax(positions, &mut provider, &FireOptions::default())
+    fire::relax(&cell, positions, &mut provider, &FireOptions::default())
         .map(|_| ())
         .map_err(|e| {
             scene
@@ -305,18 +289,14 @@ fn relax(scene: &Scene, cell: PeriodicBox, positions: &mut [DVec3]) -> Result<()
         })
 }
 
-/// Thermodynamics, which every run has, and the others that the scene names.
+/// The observables of a scene: thermodynamics, which every run has, and then the others that it names.
 fn observers(
     scene: &Scene,
     cell: PeriodicBox,
     n_atoms: usize,
-) -> Result<(Thermodynamics, Vec<Observer>), EngineError> {
-    let measured = scene
-        .stages
-        .iter()
-        .rev()
-        .find(|s| s.measure)
-        .or(scene.stages.last());
+) -> Result<Vec<Observer>, EngineError> {
+    let mut measured = scene.stages.iter().rev().filter(|s| s.measure);
+    let measured = measured.next().or(scene.stages.last());
     let dt = measured.map_or(scene.integrator.dt, |s| scene.stage_dt(s));
     let context = |every| BuildContext {
         cell,
@@ -325,19 +305,26 @@ fn observers(
         every,
         r_cut: scene.truncation.r_cut,
     };
+    let of_thermodynamics = |table: &ObservableTable| match &table.options {
+        ObservableOptions::Thermodynamics(options) => Some(options.clone()),
+        _ => None,
+    };
+    let options = scene.observables.iter().find_map(of_thermodynamics);
+    let every = scene.output.thermo_every;
+    let mut thermodynamics =
+        Thermodynamics::with_options(&options.unwrap_or_default(), &context(every));
+    thermodynamics.set_force_jump(force_jump(scene)?);
+    thermodynamics.set_ensemble(measured.and_then(|stage| ensemble(scene, stage)));
+    thermodynamics.set_bath(held_temperature(scene));
+    let mut observers = vec![Observer {
+        every,
+        observable: Box::new(thermodynamics),
+    }];
     let keeps_motion = measured_baths(scene).iter().all(|bath| bath.keeps_motion);
-    let mut observers = Vec::new();
-    let mut thermodynamics = None;
     for (index, table) in scene.observables.iter().enumerate() {
         let mut options = table.options.clone();
         match &mut options {
-            ObservableOptions::Thermodynamics(o) => {
-                thermodynamics = Some(Thermodynamics::with_options(
-                    o,
-                    &context(scene.output.thermo_every),
-                ));
-                continue;
-            }
+            ObservableOptions::Thermodynamics(_) => continue,
             // With friction there is no flow around a particle that a closed box could slow down.
             ObservableOptions::Msd(o) if o.viscosity.is_none() && keeps_motion => {
                 o.viscosity = compare::viscosity_for(scene, n_atoms as f64 / cell.volume());
@@ -357,39 +344,7 @@ fn observers(
             observable,
         });
     }
-    let mut thermodynamics =
-        thermodynamics.unwrap_or_else(|| Thermodynamics::new(&context(scene.output.thermo_every)));
-    thermodynamics.set_force_jump(force_jump(scene)?);
-    thermodynamics.set_ensemble(measured.and_then(|stage| ensemble(scene, stage)));
-    thermodynamics.set_bath(held_temperature(scene));
-    Ok((thermodynamics, observers))
-}
-
-/// The ensemble that a stage samples; `None` where its dynamics sample none that is known.
-fn ensemble(scene: &Scene, stage: &Stage) -> Option<Ensemble> {
-    match &stage.thermostat {
-        Some(bath) => bath.spec().canonical.then_some(Ensemble::Canonical),
-        // A method that loses energy stays at no energy.
-        None => lennard_integrators::build(&scene.integrator.method)
-            .spec()
-            .symplectic
-            .then_some(Ensemble::Microcanonical),
-    }
-}
-
-/// The temperature that the bath of the measured stages holds; `None` where they have none, or not all the same.
-#[must_use]
-pub fn held_temperature(scene: &Scene) -> Option<HeldTemperature> {
-    let mut measured = scene.stages.iter().filter(|s| s.measure);
-    let first = measured.next()?;
-    let options = first.thermostat.as_ref()?;
-    let bath = options.spec();
-    let same = |s: &Stage| s.thermostat == first.thermostat && s.temperature == first.temperature;
-    (bath.canonical && measured.all(same)).then_some(HeldTemperature {
-        temperature: first.temperature,
-        half_steps: bath.holds_half_steps,
-        relaxation: options.relaxation(),
-    })
+    Ok(observers)
 }
 
 /// U′(r_cut) just inside the cutoff, where the force drops to zero with a jump (plain and shifted

@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 use lennard_core::{Array, DMat3, DVec3, Energetics, Persist, StateArchive, StateReader};
 use lennard_io::{Checkpoint, CheckpointFolder, CheckpointMetadata, WriteError};
 
-use crate::files::{Marks, THERMO, TRAJECTORY};
+use crate::files::Marks;
+use crate::names::{THERMO, TRAJECTORY};
 use crate::timers::Timers;
 use crate::{EngineError, Simulation};
 
@@ -31,7 +32,7 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
     let mut writer = archive.writer();
     simulation.save(&mut writer);
     let mut run = writer.section("run");
-    run.put_vec3("cell", &[simulation.cell.lengths()]);
+    run.put_vec3("cell", &[simulation.state.cell.lengths()]);
     save_energetics(&simulation.state.energetics, &mut run);
     let Timers {
         step,
@@ -186,7 +187,6 @@ fn restored_energetics(from: &StateReader<'_>) -> Result<Energetics, lennard_cor
 /// Writes checkpoints when they are due.
 pub(crate) struct Checkpointer {
     folder: CheckpointFolder,
-    every_steps: Option<u64>,
     every: Option<Duration>,
     last_written: Instant,
     last_step: Option<u64>,
@@ -196,7 +196,6 @@ impl Checkpointer {
     pub(crate) fn new(folder: &std::path::Path, plan: &lennard_scene::Checkpoint) -> Self {
         Self {
             folder: CheckpointFolder::new(folder),
-            every_steps: plan.every_steps,
             every: plan
                 .every_seconds
                 .and_then(|s| Duration::try_from_secs_f64(s).ok()),
@@ -205,13 +204,10 @@ impl Checkpointer {
         }
     }
 
-    /// Whether the scene wants one after this step.
-    pub(crate) fn is_due(&self, step: u64) -> bool {
-        self.every_steps
-            .is_some_and(|every| step.is_multiple_of(every))
-            || self
-                .every
-                .is_some_and(|every| self.last_written.elapsed() >= every)
+    /// Whether the time between two checkpoints is over.
+    pub(crate) fn time_is_up(&self) -> bool {
+        self.every
+            .is_some_and(|every| self.last_written.elapsed() >= every)
     }
 
     /// Writes one, unless this step has one already. A state that the watchdog does not like is never written.

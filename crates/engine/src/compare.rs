@@ -1,13 +1,13 @@
 //! A run beside the literature.
 
 use lennard_core::{Average, Observable};
-use lennard_forcefield::{PotentialOptions, TruncationKind};
+use lennard_forcefield::TruncationKind;
 use lennard_io::StatePoint;
 use lennard_literature::{EquationOfState, FiniteSize, Kept, ModelKind};
 use lennard_observables::Thermodynamics;
 use lennard_scene::Scene;
 
-use crate::findings::measured_baths;
+use crate::baths::measured_baths;
 
 /// What was compared, and what could not be.
 #[derive(Debug, Clone, Default)]
@@ -22,25 +22,21 @@ pub struct Comparison {
 #[must_use]
 pub fn model_kind(scene: &Scene) -> ModelKind {
     let r_cut = scene.truncation.r_cut;
-    match (&scene.potential, scene.truncation.kind) {
-        (PotentialOptions::LennardJones {}, TruncationKind::Cut)
-            if scene.truncation.tail_correction =>
-        {
-            ModelKind::CutWithTail { r_cut }
-        }
-        (PotentialOptions::LennardJones {}, TruncationKind::Cut) => {
-            ModelKind::CutWithoutTail { r_cut }
-        }
-        (PotentialOptions::LennardJones {}, TruncationKind::Shift) => ModelKind::Shifted { r_cut },
-        (PotentialOptions::LennardJones {}, TruncationKind::ForceShift) => {
-            ModelKind::ForceShifted { r_cut }
-        }
-        (PotentialOptions::LennardJones {}, TruncationKind::Switch) => {
-            ModelKind::Switched { r_cut }
-        }
-        (PotentialOptions::Wca {}, _) => ModelKind::Other { potential: "WCA" },
-        (PotentialOptions::SoftSphere { .. }, _) => ModelKind::Other {
-            potential: "soft sphere",
+    let spec = scene.potential.spec();
+    if !spec.is_lennard_jones {
+        return ModelKind::Other {
+            potential: spec.title,
+        };
+    }
+    match scene.truncation.kind {
+        TruncationKind::Cut if scene.truncation.tail_correction => ModelKind::CutWithTail { r_cut },
+        TruncationKind::Cut => ModelKind::CutWithoutTail { r_cut },
+        TruncationKind::Shift => ModelKind::Shifted { r_cut },
+        TruncationKind::ForceShift => ModelKind::ForceShifted { r_cut },
+        TruncationKind::Switch => ModelKind::Switched { r_cut },
+        // No reference knows another truncation.
+        other => ModelKind::Other {
+            potential: other.spec().summary,
         },
     }
 }

@@ -1,6 +1,6 @@
 //! One evaluation of energy, virial and pressure, for checks against reference configurations.
 
-use lennard_core::{Configuration, DVec3, Dynamics, ForceProvider, Part, PeriodicBox, State, Want};
+use lennard_core::{Configuration, DVec3, ForceTerm, Momentum, Part, State, System, Want};
 use lennard_scene::Scene;
 use serde::Serialize;
 
@@ -53,9 +53,7 @@ pub struct EnergyReport {
 pub struct Evaluated {
     /// The numbers.
     pub report: EnergyReport,
-    /// The box.
-    pub cell: PeriodicBox,
-    /// Positions, velocities (zero where the start has none) and forces.
+    /// Box, positions, velocities (zero where the start has none) and forces.
     pub state: State,
 }
 
@@ -69,16 +67,12 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
     let cell = beginning.cell;
     let (options, mut provider) = build::forces(scene, cell, n)?;
     let has_velocities = beginning.velocities.is_some();
-    let dynamics = Dynamics::fluid(n);
+    let system = System::atoms(n);
     let mut velocities = beginning.velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]);
     // The velocities that a run starts with.
-    initial::remove_drift(&dynamics, &mut velocities);
-    let mut state = State::new(beginning.positions, velocities);
-    let at = Configuration {
-        positions: &state.positions,
-        velocities: None,
-        time: 0.0,
-    };
+    initial::remove_drift(&system, &mut velocities);
+    let mut state = State::new(cell, beginning.positions, velocities);
+    let at = Configuration::at_rest(&cell, &state.positions);
     let energetics = provider
         .evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut state.forces)
         .map_err(|e| {
@@ -88,7 +82,7 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
         })?;
     let (temperature, temperature_from) = if has_velocities {
         (
-            dynamics.temperature(&state.velocities),
+            system.temperature(&state.velocities, Momentum::Conserved),
             KineticSource::Velocities,
         )
     } else {
@@ -114,9 +108,5 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
         remarks,
     };
     state.energetics = energetics;
-    Ok(Evaluated {
-        report,
-        cell,
-        state,
-    })
+    Ok(Evaluated { report, state })
 }

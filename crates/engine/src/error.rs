@@ -1,11 +1,13 @@
 //! What can go wrong with a run, sorted by whose turn it is to do something about it.
 
+use std::path::{Path, PathBuf};
+
 use lennard_forcefield::ForceFieldError;
-use lennard_io::{FormatError, WriteError};
+use lennard_io::{CheckpointError, FormatError, WriteError};
 use lennard_scene::{SceneError, Source};
 
-use crate::resume::ResumeError;
-use crate::watchdog::PhysicsFailure;
+use crate::failure::PhysicsFailure;
+use crate::names::SCENE;
 
 /// Why a run did not start or did not end.
 #[derive(Debug, thiserror::Error)]
@@ -46,6 +48,88 @@ impl EngineError {
 #[must_use]
 pub fn misfit(source: &Source, error: &ForceFieldError) -> EngineError {
     source
-        .invalid(error.key(), error.found(), error.allowed())
+        .invalid(&error.key(), error.found(), error.allowed())
         .into()
+}
+
+/// Why a run cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum ResumeError {
+    /// The folder holds no run.
+    #[error("{} holds no run: it has no {SCENE} and no checkpoint\n  allowed: the output folder of a run, such as runs/gas-1", .0.display())]
+    NoRun(PathBuf),
+    /// There is nothing to go on from.
+    #[error("{} holds no checkpoint: the run ended before its first one, so there is nothing to go on from\n  {}", folder.display(), again(folder))]
+    NoCheckpoint {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The newest checkpoint is refused.
+    #[error("{source}{}", older_command(folder, source))]
+    Refused {
+        /// The folder.
+        folder: PathBuf,
+        /// Why.
+        source: CheckpointError,
+    },
+    /// There is no second checkpoint.
+    #[error("{} holds one checkpoint only: there is no older one to go on from", .0.display())]
+    NoOlder(PathBuf),
+    /// Another version of the program wrote it.
+    #[error("{}: it was written by version {found} of this program; this is version {}, whose steps may have other bits\n  go on with version {found}, or start a new run from the state in it", checkpoint.display(), env!("CARGO_PKG_VERSION"))]
+    OtherProgram {
+        /// The checkpoint.
+        checkpoint: PathBuf,
+        /// The version that wrote it.
+        found: String,
+    },
+    /// The folder's scene is another one.
+    #[error("{}: it belongs to another scene than {}: {difference}\n  put the scene file back as the run wrote it, or start a new run from the changed scene", checkpoint.display(), scene.display())]
+    OtherScene {
+        /// The checkpoint.
+        checkpoint: PathBuf,
+        /// The scene file.
+        scene: PathBuf,
+        /// Where they differ.
+        difference: String,
+    },
+    /// Another instruction set would be used.
+    #[error("{}: it was made with the instruction set {recorded}; {here}, which gives other bits\n  {advice}", checkpoint.display())]
+    OtherIsa {
+        /// The checkpoint.
+        checkpoint: PathBuf,
+        /// The set that was used.
+        recorded: String,
+        /// What is so on this machine.
+        here: String,
+        /// What to do.
+        advice: String,
+    },
+    /// It is whole and does not fit this program: a bug, or a file made by hand.
+    #[error("{}: it does not fit its own scene: {reason}", checkpoint.display())]
+    DoesNotFit {
+        /// The checkpoint.
+        checkpoint: PathBuf,
+        /// What does not fit.
+        reason: String,
+    },
+}
+
+/// The command that starts the run of a folder again, elsewhere: no command replaces the scene that it reads.
+pub(crate) fn again(folder: &Path) -> String {
+    format!(
+        "to start again: lennard run {}/{SCENE} --out FOLDER, with another folder",
+        folder.display()
+    )
+}
+
+fn older_command(folder: &Path, error: &CheckpointError) -> String {
+    if error.older.is_some() {
+        format!(
+            "\n  to go on from that one: lennard resume {} --older",
+            folder.display()
+        )
+    } else {
+        format!("\n  no older one is whole; {}", again(folder))
+    }
 }

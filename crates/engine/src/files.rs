@@ -16,24 +16,13 @@
 
 use std::path::{Path, PathBuf};
 
-use lennard_core::{Energetics, PeriodicBox, State, Table};
+use lennard_core::{Energetics, State, Table};
 use lennard_io::{
-    Cell, FileMark, Frame, FrameStyle, OutputFolder, RunRecord, TableWriter, TrajectoryWriter,
-    WriteError,
+    FileMark, Frame, FrameStyle, OutputFolder, RunRecord, TableWriter, TrajectoryWriter, WriteError,
 };
 
+use crate::names::{RECORD, SCENE, THERMO, TOPOLOGY, TRAJECTORY};
 use crate::{EngineError, Simulation};
-
-/// The scene as resolved.
-pub(crate) const SCENE: &str = "scene.toml";
-/// Instantaneous values.
-pub(crate) const THERMO: &str = "thermo.csv";
-/// Frames.
-pub(crate) const TRAJECTORY: &str = "trajectory.xyz";
-/// The run record.
-const RECORD: &str = "run.json";
-/// Names and box for mdtraj.
-const TOPOLOGY: &str = "topology.gro";
 
 const THERMO_COLUMNS: &[(&str, &str)] = &[
     ("step", ""),
@@ -164,9 +153,7 @@ impl RunFiles {
     /// [`WriteError`] where the row cannot be written.
     pub fn write_thermo(&mut self, simulation: &Simulation) -> Result<(), WriteError> {
         let n = simulation.state.len() as f64;
-        let temperature = simulation
-            .dynamics
-            .temperature(&simulation.state.velocities);
+        let temperature = simulation.view().temperature();
         let potential = simulation
             .potential_energy_per_particle()
             .unwrap_or(f64::NAN);
@@ -176,15 +163,15 @@ impl RunFiles {
             .unwrap_or(f64::NAN);
         let heat = simulation.stage_run().heat / n;
         self.thermo.write(&[
-            Cell::Integer(simulation.state.step),
-            Cell::Number(simulation.state.time),
-            Cell::Integer(simulation.stage_run().index as u64),
-            Cell::Number(temperature),
-            Cell::Number(half_steps(simulation).unwrap_or(f64::NAN)),
-            Cell::Number(potential),
-            Cell::Number(pressure),
-            Cell::Number(conserved),
-            Cell::Number(heat),
+            simulation.state.step.into(),
+            simulation.state.time.into(),
+            simulation.stage_run().index.into(),
+            temperature.into(),
+            half_steps(simulation).unwrap_or(f64::NAN).into(),
+            potential.into(),
+            pressure.into(),
+            conserved.into(),
+            heat.into(),
         ])
     }
 
@@ -198,7 +185,6 @@ impl RunFiles {
             Some(trajectory) => {
                 let extra = header(simulation);
                 trajectory.write(&Frame {
-                    cell: &simulation.cell,
                     state: &simulation.state,
                     extra: &extra,
                 })
@@ -218,7 +204,6 @@ impl RunFiles {
             ..self.style.clone()
         };
         let frame = Frame {
-            cell: &simulation.cell,
             state: &simulation.state,
             extra: &header(simulation),
         };
@@ -229,12 +214,7 @@ impl RunFiles {
     ///
     /// # Errors
     /// [`WriteError`] where it cannot be written.
-    pub fn write_earlier_state(
-        &self,
-        name: &str,
-        cell: &PeriodicBox,
-        state: &State,
-    ) -> Result<(), WriteError> {
+    pub fn write_earlier_state(&self, name: &str, state: &State) -> Result<(), WriteError> {
         let style = FrameStyle {
             velocities: true,
             forces: false,
@@ -244,11 +224,7 @@ impl RunFiles {
         lennard_io::write_frame(
             &self.folder.join(name),
             &style,
-            &Frame {
-                cell,
-                state,
-                extra: &[],
-            },
+            &Frame { state, extra: &[] },
         )
     }
 
@@ -320,7 +296,7 @@ fn write_descriptions(folder: &Path, simulation: &Simulation) -> Result<(), Writ
         lennard_io::write_topology_gro(
             &folder.join(TOPOLOGY),
             n,
-            &simulation.cell,
+            &simulation.state.cell,
             &style(simulation),
         )?;
     }
@@ -335,12 +311,7 @@ fn half_steps(simulation: &Simulation) -> Option<f64> {
 
 /// What the header line of a frame says besides time and step.
 pub(crate) fn header(simulation: &Simulation) -> Vec<(&'static str, f64)> {
-    let mut extra = vec![(
-        "temperature",
-        simulation
-            .dynamics
-            .temperature(&simulation.state.velocities),
-    )];
+    let mut extra = vec![("temperature", simulation.view().temperature())];
     let Energetics {
         potential_energy, ..
     } = simulation.state.energetics;
@@ -348,12 +319,7 @@ pub(crate) fn header(simulation: &Simulation) -> Vec<(&'static str, f64)> {
         extra.insert(0, ("total_potential_energy", energy));
         extra.insert(
             1,
-            (
-                "total_kinetic_energy",
-                simulation
-                    .dynamics
-                    .kinetic_energy(&simulation.state.velocities),
-            ),
+            ("total_kinetic_energy", simulation.view().kinetic_energy()),
         );
     }
     if let Some(temperature) = half_steps(simulation) {

@@ -1,9 +1,9 @@
 //! What the observables of a run found, and what speaks against it.
 
-use lennard_core::{Average, Doubt, Findings, Observable, ThermostatSpec};
-use lennard_scene::Scene;
+use lennard_core::{Average, Doubt, Findings, ThermostatSpec};
 
 use crate::Simulation;
+use crate::baths::measured_baths;
 
 /// Quantities that velocity scaling sets instead of sampling them.
 const SET_BY_SCALING: [&str; 3] = ["temperature", "temperature_half_steps", "kinetic_energy"];
@@ -14,13 +14,12 @@ impl Simulation {
     /// An average that is no result has no standard error.
     #[must_use]
     pub fn findings(&self) -> Vec<Findings> {
-        let equilibrium = self.thermodynamics.equilibrium();
+        let equilibrium = self.thermodynamics().equilibrium();
         let baths = measured_baths(&self.scene);
-        let thermodynamics: &dyn Observable = &self.thermodynamics;
-        let others = self.observers.iter().map(|o| &*o.observable);
-        std::iter::once(thermodynamics)
-            .chain(others.map(|o| o as &dyn Observable))
-            .map(|observable| {
+        self.observers
+            .iter()
+            .map(|observer| {
+                let observable = &observer.observable;
                 let mut findings = observable.finish(equilibrium.discarded);
                 let dynamic = observable.spec().dynamic;
                 findings.averages = findings
@@ -41,14 +40,6 @@ impl Simulation {
             })
             .collect()
     }
-}
-
-/// The thermostats of the measured stages.
-pub(crate) fn measured_baths(scene: &Scene) -> Vec<&'static ThermostatSpec> {
-    let measured = scene.stages.iter().filter(|s| s.measure);
-    measured
-        .filter_map(|s| Some(s.thermostat.as_ref()?.spec()))
-        .collect()
 }
 
 /// What a thermostat does to a quantity.

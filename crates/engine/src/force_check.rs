@@ -3,7 +3,8 @@
 use lennard_core::{Persist, RestoreError, State, StateReader, StateWriter};
 use lennard_forcefield::AllPairs;
 
-use crate::watchdog::{LISTS_EVERY, Symptom};
+use crate::failure::Symptom;
+use crate::watchdog::LISTS_EVERY;
 
 /// Particles checked at a look, where a step is long enough for as many.
 const AT_A_LOOK: usize = 2;
@@ -75,7 +76,9 @@ impl ForceCheck {
     }
 
     fn check(&self, particle: usize, state: &State) -> Result<Seen, Symptom> {
-        let wanted = self.all_pairs.force_on(particle, &state.positions);
+        let wanted = self
+            .all_pairs
+            .force_on(particle, &state.cell, &state.positions);
         let found = state.forces[particle];
         let deviation = (found - wanted.force).length() / wanted.tolerance;
         if deviation <= 1.0 {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, Dynamics, PeriodicBox};
+use lennard_core::{DVec3, Momentum, PeriodicBox, System};
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -66,7 +66,7 @@ pub fn random_points(cell: &PeriodicBox, n: usize, streams: Streams) -> Option<V
 /// particle) and scaled to 2K/n_dof = `temperature` exactly.
 #[must_use]
 pub fn thermal_velocities(
-    dynamics: &Dynamics,
+    system: &System,
     n: usize,
     temperature: f64,
     streams: Streams,
@@ -74,7 +74,7 @@ pub fn thermal_velocities(
     let mut rng = streams.sequential("velocities");
     let mut velocities: Vec<DVec3> = (0..n)
         .map(|i| {
-            let width = (temperature / dynamics.masses.of(i)).sqrt();
+            let width = (temperature / system.masses.of(i)).sqrt();
             width
                 * DVec3::new(
                     StandardNormal.sample(&mut rng),
@@ -83,16 +83,16 @@ pub fn thermal_velocities(
                 )
         })
         .collect();
-    remove_drift(dynamics, &mut velocities);
-    scale_to_temperature(dynamics, &mut velocities, temperature);
+    remove_drift(system, &mut velocities);
+    scale_to_temperature(system, &mut velocities, temperature);
     velocities
 }
 
 /// Takes the velocity of the centre of mass off every particle; nothing is done for a single particle.
-pub fn remove_drift(dynamics: &Dynamics, velocities: &mut [DVec3]) {
+pub fn remove_drift(system: &System, velocities: &mut [DVec3]) {
     if velocities.len() > 1 {
-        let mass: f64 = (0..velocities.len()).map(|i| dynamics.masses.of(i)).sum();
-        let drift = dynamics.momentum(velocities) / mass;
+        let mass: f64 = (0..velocities.len()).map(|i| system.masses.of(i)).sum();
+        let drift = system.momentum(velocities) / mass;
         for v in velocities {
             *v -= drift;
         }
@@ -113,21 +113,21 @@ pub struct Drift {
 impl Drift {
     /// The drift of velocities; `None` where there is none but rounding.
     #[must_use]
-    pub fn of(dynamics: &Dynamics, velocities: &[DVec3]) -> Option<Self> {
+    pub fn of(system: &System, velocities: &[DVec3]) -> Option<Self> {
         /// Of the mean square velocity: files hold nine digits and more.
         const ROUNDING: f64 = 1e-12;
         let n = velocities.len() as f64;
-        let momentum = dynamics.momentum(velocities) / n;
+        let momentum = system.momentum(velocities) / n;
         let square = velocities.iter().map(|v| v.length_squared()).sum::<f64>() / n;
         if velocities.len() < 2 || momentum.length_squared() <= ROUNDING * square {
             return None;
         }
         let mut without = velocities.to_vec();
-        remove_drift(dynamics, &mut without);
+        remove_drift(system, &mut without);
         Some(Self {
             momentum_per_particle: momentum,
-            temperature_with: dynamics.temperature(velocities),
-            temperature_without: dynamics.temperature(&without),
+            temperature_with: system.temperature(velocities, Momentum::Conserved),
+            temperature_without: system.temperature(&without, Momentum::Conserved),
         })
     }
 
@@ -144,8 +144,8 @@ impl Drift {
 }
 
 /// Scales velocities so that 2K/n_dof = `temperature`; velocities that are all zero stay so.
-pub fn scale_to_temperature(dynamics: &Dynamics, velocities: &mut [DVec3], temperature: f64) {
-    let now = dynamics.temperature(velocities);
+pub fn scale_to_temperature(system: &System, velocities: &mut [DVec3], temperature: f64) {
+    let now = system.temperature(velocities, Momentum::Conserved);
     if now > 0.0 {
         let factor = (temperature / now).sqrt();
         for v in velocities {
@@ -270,10 +270,10 @@ mod tests {
 
     #[test]
     fn velocities_have_the_temperature_and_no_momentum() {
-        let dynamics = Dynamics::fluid(500);
-        let v = thermal_velocities(&dynamics, 500, 0.722, Streams::new(1));
-        assert!((dynamics.temperature(&v) - 0.722).abs() < 1e-14);
-        assert!(dynamics.momentum(&v).length() < 1e-12);
+        let system = System::atoms(500);
+        let v = thermal_velocities(&system, 500, 0.722, Streams::new(1));
+        assert!((system.temperature(&v, Momentum::Conserved) - 0.722).abs() < 1e-14);
+        assert!(system.momentum(&v).length() < 1e-12);
     }
 
     #[test]

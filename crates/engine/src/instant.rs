@@ -1,6 +1,6 @@
 //! The state of a simulation as observers see it, and its values of the moment.
 
-use lennard_core::{Dynamics, PeriodicBox, State, TailCorrection, View};
+use lennard_core::{Momentum, State, System, TailCorrection, View};
 
 use crate::Simulation;
 use crate::simulation::StageRun;
@@ -8,18 +8,19 @@ use crate::simulation::StageRun;
 /// What observers see, made from the parts so that the observers beside them may be changed meanwhile.
 pub(crate) fn view<'a>(
     state: &'a State,
-    dynamics: &'a Dynamics,
-    cell: &'a PeriodicBox,
+    system: &'a System,
     tail: Option<TailCorrection>,
     stage: Option<&StageRun>,
 ) -> View<'a> {
     View {
         state,
-        dynamics,
-        cell,
+        system,
+        momentum: stage.map_or(Momentum::Conserved, |s| s.integrator.momentum()),
         tail,
         heat: stage.map_or(0.0, |s| s.heat),
-        half_kick_step: stage.filter(|s| s.method.spec().half_kicks).map(|s| s.dt),
+        half_kick_step: stage
+            .filter(|s| s.integrator.spec().half_kicks)
+            .map(|s| s.dt),
     }
 }
 
@@ -30,7 +31,7 @@ impl Simulation {
         let potential = self.state.energetics.conserved_potential?;
         let heat = self.stage.as_ref().map_or(0.0, |s| s.heat);
         Some(
-            (self.dynamics.kinetic_energy(&self.state.velocities) + potential - heat)
+            (self.system.kinetic_energy(&self.state.velocities) + potential - heat)
                 / self.state.len() as f64,
         )
     }
@@ -38,25 +39,39 @@ impl Simulation {
     /// Potential energy per particle in ε, with the tail where the scene has one, if asked for on this step.
     #[must_use]
     pub fn potential_energy_per_particle(&self) -> Option<f64> {
-        let tail = self.tail.map_or(0.0, |t| t.energy_per_particle);
+        let tail = self.tail().map_or(0.0, |t| t.energy_per_particle);
         Some(self.state.energetics.potential_energy? / self.state.len() as f64 + tail)
+    }
+
+    /// The tail correction at the present volume, if the scene has one.
+    #[must_use]
+    pub fn tail(&self) -> Option<TailCorrection> {
+        let state = &self.state;
+        let tail = lennard_forcefield::tail_correction(
+            &self.force_field,
+            state.len(),
+            state.cell.volume(),
+        );
+        tail.map(|t| TailCorrection {
+            energy_per_particle: t.energy_per_particle,
+            pressure: t.pressure,
+        })
     }
 
     /// What observers see of the state as it is.
     #[must_use]
     pub fn view(&self) -> View<'_> {
-        let stage = self.stage.as_ref();
-        view(&self.state, &self.dynamics, &self.cell, self.tail, stage)
+        view(&self.state, &self.system, self.tail(), self.stage.as_ref())
     }
 
     /// Pressure P = ρT + W/(3V) + tail in ε/σ³, if the virial was asked for on this step; T is that of half steps
     /// where the method has them ([`View::temperature_of_positions`]).
     #[must_use]
     pub fn pressure(&self) -> Option<f64> {
-        let volume = self.cell.volume();
+        let volume = self.state.cell.volume();
         let density = self.state.len() as f64 / volume;
         let virial = self.state.energetics.scalar_virial()?;
-        let tail = self.tail.map_or(0.0, |t| t.pressure);
+        let tail = self.tail().map_or(0.0, |t| t.pressure);
         Some(density * self.view().temperature_of_positions() + virial / (3.0 * volume) + tail)
     }
 }

@@ -68,7 +68,7 @@ const STATE_BYTES: usize = 3 * size_of::<DVec3>();
 /// [`EngineError`] for everything that is wrong with the scene.
 pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineError> {
     let scene = simulation.scene.clone();
-    let (options, provider) = build::forces(&scene, simulation.cell, simulation.state.len())?;
+    let (options, provider) = build::forces(&scene, simulation.state.cell, simulation.state.len())?;
     let mut items = items(&scene, simulation, provider.plan(), threads);
     let costs = Costs::measure(simulation)?;
     let seconds = costs.of_run(&scene);
@@ -87,7 +87,7 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
         scene: scene.name.clone(),
         model: lennard_forcefield::model_name(&options),
         atoms: n,
-        density: n as f64 / simulation.cell.volume(),
+        density: n as f64 / simulation.state.cell.volume(),
         steps: scene.total_steps(),
         threads,
         items,
@@ -155,7 +155,7 @@ fn items(
 fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [PlanItem; 6] {
     let rows = scene.output.thermo_every;
     let laplacian = format!("Laplacian on every {rows}th step of measured stages");
-    let tail = match simulation.tail {
+    let tail = match simulation.tail() {
         Some(tail) => Ok(format!(
             "computed once: {:.4} ε per particle, {:.4} ε/σ³",
             tail.energy_per_particle, tail.pressure
@@ -170,7 +170,7 @@ fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [Plan
         format!("{method}, dt = {} τ", scene.integrator.dt),
         format!("on every {rows}th step, for thermo.csv and the averages; not between"),
     ];
-    let wants_laplacian = simulation.thermodynamics.want().laplacian;
+    let wants_laplacian = simulation.thermodynamics().want().laplacian;
     [
         item("pair forces", Ok(pairs)),
         item("neighbor list", neighbor_in_words(forces)),

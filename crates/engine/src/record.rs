@@ -33,14 +33,14 @@ pub fn finished(
     trajectory_frames: Option<u64>,
     finished: bool,
 ) -> RunRecord {
-    let density = simulation.state.len() as f64 / simulation.cell.volume();
+    let density = simulation.state.len() as f64 / simulation.state.cell.volume();
     let compared = compare::with_equation_of_state(
         &simulation.scene,
         density,
         simulation.state.len(),
-        &simulation.thermodynamics,
+        simulation.thermodynamics(),
     );
-    let conservation = simulation.thermodynamics.conservation();
+    let conservation = simulation.thermodynamics().conservation();
     let wall_s = wall.as_secs_f64();
     let atom_steps = simulation.state.len() as f64 * simulation.state.step as f64;
     let averages: BTreeMap<String, AverageRecord> = findings
@@ -105,7 +105,7 @@ fn bare(simulation: &Simulation, threads: usize) -> RunRecord {
         },
         steps: simulation.state.step,
         atoms: simulation.state.len() as u64,
-        n_dof: simulation.dynamics.n_dof as u64,
+        n_dof: simulation.view().n_dof() as u64,
         wall_s: 0.0,
         performance: Performance::default(),
         neighbor: NeighborRecord {

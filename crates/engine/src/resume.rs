@@ -4,12 +4,14 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use lennard_core::{DVec3, PeriodicBox};
-use lennard_io::{Checkpoint, CheckpointError, CheckpointFolder, CheckpointProblem};
+use lennard_io::{Checkpoint, CheckpointFolder, CheckpointProblem};
 use lennard_scene::Scene;
 
 use crate::build::{self, Beginning};
 use crate::checkpointing::{self, Past};
-use crate::files::{Marks, SCENE, THERMO, TRAJECTORY};
+use crate::error::{ResumeError, again};
+use crate::files::Marks;
+use crate::names::{SCENE, THERMO, TRAJECTORY};
 use crate::{EngineError, Simulation};
 
 /// What may be different from the run as it was.
@@ -35,69 +37,6 @@ pub struct Resumed {
     pub checkpoint: PathBuf,
 }
 
-/// Why a run cannot go on.
-#[derive(Debug, thiserror::Error)]
-pub enum ResumeError {
-    /// The folder holds no run.
-    #[error("{} holds no run: it has no {SCENE} and no checkpoint\n  allowed: the output folder of a run, such as runs/gas-1", .0.display())]
-    NoRun(PathBuf),
-    /// There is nothing to go on from.
-    #[error("{} holds no checkpoint: the run ended before its first one, so there is nothing to go on from\n  {}", folder.display(), again(folder))]
-    NoCheckpoint {
-        /// The folder.
-        folder: PathBuf,
-    },
-    /// The newest checkpoint is refused.
-    #[error("{source}{}", older_command(folder, source))]
-    Refused {
-        /// The folder.
-        folder: PathBuf,
-        /// Why.
-        source: CheckpointError,
-    },
-    /// There is no second checkpoint.
-    #[error("{} holds one checkpoint only: there is no older one to go on from", .0.display())]
-    NoOlder(PathBuf),
-    /// Another version of the program wrote it.
-    #[error("{}: it was written by version {found} of this program; this is version {}, whose steps may have other bits\n  go on with version {found}, or start a new run from the state in it", checkpoint.display(), env!("CARGO_PKG_VERSION"))]
-    OtherProgram {
-        /// The checkpoint.
-        checkpoint: PathBuf,
-        /// The version that wrote it.
-        found: String,
-    },
-    /// The folder's scene is another one.
-    #[error("{}: it belongs to another scene than {}: {difference}\n  put the scene file back as the run wrote it, or start a new run from the changed scene", checkpoint.display(), scene.display())]
-    OtherScene {
-        /// The checkpoint.
-        checkpoint: PathBuf,
-        /// The scene file.
-        scene: PathBuf,
-        /// Where they differ.
-        difference: String,
-    },
-    /// Another instruction set would be used.
-    #[error("{}: it was made with the instruction set {recorded}; {here}, which gives other bits\n  {advice}", checkpoint.display())]
-    OtherIsa {
-        /// The checkpoint.
-        checkpoint: PathBuf,
-        /// The set that was used.
-        recorded: String,
-        /// What is so on this machine.
-        here: String,
-        /// What to do.
-        advice: String,
-    },
-    /// It is whole and does not fit this program: a bug, or a file made by hand.
-    #[error("{}: it does not fit its own scene: {reason}", checkpoint.display())]
-    DoesNotFit {
-        /// The checkpoint.
-        checkpoint: PathBuf,
-        /// What does not fit.
-        reason: String,
-    },
-}
-
 /// What to do with the folder of a run that did not finish: to go on where it has a checkpoint, else to start again.
 #[must_use]
 pub fn way_on(folder: &Path) -> String {
@@ -106,25 +45,6 @@ pub fn way_on(folder: &Path) -> String {
         format!("to go on: lennard resume {}", folder.display())
     } else {
         format!("it has no checkpoint to go on from; {}", again(folder))
-    }
-}
-
-/// The command that starts the run of a folder again, elsewhere: no command replaces the scene that it reads.
-fn again(folder: &Path) -> String {
-    format!(
-        "to start again: lennard run {}/{SCENE} --out FOLDER, with another folder",
-        folder.display()
-    )
-}
-
-fn older_command(folder: &Path, error: &CheckpointError) -> String {
-    if error.older.is_some() {
-        format!(
-            "\n  to go on from that one: lennard resume {} --older",
-            folder.display()
-        )
-    } else {
-        format!("\n  no older one is whole; {}", again(folder))
     }
 }
 

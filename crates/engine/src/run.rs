@@ -3,20 +3,18 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use lennard_core::{DVec3, Findings, State, Table, Want};
+use lennard_core::{DVec3, Findings, State, Table};
 use lennard_io::{OutputFolder, RunRecord};
-use lennard_scene::Scene;
 
 use crate::checkpointing::{Checkpointer, Past};
+use crate::failure::PhysicsFailure;
 use crate::files::RunFiles;
+use crate::follower::{Follower, Verdict};
 use crate::resume::Resumed;
-use crate::simulation::{Follower, Simulation, Verdict};
-use crate::watchdog::PhysicsFailure;
+use crate::schedule::{Action, Schedule};
+use crate::simulation::Simulation;
 use crate::{EngineError, record};
 
-/// Steps between two states set aside for the case that physics fails: a copy of so few bytes per particle each
-/// hundred steps is far below 1 % of them.
-pub const SET_ASIDE_EVERY: u64 = 100;
 /// Bytes that a state set aside takes for each particle: position and velocity.
 pub(crate) const SET_ASIDE_BYTES: usize = 2 * size_of::<DVec3>();
 
@@ -115,6 +113,7 @@ fn drive(
         past.remarks.clone(),
     ))?;
     let mut recorder = Recorder {
+        schedule: Schedule::of_output(&simulation.scene),
         total: simulation.scene.total_steps(),
         checkpoints: Checkpointer::new(options.folder.path(), &simulation.scene.checkpoint),
         before: aside(&simulation.state),
@@ -150,6 +149,7 @@ struct Recorder<'a> {
     past: Past,
     started: Instant,
     options: RunOptions<'a>,
+    schedule: Schedule,
     total: u64,
     /// A state with which nothing was wrong.
     before: State,
@@ -168,7 +168,8 @@ impl Recorder<'_> {
 
     fn write(&mut self, simulation: &Simulation) -> Result<(), EngineError> {
         let measured = simulation.current_stage().measure;
-        let (row, frame) = simulation.scene.output.due(simulation.state.step, measured);
+        let due = |action| self.schedule.does(action, simulation.state.step, measured);
+        let (row, frame) = (due(Action::Row), due(Action::Frame));
         let marks = self.files.marks();
         let mut written = Ok(());
         if row {
@@ -221,7 +222,7 @@ impl Recorder<'_> {
         }
         if self
             .files
-            .write_earlier_state("before-failure.xyz", &simulation.cell, &self.before)
+            .write_earlier_state("before-failure.xyz", &self.before)
             .is_ok()
         {
             let path = folder.join("before-failure.xyz");
@@ -287,26 +288,20 @@ impl Recorder<'_> {
 }
 
 impl Follower for Recorder<'_> {
-    fn want(&self, scene: &Scene, step: u64, measured: bool) -> Want {
-        let (row, frame) = scene.output.due(step, measured);
-        // The last state is written with its energy, whoever looks at it.
-        if row || frame || step == self.total {
-            Want::ENERGY_AND_VIRIAL
-        } else {
-            Want::NOTHING
-        }
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
 
-    fn looks_at(&self, scene: &Scene, step: u64, measured: bool) -> bool {
-        let (row, frame) = scene.output.due(step, measured);
-        row || frame || step.is_multiple_of(SET_ASIDE_EVERY) || self.checkpoints.is_due(step)
+    fn is_waiting(&self) -> bool {
+        self.checkpoints.time_is_up()
     }
 
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
         let clock = Instant::now();
         self.write(simulation)?;
         let step = simulation.state.step;
-        if step.is_multiple_of(SET_ASIDE_EVERY) {
+        let measured = simulation.current_stage().measure;
+        if self.schedule.does(Action::SetAside, step, measured) {
             set_aside(&simulation.state, &mut self.before);
         }
         simulation.timers.write += clock.elapsed();
@@ -320,7 +315,7 @@ impl Follower for Recorder<'_> {
             self.ending = ending;
             return Ok(Verdict::Stop);
         }
-        if self.checkpoints.is_due(step) {
+        if self.schedule.does(Action::Checkpoint, step, measured) || self.checkpoints.time_is_up() {
             self.checkpoint(simulation)?;
         }
         Ok(Verdict::Continue)
@@ -332,6 +327,7 @@ pub(crate) fn aside(state: &State) -> State {
     State {
         step: state.step,
         time: state.time,
+        cell: state.cell,
         positions: state.positions.clone(),
         velocities: state.velocities.clone(),
         forces: Vec::new(),
@@ -343,6 +339,7 @@ pub(crate) fn aside(state: &State) -> State {
 pub(crate) fn set_aside(state: &State, to: &mut State) {
     to.step = state.step;
     to.time = state.time;
+    to.cell = state.cell;
     to.positions.clone_from(&state.positions);
     to.velocities.clone_from(&state.velocities);
 }

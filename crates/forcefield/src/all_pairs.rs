@@ -4,8 +4,8 @@ use glam::DVec3;
 use lennard_core::PeriodicBox;
 
 use crate::error::ForceFieldError;
-use crate::form::Model;
 use crate::options::{ForceFieldOptions, Precision, SplitOptions};
+use crate::pair::Model;
 
 /// Rounding of sums and of pair formulas in double precision, as a share of Σ|F_ij|.
 const DOUBLE: f64 = 1e-12;
@@ -42,46 +42,49 @@ pub struct CheckedForce {
 #[derive(Debug, Clone)]
 pub struct AllPairs {
     model: Model,
-    cell: PeriodicBox,
     precision: Precision,
     split: Option<SplitOptions>,
 }
 
 impl AllPairs {
-    /// For the forces that the options describe, in this box.
+    /// For the forces that the options describe.
     ///
     /// # Errors
     /// [`ForceFieldError`] where potential and truncation do not go together or are out of range.
-    pub fn new(o: &ForceFieldOptions, cell: PeriodicBox) -> Result<Self, ForceFieldError> {
+    pub fn new(o: &ForceFieldOptions) -> Result<Self, ForceFieldError> {
         Ok(Self {
             model: Model::new(&o.potential, &o.truncation)?,
-            cell,
             precision: o.kernel.precision,
             split: o.split,
         })
     }
 
-    /// The force on `particle` at unwrapped `positions`, σ; O(N).
+    /// The force on `particle` at unwrapped `positions`, σ, in a box; O(N).
     ///
     /// # Panics
     /// Where there is no such particle: that is a bug of the caller.
     #[must_use]
-    pub fn force_on(&self, particle: usize, positions: &[DVec3]) -> CheckedForce {
+    pub fn force_on(
+        &self,
+        particle: usize,
+        cell: &PeriodicBox,
+        positions: &[DVec3],
+    ) -> CheckedForce {
         let own = positions[particle];
         let r_cut = self.model.r_cut;
-        let (relative, seen) = self.rounding();
+        let (relative, seen) = self.rounding(cell);
         let mut force = DVec3::ZERO;
         let (mut size, mut shaken) = (0.0, 0.0);
-        for (j, other) in self.within((1.0 + SOUGHT_BEYOND) * r_cut + seen, own, positions) {
+        for (j, other) in within((1.0 + SOUGHT_BEYOND) * r_cut + seen, own, cell, positions) {
             if j == particle {
                 continue;
             }
-            let r_ij = self.cell.minimum_image(own - other);
+            let r_ij = cell.minimum_image(own - other);
             let r2 = r_ij.length_squared();
             let r = r2.sqrt();
             let pair = self.model.eval(r2);
             let strength = (pair.force * r).abs();
-            let off = seen + self.places(own, other);
+            let off = seen + places(own, other, cell);
             if r2 <= r_cut * r_cut {
                 force += pair.force * r_ij;
                 size += strength;
@@ -101,41 +104,41 @@ impl AllPairs {
     }
 
     /// Rounding of pair forces, as a share of them, and of distances by what the kernel's coordinates are, σ.
-    fn rounding(&self) -> (f64, f64) {
+    fn rounding(&self, cell: &PeriodicBox) -> (f64, f64) {
         match self.precision {
             Precision::Double => (DOUBLE, 0.0),
             Precision::Mixed => {
-                let units = 4.0 * FIXED_POINT_UNIT * self.cell.lengths().max_element();
+                let units = 4.0 * FIXED_POINT_UNIT * cell.lengths().max_element();
                 let seen = f64::from(f32::EPSILON) * (FROM_AFAR + self.model.r_cut);
                 (SINGLE, 2.0 * seen + units)
             }
         }
     }
+}
 
-    /// Last places of the coordinates of a pair and of the box, σ.
-    fn places(&self, a: DVec3, b: DVec3) -> f64 {
-        let size = a.abs().max_element() + b.abs().max_element();
-        PLACES * f64::EPSILON * (size + self.cell.lengths().max_element())
-    }
+/// Last places of the coordinates of a pair and of the box, σ.
+fn places(a: DVec3, b: DVec3, cell: &PeriodicBox) -> f64 {
+    let size = a.abs().max_element() + b.abs().max_element();
+    PLACES * f64::EPSILON * (size + cell.lengths().max_element())
+}
 
-    /// The particles within `reach` σ of `own`, and perhaps some a few last places beyond.
-    fn within<'a>(
-        &self,
-        reach: f64,
-        own: DVec3,
-        positions: &'a [DVec3],
-    ) -> impl Iterator<Item = (usize, DVec3)> + use<'a> {
-        let lengths = self.cell.lengths();
-        let per_side = lengths.recip();
-        positions
-            .iter()
-            .enumerate()
-            .filter(move |(_, other)| {
-                let d = own - **other;
-                (d - lengths * nearest_integer(d * per_side)).length_squared() <= reach * reach
-            })
-            .map(|(j, other)| (j, *other))
-    }
+/// The particles within `reach` σ of `own`, and perhaps some a few last places beyond.
+fn within(
+    reach: f64,
+    own: DVec3,
+    cell: &PeriodicBox,
+    positions: &[DVec3],
+) -> impl Iterator<Item = (usize, DVec3)> {
+    let lengths = cell.lengths();
+    let per_side = lengths.recip();
+    positions
+        .iter()
+        .enumerate()
+        .filter(move |(_, other)| {
+            let d = own - **other;
+            (d - lengths * nearest_integer(d * per_side)).length_squared() <= reach * reach
+        })
+        .map(|(j, other)| (j, *other))
 }
 
 /// The nearest integers of numbers below 2⁵¹, by an addition that leaves no place for a fraction: no call for each.

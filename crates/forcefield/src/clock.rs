@@ -1,18 +1,18 @@
-//! Where the time of forces goes.
+//! The time that forces take, for the run record.
 
 use std::time::Instant;
 
-/// Seconds spent, for the run record.
+/// Seconds spent so far.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Clock {
-    /// In pair loops.
+    /// Seconds in pair loops.
     pub force: f64,
-    /// In building lists.
+    /// Seconds in list builds.
     pub neighbor: f64,
 }
 
 impl Clock {
-    /// Counts some work as building of lists.
+    /// Does some work and counts its time as a list build.
     pub fn building<R>(&mut self, work: impl FnOnce() -> R) -> R {
         let start = Instant::now();
         let done = work();
@@ -20,8 +20,8 @@ impl Clock {
         done
     }
 
-    /// Counts some work as pair loops, but for what it counts as building by itself.
-    pub fn using<R>(&mut self, work: impl FnOnce(&mut Self) -> R) -> R {
+    /// Does some work and counts its time as pair loops, except for the builds that the work counts itself.
+    pub fn computing<R>(&mut self, work: impl FnOnce(&mut Self) -> R) -> R {
         let (start, before) = (Instant::now(), self.neighbor);
         let done = work(self);
         self.force += start.elapsed().as_secs_f64() - (self.neighbor - before);

@@ -1,5 +1,12 @@
 //! Why a force field cannot be built, with the scene key that each reason is about.
 
+use lennard_core::options::OptionError;
+
+use crate::pair::OwnEnd;
+
+/// The largest number of particles: rows, ghosts included, are numbered in 32 bits.
+pub const LARGEST_N: usize = 500_000_000;
+
 /// Why a force field cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ForceFieldError {
@@ -14,12 +21,19 @@ pub enum ForceFieldError {
         /// The largest legal one, σ.
         largest: f64,
     },
-    /// A cutoff inside the minimum of the Weeks–Chandler–Andersen potential.
-    #[error("the WCA potential ends at 2^(1/6) σ: a cutoff of {0} would cut into it")]
-    CutoffInsideWca(f64),
-    /// A WCA potential with a switch.
-    #[error("the WCA potential ends smoothly by itself and takes no switch")]
-    SwitchedWca,
+    /// A cutoff inside the end of a potential that ends by itself.
+    #[error("the {title} potential ends at {} σ: a cutoff of {r_cut} would cut into it", end.in_words)]
+    CutoffInsideEnd {
+        /// The potential's name in sentences.
+        title: &'static str,
+        /// The cutoff found, σ.
+        r_cut: f64,
+        /// Where the potential ends.
+        end: OwnEnd,
+    },
+    /// A switch for a potential that ends by itself.
+    #[error("the {0} potential ends smoothly by itself and takes no switch")]
+    SwitchAtOwnEnd(&'static str),
     /// A switch that does not begin between 0 and the cutoff.
     #[error("the switch must begin between 0 and r_cut = {r_cut}, found {found}")]
     BadSwitch {
@@ -34,9 +48,9 @@ pub enum ForceFieldError {
     /// A tail correction with anything but the plain cutoff.
     #[error("a tail correction belongs to the plain cutoff alone, not to `{0}`")]
     TailWithoutCut(&'static str),
-    /// An exponent outside the range that the kernels and the tail integrals allow.
-    #[error("the soft-sphere exponent {0} is out of range")]
-    BadExponent(u32),
+    /// An option of the potential that is out of range or does not go with the others.
+    #[error("the potential's {0}")]
+    BadPotential(OptionError),
     /// A skin that is negative or not a finite number.
     #[error("the skin must be a finite number, zero or more, found {0}")]
     BadSkin(f64),
@@ -74,17 +88,17 @@ pub enum ForceFieldError {
 }
 
 impl ForceFieldError {
-    /// The scene key that this is about.
+    /// The scene key that the reason is about.
     #[must_use]
-    pub fn key(&self) -> &'static str {
-        match self {
-            Self::BadCutoff(_) | Self::CutoffOverHalfBox { .. } | Self::CutoffInsideWca(_) => {
+    pub fn key(&self) -> String {
+        let key = match self {
+            Self::BadCutoff(_) | Self::CutoffOverHalfBox { .. } | Self::CutoffInsideEnd { .. } => {
                 "truncation.r_cut"
             }
-            Self::SwitchedWca => "truncation.kind",
+            Self::SwitchAtOwnEnd(_) => "truncation.kind",
             Self::BadSwitch { .. } | Self::SwitchWithoutSwitch(_) => "truncation.switch_from",
             Self::TailWithoutCut(_) => "truncation.tail_correction",
-            Self::BadExponent(_) => "potential.exponent",
+            Self::BadPotential(option) => return format!("potential.{}", option.key),
             Self::BadSkin(_) | Self::SkinTooLarge { .. } | Self::SkinWithoutList(_) => {
                 "neighbor.skin"
             }
@@ -92,7 +106,8 @@ impl ForceFieldError {
             Self::BadSplit { .. } => "integrator.r_split",
             Self::BadSplitWidth(_) => "integrator.split_width",
             Self::NoParticles | Self::TooManyParticles(_) => "system.n_atoms",
-        }
+        };
+        key.to_owned()
     }
 
     /// The value found.
@@ -100,16 +115,17 @@ impl ForceFieldError {
     pub fn found(&self) -> String {
         match self {
             Self::BadCutoff(x)
-            | Self::CutoffInsideWca(x)
             | Self::SwitchWithoutSwitch(x)
             | Self::BadSkin(x)
             | Self::SkinWithoutList(x)
             | Self::BadSplitWidth(x) => x.to_string(),
-            Self::CutoffOverHalfBox { r_cut, .. } => r_cut.to_string(),
-            Self::SwitchedWca => "switch".into(),
+            Self::CutoffOverHalfBox { r_cut, .. } | Self::CutoffInsideEnd { r_cut, .. } => {
+                r_cut.to_string()
+            }
+            Self::SwitchAtOwnEnd(_) => "switch".into(),
             Self::BadSwitch { found, .. } | Self::BadSplit { found, .. } => found.to_string(),
             Self::TailWithoutCut(kind) => format!("true with kind = \"{kind}\""),
-            Self::BadExponent(n) => n.to_string(),
+            Self::BadPotential(option) => option.found.clone(),
             Self::SkinTooLarge { skin, .. } => skin.to_string(),
             Self::IsaNotAvailable(isa) => (*isa).into(),
             Self::NoParticles => "0".into(),
@@ -125,16 +141,15 @@ impl ForceFieldError {
             Self::CutoffOverHalfBox { largest, .. } => {
                 format!("at most {largest}, half the shortest side of the box")
             }
-            Self::CutoffInsideWca(_) => "at least 2^(1/6) = 1.1225, or nothing at all".into(),
-            Self::SwitchedWca => "cut or shift".into(),
+            Self::CutoffInsideEnd { end, .. } => format!(
+                "at least {} = {:.4}, or nothing at all",
+                end.in_words, end.r
+            ),
+            Self::SwitchAtOwnEnd(_) => "cut or shift".into(),
             Self::BadSwitch { r_cut, .. } => format!("above 0 and below r_cut = {r_cut}"),
             Self::SwitchWithoutSwitch(_) => "only with kind = \"switch\"".into(),
             Self::TailWithoutCut(_) => "false, or kind = \"cut\"".into(),
-            Self::BadExponent(_) => format!(
-                "from {} to {}",
-                crate::potential::SMALLEST_EXPONENT,
-                crate::potential::LARGEST_EXPONENT
-            ),
+            Self::BadPotential(option) => option.allowed.clone(),
             Self::BadSkin(_) => "a finite number, 0 or more".into(),
             Self::SkinTooLarge { largest, .. } => {
                 format!("at most {largest}, so that r_cut + skin fits half the box")
@@ -144,7 +159,7 @@ impl ForceFieldError {
             Self::BadSplit { r_cut, .. } => format!("above 0 and below r_cut = {r_cut}"),
             Self::BadSplitWidth(_) => "above 0 and at most r_split".into(),
             Self::NoParticles => "at least 1".into(),
-            Self::TooManyParticles(_) => format!("at most {}", crate::plan::LARGEST_N),
+            Self::TooManyParticles(_) => format!("at most {}", LARGEST_N),
         }
     }
 }

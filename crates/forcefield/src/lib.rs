@@ -4,40 +4,37 @@
 //! reference loop stays for ever, and every other one is compared with it.
 
 mod all_pairs;
-mod catalog;
+mod canonical;
 mod clock;
-mod copies;
 mod error;
-mod form;
+mod fused;
 mod listed;
 pub mod measure;
+mod non_finite;
 mod options;
+mod pair;
 mod plan;
-mod potential;
 mod provider;
-mod pure;
 mod real;
 mod reference;
 mod simd;
 mod sums;
-mod tail;
-mod terms;
-mod truncation;
-mod underway;
+mod validity;
 
 pub use all_pairs::{AllPairs, CheckedForce};
-pub use catalog::{PotentialSpec, TruncationSpec, potentials, truncations};
-pub use error::ForceFieldError;
-pub use form::{Model, model_name};
+pub use error::{ForceFieldError, LARGEST_N};
 pub use options::{
-    ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions, PotentialOptions,
-    Precision, SplitOptions, TruncationKind, TruncationOptions,
+    ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions, Precision,
+    SplitOptions, TruncationOptions,
 };
-pub use plan::{Conditions, ForcePlan, LARGEST_N, Search, recommended_threads};
-pub use potential::Pair;
+pub use pair::{
+    Form, LennardJones, Model, OwnEnd, Pair, Plain, PotentialOptions, PotentialSpec, SoftSphere,
+    Tail, TruncationKind, TruncationSpec, Wca, model_name, potentials, tail_correction,
+    truncations,
+};
+pub use plan::{Conditions, ForcePlan, Search, recommended_threads};
 pub use provider::{PairForces, build};
 pub use real::Real;
-pub use tail::{Tail, tail_correction};
 
 /// Whether a force field can be built for these conditions; nothing is built.
 ///
@@ -50,13 +47,8 @@ pub fn check(o: &ForceFieldOptions, c: &Conditions) -> Result<(), ForceFieldErro
 /// Names of the instruction sets that this processor has, widest first; each can be forced with `kernel.isa`.
 #[must_use]
 pub fn available_isas() -> Vec<&'static str> {
-    [
-        simd::Level::Avx512,
-        simd::Level::Avx2,
-        simd::Level::Portable,
-    ]
-    .into_iter()
-    .filter(|level| level.is_available())
-    .map(simd::Level::name)
-    .collect()
+    simd::Level::available()
+        .into_iter()
+        .map(simd::Level::name)
+        .collect()
 }

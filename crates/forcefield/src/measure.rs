@@ -1,4 +1,4 @@
-//! What a benchmark asks of the force field: parts of a step on their own, and what the processor could do.
+//! Measurements of the force field for benchmarks: parts of a step on their own, and the speed limit of the processor.
 //!
 //! Nothing here decides anything about a run.
 
@@ -6,19 +6,19 @@ use std::hint::black_box;
 
 use glam::DVec3;
 use lennard_core::stopwatch::timed;
-use lennard_core::{Configuration, ForceError, ForceProvider, Part, Want};
+use lennard_core::{Configuration, ForceError, ForceTerm, Part, Want};
 
-use crate::form::Model;
 use crate::options::{Isa, Precision, TruncationOptions};
-use crate::potential::LennardJones;
+use crate::pair::LennardJones;
+use crate::pair::Model;
+use crate::pair::Plain;
 use crate::provider::PairForces;
 use crate::simd::{Level, limit};
-use crate::truncation::Plain;
 
 /// Best times of the parts of a step, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PartTimes {
-    /// One evaluation of the forces alone with a list that is valid: packing, check and pair loop.
+    /// One evaluation of forces with a valid list: packing, check and pair loop.
     pub forces: f64,
     /// The same with energy, virial and Laplacian.
     pub totals: f64,
@@ -26,10 +26,10 @@ pub struct PartTimes {
     pub build: f64,
 }
 
-/// How many pairs the loop computes.
+/// The number of pairs that a loop computes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Work {
-    /// Lanes computed in one evaluation, padding included; a full list meets each pair twice.
+    /// Lanes computed in one evaluation, padding included; a full list contains each pair twice.
     pub lanes: u64,
     /// Pairs with r ≤ r_cut, each counted once.
     pub pairs: u64,
@@ -41,16 +41,11 @@ pub struct Work {
 /// [`ForceError`] where a position or a force is not finite.
 pub fn part_times(
     forces: &mut PairForces,
-    positions: &[DVec3],
+    at: Configuration<'_>,
     rounds: usize,
 ) -> Result<PartTimes, ForceError> {
-    let at = Configuration {
-        positions,
-        velocities: None,
-        time: 0.0,
-    };
-    let mut out = vec![DVec3::ZERO; positions.len()];
-    forces.rebuild(positions)?;
+    let mut out = vec![DVec3::ZERO; at.positions.len()];
+    forces.rebuild(at)?;
     let mut best = PartTimes {
         forces: f64::INFINITY,
         totals: f64::INFINITY,
@@ -64,7 +59,7 @@ pub fn part_times(
         };
         best.forces = best.forces.min(evaluation(Want::NOTHING)?);
         best.totals = best.totals.min(evaluation(Want::TOTALS)?);
-        let (seconds, built) = timed(|| forces.rebuild(positions));
+        let (seconds, built) = timed(|| forces.rebuild(at));
         best.build = best.build.min(if built? { seconds } else { 0.0 });
     }
     Ok(best)
@@ -74,13 +69,8 @@ pub fn part_times(
 ///
 /// # Errors
 /// [`ForceError`] where a position or a force is not finite.
-pub fn work(forces: &mut PairForces, positions: &[DVec3]) -> Result<Work, ForceError> {
-    let at = Configuration {
-        positions,
-        velocities: None,
-        time: 0.0,
-    };
-    let mut out = vec![DVec3::ZERO; positions.len()];
+pub fn work(forces: &mut PairForces, at: Configuration<'_>) -> Result<Work, ForceError> {
+    let mut out = vec![DVec3::ZERO; at.positions.len()];
     let totals = forces.evaluate(at, Part::All, Want::ENERGY, &mut out)?;
     Ok(Work {
         lanes: forces.lanes(),
@@ -88,9 +78,10 @@ pub fn work(forces: &mut PairForces, positions: &[DVec3]) -> Result<Work, ForceE
     })
 }
 
-/// The pairs per second that one thread computes with everything in registers: the Lennard-Jones force with
-/// the instructions of the pair loop, no list and no memory. The best of a few short runs; `None` where
-/// this processor lacks the instruction set.
+/// The pairs per second that one thread computes with everything in registers, without a list and without memory.
+///
+/// The force is Lennard-Jones, with the instructions of the pair loop. The result is the best of a few short runs.
+/// `None` where this processor lacks the instruction set.
 #[must_use]
 pub fn arithmetic_limit(isa: Isa, precision: Precision) -> Option<f64> {
     /// Rounds of one run, a few milliseconds.
@@ -100,7 +91,7 @@ pub fn arithmetic_limit(isa: Isa, precision: Precision) -> Option<f64> {
     let level = Level::choose(isa)?;
     let r_cut = TruncationOptions::default().r_cut;
     let form = Plain {
-        potential: LennardJones,
+        potential: LennardJones {},
         shift: 0.0,
     };
     let best = (0..RUNS)
@@ -113,8 +104,9 @@ pub fn arithmetic_limit(isa: Isa, precision: Precision) -> Option<f64> {
     Some(best)
 }
 
-/// The mean number of pairs per particle that lie within the cutoff of a model in a structureless fluid of
-/// this density (σ⁻³), each counted once: (2π/3)·ρ·r_cut³.
+/// The mean number of pairs per particle within the cutoff of a model, each counted once: (2π/3)·ρ·r_cut³.
+///
+/// The fluid of this density (σ⁻³) has no structure.
 #[must_use]
 pub fn expected_pairs(model: &Model, density: f64) -> f64 {
     2.0 / 3.0 * std::f64::consts::PI * density * model.r_cut.powi(3)

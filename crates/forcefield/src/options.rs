@@ -2,48 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The pair potential U(r), before any truncation, in reduced units.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum PotentialOptions {
-    /// Lennard-Jones 12-6, U = 4·(r⁻¹² − r⁻⁶).
-    LennardJones {},
-    /// Weeks–Chandler–Andersen: Lennard-Jones + 1 up to its minimum at 2^{1/6} σ, zero beyond. Its
-    /// own cutoff replaces `truncation.r_cut`.
-    Wca {},
-    /// Soft sphere, U = r⁻ⁿ.
-    SoftSphere {
-        /// The exponent n; at least 4, so that the tail integrals exist.
-        #[serde(default = "default_exponent")]
-        exponent: u32,
-    },
-}
-
-fn default_exponent() -> u32 {
-    12
-}
-
-impl Default for PotentialOptions {
-    fn default() -> Self {
-        Self::LennardJones {}
-    }
-}
-
-/// How the potential ends at r_cut.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum TruncationKind {
-    /// Plain cutoff: U as it is up to r_cut, zero beyond; the energy jumps there.
-    #[default]
-    Cut,
-    /// U − U(r_cut): the same forces as the plain cutoff, and a continuous energy.
-    Shift,
-    /// U − U(r_cut) − U′(r_cut)·(r − r_cut): energy and force are continuous.
-    ForceShift,
-    /// U·S with a quintic S in r², from 1 at `switch_from` to 0 at r_cut: energy, force and
-    /// curvature are continuous.
-    Switch,
-}
+use crate::pair::{PotentialOptions, TruncationKind};
 
 /// The scene table `[truncation]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -87,9 +46,7 @@ impl From<TruncationTable> for TruncationOptions {
             kind: table.kind,
             r_cut: table.r_cut,
             switch_from: table.switch_from,
-            tail_correction: table
-                .tail_correction
-                .unwrap_or(table.kind == TruncationKind::Cut),
+            tail_correction: table.tail_correction.unwrap_or(table.kind.spec().jumps),
         }
     }
 }
@@ -113,7 +70,7 @@ impl TruncationOptions {
             kind,
             r_cut,
             switch_from: None,
-            tail_correction: kind == TruncationKind::Cut,
+            tail_correction: kind.spec().jumps,
         }
     }
 }

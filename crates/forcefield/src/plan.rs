@@ -1,38 +1,42 @@
-//! Which loop runs, with which list: decided from the scene, never from a clock.
+//! The choice of loop and list: from the scene, never from a clock.
 
 use lennard_core::PeriodicBox;
 use lennard_neighbor::skin::{SkinInputs, cheapest_skin};
 use serde::Serialize;
 
-use crate::error::ForceFieldError;
-use crate::form::Model;
+use crate::error::{ForceFieldError, LARGEST_N};
 use crate::listed::Loop;
 use crate::options::{ForceFieldOptions, Kernel, ListMode, Precision};
+use crate::pair::Model;
 use crate::simd::Level;
 
-/// The largest number of particles: rows, ghosts included, are numbered in 32 bits.
-pub const LARGEST_N: usize = 500_000_000;
-/// Up to this many particles all pairs cost no more than a list: at 32 a step takes 5.0 µs by all pairs and
-/// 2.2 µs by a list, at 108 it is 94 and 7 µs (supercritical fluid, one thread; benches/NOTES.md).
+/// Up to this many particles, all pairs cost no more than a list.
+///
+/// At 32 particles a step takes 5.0 µs by all pairs and 2.2 µs by a list; at 108 it takes 94 and 7 µs (supercritical
+/// fluid, one thread; benches/NOTES.md).
 const DIRECT_UP_TO: usize = 16;
-/// A list with a skin below this, σ, is rebuilt at almost every step.
+/// A list with a thinner skin than this, σ, is built again at almost every step.
 const USELESS_SKIN: f64 = 0.05;
-/// Up to this many particles all pairs are still better than a list with a useless skin.
+/// Up to this many particles, all pairs are better than a list with a useless skin.
 const DIRECT_OVER_USELESS_SKIN: usize = 32;
-/// Share of the box side by which r_cut must stay below half of it for ghosts to be unambiguous: at
-/// exactly half, two images of one particle are equally near.
-const TIE_MARGIN: f64 = 1e-9;
-/// Cost of building lists over that of the force loop in double precision. It is some 3 where nothing else wants the caches, and
-/// steps cost the same with any value from there to this one, which keeps lists below a fifth of a step (`benches/NOTES.md`).
+/// The share of half the box side by which r_cut must stay below it, for loops that need one nearest image.
+///
+/// At exactly half the side, two images of one particle are equally near.
+pub const TIE_MARGIN: f64 = 1e-9;
+/// Cost of a list build over cost of a force loop in double precision.
+///
+/// It is about 3 where nothing else uses the caches. Steps cost the same with any value from there to this one, which
+/// keeps builds below a fifth of a step (`benches/NOTES.md`).
 const BUILD_OVER_FORCE: f64 = 5.0;
-/// The same for the lists of mixed precision that four share. They name what lies beyond the list radius of three of the four all
-/// the same, so that a loop over them grows less with the skin than the model says: steps take no longer at skins a fourth thicker
-/// than it says, and 2 to 8 % less where particles are very many.
-const BUILD_OVER_SHARED_FORCE: f64 = 6.5;
-/// Fewer particles than this for each thread cost more in waiting than they save.
+/// The same ratio for cluster lists in mixed precision.
+///
+/// A neighbor of one member is listed for all four, near or not. A loop over these lists therefore grows less with the
+/// skin than the model says. Steps take no longer with skins a quarter thicker, and 2 to 8 % less in large systems.
+const BUILD_OVER_CLUSTER_FORCE: f64 = 6.5;
+/// Fewer particles per thread than this cost more in waiting than they save.
 const ATOMS_PER_THREAD: usize = 400;
 
-/// What the forces are for: box, particles, and the motion that the list must last through.
+/// The conditions that forces are planned for: box, particles, and the motion that the list must last through.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conditions {
     /// The periodic box.
@@ -45,7 +49,7 @@ pub struct Conditions {
     pub dt: f64,
 }
 
-/// How pairs are found.
+/// The search for pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Search {
@@ -57,14 +61,14 @@ pub enum Search {
     Verlet,
 }
 
-/// What was decided, for `plan` and for the run record.
+/// The decisions, for `plan` and for the run record.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ForcePlan {
     /// The model in words.
     pub model: String,
-    /// How pairs are found.
+    /// The search for pairs.
     pub search: Search,
-    /// Why, in words.
+    /// The reason in words.
     pub reason: String,
     /// The cutoff in force, σ.
     pub r_cut: f64,
@@ -72,7 +76,7 @@ pub struct ForcePlan {
     pub skin: f64,
     /// The list radius r_cut + skin, σ; the cutoff where there is no list.
     pub r_list: f64,
-    /// The loop: `reference`, `direct`, `rows`, `shared` or `canonical`.
+    /// The loop: `reference`, `direct`, `rows`, `cluster` or `canonical`.
     pub kernel: &'static str,
     /// The instruction set of the loop: `avx512`, `avx2` or `portable`.
     pub isa: &'static str,
@@ -90,12 +94,12 @@ pub fn recommended_threads(n_atoms: usize, available: usize) -> usize {
     (n_atoms / ATOMS_PER_THREAD).clamp(1, available.max(1))
 }
 
-/// The decision as the provider needs it.
+/// The decisions as [`crate::provider`] needs them.
 #[derive(Debug, Clone)]
 pub(crate) struct Decision {
     pub model: Model,
     pub level: Level,
-    /// The loop that a list feeds, where there is one.
+    /// The loop that a list serves, where there is one.
     pub listed: Loop,
     pub plan: ForcePlan,
 }
@@ -125,11 +129,11 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
     let listed = match o.kernel.precision {
         _ if o.canonical || tie => Loop::Canonical,
         Precision::Double => Loop::Rows,
-        Precision::Mixed => Loop::Shared,
+        Precision::Mixed => Loop::Cluster,
     };
     let (search, skin, reason) = search(o, c, r_cut, listed)?;
-    let pure = search != Search::Verlet || listed == Loop::Canonical;
-    let precision = if pure {
+    let canonical = search != Search::Verlet || listed == Loop::Canonical;
+    let precision = if canonical {
         Precision::Double
     } else {
         o.kernel.precision
@@ -139,15 +143,15 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
         (Search::Direct, _) => "direct",
         (Search::Verlet, Loop::Canonical) => "canonical",
         (Search::Verlet, Loop::Rows) => "rows",
-        (Search::Verlet, Loop::Shared) => "shared",
+        (Search::Verlet, Loop::Cluster) => "cluster",
     };
-    let isa = if pure { Level::Portable } else { level };
+    let isa = if canonical { Level::Portable } else { level };
     let mut reason = reason;
-    if pure && o.kernel.precision == Precision::Mixed {
+    if canonical && o.kernel.precision == Precision::Mixed {
         reason.push_str("; this loop is always in double precision");
     }
     let plan = ForcePlan {
-        model: crate::form::model_name(o),
+        model: crate::pair::model_name(o),
         search,
         reason,
         r_cut,
@@ -180,7 +184,7 @@ fn check_split(o: &ForceFieldOptions, r_cut: f64) -> Result<(), ForceFieldError>
     Ok(())
 }
 
-/// Chooses how pairs are found, with the skin of a list that feeds this loop, and the reason.
+/// Chooses the search for pairs, the skin of a list for this loop, and gives the reason.
 fn search(
     o: &ForceFieldOptions,
     c: &Conditions,
@@ -217,7 +221,7 @@ fn search(
         dt: c.dt,
         r_cut,
         build_over_force: match listed {
-            Loop::Shared => BUILD_OVER_SHARED_FORCE,
+            Loop::Cluster => BUILD_OVER_CLUSTER_FORCE,
             Loop::Rows | Loop::Canonical => BUILD_OVER_FORCE,
         },
     });
@@ -288,11 +292,11 @@ mod tests {
     }
 
     #[test]
-    fn shared_lists_have_a_thicker_skin_and_every_other_list_the_same() {
+    fn cluster_lists_have_a_thicker_skin_and_every_other_list_the_same() {
         let rows = decided(Precision::Double, |_| ());
-        let shared = decided(Precision::Mixed, |_| ());
-        assert_eq!((rows.kernel, shared.kernel), ("rows", "shared"));
-        let ratio = shared.skin / rows.skin;
+        let cluster = decided(Precision::Mixed, |_| ());
+        assert_eq!((rows.kernel, cluster.kernel), ("rows", "cluster"));
+        let ratio = cluster.skin / rows.skin;
         assert!((1.1..1.2).contains(&ratio), "{ratio}");
         for precision in [Precision::Double, Precision::Mixed] {
             let canonical = decided(precision, |options| options.canonical = true);

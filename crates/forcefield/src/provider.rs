@@ -1,26 +1,25 @@
-//! The force provider: one dynamic call per evaluation, everything behind it chosen beforehand.
-
-use std::time::Instant;
+//! Pair forces: the force term, and the backend that takes fused steps. All choices are made when it is built.
 
 use glam::{DMat3, DVec3};
 use lennard_core::{
-    Configuration, Energetics, ForceError, ForceProperties, ForceProvider, ForceStatistics, Masses,
-    Part, PeriodicBox, Persist, RestoreError, StateReader, StateWriter, Stride, Want,
+    Backend, Configuration, Energetics, ForceError, ForceProperties, ForceStatistics, ForceTerm,
+    FusedSteps, Masses, Part, PeriodicBox, Persist, RestoreError, StateReader, StateWriter, Want,
 };
 
+use crate::canonical::{CanonicalJob, NeighborSource, wrap};
 use crate::clock::Clock;
 use crate::error::ForceFieldError;
-use crate::form::{Model, SplitWeights, with_form};
-use crate::listed::{Listed, not_finite, not_finite_force};
+use crate::listed::{Listed, Loop};
+use crate::non_finite;
 use crate::options::{ForceFieldOptions, SplitOptions};
-use crate::plan::{Conditions, ForcePlan, Search, decide};
-use crate::pure::{self, Nearby, PureJob};
+use crate::pair::PairForm;
+use crate::pair::{Model, SplitWeights, with_form};
+use crate::plan::{Conditions, ForcePlan, Search, TIE_MARGIN, decide};
 use crate::reference;
-use crate::simd::{Pace, PerParticle, Wanted};
+use crate::simd::{Detail, KickDrift, PerParticle};
 use crate::sums::Totals;
-use crate::truncation::PairForm;
 
-/// How pairs are found, with what that needs.
+/// The search for pairs, with the arrays that it needs.
 enum Strategy {
     Reference,
     Direct { wrapped: Vec<DVec3> },
@@ -30,13 +29,14 @@ enum Strategy {
 /// Near and far parts.
 struct Split {
     options: SplitOptions,
-    /// A short list for the near part; without one it runs over what the whole force runs over.
+    /// A short list for the near part. Without it, the near part uses the pairs of the whole force.
     near: Option<Box<Listed>>,
 }
 
 /// Forces between pairs of particles.
 pub struct PairForces {
-    cell: PeriodicBox,
+    /// The largest share of half the shortest side of the box that the cutoff may have.
+    largest_share: f64,
     n_atoms: usize,
     model: Model,
     strategy: Strategy,
@@ -49,19 +49,13 @@ pub struct PairForces {
 /// Builds the forces that the options describe, for these conditions.
 ///
 /// # Errors
-/// [`ForceFieldError`] where an option is out of range, does not fit the box, or does not go with another.
+/// [`ForceFieldError`] where an option is out of range, does not fit the box, or excludes another option.
 pub fn build(o: &ForceFieldOptions, c: &Conditions) -> Result<PairForces, ForceFieldError> {
     let decision = decide(o, c)?;
     let plan = decision.plan;
     let listed = |r_cut| {
         let level = decision.level;
-        Box::new(Listed::new(
-            c.cell,
-            r_cut,
-            plan.skin,
-            level,
-            decision.listed,
-        ))
+        Box::new(Listed::new(r_cut, plan.skin, level, decision.listed))
     };
     let strategy = match plan.search {
         Search::Reference => Strategy::Reference,
@@ -74,8 +68,14 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions) -> Result<PairForces, ForceF
         options,
         near: matches!(strategy, Strategy::Verlet(_)).then(|| listed(options.r_split)),
     });
+    let needs_one_image =
+        matches!(strategy, Strategy::Verlet(_)) && decision.listed != Loop::Canonical;
     Ok(PairForces {
-        cell: c.cell,
+        largest_share: if needs_one_image {
+            1.0 - TIE_MARGIN
+        } else {
+            1.0
+        },
         n_atoms: c.n_atoms,
         model: decision.model,
         strategy,
@@ -87,21 +87,21 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions) -> Result<PairForces, ForceF
 }
 
 impl PairForces {
-    /// What was decided at the build, and why.
+    /// The decisions of the build, and the reasons.
     #[must_use]
     pub fn plan(&self) -> &ForcePlan {
         &self.plan
     }
 
-    /// Builds the list at these positions whether it is due or not; gives whether there is one.
-    pub(crate) fn rebuild(&mut self, positions: &[DVec3]) -> Result<bool, ForceError> {
+    /// Builds the list at a configuration, whether it expired or not; returns whether there is a list.
+    pub(crate) fn rebuild(&mut self, at: Configuration<'_>) -> Result<bool, ForceError> {
         match &mut self.strategy {
-            Strategy::Verlet(listed) => listed.build(positions).map(|()| true),
+            Strategy::Verlet(listed) => listed.build(at.cell, at.positions).map(|()| true),
             Strategy::Reference | Strategy::Direct { .. } => Ok(false),
         }
     }
 
-    /// Lanes computed in one evaluation.
+    /// Number of lanes computed in one evaluation.
     pub(crate) fn lanes(&self) -> u64 {
         match &self.strategy {
             Strategy::Verlet(listed) => listed.lanes(),
@@ -110,68 +110,62 @@ impl PairForces {
         }
     }
 
+    /// Checks that each pair has one image inside the cutoff at most, in the box of a configuration.
+    fn check_cutoff(&self, cell: &PeriodicBox) -> Result<(), ForceError> {
+        let (r_cut, largest) = (self.model.r_cut, cell.largest_cutoff());
+        if r_cut <= largest * self.largest_share {
+            return Ok(());
+        }
+        Err(ForceError::CutoffOverHalfBox { r_cut, largest })
+    }
+
     fn run<F: PairForm>(
         &mut self,
         form: F,
         near: bool,
-        positions: &[DVec3],
-        wanted: Wanted,
+        at: Configuration<'_>,
+        detail: Detail,
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
     ) -> Result<Totals, ForceError> {
-        let short = match &mut self.split {
-            Some(Split {
-                near: Some(list), ..
-            }) if near => Some(list),
-            _ => None,
-        };
-        if let Some(listed) = short {
-            return listed.evaluate(form, positions, wanted, forces, each, &mut self.clock);
+        let clock = &mut self.clock;
+        if let Some(Split {
+            near: Some(list), ..
+        }) = &mut self.split
+            && near
+        {
+            return list.evaluate(form, at, detail, forces, each, clock);
         }
-        // The near part ends before r_cut and is zero from there on.
+        // The near part is zero beyond r_split, so that the cutoff of the whole force serves it too.
         let model = self.model;
-        match &mut self.strategy {
-            Strategy::Verlet(listed) => {
-                listed.evaluate(form, positions, wanted, forces, each, &mut self.clock)
-            }
+        if let Strategy::Verlet(listed) = &mut self.strategy {
+            return listed.evaluate(form, at, detail, forces, each, clock);
+        }
+        if !at.positions.iter().all(|r| r.is_finite()) {
+            return Err(non_finite::position(at.positions));
+        }
+        let totals = clock.computing(|_| match &mut self.strategy {
             Strategy::Direct { wrapped } => {
-                let start = Instant::now();
-                if !positions.iter().all(|r| r.is_finite()) {
-                    return Err(not_finite(positions));
-                }
-                pure::wrap(&self.cell, positions, wrapped);
-                let job = PureJob {
+                wrap(at.cell, at.positions, wrapped);
+                let job = CanonicalJob {
                     form,
                     r_cut: model.r_cut,
-                    cell: &self.cell,
+                    cell: at.cell,
                     wrapped,
-                    nearby: Nearby::All,
+                    neighbors: NeighborSource::AllOthers,
                 };
-                let chunks = job.run(forces, each);
-                self.clock.force += start.elapsed().as_secs_f64();
-                if chunks.iter().any(|c| c.broken) {
-                    return Err(not_finite_force(forces));
-                }
-                Ok(Totals::of_chunks(&chunks))
+                Totals::of_chunks(&job.run(forces, each))
             }
-            Strategy::Reference => {
-                let start = Instant::now();
-                if !positions.iter().all(|r| r.is_finite()) {
-                    return Err(not_finite(positions));
-                }
-                let totals =
-                    reference::evaluate(&form, &model, &self.cell, positions, forces, each);
-                self.clock.force += start.elapsed().as_secs_f64();
-                if !forces.iter().all(|f| f.is_finite()) {
-                    return Err(not_finite_force(forces));
-                }
-                Ok(totals)
-            }
+            _ => reference::evaluate(&form, &model, at.cell, at.positions, forces, each),
+        });
+        if !forces.iter().all(|f| f.is_finite()) {
+            return Err(non_finite::force(forces));
         }
+        Ok(totals)
     }
 }
 
-impl ForceProvider for PairForces {
+impl ForceTerm for PairForces {
     fn evaluate(
         &mut self,
         at: Configuration<'_>,
@@ -182,8 +176,9 @@ impl ForceProvider for PairForces {
         assert_eq!(
             (at.positions.len(), forces.len()),
             (self.n_atoms, self.n_atoms),
-            "the provider was built for another number of particles"
+            "the forces were built for another number of particles"
         );
+        self.check_cutoff(at.cell)?;
         let split = match (part, &self.split) {
             (Part::All, _) => None,
             (_, Some(split)) => Some(SplitWeights::new(&split.options, part == Part::Near)),
@@ -193,44 +188,26 @@ impl ForceProvider for PairForces {
         let mut each = want
             .per_particle
             .then(|| vec![(0.0, DMat3::ZERO); self.n_atoms]);
-        let wanted = if want.per_particle {
-            Wanted::Each
+        let detail = if want.per_particle {
+            Detail::PerParticle
         } else if want.is_nothing() {
-            Wanted::Forces
+            Detail::Forces
         } else {
-            Wanted::Totals
+            Detail::Totals
         };
         let near = part == Part::Near;
-        let (positions, slot) = (at.positions, each.as_deref_mut());
+        let slots = each.as_deref_mut();
         let totals = with_form!(self.model.form, form => match split {
-            None => self.run(form, near, positions, wanted, forces, slot),
-            Some(weights) => self.run(weights.of(form), near, positions, wanted, forces, slot),
+            None => self.run(form, near, at, detail, forces, slots),
+            Some(weights) => self.run(weights.of(form), near, at, detail, forces, slots),
         })?;
-        // The far part carries the whole jump at the cutoff: the near part is zero there.
+        // The far part has the whole jump at the cutoff, since the near part is zero there.
         let jump = if near {
             0.0
         } else {
             self.model.energy_at_cutoff
         };
         Ok(totals.deliver(want, jump, each))
-    }
-
-    fn stride(&mut self, mut stride: Stride<'_>) -> u64 {
-        let Masses::Uniform(mass) = stride.masses else {
-            return 0;
-        };
-        let pace = Pace {
-            half_kick: 0.5 * stride.dt / mass,
-            dt: stride.dt,
-        };
-        let Strategy::Verlet(listed) = &mut self.strategy else {
-            return 0;
-        };
-        let clock = &mut self.clock;
-        let taken =
-            with_form!(self.model.form, form => listed.stride(form, &mut stride, pace, clock));
-        self.evaluations += taken;
-        taken
     }
 
     fn properties(&self) -> ForceProperties {
@@ -255,7 +232,7 @@ impl ForceProvider for PairForces {
         };
         let near = self.split.as_ref().and_then(|s| s.near.as_ref());
         for listed in whole.into_iter().chain(near) {
-            statistics.builds += listed.criterion().builds();
+            statistics.builds += listed.builds();
             statistics.bytes += listed.bytes();
         }
         match &self.strategy {
@@ -273,6 +250,28 @@ impl ForceProvider for PairForces {
 fn all_pairs(n: usize) -> u64 {
     let n = n as u64;
     n * (n - 1) / 2
+}
+
+impl Backend for PairForces {
+    fn advance(&mut self, mut steps: FusedSteps<'_>) -> u64 {
+        let Masses::Uniform(mass) = steps.masses else {
+            return 0;
+        };
+        let kick_drift = KickDrift {
+            half_kick: 0.5 * steps.dt / mass,
+            dt: steps.dt,
+        };
+        if self.check_cutoff(steps.cell).is_err() {
+            return 0;
+        }
+        let Strategy::Verlet(listed) = &mut self.strategy else {
+            return 0;
+        };
+        let clock = &mut self.clock;
+        let taken = with_form!(self.model.form, form => listed.advance(form, &mut steps, kick_drift, clock));
+        self.evaluations += taken;
+        taken
+    }
 }
 
 impl Persist for PairForces {

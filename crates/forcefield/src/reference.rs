@@ -1,12 +1,12 @@
 //! The reference loop: all pairs, serial, scalar, in double precision. Every other loop is judged by it.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use lennard_core::PeriodicBox;
 
-use crate::form::Model;
+use crate::pair::Model;
+use crate::pair::PairForm;
 use crate::simd::PerParticle;
-use crate::sums::Totals;
-use crate::truncation::PairForm;
+use crate::sums::{Totals, outer};
 
 /// Writes forces and returns the totals; `each` takes the entries of each particle where they are wanted.
 pub fn evaluate<F: PairForm>(
@@ -39,9 +39,4 @@ pub fn evaluate<F: PairForm>(
         }
     }
     totals
-}
-
-/// The matrix a ⊗ b.
-pub fn outer(a: DVec3, b: DVec3) -> DMat3 {
-    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }

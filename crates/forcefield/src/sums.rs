@@ -1,11 +1,15 @@
-//! Totals over pairs, and what becomes of them.
+//! Totals over pairs, and their conversion to energetics.
 
 use glam::{DMat3, DVec3};
 use lennard_core::{Energetics, Want};
 
-use crate::potential::Pair;
-use crate::reference::outer;
+use crate::pair::Pair;
 use crate::simd::{ChunkTotals, PerParticle};
+
+/// The matrix a ⊗ b.
+pub fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}
 
 /// Totals over pairs, each counted once.
 #[derive(Debug, Clone, Copy)]
@@ -21,7 +25,7 @@ pub struct Totals {
 }
 
 impl Totals {
-    /// No pair yet. (The default of a matrix is the identity, so there is no derived default.)
+    /// The totals over no pair. (The default of a matrix is the identity, so there is no derived default.)
     pub const NOTHING: Self = Self {
         energy: 0.0,
         virial: DMat3::ZERO,
@@ -38,7 +42,7 @@ impl Totals {
         self.pairs += 1;
     }
 
-    /// The totals of chunks that met every pair from both of its ends, added in order.
+    /// The totals of chunks, added in order. The chunks contain every pair from both of its ends.
     pub fn of_chunks(chunks: &[ChunkTotals]) -> Self {
         let mut sum = ChunkTotals::NOTHING;
         for chunk in chunks {
@@ -55,7 +59,7 @@ impl Totals {
         }
     }
 
-    /// What was asked for; `jump` is U(r_cut), which the conserved energy subtracts for each pair.
+    /// The energetics that `want` asks for; `jump` is U(r_cut), which the conserved energy subtracts per pair.
     pub fn deliver(&self, want: Want, jump: f64, each: Option<Vec<PerParticle>>) -> Energetics {
         Energetics {
             potential_energy: want.energy.then_some(self.energy),

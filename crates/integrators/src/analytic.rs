@@ -2,18 +2,18 @@
 
 use glam::DMat2;
 use lennard_core::{
-    Dynamics, ForceProvider, Integrator, IntegratorSpec, State, StepError, StepReport, Want,
+    ExactSolution, ForceProperties, Integrator, IntegratorSpec, Method, Parts, Step, StepError,
+    System,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::OscillatorModel;
-use crate::common::{Method, check_step, evaluate, remembers_nothing, tick};
+use crate::common::{MethodOptions, remembers_nothing};
 use crate::oscillator::ExactOscillator;
 
-/// Options of the exact solution: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of the exact solution: there are none.
+    pub struct Options {}
+}
 
 /// What the exact solution declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {
@@ -26,9 +26,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: true,
     fixed_step_only: false,
     velocity_dependent_forces: true,
-    has_memory: false,
     conserves_momentum: true,
     half_kicks: false,
+    is_kick_drift_kick: false,
     force_evaluations: 1,
     stability_limit: None,
     oscillator_map: Some(oscillator_map),
@@ -42,62 +42,41 @@ pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
     ExactOscillator::new(omega * omega, 0.0, 1.0).map(dt)
 }
 
-/// The solution in [`Dynamics::exact`], advanced by h; the forces are evaluated only to be published.
+/// The solution in [`System::exact`], advanced by h; the forces are evaluated only to be published.
 #[derive(Debug, Clone, Default)]
 pub struct Analytic;
 
-impl Method for Options {
+impl MethodOptions for Options {
     const OSCILLATOR: OscillatorModel = OscillatorModel::ExactSolution;
-    fn build(&self) -> Box<dyn Integrator> {
-        Box::new(Analytic)
+    fn build(&self) -> Integrator {
+        Integrator::new(Analytic)
     }
 }
 
 remembers_nothing!(Analytic);
 
-fn unknown_solution() -> StepError {
-    StepError::Unsuited {
-        method: SPEC.name,
-        reason: "no exact solution of its motion is known".to_owned(),
-    }
+fn solution(system: &System) -> Result<&dyn ExactSolution, String> {
+    let known = system.exact.as_deref();
+    known.ok_or_else(|| "no exact solution of its motion is known".to_owned())
 }
 
-impl Integrator for Analytic {
+impl Method for Analytic {
     fn spec(&self) -> &'static IntegratorSpec {
         &SPEC
     }
 
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        check_step(dt)?;
-        if dynamics.exact.is_none() {
-            return Err(unknown_solution());
-        }
-        evaluate(&SPEC, state, forces, want)
+    fn suits(&self, system: &System, _forces: ForceProperties) -> Result<(), String> {
+        solution(system).map(drop)
     }
 
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        check_step(dt)?;
-        let solution = dynamics.exact.as_ref().ok_or_else(unknown_solution)?;
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let dt = s.dt();
+        let Parts { system, state, .. } = s.parts();
+        let solution = solution(system).map_err(|reason| StepError::Unsuited {
+            method: SPEC.name,
+            reason,
+        })?;
         solution.advance(&mut state.positions, &mut state.velocities, dt);
-        tick(state, dt);
-        evaluate(&SPEC, state, forces, want)?;
-        Ok(StepReport {
-            force_evaluations: 1,
-            ..StepReport::default()
-        })
+        s.forces()
     }
 }

@@ -1,29 +1,21 @@
 //! The bit-reversible Verlet of Levesque and Verlet: positions are integers, and nothing is ever lost.
 
-use lennard_core::parallel::{for_each_piece_pair, ordered_sum};
+use lennard_core::parallel::{for_each_piece, for_each_piece_pair, ordered_sum};
 use lennard_core::{
-    DVec3, Dynamics, ForceError, ForceProvider, Integrator, IntegratorSpec, Persist, RestoreError,
-    State, StateReader, StateWriter, StepError, StepReport, Want,
+    DVec3, ForceError, Integrator, IntegratorSpec, Masses, Method, Parts, Persist, RestoreError,
+    State, StateReader, StateWriter, Step, StepError,
 };
-use serde::{Deserialize, Serialize};
 
-use crate::common::{Method, OptionError, begin, check_same_step, check_suited, evaluate, tick};
+use crate::common::MethodOptions;
 use crate::velocity_verlet::oscillator_map;
 
-/// Options of the bit-reversible method.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Options {
-    /// Spacing δ of the position grid, in σ; best a power of two.
-    pub grid_spacing: f64,
-}
-
-impl Default for Options {
-    /// 2⁻⁴⁸ σ ≈ 3.6·10⁻¹⁵ σ, the resolution of a double at a few dozen σ, with room for ±4096 σ.
-    fn default() -> Self {
-        Self {
-            grid_spacing: 2.0_f64.powi(-48),
-        }
+lennard_core::options! {
+    /// Options of the bit-reversible method.
+    ///
+    /// The default spacing 2⁻⁴⁸ σ is the resolution of a double at a few dozen σ, with room for ±4096 σ.
+    pub struct Options {
+        /// Spacing of the grid of positions, best a power of two; the default is 2⁻⁴⁸.
+        grid_spacing: f64 = 2.0_f64.powi(-48), Positive, in "σ";
     }
 }
 
@@ -38,9 +30,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: true,
     fixed_step_only: true,
     velocity_dependent_forces: false,
-    has_memory: true,
     conserves_momentum: true,
     half_kicks: true,
+    is_kick_drift_kick: false,
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: Some(oscillator_map),
@@ -81,12 +73,6 @@ impl BitReversibleVerlet {
         }
     }
 
-    /// The positions as whole multiples of the grid spacing, `[N]`.
-    #[must_use]
-    pub fn grid_positions(&self) -> &[[i64; 3]] {
-        &self.current
-    }
-
     /// The first particle without room for the next sums, if there is one.
     fn off_the_grid(&self) -> Option<usize> {
         let outside = |q: &Cell| q.iter().any(|c| c.abs() > LARGEST);
@@ -98,10 +84,33 @@ impl BitReversibleVerlet {
             .flatten()
     }
 
+    /// Puts the positions of the state on the grid.
+    ///
+    /// Far from the origin a double is coarser than the grid: where the state still holds the very position that was
+    /// published, the integers behind it are the better knowledge.
+    fn round_positions(&mut self, state: &mut State) -> Result<(), StepError> {
+        self.current.resize(state.len(), [0; 3]);
+        for (q, x) in self.current.iter_mut().zip(&mut state.positions) {
+            if to_position(*q, self.spacing) != *x {
+                *q = to_grid(*x / self.spacing);
+                *x = to_position(*q, self.spacing);
+            }
+        }
+        self.off_the_grid().map_or(Ok(()), |particle| {
+            Err(StepError::Unsuited {
+                method: SPEC.name,
+                reason: format!(
+                    "particle {particle} lies outside the position grid, ±{:e} σ",
+                    LARGEST as f64 * self.spacing
+                ),
+            })
+        })
+    }
+
     /// A = round(h²a/δ) for one particle; saturates far outside the range of the grid.
-    fn rounded_push(&self, dynamics: &Dynamics, forces: &[DVec3], i: usize) -> Cell {
+    fn rounded_push(&self, masses: &Masses, forces: &[DVec3], i: usize) -> Cell {
         let dt = self.started_dt;
-        to_grid(forces[i] * (dt * dt / (dynamics.masses.of(i) * self.spacing)))
+        to_grid(forces[i] * (dt * dt / (masses.of(i) * self.spacing)))
     }
 
     /// The velocity (2D + A)·δ/(2h) of one particle.
@@ -113,12 +122,11 @@ impl BitReversibleVerlet {
     }
 
     /// Publishes velocities from grid positions and forces.
-    fn publish_velocities(&self, dynamics: &Dynamics, state: &mut State) {
+    fn publish_velocities(&self, masses: &Masses, state: &mut State) {
         let forces = &state.forces;
-        lennard_core::parallel::for_each_piece(&mut state.velocities, |first, vs| {
-            for (i, v) in vs.iter_mut().enumerate() {
-                let i = first + i;
-                let push = self.rounded_push(dynamics, forces, i);
+        for_each_piece(&mut state.velocities, |first, vs| {
+            for (i, v) in (first..).zip(vs) {
+                let push = self.rounded_push(masses, forces, i);
                 *v = self.central_velocity(self.current[i], self.previous[i], push);
             }
         });
@@ -135,13 +143,9 @@ fn to_position(q: Cell, spacing: f64) -> DVec3 {
     DVec3::from_array(q.map(|c| c as f64 * spacing))
 }
 
-impl Method for Options {
-    fn build(&self) -> Box<dyn Integrator> {
-        Box::new(BitReversibleVerlet::new(self))
-    }
-
-    fn check(&self) -> Result<(), OptionError> {
-        OptionError::unless_positive("grid_spacing", self.grid_spacing)
+impl MethodOptions for Options {
+    fn build(&self) -> Integrator {
+        Integrator::new(BitReversibleVerlet::new(self))
     }
 }
 
@@ -168,69 +172,42 @@ impl Persist for BitReversibleVerlet {
     }
 }
 
-impl Integrator for BitReversibleVerlet {
+impl Method for BitReversibleVerlet {
     fn spec(&self) -> &'static IntegratorSpec {
         &SPEC
     }
 
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        check_suited(&SPEC, forces, dt)?;
-        self.started_dt = dt;
-        // Far from the origin a double is coarser than the grid: where the state still holds the very
-        // position that was published, the integers behind it are the better knowledge.
-        self.current.resize(state.len(), [0; 3]);
-        for (q, x) in self.current.iter_mut().zip(&mut state.positions) {
-            if to_position(*q, self.spacing) != *x {
-                *q = to_grid(*x / self.spacing);
-                *x = to_position(*q, self.spacing);
-            }
-        }
-        if let Some(particle) = self.off_the_grid() {
-            return Err(StepError::Unsuited {
-                method: SPEC.name,
-                reason: format!(
-                    "particle {particle} lies outside the position grid, ±{:e} σ",
-                    LARGEST as f64 * self.spacing
-                ),
-            });
-        }
-        begin(&SPEC, dynamics, state, forces, dt, want)?;
-        let to_steps = 2.0 * dt / self.spacing;
+    fn start(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        self.started_dt = s.dt();
+        self.round_positions(s.parts().state)?;
+        s.forces_at_start()?;
+        self.remember(s)
+    }
+
+    fn remember(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let Parts { system, state, .. } = s.parts();
+        let masses = &system.masses;
+        let to_steps = 2.0 * self.started_dt / self.spacing;
         self.previous = (0..state.len())
             .map(|i| {
-                let push = self.rounded_push(dynamics, &state.forces, i);
+                let push = self.rounded_push(masses, &state.forces, i);
                 let twice = to_grid(state.velocities[i] * to_steps);
                 // 2D = 2hv/δ − A: even where the velocity was published by this method.
                 std::array::from_fn(|c| self.current[i][c] - (twice[c] - push[c]).div_euclid(2))
             })
             .collect();
-        self.publish_velocities(dynamics, state);
+        self.publish_velocities(masses, state);
         Ok(())
     }
 
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        check_same_step(&SPEC, self.started_dt, dt)?;
-        check_suited(&SPEC, forces, dt)?;
-        // The new positions overwrite those of one step ago, which nobody needs any more.
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let masses = &s.system().masses;
+        let state = s.parts().state;
+        // The new positions overwrite the positions of one step ago, which are no longer needed.
         let mut next = std::mem::take(&mut self.previous);
         for_each_piece_pair(&mut state.positions, &mut next, |first, xs, nexts| {
-            for (i, (x, next)) in xs.iter_mut().zip(nexts).enumerate() {
-                let i = first + i;
-                let push = self.rounded_push(dynamics, &state.forces, i);
+            for (i, (x, next)) in (first..).zip(xs.iter_mut().zip(nexts)) {
+                let push = self.rounded_push(masses, &state.forces, i);
                 let now = self.current[i];
                 *next = std::array::from_fn(|c| 2 * now[c] - next[c] + push[c]);
                 *x = to_position(*next, self.spacing);
@@ -241,12 +218,8 @@ impl Integrator for BitReversibleVerlet {
         if let Some(particle) = self.off_the_grid() {
             return Err(ForceError::NonFinitePosition { particle }.into());
         }
-        tick(state, dt);
-        evaluate(&SPEC, state, forces, want)?;
-        self.publish_velocities(dynamics, state);
-        Ok(StepReport {
-            force_evaluations: 1,
-            ..StepReport::default()
-        })
+        s.forces()?;
+        self.publish_velocities(masses, s.parts().state);
+        Ok(())
     }
 }

@@ -1,18 +1,15 @@
 //! The six-stage fourth-order method of Blanes and Moan for accelerations that depend on positions alone.
 
 use glam::DMat2;
-use lennard_core::{
-    Dynamics, ForceProvider, Integrator, IntegratorSpec, State, StepError, StepReport, Want,
-};
-use serde::{Deserialize, Serialize};
+use lennard_core::{Integrator, IntegratorSpec};
 
-use crate::common::{Method, begin, remembers_nothing};
+use crate::common::MethodOptions;
 use crate::composition::Composition;
 
-/// Options of the method of Blanes and Moan: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of the method of Blanes and Moan: there are none.
+    pub struct Options {}
+}
 
 /// What the method of Blanes and Moan declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {
@@ -25,9 +22,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: true,
     fixed_step_only: false,
     velocity_dependent_forces: false,
-    has_memory: false,
     conserves_momentum: true,
     half_kicks: false,
+    is_kick_drift_kick: false,
     force_evaluations: 6,
     stability_limit: Some(3.163_465),
     oscillator_map: Some(oscillator_map),
@@ -42,7 +39,9 @@ const A1: f64 = 0.245_298_957_184_271;
 const A2: f64 = 0.604_872_665_711_080;
 const A3: f64 = 0.5 - (A1 + A2);
 
+/// The six-stage method of order 4 for ẍ = a(x), which begins and ends with a kick.
 static COMPOSITION: Composition = Composition {
+    spec: &SPEC,
     stages: &[(B1, A1), (B2, A2), (B3, A3), (B4, A3), (B3, A2), (B2, A1)],
     last_kick: B1,
 };
@@ -53,42 +52,8 @@ pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
     COMPOSITION.oscillator_map(omega, dt)
 }
 
-/// The six-stage method of order 4 for ẍ = a(x), which begins and ends with a kick.
-#[derive(Debug, Clone, Default)]
-pub struct BlanesMoan;
-
-impl Method for Options {
-    fn build(&self) -> Box<dyn Integrator> {
-        Box::new(BlanesMoan)
-    }
-}
-
-remembers_nothing!(BlanesMoan);
-
-impl Integrator for BlanesMoan {
-    fn spec(&self) -> &'static IntegratorSpec {
-        &SPEC
-    }
-
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        begin(&SPEC, dynamics, state, forces, dt, want)
-    }
-
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        COMPOSITION.step(&SPEC, dynamics, state, forces, dt, want)
+impl MethodOptions for Options {
+    fn build(&self) -> Integrator {
+        Integrator::new(&COMPOSITION)
     }
 }

@@ -1,40 +1,33 @@
 //! Stochastic velocity rescaling: the kinetic energy follows its own canonical dynamics.
 
 use lennard_core::random::NoiseStream;
-use lennard_core::{Dynamics, State, Thermostat, ThermostatSpec};
+use lennard_core::{Integrator, Parts, Step, Thermostat, ThermostatSpec};
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
-use serde::{Deserialize, Serialize};
 
-use crate::common::{OptionError, remembers_nothing, scale_velocities};
+use crate::common::{BathOptions, remembers_nothing, scale_velocities};
 
-/// Options of stochastic velocity rescaling.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Options {
-    /// Relaxation time of the kinetic energy, in τ.
-    pub tau: f64,
-}
-
-impl Default for Options {
-    /// 0.5 τ, about 1 ps for argon: a few vibrations, so that equilibration is quick and the
-    /// dynamics little disturbed.
-    fn default() -> Self {
-        Self { tau: 0.5 }
+lennard_core::options! {
+    /// Options of stochastic velocity rescaling.
+    ///
+    /// The default relaxation time, about 1 ps for argon, is a few vibrations: equilibration is quick, the dynamics little disturbed.
+    pub struct Options {
+        /// Relaxation time of the kinetic energy.
+        tau: f64 = 0.5, Positive, in "τ";
     }
 }
 
-impl Options {
-    /// Whether every option has a possible value.
-    ///
-    /// # Errors
-    /// [`OptionError`], which names the key, what was found and what is allowed.
-    pub fn check(&self) -> Result<(), OptionError> {
-        OptionError::unless_positive("tau", self.tau)
+impl BathOptions for Options {
+    fn couple(&self, method: Integrator, temperature: f64, noise: NoiseStream) -> Integrator {
+        method.with_bath(Bussi::new(self, temperature, noise))
+    }
+
+    fn relaxation(&self) -> f64 {
+        self.tau
     }
 }
 
 /// What stochastic velocity rescaling declares about itself.
-pub const SPEC: ThermostatSpec = ThermostatSpec {
+pub const BATH: ThermostatSpec = ThermostatSpec {
     name: "bussi",
     summary: "Stochastic velocity rescaling: one factor for all velocities, drawn so that the kinetic energy is canonical.",
     canonical: true,
@@ -50,21 +43,23 @@ pub const SPEC: ThermostatSpec = ThermostatSpec {
 ///
 /// α² = c + g·(R² + S) + 2R·√(c·g), with the sign of R + √(c/g).
 ///
-/// The heat α²K − K is returned; E minus its sum is conserved. Momentum keeps its direction, and
+/// The heat is α²K − K; E minus its sum is conserved. Momentum keeps its direction, and
 /// zero stays zero.
 #[derive(Debug, Clone)]
 pub struct Bussi {
     tau: f64,
     temperature: f64,
+    noise: NoiseStream,
 }
 
 impl Bussi {
-    /// A bath at `temperature` (ε/k_B).
+    /// A bath at `temperature` (ε/k_B) that draws from `noise`, keyed by the step.
     #[must_use]
-    pub fn new(options: &Options, temperature: f64) -> Self {
+    pub fn new(options: &Options, temperature: f64, noise: NoiseStream) -> Self {
         Self {
             tau: options.tau,
             temperature,
+            noise,
         }
     }
 }
@@ -76,24 +71,20 @@ const WHOLE_SYSTEM: u32 = 0;
 
 impl Thermostat for Bussi {
     fn spec(&self) -> &'static ThermostatSpec {
-        &SPEC
+        &BATH
     }
 
-    fn apply(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        dt: f64,
-        noise: &NoiseStream,
-    ) -> Option<f64> {
-        let kinetic = dynamics.kinetic_energy(&state.velocities);
+    fn apply(&mut self, s: &mut Step<'_>) -> bool {
+        let (n_dof, dt) = (s.n_dof(), s.dt());
+        let Parts { system, state, .. } = s.parts();
+        let kinetic = system.kinetic_energy(&state.velocities);
         if kinetic <= 0.0 {
-            return None;
+            return false;
         }
-        let mut rng = noise.at(state.step, WHOLE_SYSTEM);
+        let mut rng = self.noise.at(state.step, WHOLE_SYSTEM);
         let normal: f64 = StandardNormal.sample(&mut rng);
         // With a single degree of freedom there are no further ones.
-        let others = match ChiSquared::new(dynamics.n_dof - 1.0) {
+        let others = match ChiSquared::new(n_dof - 1.0) {
             Ok(distribution) => distribution.sample(&mut rng),
             Err(_) => 0.0,
         };
@@ -107,6 +98,7 @@ impl Thermostat for Bussi {
         } else {
             magnitude
         };
-        Some(scale_velocities(dynamics, state, kinetic, factor))
+        scale_velocities(s, kinetic, factor);
+        true
     }
 }

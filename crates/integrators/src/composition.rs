@@ -2,11 +2,8 @@
 
 use glam::DMat2;
 use lennard_core::{
-    Configuration, Dynamics, ForceProvider, IntegratorSpec, Part, State, StepError, StepReport,
-    Want, sweeps,
+    IntegratorSpec, Method, Persist, RestoreError, StateReader, StateWriter, Step, StepError,
 };
-
-use crate::common::{check_finite, check_suited, evaluate, tick};
 
 /// Stages of kick and drift, each a fraction of the step, and a last kick.
 ///
@@ -14,6 +11,7 @@ use crate::common::{check_finite, check_suited, evaluate, tick};
 /// to 1 (with the last kick).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Composition {
+    pub(crate) spec: &'static IntegratorSpec,
     pub(crate) stages: &'static [(f64, f64)],
     pub(crate) last_kick: f64,
 }
@@ -30,54 +28,33 @@ impl Composition {
             .fold(DMat2::IDENTITY, |map, (b, a)| drift(*a) * kick(*b) * map);
         kick(self.last_kick) * stages
     }
+}
 
-    /// One step; the forces of the last stage are those at the new time.
-    pub(crate) fn step(
-        &self,
-        spec: &'static IntegratorSpec,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        check_suited(spec, forces, dt)?;
-        let started = state.time;
-        let mut elapsed = 0.0;
+impl Persist for &'static Composition {
+    fn save(&self, _to: &mut StateWriter<'_>) {}
+    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
+        Ok(())
+    }
+}
+
+impl Method for &'static Composition {
+    fn spec(&self) -> &'static IntegratorSpec {
+        self.spec
+    }
+
+    /// The forces of the last stage belong to the new time.
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
         for (stage, (kick, drift)) in self.stages.iter().enumerate() {
-            sweeps::kick_and_drift(
-                &mut state.positions,
-                &mut state.velocities,
-                &state.forces,
-                &dynamics.masses,
-                kick * dt,
-                drift * dt,
-            );
-            if stage + 1 == self.stages.len() {
-                break;
+            s.kick(*kick);
+            s.drift(*drift);
+            if stage + 1 < self.stages.len() {
+                s.inner_forces()?;
             }
-            elapsed += drift;
-            let at = Configuration {
-                positions: &state.positions,
-                velocities: None,
-                time: started + elapsed * dt,
-            };
-            forces.evaluate(at, Part::All, Want::NOTHING, &mut state.forces)?;
-            check_finite(&state.forces)?;
         }
-        tick(state, dt);
-        evaluate(spec, state, forces, want)?;
+        s.forces()?;
         if self.last_kick != 0.0 {
-            sweeps::kick(
-                &mut state.velocities,
-                &state.forces,
-                &dynamics.masses,
-                self.last_kick * dt,
-            );
+            s.kick(self.last_kick);
         }
-        Ok(StepReport {
-            force_evaluations: self.stages.len() as u32,
-            ..StepReport::default()
-        })
+        Ok(())
     }
 }

@@ -1,17 +1,14 @@
 //! Explicit Euler: position and velocity both advance with what was known at the start of the step.
 
 use glam::DMat2;
-use lennard_core::{
-    Dynamics, ForceProvider, Integrator, IntegratorSpec, State, StepError, StepReport, Want, sweeps,
-};
-use serde::{Deserialize, Serialize};
+use lennard_core::{Integrator, IntegratorSpec, Method, Step, StepError};
 
-use crate::common::{Method, begin, check_suited, evaluate, remembers_nothing, tick};
+use crate::common::{MethodOptions, remembers_nothing};
 
-/// Options of explicit Euler: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of explicit Euler: there are none.
+    pub struct Options {}
+}
 
 /// What explicit Euler declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {
@@ -24,9 +21,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: false,
     fixed_step_only: false,
     velocity_dependent_forces: true,
-    has_memory: false,
     conserves_momentum: true,
     half_kicks: false,
+    is_kick_drift_kick: false,
     force_evaluations: 1,
     stability_limit: Some(0.0),
     oscillator_map: Some(oscillator_map),
@@ -44,46 +41,23 @@ pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
 #[derive(Debug, Clone, Default)]
 pub struct ExplicitEuler;
 
-impl Method for Options {
-    fn build(&self) -> Box<dyn Integrator> {
-        Box::new(ExplicitEuler)
+impl MethodOptions for Options {
+    fn build(&self) -> Integrator {
+        Integrator::new(ExplicitEuler)
     }
 }
 
 remembers_nothing!(ExplicitEuler);
 
-impl Integrator for ExplicitEuler {
+impl Method for ExplicitEuler {
     fn spec(&self) -> &'static IntegratorSpec {
         &SPEC
     }
 
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        begin(&SPEC, dynamics, state, forces, dt, want)
-    }
-
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        check_suited(&SPEC, forces, dt)?;
-        sweeps::drift(&mut state.positions, &state.velocities, dt);
-        sweeps::kick(&mut state.velocities, &state.forces, &dynamics.masses, dt);
-        tick(state, dt);
-        evaluate(&SPEC, state, forces, want)?;
-        Ok(StepReport {
-            force_evaluations: 1,
-            ..StepReport::default()
-        })
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        // The kick takes the forces of the old positions, which the drift leaves as they are.
+        s.drift(1.0);
+        s.kick(1.0);
+        s.forces()
     }
 }

@@ -1,7 +1,7 @@
 //! FIRE: relaxation of a configuration by damped dynamics, for starts that lie too close together.
 
 use lennard_core::parallel::{for_each_piece_pair, ordered_sum};
-use lennard_core::{Configuration, DVec3, ForceError, ForceProvider, Part, Want};
+use lennard_core::{Backend, Configuration, DVec3, ForceError, Part, PeriodicBox, Want};
 use serde::{Deserialize, Serialize};
 
 /// When to stop, and how far a step may go.
@@ -90,8 +90,9 @@ const MIXING_DECAY: f64 = 0.99;
 /// # Errors
 /// [`FireError`] where the forces fail, depend on velocities, or stay too large.
 pub fn relax(
+    cell: &PeriodicBox,
     positions: &mut [DVec3],
-    forces: &mut dyn ForceProvider,
+    forces: &mut dyn Backend,
     options: &FireOptions,
 ) -> Result<FireReport, FireError> {
     if forces.properties().velocity_dependent {
@@ -100,7 +101,7 @@ pub fn relax(
     let n = positions.len();
     let mut velocities = vec![DVec3::ZERO; n];
     let mut force = vec![DVec3::ZERO; n];
-    let mut potential_energy = evaluate(positions, forces, &mut force)?;
+    let mut potential_energy = evaluate(cell, positions, forces, &mut force)?;
     let largest_force_before = largest(&force);
 
     let (mut dt, mut mixing, mut uphill_free, mut steps) = (FIRST_DT, FIRST_MIXING, 0_u64, 0_u64);
@@ -139,7 +140,7 @@ pub fn relax(
             mixing,
             options.max_displacement,
         );
-        potential_energy = evaluate(positions, forces, &mut force)?;
+        potential_energy = evaluate(cell, positions, forces, &mut force)?;
         steps += 1;
     }
     Ok(FireReport {
@@ -152,17 +153,14 @@ pub fn relax(
 }
 
 fn evaluate(
+    cell: &PeriodicBox,
     positions: &[DVec3],
-    forces: &mut dyn ForceProvider,
+    forces: &mut dyn Backend,
     force: &mut [DVec3],
 ) -> Result<Option<f64>, FireError> {
-    let at = Configuration {
-        positions,
-        velocities: None,
-        time: 0.0,
-    };
+    let at = Configuration::at_rest(cell, positions);
     let found = forces.evaluate(at, Part::All, Want::ENERGY, force)?;
-    crate::common::check_finite(force)?;
+    lennard_core::check_finite(force)?;
     Ok(found.potential_energy)
 }
 

@@ -1,18 +1,15 @@
 //! The fourth-order symplectic method of Forest and Ruth: three velocity Verlet steps, the middle one backwards.
 
 use glam::DMat2;
-use lennard_core::{
-    Dynamics, ForceProvider, Integrator, IntegratorSpec, State, StepError, StepReport, Want,
-};
-use serde::{Deserialize, Serialize};
+use lennard_core::{Integrator, IntegratorSpec};
 
-use crate::common::{Method, begin, remembers_nothing};
+use crate::common::MethodOptions;
 use crate::composition::Composition;
 
-/// Options of the method of Forest and Ruth: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of Forest–Ruth: there are none.
+    pub struct Options {}
+}
 
 /// What the method of Forest and Ruth declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {
@@ -25,9 +22,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: true,
     fixed_step_only: false,
     velocity_dependent_forces: false,
-    has_memory: false,
     conserves_momentum: true,
     half_kicks: false,
+    is_kick_drift_kick: false,
     force_evaluations: 3,
     stability_limit: Some(1.573_402),
     oscillator_map: Some(oscillator_map),
@@ -37,7 +34,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
 /// θ = 1/(2 − ∛2), which removes the error of third order from three steps in a row.
 const THETA: f64 = 1.351_207_191_959_657_7;
 
+/// Forest–Ruth, in the form that begins and ends with a kick.
 static COMPOSITION: Composition = Composition {
+    spec: &SPEC,
     stages: &[
         (0.5 * THETA, THETA),
         (0.5 * (1.0 - THETA), 1.0 - 2.0 * THETA),
@@ -52,42 +51,8 @@ pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
     COMPOSITION.oscillator_map(omega, dt)
 }
 
-/// Forest–Ruth, in the form that begins and ends with a kick.
-#[derive(Debug, Clone, Default)]
-pub struct ForestRuth;
-
-impl Method for Options {
-    fn build(&self) -> Box<dyn Integrator> {
-        Box::new(ForestRuth)
-    }
-}
-
-remembers_nothing!(ForestRuth);
-
-impl Integrator for ForestRuth {
-    fn spec(&self) -> &'static IntegratorSpec {
-        &SPEC
-    }
-
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        begin(&SPEC, dynamics, state, forces, dt, want)
-    }
-
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        COMPOSITION.step(&SPEC, dynamics, state, forces, dt, want)
+impl MethodOptions for Options {
+    fn build(&self) -> Integrator {
+        Integrator::new(&COMPOSITION)
     }
 }

@@ -3,33 +3,20 @@
 use glam::DMat2;
 use lennard_core::parallel::ordered_sum;
 use lennard_core::{
-    Configuration, DVec3, Dynamics, Energetics, ForceError, ForceProvider, Integrator,
-    IntegratorSpec, Part, State, StepError, StepReport, Want, sweeps,
+    Backend, Configuration, DVec3, Energetics, ForceError, Integrator, IntegratorSpec, Masses,
+    Method, Part, Parts, PeriodicBox, State, Step, StepError, Want, check_finite, sweeps,
 };
-use serde::{Deserialize, Serialize};
 
-use crate::common::{
-    Method, OptionError, begin, check_finite, check_suited, evaluate, remembers_nothing, tick,
-};
+use crate::common::{MethodOptions, remembers_nothing};
 use crate::krylov::{conjugate_gradients, dot};
 
-/// Options of implicit Euler.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Options {
-    /// Largest error of a position in its equation, in σ; rounding sets a floor of its own.
-    pub tolerance: f64,
-    /// Newton iterations after which a step fails.
-    pub max_iterations: u32,
-}
-
-impl Default for Options {
-    /// Far below what a step of first order leaves, and within reach of double precision.
-    fn default() -> Self {
-        Self {
-            tolerance: 1e-12,
-            max_iterations: 60,
-        }
+lennard_core::options! {
+    /// Options of implicit Euler. The defaults lie far below what a step of first order leaves, and within reach of double precision.
+    pub struct Options {
+        /// Largest error of a position in its equation.
+        tolerance: f64 = 1e-12, Positive, in "σ";
+        /// Newton iterations after which a step fails.
+        max_iterations: u32 = 60, Whole(1, 1_000_000);
     }
 }
 
@@ -44,9 +31,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: false,
     fixed_step_only: false,
     velocity_dependent_forces: false,
-    has_memory: false,
     conserves_momentum: true,
     half_kicks: false,
+    is_kick_drift_kick: false,
     force_evaluations: 0,
     stability_limit: None,
     oscillator_map: Some(oscillator_map),
@@ -69,9 +56,9 @@ pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
 /// fluid has them, and at large h they show), and a line search on Φ. Where the force is linear one
 /// direction, solved to rounding, is the answer, and further ones only polish it.
 ///
-/// [`StepReport::force_evaluations`] counts evaluations and [`StepReport::iterations`] products of the
+/// [`lennard_core::StepReport::force_evaluations`] counts evaluations and [`lennard_core::StepReport::iterations`] products of the
 /// Hessian with a vector, each worth two evaluations more unless the forces know their Hessian;
-/// [`StepReport::residual`] is max |y − x̂ − h²·a(y)| in σ.
+/// [`lennard_core::StepReport::residual`] is max |y − x̂ − h²·a(y)| in σ.
 #[derive(Debug, Clone)]
 pub struct ImplicitEuler {
     options: Options,
@@ -87,14 +74,9 @@ impl ImplicitEuler {
     }
 }
 
-impl Method for Options {
-    fn build(&self) -> Box<dyn Integrator> {
-        Box::new(ImplicitEuler::new(self))
-    }
-
-    fn check(&self) -> Result<(), OptionError> {
-        OptionError::unless_positive("tolerance", self.tolerance)?;
-        OptionError::unless_counted("max_iterations", u64::from(self.max_iterations))
+impl MethodOptions for Options {
+    fn build(&self) -> Integrator {
+        Integrator::new(ImplicitEuler::new(self))
     }
 }
 
@@ -119,7 +101,8 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// The equations of one step.
 struct Equations<'a> {
-    dynamics: &'a Dynamics,
+    masses: &'a Masses,
+    cell: PeriodicBox,
     /// x̂ = x + h·v, σ.
     inertial: Vec<DVec3>,
     dt: f64,
@@ -129,22 +112,19 @@ struct Equations<'a> {
 impl Equations<'_> {
     /// M/h² of particle `i`.
     fn inertia(&self, i: usize) -> f64 {
-        self.dynamics.masses.of(i) / (self.dt * self.dt)
+        self.masses.of(i) / (self.dt * self.dt)
     }
 
-    fn at<'a>(&self, positions: &'a [DVec3]) -> Configuration<'a> {
+    fn at<'a>(&'a self, positions: &'a [DVec3]) -> Configuration<'a> {
         Configuration {
+            cell: &self.cell,
             positions,
             velocities: None,
             time: self.end_time,
         }
     }
 
-    fn trial(
-        &self,
-        positions: Vec<DVec3>,
-        forces: &mut dyn ForceProvider,
-    ) -> Result<Trial, ForceError> {
+    fn trial(&self, positions: Vec<DVec3>, forces: &mut dyn Backend) -> Result<Trial, ForceError> {
         let mut f = vec![DVec3::ZERO; positions.len()];
         let found = forces.evaluate(self.at(&positions), Part::All, Want::ENERGY, &mut f)?;
         check_finite(&f)?;
@@ -187,7 +167,7 @@ impl Equations<'_> {
     fn first_guess(
         &self,
         state: &State,
-        forces: &mut dyn ForceProvider,
+        forces: &mut dyn Backend,
     ) -> Result<(Trial, u32), StepError> {
         let at_rest = self.judge(state.positions.clone(), state.forces.clone(), None);
         let guess = (0..state.len())
@@ -215,7 +195,7 @@ impl ImplicitEuler {
         &self,
         equations: &Equations<'_>,
         state: &State,
-        forces: &mut dyn ForceProvider,
+        forces: &mut dyn Backend,
     ) -> Result<(Trial, u32, u32), StepError> {
         let linear = forces.properties().linear;
         let (mut current, mut evaluations) = equations.first_guess(state, forces)?;
@@ -283,7 +263,7 @@ fn line_search(
     equations: &Equations<'_>,
     current: &Trial,
     direction: &[DVec3],
-    forces: &mut dyn ForceProvider,
+    forces: &mut dyn Backend,
 ) -> Result<(Trial, u32), Option<ForceError>> {
     let descent = dot(&current.downhill, direction);
     let mut length = 1.0;
@@ -321,56 +301,36 @@ fn is_better(trial: &Trial, current: &Trial, descent: f64) -> bool {
     }
 }
 
-impl Integrator for ImplicitEuler {
+impl Method for ImplicitEuler {
     fn spec(&self) -> &'static IntegratorSpec {
         &SPEC
     }
 
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        begin(&SPEC, dynamics, state, forces, dt, want)
-    }
-
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        check_suited(&SPEC, forces, dt)?;
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let (masses, dt) = (&s.system().masses, s.dt());
+        let Parts { state, backend, .. } = s.parts();
         let mut inertial = state.positions.clone();
         sweeps::drift(&mut inertial, &state.velocities, dt);
         let equations = Equations {
-            dynamics,
+            masses,
+            cell: state.cell,
             inertial,
             dt,
             end_time: state.time + dt,
         };
-        let (end, mut force_evaluations, iterations) = self.solve(&equations, state, forces)?;
+        let (end, evaluations, products) = self.solve(&equations, state, backend)?;
         state.positions = end.positions;
         state.forces = end.forces;
         state.energetics = Energetics::default();
-        tick(state, dt);
-        // The solve ended with the forces of these positions; whatever else is wanted comes with the
-        // same forces once more.
-        if !want.is_nothing() {
-            evaluate(&SPEC, state, forces, want)?;
-            force_evaluations += 1;
+        s.solved(products, end.residual);
+        s.count_evaluations(evaluations);
+        // The solve ended with the forces of these positions. Whatever else is wanted comes with the same forces once more.
+        if s.want().is_nothing() {
+            s.arrive();
+        } else {
+            s.forces()?;
         }
-        sweeps::kick(&mut state.velocities, &state.forces, &dynamics.masses, dt);
-        Ok(StepReport {
-            force_evaluations,
-            iterations,
-            residual: end.residual,
-            heat: 0.0,
-        })
+        s.kick(1.0);
+        Ok(())
     }
 }

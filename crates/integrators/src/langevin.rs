@@ -3,36 +3,29 @@
 use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
 use lennard_core::{
-    DVec3, Dynamics, ForceProvider, Integrator, IntegratorSpec, State, StepError, StepReport,
-    ThermostatSpec, Want, sweeps,
+    DVec3, Integrator, IntegratorSpec, Method, Parts, Step, StepError, ThermostatSpec,
 };
 use rand_distr::{Distribution, StandardNormal};
-use serde::{Deserialize, Serialize};
 
-use crate::common::{OptionError, begin, check_suited, evaluate, remembers_nothing, tick};
+use crate::common::{BathOptions, remembers_nothing};
 
-/// Options of Langevin dynamics.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Options {
-    /// Friction γ in 1/τ: velocities are forgotten within 1/γ.
-    pub friction: f64,
-}
-
-impl Default for Options {
-    /// 1/τ, a common choice for Lennard-Jones fluids.
-    fn default() -> Self {
-        Self { friction: 1.0 }
+lennard_core::options! {
+    /// Options of Langevin dynamics: velocities are forgotten within the inverse of the friction.
+    pub struct Options {
+        /// Friction coefficient γ.
+        friction: f64 = 1.0, Positive, in "τ⁻¹";
     }
 }
 
-impl Options {
-    /// Whether every option has a possible value.
-    ///
-    /// # Errors
-    /// [`OptionError`], which names the key, what was found and what is allowed.
-    pub fn check(&self) -> Result<(), OptionError> {
-        OptionError::unless_positive("friction", self.friction)
+impl BathOptions for Options {
+    /// Friction and noise stand inside the step: BAOAB takes the place of the method.
+    fn couple(&self, _method: Integrator, temperature: f64, noise: NoiseStream) -> Integrator {
+        Integrator::new(Langevin::new(self, temperature, noise))
+    }
+
+    /// Velocities lose e^{−γt} of themselves, and their squares twice as much.
+    fn relaxation(&self) -> f64 {
+        0.5 / self.friction
     }
 }
 
@@ -42,7 +35,7 @@ const SUMMARY: &str =
 const SOURCE: &str = "Leimkuhler and Matthews, \"Robust and efficient configurational molecular sampling via Langevin dynamics\", J. Chem. Phys. 138, 174102 (2013), BAOAB";
 
 /// What the Langevin bath declares about itself.
-pub const THERMOSTAT_SPEC: ThermostatSpec = ThermostatSpec {
+pub const BATH: ThermostatSpec = ThermostatSpec {
     name: NAME,
     summary: SUMMARY,
     canonical: true,
@@ -62,9 +55,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: false,
     fixed_step_only: false,
     velocity_dependent_forces: false,
-    has_memory: false,
     conserves_momentum: false,
     half_kicks: true,
+    is_kick_drift_kick: false,
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: None,
@@ -75,7 +68,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
 /// half kick, half drift, friction and noise over the whole step, half drift, half kick.
 ///
 /// Noise touches every particle, so total momentum is not conserved and n_dof is 3N.
-/// [`StepReport::heat`] is the kinetic energy that the O part put in; E minus its sum is conserved
+/// The heat of a step is the kinetic energy that the O part put in; E minus its sum is conserved
 /// as velocity Verlet conserves energy.
 #[derive(Debug, Clone)]
 pub struct Langevin {
@@ -95,74 +88,45 @@ impl Langevin {
         }
     }
 
-    /// The O part, exact over `dt`; returns the kinetic energy gained.
-    fn friction_and_noise(&self, dynamics: &Dynamics, state: &mut State, dt: f64) -> f64 {
-        let before = dynamics.kinetic_energy(&state.velocities);
+    /// The O part, exact over the step; counts the kinetic energy gained as heat.
+    fn friction_and_noise(&self, s: &mut Step<'_>) {
+        let dt = s.dt();
+        let Parts { system, state, .. } = s.parts();
+        let before = system.kinetic_energy(&state.velocities);
         let c = (-self.friction * dt).exp();
         // 1 − c² without cancellation where the friction is small.
         let variance = -(-2.0 * self.friction * dt).exp_m1() * self.temperature;
         let step = state.step;
         for_each_piece(&mut state.velocities, |first, chunk| {
-            for (i, v) in chunk.iter_mut().enumerate() {
-                let particle = first + i;
+            for (particle, v) in (first..).zip(chunk) {
                 let mut rng = self.noise.at(step, particle as u32);
                 let r = DVec3::new(
                     StandardNormal.sample(&mut rng),
                     StandardNormal.sample(&mut rng),
                     StandardNormal.sample(&mut rng),
                 );
-                *v = c * *v + (variance / dynamics.masses.of(particle)).sqrt() * r;
+                *v = c * *v + (variance / system.masses.of(particle)).sqrt() * r;
             }
         });
-        dynamics.kinetic_energy(&state.velocities) - before
+        let after = system.kinetic_energy(&state.velocities);
+        s.add_heat(after - before);
     }
 }
 
 remembers_nothing!(Langevin);
 
-impl Integrator for Langevin {
+impl Method for Langevin {
     fn spec(&self) -> &'static IntegratorSpec {
         &SPEC
     }
 
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        begin(&SPEC, dynamics, state, forces, dt, want)
-    }
-
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        check_suited(&SPEC, forces, dt)?;
-        let half = 0.5 * dt;
-        sweeps::kick_and_drift(
-            &mut state.positions,
-            &mut state.velocities,
-            &state.forces,
-            &dynamics.masses,
-            half,
-            half,
-        );
-        let heat = self.friction_and_noise(dynamics, state, dt);
-        sweeps::drift(&mut state.positions, &state.velocities, half);
-        tick(state, dt);
-        evaluate(&SPEC, state, forces, want)?;
-        sweeps::kick(&mut state.velocities, &state.forces, &dynamics.masses, half);
-        Ok(StepReport {
-            force_evaluations: 1,
-            heat,
-            ..StepReport::default()
-        })
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        s.kick(0.5);
+        s.drift(0.5);
+        self.friction_and_noise(s);
+        s.drift(0.5);
+        s.forces()?;
+        s.kick(0.5);
+        Ok(())
     }
 }

@@ -1,19 +1,18 @@
 //! Leapfrog: velocities live at half steps and positions leap over them.
 
-use lennard_core::parallel::for_each_piece_pair;
+use lennard_core::parallel::for_each_piece;
 use lennard_core::{
-    DVec3, Dynamics, ForceProvider, Integrator, IntegratorSpec, Persist, RestoreError, State,
-    StateReader, StateWriter, StepError, StepReport, Want, sweeps,
+    DVec3, Integrator, IntegratorSpec, Method, Parts, Persist, RestoreError, StateReader,
+    StateWriter, Step, StepError, sweeps,
 };
-use serde::{Deserialize, Serialize};
 
-use crate::common::{Method, begin, check_suited, evaluate, tick};
+use crate::common::MethodOptions;
 use crate::velocity_verlet::oscillator_map;
 
-/// Options of leapfrog: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of leapfrog: there are none.
+    pub struct Options {}
+}
 
 /// What leapfrog declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {
@@ -26,9 +25,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: true,
     fixed_step_only: false,
     velocity_dependent_forces: false,
-    has_memory: true,
     conserves_momentum: true,
     half_kicks: true,
+    is_kick_drift_kick: false,
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: Some(oscillator_map),
@@ -42,9 +41,9 @@ pub struct Leapfrog {
     last_dt: f64,
 }
 
-impl Method for Options {
-    fn build(&self) -> Box<dyn Integrator> {
-        Box::new(Leapfrog::default())
+impl MethodOptions for Options {
+    fn build(&self) -> Integrator {
+        Integrator::new(Leapfrog::default())
     }
 }
 
@@ -61,65 +60,42 @@ impl Persist for Leapfrog {
     }
 }
 
-impl Integrator for Leapfrog {
+impl Method for Leapfrog {
     fn spec(&self) -> &'static IntegratorSpec {
         &SPEC
     }
 
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        begin(&SPEC, dynamics, state, forces, dt, want)?;
+    fn remember(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        self.last_dt = s.dt();
+        let Parts { system, state, .. } = s.parts();
         self.half_step_velocities.clone_from(&state.velocities);
-        sweeps::kick(
-            &mut self.half_step_velocities,
-            &state.forces,
-            &dynamics.masses,
-            -0.5 * dt,
-        );
-        self.last_dt = dt;
+        let half_back = -0.5 * self.last_dt;
+        let velocities = &mut self.half_step_velocities;
+        sweeps::kick(velocities, &state.forces, &system.masses, half_back);
         Ok(())
     }
 
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        check_suited(&SPEC, forces, dt)?;
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let dt = s.dt();
+        let masses = &s.system().masses;
+        let state = s.parts().state;
         sweeps::kick_and_drift(
             &mut state.positions,
             &mut self.half_step_velocities,
             &state.forces,
-            &dynamics.masses,
+            masses,
             0.5 * (self.last_dt + dt),
             dt,
         );
         self.last_dt = dt;
-        tick(state, dt);
-        evaluate(&SPEC, state, forces, want)?;
-        let accelerations = &state.forces;
-        for_each_piece_pair(
-            &mut state.velocities,
-            &mut self.half_step_velocities,
-            |first, published, half| {
-                for (i, (v, u)) in published.iter_mut().zip(half).enumerate() {
-                    let m = dynamics.masses.of(first + i);
-                    *v = *u + (0.5 * dt / m) * accelerations[first + i];
-                }
-            },
-        );
-        Ok(StepReport {
-            force_evaluations: 1,
-            ..StepReport::default()
-        })
+        s.forces()?;
+        let state = s.parts().state;
+        let (half_step, forces) = (&self.half_step_velocities, &state.forces);
+        for_each_piece(&mut state.velocities, |first, published| {
+            for (i, v) in (first..).zip(published) {
+                *v = half_step[i] + (0.5 * dt / masses.of(i)) * forces[i];
+            }
+        });
+        Ok(())
     }
 }

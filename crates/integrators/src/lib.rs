@@ -37,8 +37,7 @@ pub mod bussi;
 pub mod langevin;
 pub mod rescale;
 
-pub use common::OptionError;
+pub use common::OscillatorModel;
 pub use list::{
-    Coupling, IntegratorEntry, IntegratorOptions, OscillatorModel, ThermostatOptions, build,
-    couple, integrators, thermostats,
+    IntegratorEntry, IntegratorOptions, ThermostatOptions, build, integrators, thermostats,
 };

@@ -1,23 +1,11 @@
 //! The lists of methods, and everything that is made from them.
 
+use lennard_core::options::{Keys, OptionError, Options};
 use lennard_core::random::NoiseStream;
-use lennard_core::{Integrator, IntegratorSpec, Thermostat, ThermostatSpec};
+use lennard_core::{Integrator, IntegratorSpec, ThermostatSpec};
 use serde::{Deserialize, Serialize};
 
-use crate::common::{Method, OptionError};
-use crate::{bussi, langevin, rescale};
-
-/// How a method is given the harmonic oscillator.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum OscillatorModel {
-    /// As the force −k·x of [`crate::oscillator::HarmonicForces`].
-    Force,
-    /// As the constraint of [`crate::oscillator::OscillatorConstraint`], with no other force.
-    Constraint,
-    /// As a force for the published forces, and as its own exact solution
-    /// ([`crate::oscillator::ExactOscillator`]).
-    ExactSolution,
-}
+use crate::common::{BathOptions, MethodOptions, OscillatorModel};
 
 /// One line of the list of integrators.
 #[derive(Debug, Clone, Copy)]
@@ -33,7 +21,7 @@ pub struct IntegratorEntry {
 impl IntegratorEntry {
     /// The method with its default options.
     #[must_use]
-    pub fn build(&self) -> Box<dyn Integrator> {
+    pub fn build(&self) -> Integrator {
         build(&(self.default_options)())
     }
 }
@@ -53,7 +41,7 @@ macro_rules! list_of_integrators {
         static INTEGRATORS: &[IntegratorEntry] = &[
             $(IntegratorEntry {
                 spec: &crate::$module::SPEC,
-                oscillator: <crate::$module::Options as Method>::OSCILLATOR,
+                oscillator: <crate::$module::Options as MethodOptions>::OSCILLATOR,
                 default_options: || IntegratorOptions::$variant(Default::default()),
             },)*
         ];
@@ -67,22 +55,28 @@ macro_rules! list_of_integrators {
                 }
             }
 
+            /// The scene keys of every entry of the list, by its name.
+            #[must_use]
+            pub fn keys() -> Vec<(&'static str, Keys)> {
+                vec![$((crate::$module::SPEC.name, <crate::$module::Options as Options>::KEYS),)*]
+            }
+
             /// Whether every option has a possible value.
             ///
             /// # Errors
             /// [`OptionError`], which names the key, what was found and what is allowed.
             pub fn check(&self) -> Result<(), OptionError> {
                 match self {
-                    $(Self::$variant(options) => Method::check(options),)*
+                    $(Self::$variant(options) => options.check(),)*
                 }
             }
         }
 
         /// Makes the integrator that the options describe.
         #[must_use]
-        pub fn build(options: &IntegratorOptions) -> Box<dyn Integrator> {
+        pub fn build(options: &IntegratorOptions) -> Integrator {
             match options {
-                $(IntegratorOptions::$variant(options) => Method::build(options),)*
+                $(IntegratorOptions::$variant(options) => MethodOptions::build(options),)*
             }
         }
     };
@@ -143,91 +137,88 @@ pub fn integrators() -> &'static [IntegratorEntry] {
     INTEGRATORS
 }
 
-/// A thermostat by name, with its options: the `thermostat` of a stage.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum ThermostatOptions {
+/// Makes the options enum, the list and the coupling from lines `Variant: module,`.
+macro_rules! list_of_thermostats {
+    ($($(#[$doc:meta])* $variant:ident: $module:ident,)*) => {
+        /// A thermostat by name, with its options: the `thermostat` of a stage.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(tag = "kind", rename_all = "kebab-case")]
+        pub enum ThermostatOptions {
+            $($(#[$doc])* $variant(crate::$module::Options),)*
+        }
+
+        static THERMOSTATS: &[ThermostatSpec] = &[$(crate::$module::BATH,)*];
+
+        impl ThermostatOptions {
+            /// What the chosen thermostat declares about itself.
+            #[must_use]
+            pub fn spec(&self) -> &'static ThermostatSpec {
+                match self {
+                    $(Self::$variant(_) => &crate::$module::BATH,)*
+                }
+            }
+
+            /// The time in τ in which the bath brings a kinetic energy that is off back to its mean, by a factor of e; 0 for
+            /// a bath that sets it.
+            #[must_use]
+            pub fn relaxation(&self) -> f64 {
+                match self {
+                    $(Self::$variant(options) => options.relaxation(),)*
+                }
+            }
+
+            /// The scene keys of every entry of the list, by its name.
+            #[must_use]
+            pub fn keys() -> Vec<(&'static str, Keys)> {
+                vec![$((crate::$module::BATH.name, <crate::$module::Options as Options>::KEYS),)*]
+            }
+
+            /// Whether every option has a possible value.
+            ///
+            /// # Errors
+            /// [`OptionError`], which names the key, what was found and what is allowed.
+            pub fn check(&self) -> Result<(), OptionError> {
+                match self {
+                    $(Self::$variant(options) => options.check(),)*
+                }
+            }
+
+            /// Couples a method to the bath at `temperature` (in ε/k_B), whose random numbers come from `noise`, keyed by
+            /// step and particle. A bath that stands inside the step takes the place of the method.
+            #[must_use]
+            pub fn couple(
+                &self,
+                method: Integrator,
+                temperature: f64,
+                noise: NoiseStream,
+            ) -> Integrator {
+                match self {
+                    $(Self::$variant(options) => options.couple(method, temperature, noise),)*
+                }
+            }
+        }
+    };
+}
+
+list_of_thermostats! {
     /// Velocity rescaling to exactly T, every so many steps, as Verlet did.
-    Rescale(rescale::Options),
+    Rescale: rescale,
     /// Stochastic velocity rescaling of Bussi, Donadio and Parrinello.
-    Bussi(bussi::Options),
+    Bussi: bussi,
     /// Langevin dynamics by the BAOAB splitting, in place of the scene's integrator.
-    Langevin(langevin::Options),
+    Langevin: langevin,
 }
 
 impl ThermostatOptions {
-    /// What the chosen thermostat declares about itself.
-    #[must_use]
-    pub fn spec(&self) -> &'static ThermostatSpec {
-        match self {
-            Self::Rescale(_) => &rescale::SPEC,
-            Self::Bussi(_) => &bussi::SPEC,
-            Self::Langevin(_) => &langevin::THERMOSTAT_SPEC,
-        }
-    }
-
     /// The name in scene files.
     #[must_use]
     pub fn name(&self) -> &'static str {
         self.spec().name
-    }
-
-    /// The time in τ in which the bath brings a kinetic energy that is off back to its mean, by a factor of e; 0 for one that
-    /// sets it.
-    #[must_use]
-    pub fn relaxation(&self) -> f64 {
-        match self {
-            Self::Rescale(_) => 0.0,
-            Self::Bussi(o) => o.tau,
-            // Velocities lose e^{−γt} of themselves, and their squares twice as much.
-            Self::Langevin(o) => 0.5 / o.friction,
-        }
-    }
-
-    /// Whether every option has a possible value.
-    ///
-    /// # Errors
-    /// [`OptionError`], which names the key, what was found and what is allowed.
-    pub fn check(&self) -> Result<(), OptionError> {
-        match self {
-            Self::Rescale(o) => o.check(),
-            Self::Bussi(o) => o.check(),
-            Self::Langevin(o) => o.check(),
-        }
     }
 }
 
 /// Every thermostat, in the order of `lennard list`.
 #[must_use]
 pub fn thermostats() -> &'static [ThermostatSpec] {
-    static THERMOSTATS: &[ThermostatSpec] =
-        &[rescale::SPEC, bussi::SPEC, langevin::THERMOSTAT_SPEC];
     THERMOSTATS
-}
-
-/// How a heat bath acts on a run.
-pub enum Coupling {
-    /// On the velocities, once after each step of the scene's integrator.
-    Thermostat(Box<dyn Thermostat>),
-    /// As an integrator that takes the place of the scene's.
-    Integrator(Box<dyn Integrator>),
-}
-
-/// Makes the heat bath that the options describe, at `temperature` (in ε/k_B).
-///
-/// A bath that is an integrator draws its noise from `noise`, keyed by step and particle; a
-/// [`Thermostat`] is handed its stream at each call.
-#[must_use]
-pub fn couple(options: &ThermostatOptions, temperature: f64, noise: NoiseStream) -> Coupling {
-    match options {
-        ThermostatOptions::Rescale(o) => {
-            Coupling::Thermostat(Box::new(rescale::Rescale::new(o, temperature)))
-        }
-        ThermostatOptions::Bussi(o) => {
-            Coupling::Thermostat(Box::new(bussi::Bussi::new(o, temperature)))
-        }
-        ThermostatOptions::Langevin(o) => {
-            Coupling::Integrator(Box::new(langevin::Langevin::new(o, temperature, noise)))
-        }
-    }
 }

@@ -3,8 +3,8 @@
 
 use glam::DMat2;
 use lennard_core::{
-    Configuration, Constraint, DVec3, Energetics, ExactSolution, ForceError, ForceProperties,
-    ForceProvider, Part, Persist, RestoreError, StateReader, StateWriter, Want,
+    Backend, Configuration, Constraint, DVec3, Energetics, ExactSolution, ForceError,
+    ForceProperties, ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, Want,
 };
 
 /// The force F = −k·x − c·v on every particle, towards the origin, in all three directions.
@@ -45,7 +45,7 @@ impl Persist for HarmonicForces {
     }
 }
 
-impl ForceProvider for HarmonicForces {
+impl ForceTerm for HarmonicForces {
     fn evaluate(
         &mut self,
         at: Configuration<'_>,
@@ -105,6 +105,8 @@ impl ForceProvider for HarmonicForces {
         Ok(())
     }
 }
+
+impl Backend for HarmonicForces {}
 
 /// The known solution of m·ẍ = −k·x − c·ẋ, for every component of every particle.
 #[derive(Debug, Clone, PartialEq)]
@@ -182,9 +184,8 @@ impl Constraint for OscillatorConstraint {
         positions[0].x
     }
 
-    fn gradient(&self, _positions: &[DVec3], out: &mut [DVec3]) {
-        out.fill(DVec3::ZERO);
-        out[0] = DVec3::X;
+    fn gradient(&self, _positions: &[DVec3], out: &mut Vec<(usize, DVec3)>) {
+        out.push((0, DVec3::X));
     }
 
     fn compliance(&self) -> f64 {

@@ -1,18 +1,15 @@
 //! PEFRL: the position-extended, optimised relative of Forest–Ruth, with a far smaller error.
 
 use glam::DMat2;
-use lennard_core::{
-    Dynamics, ForceProvider, Integrator, IntegratorSpec, State, StepError, StepReport, Want,
-};
-use serde::{Deserialize, Serialize};
+use lennard_core::{Integrator, IntegratorSpec};
 
-use crate::common::{Method, begin, remembers_nothing};
+use crate::common::MethodOptions;
 use crate::composition::Composition;
 
-/// Options of PEFRL: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of PEFRL: there are none.
+    pub struct Options {}
+}
 
 /// What PEFRL declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {
@@ -25,9 +22,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: true,
     fixed_step_only: false,
     velocity_dependent_forces: false,
-    has_memory: false,
     conserves_momentum: true,
     half_kicks: false,
+    is_kick_drift_kick: false,
     force_evaluations: 5,
     stability_limit: Some(2.989_450),
     oscillator_map: Some(oscillator_map),
@@ -38,7 +35,10 @@ const XI: f64 = 0.178_617_895_844_809_1;
 const LAMBDA: f64 = -0.212_341_831_062_605_4;
 const CHI: f64 = -0.066_264_582_669_818_5;
 
+/// PEFRL: begins and ends with a drift, so that forces at the published positions need an evaluation
+/// of their own.
 static COMPOSITION: Composition = Composition {
+    spec: &SPEC,
     stages: &[
         (0.0, XI),
         (0.5 * (1.0 - 2.0 * LAMBDA), CHI),
@@ -55,43 +55,8 @@ pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
     COMPOSITION.oscillator_map(omega, dt)
 }
 
-/// PEFRL: begins and ends with a drift, so that forces at the published positions need an evaluation
-/// of their own.
-#[derive(Debug, Clone, Default)]
-pub struct Pefrl;
-
-impl Method for Options {
-    fn build(&self) -> Box<dyn Integrator> {
-        Box::new(Pefrl)
-    }
-}
-
-remembers_nothing!(Pefrl);
-
-impl Integrator for Pefrl {
-    fn spec(&self) -> &'static IntegratorSpec {
-        &SPEC
-    }
-
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        begin(&SPEC, dynamics, state, forces, dt, want)
-    }
-
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        COMPOSITION.step(&SPEC, dynamics, state, forces, dt, want)
+impl MethodOptions for Options {
+    fn build(&self) -> Integrator {
+        Integrator::new(&COMPOSITION)
     }
 }

@@ -1,38 +1,31 @@
 //! Velocity rescaling to exactly the wanted temperature, as Verlet did.
 
 use lennard_core::random::NoiseStream;
-use lennard_core::{Dynamics, State, Thermostat, ThermostatSpec};
-use serde::{Deserialize, Serialize};
+use lennard_core::{Integrator, Parts, Step, Thermostat, ThermostatSpec};
 
-use crate::common::{OptionError, remembers_nothing};
+use crate::common::{BathOptions, remembers_nothing, scale_velocities};
 
-/// Options of velocity rescaling.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Options {
-    /// Steps from one rescaling to the next.
-    pub every: u64,
-}
-
-impl Default for Options {
-    /// Every 10 steps: long enough for kinetic and potential energy to exchange something in between.
-    fn default() -> Self {
-        Self { every: 10 }
+lennard_core::options! {
+    /// Options of velocity rescaling. Kinetic and potential energy exchange something within the default of ten steps.
+    pub struct Options {
+        /// Steps between two rescalings.
+        every: u64 = 10, Whole(1, lennard_core::options::MOST_STEPS), in "steps";
     }
 }
 
-impl Options {
-    /// Whether every option has a possible value.
-    ///
-    /// # Errors
-    /// [`OptionError`], which names the key, what was found and what is allowed.
-    pub fn check(&self) -> Result<(), OptionError> {
-        OptionError::unless_counted("every", self.every)
+impl BathOptions for Options {
+    fn couple(&self, method: Integrator, temperature: f64, _noise: NoiseStream) -> Integrator {
+        method.with_bath(Rescale::new(self, temperature))
+    }
+
+    /// The bath sets the kinetic energy at once.
+    fn relaxation(&self) -> f64 {
+        0.0
     }
 }
 
 /// What velocity rescaling declares about itself.
-pub const SPEC: ThermostatSpec = ThermostatSpec {
+pub const BATH: ThermostatSpec = ThermostatSpec {
     name: "rescale",
     summary: "Rescales all velocities to exactly the wanted temperature every so many steps; for equilibration.",
     canonical: false,
@@ -65,30 +58,22 @@ remembers_nothing!(Rescale);
 
 impl Thermostat for Rescale {
     fn spec(&self) -> &'static ThermostatSpec {
-        &SPEC
+        &BATH
     }
 
-    fn apply(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        _dt: f64,
-        _noise: &NoiseStream,
-    ) -> Option<f64> {
+    fn acts_after(&self, step: u64) -> bool {
         // An interval of zero is refused by `check`; here it means never.
-        if self.every == 0 || !state.step.is_multiple_of(self.every) {
-            return None;
-        }
-        let kinetic = dynamics.kinetic_energy(&state.velocities);
+        self.every != 0 && step.is_multiple_of(self.every)
+    }
+
+    fn apply(&mut self, s: &mut Step<'_>) -> bool {
+        let wanted = 0.5 * s.n_dof() * self.temperature;
+        let Parts { system, state, .. } = s.parts();
+        let kinetic = system.kinetic_energy(&state.velocities);
         if kinetic <= 0.0 {
-            return None;
+            return false;
         }
-        let wanted = 0.5 * dynamics.n_dof * self.temperature;
-        Some(crate::common::scale_velocities(
-            dynamics,
-            state,
-            kinetic,
-            (wanted / kinetic).sqrt(),
-        ))
+        scale_velocities(s, kinetic, (wanted / kinetic).sqrt());
+        true
     }
 }

@@ -1,35 +1,26 @@
 //! Reversible RESPA: the near force with short steps inside long steps of the far force.
 
 use glam::DMat2;
-use lennard_core::parallel::for_each_piece_pair;
+use lennard_core::parallel::for_each_piece;
 use lennard_core::{
-    Configuration, DVec3, Dynamics, Energetics, ForceProvider, Integrator, IntegratorSpec, Part,
-    Persist, RestoreError, State, StateReader, StateWriter, StepError, StepReport, Want, sweeps,
+    DVec3, Energetics, ForceProperties, Integrator, IntegratorSpec, Method, Part, Persist,
+    RestoreError, StateReader, StateWriter, Step, StepError, System, Want, check_finite, sweeps,
+    without_constraints,
 };
-use serde::{Deserialize, Serialize};
 
-use crate::common::{Method, OptionError, check_finite, check_suited, tick};
+use crate::common::MethodOptions;
 use crate::oscillator::HarmonicForces;
 
-/// Options of RESPA.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Options {
-    /// Steps of the near force inside one step of the far force.
-    pub inner_steps: u32,
+lennard_core::options! {
+    /// Options of RESPA. Four inner steps show the gain of the split, and stay clear of resonances in a fluid.
+    pub struct Options {
+        /// Steps of the near force inside one step of the far force.
+        inner_steps: u32 = DEFAULT_INNER_STEPS, Whole(1, 1_000_000);
+    }
 }
 
 /// Inner steps where nothing else is asked for; the one-step map of the list is for this number.
 const DEFAULT_INNER_STEPS: u32 = 4;
-
-impl Default for Options {
-    /// Four: enough to see what the split gains, few enough to stay clear of resonances in a fluid.
-    fn default() -> Self {
-        Self {
-            inner_steps: DEFAULT_INNER_STEPS,
-        }
-    }
-}
 
 /// What RESPA declares about itself, with its default number of inner steps.
 pub static SPEC: IntegratorSpec = IntegratorSpec {
@@ -42,9 +33,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: true,
     fixed_step_only: false,
     velocity_dependent_forces: false,
-    has_memory: false,
     conserves_momentum: true,
     half_kicks: false,
+    is_kick_drift_kick: false,
     force_evaluations: DEFAULT_INNER_STEPS + 1,
     stability_limit: Some(2.695_592),
     oscillator_map: Some(oscillator_map),
@@ -94,20 +85,19 @@ impl Respa {
         }
     }
 
-    /// Evaluates the far part and adds it to the near one, which is already there.
+    /// Evaluates the far part at the end of the step and adds it to the near one, which is already there.
     fn complete(
         &mut self,
         near: &Energetics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        want: Want,
+        s: &mut Step<'_>,
+        share: f64,
     ) -> Result<(), StepError> {
-        let at = at_positions(state, state.time);
-        let far = forces.evaluate(at, Part::Far, want, &mut self.far)?;
-        let near_forces = &self.near;
-        for_each_piece_pair(&mut state.forces, &mut self.far, |first, sums, fars| {
-            for ((sum, far), near) in sums.iter_mut().zip(fars).zip(&near_forces[first..]) {
-                *sum = *near + *far;
+        let far = s.part_of_forces(Part::Far, share, s.want(), &mut self.far)?;
+        let (near_forces, far_forces) = (&self.near, &self.far);
+        let state = s.parts().state;
+        for_each_piece(&mut state.forces, |first, sums| {
+            for (i, sum) in (first..).zip(sums) {
+                *sum = near_forces[i] + far_forces[i];
             }
         });
         check_finite(&state.forces)?;
@@ -116,21 +106,9 @@ impl Respa {
     }
 }
 
-fn at_positions(state: &State, time: f64) -> Configuration<'_> {
-    Configuration {
-        positions: &state.positions,
-        velocities: None,
-        time,
-    }
-}
-
-impl Method for Options {
-    fn build(&self) -> Box<dyn Integrator> {
-        Box::new(Respa::new(self))
-    }
-
-    fn check(&self) -> Result<(), OptionError> {
-        OptionError::unless_counted("inner_steps", u64::from(self.inner_steps))
+impl MethodOptions for Options {
+    fn build(&self) -> Integrator {
+        Integrator::new(Respa::new(self))
     }
 }
 
@@ -147,53 +125,35 @@ impl Persist for Respa {
     }
 }
 
-impl Integrator for Respa {
+impl Method for Respa {
     fn spec(&self) -> &'static IntegratorSpec {
         &SPEC
     }
 
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        check_suited(&SPEC, forces, dt)?;
-        crate::common::refuse_constraints(&SPEC, dynamics)?;
-        if !forces.properties().splits {
-            return Err(StepError::Unsuited {
-                method: SPEC.name,
-                reason: "its forces do not come in a near and a far part".to_owned(),
-            });
+    fn suits(&self, system: &System, forces: ForceProperties) -> Result<(), String> {
+        without_constraints(system)?;
+        if forces.splits {
+            Ok(())
+        } else {
+            Err("its forces do not come in a near and a far part".to_owned())
         }
-        self.near.resize(state.len(), DVec3::ZERO);
-        self.far.resize(state.len(), DVec3::ZERO);
-        let near = forces.evaluate(
-            at_positions(state, state.time),
-            Part::Near,
-            want,
-            &mut self.near,
-        )?;
-        self.complete(&near, state, forces, want)
     }
 
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        check_suited(&SPEC, forces, dt)?;
-        let masses = &dynamics.masses;
+    fn start(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let n = s.system().len();
+        self.near.resize(n, DVec3::ZERO);
+        self.far.resize(n, DVec3::ZERO);
+        let near = s.part_of_forces(Part::Near, 0.0, s.want(), &mut self.near)?;
+        self.complete(&near, s, 0.0)
+    }
+
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let (masses, dt) = (&s.system().masses, s.dt());
         let inner_dt = dt / f64::from(self.inner_steps);
-        let started = state.time;
         let mut near = Energetics::default();
-        sweeps::kick(&mut state.velocities, &self.far, masses, 0.5 * dt);
+        sweeps::kick(&mut s.parts().state.velocities, &self.far, masses, 0.5 * dt);
         for inner in 1..=self.inner_steps {
+            let state = s.parts().state;
             sweeps::kick_and_drift(
                 &mut state.positions,
                 &mut state.velocities,
@@ -202,19 +162,16 @@ impl Integrator for Respa {
                 0.5 * inner_dt,
                 inner_dt,
             );
+            let share = f64::from(inner) / f64::from(self.inner_steps);
             let last = inner == self.inner_steps;
-            let wanted = if last { want } else { Want::NOTHING };
-            let at = at_positions(state, started + f64::from(inner) * inner_dt);
-            near = forces.evaluate(at, Part::Near, wanted, &mut self.near)?;
-            check_finite(&self.near)?;
-            sweeps::kick(&mut state.velocities, &self.near, masses, 0.5 * inner_dt);
+            let wanted = if last { s.want() } else { Want::NOTHING };
+            near = s.part_of_forces(Part::Near, share, wanted, &mut self.near)?;
+            let velocities = &mut s.parts().state.velocities;
+            sweeps::kick(velocities, &self.near, masses, 0.5 * inner_dt);
         }
-        tick(state, dt);
-        self.complete(&near, state, forces, want)?;
-        sweeps::kick(&mut state.velocities, &self.far, masses, 0.5 * dt);
-        Ok(StepReport {
-            force_evaluations: self.inner_steps + 1,
-            ..StepReport::default()
-        })
+        s.arrive();
+        self.complete(&near, s, 1.0)?;
+        sweeps::kick(&mut s.parts().state.velocities, &self.far, masses, 0.5 * dt);
+        Ok(())
     }
 }

@@ -2,18 +2,17 @@
 
 use glam::DMat2;
 use lennard_core::{
-    Constraint, DVec3, Dynamics, ForceProvider, Integrator, IntegratorSpec, Persist, RestoreError,
-    State, StateReader, StateWriter, StepError, StepReport, Want, sweeps,
+    Constraint, DVec3, ForceProperties, Integrator, IntegratorSpec, Masses, Method, Persist,
+    RestoreError, State, StateReader, StateWriter, Step, StepError, System,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::OscillatorModel;
-use crate::common::{Method, check_same_step, check_suited, evaluate, tick};
+use crate::common::MethodOptions;
 
-/// Options of SPOOK: there are none; compliance and damping belong to the constraint.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of SPOOK: there are none; compliance and damping belong to the constraint.
+    pub struct Options {}
+}
 
 /// What SPOOK declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {
@@ -26,9 +25,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: false,
     fixed_step_only: true,
     velocity_dependent_forces: true,
-    has_memory: false,
     conserves_momentum: true,
     half_kicks: false,
+    is_kick_drift_kick: false,
     force_evaluations: 1,
     stability_limit: None,
     oscillator_map: Some(oscillator_map),
@@ -83,27 +82,20 @@ pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
 /// (G·M⁻¹·Gᵀ + Σ)·λ = −(4/h)·γ·g + γ·G·v − G·(v + h·M⁻¹·f), and v′ = v + h·M⁻¹·f + M⁻¹·Gᵀ·λ.
 #[derive(Debug, Clone, Default)]
 pub struct Spook {
-    started_dt: f64,
+    /// The multiplier λ of the last step, the constraint's impulse in units of momentum; 0 without a constraint.
     multiplier: f64,
-    /// Working space for G inside a step.
-    gradient: Vec<DVec3>,
+    /// Working space for the entries of G inside a step.
+    gradient: Vec<(usize, DVec3)>,
 }
 
 impl Spook {
-    /// The multiplier λ of the last step, the constraint's impulse in units of momentum; 0 without a
-    /// constraint.
-    #[must_use]
-    pub fn multiplier(&self) -> f64 {
-        self.multiplier
-    }
-
     /// Solves for the multiplier and adds its impulse to the free velocities.
     ///
     /// `old_rate` is G·v before the kick. Returns the residual of the constraint's equation.
     fn constrain(
         &mut self,
         constraint: &dyn Constraint,
-        dynamics: &Dynamics,
+        masses: &Masses,
         state: &mut State,
         old_rate: f64,
         dt: f64,
@@ -111,11 +103,9 @@ impl Spook {
         let Regularisation { sigma, gamma } =
             Regularisation::new(constraint.compliance(), constraint.damping_time(), dt);
         let wanted_rate = -4.0 / dt * gamma * constraint.value(&state.positions) + gamma * old_rate;
-        let inverse_mass: f64 = self
-            .gradient
-            .iter()
-            .enumerate()
-            .map(|(i, g)| g.length_squared() / dynamics.masses.of(i))
+        let entries = self.gradient.iter();
+        let inverse_mass: f64 = entries
+            .map(|(i, g)| g.length_squared() / masses.of(*i))
             .sum();
         let free_rate = rate(&self.gradient, &state.velocities);
         self.multiplier = (wanted_rate - free_rate) / (inverse_mass + sigma);
@@ -125,8 +115,8 @@ impl Spook {
                 reason: "the constraint's gradient vanishes or its value is not finite".to_owned(),
             });
         }
-        for (i, (v, g)) in state.velocities.iter_mut().zip(&self.gradient).enumerate() {
-            *v += (self.multiplier / dynamics.masses.of(i)) * *g;
+        for (i, g) in &self.gradient {
+            state.velocities[*i] += (self.multiplier / masses.of(*i)) * *g;
         }
         let residual =
             rate(&self.gradient, &state.velocities) + sigma * self.multiplier - wanted_rate;
@@ -135,96 +125,63 @@ impl Spook {
 }
 
 /// G·v.
-fn rate(gradient: &[DVec3], velocities: &[DVec3]) -> f64 {
-    gradient
-        .iter()
-        .zip(velocities)
-        .map(|(g, v)| g.dot(*v))
-        .sum()
+fn rate(gradient: &[(usize, DVec3)], velocities: &[DVec3]) -> f64 {
+    gradient.iter().map(|(i, g)| g.dot(velocities[*i])).sum()
 }
 
-impl Method for Options {
+impl MethodOptions for Options {
     const OSCILLATOR: OscillatorModel = OscillatorModel::Constraint;
-    fn build(&self) -> Box<dyn Integrator> {
-        Box::new(Spook::default())
+    fn build(&self) -> Integrator {
+        Integrator::new(Spook::default())
     }
 }
 
 impl Persist for Spook {
     fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_f64("started_dt", &[self.started_dt]);
         to.put_f64("multiplier", &[self.multiplier]);
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        [self.started_dt] = from.f64s("started_dt")?;
         [self.multiplier] = from.f64s("multiplier")?;
         Ok(())
     }
 }
 
-impl Integrator for Spook {
+impl Method for Spook {
     fn spec(&self) -> &'static IntegratorSpec {
         &SPEC
     }
 
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        check_suited(&SPEC, forces, dt)?;
-        if dynamics.constraints.len() > 1 {
-            return Err(StepError::Unsuited {
-                method: SPEC.name,
-                reason: format!(
-                    "it has {} constraints, and the method solves for one so far",
-                    dynamics.constraints.len()
-                ),
-            });
+    fn suits(&self, system: &System, _forces: ForceProperties) -> Result<(), String> {
+        match system.constraints.len() {
+            0 | 1 => Ok(()),
+            more => Err(format!(
+                "it has {more} constraints, and the method solves for one so far"
+            )),
         }
-        self.started_dt = dt;
-        self.multiplier = 0.0;
-        evaluate(&SPEC, state, forces, want)
     }
 
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        check_same_step(&SPEC, self.started_dt, dt)?;
-        check_suited(&SPEC, forces, dt)?;
-        let mut report = StepReport {
-            force_evaluations: 1,
-            ..StepReport::default()
-        };
-        if let Some(constraint) = dynamics.constraints.first() {
-            self.gradient.resize(state.len(), DVec3::ZERO);
+    fn start(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        self.multiplier = 0.0;
+        s.forces_at_start()
+    }
+
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let (system, dt) = (s.system(), s.dt());
+        if let Some(constraint) = system.constraints.first() {
+            let state = s.parts().state;
+            self.gradient.clear();
             constraint.gradient(&state.positions, &mut self.gradient);
             let old_rate = rate(&self.gradient, &state.velocities);
-            sweeps::kick(&mut state.velocities, &state.forces, &dynamics.masses, dt);
-            report.residual = self.constrain(constraint.as_ref(), dynamics, state, old_rate, dt)?;
-            report.iterations = 1;
-            sweeps::drift(&mut state.positions, &state.velocities, dt);
+            s.kick(1.0);
+            let state = s.parts().state;
+            let residual =
+                self.constrain(constraint.as_ref(), &system.masses, state, old_rate, dt)?;
+            s.solved(1, residual);
         } else {
-            sweeps::kick_and_drift(
-                &mut state.positions,
-                &mut state.velocities,
-                &state.forces,
-                &dynamics.masses,
-                dt,
-                dt,
-            );
+            s.kick(1.0);
         }
-        tick(state, dt);
-        evaluate(&SPEC, state, forces, want)?;
-        Ok(report)
+        s.drift(1.0);
+        s.forces()
     }
 }

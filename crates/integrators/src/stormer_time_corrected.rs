@@ -1,19 +1,15 @@
 //! Störmer–Verlet with the last displacement scaled to a step that changes.
 
-use lennard_core::{
-    Dynamics, ForceProvider, Integrator, IntegratorSpec, Persist, RestoreError, State, StateReader,
-    StateWriter, StepError, StepReport, Want,
-};
-use serde::{Deserialize, Serialize};
+use lennard_core::{Integrator, IntegratorSpec};
 
-use crate::common::Method;
+use crate::common::MethodOptions;
 use crate::stormer_verlet::{Recurrence, StepRule};
 use crate::velocity_verlet::oscillator_map;
 
-/// Options of this rule: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of this rule: there are none.
+    pub struct Options {}
+}
 
 /// What this rule declares about itself: its orders hold for a constant
 /// step; each change of the step leaves an error ½·a·(h − h′) in the velocity, so that a run with a
@@ -28,69 +24,17 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: true,
     fixed_step_only: false,
     velocity_dependent_forces: false,
-    has_memory: true,
     conserves_momentum: true,
     half_kicks: true,
+    is_kick_drift_kick: false,
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: Some(oscillator_map),
     source: "Störmer–Verlet for a step that changes: methods A4 of the article on Verlet integration, Wikipedia, section \"Non-constant time differences\"",
 };
 
-/// The time-corrected rule, x ← x + (x − x⁻)·(h/h⁻) + a·h².
-#[derive(Debug, Clone)]
-pub struct StormerTimeCorrected {
-    recurrence: Recurrence,
-}
-
-impl Default for StormerTimeCorrected {
-    fn default() -> Self {
-        Self {
-            recurrence: Recurrence::new(StepRule::TimeCorrected, &SPEC),
-        }
-    }
-}
-
-impl Method for Options {
-    fn build(&self) -> Box<dyn Integrator> {
-        Box::new(StormerTimeCorrected::default())
-    }
-}
-
-impl Persist for StormerTimeCorrected {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.recurrence.save(to);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.recurrence.restore(from)
-    }
-}
-
-impl Integrator for StormerTimeCorrected {
-    fn spec(&self) -> &'static IntegratorSpec {
-        &SPEC
-    }
-
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        self.recurrence.start(dynamics, state, forces, dt, want)
-    }
-
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        self.recurrence.step(dynamics, state, forces, dt, want)
+impl MethodOptions for Options {
+    fn build(&self) -> Integrator {
+        Integrator::new(Recurrence::new(StepRule::TimeCorrected, &SPEC))
     }
 }

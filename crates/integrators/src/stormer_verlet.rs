@@ -1,19 +1,18 @@
 //! Störmer–Verlet on positions alone, as Verlet used it in 1967, with the Taylor start.
 
-use lennard_core::parallel::for_each_piece_pair;
+use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
 use lennard_core::{
-    DVec3, Dynamics, ForceProvider, Integrator, IntegratorSpec, Persist, RestoreError, State,
-    StateReader, StateWriter, StepError, StepReport, Want,
+    DVec3, Integrator, IntegratorSpec, Method, Parts, Persist, RestoreError, StateReader,
+    StateWriter, Step, StepError,
 };
-use serde::{Deserialize, Serialize};
 
-use crate::common::{Method, begin, check_same_step, check_suited, evaluate, tick};
+use crate::common::MethodOptions;
 use crate::velocity_verlet::oscillator_map;
 
-/// Options of Störmer–Verlet: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of Störmer–Verlet: there are none.
+    pub struct Options {}
+}
 
 /// What Störmer–Verlet declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {
@@ -26,9 +25,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: true,
     fixed_step_only: true,
     velocity_dependent_forces: false,
-    has_memory: true,
     conserves_momentum: true,
     half_kicks: true,
+    is_kick_drift_kick: false,
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: Some(oscillator_map),
@@ -59,9 +58,9 @@ impl StepRule {
     }
 }
 
-/// The recurrence of a rule, with all that it remembers: the positions of one step ago and that step.
+/// Störmer–Verlet by a rule; remembers the positions of one step ago and that step.
 #[derive(Debug, Clone)]
-pub(crate) struct Recurrence {
+pub struct Recurrence {
     rule: StepRule,
     spec: &'static IntegratorSpec,
     previous: Vec<DVec3>,
@@ -70,6 +69,7 @@ pub(crate) struct Recurrence {
 
 impl Recurrence {
     /// The recurrence of a method, not yet started.
+    #[must_use]
     pub(crate) fn new(rule: StepRule, spec: &'static IntegratorSpec) -> Self {
         Self {
             rule,
@@ -78,71 +78,57 @@ impl Recurrence {
             last_dt: 0.0,
         }
     }
+}
+
+impl MethodOptions for Options {
+    fn build(&self) -> Integrator {
+        Integrator::new(Recurrence::new(StepRule::Plain, &SPEC))
+    }
+}
+
+impl Method for Recurrence {
+    fn spec(&self) -> &'static IntegratorSpec {
+        self.spec
+    }
 
     /// The Taylor start, x(−h) = x(0) − h·v(0) + ½h²·a(0).
-    pub(crate) fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        begin(self.spec, dynamics, state, forces, dt, want)?;
+    fn remember(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let dt = s.dt();
+        let Parts { system, state, .. } = s.parts();
         self.last_dt = dt;
         self.previous = (0..state.len())
             .map(|i| {
-                let a = state.forces[i] / dynamics.masses.of(i);
+                let a = state.forces[i] / system.masses.of(i);
                 state.positions[i] - dt * state.velocities[i] + (0.5 * dt * dt) * a
             })
             .collect();
         Ok(())
     }
 
-    /// One step of the recurrence, with forces and published velocity at the new time.
-    pub(crate) fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        check_suited(self.spec, forces, dt)?;
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let dt = s.dt();
         let (inertia, force_factor) = self.rule.factors(dt, self.last_dt);
-        let old_forces = &state.forces;
-        for_each_piece_pair(
-            &mut state.positions,
-            &mut self.previous,
-            |first, xs, previous| {
-                for (i, (x, p)) in xs.iter_mut().zip(previous).enumerate() {
-                    let i = first + i;
-                    let a = old_forces[i] / dynamics.masses.of(i);
-                    let next = *x + (inertia * (*x - *p) + force_factor * a);
-                    *p = *x;
-                    *x = next;
-                }
-            },
-        );
         self.last_dt = dt;
-        tick(state, dt);
-        evaluate(self.spec, state, forces, want)?;
-        let (positions, new_forces) = (&state.positions, &state.forces);
-        for_each_piece_pair(
-            &mut state.velocities,
-            &mut self.previous,
-            |first, vs, previous| {
-                for (i, (v, p)) in vs.iter_mut().zip(previous).enumerate() {
-                    let i = first + i;
-                    *v = (positions[i] - *p) / dt
-                        + (0.5 * dt / dynamics.masses.of(i)) * new_forces[i];
-                }
-            },
-        );
-        Ok(StepReport {
-            force_evaluations: 1,
-            ..StepReport::default()
-        })
+        let masses = &s.system().masses;
+        let state = s.parts().state;
+        let forces = &state.forces;
+        for_each_piece_pair(&mut state.positions, &mut self.previous, |first, xs, ps| {
+            for (i, (x, previous)) in (first..).zip(xs.iter_mut().zip(ps)) {
+                let a = forces[i] / masses.of(i);
+                let next = *x + (inertia * (*x - *previous) + force_factor * a);
+                *previous = *x;
+                *x = next;
+            }
+        });
+        s.forces()?;
+        let state = s.parts().state;
+        let (positions, previous, forces) = (&state.positions, &self.previous, &state.forces);
+        for_each_piece(&mut state.velocities, |first, vs| {
+            for (i, v) in (first..).zip(vs) {
+                *v = (positions[i] - previous[i]) / dt + (0.5 * dt / masses.of(i)) * forces[i];
+            }
+        });
+        Ok(())
     }
 }
 
@@ -156,64 +142,5 @@ impl Persist for Recurrence {
         self.previous = from.vec3("previous_positions")?.to_vec();
         [self.last_dt] = from.f64s("last_dt")?;
         Ok(())
-    }
-}
-
-/// Störmer–Verlet; remembers the positions of one step ago and refuses a changing step.
-#[derive(Debug, Clone)]
-pub struct StormerVerlet {
-    recurrence: Recurrence,
-}
-
-impl Default for StormerVerlet {
-    fn default() -> Self {
-        Self {
-            recurrence: Recurrence::new(StepRule::Plain, &SPEC),
-        }
-    }
-}
-
-impl Method for Options {
-    fn build(&self) -> Box<dyn Integrator> {
-        Box::new(StormerVerlet::default())
-    }
-}
-
-impl Persist for StormerVerlet {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.recurrence.save(to);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.recurrence.restore(from)
-    }
-}
-
-impl Integrator for StormerVerlet {
-    fn spec(&self) -> &'static IntegratorSpec {
-        &SPEC
-    }
-
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        self.recurrence.start(dynamics, state, forces, dt, want)
-    }
-
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        check_same_step(&SPEC, self.recurrence.last_dt, dt)?;
-        self.recurrence.step(dynamics, state, forces, dt, want)
     }
 }

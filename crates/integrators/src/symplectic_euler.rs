@@ -1,17 +1,14 @@
 //! Symplectic Euler, also called semi-implicit: the velocity first, then the position with the new velocity.
 
 use glam::DMat2;
-use lennard_core::{
-    Dynamics, ForceProvider, Integrator, IntegratorSpec, State, StepError, StepReport, Want, sweeps,
-};
-use serde::{Deserialize, Serialize};
+use lennard_core::{Integrator, IntegratorSpec, Method, Step, StepError};
 
-use crate::common::{Method, begin, check_suited, evaluate, remembers_nothing, tick};
+use crate::common::{MethodOptions, remembers_nothing};
 
-/// Options of symplectic Euler: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of symplectic Euler: there are none.
+    pub struct Options {}
+}
 
 /// What symplectic Euler declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {
@@ -24,9 +21,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: false,
     fixed_step_only: false,
     velocity_dependent_forces: true,
-    has_memory: false,
     conserves_momentum: true,
     half_kicks: false,
+    is_kick_drift_kick: false,
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: Some(oscillator_map),
@@ -44,52 +41,22 @@ pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
 #[derive(Debug, Clone, Default)]
 pub struct SymplecticEuler;
 
-impl Method for Options {
-    fn build(&self) -> Box<dyn Integrator> {
-        Box::new(SymplecticEuler)
+impl MethodOptions for Options {
+    fn build(&self) -> Integrator {
+        Integrator::new(SymplecticEuler)
     }
 }
 
 remembers_nothing!(SymplecticEuler);
 
-impl Integrator for SymplecticEuler {
+impl Method for SymplecticEuler {
     fn spec(&self) -> &'static IntegratorSpec {
         &SPEC
     }
 
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        begin(&SPEC, dynamics, state, forces, dt, want)
-    }
-
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        check_suited(&SPEC, forces, dt)?;
-        sweeps::kick_and_drift(
-            &mut state.positions,
-            &mut state.velocities,
-            &state.forces,
-            &dynamics.masses,
-            dt,
-            dt,
-        );
-        tick(state, dt);
-        evaluate(&SPEC, state, forces, want)?;
-        Ok(StepReport {
-            force_evaluations: 1,
-            ..StepReport::default()
-        })
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        s.kick(1.0);
+        s.drift(1.0);
+        s.forces()
     }
 }

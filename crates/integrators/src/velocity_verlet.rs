@@ -1,18 +1,14 @@
 //! Velocity Verlet in its four-step form: half kick, drift, force, half kick.
 
 use glam::DMat2;
-use lennard_core::{
-    Dynamics, ForceProvider, Integrator, IntegratorSpec, State, StepError, StepReport, Stride,
-    Want, sweeps,
-};
-use serde::{Deserialize, Serialize};
+use lennard_core::{Integrator, IntegratorSpec, Method, Step, StepError};
 
-use crate::common::{Method, begin, check_suited, evaluate, remembers_nothing, tick};
+use crate::common::{MethodOptions, remembers_nothing};
 
-/// Options of velocity Verlet: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of velocity Verlet: there are none.
+    pub struct Options {}
+}
 
 /// What velocity Verlet declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {
@@ -25,9 +21,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: true,
     fixed_step_only: false,
     velocity_dependent_forces: false,
-    has_memory: false,
     conserves_momentum: true,
     half_kicks: true,
+    is_kick_drift_kick: true,
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: Some(oscillator_map),
@@ -52,85 +48,24 @@ pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
 #[derive(Debug, Clone, Default)]
 pub struct VelocityVerlet;
 
-impl Method for Options {
-    fn build(&self) -> Box<dyn Integrator> {
-        Box::new(VelocityVerlet)
+impl MethodOptions for Options {
+    fn build(&self) -> Integrator {
+        Integrator::new(VelocityVerlet)
     }
 }
 
 remembers_nothing!(VelocityVerlet);
 
-impl Integrator for VelocityVerlet {
+impl Method for VelocityVerlet {
     fn spec(&self) -> &'static IntegratorSpec {
         &SPEC
     }
 
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        begin(&SPEC, dynamics, state, forces, dt, want)
-    }
-
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        let (_, report) = self.stride(dynamics, state, forces, dt, 1, want)?;
-        Ok(report)
-    }
-
-    fn stride(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        steps: u64,
-        want: Want,
-    ) -> Result<(u64, StepReport), StepError> {
-        check_suited(&SPEC, forces, dt)?;
-        sweeps::kick_and_drift(
-            &mut state.positions,
-            &mut state.velocities,
-            &state.forces,
-            &dynamics.masses,
-            0.5 * dt,
-            dt,
-        );
-        tick(state, dt);
-        // Force, two half kicks and drift, as often as the forces can do it in one go.
-        let between = forces.stride(Stride {
-            positions: &mut state.positions,
-            velocities: &mut state.velocities,
-            masses: &dynamics.masses,
-            dt,
-            steps: steps - 1,
-        });
-        for _ in 0..between {
-            tick(state, dt);
-        }
-        let taken = between + 1;
-        let want = if taken == steps { want } else { Want::NOTHING };
-        evaluate(&SPEC, state, forces, want)?;
-        sweeps::kick(
-            &mut state.velocities,
-            &state.forces,
-            &dynamics.masses,
-            0.5 * dt,
-        );
-        let report = StepReport {
-            force_evaluations: taken as u32,
-            ..StepReport::default()
-        };
-        Ok((taken, report))
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        s.kick(0.5);
+        s.drift(1.0);
+        s.forces()?;
+        s.kick(0.5);
+        Ok(())
     }
 }

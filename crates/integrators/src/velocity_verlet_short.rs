@@ -1,18 +1,15 @@
 //! Velocity Verlet in its short form, with both forces in one velocity update.
 
-use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
-use lennard_core::{
-    DVec3, Dynamics, ForceProvider, Integrator, IntegratorSpec, State, StepError, StepReport, Want,
-};
-use serde::{Deserialize, Serialize};
+use lennard_core::parallel::for_each_piece;
+use lennard_core::{DVec3, Integrator, IntegratorSpec, Method, Step, StepError};
 
-use crate::common::{Method, begin, check_suited, evaluate, remembers_nothing, tick};
+use crate::common::{MethodOptions, remembers_nothing};
 use crate::velocity_verlet::oscillator_map;
 
-/// Options of short velocity Verlet: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Options {}
+lennard_core::options! {
+    /// Options of short velocity Verlet: there are none.
+    pub struct Options {}
+}
 
 /// What the short form of velocity Verlet declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {
@@ -25,9 +22,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     reversible: true,
     fixed_step_only: false,
     velocity_dependent_forces: false,
-    has_memory: false,
     conserves_momentum: true,
     half_kicks: true,
+    is_kick_drift_kick: false,
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: Some(oscillator_map),
@@ -41,64 +38,40 @@ pub struct VelocityVerletShort {
     old_forces: Vec<DVec3>,
 }
 
-impl Method for Options {
-    fn build(&self) -> Box<dyn Integrator> {
-        Box::new(VelocityVerletShort::default())
+impl MethodOptions for Options {
+    fn build(&self) -> Integrator {
+        Integrator::new(VelocityVerletShort::default())
     }
 }
 
 remembers_nothing!(VelocityVerletShort);
 
-impl Integrator for VelocityVerletShort {
+impl Method for VelocityVerletShort {
     fn spec(&self) -> &'static IntegratorSpec {
         &SPEC
     }
 
-    fn start(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<(), StepError> {
-        begin(&SPEC, dynamics, state, forces, dt, want)
-    }
-
-    fn step(
-        &mut self,
-        dynamics: &Dynamics,
-        state: &mut State,
-        forces: &mut dyn ForceProvider,
-        dt: f64,
-        want: Want,
-    ) -> Result<StepReport, StepError> {
-        check_suited(&SPEC, forces, dt)?;
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let dt = s.dt();
+        let masses = &s.system().masses;
+        let state = s.parts().state;
         self.old_forces.clone_from(&state.forces);
         let old_forces = &self.old_forces;
-        for_each_piece_pair(
-            &mut state.positions,
-            &mut state.velocities,
-            |first, xs, vs| {
-                for (i, (x, v)) in xs.iter_mut().zip(vs).enumerate() {
-                    let i = first + i;
-                    let a = old_forces[i] / dynamics.masses.of(i);
-                    *x += dt * *v + (0.5 * dt * dt) * a;
-                }
-            },
-        );
-        tick(state, dt);
-        evaluate(&SPEC, state, forces, want)?;
-        let new_forces = &state.forces;
-        for_each_piece(&mut state.velocities, |first, vs| {
-            for (i, v) in vs.iter_mut().enumerate() {
-                let i = first + i;
-                *v += (0.5 * dt / dynamics.masses.of(i)) * (old_forces[i] + new_forces[i]);
+        let velocities = &state.velocities;
+        for_each_piece(&mut state.positions, |first, xs| {
+            for (i, x) in (first..).zip(xs) {
+                let a = old_forces[i] / masses.of(i);
+                *x += dt * velocities[i] + (0.5 * dt * dt) * a;
             }
         });
-        Ok(StepReport {
-            force_evaluations: 1,
-            ..StepReport::default()
-        })
+        s.forces()?;
+        let state = s.parts().state;
+        let new_forces = &state.forces;
+        for_each_piece(&mut state.velocities, |first, vs| {
+            for (i, v) in (first..).zip(vs) {
+                *v += (0.5 * dt / masses.of(i)) * (old_forces[i] + new_forces[i]);
+            }
+        });
+        Ok(())
     }
 }

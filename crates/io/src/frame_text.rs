@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
-use lennard_core::{PeriodicBox, State};
+use lennard_core::State;
 use rayon::prelude::*;
 
 use crate::WriteError;
@@ -65,9 +65,7 @@ impl Default for FrameStyle {
 /// What a frame holds.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame<'a> {
-    /// The periodic box.
-    pub cell: &'a PeriodicBox,
-    /// Positions, velocities, forces, step and time.
+    /// Box, positions, velocities, forces, step and time.
     pub state: &'a State,
     /// More numbers for the header line (`potential_energy`, ε for the whole system unless the
     /// caller says otherwise). Not `energy`, `free_energy`, `stress`: ASE takes those for eV.
@@ -216,7 +214,7 @@ fn push_header(
 ) -> Result<(), WriteError> {
     push_integer(to, frame.state.len());
     to.extend_from_slice(b"\nLattice=\"");
-    let sides = frame.cell.lengths() * style.length_scale;
+    let sides = frame.state.cell.lengths() * style.length_scale;
     push_float(to, sides.x);
     to.extend_from_slice(b" 0.0 0.0 0.0 ");
     push_float(to, sides.y);
@@ -297,7 +295,7 @@ fn push_particle(
     };
     let position = finite("position", state.positions[i])?;
     let (written, image) = if style.wrapped {
-        let (wrapped, image) = frame.cell.split(position);
+        let (wrapped, image) = frame.state.cell.split(position);
         // The conversion to 32 bits saturates there: the flag would be wrong.
         if let Some(axis) = (0..3).find(|&a| matches!(image[a], i32::MIN | i32::MAX)) {
             return Err(NotFinite {

@@ -52,7 +52,7 @@ pub use record::{
     read_run_record_bytes,
 };
 pub use sink::{FileMark, Sink};
-pub use tables::{Cell, TableWriter, read_table_csv, read_table_csv_bytes, write_table_csv};
+pub use tables::{TableWriter, read_table_csv, read_table_csv_bytes, write_table_csv};
 pub use topology::write_topology_gro;
 pub use trajectory::{TrajectoryWriter, write_frame};
 pub use trajectory_reader::{

@@ -1,11 +1,11 @@
-//! Tables as CSV: one heading line, `name [unit]` or just `name` where there is no unit; then one row a
-//! line, numbers as the shortest text that reads back to the same bits, `nan` and `inf` where a
-//! value is not finite.
+//! Tables as CSV: one heading line, `name [unit]` or just `name` where there is no unit; then one row per
+//! line. A number is the shortest text that reads back to the same bits, `nan` or `inf` where it is not finite.
+//! A missing value is an empty field.
 
 use std::fs;
 use std::path::Path;
 
-use lennard_core::{Column, Table};
+use lennard_core::{Cell, Column, Table, Value};
 
 use crate::atomic::write_bytes_atomically;
 use crate::error::excerpt;
@@ -13,35 +13,6 @@ use crate::lines::open_regular;
 use crate::sink::WholeFile;
 use crate::text::{push_any_float, push_integer};
 use crate::{FileMark, FormatError, Sink, WriteError};
-
-/// An entry of a streamed row.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Cell {
-    /// A whole number, written without a point (a step).
-    Integer(u64),
-    /// Any other number.
-    Number(f64),
-}
-
-impl From<u64> for Cell {
-    fn from(value: u64) -> Self {
-        Self::Integer(value)
-    }
-}
-
-impl From<f64> for Cell {
-    fn from(value: f64) -> Self {
-        Self::Number(value)
-    }
-}
-
-fn heading(name: &str, unit: &str) -> String {
-    if unit.is_empty() {
-        name.to_string()
-    } else {
-        format!("{name} [{unit}]")
-    }
-}
 
 /// One record as CSV text, quoted where it must be.
 fn push_record<F: AsRef<[u8]>>(
@@ -56,12 +27,41 @@ fn push_record<F: AsRef<[u8]>>(
         .map_err(|e| WriteError::io(path, "write", std::io::Error::other(e)))
 }
 
-fn number_text(cell: Cell) -> Vec<u8> {
-    let mut text = Vec::new();
-    match cell {
-        Cell::Integer(value) => push_integer(&mut text, value),
-        Cell::Number(value) => push_any_float(&mut text, value),
+/// The headings of a column: its own, and one for the standard errors where it has any.
+fn headings(column: &Column) -> impl Iterator<Item = String> {
+    let error = column
+        .has_errors
+        .then(|| format!("{} standard error", column.name));
+    std::iter::once(column.heading()).chain(error)
+}
+
+/// The fields of a cell: its value, and its standard error where the column has any.
+fn fields(column: &Column, row: usize) -> impl Iterator<Item = Vec<u8>> {
+    let cell = &column.cells[row];
+    let error = column.has_errors.then(|| match cell.value {
+        Value::Measured { error, .. } => number_text(error),
+        _ => Vec::new(),
+    });
+    std::iter::once(field(cell)).chain(error)
+}
+
+/// The value of a cell.
+fn field(cell: &Cell) -> Vec<u8> {
+    match &cell.value {
+        Value::Missing => Vec::new(),
+        Value::Words(text) | Value::Figures(text) => text.clone().into_bytes(),
+        Value::Whole(value) => {
+            let mut text = Vec::new();
+            push_integer(&mut text, *value);
+            text
+        }
+        Value::Number { value, .. } | Value::Measured { value, .. } => number_text(*value),
     }
+}
+
+fn number_text(value: f64) -> Vec<u8> {
+    let mut text = Vec::new();
+    push_any_float(&mut text, value);
     text
 }
 
@@ -70,10 +70,8 @@ fn number_text(cell: Cell) -> Vec<u8> {
 /// # Errors
 /// Where the columns differ in length, there is none, or the operating system refuses.
 pub fn write_table_csv(path: &Path, table: &Table) -> Result<(), WriteError> {
-    let rows = table.columns.first().map_or(0, |c| c.values.len());
-    let ragged = table.columns.iter().any(|c| c.values.len() != rows);
-    if ragged || table.columns.is_empty() {
-        let lengths: Vec<usize> = table.columns.iter().map(|c| c.values.len()).collect();
+    let lengths: Vec<usize> = table.columns.iter().map(|c| c.cells.len()).collect();
+    if lengths.is_empty() || lengths.iter().any(|n| *n != table.rows()) {
         return Err(WriteError::Unwritable {
             path: path.to_path_buf(),
             what: "lengths of the columns",
@@ -82,11 +80,13 @@ pub fn write_table_csv(path: &Path, table: &Table) -> Result<(), WriteError> {
         });
     }
     let mut text = Vec::new();
-    let headings = table.columns.iter().map(|c| heading(&c.name, &c.unit));
-    push_record(&mut text, path, headings)?;
-    for row in 0..rows {
-        let cells = table.columns.iter().map(|c| Cell::Number(c.values[row]));
-        push_record(&mut text, path, cells.map(number_text))?;
+    push_record(&mut text, path, table.columns.iter().flat_map(headings))?;
+    for row in 0..table.rows() {
+        push_record(
+            &mut text,
+            path,
+            table.columns.iter().flat_map(|c| fields(c, row)),
+        )?;
     }
     write_bytes_atomically(path, &text)
 }
@@ -125,18 +125,7 @@ fn table_from_bytes(bytes: &[u8], name: &str, path: &Path) -> Result<Table, Form
     let headings = reader.byte_headers().map_err(malformed)?.clone();
     let mut columns: Vec<Column> = headings
         .iter()
-        .map(|text| {
-            let text = String::from_utf8_lossy(text);
-            let (name, unit) = text
-                .strip_suffix(']')
-                .and_then(|t| t.rsplit_once(" ["))
-                .unwrap_or((&text, ""));
-            Column {
-                name: name.into(),
-                unit: unit.into(),
-                values: Vec::new(),
-            }
-        })
+        .map(|text| Column::headed(&String::from_utf8_lossy(text)))
         .collect();
     if columns.is_empty() {
         return Err(content(1, "no heading".into(), "one heading line"));
@@ -145,11 +134,11 @@ fn table_from_bytes(bytes: &[u8], name: &str, path: &Path) -> Result<Table, Form
         let record = record.map_err(malformed)?;
         let line = record.position().map_or(1, csv::Position::line);
         for (column, field) in columns.iter_mut().zip(&record) {
-            let value = std::str::from_utf8(field)
+            let value: f64 = std::str::from_utf8(field)
                 .ok()
                 .and_then(|text| text.parse().ok())
                 .ok_or_else(|| content(line, excerpt(field), "a number"))?;
-            column.values.push(value);
+            column.cells.push(value.into());
         }
     }
     Ok(Table {
@@ -198,7 +187,9 @@ impl TableWriter {
             });
         }
         let mut text = Vec::new();
-        let headings = columns.iter().map(|(name, unit)| heading(name, unit));
+        let headings = columns
+            .iter()
+            .map(|(name, unit)| Column::new(*name, *unit).heading());
         push_record(&mut text, file.path(), headings)?;
         file.append(&text)?;
         file.records_start_here();
@@ -223,7 +214,9 @@ impl TableWriter {
         push_record(
             &mut wanted,
             path,
-            columns.iter().map(|(name, unit)| heading(name, unit)),
+            columns
+                .iter()
+                .map(|(name, unit)| Column::new(*name, *unit).heading()),
         )?;
         let found = read_start(path, wanted.len())
             .map_err(|e| WriteError::io(path, "open the file to go on", e))?;
@@ -255,16 +248,7 @@ impl TableWriter {
     pub fn write(&mut self, row: &[Cell]) -> Result<(), WriteError> {
         assert_eq!(row.len(), self.columns, "one cell for each heading");
         self.text.clear();
-        for (i, &cell) in row.iter().enumerate() {
-            if i > 0 {
-                self.text.push(b',');
-            }
-            match cell {
-                Cell::Integer(value) => push_integer(&mut self.text, value),
-                Cell::Number(value) => push_any_float(&mut self.text, value),
-            }
-        }
-        self.text.push(b'\n');
+        push_record(&mut self.text, self.file.path(), row.iter().map(field))?;
         self.file.append(&self.text)
     }
 

@@ -1,11 +1,11 @@
-//! The brute-force twin: every pair looked at, no grid, no list.
+//! The brute-force search: it looks at every pair, without a grid and without a list.
 
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 
 /// All pairs (i, j), i < j, with minimum-image distance r ≤ `radius` σ, in ascending order.
 ///
-/// O(N²): for tests, and for systems so small that nothing else pays.
+/// The cost is O(N²): it serves tests, and systems so small that no list pays.
 #[must_use]
 pub fn brute_force_pairs(cell: &PeriodicBox, positions: &[DVec3], radius: f64) -> Vec<(u32, u32)> {
     let mut pairs = Vec::new();

@@ -1,38 +1,38 @@
-//! Neighbor lists: a cell grid with periodic images, full Verlet lists built from it, the displacement
-//! criterion that keeps them valid, and the brute-force twin that judges them.
+//! Neighbor lists: particles sorted in space, full Verlet lists, the criterion of their validity, and a brute-force search.
 //!
-//! Lists are *full*: they name all neighbors of a particle, so a force loop writes to nobody else and gives the
-//! same bits for any number of threads. A [`NeighborList`] has one for each particle, over particles sorted in space
-//! into *rows*, in which periodic images are rows of their own (*ghosts*), so that a force loop needs no minimum image.
-//! A [`SharedList`] has one for every four particles, over coordinates in fixed point, whose differences find the image.
+//! Lists are *full*: they contain all neighbors of a particle. A force loop writes the force of its own particle only,
+//! and the result has the same bits for any number of threads.
+//!
+//! A [`NeighborList`] has one list per particle. Particles are sorted into *rows*. Periodic images are rows of their
+//! own (*ghosts*), so that a force loop needs no minimum image.
+//!
+//! A [`ClusterList`] has one list per *cluster* of four particles. Coordinates are in fixed point, and their differences
+//! find the nearest image.
+//!
+//! A list owns no box. The caller gives the box of each build.
 
-mod blocks;
 mod brute;
-mod columns;
-mod counting;
-mod criterion;
-mod grid;
-mod list;
-mod missing;
-mod reach;
-mod scan;
-mod shared;
-mod shared_scan;
+mod clusters;
+mod room;
+mod rows;
 pub mod skin;
-mod ways;
+mod sort;
+mod unlisted;
+mod validity;
 
-pub use blocks::{BLOCK, Block, ENTRY, SharedBlocks, SharedChunk, Span, amid};
 pub use brute::{brute_force_pairs, for_each_pair};
-pub use columns::{ColumnTable, FIXED_ROUNDING, FIXED_UNITS, to_fixed};
-pub use counting::Given;
-pub use criterion::{Criterion, MANY, Verdict};
-pub use grid::{Ghost, GridError, RowTable};
-pub use list::{ATOMS_PER_CHUNK, Entries, Images, ListChunk, NeighborList};
-pub use missing::{Cells, Moves, missed_pairs};
-pub use scan::{Candidates, Center, Names, Nearby, PADDING, RowScanner, ScalarScanner};
-pub use shared::SharedList;
-pub use shared_scan::{
-    Around, FOR_ALL, FOR_FIRST_TWO, FOR_LAST_TWO, Found, Gathered, SHARERS, ScalarSharedScanner,
-    SharedScanner,
+pub use clusters::{
+    ALL_MEMBERS, BLOCK, Block, CLUSTER, ClusterBlocks, ClusterChunk, ClusterList, ClusterNeighbors,
+    ClusterScanner, ENTRY_SCALE, FIRST_HALF, GroupBounds, GroupCandidates, Reach, SECOND_HALF,
+    ScalarClusterScanner, Span, cluster_center,
 };
-pub use ways::{Way, Ways};
+pub use rows::{
+    ATOMS_PER_CHUNK, Candidates, Center, Entries, Images, ListChunk, NeighborList, Numbering,
+    RowScanner, ScalarScanner,
+};
+pub use sort::{
+    Cells, ColumnTable, FIXED_ROUNDING, FIXED_UNITS, Ghost, GridError, PADDING, Positions,
+    RowCoordinates, RowTable, to_fixed,
+};
+pub use unlisted::{DisplacementScale, Displacements, PackedDisplacement, unlisted_pairs};
+pub use validity::{Criterion, LARGE_SYSTEM, Validity};

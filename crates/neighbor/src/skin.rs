@@ -1,17 +1,18 @@
-//! The skin near the cheapest, from a model of the costs: a function of the scene, never of a clock.
+//! The cheapest skin, from a model of the costs: a function of the scene, never of a clock.
 
 use std::f64::consts::PI;
 
-/// Smallest skin that is ever chosen, σ: below it a list lasts a step or two.
+/// Smallest skin of the model, σ: a list with a thinner skin lasts one or two steps.
 const SMALLEST_SKIN: f64 = 0.05;
-/// Largest skin that is ever chosen, σ.
+/// Largest skin of the model, σ.
 const LARGEST_SKIN: f64 = 1.5;
 
-/// The speed that one particle in [`Limits::far_among`](crate::criterion::Limits) exceeds, in units of the thermal speed: when
-/// so many moved by more than half the skin, a list is built anew.
+/// The speed that one particle in [`Limits::far_among`](crate::validity::Limits) exceeds, in units of the thermal speed.
+///
+/// A list expires when so many particles have moved by more than half the skin.
 const FEW_EXCEED: f64 = 2.975;
 
-/// What the choice depends on.
+/// The arguments of the cost model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkinInputs {
     /// Number of particles.
@@ -24,15 +25,16 @@ pub struct SkinInputs {
     pub dt: f64,
     /// Cutoff, σ.
     pub r_cut: f64,
-    /// Cost of building the list over cost of one force loop with it, as `benches/NOTES.md` records it. The optimum is
-    /// flat in it.
+    /// Cost of one list build over cost of one force loop, as `benches/NOTES.md` records it.
+    ///
+    /// The cheapest skin depends on it weakly.
     pub build_over_force: f64,
 }
 
-/// The speed at which some pair among `pairs` comes closer, typically, in units of the thermal speed √T.
+/// The typical closing speed of the fastest pair among `pairs`, in units of the thermal speed √T.
 ///
-/// √2·u, with u the root of pairs·φ(u)/u³ = 1, φ the normal density: of pairs that start beyond r_list, N·2πr²ρ·s within
-/// a skin s of it, one is expected to have crossed the skin.
+/// It is √2·u, where u is the root of pairs·φ(u)/u³ = 1 and φ is the normal density.
+/// N·2πr²ρ·s pairs start beyond r_list, within a skin s of it. One of them is expected to have crossed the skin.
 #[must_use]
 pub fn fastest_closing(pairs: f64) -> f64 {
     let mut u = 3.0_f64;
@@ -43,7 +45,9 @@ pub fn fastest_closing(pairs: f64) -> f64 {
     2.0_f64.sqrt() * u
 }
 
-/// The speed at which a skin of `skin` σ is used up, σ/τ: that of the first pair, or that at which too many have moved far.
+/// The speed at which a skin of `skin` σ is used up, σ/τ.
+///
+/// It is the speed of the fastest pair, or the speed at which too many particles have moved far.
 fn closing(inputs: &SkinInputs, skin: f64) -> f64 {
     let radius = inputs.r_cut + skin;
     let pairs = inputs.n_atoms as f64 * 2.0 * PI * radius * radius * inputs.density * skin;
@@ -55,12 +59,12 @@ fn closing(inputs: &SkinInputs, skin: f64) -> f64 {
 ///
 /// cost(s) = (r_cut + s)³·(1 + b·c·dt/s),
 ///
-/// in which the force loop and the build (b force loops) grow with the volume of the list sphere, and a
-/// list lasts for s/(c·dt) steps, with c the speed of the pair that closes in fastest, in free flight.
+/// The force loop and the build (b force loops) grow with the volume of the list sphere.
+/// A list lasts for s/(c·dt) steps, where c is the speed of the pair that closes in fastest, in free flight.
 #[must_use]
 pub fn cheapest_skin(inputs: &SkinInputs) -> f64 {
     let mut skin = 0.1 * inputs.r_cut;
-    // The speed hardly depends on the skin.
+    // The iteration converges quickly, since the speed depends weakly on the skin.
     for _ in 0..20 {
         // d(cost)/ds = 0 is 3s² + 2k·s − k·r_cut = 0 with k = b·c·dt.
         let k = inputs.build_over_force * closing(inputs, skin) * inputs.dt;
@@ -76,7 +80,7 @@ pub fn cheapest_skin(inputs: &SkinInputs) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::criterion::Limits;
+    use crate::validity::Limits;
 
     fn inputs(temperature: f64, dt: f64) -> SkinInputs {
         SkinInputs {
@@ -98,13 +102,13 @@ mod tests {
             assert!((expected - 1.0).abs() < 1e-6, "{expected}");
             assert!((least..1.25 * least).contains(&c), "{c}");
         }
-        // Where there are hardly any pairs, nothing is near zero or no number.
+        // With hardly any pairs, the result is neither near zero nor NaN.
         assert!((1.0..2.0).contains(&fastest_closing(0.0)));
     }
 
     #[test]
     fn as_many_are_fast_as_the_criterion_lets_move_far() {
-        // The Maxwell density √(2/π)·u²·exp(−u²/2), in the middle of steps; nobody is faster than 12.
+        // The Maxwell density √(2/π)·u²·exp(−u²/2) by the midpoint rule; speeds above 12 do not occur.
         let width = 1e-3;
         let steps = ((12.0 - FEW_EXCEED) / width) as usize;
         let density = |u: f64| (2.0 / PI).sqrt() * u * u * (-0.5 * u * u).exp();
@@ -112,7 +116,7 @@ mod tests {
             .map(|k| width * density(FEW_EXCEED + (k as f64 + 0.5) * width))
             .sum();
         assert!(
-            (chance * Limits::FEW.far_among as f64 - 1.0).abs() < 0.01,
+            (chance * Limits::SMALL.far_among as f64 - 1.0).abs() < 0.01,
             "{chance}"
         );
     }

@@ -1,5 +1,6 @@
 //! The list of observables: one line for each.
 
+use lennard_core::options::{Keys, Options};
 use lennard_core::{Observable, ObservableSpec, PeriodicBox};
 use serde::{Deserialize, Serialize};
 
@@ -29,7 +30,7 @@ impl BuildContext {
 }
 
 /// What the options type of an observable provides: the list is made of these.
-pub trait Recipe {
+pub trait Recipe: Options {
     /// What the observable declares about itself.
     const SPEC: &'static ObservableSpec;
 
@@ -68,6 +69,12 @@ macro_rules! catalog {
                 match self {
                     $(Self::$variant(o) => o.default_every(),)*
                 }
+            }
+
+            /// The scene keys of every observable, by its name.
+            #[must_use]
+            pub fn keys() -> Vec<(&'static str, Keys)> {
+                vec![$((<$options as Recipe>::SPEC.name, <$options as Options>::KEYS),)*]
             }
 
             /// Every observable with its default options, in the order of the list.

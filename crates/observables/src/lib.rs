@@ -21,6 +21,7 @@ mod msd;
 mod pairs;
 mod pressure_tensor;
 mod rdf;
+mod seen_box;
 mod series;
 pub mod statistics;
 mod structure_factor;

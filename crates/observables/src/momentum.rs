@@ -4,7 +4,6 @@ use lennard_core::{
     Average, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
     Table, View, Want,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::series::{Series, impl_columns};
 use crate::{BuildContext, ObservableError, Recipe, statistics};
@@ -20,10 +19,10 @@ const SPEC: ObservableSpec = ObservableSpec {
 /// Rows kept before neighbors are averaged in pairs.
 const MOST_ROWS: usize = 1 << 14;
 
-/// Options of [`Momentum`]: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct MomentumOptions {}
+lennard_core::options! {
+    /// Options of [`Momentum`]: there are none.
+    pub struct MomentumOptions {}
+}
 
 impl Recipe for MomentumOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
@@ -79,7 +78,7 @@ impl Observable for Momentum {
 
     fn sample(&mut self, view: &View<'_>) {
         let state = view.state;
-        let p = view.dynamics.momentum(&state.velocities) / state.len() as f64;
+        let p = view.system.momentum(&state.velocities) / state.len() as f64;
         self.largest = self.largest.max(p.length());
         self.series.push(&[state.time, p.x, p.y, p.z]);
     }

@@ -7,12 +7,12 @@ use lennard_core::{
     DVec3, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
     StateWriter, Table, View, Want,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::averages::{of_blocks, tell_discarded, with_choice};
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::linear_regime::{LagCurve, LinearFit, fit_linear_regime};
+use crate::seen_box::SeenBox;
 use crate::tracked::{DEFAULT_TRACKED, Tracked, sum_over_pairs};
 use crate::{BuildContext, ObservableError, Recipe};
 
@@ -37,34 +37,19 @@ const BLOCKS: usize = 64;
 /// Relative difference of two sides below which a box counts as a cube.
 const CUBE_TOLERANCE: f64 = 1e-9;
 
-/// Options of [`MeanSquareDisplacement`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct MsdOptions {
-    /// Longest lag in τ.
-    pub longest_lag: f64,
-    /// Shortest lag of the straight-line fit in τ; by default where the slope stops changing.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fit_from: Option<f64>,
-    /// Longest lag of the fit in τ; by default a twentieth of the run.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fit_to: Option<f64>,
-    /// Shear viscosity in ε τ/σ³, for the finite-size correction of Yeh and Hummer in a cubic box.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub viscosity: Option<f64>,
-    /// Number of particles followed, evenly chosen.
-    pub particles: usize,
-}
-
-impl Default for MsdOptions {
-    fn default() -> Self {
-        Self {
-            longest_lag: 100.0,
-            fit_from: None,
-            fit_to: None,
-            viscosity: None,
-            particles: DEFAULT_TRACKED,
-        }
+lennard_core::options! {
+    /// Options of [`MeanSquareDisplacement`].
+    pub struct MsdOptions {
+        /// Longest lag.
+        longest_lag: f64 = 100.0, Positive, in "τ";
+        /// Shortest lag of the straight-line fit for the diffusion coefficient.
+        fit_from: Option<f64> = None, else "where the slope stops changing", Positive, in "τ";
+        /// Longest lag of the fit.
+        fit_to: Option<f64> = None, else "a twentieth of the run", Positive, in "τ";
+        /// Shear viscosity for the finite-size correction of Yeh and Hummer.
+        viscosity: Option<f64> = None, else "the reference table's, where it has one near", Positive, in "ε τ/σ³";
+        /// Number of particles followed, evenly chosen.
+        particles: usize = DEFAULT_TRACKED, Whole(1, 10_000_000);
     }
 }
 
@@ -95,6 +80,7 @@ pub struct MeanSquareDisplacement {
     options: MsdOptions,
     context: BuildContext,
     tracked: Tracked,
+    seen: SeenBox,
     samples: u64,
     levels: Vec<VecDeque<Vec<DVec3>>>,
     displacements: BlockedSums,
@@ -129,6 +115,7 @@ impl MeanSquareDisplacement {
             options: options.clone(),
             context: *context,
             tracked: Tracked::new(context.n_atoms, options.particles),
+            seen: SeenBox::new(&context.cell),
             samples: 0,
             levels: vec![VecDeque::new(); levels],
             displacements: BlockedSums::new(levels * POINTS as usize, BLOCKS),
@@ -173,14 +160,14 @@ impl MeanSquareDisplacement {
     }
 
     fn is_cubic(&self) -> bool {
-        let sides = self.context.cell.lengths();
+        let sides = self.seen.sides();
         (sides.max_element() - sides.min_element()) / sides.max_element() < CUBE_TOLERANCE
     }
 
     /// What finite size takes away from D in a periodic cube, 2.837297 T/(6πηL), in σ²/τ.
     fn finite_size_correction(&self, viscosity: f64) -> f64 {
         let temperature = self.temperatures / self.samples as f64;
-        YEH_HUMMER_XI * temperature / (6.0 * PI * viscosity * self.context.cell.lengths().x)
+        YEH_HUMMER_XI * temperature / (6.0 * PI * viscosity * self.seen.sides().x)
     }
 
     fn report(&self, fit: &LinearFit, findings: &mut Findings) {
@@ -234,9 +221,10 @@ impl Observable for MeanSquareDisplacement {
     }
 
     fn sample(&mut self, view: &View<'_>) {
+        self.seen.see(view.cell());
         let now = self
             .tracked
-            .relative_to_centre_of_mass(view.dynamics, &view.state.positions);
+            .relative_to_centre_of_mass(view.system, &view.state.positions);
         let weight = 1.0 / now.len().max(1) as f64;
         self.displacements.begin_sample();
         for (level, history) in self.levels.iter_mut().enumerate() {
@@ -253,7 +241,7 @@ impl Observable for MeanSquareDisplacement {
             history.truncate(POINTS as usize - 1);
             history.push_front(now.clone());
         }
-        self.temperatures += view.dynamics.temperature(&view.state.velocities);
+        self.temperatures += view.temperature();
         self.samples += 1;
     }
 
@@ -299,6 +287,7 @@ impl Persist for MeanSquareDisplacement {
         to.put_u64("samples", &[self.samples]);
         to.put_f64("temperatures", &[self.temperatures]);
         self.displacements.save(&mut to.section("displacements"));
+        self.seen.save(&mut to.section("box"));
         for (level, history) in self.levels.iter().enumerate() {
             let all: Vec<DVec3> = history.iter().flatten().copied().collect();
             to.put_vec3(&format!("level_{level}"), &all);
@@ -309,6 +298,7 @@ impl Persist for MeanSquareDisplacement {
         [self.samples] = from.u64s("samples")?;
         [self.temperatures] = from.f64s("temperatures")?;
         self.displacements.restore(&from.section("displacements"))?;
+        self.seen.restore(&from.section("box"))?;
         let n = self.tracked.len();
         for (level, history) in self.levels.iter_mut().enumerate() {
             let name = format!("level_{level}");

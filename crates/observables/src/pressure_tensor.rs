@@ -4,9 +4,9 @@ use lennard_core::{
     DMat3, DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
     StateWriter, Table, View, Want, parallel,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::averages::of_series;
+use crate::seen_box::SeenBox;
 use crate::series::{Series, impl_columns};
 use crate::{BuildContext, ObservableError, Recipe};
 
@@ -23,10 +23,10 @@ const SPEC: ObservableSpec = ObservableSpec {
 /// Rows kept before neighbors are averaged in pairs.
 const MOST_ROWS: usize = 1 << 16;
 
-/// Options of [`PressureTensor`]: there are none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct PressureTensorOptions {}
+lennard_core::options! {
+    /// Options of [`PressureTensor`]: there are none.
+    pub struct PressureTensorOptions {}
+}
 
 impl Recipe for PressureTensorOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
@@ -68,7 +68,7 @@ impl_columns!(Rows {
 /// symmetric; its two halves are averaged.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PressureTensor {
-    context: BuildContext,
+    seen: SeenBox,
     series: Series<Rows>,
 }
 
@@ -77,7 +77,7 @@ impl PressureTensor {
     #[must_use]
     pub fn new(context: &BuildContext) -> Self {
         Self {
-            context: *context,
+            seen: SeenBox::new(&context.cell),
             series: Series::new(Rows::default(), MOST_ROWS),
         }
     }
@@ -86,7 +86,7 @@ impl PressureTensor {
     #[must_use]
     pub fn of(view: &View<'_>) -> Option<DMat3> {
         let (velocities, forces) = (&view.state.velocities, &view.state.forces);
-        let masses = &view.dynamics.masses;
+        let masses = &view.system.masses;
         // The mean of m·v⊗v over the half steps on both sides, as in the scalar pressure: m·v⊗v + (h/2)²·F⊗F/m.
         let quarter = view.half_kick_step.map_or(0.0, |h| 0.25 * h * h);
         let kinetic = parallel::ordered_sum(velocities.len(), |range| {
@@ -97,10 +97,10 @@ impl PressureTensor {
                 })
                 .sum::<DMat3>()
         });
-        let degrees = 3.0 * velocities.len() as f64 / view.dynamics.n_dof;
+        let degrees = 3.0 * velocities.len() as f64 / view.n_dof();
         let virial = view.state.energetics.virial?;
         let symmetric = (virial + virial.transpose()) * 0.5;
-        Some((kinetic * degrees + symmetric) * (1.0 / view.cell.volume()))
+        Some((kinetic * degrees + symmetric) * (1.0 / view.cell().volume()))
     }
 }
 
@@ -124,6 +124,7 @@ impl Observable for PressureTensor {
     /// Where the state lacks what [`Observable::want`] asks for: that is a bug of the caller.
     fn sample(&mut self, view: &View<'_>) {
         let p = Self::of(view).expect("the force evaluation gives what the observable wants");
+        self.seen.see(view.cell());
         let tail = view.tail.unwrap_or_default().pressure;
         self.series.push(&[
             view.state.time,
@@ -144,7 +145,7 @@ impl Observable for PressureTensor {
             average.estimate.equilibration_cut *= self.series.stride();
             average
         };
-        let length = self.context.cell.lengths().z;
+        let length = self.seen.sides().z;
         let tension: Vec<f64> = (0..rows.xx.len())
             .map(|i| 0.5 * length * (rows.zz[i] - 0.5 * (rows.xx[i] + rows.yy[i])))
             .collect();
@@ -185,9 +186,11 @@ impl Observable for PressureTensor {
 impl Persist for PressureTensor {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.series.save(&mut to.section("series"));
+        self.seen.save(&mut to.section("box"));
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.series.restore(&from.section("series"))
+        self.series.restore(&from.section("series"))?;
+        self.seen.restore(&from.section("box"))
     }
 }

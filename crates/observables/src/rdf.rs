@@ -1,16 +1,16 @@
 //! The radial distribution function.
 
 use lennard_core::{
-    Findings, Observable, ObservableSpec, PeriodicBox, Persist, RestoreError, StateReader,
-    StateWriter, Table, View, Want,
+    Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter, Table,
+    View, Want,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::extrema::{Extremum, extrema, fitted_extremum, smoothed};
 use crate::pairs::count_distances;
+use crate::seen_box::SeenBox;
 use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -50,23 +50,13 @@ const SHARPEST_FITTED: f64 = 0.8;
 /// Where g(r) does not fall below this after its first peak there is no shell of neighbors to be counted: a gas has none.
 const SHELL_BELOW: f64 = 0.9;
 
-/// Options of [`RadialDistribution`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct RdfOptions {
-    /// Largest distance in σ, at most half the shortest side; by default the smaller of that and 6 σ.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub r_max: Option<f64>,
-    /// Number of bins of equal width.
-    pub bins: usize,
-}
-
-impl Default for RdfOptions {
-    fn default() -> Self {
-        Self {
-            r_max: None,
-            bins: 300,
-        }
+lennard_core::options! {
+    /// Options of [`RadialDistribution`].
+    pub struct RdfOptions {
+        /// Largest distance.
+        r_max: Option<f64> = None, else "the smaller of half the shortest side and 6", Words("a number above 0, at most half the shortest box side"), in "σ";
+        /// Number of bins of equal width.
+        bins: usize = 300, Whole(1, 100_000);
     }
 }
 
@@ -86,7 +76,7 @@ impl Recipe for RdfOptions {
 ///
 /// Bin k holds the pairs with k·w ≤ r < (k + 1)·w, w = r_max/bins, and
 ///
-/// g_k = 2·⟨pairs in the bin⟩·V / (N(N − 1)·(4π/3)(r_{k+1}³ − r_k³)),
+/// g_k = 2·⟨pairs in the bin·V⟩ / (N(N − 1)·(4π/3)(r_{k+1}³ − r_k³)),
 ///
 /// normalised by the number of *other* particles, N − 1: for an ideal gas of any N it is exactly 1. (With N in
 /// place of N − 1, as some programs have it, it would be smaller by 1/N.) The error of each bin comes from
@@ -96,7 +86,7 @@ impl Recipe for RdfOptions {
 /// around them, and their errors come from a jackknife over blocks of the run in which the extrema move along.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RadialDistribution {
-    cell: PeriodicBox,
+    seen: SeenBox,
     n_atoms: usize,
     r_max: f64,
     bins: usize,
@@ -121,7 +111,7 @@ impl RadialDistribution {
         }
         within("bins", options.bins, 1..=100_000)?;
         Ok(Self {
-            cell: context.cell,
+            seen: SeenBox::new(&context.cell),
             n_atoms: context.n_atoms,
             r_max,
             bins: options.bins,
@@ -141,12 +131,12 @@ impl RadialDistribution {
             .collect()
     }
 
-    /// What a pair count in bin `k` is multiplied by to give g.
+    /// What a pair count in bin `k`, weighted by the volume of its sample, is multiplied by to give g.
     fn normalisation(&self, k: usize) -> f64 {
         let n = self.n_atoms as f64;
         let (inner, outer) = (k as f64 * self.width(), (k + 1) as f64 * self.width());
         let shell = 4.0 / 3.0 * std::f64::consts::PI * (outer.powi(3) - inner.powi(3));
-        2.0 * self.cell.volume() / (n * (n - 1.0) * shell)
+        2.0 * self.seen.first_volume() / (n * (n - 1.0) * shell)
     }
 
     /// g(r) in each bin with its standard error.
@@ -171,7 +161,12 @@ impl RadialDistribution {
         let whole = (bins.floor() as usize).min(pairs.len());
         let inner: f64 = pairs[..whole].iter().sum();
         let last = pairs.get(whole).map_or(0.0, |p| p * bins.fract());
-        2.0 / self.n_atoms as f64 * (inner + last)
+        self.neighbors_per_pair() * (inner + last)
+    }
+
+    /// Neighbors of a particle for each pair that is counted, with the mean weight of the samples taken off.
+    fn neighbors_per_pair(&self) -> f64 {
+        2.0 / self.n_atoms as f64 / (self.seen.volume() / self.seen.first_volume())
     }
 
     fn distribution_from(&self, pairs: &[f64]) -> Vec<f64> {
@@ -309,12 +304,15 @@ impl Observable for RadialDistribution {
     }
 
     fn sample(&mut self, view: &View<'_>) {
-        let found = count_distances(&view.state.positions, view.cell, self.r_max, self.bins);
+        let cell = view.cell();
+        self.seen.see(cell);
+        let weight = cell.volume() / self.seen.first_volume();
+        let found = count_distances(&view.state.positions, cell, self.r_max, self.bins);
         self.counts.begin_sample();
         let (sums, counts) = self.counts.current();
         for ((sum, count), pairs) in sums.iter_mut().zip(counts).zip(found) {
-            // Whole numbers below 2⁵³ add exactly.
-            *sum += pairs as f64;
+            // In a box that stays, whole numbers below 2⁵³ add exactly.
+            *sum += weight * pairs as f64;
             *count += 1;
         }
     }
@@ -326,7 +324,7 @@ impl Observable for RadialDistribution {
             return findings;
         }
         let (g, error) = self.distribution_of(&counts);
-        let factor = 2.0 / self.n_atoms as f64;
+        let factor = self.neighbors_per_pair();
         let running: Vec<f64> = (0..self.bins)
             .scan(0.0, |sum, k| {
                 *sum += counts.mean(k).unwrap_or(f64::NAN) * factor;
@@ -335,6 +333,12 @@ impl Observable for RadialDistribution {
             .collect();
         self.add_peaks(&counts, &mut findings, &g, &error);
         tell_discarded(&mut findings, self.counts.samples() - counts.samples());
+        let valid = self.seen.half_shortest();
+        if valid < self.r_max {
+            findings.remarks.push(format!(
+                "g(r) counts up to half the box, which was {valid:.3} σ at its smallest: beyond, pairs are missing"
+            ));
+        }
         findings.tables.insert(
             0,
             Table::new(
@@ -359,10 +363,12 @@ impl Observable for RadialDistribution {
 impl Persist for RadialDistribution {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.counts.save(&mut to.section("counts"));
+        self.seen.save(&mut to.section("box"));
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.counts.restore(&from.section("counts"))
+        self.counts.restore(&from.section("counts"))?;
+        self.seen.restore(&from.section("box"))
     }
 }
 

@@ -7,12 +7,12 @@ use lennard_core::{
     StateWriter, Table, View, Want,
 };
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::extrema::{extrema, fitted_extremum};
+use crate::seen_box::SeenBox;
 use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -42,25 +42,15 @@ const PEAK_HALF_WIDTH: f64 = 0.8;
 /// The largest multiple of 2π/L along an axis.
 const LARGEST_MULTIPLE: f64 = 4096.0;
 
-/// Options of [`StructureFactor`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct StructureFactorOptions {
-    /// Largest wave number in σ⁻¹.
-    pub k_max: f64,
-    /// Number of shells of equal width between 0 and `k_max`.
-    pub shells: usize,
-    /// Wave vectors tried in each shell.
-    pub directions: usize,
-}
-
-impl Default for StructureFactorOptions {
-    fn default() -> Self {
-        Self {
-            k_max: 15.0,
-            shells: 75,
-            directions: 24,
-        }
+lennard_core::options! {
+    /// Options of [`StructureFactor`].
+    pub struct StructureFactorOptions {
+        /// Largest wave number.
+        k_max: f64 = 15.0, Positive, in "σ⁻¹";
+        /// Number of shells of equal width between 0 and `k_max`.
+        shells: usize = 75, Whole(1, 1000);
+        /// Wave vectors tried in each shell.
+        directions: usize = 24, Whole(1, 1000);
     }
 }
 
@@ -83,10 +73,8 @@ impl Recipe for StructureFactorOptions {
 /// of its vectors. For an ideal gas S = 1 at every k.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureFactor {
-    cell: PeriodicBox,
+    seen: SeenBox,
     vectors: Vec<WaveVector>,
-    /// Mean wave number of each shell that holds a vector.
-    wave_numbers: Vec<f64>,
     factors: BlockedSums,
 }
 
@@ -145,31 +133,37 @@ impl StructureFactor {
         vectors.sort_by_key(|v| (v.shell, v.multiples));
         vectors.dedup();
         // Shells without a vector are left out: the others are numbered anew.
-        let mut wave_numbers: Vec<f64> = Vec::new();
-        let mut members = 0.0;
+        let mut shells = 0;
         let mut last = None;
         for v in &mut vectors {
-            let length = (glam::IVec3::from_array(v.multiples).as_dvec3() * unit).length();
             if last != Some(v.shell) {
                 last = Some(v.shell);
-                wave_numbers.push(0.0);
-                members = 0.0;
+                shells += 1;
             }
-            v.shell = wave_numbers.len() - 1;
-            members += 1.0;
-            let mean = &mut wave_numbers[v.shell];
-            *mean += (length - *mean) / members;
+            v.shell = shells - 1;
         }
         Ok(Self {
-            cell: context.cell,
-            factors: BlockedSums::new(wave_numbers.len(), BLOCKS),
+            seen: SeenBox::new(&context.cell),
+            factors: BlockedSums::new(shells, BLOCKS),
             vectors,
-            wave_numbers,
         })
     }
 
+    /// Mean wave number of each shell in σ⁻¹, for the mean sides of the box.
+    fn wave_numbers(&self) -> Vec<f64> {
+        let unit = 2.0 * PI / self.seen.sides();
+        let mut means = vec![0.0; self.factors.width()];
+        let mut members = vec![0.0; means.len()];
+        for v in &self.vectors {
+            let length = (glam::IVec3::from_array(v.multiples).as_dvec3() * unit).length();
+            members[v.shell] += 1.0;
+            means[v.shell] += (length - means[v.shell]) / members[v.shell];
+        }
+        means
+    }
+
     /// Σ_j exp(−i k·r_j) for each wave vector, as real and imaginary part.
-    fn densities(&self, positions: &[DVec3]) -> Vec<[f64; 2]> {
+    fn densities(&self, positions: &[DVec3], cell: &PeriodicBox) -> Vec<[f64; 2]> {
         let highest = |axis: usize| {
             self.vectors
                 .iter()
@@ -182,7 +176,7 @@ impl StructureFactor {
             .par_chunks(PARTICLES_A_CHUNK)
             .map(|chunk| {
                 let phases: [Phases; 3] =
-                    std::array::from_fn(|axis| Phases::new(chunk, &self.cell, axis, highest[axis]));
+                    std::array::from_fn(|axis| Phases::new(chunk, cell, axis, highest[axis]));
                 self.vectors
                     .iter()
                     .map(|v| {
@@ -269,7 +263,8 @@ impl Observable for StructureFactor {
     }
 
     fn sample(&mut self, view: &View<'_>) {
-        let densities = self.densities(&view.state.positions);
+        self.seen.see(view.cell());
+        let densities = self.densities(&view.state.positions, view.cell());
         let n = view.state.len() as f64;
         self.factors.begin_sample();
         for (v, [re, im]) in self.vectors.iter().zip(densities) {
@@ -283,19 +278,20 @@ impl Observable for StructureFactor {
         if factors.samples() == 0 {
             return findings;
         }
-        let shells = 0..self.wave_numbers.len();
+        let wave_numbers = self.wave_numbers();
+        let shells = 0..wave_numbers.len();
         let values: Vec<f64> = shells
             .clone()
             .map(|k| factors.mean(k).unwrap_or(f64::NAN))
             .collect();
         let errors: Vec<f64> = shells.map(|k| factors.standard_error(k)).collect();
-        let found = extrema(&self.wave_numbers, &values, |k| {
+        let found = extrema(&wave_numbers, &values, |k| {
             let noise = if errors[k].is_nan() { 0.0 } else { errors[k] };
             SMALLEST_PROMINENCE.max(PROMINENCE_SIGMAS * noise)
         });
         match found.iter().find(|e| e.maximum) {
             Some(peak) => {
-                let k = &self.wave_numbers;
+                let k = &wave_numbers;
                 let top = |values: &[f64]| {
                     fitted_extremum(k, values, peak.place, PEAK_HALF_WIDTH, true)
                         // Where shells are few, and in a crystal, the peak is one shell.
@@ -327,7 +323,7 @@ impl Observable for StructureFactor {
                     factors.samples()
                 ),
             )
-            .with("k", "σ⁻¹", self.wave_numbers.clone())
+            .with("k", "σ⁻¹", wave_numbers.clone())
             .with("structure_factor", "", values)
             .with("standard_error", "", errors),
         );
@@ -338,10 +334,12 @@ impl Observable for StructureFactor {
 impl Persist for StructureFactor {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.factors.save(&mut to.section("factors"));
+        self.seen.save(&mut to.section("box"));
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.factors.restore(&from.section("factors"))
+        self.factors.restore(&from.section("factors"))?;
+        self.seen.restore(&from.section("box"))
     }
 }
 

@@ -1,7 +1,7 @@
 //! States for tests.
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, Dynamics, PeriodicBox, State, View};
+use lennard_core::{DVec3, PeriodicBox, State, System, View};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
 use crate::BuildContext;
@@ -19,15 +19,8 @@ pub(crate) fn context(side: f64, n_atoms: usize) -> BuildContext {
 /// Shows a state at rest with the positions given.
 pub(crate) fn view_of(cell: &PeriodicBox, positions: Vec<DVec3>, mut look: impl FnMut(&View<'_>)) {
     let n = positions.len();
-    let state = State::new(positions, vec![DVec3::ZERO; n]);
-    look(&View {
-        state: &state,
-        dynamics: &Dynamics::fluid(n),
-        cell,
-        tail: None,
-        heat: 0.0,
-        half_kick_step: None,
-    });
+    let state = State::new(*cell, positions, vec![DVec3::ZERO; n]);
+    look(&View::of(&state, &System::atoms(n)));
 }
 
 /// Standard normal vectors, a pure function of (seed, step, particle).

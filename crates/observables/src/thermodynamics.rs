@@ -9,9 +9,11 @@ use lennard_core::{
     DVec3, Estimate, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
     StateWriter, View, Want, parallel,
 };
-use serde::{Deserialize, Serialize};
+
+use serde::Serialize;
 
 use crate::averages::{FEWEST_INDEPENDENT, of_fluctuations, of_series};
+use crate::seen_box::SeenBox;
 use crate::series::Series;
 use crate::statistics::{self, RunningLine};
 use crate::thermo_series::ThermoSeries;
@@ -31,19 +33,11 @@ const SPEC: ObservableSpec = ObservableSpec {
 /// Rows kept before neighbors are averaged in pairs.
 const MOST_ROWS: usize = 1 << 16;
 
-/// Options of [`Thermodynamics`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ThermodynamicsOptions {
-    /// Whether to take the configurational temperature, for which the forces' Laplacian is evaluated.
-    pub configurational_temperature: bool,
-}
-
-impl Default for ThermodynamicsOptions {
-    fn default() -> Self {
-        Self {
-            configurational_temperature: true,
-        }
+lennard_core::options! {
+    /// Options of [`Thermodynamics`].
+    pub struct ThermodynamicsOptions {
+        /// Whether the configurational temperature is taken, for which the Laplacian of U is evaluated.
+        configurational_temperature: bool = true, Flag;
     }
 }
 
@@ -100,6 +94,7 @@ pub struct Conservation {
 pub struct Thermodynamics {
     options: ThermodynamicsOptions,
     context: BuildContext,
+    seen: SeenBox,
     series: Series<ThermoSeries>,
     energy_line: RunningLine,
     largest_momentum: f64,
@@ -123,6 +118,7 @@ impl Thermodynamics {
         Self {
             options: options.clone(),
             context: *context,
+            seen: SeenBox::new(&context.cell),
             series: Series::new(ThermoSeries::default(), MOST_ROWS),
             energy_line: RunningLine::default(),
             largest_momentum: 0.0,
@@ -209,9 +205,9 @@ impl Thermodynamics {
         }
     }
 
-    /// Mean Laplacian of the jump of the force, per particle, for g(r_cut) = 1.
-    fn jump_laplacian(&self) -> f64 {
-        let density = self.context.n_atoms as f64 / self.context.cell.volume();
+    /// Mean Laplacian of the jump of the force, per particle, for g(r_cut) = 1 in this volume (σ³).
+    fn jump_laplacian(&self, volume: f64) -> f64 {
+        let density = self.context.n_atoms as f64 / volume;
         -4.0 * PI * density * self.context.r_cut.powi(2) * self.force_jump
     }
 }
@@ -235,9 +231,10 @@ impl Observable for Thermodynamics {
         let energetics = &state.energetics;
         let asked = "the force evaluation gives what the observable wants";
         let n = state.len() as f64;
-        let volume = view.cell.volume();
-        let kinetic = view.dynamics.kinetic_energy(&state.velocities) / n;
-        let temperature = 2.0 * kinetic * n / view.dynamics.n_dof;
+        self.seen.see(view.cell());
+        let volume = view.cell().volume();
+        let kinetic = view.system.kinetic_energy(&state.velocities) / n;
+        let temperature = 2.0 * kinetic * n / view.n_dof();
         let potential = energetics.potential_energy.expect(asked) / n;
         let conserved = energetics
             .conserved_potential
@@ -254,12 +251,12 @@ impl Observable for Thermodynamics {
                 state.forces[range].iter().map(|f| f.length_squared()).sum()
             });
             let laplacian = energetics.laplacian.expect(asked);
-            (squares / n, laplacian / n + self.jump_laplacian())
+            (squares / n, laplacian / n + self.jump_laplacian(volume))
         } else {
             (0.0, 0.0)
         };
-        let momentum: DVec3 = view.dynamics.momentum(&state.velocities) / n;
-        self.n_dof = view.dynamics.n_dof;
+        let momentum: DVec3 = view.system.momentum(&state.velocities) / n;
+        self.n_dof = view.n_dof();
         self.half_steps = view.half_kick_step.is_some();
         self.energy_line.push(state.time, conserved_energy);
         self.largest_momentum = self.largest_momentum.max(momentum.length());
@@ -378,6 +375,7 @@ impl Observable for Thermodynamics {
 impl Persist for Thermodynamics {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.series.save(&mut to.section("series"));
+        self.seen.save(&mut to.section("box"));
         self.energy_line.save(&mut to.section("energy"));
         to.put_f64("largest_momentum", &[self.largest_momentum]);
         to.put_f64("n_dof", &[self.n_dof]);
@@ -386,6 +384,7 @@ impl Persist for Thermodynamics {
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         self.series.restore(&from.section("series"))?;
+        self.seen.restore(&from.section("box"))?;
         self.energy_line.restore(&from.section("energy"))?;
         [self.largest_momentum] = from.f64s("largest_momentum")?;
         [self.n_dof] = from.f64s("n_dof")?;

@@ -1,6 +1,6 @@
 //! Which particles the dynamic correlations follow.
 
-use lennard_core::{DVec3, Dynamics, parallel};
+use lennard_core::{DVec3, System, parallel};
 
 /// The largest number of particles that are followed unless the scene says otherwise. The histories of
 /// more of them would take more memory than the run itself; the error of D falls only as 1/√(particles).
@@ -39,10 +39,10 @@ impl Tracked {
     /// weighted by mass: the motion of the whole system is no diffusion.
     pub(crate) fn relative_to_centre_of_mass(
         &self,
-        dynamics: &Dynamics,
+        system: &System,
         values: &[DVec3],
     ) -> Vec<DVec3> {
-        let masses = &dynamics.masses;
+        let masses = &system.masses;
         let weighted: DVec3 =
             parallel::ordered_sum(values.len(), |r| r.map(|i| masses.of(i) * values[i]).sum());
         let total: f64 = parallel::ordered_sum(values.len(), |r| r.map(|i| masses.of(i)).sum());

@@ -6,7 +6,6 @@ use lennard_core::{
     DVec3, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
     StateWriter, Table, View, Want,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
@@ -36,25 +35,15 @@ const DECAYED: f64 = 0.01;
 /// that starts as 1 − (Ωt)²/2 the rule errs by about a tenth of what is lost in the first interval.
 const FINE_ENOUGH: f64 = 0.5;
 
-/// Options of [`VelocityAutocorrelation`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct VacfOptions {
-    /// Longest lag in τ.
-    pub window: f64,
-    /// Number of time origins that are followed at once; they are spread over the window.
-    pub origins: usize,
-    /// Number of particles followed, evenly chosen.
-    pub particles: usize,
-}
-
-impl Default for VacfOptions {
-    fn default() -> Self {
-        Self {
-            window: 4.0,
-            origins: 16,
-            particles: DEFAULT_TRACKED,
-        }
+lennard_core::options! {
+    /// Options of [`VelocityAutocorrelation`].
+    pub struct VacfOptions {
+        /// Longest lag.
+        window: f64 = 4.0, Positive, in "τ";
+        /// Number of time origins followed at once.
+        origins: usize = 16, Whole(1, 10_000);
+        /// Number of particles followed, evenly chosen.
+        particles: usize = DEFAULT_TRACKED, Whole(1, 10_000_000);
     }
 }
 
@@ -150,7 +139,7 @@ impl Observable for VelocityAutocorrelation {
     fn sample(&mut self, view: &View<'_>) {
         let now = self
             .tracked
-            .relative_to_centre_of_mass(view.dynamics, &view.state.velocities);
+            .relative_to_centre_of_mass(view.system, &view.state.velocities);
         let weight = 1.0 / now.len().max(1) as f64;
         let expired = |&(born, _): &(u64, _)| self.samples - born >= self.lags as u64;
         while self.origins.front().is_some_and(expired) {
@@ -267,7 +256,7 @@ mod tests {
     use super::*;
     use crate::statistics;
     use crate::testing::{context, normal};
-    use lennard_core::{Dynamics, State};
+    use lennard_core::{State, System};
 
     /// Langevin velocities: C(t) = 3T e^{−γt} per particle, D = T/γ; relative to the centre of mass
     /// both lose 1/N.
@@ -282,17 +271,10 @@ mod tests {
         let start = (0..n)
             .map(|i| temperature.sqrt() * normal(seed, u64::MAX, i))
             .collect();
-        let mut state = State::new(vec![DVec3::ZERO; n], start);
+        let mut state = State::new(context.cell, vec![DVec3::ZERO; n], start);
         let mut vacf = VelocityAutocorrelation::new(&VacfOptions::default(), &context).unwrap();
         for s in 0..samples {
-            vacf.sample(&View {
-                state: &state,
-                dynamics: &Dynamics::fluid(n),
-                cell: &context.cell,
-                tail: None,
-                heat: 0.0,
-                half_kick_step: None,
-            });
+            vacf.sample(&View::of(&state, &System::atoms(n)));
             for (i, v) in state.velocities.iter_mut().enumerate() {
                 *v = decay * *v + kick * normal(seed, s, i);
             }
@@ -314,8 +296,8 @@ mod tests {
             let table = &findings.tables[0];
             for k in [0, 4, 20] {
                 let exact = 3.0 * temperature * relative * (-gamma * h * k as f64).exp();
-                let error = table.columns[2].values[k];
-                assert!((table.columns[1].values[k] - exact).abs() < 5.0 * error);
+                let error = table.columns[2].numbers()[k];
+                assert!((table.columns[1].numbers()[k] - exact).abs() < 5.0 * error);
             }
         }
         // The trapezoidal sum of e^{−γt} is h/2·coth(γh/2) in place of 1/γ.

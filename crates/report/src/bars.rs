@@ -1,9 +1,11 @@
 //! Horizontal bars: cost or speed of named things.
 
-use plotters::style::WHITE;
-use plotters::style::text_anchor::{HPos, VPos};
-
-use crate::canvas::{GREY, GRID, INK, Sheet, TEXT, WIDTH, color, dress, font, text_width};
+use crate::axis::Span;
+use crate::canvas::{
+    AFTER, BEFORE, BELOW, GREY, GRID, INK, Sheet, TEXT, WIDTH, color, drawing, font, ink,
+    text_width,
+};
+use crate::legend::LEGEND_ROW;
 use crate::number::significant;
 use crate::{Axis, Dash, ReportError};
 
@@ -62,121 +64,141 @@ impl BarFigure {
             .series
             .iter()
             .flat_map(|s| s.values.iter().flatten().map(|(v, e)| v + e.unwrap_or(0.0)));
-        let zero = (self.axis.scale == crate::Scale::Linear).then_some(0.0);
+        let is_linear = self.axis.scale == crate::Scale::Linear;
+        let zero = is_linear.then_some(0.0);
         let span = self.axis.span(&self.name, values.chain(zero))?;
 
-        let names = self
-            .groups
-            .iter()
-            .map(|g| text_width(g, TEXT))
-            .fold(0.0, f64::max)
-            .min(NAMES * WIDTH);
-        let (left, right) = (names + 16.0, WIDTH - 90.0);
+        let widest = self.groups.iter().map(|g| text_width(g, TEXT));
+        let names = widest.fold(0.0, f64::max).min(NAMES * WIDTH);
+        let legend_rows = match self.series.len() {
+            0 | 1 => 0,
+            n => n,
+        };
         let group_height = BAR * self.series.len() as f64 + GAP;
-        let bottom = TOP + group_height * self.groups.len() as f64;
-        let legend_rows = if self.series.len() > 1 {
-            self.series.len()
-        } else {
-            0
+        let frame = Frame {
+            names,
+            left: names + 16.0,
+            right: WIDTH - 90.0,
+            bottom: TOP + group_height * self.groups.len() as f64,
+            group_height,
+            is_linear,
+            span,
         };
-        let height = bottom + 2.0 * TEXT + 34.0 + 24.0 * legend_rows as f64;
-        let place =
-            |v: f64| left + span.fraction(v).unwrap_or(0.0).clamp(0.0, 1.0) * (right - left);
-        let start = if self.axis.scale == crate::Scale::Linear {
-            place(0.0)
-        } else {
-            left
-        };
-
-        let mut svg = String::new();
-        {
-            let sheet = Sheet::new(&self.name, &mut svg, height);
-            sheet.area.fill(&WHITE).map_err(|e| sheet.failed(e))?;
-            sheet.title(&self.title)?;
-            for tick in span.ticks() {
-                let x = place(*tick);
-                sheet.line(&[(x, TOP), (x, bottom)], Dash::Solid, GRID, 1.0)?;
-                let label = span.label(*tick);
-                sheet.text(
-                    &label,
-                    (x, bottom + 6.0),
-                    font(TEXT, INK),
-                    HPos::Center,
-                    VPos::Top,
-                )?;
-            }
-            let middle = 0.5 * (left + right);
-            let below = bottom + TEXT + 14.0;
-            sheet.text(
-                &self.axis.label,
-                (middle, below),
-                font(TEXT, INK),
-                HPos::Center,
-                VPos::Top,
-            )?;
+        let height = frame.bottom + 2.0 * TEXT + 34.0 + LEGEND_ROW * legend_rows as f64;
+        drawing(&self.name, &self.title, height, |sheet, _| {
+            self.draw_axis(sheet, &frame)?;
             for (g, group) in self.groups.iter().enumerate() {
-                let top = TOP + 0.5 * GAP + g as f64 * group_height;
-                let centre = top + 0.5 * (group_height - GAP);
-                let size = TEXT * (names / text_width(group, TEXT)).min(1.0);
-                sheet.text(
-                    group,
-                    (left - 8.0, centre),
-                    font(size, INK),
-                    HPos::Right,
-                    VPos::Center,
-                )?;
-                for (s, series) in self.series.iter().enumerate() {
-                    let y = top + s as f64 * BAR;
-                    let at = |x: f64| (x, y + 0.5 * BAR);
-                    let Some((value, error)) = series.values[g] else {
-                        sheet.failure(at(start + 8.0), 5.0, color(series.color))?;
-                        sheet.text(
-                            "failed",
-                            at(start + 20.0),
-                            font(TEXT, GREY),
-                            HPos::Left,
-                            VPos::Center,
-                        )?;
-                        continue;
-                    };
-                    let end = place(value);
-                    let (from, to) = (start.min(end), start.max(end));
-                    sheet.filled_rectangle(
-                        (from, y + 1.0),
-                        (to, y + BAR - 1.0),
-                        color(series.color),
-                    )?;
-                    let mut text_from = to;
-                    if let Some(e) = error.filter(|e| *e > 0.0) {
-                        let (a, b) = (place(value - e), place(value + e));
-                        sheet.line(&[at(a), at(b)], Dash::Solid, INK, 1.4)?;
-                        text_from = text_from.max(b);
-                    }
-                    let label = significant(value, 3);
-                    sheet.text(
-                        &label,
-                        at(text_from + 5.0),
-                        font(0.94 * TEXT, INK),
-                        HPos::Left,
-                        VPos::Center,
-                    )?;
-                }
+                self.draw_group(sheet, &frame, g, group)?;
             }
-            sheet.line(&[(start, TOP), (start, bottom)], Dash::Solid, GREY, 1.2)?;
-            for (row, series) in self.series.iter().enumerate().take(legend_rows) {
-                let y = below + TEXT + 14.0 + 24.0 * row as f64;
-                sheet.filled_rectangle((8.0, y), (28.0, y + 14.0), color(series.color))?;
-                sheet.text(
-                    &series.name,
-                    (36.0, y + 7.0),
-                    font(TEXT, INK),
-                    HPos::Left,
-                    VPos::Center,
-                )?;
-            }
-            sheet.finish()?;
+            let start = frame.start();
+            sheet.line(
+                &[(start, TOP), (start, frame.bottom)],
+                Dash::Solid,
+                GREY,
+                1.2,
+            )?;
+            self.draw_legend(sheet, &frame, legend_rows)
+        })
+    }
+
+    fn draw_axis(&self, sheet: &Sheet<'_>, frame: &Frame) -> Result<(), ReportError> {
+        for tick in frame.span.ticks() {
+            let x = frame.place(*tick);
+            sheet.line(&[(x, TOP), (x, frame.bottom)], Dash::Solid, GRID, 1.0)?;
+            let label = frame.span.label(*tick);
+            sheet.text(&label, (x, frame.bottom + 6.0), ink(TEXT), BELOW)?;
         }
-        Ok(dress(&svg, &self.title, &[]))
+        let middle = 0.5 * (frame.left + frame.right);
+        sheet.text(&self.axis.label, (middle, frame.below()), ink(TEXT), BELOW)
+    }
+
+    fn draw_group(
+        &self,
+        sheet: &Sheet<'_>,
+        frame: &Frame,
+        g: usize,
+        group: &str,
+    ) -> Result<(), ReportError> {
+        let top = TOP + 0.5 * GAP + g as f64 * frame.group_height;
+        let centre = top + 0.5 * (frame.group_height - GAP);
+        let size = TEXT * (frame.names / text_width(group, TEXT)).min(1.0);
+        sheet.text(group, (frame.left - 8.0, centre), ink(size), BEFORE)?;
+        for (s, series) in self.series.iter().enumerate() {
+            frame.draw_bar(sheet, series, g, top + s as f64 * BAR)?;
+        }
+        Ok(())
+    }
+
+    fn draw_legend(
+        &self,
+        sheet: &Sheet<'_>,
+        frame: &Frame,
+        rows: usize,
+    ) -> Result<(), ReportError> {
+        for (row, series) in self.series.iter().enumerate().take(rows) {
+            let y = frame.below() + TEXT + 14.0 + LEGEND_ROW * row as f64;
+            sheet.filled_rectangle((8.0, y), (28.0, y + 14.0), color(series.color))?;
+            sheet.text(&series.name, (36.0, y + 7.0), ink(TEXT), AFTER)?;
+        }
+        Ok(())
+    }
+}
+
+/// Where names, bars and axis stand, design units.
+struct Frame {
+    names: f64,
+    left: f64,
+    right: f64,
+    bottom: f64,
+    group_height: f64,
+    is_linear: bool,
+    span: Span,
+}
+
+impl Frame {
+    fn place(&self, value: f64) -> f64 {
+        let fraction = self.span.fraction(value).unwrap_or(0.0).clamp(0.0, 1.0);
+        self.left + fraction * (self.right - self.left)
+    }
+
+    /// Where bars begin.
+    fn start(&self) -> f64 {
+        if self.is_linear {
+            self.place(0.0)
+        } else {
+            self.left
+        }
+    }
+
+    /// The upper edge of the label of the axis.
+    fn below(&self) -> f64 {
+        self.bottom + TEXT + 14.0
+    }
+
+    fn draw_bar(
+        &self,
+        sheet: &Sheet<'_>,
+        series: &BarSeries,
+        g: usize,
+        y: f64,
+    ) -> Result<(), ReportError> {
+        let (start, paint) = (self.start(), color(series.color));
+        let at = |x: f64| (x, y + 0.5 * BAR);
+        let Some((value, error)) = series.values[g] else {
+            sheet.failure(at(start + 8.0), 5.0, paint)?;
+            return sheet.text("failed", at(start + 20.0), font(TEXT, GREY), AFTER);
+        };
+        let end = self.place(value);
+        let (from, to) = (start.min(end), start.max(end));
+        sheet.filled_rectangle((from, y + 1.0), (to, y + BAR - 1.0), paint)?;
+        let mut text_from = to;
+        if let Some(e) = error.filter(|e| *e > 0.0) {
+            let (a, b) = (self.place(value - e), self.place(value + e));
+            sheet.line(&[at(a), at(b)], Dash::Solid, INK, 1.4)?;
+            text_from = text_from.max(b);
+        }
+        let label = significant(value, 3);
+        sheet.text(&label, at(text_from + 5.0), ink(0.94 * TEXT), AFTER)
     }
 }
 

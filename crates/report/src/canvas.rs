@@ -4,12 +4,14 @@ use plotters::coord::Shift;
 use plotters::element::{Circle, DashedPathElement, PathElement, Polygon, Rectangle, Text};
 use plotters::prelude::{DrawingArea, IntoDrawingArea, RGBColor, SVGBackend, ShapeStyle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontFamily, FontStyle, FontTransform, IntoTextStyle, TextStyle};
+use plotters::style::{
+    Color, FontFamily, FontStyle, FontTransform, IntoTextStyle, TextStyle, WHITE,
+};
 
 use crate::escape::escape;
 use crate::{COLORS, Dash, ReportError, Symbol};
 
-/// Drawing units a design unit: the plotting library takes whole numbers, and this is its precision.
+/// Drawing units per design unit: the plotting library takes whole numbers, and this is its precision.
 pub(crate) const FINE: i32 = 8;
 /// Width of every figure in design units: at the 360 pixels of a phone, text of 17 units is 11 pixels high.
 pub(crate) const WIDTH: f64 = 560.0;
@@ -55,7 +57,21 @@ pub(crate) fn font(height: f64, color: RGBColor) -> TextStyle<'static> {
     style
 }
 
-/// Width of a text in design units: an estimate, since nobody knows the reader's font.
+/// Where a text stands, seen from its place.
+pub(crate) type Anchor = (HPos, VPos);
+/// Below the place, in the middle.
+pub(crate) const BELOW: Anchor = (HPos::Center, VPos::Top);
+/// To the right of the place.
+pub(crate) const AFTER: Anchor = (HPos::Left, VPos::Center);
+/// To the left of the place.
+pub(crate) const BEFORE: Anchor = (HPos::Right, VPos::Center);
+
+/// Text in the colour of ink.
+pub(crate) fn ink(height: f64) -> TextStyle<'static> {
+    font(height, INK)
+}
+
+/// Width of a text in design units: an estimate, since the reader's font is not known.
 pub(crate) fn text_width(text: &str, height: f64) -> f64 {
     text.chars().count() as f64 * CHARACTER * height
 }
@@ -63,11 +79,29 @@ pub(crate) fn text_width(text: &str, height: f64) -> f64 {
 /// A sheet being drawn on.
 pub(crate) struct Sheet<'a> {
     pub(crate) area: DrawingArea<SVGBackend<'a>, Shift>,
-    pub(crate) figure: &'a str,
+    figure: &'a str,
+}
+
+/// Draws on a white sheet with a title, and gives its SVG text.
+pub(crate) fn drawing(
+    figure: &str,
+    title: &str,
+    height: f64,
+    draw: impl FnOnce(&Sheet<'_>, &mut Vec<Hint>) -> Result<(), ReportError>,
+) -> Result<String, ReportError> {
+    let (mut svg, mut hints) = (String::new(), Vec::new());
+    {
+        let sheet = Sheet::new(figure, &mut svg, height);
+        sheet.area.fill(&WHITE).map_err(|e| sheet.failed(e))?;
+        sheet.title(title)?;
+        draw(&sheet, &mut hints)?;
+        sheet.area.present().map_err(|e| sheet.failed(e))?;
+    }
+    Ok(dress(&svg, title, &hints))
 }
 
 impl<'a> Sheet<'a> {
-    pub(crate) fn new(figure: &'a str, svg: &'a mut String, height: f64) -> Self {
+    fn new(figure: &'a str, svg: &'a mut String, height: f64) -> Self {
         let (w, h) = fine((WIDTH, height));
         let area = SVGBackend::with_string(svg, (w as u32, h as u32)).into_drawing_area();
         Self { area, figure }
@@ -85,8 +119,7 @@ impl<'a> Sheet<'a> {
         text: &str,
         at: Place,
         style: TextStyle<'static>,
-        horizontal: HPos,
-        vertical: VPos,
+        (horizontal, vertical): Anchor,
     ) -> Result<(), ReportError> {
         let style = style.pos(Pos::new(horizontal, vertical));
         self.area
@@ -94,7 +127,7 @@ impl<'a> Sheet<'a> {
             .map_err(|e| self.failed(e))
     }
 
-    pub(crate) fn title(&self, title: &str) -> Result<(), ReportError> {
+    fn title(&self, title: &str) -> Result<(), ReportError> {
         // A title that is too long for the sheet shrinks rather than being cut off.
         let width = text_width(title, TITLE) * 1.06;
         let height = TITLE * (0.97 * WIDTH / width).min(1.0);
@@ -102,12 +135,12 @@ impl<'a> Sheet<'a> {
         let face = (FontFamily::SansSerif, size, FontStyle::Bold);
         let mut style: TextStyle<'static> = face.into_text_style(&(0, 0));
         style.color = INK.to_backend_color();
-        self.text(title, (0.5 * WIDTH, 8.0), style, HPos::Center, VPos::Top)
+        self.text(title, (0.5 * WIDTH, 8.0), style, BELOW)
     }
 
     pub(crate) fn upright(&self, text: &str, at: Place, height: f64) -> Result<(), ReportError> {
         let style = font(height, INK).transform(FontTransform::Rotate270);
-        self.text(text, at, style, HPos::Center, VPos::Top)
+        self.text(text, at, style, BELOW)
     }
 
     pub(crate) fn filled_rectangle(
@@ -223,10 +256,6 @@ impl<'a> Sheet<'a> {
         }
         Ok(())
     }
-
-    pub(crate) fn finish(self) -> Result<(), ReportError> {
-        self.area.present().map_err(|e| self.failed(e))
-    }
 }
 
 /// A transparent disc over a point with a note, so that pointing at it tells what it is.
@@ -236,7 +265,7 @@ pub(crate) struct Hint {
 }
 
 /// Makes the drawn text scale with its surroundings, names it for screen readers, adds the hints.
-pub(crate) fn dress(svg: &str, title: &str, hints: &[Hint]) -> String {
+fn dress(svg: &str, title: &str, hints: &[Hint]) -> String {
     let title = escape(title);
     let mut out = String::with_capacity(svg.len() + 200);
     // The opening tag names its size in drawing units; the view box alone should decide the shape.

@@ -1,13 +1,12 @@
 //! Draws a [`Figure`] with the plotting library.
 
 use plotters::prelude::ChartBuilder;
-use plotters::style::WHITE;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::axis::Span;
 use crate::canvas::{
-    FAINT_GRID, FINE, GREY, GRID, Hint, INK, Place, Sheet, TEXT, TINT, WIDTH, color, dress, fine,
-    font, stroke, text_width,
+    AFTER, BEFORE, BELOW, FAINT_GRID, FINE, GREY, GRID, Hint, Place, Sheet, TEXT, TINT, WIDTH,
+    color, drawing, fine, font, ink, stroke, text_width,
 };
 use crate::legend::Legend;
 use crate::{Figure, Guide, Look, Point, ReportError, Series, Symbol};
@@ -86,30 +85,23 @@ pub(crate) fn figure(figure: &Figure) -> Result<String, ReportError> {
         y,
     };
 
-    let mut svg = String::new();
-    let mut hints = Vec::new();
-    {
-        let sheet = Sheet::new(&figure.name, &mut svg, height);
-        sheet.area.fill(&WHITE).map_err(|e| sheet.failed(e))?;
-        sheet.title(&figure.title)?;
+    drawing(&figure.name, &figure.title, height, |sheet, hints| {
         for guide in &figure.guides {
-            tint(&sheet, &frame, guide)?;
+            tint(sheet, &frame, guide)?;
         }
-        axes(&sheet, figure, &frame)?;
+        axes(sheet, figure, &frame)?;
         for guide in &figure.guides {
-            draw_guide(&sheet, &frame, guide)?;
+            draw_guide(sheet, &frame, guide)?;
         }
         for series in &figure.series {
-            draw_series(&sheet, &frame, series, &mut hints)?;
+            draw_series(sheet, &frame, series, hints)?;
         }
         // Words come last: no mark hides them.
         for series in &figure.series {
-            draw_labels(&sheet, &frame, series)?;
+            draw_labels(sheet, &frame, series)?;
         }
-        legend.draw(&sheet, plot_bottom + bottom)?;
-        sheet.finish()?;
-    }
-    Ok(dress(&svg, &figure.title, &hints))
+        legend.draw(sheet, plot_bottom + bottom)
+    })
 }
 
 fn axes(sheet: &Sheet<'_>, figure: &Figure, frame: &Frame) -> Result<(), ReportError> {
@@ -136,7 +128,7 @@ fn axes(sheet: &Sheet<'_>, figure: &Figure, frame: &Frame) -> Result<(), ReportE
         .bold_line_style(stroke(GRID, 1.0))
         .light_line_style(stroke(FAINT_GRID, 1.0))
         .axis_style(stroke(GREY, 1.0))
-        .label_style(font(TEXT, INK))
+        .label_style(ink(TEXT))
         .set_all_tick_mark_size(5 * FINE)
         .draw()
         .map_err(|e| sheet.failed(e))?;
@@ -146,16 +138,9 @@ fn axes(sheet: &Sheet<'_>, figure: &Figure, frame: &Frame) -> Result<(), ReportE
         GREY,
         1.0,
     )?;
-    sheet.text(
-        &figure.x.label,
-        (
-            frame.left + 0.5 * frame.width,
-            frame.top + frame.height + tick_room + 2.0,
-        ),
-        font(TEXT, INK),
-        HPos::Center,
-        VPos::Top,
-    )?;
+    let middle = frame.left + 0.5 * frame.width;
+    let below = frame.top + frame.height + tick_room + 2.0;
+    sheet.text(&figure.x.label, (middle, below), ink(TEXT), BELOW)?;
     let width = text_width(&figure.y.label, TEXT);
     let height = TEXT * (frame.height * 1.1 / width).min(1.0);
     sheet.upright(
@@ -187,12 +172,12 @@ fn draw_labels(sheet: &Sheet<'_>, frame: &Frame, series: &Series) -> Result<(), 
         };
         let (x, y) = frame.at(fx.clamp(0.0, 1.0), fy.clamp(0.0, 1.0));
         let (shift, anchor) = if fx > 0.92 {
-            (-1.6 * MARK, HPos::Right)
+            (-1.6 * MARK, BEFORE)
         } else {
-            (1.6 * MARK, HPos::Left)
+            (1.6 * MARK, AFTER)
         };
         let at = (x + shift, y - 2.2 * MARK);
-        sheet.text(label, at, font(0.82 * TEXT, INK), anchor, VPos::Center)?;
+        sheet.text(label, at, ink(0.82 * TEXT), anchor)?;
     }
     Ok(())
 }
@@ -223,7 +208,7 @@ fn draw_guide(sheet: &Sheet<'_>, frame: &Frame, guide: &Guide) -> Result<(), Rep
         }
     };
     sheet.line(&ends, crate::Dash::Dotted, GREY, 1.3)?;
-    sheet.text(label, at, font(0.88 * TEXT, GREY), horizontal, VPos::Top)
+    sheet.text(label, at, font(0.88 * TEXT, GREY), (horizontal, VPos::Top))
 }
 
 fn draw_series(
@@ -309,18 +294,11 @@ fn draw_point(
     }
     if let Some(error) = point.error.filter(|e| e.is_finite() && *e > 0.0) {
         let end = |y: f64| frame.y.fraction(y).unwrap_or(0.0).clamp(0.0, 1.0);
-        let (low, high) = (
-            frame.at(fx, end(point.y - error)),
-            frame.at(fx, end(point.y + error)),
-        );
-        sheet.line(&[low, high], crate::Dash::Solid, paint, 1.4)?;
-        for (x, y) in [low, high] {
-            sheet.line(
-                &[(x - 3.0, y), (x + 3.0, y)],
-                crate::Dash::Solid,
-                paint,
-                1.4,
-            )?;
+        let ends = [point.y - error, point.y + error].map(|y| frame.at(fx, end(y)));
+        sheet.line(&ends, crate::Dash::Solid, paint, 1.4)?;
+        for (x, y) in ends {
+            let end = [(x - 3.0, y), (x + 3.0, y)];
+            sheet.line(&end, crate::Dash::Solid, paint, 1.4)?;
         }
     }
     sheet.symbol(symbol, frame.at(fx, fy), MARK, paint)

@@ -19,6 +19,16 @@ pub struct Point {
     pub label: Option<String>,
 }
 
+impl From<(f64, f64)> for Point {
+    fn from((x, y): (f64, f64)) -> Self {
+        Self {
+            x,
+            y,
+            ..Self::default()
+        }
+    }
+}
+
 /// A run that gave no value.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FailedPoint {
@@ -39,6 +49,26 @@ pub enum Look {
     LineAndPoints(Dash, Symbol),
 }
 
+impl Look {
+    /// The line of the `index`-th series.
+    #[must_use]
+    pub fn line(index: usize) -> Self {
+        Self::Line(Dash::cycle(index))
+    }
+
+    /// The marks of the `index`-th series.
+    #[must_use]
+    pub fn marks(index: usize) -> Self {
+        Self::Points(Symbol::cycle(index))
+    }
+
+    /// The marks of the `index`-th series, joined by its line.
+    #[must_use]
+    pub fn joined(index: usize) -> Self {
+        Self::LineAndPoints(Dash::cycle(index), Symbol::cycle(index))
+    }
+}
+
 /// One set of points under one name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
@@ -55,45 +85,27 @@ pub struct Series {
 }
 
 impl Series {
-    /// A series from pairs.
+    /// A series from pairs, or from points with error bars and notes.
     #[must_use]
-    pub fn new(
+    pub fn new<P: Into<Point>>(
         name: impl Into<String>,
         look: Look,
         color: usize,
-        points: impl IntoIterator<Item = (f64, f64)>,
+        points: impl IntoIterator<Item = P>,
     ) -> Self {
         Self {
             name: name.into(),
             look,
             color,
-            points: points
-                .into_iter()
-                .map(|(x, y)| Point {
-                    x,
-                    y,
-                    ..Point::default()
-                })
-                .collect(),
+            points: points.into_iter().map(Into::into).collect(),
             failures: Vec::new(),
         }
     }
 
-    /// A series from points with error bars or notes.
+    /// An entry of the legend without points.
     #[must_use]
-    pub fn from_points(
-        name: impl Into<String>,
-        look: Look,
-        color: usize,
-        points: Vec<Point>,
-    ) -> Self {
-        Self {
-            name: name.into(),
-            look,
-            color,
-            points,
-            failures: Vec::new(),
-        }
+    pub fn entry(name: impl Into<String>, look: Look, color: usize) -> Self {
+        Self::new(name, look, color, std::iter::empty::<Point>())
     }
 
     /// Marks the abscissae of failed runs.
@@ -158,6 +170,51 @@ impl Figure {
     pub fn with(mut self, series: Series) -> Self {
         self.series.push(series);
         self
+    }
+
+    /// Adds the line of the `index`-th series.
+    #[must_use]
+    pub fn line<P: Into<Point>>(
+        self,
+        name: impl Into<String>,
+        index: usize,
+        points: impl IntoIterator<Item = P>,
+    ) -> Self {
+        self.with(Series::new(name, Look::line(index), index, points))
+    }
+
+    /// Adds the marks of the `index`-th series.
+    #[must_use]
+    pub fn marks<P: Into<Point>>(
+        self,
+        name: impl Into<String>,
+        index: usize,
+        points: impl IntoIterator<Item = P>,
+    ) -> Self {
+        self.with(Series::new(name, Look::marks(index), index, points))
+    }
+
+    /// Adds the marks of the `index`-th series, joined by its line.
+    #[must_use]
+    pub fn joined<P: Into<Point>>(
+        self,
+        name: impl Into<String>,
+        index: usize,
+        points: impl IntoIterator<Item = P>,
+    ) -> Self {
+        self.with(Series::new(name, Look::joined(index), index, points))
+    }
+
+    /// Adds a horizontal guide, with a word beside it or none.
+    #[must_use]
+    pub fn level(self, at: f64, word: impl Into<String>) -> Self {
+        self.guided(Guide::Horizontal(at, word.into()))
+    }
+
+    /// Whether no series has a point.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.series.iter().all(|s| s.points.is_empty())
     }
 
     /// Adds a guide.

@@ -1,13 +1,11 @@
 //! The legend of a figure.
 
-use plotters::style::text_anchor::{HPos, VPos};
-
-use crate::canvas::{INK, Sheet, TEXT, WIDTH, color, font, text_width};
+use crate::canvas::{AFTER, INK, Sheet, TEXT, WIDTH, color, ink, text_width};
 use crate::draw::{LINE, MARK};
 use crate::{Figure, Look, ReportError, Series};
 
 /// Height of a line of the legend, design units.
-const LEGEND_ROW: f64 = 24.0;
+pub(crate) const LEGEND_ROW: f64 = 24.0;
 /// Width of the sample in the legend, design units.
 const SAMPLE: f64 = 34.0;
 
@@ -61,24 +59,12 @@ impl<'a> Legend<'a> {
             }
             let room = column_width - SAMPLE - 4.0;
             let height = TEXT * (room / text_width(&series.name, TEXT)).min(1.0);
-            sheet.text(
-                &series.name,
-                (x + SAMPLE, y),
-                font(height, INK),
-                HPos::Left,
-                VPos::Center,
-            )?;
+            sheet.text(&series.name, (x + SAMPLE, y), ink(height), AFTER)?;
         }
         if self.failures {
             let y = top + (self.rows() as f64 + 0.5) * LEGEND_ROW;
             sheet.failure((8.0 + 0.5 * SAMPLE - 3.0, y), MARK, INK)?;
-            sheet.text(
-                "failed: no value",
-                (8.0 + SAMPLE, y),
-                font(TEXT, INK),
-                HPos::Left,
-                VPos::Center,
-            )?;
+            sheet.text("failed: no value", (8.0 + SAMPLE, y), ink(TEXT), AFTER)?;
         }
         Ok(())
     }

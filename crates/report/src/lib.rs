@@ -1,8 +1,8 @@
 //! Figures and self-contained pages from results.
 //!
-//! A [`Figure`] or a [`BarFigure`] is plain data and becomes one SVG text; a [`Page`] is plain data and
-//! becomes one HTML text with everything inside. The same data give the same bytes: nothing here reads a
-//! clock, a font, a file or the environment.
+//! A [`Figure`] or a [`BarFigure`] is plain data and becomes one SVG text. A [`Page`] is plain data and becomes one
+//! HTML text with everything inside. The same data give the same bytes: nothing here reads a clock, a font, a file
+//! or the environment.
 
 mod axis;
 mod bars;
@@ -14,16 +14,20 @@ mod legend;
 mod number;
 mod page;
 mod palette;
+mod picture;
 mod table;
 
 pub use axis::{Axis, Scale};
 pub use bars::{BarFigure, BarSeries};
 pub use escape::{escape, inline_markup};
 pub use figure::{FailedPoint, Figure, Guide, Look, Point, Series};
-pub use number::{counted, plain_or_scientific, signed, significant, with_error};
-pub use page::{Block, Page, PageFigure, Section};
+pub use number::{
+    counted, percent, plain_or_scientific, plus_minus, signed, significant, with_error,
+};
+pub use page::{Block, Page, Section};
 pub use palette::{COLORS, Dash, Symbol};
-pub use table::{Cell, PageTable, Tone};
+pub use picture::{Drawing, Picture};
+pub use table::{ErrorStyle, cell_text, heading, is_numeric};
 
 /// Why a figure cannot be drawn.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -64,6 +64,12 @@ pub fn plain_or_scientific(value: f64) -> String {
     }
 }
 
+/// A part of a whole: `12.3 %`.
+#[must_use]
+pub fn percent(part: f64) -> String {
+    format!("{:.1} %", 100.0 * part)
+}
+
 /// A number of things: `1 thread`, `2 threads`.
 #[must_use]
 pub fn counted(n: usize, thing: &str) -> String {
@@ -101,6 +107,23 @@ pub fn with_error(value: f64, error: f64) -> String {
     format!("{value:.*}({scaled:.0})", last.unsigned_abs() as usize).replace('-', "−")
 }
 
+/// A value with its standard error, both to the second digit of the error: `-6.0812 ± 0.0019`; the value alone
+/// where it has no error.
+#[must_use]
+pub fn plus_minus(value: f64, error: f64) -> String {
+    if !error.is_finite() {
+        return significant(value, 5);
+    }
+    if error <= 0.0 {
+        return format!("{value:.6} ± –");
+    }
+    let decimals = (1.0 - error.log10().floor()).clamp(0.0, 17.0) as usize;
+    if decimals > 8 {
+        return format!("{value:.3e} ± {error:.1e}");
+    }
+    format!("{value:.decimals$} ± {error:.decimals$}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -123,6 +146,20 @@ mod tests {
             [0, 1, 2].map(|n| counted(n, "thread")),
             ["0 threads", "1 thread", "2 threads"]
         );
+    }
+
+    #[test]
+    fn a_value_is_shown_to_the_second_digit_of_its_error() {
+        for (value, error, text) in [
+            (-6.081_234, 0.001_94, "-6.0812 ± 0.0019"),
+            (0.164_9, 0.032, "0.165 ± 0.032"),
+            (108.9, 12.0, "109 ± 12"),
+            (1.0, f64::NAN, "1.0000"),
+            (1.0, 0.0, "1.000000 ± –"),
+            (1.0, 1e-14, "1.000e0 ± 1.0e-14"),
+        ] {
+            assert_eq!(plus_minus(value, error), text);
+        }
     }
 
     #[test]

@@ -1,28 +1,17 @@
 //! A self-contained page: one HTML text with its style and its figures inside.
 
-use crate::PageTable;
+use lennard_core::Table;
+
 use crate::escape::{escape, inline_markup};
+use crate::{Picture, ReportError, table};
 
 /// The style of every page.
 const STYLE: &str = include_str!("page.css");
 /// What lets points be pointed at, with a mouse or a finger; only on pages that have such points.
 const SCRIPT: &str = include_str!("page.js");
 
-/// A figure on a page.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct PageFigure {
-    /// The SVG text, as [`crate::Figure::to_svg`] gives it.
-    pub svg: String,
-    /// What it shows, with inline markup.
-    pub caption: String,
-    /// The command that makes it again.
-    pub command: Option<String>,
-    /// Name of the file with the numbers.
-    pub data: Option<String>,
-}
-
 /// A part of a section.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Block {
     /// A paragraph with inline markup: `` `code` `` and `**bold**`.
     Text(String),
@@ -35,13 +24,13 @@ pub enum Block {
     /// A heading inside the section.
     Heading(String),
     /// Figures, side by side where there is room.
-    Figures(Vec<PageFigure>),
+    Figures(Vec<Picture>),
     /// A table.
-    Table(PageTable),
+    Table(Table),
 }
 
 /// A section with a heading.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Section {
     /// Heading.
     pub title: String,
@@ -66,6 +55,36 @@ impl Section {
         self
     }
 
+    /// Adds a table.
+    #[must_use]
+    pub fn table(self, table: Table) -> Self {
+        self.with(Block::Table(table))
+    }
+
+    /// Adds figures, side by side where there is room; nothing where there are none.
+    #[must_use]
+    pub fn figures(self, figures: Vec<Picture>) -> Self {
+        if figures.is_empty() {
+            return self;
+        }
+        self.with(Block::Figures(figures))
+    }
+
+    /// Adds a list; nothing where it is empty.
+    #[must_use]
+    pub fn list(self, points: Vec<String>) -> Self {
+        if points.is_empty() {
+            return self;
+        }
+        self.with(Block::List(points))
+    }
+
+    /// Adds a heading inside the section.
+    #[must_use]
+    pub fn heading(self, heading: impl Into<String>) -> Self {
+        self.with(Block::Heading(heading.into()))
+    }
+
     /// Adds a paragraph.
     #[must_use]
     pub fn text(self, text: impl Into<String>) -> Self {
@@ -74,12 +93,14 @@ impl Section {
 }
 
 /// A page.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Page {
     /// Title of the page and of the browser's tab.
     pub title: String,
     /// What the page says, in a few sentences with inline markup.
     pub lead: String,
+    /// The command that makes its figures and tables again.
+    pub command: Option<String>,
     /// Its sections.
     pub sections: Vec<Section>,
     /// What was run, with what and when, as pairs of name and value in the footer.
@@ -87,9 +108,23 @@ pub struct Page {
 }
 
 impl Page {
+    /// Every figure of the page.
+    pub fn pictures(&self) -> impl Iterator<Item = &Picture> {
+        let blocks = self.sections.iter().flat_map(|s| &s.blocks);
+        blocks
+            .filter_map(|block| match block {
+                Block::Figures(pictures) => Some(pictures),
+                _ => None,
+            })
+            .flatten()
+    }
+
     /// The page as one HTML text.
-    #[must_use]
-    pub fn to_html(&self) -> String {
+    ///
+    /// # Errors
+    /// [`ReportError`] where a figure cannot be drawn.
+    pub fn to_html(&self) -> Result<String, ReportError> {
+        let command = self.command.as_deref();
         let title = escape(&self.title);
         let mut html = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -117,7 +152,7 @@ impl Page {
                 escape(&section.title)
             ));
             for block in &section.blocks {
-                html.push_str(&block.to_html());
+                html.push_str(&block.to_html(command)?);
             }
             html.push_str("</section>\n");
         }
@@ -134,13 +169,13 @@ impl Page {
             html.push_str(&format!("<script>\n{SCRIPT}</script>\n"));
         }
         html.push_str("</body>\n</html>\n");
-        html
+        Ok(html)
     }
 }
 
 impl Block {
-    fn to_html(&self) -> String {
-        match self {
+    fn to_html(&self, command: Option<&str>) -> Result<String, ReportError> {
+        Ok(match self {
             Self::Text(text) => format!("<p>{}</p>\n", inline_markup(text)),
             Self::Heading(text) => format!("<h3>{}</h3>\n", inline_markup(text)),
             Self::Remark(text) => format!("<p class=\"remark\">{}</p>\n", inline_markup(text)),
@@ -155,20 +190,20 @@ impl Block {
                 let lines: Vec<String> = lines.iter().map(|l| escape(l)).collect();
                 format!("<pre class=\"equations\">{}</pre>\n", lines.join("\n"))
             }
-            Self::Figures(figures) => {
+            Self::Figures(pictures) => {
                 let mut html = String::from("<div class=\"figures\">\n");
-                for figure in figures {
-                    html.push_str("<figure>\n");
-                    html.push_str(&figure.svg);
-                    html.push_str("<figcaption>");
-                    html.push_str(&inline_markup(&figure.caption));
-                    html.push_str(&made_by(figure.command.as_deref(), figure.data.as_deref()));
-                    html.push_str("</figcaption>\n</figure>\n");
+                for picture in pictures {
+                    html.push_str(&format!(
+                        "<figure>\n{}<figcaption>{}{}</figcaption>\n</figure>\n",
+                        picture.to_svg()?,
+                        inline_markup(&picture.caption),
+                        made_by(command, Some(&picture.data))
+                    ));
                 }
                 html + "</div>\n"
             }
-            Self::Table(table) => table.to_html(),
-        }
+            Self::Table(table) => table::to_html(table, command),
+        })
     }
 }
 
@@ -191,7 +226,25 @@ pub(crate) fn made_by(command: Option<&str>, data: Option<&str>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Cell, Tone};
+    use crate::{Axis, Dash, Figure, Look, Point, Series};
+    use lennard_core::{Cell, Tone};
+
+    fn figure(note: Option<&str>) -> Picture {
+        let point = Point {
+            x: 1.0,
+            y: 2.0,
+            note: note.map(str::to_owned),
+            ..Point::default()
+        };
+        let look = Look::LineAndPoints(Dash::Solid, crate::Symbol::Disc);
+        let figure = Figure::new("f", "F", Axis::linear("x"), Axis::linear("y")).with(Series::new(
+            "s",
+            look,
+            0,
+            vec![point],
+        ));
+        Picture::new(figure, "c & d", "numbers.csv")
+    }
 
     fn page() -> Page {
         Page {
@@ -201,26 +254,22 @@ mod tests {
                 Section::new("One \"quoted\"")
                     .text("<script>alert(1)</script>")
                     .with(Block::Equations(vec!["x < 1".into()]))
-                    .with(Block::Table(PageTable {
-                        caption: "Cap <i>tion</i>".into(),
-                        command: Some("lennard stability --out \"<dir>\"".into()),
-                        header: vec!["a<b".into()],
-                        rows: vec![vec![Cell::toned("<img src=x onerror=y>", Tone::Bad)]],
-                    })),
-                Section::new("Two").with(Block::Figures(vec![PageFigure {
-                    svg: "<svg></svg>\n".into(),
-                    caption: "c & d".into(),
-                    command: None,
-                    data: Some("numbers.csv".into()),
-                }])),
+                    .table(
+                        Table::rows_of("t", &["<img src=x onerror=y>"])
+                            .caption("Cap <i>tion</i>")
+                            .column("a<b", |text| Cell::words(*text).toned(Tone::Bad))
+                            .table(),
+                    ),
+                Section::new("Two").figures(vec![figure(None)]),
             ],
+            command: Some("lennard stability --out \"<dir>\"".into()),
             provenance: vec![("version<".into(), "`0.1`".into())],
         }
     }
 
     #[test]
     fn nothing_that_a_user_names_becomes_markup() {
-        let html = page().to_html();
+        let html = page().to_html().unwrap();
         for evil in ["<script>", "<img", "<b>", "<i>", "<dir>", "version<"] {
             assert!(!html.contains(evil), "{evil}");
         }
@@ -238,21 +287,17 @@ mod tests {
 
     #[test]
     fn a_page_stands_alone_and_is_the_same_each_time() {
-        let html = page().to_html();
-        assert_eq!(html, page().to_html());
+        let html = page().to_html().unwrap();
+        assert_eq!(html, page().to_html().unwrap());
         for outside in ["src=\"", "href=\"http", "@import", "url("] {
             assert!(!html.contains(outside), "{outside}");
         }
         // The script is there where a point can be pointed at, and only there.
         let mut pointed = page();
-        let hint = r#"<svg><circle class="hint"><title>x</title></circle></svg>"#;
         pointed
             .sections
-            .push(Section::new("S").with(Block::Figures(vec![PageFigure {
-                svg: hint.into(),
-                ..PageFigure::default()
-            }])));
-        assert_eq!(pointed.to_html().matches("<script>").count(), 1);
+            .push(Section::new("S").figures(vec![figure(Some("x"))]));
+        assert_eq!(pointed.to_html().unwrap().matches("<script>").count(), 1);
         // Every tag that opens is closed.
         for tag in [
             "section",

@@ -1,151 +1,150 @@
-//! Tables of a page.
+//! Tables for readers: on a page, or as texts for a terminal.
 
-use lennard_core::Table;
+use lennard_core::{Cell, Column, Table, Tone, Value};
 
 use crate::escape::inline_markup;
-use crate::number::plain_or_scientific;
+use crate::number::{plain_or_scientific, plus_minus, significant, with_error};
 
 /// Characters from which a text counts as long.
 const LONG_TEXT: usize = 32;
 
-/// What a cell says beyond its text.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Tone {
-    /// Words.
-    #[default]
-    Plain,
-    /// A number, aligned to the right.
-    Number,
-    /// Something that holds.
-    Good,
-    /// Something that does not hold.
-    Bad,
-    /// Something to be careful with.
-    Careful,
+/// How a number with its standard error is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorStyle {
+    /// `−5.4812(13)`.
+    Brackets,
+    /// `-5.4812 ± 0.0013`.
+    PlusMinus,
 }
 
-/// A cell.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Cell {
-    /// Its text, with inline markup.
-    pub text: String,
-    /// How it is shown.
-    pub tone: Tone,
-}
-
-impl Cell {
-    /// Words.
-    #[must_use]
-    pub fn text(text: impl Into<String>) -> Self {
-        Self::toned(text, Tone::Plain)
-    }
-
-    /// A number, already written as text.
-    #[must_use]
-    pub fn number(text: impl Into<String>) -> Self {
-        Self::toned(text, Tone::Number)
-    }
-
-    /// Text with a tone.
-    #[must_use]
-    pub fn toned(text: impl Into<String>, tone: Tone) -> Self {
-        Self {
-            text: text.into(),
-            tone,
-        }
+/// The heading of a column: its name, and its unit after a stroke.
+#[must_use]
+pub fn heading(column: &Column) -> String {
+    if column.unit.is_empty() {
+        column.name.clone()
+    } else {
+        format!("{} / {}", column.name, column.unit)
     }
 }
 
-/// A table with a caption and the command that made it.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct PageTable {
-    /// What it shows.
-    pub caption: String,
-    /// The command that makes it again.
-    pub command: Option<String>,
-    /// Headings.
-    pub header: Vec<String>,
-    /// Rows, each as long as the header.
-    pub rows: Vec<Vec<Cell>>,
+/// A cell as a reader sees it.
+#[must_use]
+pub fn cell_text(cell: &Cell, errors: ErrorStyle) -> String {
+    match &cell.value {
+        Value::Missing => "–".into(),
+        Value::Words(text) | Value::Figures(text) => text.clone(),
+        Value::Whole(value) => value.to_string(),
+        Value::Number { value, digits } => match digits {
+            Some(digits) => significant(*value, *digits),
+            None => plain_or_scientific(*value),
+        },
+        Value::Measured { value, error } => match errors {
+            ErrorStyle::Brackets => with_error(*value, *error),
+            ErrorStyle::PlusMinus => plus_minus(*value, *error),
+        },
+    }
 }
 
-impl PageTable {
-    /// A table of numbers as it stands in the CSV file, shortened for reading.
-    #[must_use]
-    pub fn from_table(table: &Table) -> Self {
-        let rows = table
-            .columns
-            .iter()
-            .map(|c| c.values.len())
-            .max()
-            .unwrap_or(0);
-        Self {
-            caption: table.caption.clone(),
-            command: None,
-            header: table
-                .columns
-                .iter()
-                .map(|c| {
-                    if c.unit.is_empty() {
-                        c.name.clone()
-                    } else {
-                        format!("{} / {}", c.name, c.unit)
-                    }
-                })
-                .collect(),
-            rows: (0..rows)
-                .map(|r| {
-                    table
-                        .columns
-                        .iter()
-                        .map(|c| match c.values.get(r) {
-                            Some(v) => Cell::number(plain_or_scientific(*v)),
-                            None => Cell::default(),
-                        })
-                        .collect()
-                })
-                .collect(),
-        }
-    }
+/// Whether a column stands on the right: any of its cells is numeric, or all are missing.
+#[must_use]
+pub fn is_numeric(column: &Column) -> bool {
+    let is_missing = |cell: &Cell| cell.value == Value::Missing;
+    column.cells.iter().any(|c| c.value.is_numeric()) || column.cells.iter().all(is_missing)
+}
 
-    pub(crate) fn to_html(&self) -> String {
-        let mut html = String::from(
-            "<figure class=\"table\">\n<div class=\"scroll\" tabindex=\"0\"><table>\n<thead><tr>",
-        );
-        for (k, heading) in self.header.iter().enumerate() {
-            // A heading stands where its numbers stand.
-            let mut column = self.rows.iter().filter_map(|row| row.get(k));
-            let class = if column.any(|cell| cell.tone == Tone::Number) {
-                " class=\"number\""
-            } else {
-                ""
-            };
+/// The table as a figure of a page, with the command that made it.
+pub(crate) fn to_html(table: &Table, command: Option<&str>) -> String {
+    let mut html = String::from(
+        "<figure class=\"table\">\n<div class=\"scroll\" tabindex=\"0\"><table>\n<thead><tr>",
+    );
+    for column in &table.columns {
+        let class = if is_numeric(column) {
+            " class=\"number\""
+        } else {
+            ""
+        };
+        html.push_str(&format!(
+            "<th scope=\"col\"{class}>{}</th>",
+            inline_markup(&heading(column))
+        ));
+    }
+    html.push_str("</tr></thead>\n<tbody>\n");
+    for row in 0..table.rows() {
+        html.push_str("<tr>");
+        for (cell, column) in table.row(row).zip(&table.columns) {
+            let text = cell_text(&cell, ErrorStyle::Brackets);
             html.push_str(&format!(
-                "<th scope=\"col\"{class}>{}</th>",
-                inline_markup(heading)
+                "<td{}>{}</td>",
+                class(&cell, &text, is_numeric(column)),
+                inline_markup(&text)
             ));
         }
-        html.push_str("</tr></thead>\n<tbody>\n");
-        for row in &self.rows {
-            html.push_str("<tr>");
-            for cell in row {
-                let class = match cell.tone {
-                    // A long text keeps a readable width: the table scrolls in its own box instead.
-                    Tone::Plain if cell.text.chars().count() > LONG_TEXT => " class=\"long\"",
-                    Tone::Plain => "",
-                    Tone::Number => " class=\"number\"",
-                    Tone::Good => " class=\"good\"",
-                    Tone::Bad => " class=\"bad\"",
-                    Tone::Careful => " class=\"careful\"",
-                };
-                html.push_str(&format!("<td{class}>{}</td>", inline_markup(&cell.text)));
-            }
-            html.push_str("</tr>\n");
+        html.push_str("</tr>\n");
+    }
+    html.push_str("</tbody>\n</table></div>\n<figcaption>");
+    html.push_str(&inline_markup(&table.caption));
+    html.push_str(&crate::page::made_by(command, None));
+    html.push_str("</figcaption>\n</figure>\n");
+    html
+}
+
+/// The class of a cell: its tone, and where it stands.
+fn class(cell: &Cell, text: &str, numeric_column: bool) -> String {
+    let tone = match cell.tone {
+        Tone::Plain => None,
+        Tone::Good => Some("good"),
+        Tone::Bad => Some("bad"),
+        Tone::Careful => Some("careful"),
+    };
+    let is_words = matches!(cell.value, Value::Words(_));
+    let place = if numeric_column && !is_words {
+        Some("number")
+    } else {
+        // A long text keeps a readable width: the table scrolls in its own box instead.
+        (tone.is_none() && text.chars().count() > LONG_TEXT).then_some("long")
+    };
+    let classes: Vec<&str> = place.into_iter().chain(tone).collect();
+    if classes.is_empty() {
+        String::new()
+    } else {
+        format!(" class=\"{}\"", classes.join(" "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_and_a_terminal_show_the_same_cells_in_their_own_way() {
+        let texts = |cell: Cell| {
+            [ErrorStyle::Brackets, ErrorStyle::PlusMinus].map(|style| cell_text(&cell, style))
+        };
+        assert_eq!(texts(Cell::default()), ["–", "–"]);
+        assert_eq!(texts(Cell::rounded(0.123_456, 3)), ["0.123", "0.123"]);
+        assert_eq!(texts(864_u64.into()), ["864", "864"]);
+        assert_eq!(
+            texts(Cell::measured(-5.481_23, 0.001_27)),
+            ["−5.4812(13)", "-5.4812 ± 0.0013"]
+        );
+    }
+
+    #[test]
+    fn a_column_with_a_number_stands_on_the_right_and_tones_are_classes() {
+        let items = [(Some(1.5), Tone::Good), (None, Tone::Plain)];
+        let table = Table::rows_of("t", &items)
+            .column("x [σ]", |i| Cell::rounded(i.0, 2).toned(i.1))
+            .column("fate", |i| {
+                Cell::words(if i.0.is_some() { "bounded" } else { "diverges" })
+            })
+            .table();
+        let html = to_html(&table, None);
+        for text in [
+            "<th scope=\"col\" class=\"number\">x / σ</th><th scope=\"col\">fate</th>",
+            "<td class=\"number good\">1.5</td><td>bounded</td>",
+            "<td class=\"number\">–</td><td>diverges</td>",
+        ] {
+            assert!(html.contains(text), "{text} in\n{html}");
         }
-        html.push_str("</tbody>\n</table></div>\n<figcaption>");
-        html.push_str(&inline_markup(&self.caption));
-        html.push_str(&crate::page::made_by(self.command.as_deref(), None));
-        html.push_str("</figcaption>\n</figure>\n");
-        html
     }
 }

@@ -1,6 +1,6 @@
 //! The table `[accuracy]`: how wrong U, P and the conserved energy may be, in place of settings.
 
-use lennard_forcefield::{Kernel, PotentialOptions, TruncationKind};
+use lennard_forcefield::Kernel;
 use serde::{Deserialize, Serialize};
 
 use crate::error::SceneError;
@@ -104,8 +104,8 @@ pub(crate) fn left_free(scene: &Scene) -> Vec<&'static str> {
         return Vec::new();
     }
     let wrote = |key: &str| scene.source.wrote(key);
-    let own_cutoff = matches!(scene.potential, PotentialOptions::Wca {});
-    let cut = scene.truncation.kind == TruncationKind::Cut;
+    let own_cutoff = scene.potential.own_end().is_some();
+    let cut = scene.truncation.kind.spec().jumps;
     CHOSEN
         .into_iter()
         .filter(|key| {
@@ -194,7 +194,7 @@ impl Scene {
     pub fn wants_full_potential(&self) -> bool {
         let wrote = |key| self.source.wrote(key);
         let fixed = wrote("truncation.kind") && wrote("truncation.r_cut");
-        !(fixed || matches!(self.potential, PotentialOptions::Wca {}))
+        !(fixed || self.potential.own_end().is_some())
     }
 
     /// The scene with every free setting at its present value, as a study that tries settings needs it.

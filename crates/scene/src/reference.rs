@@ -2,11 +2,14 @@
 //! the tables of `inputs/README.md` are made from it.
 
 use std::fmt::Write as _;
+use std::sync::OnceLock;
+
+pub use lennard_core::options::Allowed;
+use lennard_core::options::{KeySpec, Keys};
+pub(crate) use lennard_core::options::{MOST_STEPS, quoted};
 
 /// The most particles that a scene may ask for; their numbers must fit in 32 bits with room to spare.
 pub(crate) const MOST_ATOMS: i64 = 1_000_000_000;
-/// The most steps of a stage: at 10⁴ steps a second, three thousand years.
-pub(crate) const MOST_STEPS: i64 = 1_000_000_000_000_000;
 /// The longest box side in σ: beyond it, image flags and the last digits of positions get scarce.
 pub(crate) const LONGEST_SIDE: f64 = 1e6;
 /// The lowest and the highest temperature of a heat bath, ε/k_B: far outside, numbers overflow or vanish on the way.
@@ -23,64 +26,8 @@ pub(crate) const SHORTEST_CUTOFF: f64 = 0.1;
 /// The most stages, and the most observables.
 pub(crate) const MOST_ENTRIES: usize = 1000;
 
-/// What a key may hold.
-#[derive(Debug, Clone, Copy)]
-pub enum Allowed {
-    /// A finite number above 0.
-    Positive,
-    /// A finite number, 0 or more.
-    NotNegative,
-    /// A number in this range, ends included.
-    Between(f64, f64),
-    /// Zero, or a number in this range.
-    ZeroOrBetween(f64, f64),
-    /// A whole number in this range.
-    Whole(i64, i64),
-    /// `true` or `false`.
-    Flag,
-    /// One of these names.
-    Names(fn() -> Vec<&'static str>),
-    /// What the words say.
-    Words(&'static str),
-}
-
-impl Allowed {
-    /// In words, for messages and for the reference.
-    #[must_use]
-    pub fn text(&self) -> String {
-        match self {
-            Self::Positive => "a finite number above 0".to_owned(),
-            Self::NotNegative => "a finite number, 0 or more".to_owned(),
-            Self::Between(from, to) => format!("a number from {} to {}", short(*from), short(*to)),
-            Self::ZeroOrBetween(from, to) => {
-                format!("0, or a number from {} to {}", short(*from), short(*to))
-            }
-            Self::Whole(from, i64::MAX) => format!("a whole number, {from} or more"),
-            Self::Whole(from, to) => format!("a whole number from {from} to {to}"),
-            Self::Flag => "true or false".to_owned(),
-            Self::Names(names) => quoted(&names()),
-            Self::Words(words) => (*words).to_owned(),
-        }
-    }
-}
-
-/// A number as one would write it: `0.1`, `1000`, `1e-9`.
-fn short(x: f64) -> String {
-    if (1e-3..1e5).contains(&x) {
-        x.to_string()
-    } else {
-        format!("{x:e}")
-    }
-}
-
-/// Names in quotes, with commas.
-pub(crate) fn quoted(names: &[&str]) -> String {
-    let quoted: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
-    quoted.join(", ")
-}
-
 /// One key of a scene file.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct KeyDoc {
     /// Its table: `system`, `stage`, `stage.thermostat`; empty for a key outside all tables.
     pub table: &'static str,
@@ -91,7 +38,7 @@ pub struct KeyDoc {
     /// What it may hold.
     pub allowed: Allowed,
     /// The value where it is not written, in words.
-    pub default: &'static str,
+    pub default: String,
     /// Its unit, empty for a plain number or a name.
     pub unit: &'static str,
     /// What it means.
@@ -109,20 +56,17 @@ pub struct TableDoc {
     pub meaning: &'static str,
 }
 
+/// Declares the keys that a table has whatever its method.
 macro_rules! keys {
-    ($($table:literal of $method:tt { $($key:literal: $allowed:expr, $default:literal, $unit:literal, $meaning:literal;)* })*) => {
-        &[$($(KeyDoc {
-            table: $table,
-            method: keys!(@method $method),
+    ($($table:literal { $($key:literal: $allowed:expr, $default:literal, $unit:literal, $meaning:literal;)* })*) => {
+        &[$(($table, &[$(KeySpec {
             key: $key,
             allowed: $allowed,
-            default: $default,
+            default: || $default.to_owned(),
             unit: $unit,
             meaning: $meaning,
-        },)*)*]
+        },)*]),)*]
     };
-    (@method any) => { None };
-    (@method $method:literal) => { Some($method) };
 }
 
 use Allowed::{Between, Flag, Names, NotNegative, Positive, Whole, Words, ZeroOrBetween};
@@ -199,11 +143,12 @@ static TABLES: &[TableDoc] = &[
     },
 ];
 
-static KEYS: &[KeyDoc] = keys! {
-    "" of any {
+/// The keys of each table, whatever its method.
+static SHARED: &[(&str, Keys)] = keys! {
+    "" {
         "name": Words("letters, digits, `-`, `_` and `.`, beginning with a letter or digit"), "the file's name without `.toml`", "", "Name of the scene; the output folder is called after it.";
     }
-    "system" of any {
+    "system" {
         "lattice": Names(|| vec!["fcc", "sc", "bcc", "random"]), "`\"fcc\"`", "", "Arrangement at the start. In a cube, fcc takes 4m³ particles, bcc 2m³, sc m³; in another box, 4abc, 2abc or abc with nearly cubic cells (edges within 10 % of each other). `random` takes any number, relaxed until nothing overlaps.";
         "n_atoms": Whole(1, MOST_ATOMS), "needed", "", "Number of particles.";
         "density": Between(THINNEST, DENSEST), "this or `box`", "σ⁻³", "Number density of the start; the box is a cube.";
@@ -213,49 +158,34 @@ static KEYS: &[KeyDoc] = keys! {
         "temperature": ZeroOrBetween(COLDEST, HOTTEST), "needed", "ε/k_B", "Temperature of the first velocities (where no file gives them) and of every thermostat that names no other.";
         "seed": Whole(0, i64::MAX), "`1`", "", "Seed of every random stream.";
     }
-    "accuracy" of any {
+    "accuracy" {
         "potential_energy": Positive, "not asked for", "ε per particle", "Largest error of the mean potential energy, at equal temperature: of the full potential, or, where `truncation.kind` and `truncation.r_cut` are both written, of that model.";
         "pressure": Positive, "not asked for", "ε/σ³", "Largest error of the mean pressure, likewise.";
         "drift": Positive, "not asked for", "ε/τ per particle", "Largest drift of the conserved energy.";
     }
-    "potential" of any {
+    "potential" {
         "kind": Names(|| lennard_forcefield::potentials().iter().map(|p| p.name).collect()), "`\"lennard-jones\"`", "", "The pair potential U(r).";
     }
-    "potential" of "soft-sphere" {
-        "exponent": Whole(4, 32), "`12`", "", "The exponent n of U = r⁻ⁿ.";
-    }
-    "truncation" of any {
+    "truncation" {
         "kind": Names(|| lennard_forcefield::truncations().iter().map(|t| t.name).collect()), "`\"cut\"`", "", "How the potential ends at `r_cut`.";
         "r_cut": Between(SHORTEST_CUTOFF, LONGEST_SIDE), "`2.5`", "σ", "Cutoff radius; at most half the shortest box side.";
         "switch_from": Words("a number between 0 and `r_cut`, with kind \"switch\" alone"), "0.8·`r_cut`", "σ", "Where the switch begins.";
         "tail_correction": Words("true or false; true with kind \"cut\" alone, and only in a homogeneous fluid"), "`true` for `\"cut\"`, else `false`", "", "Whether U and P are corrected for the fluid beyond the cutoff.";
     }
-    "neighbor" of any {
+    "neighbor" {
         "mode": Names(|| vec!["auto", "direct", "verlet"]), "`\"auto\"`", "", "Every pair each time, or a Verlet list over a cell grid; `auto` chooses from the scene.";
         "skin": NotNegative, "chosen from density, temperature, dt and precision", "σ", "The list holds pairs up to r_cut + skin; that may not exceed half the shortest box side.";
     }
-    "kernel" of any {
+    "kernel" {
         "kernel": Names(|| vec!["auto", "reference"]), "`\"auto\"`", "", "The fastest loop that suits the scene; the plain double loop that all others are judged by.";
         "precision": Names(|| vec!["double", "mixed"]), "`\"double\"`", "", "Precision of the pair terms; sums and integration are always double.";
         "isa": Names(|| vec!["auto", "avx512", "avx2", "portable"]), "`\"auto\"`", "", "Instruction set of the loop.";
     }
-    "integrator" of any {
+    "integrator" {
         "kind": Names(|| lennard_integrators::integrators().iter().map(|i| i.spec.name).collect()), "`\"velocity-verlet\"`", "", "The method.";
         "dt": Between(SHORTEST_STEP, LONGEST_STEP), "`0.004`", "τ", "Time step.";
     }
-    "integrator" of "implicit-euler" {
-        "tolerance": Positive, "`1e-12`", "σ", "Largest error of a position in its equation.";
-        "max_iterations": Whole(1, 1_000_000), "`60`", "", "Newton iterations after which a step fails.";
-    }
-    "integrator" of "bit-reversible-verlet" {
-        "grid_spacing": Positive, "`3.552713678800501e-15`", "σ", "Spacing of the grid of positions, best a power of two; the default is 2⁻⁴⁸.";
-    }
-    "integrator" of "respa" {
-        "inner_steps": Whole(1, 1_000_000), "`4`", "", "Steps of the near force inside one step of the far force.";
-        "r_split": Positive, "`1.7`", "σ", "Where the near force ends; below `truncation.r_cut`.";
-        "split_width": Positive, "`0.4`", "σ", "Over which distance it ends; at most `r_split`.";
-    }
-    "stage" of any {
+    "stage" {
         "name": Words("letters, digits, `-` and `_`, not digits alone, and unlike any other stage's"), "needed", "", "Its name, by which `--set stage.NAME.steps=…` finds it.";
         "steps": Whole(1, MOST_STEPS), "needed", "", "Number of steps.";
         "thermostat": Words("\"none\", the name of a thermostat, or a table with `kind` and its keys"), "`\"none\"`", "", "The heat bath; none is constant energy.";
@@ -263,53 +193,14 @@ static KEYS: &[KeyDoc] = keys! {
         "dt": Between(SHORTEST_STEP, LONGEST_STEP), "`integrator.dt`", "τ", "Time step of this stage.";
         "measure": Flag, "`true` for the last stage, else `false`", "", "Whether observables and the trajectory look at this stage. Measured stages must be alike in dt, thermostat and temperature, since their samples are pooled.";
     }
-    "stage.thermostat" of any {
+    "stage.thermostat" {
         "kind": Names(|| lennard_integrators::thermostats().iter().map(|t| t.name).collect()), "needed", "", "The thermostat.";
     }
-    "stage.thermostat" of "rescale" {
-        "every": Whole(1, MOST_STEPS), "`10`", "steps", "Steps between two rescalings.";
-    }
-    "stage.thermostat" of "bussi" {
-        "tau": Positive, "`0.5`", "τ", "Relaxation time of the kinetic energy.";
-    }
-    "stage.thermostat" of "langevin" {
-        "friction": Positive, "`1.0`", "τ⁻¹", "Friction coefficient γ.";
-    }
-    "observable" of any {
+    "observable" {
         "kind": Names(|| lennard_observables::observables().iter().map(|o| o.name).collect()), "needed", "", "The observable.";
         "every": Whole(1, MOST_STEPS), "that of the kind", "steps", "Steps between two samples.";
     }
-    "observable" of "thermodynamics" {
-        "configurational_temperature": Flag, "`true`", "", "Whether the configurational temperature is taken, for which the Laplacian of U is evaluated.";
-    }
-    "observable" of "rdf" {
-        "r_max": Words("a number above 0, at most half the shortest box side"), "the smaller of half the shortest side and 6", "σ", "Largest distance.";
-        "bins": Whole(1, 100_000), "`300`", "", "Number of bins of equal width.";
-    }
-    "observable" of "msd" {
-        "longest_lag": Positive, "`100.0`", "τ", "Longest lag.";
-        "fit_from": Positive, "where the slope stops changing", "τ", "Shortest lag of the straight-line fit for the diffusion coefficient.";
-        "fit_to": Positive, "a twentieth of the run", "τ", "Longest lag of the fit.";
-        "viscosity": Positive, "the reference table's, where it has one near", "ε τ/σ³", "Shear viscosity for the finite-size correction of Yeh and Hummer.";
-        "particles": Whole(1, 10_000_000), "`16384`", "", "Number of particles followed, evenly chosen.";
-    }
-    "observable" of "vacf" {
-        "window": Positive, "`4.0`", "τ", "Longest lag.";
-        "origins": Whole(1, 10_000), "`16`", "", "Number of time origins followed at once.";
-        "particles": Whole(1, 10_000_000), "`16384`", "", "Number of particles followed, evenly chosen.";
-    }
-    "observable" of "structure-factor" {
-        "k_max": Positive, "`15.0`", "σ⁻¹", "Largest wave number.";
-        "shells": Whole(1, 1000), "`75`", "", "Number of shells of equal width between 0 and `k_max`.";
-        "directions": Whole(1, 1000), "`24`", "", "Wave vectors tried in each shell.";
-    }
-    "observable" of "shear-viscosity" {
-        "window": Positive, "`10.0`", "τ", "Longest lag of the correlation of the pressure tensor.";
-    }
-    "observable" of "thermal-conductivity" {
-        "window": Positive, "`10.0`", "τ", "Longest lag of the correlation of the heat flux.";
-    }
-    "output" of any {
+    "output" {
         "trajectory_every": Whole(0, MOST_STEPS), "`0`", "steps", "Steps between two frames of `trajectory.xyz`; 0 for no trajectory.";
         "thermo_every": Whole(1, MOST_STEPS), "`10`", "steps", "Steps between two samples of the thermodynamics, each a line of `thermo.csv`; the `every` of a `thermodynamics` observable is the same number.";
         "element": Words("an element symbol, or \"X\""), "`\"Ar\"`", "", "Symbol of the particles in the files, for tools that know only elements.";
@@ -318,16 +209,68 @@ static KEYS: &[KeyDoc] = keys! {
         "unwrapped": Flag, "`false`", "", "Positions as they moved, rather than folded into the box with image flags.";
         "length_scale": Between(1e-12, 1e12), "`1.0`", "file units per σ", "Lengths in the trajectory are multiplied by it (3.405 gives ångström for argon).";
     }
-    "checkpoint" of any {
+    "checkpoint" {
         "every_steps": Whole(0, MOST_STEPS), "`0`", "steps", "Steps between two checkpoints; 0 for none.";
         "every_seconds": NotNegative, "`600.0`", "s", "Wall-clock seconds between two checkpoints; 0 for none.";
     }
 };
 
+/// The keys of the split force, which multiple time steps bring along.
+static SPLIT: Keys = &[
+    KeySpec {
+        key: "r_split",
+        allowed: Positive,
+        default: || "`1.7`".to_owned(),
+        unit: "σ",
+        meaning: "Where the near force ends; below `truncation.r_cut`.",
+    },
+    KeySpec {
+        key: "split_width",
+        allowed: Positive,
+        default: || "`0.4`".to_owned(),
+        unit: "σ",
+        meaning: "Over which distance it ends; at most `r_split`.",
+    },
+];
+
+/// The keys of the methods of a table, each declared in the method's own file.
+fn of_methods(table: &str) -> Vec<(&'static str, Keys)> {
+    match table {
+        "potential" => lennard_forcefield::PotentialOptions::keys(),
+        "integrator" => {
+            let mut all = lennard_integrators::IntegratorOptions::keys();
+            all.push((lennard_integrators::respa::SPEC.name, SPLIT));
+            all
+        }
+        "stage.thermostat" => lennard_integrators::ThermostatOptions::keys(),
+        "observable" => lennard_observables::ObservableOptions::keys(),
+        _ => Vec::new(),
+    }
+}
+
 /// Every key of a scene file, table by table.
 #[must_use]
 pub fn keys() -> &'static [KeyDoc] {
-    KEYS
+    static ALL: OnceLock<Vec<KeyDoc>> = OnceLock::new();
+    ALL.get_or_init(|| {
+        let document = |table, method, key: &KeySpec| KeyDoc {
+            table,
+            method,
+            key: key.key,
+            allowed: key.allowed,
+            default: (key.default)(),
+            unit: key.unit,
+            meaning: key.meaning,
+        };
+        let mut all = Vec::new();
+        for (table, shared) in SHARED {
+            all.extend(shared.iter().map(|key| document(table, None, key)));
+            for (method, own) in of_methods(table) {
+                all.extend(own.iter().map(|key| document(table, Some(method), key)));
+            }
+        }
+        all
+    })
 }
 
 /// Every table of a scene file.
@@ -338,7 +281,7 @@ pub fn tables() -> &'static [TableDoc] {
 
 /// What is known of a key: `table` without indices (`stage.thermostat`).
 pub(crate) fn find(table: &str, method: Option<&str>, key: &str) -> Option<&'static KeyDoc> {
-    KEYS.iter().find(|doc| {
+    keys().iter().find(|doc| {
         doc.table == table && doc.key == key && (doc.method.is_none() || doc.method == method)
     })
 }
@@ -350,7 +293,7 @@ pub fn markdown() -> String {
     for table in TABLES {
         let _ = write!(out, "### {}\n\n{}\n\n", table.heading, table.meaning);
         out.push_str("| Key | Allowed | Default | Unit | Meaning |\n|---|---|---|---|---|\n");
-        for doc in KEYS.iter().filter(|doc| doc.table == table.table) {
+        for doc in keys().iter().filter(|doc| doc.table == table.table) {
             let only = match doc.method {
                 Some(method) => format!(" (`{method}`)"),
                 None => String::new(),

@@ -242,18 +242,6 @@ pub struct Output {
     pub length_scale: f64,
 }
 
-impl Output {
-    /// Whether a line of `thermo.csv` is written after a step, and whether a frame, which measured stages alone have.
-    #[must_use]
-    pub fn due(&self, step: u64, measured: bool) -> (bool, bool) {
-        let frame = |every| measured && step.is_multiple_of(every);
-        (
-            step.is_multiple_of(self.thermo_every),
-            self.trajectory_every.is_some_and(frame),
-        )
-    }
-}
-
 /// The table `[checkpoint]`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Checkpoint {

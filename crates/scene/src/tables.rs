@@ -79,7 +79,7 @@ impl Reader<'_> {
         let method: IntegratorOptions = section.read(&node)?;
         method
             .check()
-            .map_err(|e| section.impossible(e.key, &e.found, e.allowed))?;
+            .map_err(|e| section.impossible(e.key, &e.found, &e.allowed))?;
         self.suits_a_fluid(&method)?;
         Ok(IntegratorTable { dt, method, split })
     }
@@ -186,7 +186,7 @@ impl Reader<'_> {
         let options: ThermostatOptions = section.read(&named)?;
         options
             .check()
-            .map_err(|e| section.impossible(e.key, &e.found, e.allowed))?;
+            .map_err(|e| section.impossible(e.key, &e.found, &e.allowed))?;
         Ok(Some(options))
     }
 

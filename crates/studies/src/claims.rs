@@ -1,6 +1,7 @@
 //! What a source claims, what theory says, what was measured, and the verdict that follows.
 
-use lennard_report::{Cell, PageTable, Tone, significant};
+use lennard_core::{Cell, Table, Tone};
+use lennard_report::significant;
 use serde::Serialize;
 
 /// What a claim demands of the measured number.
@@ -50,6 +51,17 @@ pub enum Verdict {
     Holds,
     /// It does not.
     DoesNotHold,
+}
+
+impl Verdict {
+    /// The verdict in words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::DoesNotHold => "does not hold",
+        }
+    }
 }
 
 /// One claim beside its measurement.
@@ -105,6 +117,22 @@ impl Claim {
         }
     }
 
+    /// A claim that a number is the one of theory, within a tolerance with a cause.
+    pub(crate) fn of_theory(
+        source: &'static str,
+        statement: impl Into<String>,
+        quantity: impl Into<String>,
+        (theory, tolerance, reason): (f64, f64, &'static str),
+        measured: f64,
+    ) -> Self {
+        let near = Demand::Near {
+            value: theory,
+            within: tolerance,
+        };
+        Self::judge(source, statement, quantity, near, measured)
+            .with_theory(theory, tolerance, reason)
+    }
+
     /// With what theory gives, and how far the measurement may be from it.
     #[must_use]
     pub fn with_theory(self, theory: f64, tolerance: f64, tolerance_reason: &'static str) -> Self {
@@ -118,48 +146,48 @@ impl Claim {
     }
 }
 
-/// The claims as a table of a page.
+/// The claims for a reader.
 #[must_use]
-pub fn table(claims: &[Claim], caption: impl Into<String>, command: &str) -> PageTable {
-    let rows = claims
-        .iter()
-        .map(|c| {
-            let (word, tone) = match c.verdict {
-                Verdict::Holds => ("holds", Tone::Good),
-                Verdict::DoesNotHold => ("does not hold", Tone::Bad),
-            };
-            let theory = match c.theory {
-                None => Cell::text("–"),
-                Some(t) if c.theory_agrees => Cell::number(significant(t, 8)),
-                Some(t) => Cell::toned(format!("{} (differs)", significant(t, 8)), Tone::Bad),
-            };
-            vec![
-                Cell::text(c.source),
-                Cell::text(c.statement.clone()),
-                Cell::text(c.quantity.clone()),
-                Cell::number(c.demand.in_words()),
-                theory,
-                Cell::number(significant(c.measured, 8)),
-                Cell::toned(word, tone),
-            ]
+pub fn table(claims: &[Claim]) -> Table {
+    let caption = "What each source claims beside what was measured. A verdict is computed: it says whether \
+                   the measured number meets the claim. The word “differs” in the column of the theory would \
+                   say that theory and measurement disagree by more than a stated cause explains (`claims.csv` \
+                   has tolerances and their causes).";
+    Table::rows_of("claims", claims)
+        .caption(caption)
+        .column("Source", |c| c.source)
+        .column("Claim", |c| &c.statement)
+        .column("Judged by", |c| &c.quantity)
+        .column("Wanted", |c| Cell::figures(c.demand.in_words()))
+        .column("Theory", |c| match c.theory {
+            Some(t) if !c.theory_agrees => {
+                Cell::figures(format!("{} (differs)", significant(t, 8))).toned(Tone::Bad)
+            }
+            theory => Cell::rounded(theory, 8),
         })
-        .collect();
-    PageTable {
-        caption: caption.into(),
-        command: Some(command.to_owned()),
-        header: [
-            "Source",
-            "Claim",
-            "Judged by",
-            "Wanted",
-            "Theory",
-            "Measured",
-            "Verdict",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-        rows,
-    }
+        .column("Measured", |c| Cell::rounded(c.measured, 8))
+        .column("Verdict", |c| {
+            Cell::words(c.verdict.words()).toned(match c.verdict {
+                Verdict::Holds => Tone::Good,
+                Verdict::DoesNotHold => Tone::Bad,
+            })
+        })
+        .table()
+}
+
+/// The claims for a program.
+pub(crate) fn csv(claims: &[Claim]) -> Table {
+    Table::rows_of("claims", claims)
+        .column("source", |c| c.source)
+        .column("claim", |c| &c.statement)
+        .column("judged by", |c| &c.quantity)
+        .column("theory", |c| c.theory)
+        .column("measured", |c| c.measured)
+        .column("tolerance", |c| c.tolerance)
+        .column("tolerance from", |c| c.tolerance_reason)
+        .column("theory agrees", |c| c.theory_agrees)
+        .column("verdict", |c| c.verdict.words())
+        .table()
 }
 
 #[cfg(test)]

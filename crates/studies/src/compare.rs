@@ -3,16 +3,19 @@
 mod phase;
 mod read;
 mod rows;
+mod table;
 mod tail_bias;
 mod transport;
 mod verdict;
 
 pub use phase::{StateOfMatter, state_of};
 pub use read::{ReadError, RunFolder};
+pub use table::table;
 pub use verdict::{Row, Verdict};
 
 use lennard_literature::{equation_of_state_for, remark_for};
 use rows::Compared;
+pub(crate) use rows::HANSEN_VERLET;
 use serde::Serialize;
 
 /// A quantity of the run record in words for a table.

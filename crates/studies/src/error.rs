@@ -68,12 +68,4 @@ pub enum StudyError {
         /// What the operating system said.
         source: std::io::Error,
     },
-    /// A text table cannot be put into CSV.
-    #[error("cannot write {name}: {reason}")]
-    Csv {
-        /// Name of the file.
-        name: &'static str,
-        /// What went wrong.
-        reason: String,
-    },
 }

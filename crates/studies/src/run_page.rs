@@ -5,7 +5,7 @@ mod tables;
 
 use std::path::Path;
 
-use lennard_report::{Block, Page, PageFigure, ReportError, Section};
+use lennard_report::{Page, ReportError, Section};
 
 use crate::compare::{ReadError, RunFolder, compare};
 
@@ -28,16 +28,14 @@ pub enum PageError {
 /// # Errors
 /// [`PageError`] where the run did not finish, or a file cannot be read or written.
 pub fn write(folder: &Path) -> Result<(), PageError> {
-    let page = page(&RunFolder::open(folder)?)?;
-    lennard_io::write_text_atomically(&folder.join("report.html"), &page.to_html())?;
+    let html = page(&RunFolder::open(folder)?).to_html()?;
+    lennard_io::write_text_atomically(&folder.join("report.html"), &html)?;
     Ok(())
 }
 
 /// The page of a finished run.
-///
-/// # Errors
-/// [`ReportError`] where a figure cannot be drawn.
-pub fn page(run: &RunFolder) -> Result<Page, ReportError> {
+#[must_use]
+pub fn page(run: &RunFolder) -> Page {
     let compared = compare(run);
     let record = &run.record;
     let lead = format!(
@@ -51,16 +49,15 @@ pub fn page(run: &RunFolder) -> Result<Page, ReportError> {
         compared.headline,
     );
     let mut sections = vec![
-        Section::new("Beside the literature").with(Block::Table(tables::comparison(&compared))),
+        Section::new("Beside the literature")
+            .table(tables::comparison(&compared))
+            .list(tables::sources(&compared)),
         Section::new("What was run, and what was left out")
-            .with(Block::Table(tables::stages(run)))
-            .with(Block::List(tables::left_out(run))),
-        Section::new("Averages").with(Block::Table(tables::averages(&compared, record))),
+            .table(tables::stages(run))
+            .list(tables::left_out(run)),
+        Section::new("Averages").table(tables::averages(&compared, record)),
     ];
-    sections[0] = sections[0]
-        .clone()
-        .with(Block::List(tables::sources(&compared)));
-    for (title, text, figures) in [
+    let drawn = [
         (
             "Time series",
             figures::TIME_SERIES,
@@ -73,22 +70,21 @@ pub fn page(run: &RunFolder) -> Result<Page, ReportError> {
             figures::MOTION,
             figures::motion(run),
         ),
-    ] {
-        let drawn: Vec<PageFigure> = figures
-            .into_iter()
-            .map(figures::Captioned::on_page)
-            .collect::<Result<_, _>>()?;
-        if !drawn.is_empty() {
-            sections.push(Section::new(title).text(text).with(Block::Figures(drawn)));
-        }
-    }
-    sections.push(Section::new("Performance").with(Block::Table(tables::performance(record))));
+    ];
+    let drawn = drawn
+        .into_iter()
+        .filter(|(.., figures)| !figures.is_empty());
+    sections.extend(
+        drawn.map(|(title, text, figures)| Section::new(title).text(text).figures(figures)),
+    );
+    sections.push(Section::new("Performance").table(tables::performance(record)));
     if !record.remarks.is_empty() {
-        sections.push(Section::new("Remarks").with(Block::List(record.remarks.clone())));
+        sections.push(Section::new("Remarks").list(record.remarks.clone()));
     }
-    Ok(Page {
+    Page {
         title: format!("{}: {} particles", run.scene.name, record.atoms),
         lead,
+        command: None,
         sections,
         provenance: vec![
             (
@@ -108,5 +104,5 @@ pub fn page(run: &RunFolder) -> Result<Page, ReportError> {
                 "`run.json` and the CSV files beside this page".into(),
             ),
         ],
-    })
+    }
 }

@@ -1,8 +1,7 @@
 //! Everything about a scene that trades speed for accuracy, as one value.
 
 use lennard_forcefield::{
-    ListMode, NeighborOptions, PotentialOptions, Precision, SplitOptions, TruncationKind,
-    TruncationOptions,
+    ListMode, NeighborOptions, Precision, SplitOptions, TruncationKind, TruncationOptions,
 };
 use lennard_integrators::IntegratorOptions;
 use lennard_scene::{DEFAULT_SPLIT, Scene};
@@ -154,6 +153,7 @@ impl Settings {
             TruncationKind::Shift => format!("shifted at {r_cut} σ"),
             TruncationKind::ForceShift => format!("force-shifted at {r_cut} σ"),
             TruncationKind::Switch => format!("switched at {r_cut} σ"),
+            other => format!("{} at {r_cut} σ", other.name()),
         }
     }
 
@@ -191,7 +191,7 @@ fn rounded(length: f64) -> String {
 /// Whether the truncation of this potential can be chosen at all: WCA ends by itself.
 #[must_use]
 pub fn truncation_is_free(scene: &Scene) -> bool {
-    !matches!(scene.potential, PotentialOptions::Wca {})
+    scene.potential.own_end().is_none()
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 pub use agreement::{Agreement, agreement, probability_words};
 pub use file::{SweepError, load};
-pub(crate) use page::verdict_cell;
+pub use page::{CHI_SQUARED, agreement_table, point_table};
 pub use points::Point;
 pub use run::{Ending, FILES, SweepOptions, SweepRecord, SweptPoint, run};
 pub use threads::workers;

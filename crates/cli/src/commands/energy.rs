@@ -19,11 +19,7 @@ pub fn energy(args: &EnergyArgs) -> Result<ExitCode, Failure> {
     let threads = args.scene.threads.map_or(1, usize::from);
     let evaluated = on_threads(threads, || Ok(lennard_engine::evaluate_energy(&scene)?))?;
     if let Some(path) = &args.forces {
-        let Evaluated {
-            report,
-            cell,
-            state,
-        } = &evaluated;
+        let Evaluated { report, state } = &evaluated;
         let style = FrameStyle {
             forces: true,
             wrapped: false,
@@ -35,7 +31,6 @@ pub fn energy(args: &EnergyArgs) -> Result<ExitCode, Failure> {
             path,
             &style,
             &Frame {
-                cell,
                 state,
                 extra: &extra,
             },

@@ -2,14 +2,12 @@
 
 use std::path::Path;
 
-use lennard_report::significant;
-use lennard_studies::bench::{BenchStudy, FeatureStudy, SkinStudy, with_range};
+use lennard_report::{percent, significant};
+use lennard_studies::bench::{
+    BenchStudy, FeatureStudy, SkinStudy, feature_table, kernel_table, with_range,
+};
 
 use super::table;
-
-fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
-}
 
 /// What was measured.
 pub fn bench(study: &BenchStudy, folder: &Path) {
@@ -41,39 +39,7 @@ pub fn bench(study: &BenchStudy, folder: &Path) {
 }
 
 fn kernels(study: &BenchStudy) {
-    let heading = [
-        "kernel",
-        "threads",
-        "M atom-steps/s",
-        "whole step",
-        "processor time",
-        "forces alone",
-        "with totals",
-        "one list build",
-        "lists in a step",
-        "lanes a pair",
-        "of the limit",
-        "bytes an atom",
-    ];
-    let mut t = table(&heading, 1..12);
-    for k in &study.kernels {
-        t.add_row([
-            format!("{} {}", k.isa, k.precision),
-            k.threads.to_string(),
-            k.marked_speed(),
-            significant(k.step_ns.median, 3),
-            k.processor_ns
-                .map_or("–".into(), |s| significant(s.median, 3)),
-            significant(k.forces_ns.lowest, 3),
-            significant(k.totals_ns.lowest, 3),
-            k.build_ns.map_or("–".into(), |s| significant(s.lowest, 3)),
-            percent(k.list_share.median),
-            significant(k.lanes_per_pair, 3),
-            k.marked_limit_share(),
-            format!("{:.0}", k.bytes_per_atom),
-        ]);
-    }
-    println!("{t}");
+    println!("{}", table(&kernel_table(study, false)));
     println!(
         "  ns an atom: medians of whole steps, in brackets the range; best times of forces alone (the list given) and of one build, which is\n  \
          paid once in many steps; processor time is that of a step on one thread, steadier than the clock where others are at work"
@@ -117,30 +83,7 @@ fn features(found: &FeatureStudy) {
         percent(found.engine_share.lowest),
         percent(found.engine_share.highest)
     );
-    let mut t = table(
-        &[
-            "feature",
-            "how often",
-            "adds to a step",
-            "range",
-            "ns per atom-step",
-        ],
-        2..5,
-    );
-    for f in &found.features {
-        t.add_row([
-            f.name.clone(),
-            f.how.clone(),
-            percent(f.share.median),
-            format!(
-                "{} to {}",
-                percent(f.share.lowest),
-                percent(f.share.highest)
-            ),
-            significant(f.ns, 3),
-        ]);
-    }
-    println!("{t}");
+    println!("{}", table(&feature_table(found)));
     println!(
         "  {} of {}",
         found.clock,

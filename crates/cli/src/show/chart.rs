@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use comfy_table::Table;
 use lennard_report::significant;
-use lennard_studies::chart::{Advice, Chart, NOT_RESOLVED, Standing, basis, done, standings};
+use lennard_studies::chart::{Chart, basis, done, own_settings, standings};
 
 use super::table;
 
@@ -47,7 +46,8 @@ pub fn chart(chart: &Chart, folder: &Path) {
         }
     }
     if !standings.is_empty() {
-        println!("{}", of_own_settings(chart, &standings));
+        let own = own_settings(chart, &standings).without(&["No."]);
+        println!("{}", table(&own));
         println!("  {}", basis(chart));
     }
     let failed = chart
@@ -62,36 +62,4 @@ pub fn chart(chart: &Chart, folder: &Path) {
         println!("  {remark}");
     }
     println!("  page: {}", folder.join("report.html").display());
-}
-
-/// The error of the scene's own settings in each panel, and what would do as well for less.
-fn of_own_settings(chart: &Chart, standings: &[Standing<'_>]) -> Table {
-    let mut t = table(
-        &["error", "own", "floor", "cheapest that is no worse", "cost"],
-        1..3,
-    );
-    for s in standings {
-        let own = s.own.error.unwrap_or(f64::NAN);
-        let own = match s.own.standard_error {
-            Some(error) => format!("{} ± {}", significant(own, 2), significant(error, 2)),
-            None => significant(own, 2),
-        };
-        let (label, cost) = match s.advice {
-            Advice::Cheaper(mark) => {
-                let point = chart.points.iter().find(|p| p.number == mark.number);
-                let cost = format!("{} ×", significant(mark.wall / s.own.wall, 2));
-                (point.map_or("", |p| p.label.as_str()), cost)
-            }
-            Advice::NotResolved => (NOT_RESOLVED, "–".to_owned()),
-            Advice::Itself => ("itself", "1 ×".to_owned()),
-        };
-        t.add_row([
-            s.panel.title.to_owned(),
-            own,
-            s.panel.floor.map_or("–".into(), |f| significant(f, 2)),
-            label.to_owned(),
-            cost,
-        ]);
-    }
-    t
 }

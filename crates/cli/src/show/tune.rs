@@ -1,5 +1,6 @@
 //! Settings for an accuracy, as a person reads them.
 
+use lennard_core::{Cell, Table};
 use lennard_studies::lab::Cost;
 use lennard_studies::tune::Tuning;
 
@@ -18,30 +19,25 @@ pub fn tuning(tuning: &Tuning) {
         lennard_report::counted(tuning.threads, "thread")
     );
     println!("  measured against: {}", tuning.safest);
-    let mut errors = table(
-        &[
-            "error of",
-            "target",
-            "predicted",
-            "measured",
-            "planned run",
-            "unit",
-        ],
-        1..5,
-    );
-    for row in &tuning.rows {
-        let j = &row.judged;
-        errors.add_row([
-            j.quantity.replace('_', " "),
-            format!("{:.1e}", j.target),
-            with_error(j.predicted, j.predicted_error),
-            with_error(j.measured, j.measured_error),
-            row.planned_error
-                .map_or_else(|| "–".into(), |e| format!("± {e:.1e}")),
-            j.unit.clone(),
-        ]);
-    }
-    println!("\n{errors}");
+    let errors = Table::rows_of("errors", &tuning.rows)
+        .column("error of", |r| r.judged.quantity.replace('_', " "))
+        .column("target", |r| {
+            Cell::figures(format!("{:.1e}", r.judged.target))
+        })
+        .column("predicted", |r| {
+            let j = &r.judged;
+            Cell::figures(with_error(j.predicted, j.predicted_error))
+        })
+        .column("measured", |r| {
+            let j = &r.judged;
+            Cell::figures(with_error(j.measured, j.measured_error))
+        })
+        .column("planned run", |r| {
+            let figures = r.planned_error.map(|e| format!("± {e:.1e}"));
+            figures.map(Cell::figures)
+        })
+        .column("unit", |r| &r.judged.unit);
+    println!("\n{}", table(&errors.table()));
     for row in &tuning.rows {
         if let Some(causes) = &row.causes {
             println!(
@@ -53,23 +49,25 @@ pub fn tuning(tuning: &Tuning) {
             );
         }
     }
-    let mut costs = table(&["settings", "an atom and τ", "range", "relative"], 1..4);
     let chosen = tuning.cost.wall.median;
-    let mut add = |name: &str, cost: &Cost| {
-        let wall = &cost.wall;
-        costs.add_row([
-            name.to_owned(),
-            duration(wall.median),
-            format!("{} to {}", duration(wall.lowest), duration(wall.highest)),
-            format!("{:.2}", wall.median / chosen),
-        ]);
-    };
-    add("chosen", &tuning.cost);
-    if let Some(usual) = &tuning.usual_cost {
-        add("r_cut 2.5, dt 0.004, double", usual);
-    }
-    add("safest", &tuning.safest_cost);
-    println!("\n{costs}");
+    let usual = tuning.usual_cost.iter();
+    let costs: Vec<(&str, &Cost)> = std::iter::once(("chosen", &tuning.cost))
+        .chain(usual.map(|usual| ("r_cut 2.5, dt 0.004, double", usual)))
+        .chain([("safest", &tuning.safest_cost)])
+        .collect();
+    let costs = Table::rows_of("costs", &costs)
+        .column("settings", |(name, _)| *name)
+        .column("an atom and τ", |(_, c)| {
+            Cell::figures(duration(c.wall.median))
+        })
+        .column("range", |(_, c)| {
+            let (low, high) = (duration(c.wall.lowest), duration(c.wall.highest));
+            Cell::figures(format!("{low} to {high}"))
+        })
+        .column("relative", |(_, c)| {
+            Cell::figures(format!("{:.2}", c.wall.median / chosen))
+        });
+    println!("\n{}", table(&costs.table()));
     for remark in &tuning.speed.remarks {
         println!("  {remark}");
     }

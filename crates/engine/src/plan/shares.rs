@@ -6,17 +6,18 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use lennard_core::stopwatch::{Spread, Stopwatch, repeated, timed};
-use lennard_core::{Configuration, Observable, Part, Persist, StateArchive, Want};
-use lennard_integrators::Coupling;
+use lennard_core::{Configuration, Integrator, NoForces, Part, Persist, StateArchive, Want};
 use lennard_io::{Frame, Sink, TrajectoryWriter};
 use lennard_scene::{Scene, Stage};
 
 use crate::bare::bare;
 use crate::build::{Beginning, prepare_from};
 use crate::files::{header, style};
+use crate::follower::{Follower, StopAt, Verdict};
 use crate::instant::view;
 use crate::run::{aside, set_aside};
-use crate::simulation::{Follower, Observer, Simulation, Verdict};
+use crate::schedule::{Action, Observer, Operation, Schedule, Trigger};
+use crate::simulation::Simulation;
 use crate::{EngineError, SET_ASIDE_EVERY, watchdog};
 
 /// How long the steps are measured.
@@ -63,7 +64,9 @@ impl Costs {
     pub(super) fn measure(simulation: &mut Simulation) -> Result<Self, EngineError> {
         let mut bare = with_everything_off(simulation)?;
         let now = Instant::now();
+        let each_step = Operation::new(Action::Call, Trigger::Always);
         let mut follower = ForAWhile {
+            schedule: Schedule::empty().with(each_step),
             end: now + STEPS_FOR,
             last: now,
             steps: Vec::new(),
@@ -77,11 +80,7 @@ impl Costs {
         let evaluate = |bare: &mut Simulation, want| -> Result<f64, EngineError> {
             let mut fault = None;
             let time = median(|| {
-                let at = Configuration {
-                    positions: &bare.state.positions,
-                    velocities: None,
-                    time: bare.state.time,
-                };
+                let at = Configuration::at_rest(&bare.state.cell, &bare.state.positions);
                 let forces = &mut bare.state.forces;
                 match bare.forces.evaluate(at, Part::All, want, forces) {
                     Ok(found) => bare.state.energetics = found,
@@ -107,19 +106,13 @@ impl Costs {
         } else {
             0.0
         };
-        let view = view(
-            &bare.state,
-            &bare.dynamics,
-            &bare.cell,
-            bare.tail,
-            bare.stage.as_ref(),
-        );
-        let thermodynamics = median(|| simulation.thermodynamics.sample(&view));
+        let view = view(&bare.state, &bare.system, bare.tail(), bare.stage.as_ref());
         let observers = simulation.observers.iter_mut();
         let sampled = |o: &mut Observer| median(|| o.observable.sample(&view));
-        let observers = observers
-            .map(|o| (o.observable.want(), sampled(o)))
-            .collect();
+        let mut observers = observers.map(|o| (o.observable.want(), sampled(o)));
+        // The first is thermodynamics, whose wishes are parts of the plan by themselves.
+        let thermodynamics = observers.next().map_or(0.0, |(_, cost)| cost);
+        let observers = observers.collect();
         take_steps_unseen(&mut bare, simulation)?;
         let stages = simulation.scene.stages.iter();
         let baths = stages.map(|stage| bath(&bare, stage)).collect();
@@ -244,7 +237,7 @@ pub fn watching_seconds(simulation: &Simulation) -> f64 {
 /// The same particles with everything off.
 fn with_everything_off(simulation: &Simulation) -> Result<Simulation, EngineError> {
     let beginning = Beginning {
-        cell: simulation.cell,
+        cell: simulation.state.cell,
         positions: simulation.state.positions.clone(),
         velocities: Some(simulation.state.velocities.clone()),
         relax: false,
@@ -257,7 +250,13 @@ fn take_steps_unseen(bare: &mut Simulation, scene: &Simulation) -> Result<(), En
     let without_bath = |stage: &Stage| stage.thermostat.is_none();
     if scene.scene.stages.iter().any(without_bath) {
         let end = bare.state.step + watchdog::EVERY;
-        bare.run(&mut AsTheSceneLooks { scene, end })?;
+        let samples = scene.observers.iter().map(|o| Operation {
+            // Of observables only the times are followed; the bare scene is not measured.
+            trigger: Trigger::Every(o.every),
+            ..Operation::new(Action::Sample, o.trigger())
+        });
+        let schedule = samples.fold(Schedule::of_output(&scene.scene), Schedule::with);
+        bare.run(&mut StopAt::following(schedule, end))?;
     }
     Ok(())
 }
@@ -269,29 +268,26 @@ fn checkpoint_bytes(bare: &Simulation) -> usize {
     archive.bytes()
 }
 
-/// One call of a stage's heat bath, mean over some steps; 0 for one that takes the integrator's place.
+/// What a stage's heat bath adds to a step, mean over some steps in free flight; for a bath inside the step this is the
+/// difference to the scene's method.
 fn bath(bare: &Simulation, stage: &Stage) -> f64 {
-    let noise = bare.streams.noise("thermostat");
     let Some(options) = &stage.thermostat else {
         return 0.0;
     };
-    let Coupling::Thermostat(mut bath) =
-        lennard_integrators::couple(options, stage.temperature, noise)
-    else {
-        return 0.0;
-    };
     let noise = bare.streams.noise("thermostat");
-    let mut state = bare.state.clone();
+    let method = || lennard_integrators::build(&bare.scene.integrator.method);
     let dt = bare.stage_run().dt;
     // Baths that act on some steps only are met on those and on others.
-    const STEPS: u32 = 20;
-    let (seconds, ()) = timed(|| {
-        for _ in 0..STEPS {
-            state.step += 1;
-            bath.apply(&bare.dynamics, &mut state, dt, &noise);
-        }
-    });
-    seconds / f64::from(STEPS)
+    const STEPS: u64 = 20;
+    let time = |mut integrator: Integrator| {
+        let mut state = bare.state.clone();
+        let started = integrator.start(&bare.system, &mut state, &mut NoForces, dt, Want::NOTHING);
+        let mut step =
+            || integrator.step(&bare.system, &mut state, &mut NoForces, dt, Want::NOTHING);
+        let (seconds, failed) = timed(|| started.is_err() || (0..STEPS).any(|_| step().is_err()));
+        if failed { 0.0 } else { seconds / STEPS as f64 }
+    };
+    time(options.couple(method(), stage.temperature, noise)) - time(method())
 }
 
 /// Formatting one frame, without the disk.
@@ -299,7 +295,6 @@ fn frame(bare: &Simulation) -> f64 {
     let extra = header(bare);
     let frame = Frame {
         state: &bare.state,
-        cell: &bare.cell,
         extra: &extra,
     };
     let nowhere = Path::new("nowhere");
@@ -335,18 +330,15 @@ impl Sink for Nowhere {
 
 /// Stops after a while, asks for nothing.
 struct ForAWhile {
+    schedule: Schedule,
     end: Instant,
     last: Instant,
     steps: Vec<f64>,
 }
 
 impl Follower for ForAWhile {
-    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
-        Want::NOTHING
-    }
-
-    fn looks_at(&self, _scene: &Scene, _step: u64, _measured: bool) -> bool {
-        true
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
 
     fn after_step(&mut self, _simulation: &mut Simulation) -> Result<Verdict, EngineError> {
@@ -354,32 +346,6 @@ impl Follower for ForAWhile {
         self.steps.push((now - self.last).as_secs_f64());
         self.last = now;
         Ok(if now >= self.end {
-            Verdict::Stop
-        } else {
-            Verdict::Continue
-        })
-    }
-}
-
-/// Looks at the steps that rows, frames or observables of a scene look at, and stops at a step.
-struct AsTheSceneLooks<'a> {
-    scene: &'a Simulation,
-    end: u64,
-}
-
-impl Follower for AsTheSceneLooks<'_> {
-    fn want(&self, _scene: &Scene, _step: u64, _measured: bool) -> Want {
-        Want::NOTHING
-    }
-
-    fn looks_at(&self, _scene: &Scene, step: u64, _measured: bool) -> bool {
-        let (row, frame) = self.scene.scene.output.due(step, true);
-        let mut observers = self.scene.observers.iter();
-        row || frame || observers.any(|o| step.is_multiple_of(o.every)) || step == self.end
-    }
-
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        Ok(if simulation.state.step == self.end {
             Verdict::Stop
         } else {
             Verdict::Continue

@@ -2,23 +2,30 @@
 
 use std::arch::x86_64::*;
 
-use super::lanes::{Entry, FixedLanes, Lanes, RowLanes, Scaled};
+use super::arithmetic::arithmetic;
+use super::cluster_loop::{self, ClusterJob};
+use super::lanes::{BlockEntry, Entry, FixedLanes, Lanes, RowLanes};
+use super::level::Avx2;
 use super::output::Output;
-use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
 use super::registers::register;
-use super::shared_loop::{self, SharedJob};
-use super::{DoubleRow, FixedRow};
+use super::row::{DoubleRow, FixedRow};
+use super::row_loop::{self, RowJob};
+use super::totals::{ChunkTotals, Detail};
 use crate::options::Precision;
+use crate::pair::PairForm;
 use crate::real::Real;
-use crate::truncation::PairForm;
 
-/// Four doubles. Values of this type exist only inside functions that enable AVX2 and FMA.
+/// Four doubles. A value proves that this processor has AVX2 and FMA.
 #[derive(Clone, Copy)]
 pub struct F64x4(__m256d);
 
-/// Eight singles. Values of this type exist only inside functions that enable AVX2 and FMA.
+/// Eight singles. A value proves that this processor has AVX2 and FMA.
 #[derive(Clone, Copy)]
 pub struct F32x8(__m256);
+
+/// Fixed-point coordinates of eight rows along x, y and z. A value proves that this processor has AVX2.
+#[derive(Clone, Copy)]
+pub struct Fixed8([__m256i; 3]);
 
 register!(
     F64x4,
@@ -49,14 +56,21 @@ register!(
 
 impl Lanes for F64x4 {
     const WIDTH: usize = 4;
+    type Isa = Avx2;
     type Row = DoubleRow;
-    type Own = [Self; 3];
+    type Rows = [Self; 3];
     type Mask = __m256d;
 
     #[inline(always)]
-    unsafe fn spread(row: &DoubleRow) -> Self::Own {
+    fn constant(_isa: Avx2, value: f64) -> Self {
+        Self::splat(value)
+    }
+
+    #[inline(always)]
+    fn spread(isa: Avx2, row: &DoubleRow) -> Self::Rows {
         let [x, y, z, _] = row.0;
-        [Self::splat(x), Self::splat(y), Self::splat(z)]
+        let constant = |value| Self::constant(isa, value);
+        [constant(x), constant(y), constant(z)]
     }
 
     #[inline(always)]
@@ -90,11 +104,11 @@ impl Lanes for F64x4 {
 impl RowLanes for F64x4 {
     #[inline(always)]
     unsafe fn differences<E: Entry>(
-        own: Self::Own,
+        own: Self::Rows,
         rows: *const DoubleRow,
         entries: *const E,
     ) -> [Self; 3] {
-        // SAFETY: four entries are readable, each names a readable row, and AVX2 is there.
+        // SAFETY: four entries are readable, each numbers a readable row; a value or the token proves AVX2.
         unsafe {
             let row = |k: usize| _mm256_load_pd((*entries.add(k)).row(rows).cast());
             let (a, b, c, d) = (row(0), row(1), row(2), row(3));
@@ -122,19 +136,25 @@ impl RowLanes for F64x4 {
 
 impl Lanes for F32x8 {
     const WIDTH: usize = 8;
+    type Isa = Avx2;
     type Row = FixedRow;
-    type Own = [__m256i; 3];
+    type Rows = Fixed8;
     type Mask = __m256;
 
     #[inline(always)]
-    unsafe fn spread(row: &FixedRow) -> Self::Own {
-        // SAFETY: AVX2 is there by contract.
+    fn constant(_isa: Avx2, value: f64) -> Self {
+        Self::splat(value)
+    }
+
+    #[inline(always)]
+    fn spread(_isa: Avx2, row: &FixedRow) -> Fixed8 {
+        // SAFETY: the token proves AVX2.
         unsafe {
-            [
+            Fixed8([
                 _mm256_set1_epi32(row.0[0]),
                 _mm256_set1_epi32(row.0[1]),
                 _mm256_set1_epi32(row.0[2]),
-            ]
+            ])
         }
     }
 
@@ -168,8 +188,8 @@ impl FixedLanes for F32x8 {
     const SPECIAL_LOOPS: bool = true;
 
     #[inline(always)]
-    unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own {
-        // SAFETY: eight entries are readable, each names a readable row, and AVX2 is there.
+    unsafe fn gather(_isa: Avx2, rows: *const FixedRow, entries: *const BlockEntry) -> Fixed8 {
+        // SAFETY: eight entries are readable, each numbers a readable row; a value or the token proves AVX2.
         unsafe {
             let row = |k: usize| _mm_load_si128((*entries.add(k)).row(rows).cast());
             let two =
@@ -179,17 +199,17 @@ impl FixedLanes for F32x8 {
             let z_ab = _mm256_unpackhi_epi32(a, b);
             let xy_cd = _mm256_unpacklo_epi32(c, d);
             let z_cd = _mm256_unpackhi_epi32(c, d);
-            [
+            Fixed8([
                 _mm256_unpacklo_epi64(xy_ab, xy_cd),
                 _mm256_unpackhi_epi64(xy_ab, xy_cd),
                 _mm256_unpacklo_epi64(z_ab, z_cd),
-            ]
+            ])
         }
     }
 
     #[inline(always)]
-    unsafe fn apart(a: Self::Own, b: Self::Own) -> [Self; 3] {
-        // SAFETY: AVX2 is there by contract.
+    fn apart(Fixed8(a): Fixed8, Fixed8(b): Fixed8) -> [Self; 3] {
+        // SAFETY: a value of this type proves AVX2.
         unsafe {
             [
                 Self(_mm256_cvtepi32_ps(_mm256_sub_epi32(a[0], b[0]))),
@@ -211,40 +231,45 @@ impl FixedLanes for F32x8 {
     }
 }
 
-/// The pair loop in double precision.
+/// The loop over row lists.
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
 pub fn run_double<F: PairForm>(
-    job: &PairJob<'_, F>,
+    isa: Avx2,
+    job: &RowJob<'_, F>,
     rows: &[DoubleRow],
     chunk: usize,
-    wanted: Wanted,
+    detail: Detail,
     output: &Output<'_>,
 ) -> ChunkTotals {
-    // SAFETY: this function enables the instruction set; chunks are handed out once each.
-    unsafe { run::<F64x4, F>(job, rows, chunk, wanted, output) }
+    // SAFETY: the caller runs each chunk once.
+    unsafe { row_loop::run::<F64x4, F>(isa, job, rows, chunk, detail, output) }
 }
 
-/// The loop over shared lists.
+/// The loop over cluster lists.
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-pub fn run_shared<F: PairForm>(
-    job: &SharedJob<'_, F>,
+pub fn run_cluster<F: PairForm>(
+    isa: Avx2,
+    job: &ClusterJob<'_, F>,
     rows: &[FixedRow],
     chunk: usize,
-    wanted: Wanted,
+    detail: Detail,
     output: &Output<'_>,
 ) -> ChunkTotals {
     // SAFETY: as above.
-    unsafe { shared_loop::run::<F32x8, F>(job, rows, chunk, wanted, output) }
+    unsafe { cluster_loop::run::<F32x8, F>(isa, job, rows, chunk, detail, output) }
 }
 
-/// The arithmetic alone, of a number of rounds in a precision.
+/// The arithmetic of a number of rounds without memory, in a precision.
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-pub fn limit<F: PairForm>(form: &F, r_cut: f64, rounds: u64, precision: Precision) -> (u64, f64) {
-    // SAFETY: this function enables the instruction set.
-    unsafe {
-        match precision {
-            Precision::Double => arithmetic::<F64x4, F>(form, r_cut, rounds),
-            Precision::Mixed => arithmetic::<F32x8, F>(form, r_cut, rounds),
-        }
+pub fn limit<F: PairForm>(
+    isa: Avx2,
+    form: &F,
+    r_cut: f64,
+    rounds: u64,
+    precision: Precision,
+) -> (u64, f64) {
+    match precision {
+        Precision::Double => arithmetic::<F64x4, F>(isa, form, r_cut, rounds),
+        Precision::Mixed => arithmetic::<F32x8, F>(isa, form, r_cut, rounds),
     }
 }

@@ -4,23 +4,30 @@ use std::arch::x86_64::*;
 
 use glam::DVec3;
 
-use super::lanes::{Entry, FixedLanes, Lanes, RowLanes, Scaled};
+use super::arithmetic::arithmetic;
+use super::cluster_loop::{self, ClusterJob};
+use super::lanes::{BlockEntry, Entry, FixedLanes, Lanes, RowLanes};
+use super::level::Avx512;
 use super::output::Output;
-use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
 use super::registers::register;
-use super::shared_loop::{self, SharedJob};
-use super::{DoubleRow, FixedRow};
+use super::row::{DoubleRow, FixedRow};
+use super::row_loop::{self, RowJob};
+use super::totals::{ChunkTotals, Detail};
 use crate::options::Precision;
+use crate::pair::PairForm;
 use crate::real::Real;
-use crate::truncation::PairForm;
 
-/// Eight doubles. Values of this type exist only inside functions that enable AVX-512.
+/// Eight doubles. A value proves that this processor has AVX-512.
 #[derive(Clone, Copy)]
 pub struct F64x8(__m512d);
 
-/// Sixteen singles. Values of this type exist only inside functions that enable AVX-512.
+/// Sixteen singles. A value proves that this processor has AVX-512.
 #[derive(Clone, Copy)]
 pub struct F32x16(__m512);
+
+/// Fixed-point coordinates of sixteen rows along x, y and z. A value proves that this processor has AVX-512.
+#[derive(Clone, Copy)]
+pub struct Fixed16([__m512i; 3]);
 
 register!(
     F64x8,
@@ -51,14 +58,21 @@ register!(
 
 impl Lanes for F64x8 {
     const WIDTH: usize = 8;
+    type Isa = Avx512;
     type Row = DoubleRow;
-    type Own = [Self; 3];
+    type Rows = [Self; 3];
     type Mask = __mmask8;
 
     #[inline(always)]
-    unsafe fn spread(row: &DoubleRow) -> Self::Own {
+    fn constant(_isa: Avx512, value: f64) -> Self {
+        Self::splat(value)
+    }
+
+    #[inline(always)]
+    fn spread(isa: Avx512, row: &DoubleRow) -> Self::Rows {
         let [x, y, z, _] = row.0;
-        [Self::splat(x), Self::splat(y), Self::splat(z)]
+        let constant = |value| Self::constant(isa, value);
+        [constant(x), constant(y), constant(z)]
     }
 
     #[inline(always)]
@@ -85,18 +99,18 @@ impl Lanes for F64x8 {
 impl RowLanes for F64x8 {
     #[inline(always)]
     unsafe fn differences<E: Entry>(
-        own: Self::Own,
+        own: Self::Rows,
         rows: *const DoubleRow,
         entries: *const E,
     ) -> [Self; 3] {
-        // SAFETY: eight entries are readable, each names a readable row, and AVX-512 is there.
+        // SAFETY: eight entries are readable, each numbers a readable row; a value or the token proves AVX-512.
         unsafe {
             let row = |k: usize| (*entries.add(k)).row(rows).cast::<f64>();
             let two = |k: usize| {
                 let low = _mm512_castpd256_pd512(_mm256_load_pd(row(k)));
                 _mm512_insertf64x4::<1>(low, _mm256_load_pd(row(k + 2)))
             };
-            // Rows in pairs, transposed: lanes end in the order of the entries.
+            // Rows are loaded in pairs and transposed: lanes end in the order of the entries.
             let (a, b, c, d) = (two(0), two(1), two(4), two(5));
             let xz_low = _mm512_unpacklo_pd(a, b);
             let y_low = _mm512_unpackhi_pd(a, b);
@@ -121,7 +135,7 @@ impl RowLanes for F64x8 {
             let none = _mm512_setzero_pd();
             let xy = _mm512_add_pd(_mm512_unpacklo_pd(x.0, y.0), _mm512_unpackhi_pd(x.0, y.0));
             let z = _mm512_add_pd(_mm512_unpacklo_pd(z.0, none), _mm512_unpackhi_pd(z.0, none));
-            // xy: x y x y x y x y, z: z 0 z 0 z 0 z 0; to x y z 0 by quarters.
+            // xy holds x y x y x y x y, and z holds z 0 z 0 z 0 z 0. The quarters become x y z 0.
             let low = _mm512_shuffle_f64x2::<0b01_00_01_00>(xy, z);
             let high = _mm512_shuffle_f64x2::<0b11_10_11_10>(xy, z);
             let halves = _mm512_add_pd(low, high);
@@ -139,19 +153,25 @@ impl RowLanes for F64x8 {
 
 impl Lanes for F32x16 {
     const WIDTH: usize = 16;
+    type Isa = Avx512;
     type Row = FixedRow;
-    type Own = [__m512i; 3];
+    type Rows = Fixed16;
     type Mask = __mmask16;
 
     #[inline(always)]
-    unsafe fn spread(row: &FixedRow) -> Self::Own {
-        // SAFETY: AVX-512 is there by contract.
+    fn constant(_isa: Avx512, value: f64) -> Self {
+        Self::splat(value)
+    }
+
+    #[inline(always)]
+    fn spread(_isa: Avx512, row: &FixedRow) -> Fixed16 {
+        // SAFETY: the token proves AVX-512.
         unsafe {
-            [
+            Fixed16([
                 _mm512_set1_epi32(row.0[0]),
                 _mm512_set1_epi32(row.0[1]),
                 _mm512_set1_epi32(row.0[2]),
-            ]
+            ])
         }
     }
 
@@ -180,16 +200,16 @@ impl Lanes for F32x16 {
     }
 }
 
-/// Four sharers as seen from the point amid them, and that point.
+/// The members of a cluster relative to its center, and the center.
 #[repr(C, align(64))]
-struct Seen([f32; 16], [i32; 4]);
+struct Relative([f32; 16], [i32; 4]);
 
 impl FixedLanes for F32x16 {
     const SPECIAL_LOOPS: bool = true;
 
     #[inline(always)]
-    unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own {
-        // SAFETY: sixteen entries are readable, each names a readable row, and AVX-512 is there.
+    unsafe fn gather(_isa: Avx512, rows: *const FixedRow, entries: *const BlockEntry) -> Fixed16 {
+        // SAFETY: sixteen entries are readable, each numbers a readable row; a value or the token proves AVX-512.
         unsafe {
             let row = |k: usize| _mm_load_si128((*entries.add(k)).row(rows).cast());
             let four = |k: usize| {
@@ -198,23 +218,23 @@ impl FixedLanes for F32x16 {
                 let v = _mm512_inserti32x4::<2>(v, row(k + 8));
                 _mm512_inserti32x4::<3>(v, row(k + 12))
             };
-            // Rows in fours, transposed within each quarter: lanes end in the order of the entries.
+            // Rows are loaded in fours and transposed within each quarter: lanes end in the order of the entries.
             let (a, b, c, d) = (four(0), four(1), four(2), four(3));
             let xy_ab = _mm512_unpacklo_epi32(a, b);
             let z_ab = _mm512_unpackhi_epi32(a, b);
             let xy_cd = _mm512_unpacklo_epi32(c, d);
             let z_cd = _mm512_unpackhi_epi32(c, d);
-            [
+            Fixed16([
                 _mm512_unpacklo_epi64(xy_ab, xy_cd),
                 _mm512_unpackhi_epi64(xy_ab, xy_cd),
                 _mm512_unpacklo_epi64(z_ab, z_cd),
-            ]
+            ])
         }
     }
 
     #[inline(always)]
-    unsafe fn apart(a: Self::Own, b: Self::Own) -> [Self; 3] {
-        // SAFETY: AVX-512 is there by contract.
+    fn apart(Fixed16(a): Fixed16, Fixed16(b): Fixed16) -> [Self; 3] {
+        // SAFETY: a value of this type proves AVX-512.
         unsafe {
             [
                 Self(_mm512_cvtepi32_ps(_mm512_sub_epi32(a[0], b[0]))),
@@ -231,35 +251,39 @@ impl FixedLanes for F32x16 {
     }
 
     #[inline(always)]
-    unsafe fn from_amid(rows: [&FixedRow; 4], scale: [f64; 3]) -> (Self::Own, [[Self; 3]; 4]) {
-        // SAFETY: AVX-512 is there by contract.
+    fn cluster_frame(
+        _isa: Avx512,
+        rows: [&FixedRow; 4],
+        scale: [f64; 3],
+    ) -> (Fixed16, [[Self; 3]; 4]) {
+        // SAFETY: the token proves AVX-512.
         unsafe {
             let row = |k: usize| _mm_load_si128(rows[k].0.as_ptr().cast());
             let half = _mm_srai_epi32::<1>(_mm_sub_epi32(row(2), row(1)));
-            let amid = _mm_add_epi32(row(1), half);
+            let center = _mm_add_epi32(row(1), half);
             let four = _mm512_castsi128_si512(row(0));
             let four = _mm512_inserti32x4::<1>(four, row(1));
             let four = _mm512_inserti32x4::<2>(four, row(2));
             let four = _mm512_inserti32x4::<3>(four, row(3));
-            let apart = _mm512_sub_epi32(four, _mm512_broadcast_i32x4(amid));
+            let apart = _mm512_sub_epi32(four, _mm512_broadcast_i32x4(center));
             let (x, y, z) = (scale[0] as f32, scale[1] as f32, scale[2] as f32);
             let scale = _mm512_broadcast_f32x4(_mm_setr_ps(x, y, z, 0.0));
-            let mut seen = Seen([0.0; 16], [0; 4]);
+            let mut relative = Relative([0.0; 16], [0; 4]);
             _mm512_store_ps(
-                seen.0.as_mut_ptr(),
+                relative.0.as_mut_ptr(),
                 _mm512_mul_ps(_mm512_cvtepi32_ps(apart), scale),
             );
-            _mm_store_si128(seen.1.as_mut_ptr().cast(), amid);
-            // Each value is spread as it is loaded, which takes nothing from the ports of the arithmetic; without the box
-            // the compiler would make shuffles of it.
-            let Seen(own, amid) = std::hint::black_box(&seen);
+            _mm_store_si128(relative.1.as_mut_ptr().cast(), center);
+            // Each value is broadcast as it is loaded, which leaves the arithmetic ports free.
+            // Without the black box, the compiler would use shuffles.
+            let Relative(own, center) = std::hint::black_box(&relative);
             let spread = |lane: usize| Self(_mm512_set1_ps(own[lane]));
             (
-                [
-                    _mm512_set1_epi32(amid[0]),
-                    _mm512_set1_epi32(amid[1]),
-                    _mm512_set1_epi32(amid[2]),
-                ],
+                Fixed16([
+                    _mm512_set1_epi32(center[0]),
+                    _mm512_set1_epi32(center[1]),
+                    _mm512_set1_epi32(center[2]),
+                ]),
                 [
                     [spread(0), spread(1), spread(2)],
                     [spread(4), spread(5), spread(6)],
@@ -274,8 +298,8 @@ impl FixedLanes for F32x16 {
     fn sum_four([a, b, c, d]: [[Self; 3]; 4], unit: f64) -> [DVec3; 4] {
         // SAFETY: as above.
         unsafe {
-            // Each lane holds a handful of pairs, and four levels of single precision add little to their error. One
-            // axis at a time: quarters of two, then of all four.
+            // Each lane holds a handful of pairs. Four levels of single precision add little to their error.
+            // Each axis is reduced by itself: first two members per quarter, then all four.
             let two = |p: Self, q: Self| {
                 let sum = _mm512_add_ps(_mm512_unpacklo_ps(p.0, q.0), _mm512_unpackhi_ps(p.0, q.0));
                 _mm512_castps_pd(sum)
@@ -289,7 +313,7 @@ impl FixedLanes for F32x16 {
             let x = four(two(a[0], b[0]), two(c[0], d[0]));
             let y = four(two(a[1], b[1]), two(c[1], d[1]));
             let z = four(two(a[2], b[2]), two(c[2], d[2]));
-            // Quarters of x, x, y, y; then one of each.
+            // The quarters are x, x, y, y. The sums of the halves leave one of each.
             let xy = _mm512_add_ps(
                 _mm512_shuffle_f32x4::<0b01_00_01_00>(x, y),
                 _mm512_shuffle_f32x4::<0b11_10_11_10>(x, y),
@@ -309,40 +333,45 @@ impl FixedLanes for F32x16 {
     }
 }
 
-/// The pair loop in double precision.
+/// The loop over row lists.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
 pub fn run_double<F: PairForm>(
-    job: &PairJob<'_, F>,
+    isa: Avx512,
+    job: &RowJob<'_, F>,
     rows: &[DoubleRow],
     chunk: usize,
-    wanted: Wanted,
+    detail: Detail,
     output: &Output<'_>,
 ) -> ChunkTotals {
-    // SAFETY: this function enables the instruction set; chunks are handed out once each.
-    unsafe { run::<F64x8, F>(job, rows, chunk, wanted, output) }
+    // SAFETY: the caller runs each chunk once.
+    unsafe { row_loop::run::<F64x8, F>(isa, job, rows, chunk, detail, output) }
 }
 
-/// The loop over shared lists.
+/// The loop over cluster lists.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
-pub fn run_shared<F: PairForm>(
-    job: &SharedJob<'_, F>,
+pub fn run_cluster<F: PairForm>(
+    isa: Avx512,
+    job: &ClusterJob<'_, F>,
     rows: &[FixedRow],
     chunk: usize,
-    wanted: Wanted,
+    detail: Detail,
     output: &Output<'_>,
 ) -> ChunkTotals {
     // SAFETY: as above.
-    unsafe { shared_loop::run::<F32x16, F>(job, rows, chunk, wanted, output) }
+    unsafe { cluster_loop::run::<F32x16, F>(isa, job, rows, chunk, detail, output) }
 }
 
-/// The arithmetic alone, of a number of rounds in a precision.
+/// The arithmetic of a number of rounds without memory, in a precision.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
-pub fn limit<F: PairForm>(form: &F, r_cut: f64, rounds: u64, precision: Precision) -> (u64, f64) {
-    // SAFETY: this function enables the instruction set.
-    unsafe {
-        match precision {
-            Precision::Double => arithmetic::<F64x8, F>(form, r_cut, rounds),
-            Precision::Mixed => arithmetic::<F32x16, F>(form, r_cut, rounds),
-        }
+pub fn limit<F: PairForm>(
+    isa: Avx512,
+    form: &F,
+    r_cut: f64,
+    rounds: u64,
+    precision: Precision,
+) -> (u64, f64) {
+    match precision {
+        Precision::Double => arithmetic::<F64x8, F>(isa, form, r_cut, rounds),
+        Precision::Mixed => arithmetic::<F32x16, F>(isa, form, r_cut, rounds),
     }
 }

@@ -1,14 +1,14 @@
-//! What a register of lanes must do for the pair loop.
+//! The operations of a register of lanes that the pair loops need.
 
 use glam::DVec3;
-use lennard_neighbor::{ENTRY, SHARERS, amid};
+use lennard_neighbor::{CLUSTER, ENTRY_SCALE, cluster_center};
 
-use super::FixedRow;
+use super::row::FixedRow;
 use crate::real::Real;
 
-/// What names a row in a list.
+/// A list entry, which numbers a row.
 pub trait Entry: Copy + Send + Sync {
-    /// The row that it names.
+    /// The address of the row that the entry numbers.
     ///
     /// # Safety
     /// There is such a row.
@@ -34,33 +34,37 @@ impl Entry for u32 {
 /// An entry of a [`lennard_neighbor::Block`].
 #[derive(Clone, Copy)]
 #[repr(transparent)]
-pub struct Scaled(pub u16);
+pub struct BlockEntry(pub u16);
 
-impl Entry for Scaled {
+impl Entry for BlockEntry {
     #[inline(always)]
     unsafe fn row<Row>(self, rows: *const Row) -> *const Row {
-        const { assert!(size_of::<Row>() == 8 * ENTRY as usize) };
+        const { assert!(size_of::<Row>() == 8 * ENTRY_SCALE as usize) };
         // SAFETY: the contract is passed on.
         unsafe { rows.cast::<u64>().add(usize::from(self.0)).cast() }
     }
 }
 
-/// Several pairs side by side.
+/// Several pairs side by side, one per lane.
+///
+/// A value proves that this processor has the instruction set: the first values are made with a token.
 pub trait Lanes: Real {
     /// Number of lanes.
     const WIDTH: usize;
+    /// Proof that this processor has the instruction set.
+    type Isa: Copy + Send + Sync;
     /// One row of packed coordinates.
     type Row: Copy;
-    /// One row, in every lane.
-    type Own: Copy;
-    /// Which lanes count.
+    /// Coordinates of rows, one row per lane.
+    type Rows: Copy;
+    /// The lanes that count.
     type Mask: Copy;
 
-    /// Spreads one row over all lanes.
-    ///
-    /// # Safety
-    /// The processor has the instruction set of the implementation.
-    unsafe fn spread(row: &Self::Row) -> Self::Own;
+    /// The constant `value` in every lane.
+    fn constant(isa: Self::Isa, value: f64) -> Self;
+
+    /// One row in every lane.
+    fn spread(isa: Self::Isa, row: &Self::Row) -> Self::Rows;
 
     /// The lanes whose value is at most `limit`.
     fn at_most(self, limit: Self) -> Self::Mask;
@@ -74,13 +78,12 @@ pub trait Lanes: Real {
 
 /// Registers that read rows in σ.
 pub trait RowLanes: Lanes {
-    /// r_own − r_row in σ for the rows that `WIDTH` entries name, along x, y and z.
+    /// r_own − r_row in σ along x, y and z, for the rows of `WIDTH` entries.
     ///
     /// # Safety
-    /// Each of the `WIDTH` readable entries at `entries` names a readable row, and the processor has the instruction set
-    /// of the implementation.
+    /// The `WIDTH` entries at `entries` are readable, and each numbers a readable row.
     unsafe fn differences<E: Entry>(
-        own: Self::Own,
+        own: Self::Rows,
         rows: *const Self::Row,
         entries: *const E,
     ) -> [Self; 3];
@@ -88,7 +91,7 @@ pub trait RowLanes: Lanes {
     /// The lanes of `mask` among the first `count`.
     fn first(mask: Self::Mask, count: usize) -> Self::Mask;
 
-    /// The sums over all lanes of three values at once, which costs less than three sums, times `unit`.
+    /// The sums over all lanes of three values, times `unit`; one common reduction may cost less than three.
     #[inline(always)]
     fn sum3(x: Self, y: Self, z: Self, unit: f64) -> DVec3 {
         unit * DVec3::new(x.sum(), y.sum(), z.sum())
@@ -97,49 +100,45 @@ pub trait RowLanes: Lanes {
 
 /// Registers of singles that read rows in fixed point.
 pub trait FixedLanes: Lanes<Row = FixedRow> {
-    /// Whether loops of their own are worth compiling for what is frequent: sharers that are together, totals of all.
+    /// Whether frequent cases are worth loops of their own: compact clusters, and totals without sums per particle.
     const SPECIAL_LOOPS: bool;
 
-    /// The rows that `WIDTH` entries name, along x, y and z.
+    /// The rows of `WIDTH` entries, along x, y and z.
     ///
     /// # Safety
-    /// Each of the `WIDTH` readable entries at `entries` names a readable row, and the processor has the instruction set
-    /// of the implementation.
-    unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own;
+    /// The `WIDTH` entries at `entries` are readable, and each numbers a readable row.
+    unsafe fn gather(
+        isa: Self::Isa,
+        rows: *const FixedRow,
+        entries: *const BlockEntry,
+    ) -> Self::Rows;
 
     /// a − b along each axis, in units of the rows.
-    ///
-    /// # Safety
-    /// The processor has the instruction set of the implementation.
-    unsafe fn apart(a: Self::Own, b: Self::Own) -> [Self; 3];
+    fn apart(a: Self::Rows, b: Self::Rows) -> [Self; 3];
 
     /// The lanes set in the lowest bits of `bits` whose value is at most `limit`.
     fn at_most_among(self, limit: Self, bits: u32) -> Self::Mask;
 
-    /// The point [`amid`] the sharers, and the sharers as seen from there in σ, where units are `scale` σ long along
-    /// each axis.
-    ///
-    /// # Safety
-    /// As [`FixedLanes::apart`].
+    /// The [`cluster_center`], and the members relative to it in σ, where units are `scale` σ long along each axis.
     #[inline(always)]
-    unsafe fn from_amid(
-        rows: [&FixedRow; SHARERS],
+    fn cluster_frame(
+        isa: Self::Isa,
+        rows: [&FixedRow; CLUSTER],
         scale: [f64; 3],
-    ) -> (Self::Own, [[Self; 3]; SHARERS]) {
-        let amid = FixedRow(amid(rows[1].0, rows[2].0));
-        let seen = |row: &FixedRow, axis: usize| {
-            let apart = row.0[axis].wrapping_sub(amid.0[axis]) as f32;
-            Self::splat(f64::from(apart * scale[axis] as f32))
+    ) -> (Self::Rows, [[Self; 3]; CLUSTER]) {
+        let center = FixedRow(cluster_center(rows[1].0, rows[2].0));
+        let relative = |row: &FixedRow, axis: usize| {
+            let apart = row.0[axis].wrapping_sub(center.0[axis]) as f32;
+            Self::constant(isa, f64::from(apart * scale[axis] as f32))
         };
-        let each = |row: &FixedRow| [seen(row, 0), seen(row, 1), seen(row, 2)];
+        let each = |row: &FixedRow| [relative(row, 0), relative(row, 1), relative(row, 2)];
         let own = [each(rows[0]), each(rows[1]), each(rows[2]), each(rows[3])];
-        // SAFETY: the contract is passed on.
-        (unsafe { Self::spread(&amid) }, own)
+        (Self::spread(isa, &center), own)
     }
 
-    /// The sums over all lanes of four vectors at once, which may cost less than twelve sums, times `unit`.
+    /// The sums over all lanes of four vectors, times `unit`; one common reduction may cost less than twelve.
     #[inline(always)]
-    fn sum_four([a, b, c, d]: [[Self; 3]; SHARERS], unit: f64) -> [DVec3; SHARERS] {
+    fn sum_four([a, b, c, d]: [[Self; 3]; CLUSTER], unit: f64) -> [DVec3; CLUSTER] {
         [
             unit * DVec3::new(a[0].sum(), a[1].sum(), a[2].sum()),
             unit * DVec3::new(b[0].sum(), b[1].sum(), b[2].sum()),
@@ -149,4 +148,4 @@ pub trait FixedLanes: Lanes<Row = FixedRow> {
     }
 }
 
-const _: () = assert!(SHARERS == 4, "the loop names each of the sharers");
+const _: () = assert!(CLUSTER == 4, "the loop has one variable for each member");

@@ -1,70 +1,69 @@
-//! What a loop over lists writes for each particle.
+//! The arrays that a loop over lists writes.
 
 use glam::DVec3;
 use lennard_neighbor::ATOMS_PER_CHUNK;
 
-use super::Scatter;
+use super::accumulate::{Accumulate, Units};
+use super::disjoint::Disjoint;
 use super::lanes::Lanes;
-use super::pair_loop::{ChunkTotals, PerParticle};
-use super::pair_sums::{Besides, Units};
-use super::prefetch::Later;
+use super::prefetch::NextChunk;
+use super::totals::{ChunkTotals, PerParticle};
 
-/// Forces, and the entries of each particle where they are wanted.
+/// Forces, and energy and virial of each particle where they are wanted.
 pub struct Output<'a> {
-    forces: Scatter<'a, DVec3>,
-    each: Option<Scatter<'a, PerParticle>>,
-    /// The element that belongs to each place from `first` on.
+    forces: Disjoint<'a, DVec3>,
+    each: Option<Disjoint<'a, PerParticle>>,
+    /// The element of each slot from `first` on.
     order: &'a [u32],
     first: usize,
-    /// Arrays by place of which the next chunk needs its part.
-    later: Option<Later>,
+    /// The arrays of the next chunk, in fused steps.
+    next_chunk: Option<NextChunk>,
 }
 
 impl<'a> Output<'a> {
-    /// Arrays with one element for each place from `first` on, in an order: that of the particles, each of which stands at
-    /// one place.
+    /// Arrays with one element per slot from `first` on; `order` has the element of each slot, and no element twice.
     ///
     /// # Panics
-    /// Where that is not so: that is a bug of the caller.
+    /// Where the arrays differ in length: that is a bug of the caller.
     pub fn new(
         forces: &'a mut [DVec3],
         each: Option<&'a mut [PerParticle]>,
         order: &'a [u32],
         first: usize,
     ) -> Self {
-        assert_eq!(forces.len(), order.len(), "a force for each particle");
+        assert_eq!(forces.len(), order.len(), "a force for each slot");
         if let Some(each) = &each {
-            assert_eq!(each.len(), order.len(), "an entry for each particle");
+            assert_eq!(each.len(), order.len(), "an entry for each slot");
         }
         Self {
-            forces: Scatter::new(forces),
-            each: each.map(Scatter::new),
+            forces: Disjoint::new(forces),
+            each: each.map(Disjoint::new),
             order,
             first,
-            later: None,
+            next_chunk: None,
         }
     }
 
-    /// Forces of particles on their way, from the place `first` on; of arrays by place the part of the next chunk is asked for.
+    /// The forces of one chunk of a fused step, which prefetches the arrays of the next chunk.
     ///
     /// # Panics
     /// As [`Output::new`].
-    pub fn on_the_way(
+    pub fn of_chunk(
         forces: &'a mut [DVec3],
         order: &'a [u32],
         first: usize,
-        later: Option<Later>,
+        next_chunk: Option<NextChunk>,
     ) -> Self {
         Self {
-            later,
+            next_chunk,
             ..Self::new(forces, None, order, first)
         }
     }
 
-    /// Says that the forces of so many places from one on, which lie anywhere in memory, will soon be written.
+    /// Prefetches the forces of `count` slots from `slot` on, which lie anywhere in memory.
     #[inline(always)]
-    pub fn prefetch(&self, place: usize, count: usize) {
-        let begin = place - self.first;
+    pub fn prefetch(&self, slot: usize, count: usize) {
+        let begin = slot - self.first;
         if let Some(order) = self.order.get(begin..begin + count) {
             for at in order {
                 self.forces.prefetch(*at as usize);
@@ -72,35 +71,35 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Says that the loop has come to so many places from one on: as much is asked for of what the next chunk needs, which
-    /// would keep all else from coming if it were asked for at once.
+    /// Prefetches the part of the next chunk that corresponds to `count` slots from `slot` on.
+    ///
+    /// Prefetching the whole next chunk at once would delay all other loads.
     #[inline(always)]
-    pub fn ask_for_later(&self, place: usize, count: usize) {
-        if let Some(later) = &self.later {
-            let place = place + ATOMS_PER_CHUNK;
-            later.ask(place..place + count);
+    pub fn prefetch_next_chunk(&self, slot: usize, count: usize) {
+        if let Some(next_chunk) = &self.next_chunk {
+            let slot = slot + ATOMS_PER_CHUNK;
+            next_chunk.prefetch(slot..slot + count);
         }
     }
 
-    /// Writes what was found for the particle at a place, its force in ε/σ and the rest in these units, and adds it to the
-    /// totals of its chunk.
+    /// Writes the force of the particle at a slot, ε/σ, and its other sums, and adds these to the totals of the chunk.
     ///
     /// # Safety
-    /// No other thread writes what belongs to this place.
+    /// No other thread writes the elements of this slot.
     #[inline(always)]
-    pub unsafe fn write<L: Lanes, B: Besides<L>>(
+    pub unsafe fn write<L: Lanes, A: Accumulate<L>>(
         &self,
-        place: usize,
+        slot: usize,
         force: DVec3,
-        besides: &B,
+        sums: &A,
         units: Units,
         totals: &mut ChunkTotals,
     ) {
-        let at = self.order[place - self.first] as usize;
+        let at = self.order[slot - self.first] as usize;
         // SAFETY: the contract is passed on.
         unsafe { self.forces.write(at, force) };
-        if B::ANYTHING {
-            let found = besides.totals(units);
+        if A::ANYTHING {
+            let found = sums.totals(units);
             totals.add(&found);
             if let Some(each) = &self.each {
                 // SAFETY: as above.

@@ -1,31 +1,37 @@
 //! The two kinds of lists, each with the rows that its loop reads.
 
-use glam::DVec3;
-use lennard_neighbor::{Cells, FIXED_UNITS, Given, GridError, NeighborList, SharedList, Way};
-
-use super::packing::{Motion, Moved};
-use super::{
-    By, ChunkTotals, DoubleRow, FixedRow, Level, Output, PairJob, Scatter, SharedJob, Wanted,
-    pack_columns, pack_columns_part, pack_double,
+use lennard_core::PeriodicBox;
+use lennard_neighbor::{
+    Cells, ClusterList, FIXED_UNITS, GridError, NeighborList, PackedDisplacement, Positions, Reach,
 };
-use crate::truncation::PairForm;
 
-/// Writes the rows of the places from one on, and |x − x⁰|² where there is room for them. No other thread may write the rows
-/// of these places.
+use super::by_level::by_level;
+use super::cluster_loop::ClusterJob;
+use super::disjoint::Disjoint;
+use super::level::Level;
+use super::motion::{Motion, MotionSummary};
+use super::output::Output;
+use super::pack::{By, pack_double, pack_fixed, pack_fixed_part};
+use super::row::{DoubleRow, FixedRow};
+use super::row_loop::RowJob;
+use super::totals::{ChunkTotals, Detail};
+use crate::pair::PairForm;
+
+/// Writes the rows of the slots from one on, and |d|² where given. No other thread may write the rows of these slots.
 pub type PackPart<List> = unsafe fn(
     &List,
     Level,
     Motion<'_>,
     usize,
     Option<&mut [f64]>,
-    &Scatter<'_, <List as PairList>::Row>,
+    &Disjoint<'_, <List as PairList>::Row>,
 );
 
 /// A list with its rows and its loop.
 pub trait PairList: Sync {
     /// Coordinates as the loop reads them.
     type Row: Copy + Default + Send + Sync;
-    /// Where particles were sorted.
+    /// The cells of the sort.
     type Cells: Cells;
     /// One evaluation.
     type Job<'a, F>: Sync
@@ -33,50 +39,64 @@ pub trait PairList: Sync {
         Self: 'a,
         F: PairForm;
 
-    /// Whether it can name pairs after its build that it lacks.
-    const TAKES_IN: bool = false;
+    /// Whether pairs can be inserted after the build.
+    const INSERTS: bool = false;
 
-    /// What chunks pack the rows of the next step with, if they do, while others still read those of this one: it takes as much
-    /// room again.
+    /// How a chunk packs its rows of the next step while other chunks read the rows of this step.
+    ///
+    /// It is none where packing ahead does not pay. It needs a second array of rows.
     const PACK_AHEAD: Option<PackPart<Self>> = None;
+
+    /// The rounding of distances in a box, σ, which the list radius must cover.
+    fn rounding(cell: &PeriodicBox, r_cut: f64) -> f64;
 
     /// The cells of the sort.
     fn cells(&self) -> &Self::Cells;
-    /// The particle at each place: each stands at one.
+    /// The particle at each slot; no particle has two slots.
     fn particles(&self) -> &[u32];
-    /// Which of the positions that the list was built from stands at each place.
-    fn from(&self) -> &[u32];
-    /// Builds the list.
-    fn build(&mut self, level: Level, given: Given<'_>) -> Result<(), GridError>;
-    /// Rows, ghosts included.
+    /// The index, in the order that was given to the build, of the position that belongs to each slot.
+    fn source(&self) -> &[u32];
+    /// Builds the list in a box.
+    fn build(
+        &mut self,
+        level: Level,
+        cell: &PeriodicBox,
+        reach: Reach,
+        positions: Positions<'_>,
+    ) -> Result<(), GridError>;
+    /// Whether every entry numbers a row that exists: the loops rely on it.
+    fn is_valid(&self) -> bool;
+    /// Number of rows, ghosts included.
     fn rows(&self) -> usize;
-    /// Chunks.
+    /// Number of chunks.
     fn chunks(&self) -> usize;
-    /// Prepares an evaluation in a box of these sides.
-    fn job<F: PairForm>(&self, form: F, r_cut: f64, lengths: DVec3) -> Self::Job<'_, F>;
-    /// Writes all rows, and ways where they are wanted.
+    /// Prepares an evaluation in a box.
+    fn job<F: PairForm>(&self, form: F, r_cut: f64, cell: &PeriodicBox) -> Self::Job<'_, F>;
+    /// Writes all rows, and packed displacements where given; summarizes the motion.
     fn pack(
         &self,
         level: Level,
         by: By,
         motion: Motion<'_>,
         rows: &mut [Self::Row],
-        ways: Option<&mut [Way]>,
-    ) -> Moved;
-    /// Whether it names the pair of the particles at two places, which is one that counts: it may not, where it was farther
-    /// apart than the list radius at the build.
-    fn names(&self, _pair: [u32; 2]) -> bool {
+        packed: Option<&mut [PackedDisplacement]>,
+    ) -> MotionSummary;
+    /// Whether the list contains a pair of slots that was beyond the list radius at the build.
+    fn contains(&self, _pair: [u32; 2]) -> bool {
         false
     }
-    /// Names such a pair from now on, if it takes in any.
-    fn name(&mut self, _pair: [u32; 2]) {}
+    /// Inserts such a pair, where the list [`INSERTS`](PairList::INSERTS) pairs.
+    fn insert(&mut self, _pair: [u32; 2]) {}
     /// Runs one chunk.
-    fn run<F: PairForm>(
+    ///
+    /// # Safety
+    /// No other thread runs the same chunk with the same output at the same time.
+    unsafe fn run<F: PairForm>(
         level: Level,
         job: &Self::Job<'_, F>,
         rows: &[Self::Row],
         chunk: usize,
-        wanted: Wanted,
+        detail: Detail,
         output: &Output<'_>,
     ) -> ChunkTotals;
 }
@@ -85,9 +105,13 @@ impl PairList for NeighborList {
     type Row = DoubleRow;
     type Cells = lennard_neighbor::RowTable;
     type Job<'a, F>
-        = PairJob<'a, F>
+        = RowJob<'a, F>
     where
         F: PairForm;
+
+    fn rounding(_cell: &PeriodicBox, _r_cut: f64) -> f64 {
+        0.0
+    }
 
     fn cells(&self) -> &Self::Cells {
         self.table()
@@ -97,12 +121,22 @@ impl PairList for NeighborList {
         &self.table().particle
     }
 
-    fn from(&self) -> &[u32] {
-        self.table().from()
+    fn source(&self) -> &[u32] {
+        self.table().source()
     }
 
-    fn build(&mut self, level: Level, given: Given<'_>) -> Result<(), GridError> {
-        self.build(given, level.scanner())
+    fn build(
+        &mut self,
+        level: Level,
+        cell: &PeriodicBox,
+        reach: Reach,
+        positions: Positions<'_>,
+    ) -> Result<(), GridError> {
+        self.build(cell, reach.r_list, positions, level.row_scanner())
+    }
+
+    fn is_valid(&self) -> bool {
+        self.is_valid()
     }
 
     fn rows(&self) -> usize {
@@ -113,8 +147,8 @@ impl PairList for NeighborList {
         self.chunks().len()
     }
 
-    fn job<F: PairForm>(&self, form: F, r_cut: f64, _lengths: DVec3) -> PairJob<'_, F> {
-        PairJob::new(form, r_cut, self)
+    fn job<F: PairForm>(&self, form: F, r_cut: f64, _cell: &PeriodicBox) -> RowJob<'_, F> {
+        RowJob::new(form, r_cut, self)
     }
 
     fn pack(
@@ -123,36 +157,42 @@ impl PairList for NeighborList {
         by: By,
         motion: Motion<'_>,
         rows: &mut [DoubleRow],
-        ways: Option<&mut [Way]>,
-    ) -> Moved {
-        pack_double(level, by, self.table(), motion, rows, ways)
+        packed: Option<&mut [PackedDisplacement]>,
+    ) -> MotionSummary {
+        pack_double(level, by, self.table(), motion, rows, packed)
     }
 
-    fn run<F: PairForm>(
+    unsafe fn run<F: PairForm>(
         level: Level,
-        job: &PairJob<'_, F>,
+        job: &RowJob<'_, F>,
         rows: &[DoubleRow],
         chunk: usize,
-        wanted: Wanted,
+        detail: Detail,
         output: &Output<'_>,
     ) -> ChunkTotals {
-        by_level!(level, run_double(job, rows, chunk, wanted, output))
+        by_level!(level, run_double(job, rows, chunk, detail, output))
     }
 }
 
-impl PairList for SharedList {
-    const TAKES_IN: bool = true;
+impl PairList for ClusterList {
+    const INSERTS: bool = true;
     const PACK_AHEAD: Option<PackPart<Self>> = Some(|list, level, motion, first, squares, rows| {
         // SAFETY: the contract is passed on.
-        unsafe { pack_columns_part(level, list.table(), motion, first, squares, rows) }
+        unsafe { pack_fixed_part(level, list.table(), motion, first, squares, rows) }
     });
 
     type Row = FixedRow;
     type Cells = lennard_neighbor::ColumnTable;
     type Job<'a, F>
-        = SharedJob<'a, F>
+        = ClusterJob<'a, F>
     where
         F: PairForm;
+
+    /// Distances in fixed point are off by about one unit of the longest side, and singles by their last place.
+    fn rounding(cell: &PeriodicBox, r_cut: f64) -> f64 {
+        4.0 * cell.lengths().max_element() * f64::from(f32::EPSILON) / 256.0
+            + 4.0 * r_cut * f64::from(f32::EPSILON)
+    }
 
     fn cells(&self) -> &Self::Cells {
         self.table()
@@ -162,12 +202,22 @@ impl PairList for SharedList {
         &self.table().particle
     }
 
-    fn from(&self) -> &[u32] {
-        self.table().from()
+    fn source(&self) -> &[u32] {
+        self.table().source()
     }
 
-    fn build(&mut self, level: Level, given: Given<'_>) -> Result<(), GridError> {
-        self.build(given, level.shared_scanner())
+    fn build(
+        &mut self,
+        level: Level,
+        cell: &PeriodicBox,
+        reach: Reach,
+        positions: Positions<'_>,
+    ) -> Result<(), GridError> {
+        self.build(cell, reach, positions, level.cluster_scanner())
+    }
+
+    fn is_valid(&self) -> bool {
+        self.is_valid()
     }
 
     fn rows(&self) -> usize {
@@ -178,8 +228,9 @@ impl PairList for SharedList {
         self.chunks().len()
     }
 
-    fn job<F: PairForm>(&self, form: F, r_cut: f64, lengths: DVec3) -> SharedJob<'_, F> {
-        SharedJob::new(form, r_cut, (lengths / FIXED_UNITS).to_array(), self)
+    fn job<F: PairForm>(&self, form: F, r_cut: f64, cell: &PeriodicBox) -> ClusterJob<'_, F> {
+        let scale = (cell.lengths() / FIXED_UNITS).to_array();
+        ClusterJob::new(form, r_cut, scale, self)
     }
 
     fn pack(
@@ -188,27 +239,27 @@ impl PairList for SharedList {
         by: By,
         motion: Motion<'_>,
         rows: &mut [FixedRow],
-        ways: Option<&mut [Way]>,
-    ) -> Moved {
-        pack_columns(level, by, self.table(), motion, rows, ways)
+        packed: Option<&mut [PackedDisplacement]>,
+    ) -> MotionSummary {
+        pack_fixed(level, by, self.table(), motion, rows, packed)
     }
 
-    fn names(&self, pair: [u32; 2]) -> bool {
-        self.names(pair)
+    fn contains(&self, pair: [u32; 2]) -> bool {
+        self.contains(pair)
     }
 
-    fn name(&mut self, pair: [u32; 2]) {
-        self.name(pair);
+    fn insert(&mut self, pair: [u32; 2]) {
+        self.insert(pair);
     }
 
-    fn run<F: PairForm>(
+    unsafe fn run<F: PairForm>(
         level: Level,
-        job: &SharedJob<'_, F>,
+        job: &ClusterJob<'_, F>,
         rows: &[FixedRow],
         chunk: usize,
-        wanted: Wanted,
+        detail: Detail,
         output: &Output<'_>,
     ) -> ChunkTotals {
-        by_level!(level, run_shared(job, rows, chunk, wanted, output))
+        by_level!(level, run_cluster(job, rows, chunk, detail, output))
     }
 }

@@ -1,24 +1,24 @@
-//! Lanes without any particular instruction set: small arrays, which compilers turn into whatever
-//! registers there are.
+//! Lanes without any particular instruction set: small arrays, which the compiler puts into the registers it has.
 
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::lanes::{Entry, FixedLanes, Lanes, RowLanes, Scaled};
+use super::arithmetic::arithmetic;
+use super::cluster_loop::{self, ClusterJob};
+use super::lanes::{BlockEntry, Entry, FixedLanes, Lanes, RowLanes};
 use super::output::Output;
-use super::pair_loop::{ChunkTotals, PairJob, Wanted, arithmetic, run};
-use super::shared_loop::{self, SharedJob};
-use super::{DoubleRow, FixedRow};
+use super::row::{DoubleRow, FixedRow};
+use super::row_loop::{self, RowJob};
+use super::totals::{ChunkTotals, Detail};
 use crate::options::Precision;
+use crate::pair::PairForm;
 use crate::real::Real;
-use crate::truncation::PairForm;
 
 /// `N` numbers side by side.
 #[derive(Clone, Copy)]
 pub struct Group<T, const N: usize>([T; N]);
 
-// As many as the registers of the processors that have no better ones: of more, compilers make long code, differently so with
-// each change elsewhere.
+// As many numbers as one 128-bit register holds. With more, compilers make long code that changes with edits elsewhere.
 type Doubles = Group<f64, 2>;
 type Singles = Group<f32, 4>;
 
@@ -123,12 +123,18 @@ macro_rules! masks {
 
 impl<const N: usize> Lanes for Group<f64, N> {
     const WIDTH: usize = N;
+    type Isa = ();
     type Row = DoubleRow;
-    type Own = [f64; 3];
+    type Rows = [f64; 3];
     type Mask = [bool; N];
 
     #[inline(always)]
-    unsafe fn spread(row: &DoubleRow) -> Self::Own {
+    fn constant(_isa: (), value: f64) -> Self {
+        Self::splat(value)
+    }
+
+    #[inline(always)]
+    fn spread(_isa: (), row: &DoubleRow) -> Self::Rows {
         let [x, y, z, _] = row.0;
         [x, y, z]
     }
@@ -139,11 +145,11 @@ impl<const N: usize> Lanes for Group<f64, N> {
 impl<const N: usize> RowLanes for Group<f64, N> {
     #[inline(always)]
     unsafe fn differences<E: Entry>(
-        own: Self::Own,
+        own: Self::Rows,
         rows: *const DoubleRow,
         entries: *const E,
     ) -> [Self; 3] {
-        // SAFETY: `N` entries are readable and each names a readable row.
+        // SAFETY: `N` entries are readable and each numbers a readable row.
         let at: [&DoubleRow; N] = from_fn(|k| unsafe { &*(*entries.add(k)).row(rows) });
         [0, 1, 2].map(|axis| Self(from_fn(|k| own[axis] - at[k].0[axis])))
     }
@@ -156,12 +162,18 @@ impl<const N: usize> RowLanes for Group<f64, N> {
 
 impl<const N: usize> Lanes for Group<f32, N> {
     const WIDTH: usize = N;
+    type Isa = ();
     type Row = FixedRow;
-    type Own = [[i32; N]; 3];
+    type Rows = [[i32; N]; 3];
     type Mask = [bool; N];
 
     #[inline(always)]
-    unsafe fn spread(row: &FixedRow) -> Self::Own {
+    fn constant(_isa: (), value: f64) -> Self {
+        Self::splat(value)
+    }
+
+    #[inline(always)]
+    fn spread(_isa: (), row: &FixedRow) -> Self::Rows {
         let [x, y, z, _] = row.0;
         [[x; N], [y; N], [z; N]]
     }
@@ -173,60 +185,57 @@ impl<const N: usize> FixedLanes for Group<f32, N> {
     const SPECIAL_LOOPS: bool = false;
 
     #[inline(always)]
-    unsafe fn gather(rows: *const FixedRow, entries: *const Scaled) -> Self::Own {
-        // SAFETY: `N` entries are readable and each names a readable row.
+    unsafe fn gather(_isa: (), rows: *const FixedRow, entries: *const BlockEntry) -> Self::Rows {
+        // SAFETY: `N` entries are readable and each numbers a readable row.
         let at: [&FixedRow; N] = from_fn(|k| unsafe { &*(*entries.add(k)).row(rows) });
         from_fn(|axis| from_fn(|k| at[k].0[axis]))
     }
 
     #[inline(always)]
-    unsafe fn apart(a: Self::Own, b: Self::Own) -> [Self; 3] {
+    fn apart(a: Self::Rows, b: Self::Rows) -> [Self; 3] {
         from_fn(|axis| Self(from_fn(|k| a[axis][k].wrapping_sub(b[axis][k]) as f32)))
     }
 
     #[inline(always)]
     fn at_most_among(self, limit: Self, bits: u32) -> Self::Mask {
-        // No branch for any lane.
+        // There is no branch per lane.
         from_fn(|k| (self.0[k] <= limit.0[k]) & (bits & 1 << k != 0))
     }
 }
 
-/// The pair loop in double precision.
-// Not a part of what calls it: code of this length is best compiled by itself.
+/// The loop over row lists.
+// Code of this length is best compiled by itself, not inlined.
 #[inline(never)]
 pub fn run_double<F: PairForm>(
-    job: &PairJob<'_, F>,
+    job: &RowJob<'_, F>,
     rows: &[DoubleRow],
     chunk: usize,
-    wanted: Wanted,
+    detail: Detail,
     output: &Output<'_>,
 ) -> ChunkTotals {
-    // SAFETY: no instruction set is needed; chunks are handed out once each.
-    unsafe { run::<Doubles, F>(job, rows, chunk, wanted, output) }
+    // SAFETY: the caller runs each chunk once.
+    unsafe { row_loop::run::<Doubles, F>((), job, rows, chunk, detail, output) }
 }
 
-/// The loop over shared lists.
+/// The loop over cluster lists.
 // As above.
 #[inline(never)]
-pub fn run_shared<F: PairForm>(
-    job: &SharedJob<'_, F>,
+pub fn run_cluster<F: PairForm>(
+    job: &ClusterJob<'_, F>,
     rows: &[FixedRow],
     chunk: usize,
-    wanted: Wanted,
+    detail: Detail,
     output: &Output<'_>,
 ) -> ChunkTotals {
     // SAFETY: as above.
-    unsafe { shared_loop::run::<Singles, F>(job, rows, chunk, wanted, output) }
+    unsafe { cluster_loop::run::<Singles, F>((), job, rows, chunk, detail, output) }
 }
 
-/// The arithmetic alone, of a number of rounds in a precision.
+/// The arithmetic of a number of rounds without memory, in a precision.
 pub fn limit<F: PairForm>(form: &F, r_cut: f64, rounds: u64, precision: Precision) -> (u64, f64) {
-    // Two registers a group of doubles: in so short a loop that is the fastest.
-    // SAFETY: no instruction set is needed.
-    unsafe {
-        match precision {
-            Precision::Double => arithmetic::<Group<f64, 4>, F>(form, r_cut, rounds),
-            Precision::Mixed => arithmetic::<Singles, F>(form, r_cut, rounds),
-        }
+    // Two registers per group of doubles are fastest in so short a loop.
+    match precision {
+        Precision::Double => arithmetic::<Group<f64, 4>, F>((), form, r_cut, rounds),
+        Precision::Mixed => arithmetic::<Singles, F>((), form, r_cut, rounds),
     }
 }

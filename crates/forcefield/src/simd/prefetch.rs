@@ -1,36 +1,35 @@
-//! Asking for memory ahead of its use. Nothing but speed depends on it.
+//! Prefetch instructions. Nothing but speed depends on them.
 
 use std::ops::Range;
-
-use super::Scatter;
 
 /// Bytes of a cache line.
 const LINE: usize = 64;
 
-/// Lines that are asked for where an array begins.
+/// Number of lines that are prefetched at the beginning of an array.
 const BEGINNING: usize = 8;
 
-/// Asks for the first lines of an array that will soon be read. What goes on in order a processor
-/// finds by itself, but not where it begins.
+/// Prefetches the first lines of an array that will soon be read.
+///
+/// A processor finds the lines of a sequential read by itself, and it cannot know where the read begins.
 #[inline(always)]
 pub fn prefetch<T>(array: &[T]) {
     let beginning = Parts {
         start: array.as_ptr().cast(),
         lines: lines(array).min(BEGINNING),
     };
-    beginning.ask(0);
+    beginning.prefetch(0);
 }
 
-/// An array that will be read after much else, asked for in parts.
+/// An array that will be read later, prefetched in parts.
 #[derive(Debug, Clone, Copy)]
 pub struct Parts {
     start: *const u8,
-    /// Lines of each part.
+    /// Lines per part.
     lines: usize,
 }
 
 impl Parts {
-    /// As many parts of an array, of whole lines each.
+    /// An array in `parts` parts of whole lines.
     pub fn of<T>(array: &[T], parts: usize) -> Self {
         Self {
             start: array.as_ptr().cast(),
@@ -38,47 +37,43 @@ impl Parts {
         }
     }
 
-    /// Asks for a part; of the last ones there may be nothing left.
+    /// Prefetches one part; the last parts may be empty.
     #[inline(always)]
-    pub fn ask(&self, part: usize) {
+    pub fn prefetch(&self, part: usize) {
         for line in part * self.lines..(part + 1) * self.lines {
             prefetch_read(self.start.wrapping_add(line * LINE));
         }
     }
 }
 
-/// An array of which some is asked for with each list that a loop takes up.
+/// The address of an array, for prefetches alone: nothing is read through it.
 #[derive(Debug, Clone, Copy)]
-pub struct Asked {
-    /// Its address: nothing is read there.
+pub struct Region {
     start: usize,
     /// Bytes of an element.
     size: usize,
 }
 
-impl Asked {
-    /// An array.
+impl Region {
+    /// The region of an array.
     pub fn of<T>(array: &[T]) -> Self {
+        Self::at(array.as_ptr())
+    }
+
+    /// The region of an array that begins at an address.
+    pub fn at<T>(start: *const T) -> Self {
         Self {
-            start: array.as_ptr().addr(),
+            start: start.addr(),
             size: size_of::<T>(),
         }
     }
 
-    /// One that several threads write.
-    pub fn scattered<T: Copy>(array: &Scatter<'_, T>) -> Self {
-        Self {
-            start: array.address(),
-            size: size_of::<T>(),
-        }
-    }
-
-    /// The beginning of this one over and over, which costs less than a branch.
-    pub fn none_of(self) -> Self {
+    /// A region of elements without a size: a prefetch of its first line again and again costs less than a branch.
+    pub fn first_line(self) -> Self {
         Self { size: 0, ..self }
     }
 
-    /// The addresses of the first and the last of some elements. Lines that begin in the last one come with those after it.
+    /// The addresses of the first and the last of some elements.
     #[inline(always)]
     fn ends(self, elements: &Range<usize>) -> [*const u8; 2] {
         [elements.start, elements.end - 1]
@@ -86,19 +81,19 @@ impl Asked {
     }
 }
 
-/// What a loop asks for ahead of the chunk that comes next.
+/// The arrays that the next chunk of a fused step reads and writes: a loop prefetches them list by list.
 #[derive(Debug, Clone, Copy)]
-pub struct Later {
-    /// Arrays that it will write.
-    pub to_write: [Asked; 3],
-    /// An array that it will read.
-    pub to_read: Asked,
+pub struct NextChunk {
+    /// Arrays that the next chunk writes.
+    pub to_write: [Region; 3],
+    /// An array that the next chunk reads.
+    pub to_read: Region,
 }
 
-impl Later {
-    /// Asks for some elements of all.
+impl NextChunk {
+    /// Prefetches some elements of all arrays.
     #[inline(always)]
-    pub fn ask(&self, elements: Range<usize>) {
+    pub fn prefetch(&self, elements: Range<usize>) {
         for array in self.to_write {
             let [first, last] = array.ends(&elements);
             prefetch_write(first);
@@ -110,13 +105,13 @@ impl Later {
     }
 }
 
-/// Lines that an array fills.
+/// Number of lines that an array fills.
 #[inline(always)]
 fn lines<T>(array: &[T]) -> usize {
     size_of_val(array).div_ceil(LINE)
 }
 
-/// Asks for the line of something that will be read.
+/// Prefetches a line that will be read.
 #[inline(always)]
 pub fn prefetch_read<T>(what: *const T) {
     #[cfg(target_arch = "x86_64")]
@@ -129,12 +124,12 @@ pub fn prefetch_read<T>(what: *const T) {
     let _ = what;
 }
 
-/// Asks for the line of something that will soon be written, and for leave to write it.
+/// Prefetches a line that will be written, and takes ownership of it from other caches.
 #[inline(always)]
 pub fn prefetch_write<T>(what: *const T) {
     #[cfg(target_arch = "x86_64")]
-    // By name: the intrinsic function asks for leave to read alone where a compiler is not told of the instruction.
-    // SAFETY: processors without it take it for one that does nothing, and it reads nothing.
+    // The instruction is written out: without its target feature, the intrinsic function becomes a prefetch for reading.
+    // SAFETY: a processor without the instruction ignores it, and it reads nothing.
     unsafe {
         std::arch::asm!("prefetchw [{}]", in(reg) what, options(nostack, preserves_flags, readonly));
     }

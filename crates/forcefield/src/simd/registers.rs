@@ -1,9 +1,9 @@
-//! Arithmetic of registers, written once over what the instruction sets call it.
+//! Arithmetic of registers, written once for all instruction sets.
 
-/// A [`Real`](crate::real::Real) of a register: its type and that of its numbers, and the instructions that put one number
-/// into all lanes, that add, subtract, multiply, divide, multiply and add, take square roots, the smaller, and the larger.
+/// Implements [`Real`](crate::real::Real) for a register type, from its number type and its instructions.
 ///
-/// Values of the type exist only inside functions that enable the instruction set.
+/// The instructions are, in this order: broadcast, add, subtract, multiply, divide, multiply and add, square root,
+/// minimum, maximum. A value of the type proves that this processor has the instruction set.
 macro_rules! register {
     ($lanes:ident, $float:ty, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
      $fmadd:ident, $sqrt:ident, $min:ident, $max:ident) => {
@@ -50,7 +50,7 @@ macro_rules! register {
         impl crate::real::Real for $lanes {
             #[inline(always)]
             fn splat(value: f64) -> Self {
-                // SAFETY: called inside functions that enable the instruction set alone.
+                // SAFETY: formulas make constants beside values, and a value proves the instruction set.
                 Self(unsafe { $splat(value as $float) })
             }
             #[inline(always)]

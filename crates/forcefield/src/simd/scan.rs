@@ -1,61 +1,62 @@
-//! What the searches of list building have in common, whatever the instruction set.
+//! Parts of the search for neighbors that all instruction sets share.
 
 use std::ops::Range;
 
-use lennard_neighbor::{Candidates, Names, Nearby, PADDING};
+use lennard_neighbor::{Candidates, Numbering, PADDING, RowCoordinates};
 
 /// See [`lennard_neighbor::RowScanner::gather`]; moves `WIDTH` elements at a time.
 #[inline(always)]
 pub fn gather<const WIDTH: usize>(
-    candidates: &Candidates,
-    names: Names<'_>,
+    coordinates: &RowCoordinates,
+    numbering: Numbering<'_>,
     runs: &[Range<u32>],
-    nearby: &mut Nearby,
+    candidates: &mut Candidates,
 ) {
     const { assert!(WIDTH <= PADDING) };
-    nearby.make_room(candidates, &names, runs);
-    let from = [&candidates.x, &candidates.y, &candidates.z].map(|axis| axis.as_ptr());
-    let to = [&mut nearby.x, &mut nearby.y, &mut nearby.z].map(|axis| axis.as_mut_ptr());
-    let to_name = nearby.name.as_mut_ptr();
+    candidates.make_room(coordinates, &numbering, runs);
+    let from = [&coordinates.x, &coordinates.y, &coordinates.z].map(|axis| axis.as_ptr());
+    let to =
+        [&mut candidates.x, &mut candidates.y, &mut candidates.z].map(|axis| axis.as_mut_ptr());
+    let to_number = candidates.number.as_mut_ptr();
     let mut len = 0;
     for run in runs {
         let (start, end) = (run.start as usize, run.end as usize);
         for row in (start..end).step_by(WIDTH) {
             let at = len + row - start;
-            // SAFETY: `make_room` checked that runs are rows and made room for them and a register; rows and
-            // places, padded as they are, can be read a register beyond their end.
+            // SAFETY: `make_room` checked that runs contain rows only, and made room for them and a register more. Rows and
+            // slots have a register of padding.
             unsafe {
                 for axis in 0..3 {
                     to[axis]
                         .add(at)
                         .copy_from_nonoverlapping(from[axis].add(row), WIDTH);
                 }
-                match names {
-                    Names::Rows { base } => {
-                        // A plain loop: what takes a closure may be a call, which leaves the instruction set behind.
-                        let mut name = [(row as u32).wrapping_sub(base); WIDTH];
-                        for (k, name) in name.iter_mut().enumerate() {
-                            *name = name.wrapping_add(k as u32);
+                match numbering {
+                    Numbering::Rows { base } => {
+                        // A plain loop: a function that takes a closure may be a call, which leaves the instruction set.
+                        let mut number = [(row as u32).wrapping_sub(base); WIDTH];
+                        for (k, number) in number.iter_mut().enumerate() {
+                            *number = number.wrapping_add(k as u32);
                         }
-                        to_name
+                        to_number
                             .add(at)
-                            .copy_from_nonoverlapping(name.as_ptr(), WIDTH);
+                            .copy_from_nonoverlapping(number.as_ptr(), WIDTH);
                     }
-                    Names::Places(places) => {
-                        to_name
+                    Numbering::Slots(slots) => {
+                        to_number
                             .add(at)
-                            .copy_from_nonoverlapping(places.as_ptr().add(row), WIDTH);
+                            .copy_from_nonoverlapping(slots.as_ptr().add(row), WIDTH);
                     }
                 }
             }
         }
         len += end - start;
     }
-    nearby.finish(len);
+    candidates.finish(len);
 }
 
-/// A bit for each lane of a register of which `left` elements are there, and more bits where there are more.
+/// The lowest `left` bits, at most 32.
 #[inline(always)]
-pub fn among_first(left: usize) -> u32 {
+pub fn first_bits(left: usize) -> u32 {
     (1_u64 << left.min(32)).wrapping_sub(1) as u32
 }

@@ -1,11 +1,11 @@
 //! The claims of the literature on the Verlet family, each as a number that a run gives.
 
 use glam::DVec2;
-use lennard_core::{DVec3, Dynamics, ForceProvider, State, StepError, Want};
+use lennard_core::{Backend, DVec3, Integrator, PeriodicBox, State, StepError, System, Want};
 
 use super::order::{ErrorPoint, Orders};
 use super::{Kepler, KeplerForces, run};
-use crate::stormer_verlet::{self, Recurrence, StepRule};
+use crate::stormer_verlet::{Recurrence, StepRule};
 use crate::{IntegratorEntry, IntegratorOptions, build};
 
 fn stormer_verlet_run(
@@ -20,8 +20,8 @@ fn stormer_verlet_run(
     let mut integrator = build(&IntegratorOptions::StormerVerlet(Default::default()));
     look(&state);
     run(
-        integrator.as_mut(),
-        &Dynamics::fluid(1),
+        &mut integrator,
+        &System::atoms(1),
         &mut KeplerForces,
         &mut state,
         dt,
@@ -113,13 +113,17 @@ pub struct ExponentialError {
 /// As the method's own steps.
 pub fn exponential_error(wh: f64, steps: u64) -> Result<ExponentialError, StepError> {
     let relative_errors = |velocity: f64| -> Result<Vec<f64>, StepError> {
-        let mut state = State::new(vec![DVec3::X], vec![DVec3::X * velocity]);
+        let mut state = State::new(
+            PeriodicBox::boundless(),
+            vec![DVec3::X],
+            vec![DVec3::X * velocity],
+        );
         let mut integrator = build(&IntegratorOptions::StormerVerlet(Default::default()));
         let mut forces = crate::oscillator::HarmonicForces::new(-1.0);
         let mut errors = vec![0.0];
         run(
-            integrator.as_mut(),
-            &Dynamics::fluid(1),
+            &mut integrator,
+            &System::atoms(1),
             &mut forces,
             &mut state,
             wh,
@@ -157,7 +161,7 @@ pub fn variable_step_errors(
     steps: &[u64],
 ) -> Result<[Vec<(f64, f64)>; 3], StepError> {
     let orbit = Kepler::for_orders();
-    let dynamics = Dynamics::fluid(1);
+    let system = System::atoms(1);
     let mut found = [const { Vec::new() }; 3];
     let rules = [
         StepRule::Plain,
@@ -169,13 +173,15 @@ pub fn variable_step_errors(
             let mean = duration / n as f64;
             let step_at = |t: f64| mean * (1.0 + 0.5 * (2.0 * t).sin());
             let mut state = orbit.start();
-            let mut recurrence = Recurrence::new(rule, &stormer_verlet::SPEC);
-            let forces: &mut dyn ForceProvider = &mut KeplerForces;
+            // The specification that allows the step to change; the rule is what is compared.
+            let mut recurrence =
+                Integrator::new(Recurrence::new(rule, &crate::stormer_variable::SPEC));
+            let forces: &mut dyn Backend = &mut KeplerForces;
             let first = step_at(0.0);
-            recurrence.start(&dynamics, &mut state, forces, first, Want::NOTHING)?;
+            recurrence.start(&system, &mut state, forces, first, Want::NOTHING)?;
             while state.time < duration {
                 let dt = step_at(state.time);
-                recurrence.step(&dynamics, &mut state, forces, dt, Want::NOTHING)?;
+                recurrence.step(&system, &mut state, forces, dt, Want::NOTHING)?;
             }
             let exact = orbit.at(state.time).0;
             errors.push((mean, (state.positions[0] - exact).length()));
@@ -223,8 +229,8 @@ pub fn one_step_errors(steps: &[f64]) -> Result<OneStepErrors, StepError> {
         let mut state = orbit.start();
         let mut verlet = build(&IntegratorOptions::VelocityVerlet(Default::default()));
         run(
-            verlet.as_mut(),
-            &Dynamics::fluid(1),
+            &mut verlet,
+            &System::atoms(1),
             &mut KeplerForces,
             &mut state,
             dt,
@@ -260,7 +266,7 @@ pub fn energy_error(
     steps: u64,
 ) -> Result<EnergyError, StepError> {
     let mut bench = super::OscillatorBench::new(entry.oscillator, 1.0, 0.0);
-    let samples = bench.trajectory(entry.build().as_mut(), DVec2::new(1.0, 0.5), dt, steps)?;
+    let samples = bench.trajectory(&mut entry.build(), DVec2::new(1.0, 0.5), dt, steps)?;
     let start = samples[0].energy;
     let largest = |part: &[super::Sample]| {
         part.iter()

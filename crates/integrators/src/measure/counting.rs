@@ -1,8 +1,8 @@
 //! Forces that count how often they are asked.
 
 use lennard_core::{
-    Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceProvider, Part, Persist,
-    RestoreError, StateReader, StateWriter, Want,
+    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
+    Persist, RestoreError, StateReader, StateWriter, Want,
 };
 
 /// Passes everything on to other forces and counts evaluations and products with the Hessian.
@@ -26,7 +26,7 @@ impl<F> CountingForces<F> {
     }
 }
 
-impl<F: ForceProvider> Persist for CountingForces<F> {
+impl<F: ForceTerm> Persist for CountingForces<F> {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.inner.save(to);
     }
@@ -35,7 +35,7 @@ impl<F: ForceProvider> Persist for CountingForces<F> {
     }
 }
 
-impl<F: ForceProvider> ForceProvider for CountingForces<F> {
+impl<F: ForceTerm> ForceTerm for CountingForces<F> {
     fn evaluate(
         &mut self,
         at: Configuration<'_>,
@@ -61,3 +61,5 @@ impl<F: ForceProvider> ForceProvider for CountingForces<F> {
         self.inner.hessian_vector(at, direction, out)
     }
 }
+
+impl<F: ForceTerm> Backend for CountingForces<F> {}

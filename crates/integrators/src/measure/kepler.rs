@@ -1,8 +1,8 @@
 //! A nonlinear motion with a known solution: one body on an ellipse about a fixed centre.
 
 use lennard_core::{
-    Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceProvider, Part, Persist,
-    RestoreError, State, StateReader, StateWriter, Want,
+    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
+    PeriodicBox, Persist, RestoreError, State, StateReader, StateWriter, Want,
 };
 
 /// The attraction F = −r/|r|³ of a fixed centre at the origin on a unit mass, U = −1/|r|.
@@ -19,7 +19,7 @@ impl Persist for KeplerForces {
     }
 }
 
-impl ForceProvider for KeplerForces {
+impl ForceTerm for KeplerForces {
     fn evaluate(
         &mut self,
         at: Configuration<'_>,
@@ -58,6 +58,8 @@ impl ForceProvider for KeplerForces {
         }
     }
 }
+
+impl Backend for KeplerForces {}
 
 /// The motion on an ellipse of semi-major axis 1 (period 2π) in the x-y plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,6 +115,6 @@ impl Kepler {
     #[must_use]
     pub fn start(&self) -> State {
         let (x, v) = self.at(0.0);
-        State::new(vec![x], vec![v])
+        State::new(PeriodicBox::boundless(), vec![x], vec![v])
     }
 }

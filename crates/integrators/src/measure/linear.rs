@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DMat2, DVec2};
-use lennard_core::{DVec3, Dynamics, ForceProvider, Integrator, State, StepError};
+use lennard_core::{Backend, DVec3, Integrator, PeriodicBox, State, StepError, System};
 
 use super::run;
 use crate::oscillator::{ExactOscillator, HarmonicForces, OscillatorConstraint};
@@ -12,8 +12,8 @@ use crate::{IntegratorEntry, OscillatorModel};
 /// A unit mass on a spring k with a damper c, in the form that a method of the list takes it.
 pub struct OscillatorBench {
     stiffness: f64,
-    dynamics: Dynamics,
-    forces: Box<dyn ForceProvider>,
+    system: System,
+    forces: Box<dyn Backend>,
 }
 
 /// One moment of an oscillator's run.
@@ -34,23 +34,23 @@ impl OscillatorBench {
     /// for [`OscillatorModel::Constraint`] alone.
     #[must_use]
     pub fn new(model: OscillatorModel, stiffness: f64, damping: f64) -> Self {
-        let mut dynamics = Dynamics::fluid(1);
+        let mut system = System::atoms(1);
         let spring = || Box::new(HarmonicForces::new(stiffness).with_damping(damping));
         let forces = match model {
             OscillatorModel::Force => spring(),
             OscillatorModel::ExactSolution => {
-                dynamics.exact = Some(Arc::new(ExactOscillator::new(stiffness, damping, 1.0)));
+                system.exact = Some(Arc::new(ExactOscillator::new(stiffness, damping, 1.0)));
                 spring()
             }
             OscillatorModel::Constraint => {
                 let constraint = OscillatorConstraint::spring(stiffness, damping);
-                dynamics.constraints.push(Arc::new(constraint));
+                system.constraints.push(Arc::new(constraint));
                 Box::new(HarmonicForces::new(0.0))
             }
         };
         Self {
             stiffness,
-            dynamics,
+            system,
             forces,
         }
     }
@@ -60,7 +60,7 @@ impl OscillatorBench {
     pub fn rigid(damping_time: f64) -> Self {
         let mut bench = Self::new(OscillatorModel::Constraint, f64::INFINITY, 0.0);
         let constraint = OscillatorConstraint::new(0.0, damping_time);
-        bench.dynamics.constraints = vec![Arc::new(constraint)];
+        bench.system.constraints = vec![Arc::new(constraint)];
         bench
     }
 
@@ -70,7 +70,7 @@ impl OscillatorBench {
     /// As the method's own steps.
     pub fn advance(
         &mut self,
-        integrator: &mut dyn Integrator,
+        integrator: &mut Integrator,
         start: DVec2,
         dt: f64,
         steps: u64,
@@ -79,7 +79,7 @@ impl OscillatorBench {
         let forces = self.forces.as_mut();
         run(
             integrator,
-            &self.dynamics,
+            &self.system,
             forces,
             &mut state,
             dt,
@@ -96,7 +96,7 @@ impl OscillatorBench {
     /// As the method's own steps.
     pub fn trajectory(
         &mut self,
-        integrator: &mut dyn Integrator,
+        integrator: &mut Integrator,
         start: DVec2,
         dt: f64,
         steps: u64,
@@ -120,7 +120,7 @@ impl OscillatorBench {
         let forces = self.forces.as_mut();
         run(
             integrator,
-            &self.dynamics,
+            &self.system,
             forces,
             &mut state,
             dt,
@@ -136,18 +136,22 @@ impl OscillatorBench {
     /// As the method's own steps.
     pub fn map(
         &mut self,
-        build: impl Fn() -> Box<dyn Integrator>,
+        build: impl Fn() -> Integrator,
         dt: f64,
         steps: u64,
     ) -> Result<DMat2, StepError> {
-        let x = self.advance(build().as_mut(), DVec2::X, dt, steps)?;
-        let v = self.advance(build().as_mut(), DVec2::Y, dt, steps)?;
+        let x = self.advance(&mut build(), DVec2::X, dt, steps)?;
+        let v = self.advance(&mut build(), DVec2::Y, dt, steps)?;
         Ok(DMat2::from_cols(x, v))
     }
 }
 
 fn on_the_axis(start: DVec2) -> State {
-    State::new(vec![DVec3::X * start.x], vec![DVec3::X * start.y])
+    State::new(
+        PeriodicBox::boundless(),
+        vec![DVec3::X * start.x],
+        vec![DVec3::X * start.y],
+    )
 }
 
 /// The measured map of a method of the list over `steps` steps of `dt` on ẍ = −ω²x, as a matrix on (x, v).

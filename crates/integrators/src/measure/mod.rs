@@ -22,7 +22,7 @@ pub use linear::{
 };
 pub use order::{ErrorPoint, Orders, fitted_order, global_errors, orders};
 
-use lennard_core::{Dynamics, ForceProvider, Integrator, State, StepError, StepReport, Want};
+use lennard_core::{Backend, Integrator, State, StepError, StepReport, System, Want};
 
 /// Starts the method and makes `steps` steps of `dt`, showing the state and the report of each step
 /// to `look`.
@@ -30,17 +30,17 @@ use lennard_core::{Dynamics, ForceProvider, Integrator, State, StepError, StepRe
 /// # Errors
 /// As [`Integrator::start`] and [`Integrator::step`].
 pub fn run(
-    integrator: &mut dyn Integrator,
-    dynamics: &Dynamics,
-    forces: &mut dyn ForceProvider,
+    integrator: &mut Integrator,
+    system: &System,
+    forces: &mut dyn Backend,
     state: &mut State,
     dt: f64,
     steps: u64,
     mut look: impl FnMut(&State, &StepReport),
 ) -> Result<(), StepError> {
-    integrator.start(dynamics, state, forces, dt, Want::NOTHING)?;
+    integrator.start(system, state, forces, dt, Want::NOTHING)?;
     for _ in 0..steps {
-        let report = integrator.step(dynamics, state, forces, dt, Want::NOTHING)?;
+        let report = integrator.step(system, state, forces, dt, Want::NOTHING)?;
         look(state, &report);
     }
     Ok(())

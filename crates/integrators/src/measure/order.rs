@@ -1,6 +1,6 @@
 //! Orders of convergence.
 
-use lennard_core::{Dynamics, StepError};
+use lennard_core::{StepError, System};
 
 use super::{Kepler, KeplerForces, run};
 use crate::IntegratorEntry;
@@ -66,7 +66,7 @@ pub fn global_errors(
 ) -> Result<Vec<ErrorPoint>, StepError> {
     let orbit = Kepler::for_orders();
     let (x, v) = orbit.at(duration);
-    let dynamics = Dynamics::fluid(1);
+    let system = System::atoms(1);
     steps
         .iter()
         .map(|&n| {
@@ -74,8 +74,8 @@ pub fn global_errors(
             let mut state = orbit.start();
             let mut integrator = entry.build();
             run(
-                integrator.as_mut(),
-                &dynamics,
+                &mut integrator,
+                &system,
                 &mut KeplerForces,
                 &mut state,
                 dt,

@@ -1,5 +1,6 @@
 use super::*;
 use crate::testing::{context, fcc, random_positions, view_of};
+use lennard_core::PeriodicBox;
 
 fn sampled(rdf: &mut RadialDistribution, cell: &PeriodicBox, positions: Vec<lennard_core::DVec3>) {
     view_of(cell, positions, |view| rdf.sample(view));
@@ -43,7 +44,7 @@ fn the_shells_of_a_face_centred_lattice_hold_12_6_24_12_24_8_and_48_neighbors() 
     let mut rdf = RadialDistribution::new(&options, &context).unwrap();
     sampled(&mut rdf, &cell, positions);
     let findings = rdf.finish(0.0);
-    let coordination = &findings.tables[0].columns[3].values;
+    let coordination = findings.tables[0].columns[3].numbers();
     let up_to = |r: f64| coordination[(r * d / rdf.width()).round() as usize - 1];
     let mut inner = 0.0;
     for (shell, neighbors) in [
@@ -68,7 +69,7 @@ fn the_shells_of_a_face_centred_lattice_hold_12_6_24_12_24_8_and_48_neighbors() 
     assert!((first.estimate.mean - 12.0).abs() < 1e-9);
     // A place is known to one bin.
     let peaks = &findings.tables[1];
-    assert!((peaks.columns[1].values[0] - d).abs() < rdf.width());
+    assert!((peaks.columns[1].numbers()[0] - d).abs() < rdf.width());
 }
 
 #[test]
@@ -93,7 +94,7 @@ fn the_discarded_part_leaves_no_trace() {
         sampled(&mut both, &cell, crystal.clone());
         sampled(&mut alone, &cell, crystal.clone());
     }
-    let g = |found: Findings| found.tables[0].columns[1].values.clone();
+    let g = |found: Findings| found.tables[0].columns[1].numbers();
     assert_eq!(g(both.finish(0.5)), g(alone.finish(0.0)));
     assert_ne!(g(both.finish(0.0)), g(alone.finish(0.0)));
 }
@@ -150,4 +151,73 @@ fn only_a_shell_of_neighbors_is_counted() {
     let gas = with_minimum(0.95);
     assert_eq!(number(&gas), None);
     assert!(gas.remarks.iter().any(|r| r.contains("no shell")));
+}
+
+#[test]
+fn the_distribution_of_an_ideal_gas_is_one_in_a_box_that_changes() {
+    // The box breathes by 10 % of its sides: without weights by volume, g would be too low by 3·0.1²·3 ≈ 3 %.
+    let context = context(8.0, 200);
+    let options = RdfOptions {
+        r_max: Some(3.5),
+        bins: 35,
+    };
+    let mut rdf = RadialDistribution::new(&options, &context).unwrap();
+    let side = |seed: u64| 8.0 * (1.0 + 0.1 * (0.7 * seed as f64).sin());
+    for seed in 0..1000 {
+        let cell = PeriodicBox::new(lennard_core::DVec3::splat(side(seed))).unwrap();
+        sampled(&mut rdf, &cell, random_positions(200, side(seed), seed));
+    }
+    let (g, error) = rdf.distribution();
+    let far = 10..35;
+    let mean = far.clone().map(|k| g[k]).sum::<f64>() / far.len() as f64;
+    let noise = far.clone().map(|k| error[k].powi(2)).sum::<f64>().sqrt() / far.len() as f64;
+    assert!(
+        (mean - 1.0).abs() < 4.0 * noise && noise < 0.002,
+        "{mean} {noise}"
+    );
+    // Half of the smallest box is 3.6 σ: every bin counts all its pairs.
+    let findings = rdf.finish(0.0);
+    assert!(
+        !findings
+            .remarks
+            .iter()
+            .any(|r| r.contains("pairs are missing"))
+    );
+    let short = PeriodicBox::new(lennard_core::DVec3::splat(6.0)).unwrap();
+    sampled(&mut rdf, &short, random_positions(200, 6.0, 0));
+    let findings = rdf.finish(0.0);
+    assert!(
+        findings
+            .remarks
+            .iter()
+            .any(|r| r.contains("3.000 σ at its smallest"))
+    );
+}
+
+#[test]
+fn coordination_counts_neighbors_whatever_the_box() {
+    // A face-centred lattice blown up by 2 %: each particle has its twelve neighbors still.
+    let (cell, positions) = fcc(4, 1.1);
+    let context = BuildContext {
+        cell,
+        n_atoms: positions.len(),
+        ..context(1.0, 1)
+    };
+    let options = RdfOptions {
+        r_max: Some(2.0),
+        bins: 200,
+    };
+    let mut rdf = RadialDistribution::new(&options, &context).unwrap();
+    let wider = PeriodicBox::new(1.02 * cell.lengths()).unwrap();
+    sampled(
+        &mut rdf,
+        &wider,
+        positions.iter().map(|r| 1.02 * *r).collect(),
+    );
+    let coordination = rdf.finish(0.0).tables[0].columns[3].numbers();
+    assert!(
+        (coordination[130] - 12.0).abs() < 1e-9,
+        "{}",
+        coordination[130]
+    );
 }

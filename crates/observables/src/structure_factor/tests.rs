@@ -11,7 +11,7 @@ fn an_ideal_gas_scatters_with_one_at_every_wave_number() {
         });
     }
     let table = &factor.finish(0.0).tables[0];
-    let columns = |k: usize| &table.columns[k].values;
+    let columns = |k: usize| table.columns[k].numbers();
     assert!(columns(0).len() > 40);
     let chi2: f64 = columns(1)
         .iter()
@@ -41,7 +41,11 @@ fn a_face_centred_lattice_scatters_with_n_at_its_reciprocal_vectors_and_nothing_
     };
     let factor = StructureFactor::new(&options, &context).unwrap();
     let mut seen = 0;
-    for (v, [re, im]) in factor.vectors.iter().zip(factor.densities(&positions)) {
+    for (v, [re, im]) in factor
+        .vectors
+        .iter()
+        .zip(factor.densities(&positions, &context.cell))
+    {
         let s = (re * re + im * im) / n as f64;
         let cubic = v.multiples.iter().all(|m| m % 4 == 0);
         let [h, k, l] = v.multiples.map(|m| (m / 4).rem_euclid(2));
@@ -62,7 +66,7 @@ fn a_negative_multiple_is_summed_as_the_plain_definition_has_it() {
         .into_iter()
         .map(|r| r + DVec3::new(12.0, -6.0, 0.0))
         .collect();
-    let found = factor.densities(&positions);
+    let found = factor.densities(&positions, &context.cell);
     assert!(factor.vectors.iter().any(|v| v.multiples[2] < 0));
     for (v, [re, im]) in factor.vectors.iter().zip(found) {
         let k = glam::IVec3::from_array(v.multiples).as_dvec3() * (2.0 * PI / 6.0);
@@ -82,4 +86,29 @@ fn a_range_without_a_wave_vector_is_refused() {
     };
     let error = StructureFactor::new(&options, &context(6.0, 30)).unwrap_err();
     assert_eq!(error.key(), "k_max");
+}
+
+#[test]
+fn in_a_box_that_changes_wave_vectors_go_with_it() {
+    // A lattice blown up by 4 % has the same factors at wave numbers smaller by as much.
+    let (cell, positions) = fcc(3, 1.1);
+    let context = BuildContext {
+        cell,
+        n_atoms: positions.len(),
+        ..context(1.0, 1)
+    };
+    let measured = |scale: f64| {
+        let mut factor =
+            StructureFactor::new(&StructureFactorOptions::default(), &context).unwrap();
+        let cell = PeriodicBox::new(scale * cell.lengths()).unwrap();
+        let scaled = positions.iter().map(|r| scale * *r).collect();
+        view_of(&cell, scaled, |view| factor.sample(view));
+        let table = factor.finish(0.0).tables.swap_remove(0);
+        [0, 1].map(|k| table.columns[k].numbers())
+    };
+    let ([k, s], [wider_k, wider_s]) = (measured(1.0), measured(1.04));
+    for i in 0..k.len() {
+        assert!((wider_k[i] * 1.04 / k[i] - 1.0).abs() < 1e-12);
+        assert!((wider_s[i] - s[i]).abs() < 1e-6);
+    }
 }

@@ -131,7 +131,7 @@ impl Thermodynamics {
 
     fn few_collisions(&self, cut: usize) -> Option<Doubt> {
         let rows = self.series.rows();
-        let density = self.context.n_atoms as f64 / self.context.cell.volume();
+        let density = self.context.n_atoms as f64 / self.seen.volume();
         let temperature = statistics::mean(&rows.temperature[cut..]);
         let collisions = self.length(cut) / collision_time(density, temperature);
         let few = self.context.n_atoms > 1 && collisions < FEWEST_COLLISIONS;

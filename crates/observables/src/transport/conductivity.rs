@@ -4,10 +4,10 @@ use lennard_core::{
     DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
     View, Want, parallel,
 };
-use serde::{Deserialize, Serialize};
 
 use super::green_kubo::{GreenKubo, Words};
 use super::{DEFAULT_WINDOW, checked_interval};
+use crate::seen_box::SeenBox;
 use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -26,19 +26,11 @@ const WORDS: Words = Words {
     correlation_unit: "k_B/(στ²)",
 };
 
-/// Options of [`ThermalConductivity`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ThermalConductivityOptions {
-    /// Longest lag in τ.
-    pub window: f64,
-}
-
-impl Default for ThermalConductivityOptions {
-    fn default() -> Self {
-        Self {
-            window: DEFAULT_WINDOW,
-        }
+lennard_core::options! {
+    /// Options of [`ThermalConductivity`].
+    pub struct ThermalConductivityOptions {
+        /// Longest lag of the correlation of the heat flux.
+        window: f64 = DEFAULT_WINDOW, Positive, in "τ";
     }
 }
 
@@ -66,7 +58,7 @@ impl Recipe for ThermalConductivityOptions {
 /// constant part of the enthalpy and does not enter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThermalConductivity {
-    volume: f64,
+    seen: SeenBox,
     flux: GreenKubo,
 }
 
@@ -81,7 +73,7 @@ impl ThermalConductivity {
     ) -> Result<Self, ObservableError> {
         let interval = checked_interval(options.window, context)?;
         Ok(Self {
-            volume: context.cell.volume(),
+            seen: SeenBox::new(&context.cell),
             flux: GreenKubo::new(3, interval, options.window),
         })
     }
@@ -92,9 +84,9 @@ impl ThermalConductivity {
     pub fn heat_flux(view: &View<'_>) -> Option<DVec3> {
         let state = view.state;
         let each = state.energetics.per_particle.as_ref()?;
-        let masses = &view.dynamics.masses;
+        let masses = &view.system.masses;
         let mass: f64 = (0..state.len()).map(|i| masses.of(i)).sum();
-        let drift = view.dynamics.momentum(&state.velocities) / mass;
+        let drift = view.system.momentum(&state.velocities) / mass;
         let sum = parallel::ordered_sum(state.len(), |range| {
             range
                 .map(|i| {
@@ -106,7 +98,7 @@ impl ThermalConductivity {
                 })
                 .sum::<DVec3>()
         });
-        Some(sum / view.cell.volume())
+        Some(sum / view.cell().volume())
     }
 }
 
@@ -127,24 +119,27 @@ impl Observable for ThermalConductivity {
     fn sample(&mut self, view: &View<'_>) {
         let flux =
             Self::heat_flux(view).expect("the force evaluation gives what the observable wants");
-        let temperature = view.dynamics.temperature(&view.state.velocities);
+        self.seen.see(view.cell());
+        let temperature = view.temperature();
         self.flux.push(&flux.to_array(), temperature);
     }
 
     fn finish(&self, discarded: f64) -> Findings {
         let temperature = self.flux.mean_temperature(discarded);
         self.flux
-            .findings(discarded, self.volume / temperature.powi(2), WORDS)
+            .findings(discarded, self.seen.volume() / temperature.powi(2), WORDS)
     }
 }
 
 impl Persist for ThermalConductivity {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.flux.save(to);
+        self.seen.save(&mut to.section("box"));
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.flux.restore(from)
+        self.flux.restore(from)?;
+        self.seen.restore(&from.section("box"))
     }
 }
 
@@ -152,27 +147,18 @@ impl Persist for ThermalConductivity {
 mod tests {
     use super::*;
     use crate::testing::{context, normal};
-    use lennard_core::{DMat3, Dynamics, Energetics, State};
+    use lennard_core::{DMat3, Energetics, State, System};
 
     fn flux(velocities: Vec<DVec3>, each: Vec<(f64, DMat3)>) -> DVec3 {
         let n = velocities.len();
-        let mut state = State::new(vec![DVec3::ZERO; n], velocities);
+        let cell = context(2.0, n).cell;
+        let mut state = State::new(cell, vec![DVec3::ZERO; n], velocities);
         state.energetics = Energetics {
             per_particle: Some(each),
             ..Energetics::default()
         };
-        let context = context(2.0, n);
-        let (dynamics, cell) = (Dynamics::fluid(n), context.cell);
-        ThermalConductivity::heat_flux(&View {
-            state: &state,
-            dynamics: &dynamics,
-            cell: &cell,
-            tail: None,
-            heat: 0.0,
-            half_kick_step: None,
-        })
-        .unwrap()
-            * cell.volume()
+        let system = System::atoms(n);
+        ThermalConductivity::heat_flux(&View::of(&state, &system)).unwrap() * cell.volume()
     }
 
     #[test]

@@ -4,10 +4,10 @@ use lennard_core::{
     DMat3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
     View, Want,
 };
-use serde::{Deserialize, Serialize};
 
 use super::green_kubo::{GreenKubo, Words};
 use super::{DEFAULT_WINDOW, checked_interval};
+use crate::seen_box::SeenBox;
 use crate::{BuildContext, ObservableError, PressureTensor, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -27,19 +27,11 @@ const WORDS: Words = Words {
     correlation_unit: "ε/σ³",
 };
 
-/// Options of [`ShearViscosity`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ShearViscosityOptions {
-    /// Longest lag in τ.
-    pub window: f64,
-}
-
-impl Default for ShearViscosityOptions {
-    fn default() -> Self {
-        Self {
-            window: DEFAULT_WINDOW,
-        }
+lennard_core::options! {
+    /// Options of [`ShearViscosity`].
+    pub struct ShearViscosityOptions {
+        /// Longest lag of the correlation of the pressure tensor.
+        window: f64 = DEFAULT_WINDOW, Positive, in "τ";
     }
 }
 
@@ -63,7 +55,7 @@ impl Recipe for ShearViscosityOptions {
 /// P_os. A tail correction is isotropic and does not enter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShearViscosity {
-    volume: f64,
+    seen: SeenBox,
     flux: GreenKubo,
 }
 
@@ -78,7 +70,7 @@ impl ShearViscosity {
     ) -> Result<Self, ObservableError> {
         let interval = checked_interval(options.window, context)?;
         Ok(Self {
-            volume: context.cell.volume(),
+            seen: SeenBox::new(&context.cell),
             flux: GreenKubo::new(5, interval, options.window),
         })
     }
@@ -113,24 +105,27 @@ impl Observable for ShearViscosity {
     fn sample(&mut self, view: &View<'_>) {
         let p =
             PressureTensor::of(view).expect("the force evaluation gives what the observable wants");
-        let temperature = view.dynamics.temperature(&view.state.velocities);
+        self.seen.see(view.cell());
+        let temperature = view.temperature();
         self.flux.push(&shear_components(&p), temperature);
     }
 
     fn finish(&self, discarded: f64) -> Findings {
         let temperature = self.flux.mean_temperature(discarded);
         self.flux
-            .findings(discarded, self.volume / temperature, WORDS)
+            .findings(discarded, self.seen.volume() / temperature, WORDS)
     }
 }
 
 impl Persist for ShearViscosity {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.flux.save(to);
+        self.seen.save(&mut to.section("box"));
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.flux.restore(from)
+        self.flux.restore(from)?;
+        self.seen.restore(&from.section("box"))
     }
 }
 
@@ -138,7 +133,7 @@ impl Persist for ShearViscosity {
 mod tests {
     use super::*;
     use crate::testing::{context, normal};
-    use lennard_core::{DVec3, Dynamics, Energetics, State};
+    use lennard_core::{DVec3, Energetics, State, System};
 
     #[test]
     fn every_component_of_an_ideal_gas_has_the_variance_of_its_kinetic_stress() {
@@ -183,9 +178,13 @@ mod tests {
         let (volume, phi) = (125.0, 0.9_f64);
         let options = ShearViscosityOptions { window: 4.0 };
         let mut viscosity = ShearViscosity::new(&options, &context).unwrap();
-        let mut state = State::new(vec![DVec3::ZERO; 2], vec![DVec3::X, -DVec3::X]);
-        let dynamics = Dynamics::fluid(2);
-        let temperature = dynamics.temperature(&state.velocities);
+        let mut state = State::new(
+            context.cell,
+            vec![DVec3::ZERO; 2],
+            vec![DVec3::X, -DVec3::X],
+        );
+        let system = System::atoms(2);
+        let temperature = system.temperature(&state.velocities, lennard_core::Momentum::Conserved);
         let mut shear = DVec3::ZERO;
         for s in 0..60_000 {
             shear = phi * shear + (1.0 - phi * phi).sqrt() * normal(8, s, 0);
@@ -197,14 +196,7 @@ mod tests {
                 ])),
                 ..Energetics::default()
             };
-            viscosity.sample(&View {
-                state: &state,
-                dynamics: &dynamics,
-                cell: &context.cell,
-                tail: None,
-                heat: 0.0,
-                half_kick_step: None,
-            });
+            viscosity.sample(&View::of(&state, &system));
         }
         let estimate = viscosity.finish(0.0).averages[0].estimate;
         // Three of the five components are alive, and the trapezoidal sum of φ^k is ½(1 + φ)/(1 − φ) steps. The

@@ -17,7 +17,7 @@ fn example() -> Figure {
         (1..50).map(|i| (f64::from(i), f64::from(i).powi(2))),
     ))
     .with(
-        Series::from_points(
+        Series::new(
             "measured",
             Look::Points(Symbol::Disc),
             1,

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use lennard_core::stopwatch::{Spread, in_turn, timed};
-use lennard_core::{Dynamics, Want};
+use lennard_core::{Momentum, System, Want};
 use lennard_engine::{EngineError, Simulation, take};
 use lennard_forcefield::measure;
 use lennard_scene::Scene;
@@ -63,7 +63,7 @@ impl Blocks {
             Ok(seconds / FEWEST_STEPS as f64)
         })?;
         let start = Start::from(simulation);
-        let pairs = measure::work(&mut start.forces(scene)?, &start.positions)?.pairs;
+        let pairs = measure::work(&mut start.forces(scene)?, start.configuration())?.pairs;
         Ok(Self {
             steps: ((block / seconds) as u64).clamp(FEWEST_STEPS, MOST_STEPS),
             pairs_per_atom: pairs as f64 / start.len() as f64,
@@ -73,7 +73,7 @@ impl Blocks {
 
     /// Temperature of the state, ε/k_B.
     pub(super) fn temperature(&self) -> f64 {
-        Dynamics::fluid(self.start.len()).temperature(&self.start.velocities)
+        System::atoms(self.start.len()).temperature(&self.start.velocities, Momentum::Conserved)
     }
 
     /// A simulation of a scene from this state; its list is built and its memory is touched.

@@ -5,8 +5,8 @@ use std::path::Path;
 use lennard_core::Want;
 use lennard_core::stopwatch::{Spread, Stopwatch, timed};
 use lennard_engine::{
-    ENDLESS, EngineError, Follower, Past, RunFiles, Simulation, Verdict, capture, take, watchdog,
-    watching_seconds,
+    Action, ENDLESS, EngineError, Follower, Operation, Past, RunFiles, Schedule, Simulation,
+    Trigger, Verdict, capture, take, watchdog, watching_seconds,
 };
 use lennard_integrators::ThermostatOptions;
 use lennard_observables::ObservableOptions;
@@ -236,9 +236,14 @@ fn block(on: &On, scene: &Scene, blocks: &Blocks, scratch: &Path) -> Result<f64,
         On::More(scene) => taken(scene, Want::NOTHING),
         On::Written(scene) => {
             let mut simulation = blocks.simulation(scene)?;
+            let files = RunFiles::create(scratch, &simulation)?;
+            let end = simulation.state.step + blocks.steps;
+            let stop = Operation::new(Action::Call, Trigger::At(end));
+            let schedule = Schedule::of_output(&simulation.scene).with(stop);
             let mut writing = Writing {
-                files: RunFiles::create(scratch, &simulation)?,
-                end: simulation.state.step + blocks.steps,
+                files,
+                schedule,
+                end,
             };
             let watch = Stopwatch::start();
             simulation.run(&mut writing)?;
@@ -250,23 +255,18 @@ fn block(on: &On, scene: &Scene, blocks: &Blocks, scratch: &Path) -> Result<f64,
 /// Writes rows and frames as a run does.
 struct Writing {
     files: RunFiles,
+    schedule: Schedule,
     end: u64,
 }
 
 impl Follower for Writing {
-    fn want(&self, scene: &Scene, step: u64, _measured: bool) -> Want {
-        match scene.output.due(step, true) {
-            (false, false) => Want::NOTHING,
-            _ => Want::ENERGY_AND_VIRIAL,
-        }
-    }
-
-    fn looks_at(&self, scene: &Scene, step: u64, _measured: bool) -> bool {
-        step == self.end || scene.output.due(step, true) != (false, false)
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
 
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        let (row, frame) = simulation.scene.output.due(simulation.state.step, true);
+        let due = |action| self.schedule.does(action, simulation.state.step, true);
+        let (row, frame) = (due(Action::Row), due(Action::Frame));
         if row {
             self.files.write_thermo(simulation)?;
         }

@@ -1,13 +1,14 @@
 //! The pictures of a benchmark.
 
 use lennard_core::stopwatch::Spread;
-use lennard_report::{Axis, BarFigure, BarSeries, Figure, Guide, Look, Point, Series, Symbol};
+use lennard_report::{
+    Axis, BarFigure, BarSeries, Figure, Guide, Look, Picture, Point, Series, Symbol,
+};
 
 use super::{BenchStudy, FeatureStudy, KernelResult, SkinStudy};
-use crate::files::Captioned;
 
 /// All pictures that the study has the numbers for.
-pub(super) fn all(study: &BenchStudy) -> Vec<Captioned> {
+pub(super) fn all(study: &BenchStudy) -> Vec<Picture> {
     let mut figures = Vec::new();
     if !study.kernels.is_empty() {
         figures.push(speeds(study));
@@ -19,7 +20,7 @@ pub(super) fn all(study: &BenchStudy) -> Vec<Captioned> {
     figures
 }
 
-fn skins(study: &BenchStudy, skin: &SkinStudy) -> Captioned {
+fn skins(study: &BenchStudy, skin: &SkinStudy) -> Picture {
     let points = skin.points.iter().map(|p| Point {
         x: p.skin,
         y: p.step_ns.median,
@@ -33,20 +34,20 @@ fn skins(study: &BenchStudy, skin: &SkinStudy) -> Captioned {
         Axis::linear("ns per atom-step"),
     )
     .guided(Guide::Vertical(skin.chosen, "chosen".into()))
-    .with(Series::from_points(
+    .with(Series::new(
         "whole step",
         Look::Points(Symbol::Disc),
         0,
-        points.collect(),
+        points,
     ));
     let caption = format!(
         "Whole steps with other skins ({}); lines are half the range over {} repeats.",
         skin.with, study.repeats
     );
-    Captioned::new(figure, caption, "skins.csv")
+    Picture::new(figure, caption, "skins.csv")
 }
 
-fn features(study: &BenchStudy, found: &FeatureStudy) -> Captioned {
+fn features(study: &BenchStudy, found: &FeatureStudy) -> Picture {
     // Below nothing is noise, and a bar of it would say otherwise.
     let value = |share: Spread| {
         let (height, error) = (share.median.max(0.0), share.half_range());
@@ -67,7 +68,7 @@ fn features(study: &BenchStudy, found: &FeatureStudy) -> Captioned {
         "Each alone and as often as the table says, against the engine with every feature off; {} of one thread, median of {} rounds, lines are half the range.",
         found.clock, study.repeats
     );
-    Captioned::new(figure, caption, "features.csv")
+    Picture::new(figure, caption, "features.csv")
 }
 
 fn bar(spread: Spread) -> Option<(f64, Option<f64>)> {
@@ -75,7 +76,7 @@ fn bar(spread: Spread) -> Option<(f64, Option<f64>)> {
 }
 
 /// Whole steps of every variant: a group for each kernel, a bar for each number of threads.
-fn speeds(study: &BenchStudy) -> Captioned {
+fn speeds(study: &BenchStudy) -> Picture {
     let groups = labels(study);
     let mut threads: Vec<usize> = study.kernels.iter().map(|k| k.threads).collect();
     threads.sort_unstable();
@@ -102,11 +103,11 @@ fn speeds(study: &BenchStudy) -> Captioned {
         "Whole steps at constant energy, lists included: median of {} blocks of {} steps, lines are half the range.",
         study.repeats, study.steps
     );
-    Captioned::new(figure, caption, "kernels.csv")
+    Picture::new(figure, caption, "kernels.csv")
 }
 
 /// The parts of a step on the fewest threads.
-fn parts(study: &BenchStudy) -> Captioned {
+fn parts(study: &BenchStudy) -> Picture {
     let fewest = study.kernels.iter().map(|k| k.threads).min().unwrap_or(1);
     let groups = labels(study);
     let of = |part: &dyn Fn(&KernelResult) -> Option<Spread>| -> Vec<_> {
@@ -150,7 +151,7 @@ fn parts(study: &BenchStudy) -> Captioned {
         "Medians of whole steps with half their range, best times of parts alone. A list build is paid once in {} steps.",
         steps_per_build.map_or("all".into(), |s| format!("{s:.1}"))
     );
-    Captioned::new(figure, caption, "kernels.csv")
+    Picture::new(figure, caption, "kernels.csv")
 }
 
 /// The best alone.

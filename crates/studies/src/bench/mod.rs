@@ -23,6 +23,7 @@ use serde::Serialize;
 
 pub use doubts::Doubt;
 pub use features::{Feature, FeatureStudy};
+pub use page::{features as feature_table, kernels as kernel_table};
 pub use skins::{SkinPoint, SkinStudy};
 pub use variants::KernelResult;
 
@@ -226,15 +227,8 @@ pub fn run(options: &BenchOptions, progress: &mut dyn Progress) -> Result<BenchS
 /// # Errors
 /// [`StudyError`] where a figure cannot be drawn or a file cannot be written.
 pub fn write(study: &BenchStudy, dir: &Path) -> Result<(), StudyError> {
-    let figures = figures::all(study);
-    let page = page::page(study, &figures)?.to_html();
-    files::write_all(
-        dir,
-        &page::csv(study),
-        &figures,
-        ("bench.json", study),
-        &page,
-    )
+    let page = page::page(study);
+    files::write_all(dir, &page::csv(study), ("bench.json", study), &page)
 }
 
 /// For a reader: `12.3 (11.9–13.0)`, the median with its range.

@@ -1,11 +1,10 @@
 //! The tables and the page of a benchmark.
 
 use lennard_core::stopwatch::Spread;
-use lennard_report::{Block, Cell, Page, PageTable, Section, significant};
+use lennard_core::{Cell, RowsOf, Table};
+use lennard_report::{Page, Section, percent, significant};
 
-use super::{BenchStudy, with_range};
-use crate::StudyError;
-use crate::files::{Captioned, TextTable, exact, exact_or_empty};
+use super::{BenchStudy, FeatureStudy, KernelResult, figures, with_range};
 
 /// The best time, in brackets the median of the repeats: `70.1 (74.3)`.
 fn best(spread: Spread) -> String {
@@ -16,114 +15,66 @@ fn best(spread: Spread) -> String {
     )
 }
 
-fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
-}
-
 /// Every number, as CSV.
-pub(super) fn csv(study: &BenchStudy) -> Vec<TextTable> {
-    let three = |s: Spread| [exact(s.median), exact(s.lowest), exact(s.highest)];
+pub(super) fn csv(study: &BenchStudy) -> Vec<Table> {
     let mut tables = Vec::new();
     if !study.kernels.is_empty() {
-        let mut table = TextTable::new(
-            "kernels",
-            &[
-                "kernel",
-                "isa",
-                "precision",
-                "threads",
-                "speed [M atom-steps/s]",
-                "lowest",
-                "highest",
-                "step [ns/atom]",
-                "lowest",
-                "highest",
-                "forces [ns/atom]",
-                "lowest",
-                "highest",
-                "totals [ns/atom]",
-                "lowest",
-                "highest",
-                "build [ns/atom]",
-                "processor time [ns/atom-step]",
-                "list share",
-                "steps per build",
-                "lanes per pair",
-                "limit [pairs/s]",
-                "share of limit",
-                "bytes per atom",
-                "skin [σ]",
-            ],
-        );
-        for k in &study.kernels {
-            let words = [
-                k.kernel.clone(),
-                k.isa.clone(),
-                k.precision.clone(),
-                k.threads.to_string(),
-            ];
-            let spreads = [k.speed, k.step_ns, k.forces_ns, k.totals_ns]
-                .into_iter()
-                .flat_map(three);
-            let rest = [
-                exact_or_empty(k.build_ns.map(|s| s.median)),
-                exact_or_empty(k.processor_ns.map(|s| s.median)),
-                exact(k.list_share.median),
-                exact_or_empty(k.steps_per_build),
-                exact(k.lanes_per_pair),
-                exact_or_empty(k.limit),
-                exact_or_empty(k.limit_share),
-                exact(k.bytes_per_atom),
-                exact(k.skin),
-            ];
-            table.push(words.into_iter().chain(spreads).chain(rest));
-        }
-        tables.push(table);
+        let table = Table::rows_of("kernels", &study.kernels)
+            .column("kernel", |k| &k.kernel)
+            .column("isa", |k| &k.isa)
+            .column("precision", |k| &k.precision)
+            .column("threads", |k| k.threads);
+        let table = spread(table, "speed [M atom-steps/s]", |k| k.speed);
+        let table = spread(table, "step [ns/atom]", |k| k.step_ns);
+        let table = spread(table, "forces [ns/atom]", |k| k.forces_ns);
+        let table = spread(table, "totals [ns/atom]", |k| k.totals_ns)
+            .column("build [ns/atom]", |k| k.build_ns.map(|s| s.median))
+            .column("processor time [ns/atom-step]", |k| {
+                k.processor_ns.map(|s| s.median)
+            })
+            .column("list share", |k| k.list_share.median)
+            .column("steps per build", |k| k.steps_per_build)
+            .column("lanes per pair", |k| k.lanes_per_pair)
+            .column("limit [pairs/s]", |k| k.limit)
+            .column("share of limit", |k| k.limit_share)
+            .column("bytes per atom", |k| k.bytes_per_atom)
+            .column("skin [σ]", |k| k.skin);
+        tables.push(table.table());
     }
-    if let Some(skin) = &study.skin {
-        let mut table = TextTable::new(
-            "skins",
-            &["skin [σ]", "step [ns/atom]", "lowest", "highest"],
-        );
-        for p in &skin.points {
-            table.push([exact(p.skin)].into_iter().chain(three(p.step_ns)));
-        }
-        tables.push(table);
-    }
-    if let Some(found) = &study.features {
-        let mut table = TextTable::new(
-            "features",
-            &[
-                "feature",
-                "how often",
-                "share of a step",
-                "lowest",
-                "highest",
-                "ns/atom-step",
-            ],
-        );
-        for f in &found.features {
-            let words = [f.name.clone(), f.how.clone()];
-            table.push(words.into_iter().chain(three(f.share)).chain([exact(f.ns)]));
-        }
-        tables.push(table);
-    }
+    tables.extend(study.skin.iter().map(|skin| {
+        let table = Table::rows_of("skins", &skin.points).column("skin [σ]", |p| p.skin);
+        spread(table, "step [ns/atom]", |p| p.step_ns).table()
+    }));
+    tables.extend(study.features.iter().map(|found| {
+        let table = Table::rows_of("features", &found.features)
+            .column("feature", |f| &f.name)
+            .column("how often", |f| &f.how);
+        spread(table, "share of a step", |f| f.share)
+            .column("ns/atom-step", |f| f.ns)
+            .table()
+    }));
     tables
 }
 
+/// Three columns of a spread: median, lowest and highest.
+fn spread<'a, T>(table: RowsOf<'a, T>, heading: &str, of: impl Fn(&T) -> Spread) -> RowsOf<'a, T> {
+    table
+        .column(heading, |item| of(item).median)
+        .column("lowest", |item| of(item).lowest)
+        .column("highest", |item| of(item).highest)
+}
+
 /// The page.
-pub(super) fn page(study: &BenchStudy, figures: &[Captioned]) -> Result<Page, StudyError> {
-    let figures = figures.iter().map(|f| f.on_page(&study.command));
-    let figures = figures.collect::<Result<_, _>>()?;
-    let mut sections = vec![Section::new("Pictures").with(Block::Figures(figures))];
+pub(super) fn page(study: &BenchStudy) -> Page {
+    let mut sections = vec![Section::new("Pictures").figures(figures::all(study))];
     let doubts = study.doubts();
     if !doubts.is_empty() {
         let section =
             Section::new("Doubts").text("Figures with a question mark are to be doubted.");
-        sections.push(section.with(Block::List(doubts)));
+        sections.push(section.list(doubts));
     }
     if !study.kernels.is_empty() {
-        sections.push(Section::new("Kernels").with(Block::Table(kernels(study))));
+        sections.push(Section::new("Kernels").table(kernels(study, true)));
     }
     if let Some(skin) = &study.skin {
         sections.push(Section::new("Skin").text(format!(
@@ -144,40 +95,9 @@ pub(super) fn page(study: &BenchStudy, figures: &[Captioned]) -> Result<Page, St
             percent(found.engine_share.lowest),
             percent(found.engine_share.highest)
         ));
-        let rows = found.features.iter().map(|f| {
-            vec![
-                Cell::text(f.name.clone()),
-                Cell::text(f.how.clone()),
-                Cell::number(percent(f.share.median)),
-                Cell::number(format!(
-                    "{} – {}",
-                    percent(f.share.lowest),
-                    percent(f.share.highest)
-                )),
-                Cell::number(significant(f.ns, 3)),
-            ]
-        });
-        let table = PageTable {
-            caption: "What each adds to a step in which everything is off.".into(),
-            command: Some(study.command.clone()),
-            header: [
-                "Feature",
-                "How often",
-                "Of a step",
-                "Range",
-                "ns per atom-step",
-            ]
-            .map(str::to_owned)
-            .to_vec(),
-            rows: rows.collect(),
-        };
-        sections.push(
-            section
-                .with(Block::Table(table))
-                .with(Block::List(found.left_out.clone())),
-        );
+        sections.push(section.table(features(found)).list(found.left_out.clone()));
     }
-    Ok(Page {
+    Page {
         title: format!("{}: how fast", study.scene),
         lead: format!(
             "{} atoms at ρ = {:.4}, {}, {:.1} pairs an atom within the cutoff, T = {:.3}. Every block of {} steps starts from the same \
@@ -191,6 +111,7 @@ pub(super) fn page(study: &BenchStudy, figures: &[Captioned]) -> Result<Page, St
             study.steps,
             study.repeats
         ),
+        command: Some(study.command.clone()),
         sections,
         provenance: study
             .machine
@@ -198,48 +119,57 @@ pub(super) fn page(study: &BenchStudy, figures: &[Captioned]) -> Result<Page, St
             .cloned()
             .chain([("command".to_owned(), format!("`{}`", study.command))])
             .collect(),
-    })
+    }
 }
 
-fn kernels(study: &BenchStudy) -> PageTable {
-    let rows = study.kernels.iter().map(|k| {
-        vec![
-            Cell::text(k.label()),
-            Cell::number(k.threads.to_string()),
-            Cell::number(k.marked_speed()),
-            Cell::number(with_range(k.step_ns)),
-            Cell::number(k.processor_ns.map_or("–".into(), with_range)),
-            Cell::number(best(k.forces_ns)),
-            Cell::number(best(k.totals_ns)),
-            Cell::number(k.build_ns.map_or("–".into(), best)),
-            Cell::number(percent(k.list_share.median)),
-            Cell::number(significant(k.lanes_per_pair, 3)),
-            Cell::number(k.marked_limit_share()),
-            Cell::number(format!("{:.0}", k.bytes_per_atom)),
-        ]
-    });
-    PageTable {
-        caption: "Whole steps: median and range. Forces, the list given, and one build: best times and their median in brackets. The arithmetic limit is the same force with \
-                  everything in registers, measured on this processor: its share is the part of the force time that such arithmetic \
-                  would take."
-            .into(),
-        command: Some(study.command.clone()),
-        header: [
-            "Kernel",
-            "Threads",
-            "M atom-steps/s",
-            "Step / ns an atom",
-            "The same, processor time",
-            "Forces",
-            "With totals",
-            "One build",
-            "Lists in a step",
-            "Lanes a pair",
-            "Of the limit",
-            "Bytes an atom",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-        rows: rows.collect(),
-    }
+/// The cost of each feature.
+#[must_use]
+pub fn features(found: &FeatureStudy) -> Table {
+    let caption = "What each adds to a step in which everything is off.";
+    Table::rows_of("features", &found.features)
+        .caption(caption)
+        .column("Feature", |f| &f.name)
+        .column("How often", |f| &f.how)
+        .column("Adds to a step", |f| Cell::figures(percent(f.share.median)))
+        .column("Range", |f| {
+            let (low, high) = (percent(f.share.lowest), percent(f.share.highest));
+            Cell::figures(format!("{low} to {high}"))
+        })
+        .column("ns per atom-step", |f| Cell::rounded(f.ns, 3))
+        .table()
+}
+
+/// The speed of each kernel; with the range of whole steps, and the median beside best times, where there is room.
+#[must_use]
+pub fn kernels(study: &BenchStudy, with_ranges: bool) -> Table {
+    let caption = "Whole steps: median and range. Forces, the list given, and one build: best times and their median in brackets. The arithmetic limit is the same force with \
+                   everything in registers, measured on this processor: its share is the part of the force time that such arithmetic \
+                   would take. Times are ns per atom.";
+    let whole = |spread: Spread| match with_ranges {
+        true => Cell::figures(with_range(spread)),
+        false => Cell::rounded(spread.median, 3),
+    };
+    let part = |spread: Spread| match with_ranges {
+        true => Cell::figures(best(spread)),
+        false => Cell::rounded(spread.lowest, 3),
+    };
+    Table::rows_of("kernels", &study.kernels)
+        .caption(caption)
+        .column("Kernel", KernelResult::label)
+        .column("Threads", |k| k.threads)
+        .column("M atom-steps/s", |k| Cell::figures(k.marked_speed()))
+        .column("Whole step", |k| whole(k.step_ns))
+        .column("Processor time", |k| k.processor_ns.map(whole))
+        .column("Forces alone", |k| part(k.forces_ns))
+        .column("With totals", |k| part(k.totals_ns))
+        .column("One list build", |k| k.build_ns.map(part))
+        .column("Lists in a step", |k| {
+            Cell::figures(percent(k.list_share.median))
+        })
+        .column("Lanes per pair", |k| Cell::rounded(k.lanes_per_pair, 3))
+        .column("Of the limit", |k| Cell::figures(k.marked_limit_share()))
+        .column("Bytes per atom", |k| {
+            Cell::figures(format!("{:.0}", k.bytes_per_atom))
+        })
+        .table()
 }

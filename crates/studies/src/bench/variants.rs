@@ -190,7 +190,7 @@ fn block(variant: &Variant, blocks: &Blocks) -> Result<Block, BenchError> {
         neighbor: after.neighbor_seconds - before.neighbor_seconds,
         builds: after.builds - before.builds,
         bytes: after.bytes,
-        parts: measure::part_times(&mut forces, &blocks.start.positions, ROUNDS)?,
+        parts: measure::part_times(&mut forces, blocks.start.configuration(), ROUNDS)?,
     })
 }
 
@@ -221,7 +221,7 @@ fn result(variant: &Variant, found: &[Block], blocks: &Blocks) -> Result<KernelR
     let seconds = of(&|b| b.seconds);
     let forces_ns = of(&|b| b.parts.forces * 1e9 / n);
     let mut forces = blocks.start.forces(&variant.scene)?;
-    let work = measure::work(&mut forces, &blocks.start.positions)?;
+    let work = measure::work(&mut forces, blocks.start.configuration())?;
     let ForcePlan {
         kernel,
         isa,
@@ -231,7 +231,7 @@ fn result(variant: &Variant, found: &[Block], blocks: &Blocks) -> Result<KernelR
     } = variant.plan;
     let meetings = if kernel == "reference" { 1.0 } else { MEETINGS };
     // Only loops that compute in whole registers could reach the limit.
-    let limit = matches!(kernel, "rows" | "shared")
+    let limit = matches!(kernel, "rows" | "cluster")
         .then(|| measure::arithmetic_limit(isa_named(isa), precision))
         .flatten();
     let pairs_per_atom = MEETINGS * blocks.pairs_per_atom;

@@ -3,28 +3,29 @@
 use std::collections::BTreeSet;
 
 use lennard_forcefield::{Precision, TruncationKind};
-use lennard_report::{Dash, FailedPoint, Figure, Guide, Look, Point, Series, Symbol, significant};
+use lennard_report::{
+    Dash, FailedPoint, Figure, Guide, Look, Picture, Point, Series, Symbol, significant,
+};
 
 use super::panels::{Axis, Mark, Panel};
 use super::{Chart, ChartedPoint, tables};
-use crate::files::Captioned;
 
 /// Colour of the front and of legend entries that are about symbols.
 const DARK: usize = 6;
 
-/// Both figures of every panel that has something to show.
-pub(super) fn all(chart: &Chart) -> Vec<Captioned> {
-    let drawable = |p: &&Panel| p.marks.iter().any(|m| m.error.is_some_and(|e| e != 0.0));
-    chart
-        .panels
-        .iter()
-        .filter(drawable)
-        .flat_map(|p| [Axis::Wall, Axis::Forces].map(|axis| figure(chart, p, axis)))
-        .collect()
+/// Both figures of a panel; none where it has nothing to show.
+pub(super) fn of(chart: &Chart, panel: &Panel) -> Vec<Picture> {
+    let has_value = |m: &Mark| m.error.is_some_and(|e| e != 0.0);
+    if !panel.marks.iter().any(has_value) {
+        return Vec::new();
+    }
+    [Axis::Wall, Axis::Forces]
+        .map(|axis| figure(chart, panel, axis))
+        .into()
 }
 
 /// File stem of a figure.
-pub(super) fn name(panel: &Panel, axis: Axis) -> String {
+fn name(panel: &Panel, axis: Axis) -> String {
     match axis {
         Axis::Wall => format!("{}-wall", panel.name),
         Axis::Forces => format!("{}-forces", panel.name),
@@ -39,7 +40,7 @@ fn cost(mark: &Mark, axis: Axis) -> f64 {
     }
 }
 
-fn figure(chart: &Chart, panel: &Panel, axis: Axis) -> Captioned {
+fn figure(chart: &Chart, panel: &Panel, axis: Axis) -> Picture {
     let x = match axis {
         Axis::Wall => "wall time / (µs per atom and τ)",
         Axis::Forces => "pair forces per atom and τ",
@@ -64,9 +65,7 @@ fn figure(chart: &Chart, panel: &Panel, axis: Axis) -> Captioned {
         methods.insert(method(chart, point));
         figure = figure.with(one(chart, point, mark, axis, group));
     }
-    let entry = |name: &str, symbol, color| {
-        Series::new(name, Look::Points(symbol), color, std::iter::empty())
-    };
+    let entry = |name: &str, symbol, color| Series::entry(name, Look::Points(symbol), color);
     for group in groups {
         figure = figure.with(entry(GROUPS[group], Symbol::Disc, group));
     }
@@ -79,16 +78,17 @@ fn figure(chart: &Chart, panel: &Panel, axis: Axis) -> Captioned {
             "The same against the number of pair forces, which depends on no machine.".into()
         }
     };
-    Captioned::new(figure, caption, format!("{}.csv", panel.name))
+    Picture::new(figure, caption, format!("{}.csv", panel.name))
 }
 
-const GROUPS: [&str; 6] = [
+const GROUPS: [&str; 7] = [
     "cut, with tail",
     "cut, without tail",
     "shifted",
     "force-shifted",
     "switched",
     "another engine",
+    "another truncation",
 ];
 
 fn group(point: &ChartedPoint) -> usize {
@@ -100,6 +100,7 @@ fn group(point: &ChartedPoint) -> usize {
         TruncationKind::Shift => 2,
         TruncationKind::ForceShift => 3,
         TruncationKind::Switch => 4,
+        _ => 6,
     }
 }
 
@@ -148,7 +149,7 @@ fn one(chart: &Chart, point: &ChartedPoint, mark: &Mark, axis: Axis, color: usiz
             x,
             note: Some(note),
         };
-        return Series::from_points("", look, color, Vec::new()).with_noted_failures(vec![failed]);
+        return Series::entry("", look, color).with_noted_failures(vec![failed]);
     };
     let shown = Point {
         x,
@@ -161,7 +162,7 @@ fn one(chart: &Chart, point: &ChartedPoint, mark: &Mark, axis: Axis, color: usiz
             .map(|(low, high)| (1e6 * low, 1e6 * high)),
         label: label(point, mark, axis),
     };
-    Series::from_points("", look, color, vec![shown])
+    Series::new("", look, color, vec![shown])
 }
 
 /// The label beside a mark: a name for the scene's own settings and the usual ones, a number on the front.

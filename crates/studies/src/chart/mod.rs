@@ -16,6 +16,7 @@ mod store;
 mod tables;
 
 pub use grid::{LeftOut, Size};
+pub use page::own_settings;
 pub use panels::{Axis, Mark, Panel, panels};
 pub use point::{ChartedPoint, Errors, Outcome};
 pub use standings::{Advice, Done, NOT_RESOLVED, Standing, basis, done, standings};
@@ -157,17 +158,10 @@ pub fn run(
 
 /// Writes tables, figures, JSON and the page.
 fn write(chart: &Chart, options: &ChartOptions<'_>) -> Result<(), ChartError> {
-    let figures = figures::all(chart);
     let mut tables = vec![tables::points(chart)];
     tables.extend(chart.panels.iter().map(|p| tables::panel(chart, p)));
-    let page = page::page(chart, &figures, &options.command)?;
-    files::write_all(
-        options.folder,
-        &tables,
-        &figures,
-        ("study.json", chart),
-        &page.to_html(),
-    )?;
+    let page = page::page(chart, &options.command);
+    files::write_all(options.folder, &tables, ("study.json", chart), &page)?;
     for panel in &chart.panels {
         let path = options.folder.join(format!("{}.json", panel.name));
         lennard_io::write_json_atomically(&path, &tables::panel_json(chart, panel))?;

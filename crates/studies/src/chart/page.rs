@@ -1,15 +1,13 @@
 //! The page of a chart.
 
-use lennard_report::{
-    Block, Cell, Page, PageFigure, PageTable, Section, Tone, significant, with_error,
-};
+use lennard_core::{Cell, Table, Tone};
+use lennard_report::{Block, Page, Section, significant};
 
-use super::panels::{Axis, Mark, Panel};
+use super::panels::{Mark, Panel};
 use super::point::Outcome;
-use super::standings::{Advice, NOT_RESOLVED, basis, done, standings};
-use super::{Chart, figures, tables};
-use crate::StudyError;
-use crate::files::Captioned;
+use super::standings::{Advice, NOT_RESOLVED, Standing, basis, done, standings};
+use super::{Chart, ChartedPoint, Errors, figures, tables};
+use crate::lab::{Measured, Value};
 
 /// Sections with the panels that belong to them.
 const SECTIONS: [(&str, &[&str]); 4] = [
@@ -31,7 +29,7 @@ const SECTIONS: [(&str, &[&str]); 4] = [
 ];
 
 /// The whole page.
-pub(super) fn page(chart: &Chart, drawn: &[Captioned], command: &str) -> Result<Page, StudyError> {
+pub(super) fn page(chart: &Chart, command: &str) -> Page {
     let plan = &chart.plan;
     let mut page = Page {
         title: format!("Speed against accuracy: {}", chart.scene),
@@ -43,6 +41,7 @@ pub(super) fn page(chart: &Chart, drawn: &[Captioned], command: &str) -> Result<
             chart.atoms,
             significant(chart.density, 4),
         ),
+        command: Some(command.to_owned()),
         sections: vec![summary(chart)],
         provenance: vec![
             ("Command".into(), format!("`{command}`")),
@@ -82,79 +81,54 @@ pub(super) fn page(chart: &Chart, drawn: &[Captioned], command: &str) -> Result<
             let Some(panel) = chart.panels.iter().find(|p| p.name == *name) else {
                 continue;
             };
-            section
-                .blocks
-                .extend(of_panel(chart, panel, drawn, command)?);
+            section.blocks.extend(of_panel(chart, panel));
         }
         page.sections.push(section);
     }
     page.sections.push(all_points(chart));
     page.sections.push(left_out(chart));
-    Ok(page)
+    page
 }
 
-fn of_panel(
-    chart: &Chart,
-    panel: &Panel,
-    drawn: &[Captioned],
-    command: &str,
-) -> Result<Vec<Block>, StudyError> {
+fn of_panel(chart: &Chart, panel: &Panel) -> Vec<Block> {
+    let shown = figures::of(chart, panel);
     let mut blocks = vec![Block::Heading(panel.title.into())];
-    let mut shown: Vec<PageFigure> = Vec::new();
-    for axis in [Axis::Wall, Axis::Forces] {
-        let name = figures::name(panel, axis);
-        if let Some(figure) = drawn.iter().find(|f| f.figure.name() == name) {
-            shown.push(figure.on_page(command)?);
-        }
-    }
     if shown.is_empty() {
-        blocks.push(Block::Remark(format!(
-            "{} There is nothing to draw.",
-            panel.about
-        )));
-        return Ok(blocks);
+        let text = format!("{} There is nothing to draw.", panel.about);
+        blocks.push(Block::Remark(text));
+    } else {
+        blocks.push(Block::Figures(shown));
+        blocks.push(Block::Table(front(chart, panel)));
     }
-    blocks.push(Block::Figures(shown));
-    blocks.push(Block::Table(front(chart, panel)));
-    Ok(blocks)
+    blocks
 }
 
 fn error_cell(mark: &Mark) -> Cell {
     match (mark.error, mark.standard_error) {
-        (Some(e), Some(se)) => Cell::number(with_error(e, se)),
-        (Some(e), None) => Cell::number(significant(e, 3)),
-        (None, _) => Cell::toned("failed", Tone::Bad),
+        (Some(e), Some(se)) => Cell::measured(e, se),
+        (Some(e), None) => Cell::rounded(e, 3),
+        (None, _) => failed(),
     }
 }
 
-fn front(chart: &Chart, panel: &Panel) -> PageTable {
+fn failed() -> Cell {
+    Cell::words("failed").toned(Tone::Bad)
+}
+
+fn front(chart: &Chart, panel: &Panel) -> Table {
     let mut marks: Vec<&Mark> = panel.marks.iter().filter(|m| m.on_wall_front).collect();
     marks.sort_by(|a, b| a.wall.total_cmp(&b.wall));
-    PageTable {
-        caption: "The front by wall time, the cheapest first.".into(),
-        command: None,
-        header: [
-            "",
-            "Settings",
-            "µs per atom and τ",
-            "Pair forces per atom and τ",
-            "Error",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-        rows: marks
-            .into_iter()
-            .map(|m| {
-                vec![
-                    Cell::number(m.number.to_string()),
-                    Cell::text(tables::label(chart, m.number)),
-                    Cell::number(significant(1e6 * m.wall, 3)),
-                    Cell::number(significant(m.pair_forces, 3)),
-                    error_cell(m),
-                ]
-            })
-            .collect(),
-    }
+    let caption = "The front by wall time, the cheapest first.";
+    Table::rows_of("front", &marks)
+        .caption(caption)
+        .column("", |m| m.number)
+        .column("Settings", |m| tables::label(chart, m.number))
+        .column("µs per atom and τ", |m| Cell::rounded(1e6 * m.wall, 3))
+        .column("Pair forces per atom and τ", |m| {
+            Cell::rounded(m.pair_forces, 3)
+        })
+        .column("Error", |m| error_cell(m))
+        .table()
 }
 
 fn summary(chart: &Chart) -> Section {
@@ -186,125 +160,95 @@ fn summary(chart: &Chart) -> Section {
             m.temperature.n_effective,
         ));
     }
-    let rows: Vec<Vec<Cell>> = standings(chart)
-        .into_iter()
-        .map(|s| {
-            let (number, label, cost) = match s.advice {
-                Advice::Cheaper(mark) => (
-                    mark.number.to_string(),
-                    tables::label(chart, mark.number),
-                    significant(mark.wall / s.own.wall, 2),
-                ),
-                Advice::NotResolved => ("–".into(), NOT_RESOLVED.to_owned(), "–".into()),
-                Advice::Itself => (s.own.number.to_string(), "itself".into(), "1".into()),
-            };
-            vec![
-                Cell::text(s.panel.title),
-                error_cell(s.own),
-                Cell::number(s.panel.floor.map_or("–".into(), |f| significant(f, 2))),
-                Cell::number(number),
-                Cell::text(label),
-                Cell::number(cost),
-            ]
-        })
-        .collect();
-    if rows.is_empty() {
+    let standings = standings(chart);
+    if standings.is_empty() {
         return section;
     }
-    section.with(Block::Table(PageTable {
-        caption: format!(
-            "Its error in each diagram, and the cheapest settings whose error there is no larger. The last column is their wall time over that \
-             of the scene. Each row looks at one error alone. {}",
-            basis(chart)
-        ),
-        command: None,
-        header: ["Error of", "Own", "Floor", "No.", "Cheapest no worse", "Cost"]
-            .map(str::to_owned)
-            .to_vec(),
-        rows,
-    }))
+    section.table(own_settings(chart, &standings))
+}
+
+/// The error of the scene's own settings in each diagram, and what would do as well for less.
+pub fn own_settings(chart: &Chart, standings: &[Standing<'_>]) -> Table {
+    let caption = format!(
+        "Its error in each diagram, and the cheapest settings whose error there is no larger. The last column is their wall time over that \
+         of the scene. Each row looks at one error alone. {}",
+        basis(chart)
+    );
+    Table::rows_of("own-settings", standings)
+        .caption(caption)
+        .column("Error of", |s| s.panel.title)
+        .column("Own", |s| match (s.own.error, s.own.standard_error) {
+            (Some(error), None) => Cell::rounded(error, 2),
+            _ => error_cell(s.own),
+        })
+        .column("Floor", |s| Cell::rounded(s.panel.floor, 2))
+        .column("No.", |s| match s.advice {
+            Advice::Cheaper(mark) => Some(mark.number),
+            Advice::NotResolved => None,
+            Advice::Itself => Some(s.own.number),
+        })
+        .column("Cheapest that is no worse", |s| match s.advice {
+            Advice::Cheaper(mark) => tables::label(chart, mark.number),
+            Advice::NotResolved => NOT_RESOLVED.into(),
+            Advice::Itself => "itself".into(),
+        })
+        .column("Cost", |s| match s.advice {
+            Advice::Cheaper(mark) => {
+                Cell::figures(format!("{} ×", significant(mark.wall / s.own.wall, 2)))
+            }
+            Advice::NotResolved => Cell::default(),
+            Advice::Itself => Cell::figures("1 ×"),
+        })
+        .table()
 }
 
 fn all_points(chart: &Chart) -> Section {
-    let header = [
-        "",
-        "Settings",
-        "µs per atom and τ",
-        "Force, same model",
-        "Force, untruncated",
-        "Energy RMS / ε",
-        "Drift / (ε/τ)",
-        "T",
-        "T − T_conf",
-        "U / ε",
-        "P / (ε/σ³)",
-        "Trajectory / σ",
-        "There and back / σ",
-    ];
-    let none = || Cell::number("–");
-    let number = |v: Option<f64>| v.map_or_else(none, |v| Cell::number(significant(v, 3)));
-    let rows = chart
-        .points
-        .iter()
-        .map(|p| {
-            let errors = p.errors.as_ref();
-            let wall = p
-                .cost()
-                .map_or_else(none, |c| Cell::number(significant(1e6 * c.wall.median, 3)));
-            let mut row = vec![
-                Cell::number(p.number.to_string()),
-                Cell::text(tables::label(chart, p.number)),
-                wall,
-                number(errors.map(|e| e.forces.same_model)),
-                number(errors.and_then(|e| e.forces.untruncated)),
-            ];
-            match errors.map(|e| &e.measured) {
-                Some(Outcome::Failed(_)) => {
-                    row.push(Cell::toned("failed", Tone::Bad));
-                    row.extend((0..5).map(|_| none()));
+    let caption = "U and P are those of the model in the same row, with its tail where it has one. Digits in brackets are one standard error in \
+                   the last digits; `points.csv` has everything with n_eff.";
+    let errors = |p: &'_ ChartedPoint, pick: fn(&Errors) -> Option<f64>| {
+        Cell::rounded(p.errors.as_ref().and_then(pick), 3)
+    };
+    let value = |p: &ChartedPoint, pick: fn(&Measured) -> Value| {
+        let value = p.measured().map(pick).filter(|v| v.mean.is_finite());
+        value.map(|v| (v.mean, v.standard_error))
+    };
+    let mut section = Section::new("All points").table(
+        Table::rows_of("all-points", &chart.points)
+            .caption(caption)
+            .column("", |p| p.number)
+            .column("Settings", |p| tables::label(chart, p.number))
+            .column("µs per atom and τ", |p| {
+                Cell::rounded(p.cost().map(|c| 1e6 * c.wall.median), 3)
+            })
+            .column("Force, same model", |p| {
+                errors(p, |e| Some(e.forces.same_model))
+            })
+            .column("Force, untruncated", |p| {
+                errors(p, |e| e.forces.untruncated)
+            })
+            .column("Energy RMS [ε]", |p| {
+                match p.errors.as_ref().map(|e| &e.measured) {
+                    Some(Outcome::Failed(_)) => failed(),
+                    Some(Outcome::Found(m)) => Cell::rounded(m.energy_rms, 3),
+                    None => Cell::default(),
                 }
-                Some(Outcome::Found(m)) => {
-                    let value = |v: crate::lab::Value| {
-                        if v.mean.is_finite() {
-                            Cell::number(with_error(v.mean, v.standard_error))
-                        } else {
-                            none()
-                        }
-                    };
-                    row.push(Cell::number(significant(m.energy_rms, 3)));
-                    row.push(Cell::number(with_error(
-                        m.drift.slope,
-                        m.drift.standard_error,
-                    )));
-                    row.extend(
-                        [
-                            m.temperature,
-                            m.temperature_difference,
-                            m.potential_energy,
-                            m.pressure,
-                        ]
-                        .map(value),
-                    );
-                }
-                None => row.extend((0..6).map(|_| none())),
-            }
-            row.push(number(
-                errors.and_then(|e| Some(e.trajectory.found()?.distance)),
-            ));
-            row.push(number(
-                errors.and_then(|e| e.reversibility.found().copied()),
-            ));
-            row
-        })
-        .collect();
-    let mut section = Section::new("All points").with(Block::Table(PageTable {
-        caption: "U and P are those of the model in the same row, with its tail where it has one. Digits in brackets are one standard error in \
-                  the last digits; `points.csv` has everything with n_eff."
-            .into(),
-        command: None,
-        header: header.map(str::to_owned).to_vec(),
-        rows,
-    }));
+            })
+            .measured("Drift [(ε/τ)]", |p| {
+                let drift = p.measured().map(|m| m.drift);
+                drift.map(|d| (d.slope, d.standard_error))
+            })
+            .measured("T", |p| value(p, |m| m.temperature))
+            .measured("T − T_conf", |p| value(p, |m| m.temperature_difference))
+            .measured("U [ε]", |p| value(p, |m| m.potential_energy))
+            .measured("P [(ε/σ³)]", |p| value(p, |m| m.pressure))
+            .column("Trajectory [σ]", |p| {
+                errors(p, |e| Some(e.trajectory.found()?.distance))
+            })
+            .column("There and back [σ]", |p| {
+                errors(p, |e| e.reversibility.found().copied())
+            })
+            .table(),
+    );
     let failures: Vec<String> = chart
         .points
         .iter()

@@ -63,10 +63,7 @@ fn suits(bench: &Workbench) -> Result<(), String> {
             "the measured stage has a heat bath, and only constant energy is set up for it".into(),
         );
     }
-    if !matches!(
-        bench.scene().potential,
-        lennard_forcefield::PotentialOptions::LennardJones {}
-    ) {
+    if !bench.scene().potential.spec().is_lennard_jones {
         return Err("only the Lennard-Jones potential is set up for it".into());
     }
     Ok(())

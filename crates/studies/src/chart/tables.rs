@@ -1,117 +1,96 @@
 //! The numbers of a chart as tables.
 
+use lennard_core::Table;
+use lennard_core::stopwatch::Spread;
 use serde::Serialize;
 
 use super::point::Outcome;
-use super::{Chart, Panel};
-use crate::files::{TextTable, exact, exact_or_empty};
-use crate::lab::Value;
+use super::{Chart, ChartedPoint, Panel};
+use crate::lab::{Measured, Value};
 
 /// Every point with everything that is known of it.
-pub(super) fn points(chart: &Chart) -> TextTable {
-    let header = [
-        "number",
-        "engine",
-        "settings",
-        "integrator",
-        "dt [tau]",
-        "truncation",
-        "r_cut [sigma]",
-        "tail",
-        "precision",
-        "list",
-        "skin [sigma]",
-        "wall median [s per atom and tau]",
-        "wall lowest [s per atom and tau]",
-        "wall highest [s per atom and tau]",
-        "timings",
-        "force evaluations per tau",
-        "pair forces per atom and tau",
-        "relative force error, same model",
-        "relative force error, untruncated",
-        "measured time [tau]",
-        "T [epsilon/k_B]",
-        "T standard error",
-        "T n_eff",
-        "T_conf [epsilon/k_B]",
-        "T_conf standard error",
-        "T_conf n_eff",
-        "U [epsilon per atom]",
-        "U standard error",
-        "U n_eff",
-        "P [epsilon/sigma^3]",
-        "P standard error",
-        "P n_eff",
-        "energy RMS [epsilon per atom]",
-        "energy drift [epsilon/tau per atom]",
-        "energy drift standard error",
-        "trajectory error [sigma]",
-        "distance there and back [sigma]",
-        "failure",
-    ];
-    let mut table = TextTable::new("points", &header);
-    for point in &chart.points {
-        let s = &point.settings;
-        let cost = point.cost();
-        let errors = point.errors.as_ref();
-        let measured = point.measured();
-        let wall = |pick: fn(&lennard_core::stopwatch::Spread) -> f64| {
-            exact_or_empty(cost.as_ref().map(|c| pick(&c.wall)))
-        };
-        let mut row = vec![
-            point.number.to_string(),
-            point.engine.clone().unwrap_or_else(|| "lennard".into()),
-            point.label.clone(),
-            s.integrator.name().to_owned(),
-            exact(s.dt),
-            word(&s.truncation.kind),
-            exact(s.truncation.r_cut),
-            s.truncation.tail_correction.to_string(),
-            s.precision.name().to_owned(),
-            word(&s.list),
-            exact_or_empty(s.skin),
-            wall(|w| w.median),
-            wall(|w| w.lowest),
-            wall(|w| w.highest),
-            point.timings.len().to_string(),
-            exact_or_empty(cost.map(|c| c.evaluations_per_tau)),
-            exact_or_empty(cost.map(|c| c.pair_forces_per_atom_tau)),
-            exact_or_empty(errors.map(|e| e.forces.same_model)),
-            exact_or_empty(errors.and_then(|e| e.forces.untruncated)),
-            exact_or_empty(measured.map(|m| m.time)),
-        ];
-        let values = [
-            measured.map(|m| m.temperature),
-            measured.map(|m| m.configurational_temperature),
-            measured.map(|m| m.potential_energy),
-            measured.map(|m| m.pressure),
-        ];
-        for v in values {
-            row.extend(of_value(v));
-        }
-        row.extend([
-            exact_or_empty(measured.map(|m| m.energy_rms)),
-            exact_or_empty(measured.map(|m| m.drift.slope)),
-            exact_or_empty(measured.map(|m| m.drift.standard_error)),
-            exact_or_empty(errors.and_then(|e| Some(e.trajectory.found()?.distance))),
-            exact_or_empty(errors.and_then(|e| e.reversibility.found().copied())),
-            match errors.map(|e| &e.measured) {
-                Some(Outcome::Failed(failed)) => failed.reason.clone(),
-                _ => String::new(),
-            },
-        ]);
-        table.push(row);
+pub(super) fn points(chart: &Chart) -> Table {
+    let wall = |point: &ChartedPoint, pick: fn(&Spread) -> f64| point.cost().map(|c| pick(&c.wall));
+    let table = Table::rows_of("points", &chart.points)
+        .column("number", |p| p.number)
+        .column("engine", |p| p.engine.as_deref().unwrap_or("lennard"))
+        .column("settings", |p| &p.label)
+        .column("integrator", |p| p.settings.integrator.name())
+        .column("dt [tau]", |p| p.settings.dt)
+        .column("truncation", |p| word(&p.settings.truncation.kind))
+        .column("r_cut [sigma]", |p| p.settings.truncation.r_cut)
+        .column("tail", |p| p.settings.truncation.tail_correction)
+        .column("precision", |p| p.settings.precision.name())
+        .column("list", |p| word(&p.settings.list))
+        .column("skin [sigma]", |p| p.settings.skin)
+        .column("wall median [s per atom and tau]", |p| {
+            wall(p, |w| w.median)
+        })
+        .column("wall lowest [s per atom and tau]", |p| {
+            wall(p, |w| w.lowest)
+        })
+        .column("wall highest [s per atom and tau]", |p| {
+            wall(p, |w| w.highest)
+        })
+        .column("timings", |p| p.timings.len())
+        .column("force evaluations per tau", |p| {
+            p.cost().map(|c| c.evaluations_per_tau)
+        })
+        .column("pair forces per atom and tau", |p| {
+            p.cost().map(|c| c.pair_forces_per_atom_tau)
+        })
+        .column("relative force error, same model", |p| {
+            p.errors.as_ref().map(|e| e.forces.same_model)
+        })
+        .column("relative force error, untruncated", |p| {
+            p.errors.as_ref().and_then(|e| e.forces.untruncated)
+        })
+        .column("measured time [tau]", |p| p.measured().map(|m| m.time));
+    let mut table = table;
+    for (name, unit, pick) in VALUES {
+        let value = |p: &ChartedPoint| p.measured().map(pick);
+        table = table
+            .measured(&format!("{name} [{unit}]"), |p| {
+                value(p).map(|v| (v.mean, v.standard_error))
+            })
+            .column(&format!("{name} n_eff"), |p| {
+                value(p).map(|v| v.n_effective)
+            });
     }
     table
+        .column("energy RMS [epsilon per atom]", |p| {
+            p.measured().map(|m| m.energy_rms)
+        })
+        .measured("energy drift [epsilon/tau per atom]", |p| {
+            let drift = p.measured().map(|m| m.drift);
+            drift.map(|d| (d.slope, d.standard_error))
+        })
+        .column("trajectory error [sigma]", |p| {
+            let errors = p.errors.as_ref();
+            errors.and_then(|e| Some(e.trajectory.found()?.distance))
+        })
+        .column("distance there and back [sigma]", |p| {
+            let errors = p.errors.as_ref();
+            errors.and_then(|e| e.reversibility.found().copied())
+        })
+        .column("failure", |p| {
+            match p.errors.as_ref().map(|e| &e.measured) {
+                Some(Outcome::Failed(failed)) => failed.reason.as_str(),
+                _ => "",
+            }
+        })
+        .table()
 }
 
-fn of_value(value: Option<Value>) -> [String; 3] {
-    [
-        exact_or_empty(value.map(|v| v.mean)),
-        exact_or_empty(value.map(|v| v.standard_error)),
-        exact_or_empty(value.map(|v| v.n_effective)),
-    ]
-}
+type Pick = fn(&Measured) -> Value;
+
+/// The measured values: name, unit and where they stand.
+const VALUES: [(&str, &str, Pick); 4] = [
+    ("T", "epsilon/k_B", |m| m.temperature),
+    ("T_conf", "epsilon/k_B", |m| m.configurational_temperature),
+    ("U", "epsilon per atom", |m| m.potential_energy),
+    ("P", "epsilon/sigma^3", |m| m.pressure),
+];
 
 /// The name of a choice as the scene file has it.
 fn word(choice: &impl Serialize) -> String {
@@ -122,37 +101,24 @@ fn word(choice: &impl Serialize) -> String {
 }
 
 /// The marks of a panel.
-pub(super) fn panel(chart: &Chart, panel: &Panel) -> TextTable {
-    let header = [
-        "number",
-        "settings",
-        "wall median [s per atom and tau]",
-        "wall lowest [s per atom and tau]",
-        "wall highest [s per atom and tau]",
-        "pair forces per atom and tau",
-        panel.label,
-        "standard error",
-        "on the front by wall time",
-        "on the front by pair forces",
-        "failure",
-    ];
-    let mut table = TextTable::new(panel.name, &header);
-    for mark in &panel.marks {
-        table.push([
-            mark.number.to_string(),
-            label(chart, mark.number),
-            exact(mark.wall),
-            exact_or_empty(mark.wall_range.map(|r| r.0)),
-            exact_or_empty(mark.wall_range.map(|r| r.1)),
-            exact(mark.pair_forces),
-            exact_or_empty(mark.error),
-            exact_or_empty(mark.standard_error),
-            mark.on_wall_front.to_string(),
-            mark.on_forces_front.to_string(),
-            mark.failure.clone().unwrap_or_default(),
-        ]);
-    }
-    table
+pub(super) fn panel(chart: &Chart, panel: &Panel) -> Table {
+    Table::rows_of(panel.name, &panel.marks)
+        .column("number", |m| m.number)
+        .column("settings", |m| label(chart, m.number))
+        .column("wall median [s per atom and tau]", |m| m.wall)
+        .column("wall lowest [s per atom and tau]", |m| {
+            m.wall_range.map(|r| r.0)
+        })
+        .column("wall highest [s per atom and tau]", |m| {
+            m.wall_range.map(|r| r.1)
+        })
+        .column("pair forces per atom and tau", |m| m.pair_forces)
+        .column(panel.label, |m| m.error)
+        .column("standard error", |m| m.standard_error)
+        .column("on the front by wall time", |m| m.on_wall_front)
+        .column("on the front by pair forces", |m| m.on_forces_front)
+        .column("failure", |m| m.failure.as_deref().unwrap_or_default())
+        .table()
 }
 
 /// The settings of a point in a line, with the engine where it is another.

@@ -13,7 +13,7 @@ pub struct StateOfMatter {
     pub density: f64,
     /// Temperature in ε/k_B: the measured mean of half steps where the method has them, else of whole steps.
     pub temperature: f64,
-    /// Whether it is that of half steps.
+    /// Whether the temperature is the mean of half steps.
     pub half_steps: bool,
     /// The phase by the equation of state; absent where there is none for the model.
     pub phase: Option<Phase>,

@@ -8,49 +8,54 @@ use super::tail_bias::tail_bias;
 use super::verdict::Tolerance;
 use super::{Row, RunFolder, StateOfMatter, Verdict};
 
-/// Energy and pressure: what the equation of state may itself be off by.
-const ENERGY: Tolerance = Tolerance {
-    errors: 4.0,
-    absolute: 0.003,
-    relative: 0.0,
-};
-const PRESSURE: Tolerance = Tolerance {
-    errors: 4.0,
-    absolute: 0.005,
-    relative: 0.0,
-};
-/// The kinetic temperature beside that of its bath; a run that is off by more than these says so of all its means.
-const BATH: Tolerance = Tolerance {
-    errors: HeldTemperature::ERRORS,
-    absolute: 0.0,
-    relative: HeldTemperature::PART,
-};
-const HEAT_CAPACITY: Tolerance = Tolerance {
-    errors: 2.0,
-    absolute: 0.0,
-    relative: 0.02,
-};
+/// Energy and pressure: the equation of state may itself be off by so much.
+const ENERGY: Tolerance = Tolerance::new(4.0, 0.003, 0.0);
+const PRESSURE: Tolerance = Tolerance::new(4.0, 0.005, 0.0);
+/// Vapor pressure beside the normal pressure of a slab: the equation of state may itself be off by so much.
+const VAPOR_PRESSURE: Tolerance = Tolerance::new(4.0, 0.002, 0.0);
+/// The kinetic temperature beside the temperature of its bath. A run that is off by more says so of all its means.
+const BATH: Tolerance = Tolerance::new(HeldTemperature::ERRORS, 0.0, HeldTemperature::PART);
+const HEAT_CAPACITY: Tolerance = Tolerance::new(2.0, 0.0, 0.02);
 /// Configurational against kinetic temperature: with a finite step stiff directions make the first some 0.1 % higher
 /// than the temperature of half steps, and the jump of the force at the cutoff is counted with g(r_cut) = 1.
-const TEMPERATURES: Tolerance = Tolerance {
-    errors: 4.0,
-    absolute: 0.0,
-    relative: 0.005,
-};
+const TEMPERATURES: Tolerance = Tolerance::new(4.0, 0.0, 0.005);
+
+/// How a quantity is held against its reference.
+type Beside = fn(&Compared<'_>, Row) -> Row;
+
+/// Every quantity that has a reference, with the way in which it is held against it.
+const REFERENCES: [(&str, Beside); 13] = [
+    ("temperature", |c, row| c.beside_bath(row, false)),
+    (HALF_STEPS, |c, row| c.beside_bath(row, true)),
+    ("potential_energy", |c, row| c.beside_equation(row, ENERGY)),
+    ("pressure", |c, row| c.beside_equation(row, PRESSURE)),
+    ("heat_capacity", |c, row| c.heat_capacity(row)),
+    ("configurational_temperature", |c, row| {
+        c.configurational_temperature(row)
+    }),
+    ("diffusion_coefficient", |c, row| c.diffusion(row)),
+    ("shear_viscosity", |c, row| {
+        c.beside_table(row, TransportProperty::ShearViscosity)
+    }),
+    ("thermal_conductivity", |c, row| {
+        c.beside_table(row, TransportProperty::ThermalConductivity)
+    }),
+    ("shear_viscosity_einstein_helfand", |c, row| {
+        c.cross_check(row, "shear_viscosity")
+    }),
+    ("thermal_conductivity_einstein_helfand", |c, row| {
+        c.cross_check(row, "thermal_conductivity")
+    }),
+    ("structure_factor_first_peak", |_, row| freezing_height(row)),
+    ("pressure_zz", |c, row| c.vapor_pressure(row)),
+];
 
 /// Height of the main peak of S(k) at freezing.
-const HANSEN_VERLET: f64 = 2.85;
+pub(crate) const HANSEN_VERLET: f64 = 2.85;
 const HANSEN_VERLET_SOURCE: &str =
     "J.-P. Hansen and L. Verlet, Phys. Rev. 184, 151 (1969), doi:10.1103/PhysRev.184.151";
 
-/// Vapor pressure beside the normal pressure of a slab: what the equation of state may itself be off by.
-const VAPOR_PRESSURE: Tolerance = Tolerance {
-    errors: 4.0,
-    absolute: 0.002,
-    relative: 0.0,
-};
-
-/// The quantities that people look for first, in the order of a table.
+/// The quantities that readers look for first, in the order of a table.
 const PRIMARY: [&str; 9] = [
     "potential_energy",
     "pressure",
@@ -63,7 +68,7 @@ const PRIMARY: [&str; 9] = [
     "coordination_number",
 ];
 
-/// What they look for where vapor and liquid stand side by side.
+/// The quantities that readers look for where vapor and liquid stand side by side.
 const PRIMARY_OF_A_SLAB: [&str; 4] = [
     "potential_energy",
     "pressure_zz",
@@ -71,7 +76,7 @@ const PRIMARY_OF_A_SLAB: [&str; 4] = [
     "configurational_temperature",
 ];
 
-/// A coefficient below this part of √T is that of a crystal or a glass: the liquid at its triple point has 0.04.
+/// A crystal or a glass has a coefficient below this part of √T; the liquid at its triple point has 0.04.
 const FROZEN_DIFFUSION: f64 = 1e-3;
 
 /// What a run is compared by.
@@ -113,42 +118,20 @@ impl Compared<'_> {
     /// One quantity with what it is held against; `None` where the run has not measured it.
     fn row(&self, name: &str) -> Option<Row> {
         let row = Row::measured(name, self.run.average(name)?);
-        let row = match name {
-            "temperature" => self.beside_bath(row, false),
-            HALF_STEPS => self.beside_bath(row, true),
-            "potential_energy" => self.beside_equation(row, ENERGY),
-            "pressure" => self.beside_equation(row, PRESSURE),
-            "heat_capacity" => self.heat_capacity(row),
-            "configurational_temperature" => self.configurational_temperature(row),
-            "diffusion_coefficient" => self.diffusion(row),
-            "shear_viscosity" => self.beside_table(row, TransportProperty::ShearViscosity),
-            "thermal_conductivity" => {
-                self.beside_table(row, TransportProperty::ThermalConductivity)
-            }
-            "structure_factor_first_peak" => freezing_height(row),
-            "pressure_zz" if self.run.has_vacuum() => self.vapor_pressure(row),
-            _ => match name.strip_suffix("_einstein_helfand") {
-                Some(green_kubo) => self.cross_check(row, green_kubo),
-                None => row,
-            },
-        };
-        Some(row)
+        let reference = REFERENCES.iter().find(|(quantity, _)| *quantity == name);
+        Some(match reference {
+            Some((_, beside)) => beside(self, row),
+            None => row,
+        })
     }
 
-    /// The kinetic temperature beside that of the bath, where the bath holds just this one.
+    /// The kinetic temperature beside the temperature of the bath, where the bath holds this very temperature.
     fn beside_bath(&self, row: Row, half_steps: bool) -> Row {
         let held = lennard_engine::held_temperature(&self.run.scene);
         let Some(bath) = held.filter(|bath| bath.half_steps == half_steps) else {
             return row;
         };
-        let error = row.standard_error;
-        row.against(
-            bath.temperature,
-            None,
-            error,
-            BATH,
-            "the temperature of the bath",
-        )
+        row.against(bath.temperature, None, BATH, "the temperature of the bath")
     }
 
     /// A sound number to which no reference applies in this state says why.
@@ -166,8 +149,8 @@ impl Compared<'_> {
         equation.filter(|_| self.no_reference.is_none())
     }
 
-    /// U or P beside the equation of state for as many particles. The error of the difference is that which the run itself
-    /// has found: it needs the whole series.
+    /// U or P beside the equation of state for as many particles. The run itself has found the error of the difference:
+    /// it needs the whole series.
     fn beside_equation(&self, row: Row, tolerance: Tolerance) -> Row {
         let run = self.run;
         let of = |c: &&lennard_io::Comparison| c.quantity == row.quantity;
@@ -187,9 +170,8 @@ impl Compared<'_> {
             (state.potential_energy, shift.map(|s| s.potential_energy))
         };
         let mut row = row
-            .against(
+            .against_with_error(
                 infinite + shift.unwrap_or(0.0),
-                None,
                 compared.standard_error,
                 tolerance,
                 &compared.source,
@@ -246,25 +228,16 @@ impl Compared<'_> {
             return self.or_why_none(row);
         };
         let reference = equation.heat_capacity_volume(density, temperature);
-        let error = row.standard_error;
-        self.unless_frozen(row.against(
-            reference,
-            None,
-            error,
-            HEAT_CAPACITY,
-            &equation.spec().citation(),
-        ))
+        self.unless_frozen(row.against(reference, None, HEAT_CAPACITY, &equation.spec().citation()))
     }
 
     fn configurational_temperature(&self, row: Row) -> Row {
         let Some(kinetic) = self.run.temperature().filter(|t| t.is_sound()) else {
             return row;
         };
-        let error = row.standard_error;
         row.against(
             kinetic.mean,
             Some(kinetic.standard_error),
-            error,
             TEMPERATURES,
             "the kinetic temperature of the same run (of half steps where the method has them)",
         )
@@ -272,17 +245,18 @@ impl Compared<'_> {
 
     /// The normal pressure of a slab beside the vapor pressure: a flat interface has the same pressure on both sides.
     fn vapor_pressure(&self, row: Row) -> Row {
+        if !self.run.has_vacuum() {
+            return row;
+        }
         let Ok(equation) = equation_of_state_for(self.model) else {
             return row;
         };
         let Some(saturation) = equation.saturation(self.state.temperature) else {
             return row;
         };
-        let error = row.standard_error;
         row.against(
             saturation.pressure,
             None,
-            error,
             VAPOR_PRESSURE,
             &format!("vapor pressure by {}", equation.spec().citation()),
         )

@@ -19,11 +19,8 @@ pub(super) struct TailBias {
 /// the run has no g(r) beyond its cutoff.
 pub(super) fn tail_bias(run: &RunFolder, r_cut: f64) -> Option<TailBias> {
     let table = run.table("rdf")?;
-    let column = |name: &str| {
-        let found = table.columns.iter().find(|c| c.name == name);
-        found.map(|c| c.values.as_slice())
-    };
-    of_distribution(column("r")?, column("g")?, run.density, r_cut)
+    let (r, g) = (table.numbers("r")?, table.numbers("g")?);
+    of_distribution(&r, &g, run.density, r_cut)
 }
 
 fn of_distribution(r: &[f64], g: &[f64], density: f64, r_cut: f64) -> Option<TailBias> {

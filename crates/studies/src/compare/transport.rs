@@ -7,11 +7,7 @@ use super::rows::Compared;
 use super::verdict::Tolerance;
 use super::{Row, RunFolder, StateOfMatter};
 
-const TRANSPORT: Tolerance = Tolerance {
-    errors: 2.0,
-    absolute: 0.0,
-    relative: 0.03,
-};
+const TRANSPORT: Tolerance = Tolerance::new(2.0, 0.0, 0.03);
 
 impl Compared<'_> {
     /// A coefficient beside the tabulated state nearest to the run. The tables are for the full potential.
@@ -25,17 +21,9 @@ impl Compared<'_> {
         );
         let near = transport_near(property, self.state.density, self.state.temperature);
         match near.filter(|_| full_potential) {
-            Some(value) => {
-                let error = row.standard_error;
-                row.against(
-                    value.value,
-                    value.uncertainty,
-                    error,
-                    TRANSPORT,
-                    &value.source,
-                )
-                .noted(value.state_words())
-            }
+            Some(value) => row
+                .against(value.value, value.uncertainty, TRANSPORT, &value.source)
+                .noted(value.state_words()),
             None => {
                 if row.is_sound() {
                     row.reason = if full_potential {
@@ -86,9 +74,8 @@ impl Compared<'_> {
             return row;
         };
         let error = row.standard_error.max(green_kubo.standard_error);
-        row.against(
+        row.against_with_error(
             green_kubo.mean,
-            None,
             error,
             TRANSPORT,
             "Green–Kubo from the same run",

@@ -1,7 +1,10 @@
 //! A measured number beside a reference, and what follows.
 
+use lennard_core::Tone;
 use lennard_io::AverageRecord;
 use serde::Serialize;
+
+use crate::claims::Demand;
 
 /// What can be said of a measured number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -50,6 +53,21 @@ impl Verdict {
             Self::Incomplete => "incomplete",
             Self::Thermostat => "changed by the thermostat",
             Self::NoReference => "no reference",
+        }
+    }
+
+    /// The tone of a cell that says it.
+    #[must_use]
+    pub fn tone(self) -> Tone {
+        match self {
+            Self::Agrees => Tone::Good,
+            Self::Differs => Tone::Bad,
+            Self::PredictedBias
+            | Self::NotInEquilibrium
+            | Self::TooShort
+            | Self::Incomplete
+            | Self::Thermostat => Tone::Careful,
+            Self::NoReference => Tone::Plain,
         }
     }
 
@@ -120,15 +138,24 @@ const UNCERTAIN_ERROR: f64 = 0.2;
 /// How far a difference may go: so many combined standard errors, and something for what errors do not count.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tolerance {
-    pub(super) errors: f64,
-    pub(super) absolute: f64,
-    pub(super) relative: f64,
+    errors: f64,
+    absolute: f64,
+    relative: f64,
 }
 
 /// A predicted bias is known to this part of itself: it leaves out how the cutoff changes the structure inside it.
 const BIAS_KNOWN_TO: f64 = 0.35;
 
 impl Tolerance {
+    /// So many combined standard errors, a difference, and a part of the reference.
+    pub(super) const fn new(errors: f64, absolute: f64, relative: f64) -> Self {
+        Self {
+            errors,
+            absolute,
+            relative,
+        }
+    }
+
     fn of(self, combined: f64, reference: f64) -> f64 {
         self.errors * combined + self.absolute + self.relative * reference.abs()
     }
@@ -197,24 +224,34 @@ impl Row {
         words
     }
 
-    /// Sets a reference beside a sound number; `error` is the standard error of the measured side of the difference. A number
-    /// that is no result is left as it is.
+    /// Sets a reference with its own error beside a sound number. A number that is no result is left as it is.
     pub(super) fn against(
-        mut self,
+        self,
         reference: f64,
         reference_error: Option<f64>,
-        error: f64,
         tolerance: Tolerance,
         source: &str,
     ) -> Self {
-        if !self.is_sound() || !error.is_finite() {
+        let combined = self.standard_error.hypot(reference_error.unwrap_or(0.0));
+        let mut row = self.against_with_error(reference, combined, tolerance, source);
+        row.reference_error = row.reference.and(reference_error);
+        row
+    }
+
+    /// Sets a reference beside a sound number, with the standard error of the difference.
+    pub(super) fn against_with_error(
+        mut self,
+        reference: f64,
+        combined: f64,
+        tolerance: Tolerance,
+        source: &str,
+    ) -> Self {
+        if !self.is_sound() || !combined.is_finite() {
             return self;
         }
-        let combined = error.hypot(reference_error.unwrap_or(0.0));
         let difference = self.measured - reference;
         let allowed = tolerance.of(combined, reference);
         self.reference = Some(reference);
-        self.reference_error = reference_error;
         self.difference = Some(difference);
         self.combined_error = Some(combined);
         self.in_standard_errors = Some(difference / combined);
@@ -226,9 +263,9 @@ impl Row {
     }
 
     fn judge(&mut self) {
-        let within = |difference: f64, allowed: f64| difference.abs() <= allowed;
-        if let (Some(difference), Some(allowed)) = (self.difference, self.tolerance) {
-            (self.verdict, self.reason) = if within(difference, allowed) {
+        if let (Some(difference), Some(within)) = (self.difference, self.tolerance) {
+            let nothing = Demand::Near { value: 0.0, within };
+            (self.verdict, self.reason) = if nothing.met_by(difference) {
                 (Verdict::Agrees, String::new())
             } else {
                 (Verdict::Differs, "not explained".into())
@@ -257,8 +294,8 @@ impl Row {
         self
     }
 
-    /// Takes the measured value for anywhere between two, where it is not known which of them the reference is of: the
-    /// difference is then that of the nearest one. Without a reference nothing changes.
+    /// Takes the measured value for anywhere between two values, where the source does not say which of them it gives. The
+    /// difference is then the distance to the nearest value. Without a reference nothing changes.
     pub(super) fn between(mut self, low: f64, high: f64) -> Self {
         if let (Some(reference), Some(combined)) = (self.reference, self.combined_error)
             && low <= high
@@ -297,95 +334,4 @@ impl Row {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const TOLERANCE: Tolerance = Tolerance {
-        errors: 4.0,
-        absolute: 0.003,
-        relative: 0.0,
-    };
-
-    fn average(mean: f64, standard_error: f64) -> AverageRecord {
-        AverageRecord {
-            mean,
-            standard_error,
-            n_effective: 500.0,
-            freedom: 64.0,
-            equilibration_cut: 0,
-            unit: "ε".into(),
-            standing: lennard_io::SOUND.into(),
-            reason: String::new(),
-        }
-    }
-
-    fn row(measured: f64) -> Row {
-        Row::measured("u", &average(measured, 3e-4)).against(-5.0, Some(4e-4), 3e-4, TOLERANCE, "x")
-    }
-
-    #[test]
-    fn a_verdict_weighs_both_errors_and_the_allowance() {
-        // 4·√(3² + 4²)·1e-4 + 0.003 = 0.005.
-        assert_eq!(row(-5.0049).verdict, Verdict::Agrees);
-        assert_eq!(row(-5.0051).verdict, Verdict::Differs);
-        assert!((row(-4.999).in_standard_errors.unwrap() - 2.0).abs() < 1e-9);
-        assert_eq!(row(f64::NAN).verdict, Verdict::Differs);
-    }
-
-    #[test]
-    fn a_value_known_to_lie_in_a_range_differs_by_its_distance_from_it() {
-        let row = |low, high| row(high).between(low, high);
-        let inside = row(-5.1, -4.9);
-        assert_eq!(
-            (inside.difference, inside.verdict),
-            (Some(0.0), Verdict::Agrees)
-        );
-        assert!(
-            inside
-                .range_words()
-                .unwrap()
-                .contains("range -5.1000 to -4.9000")
-        );
-        let above = row(-4.998, -4.9);
-        assert!((above.in_standard_errors.unwrap() - 4.0).abs() < 1e-9);
-        assert_eq!(above.verdict, Verdict::Agrees);
-        assert_eq!(row(-5.2, -5.01).verdict, Verdict::Differs);
-        // What is no range changes nothing.
-        let none = row(f64::NAN, f64::NAN);
-        assert_eq!((none.verdict, none.range_words()), (Verdict::Differs, None));
-    }
-
-    #[test]
-    fn a_bias_explains_a_difference_of_its_size_and_no_other() {
-        let because = "the tail beyond a cutoff of 2.5 σ";
-        let found = row(-5.012).biased_by(-0.010, because);
-        assert_eq!(found.verdict, Verdict::PredictedBias);
-        assert_eq!(found.verdict_words(), "predicted bias of −0.010");
-        // 0.375 ε off, where the cutoff makes a hundredth of that.
-        let found = row(-4.625).biased_by(0.004, because);
-        assert_eq!(found.verdict, Verdict::Differs);
-        assert!(found.verdict_words().contains("not explained"));
-        // A bias of the wrong sign explains nothing, and what agrees needs no explanation.
-        assert_eq!(
-            row(-5.0055).biased_by(0.001, because).verdict,
-            Verdict::Differs
-        );
-        assert_eq!(
-            row(-5.001).biased_by(-0.001, because).verdict,
-            Verdict::Agrees
-        );
-    }
-
-    #[test]
-    fn what_is_no_result_is_held_against_nothing() {
-        let doubted = AverageRecord {
-            standing: "too-short".into(),
-            reason: "12 samples".into(),
-            standard_error: f64::NAN,
-            ..average(-7.0, 0.0)
-        };
-        let row = Row::measured("u", &doubted).against(-5.0, None, 1e-3, TOLERANCE, "a source");
-        assert_eq!(row.verdict_words(), "too short: 12 samples");
-        assert_eq!((row.reference, row.source.as_str()), (None, ""));
-    }
-}
+mod tests;

@@ -1,31 +1,11 @@
 //! The figures of the fluid part.
 
-use lennard_report::{Axis, Dash, Figure, Guide, Look, Point, Series, Symbol};
+use lennard_report::{Axis, Dash, Figure, Look, Picture, Point, Series};
 
-use super::fluid::{STATES, TRUNCATIONS};
+use super::fluid::{STATES, StatePoint, TRUNCATIONS};
 use super::run::FluidRun;
-use super::{FluidStudy, SHOWN_TRUNCATION};
-use crate::files::Captioned;
+use super::{FluidStudy, SHOWN_TRUNCATION, limit_at};
 use crate::stability::groups::groups;
-
-/// All figures of the fluid part, by section.
-#[derive(Debug, Clone)]
-pub(crate) struct FluidFigures {
-    pub(crate) energy: Vec<Captioned>,
-    pub(crate) truncations: Vec<Captioned>,
-    pub(crate) limits: Vec<Captioned>,
-    pub(crate) floors: Vec<Captioned>,
-}
-
-impl FluidFigures {
-    pub(crate) fn all(&self) -> Vec<Captioned> {
-        [&self.energy, &self.truncations, &self.limits, &self.floors]
-            .into_iter()
-            .flatten()
-            .cloned()
-            .collect()
-    }
-}
 
 /// Steps common to the energy figures, τ.
 const DT_RANGE: (f64, f64) = (0.00091, 0.027);
@@ -34,20 +14,22 @@ fn dt_axis() -> Axis {
     Axis::logarithmic("dt / τ").from_to(DT_RANGE.0, DT_RANGE.1)
 }
 
-/// Makes all of them.
-pub(crate) fn figures(study: &FluidStudy) -> FluidFigures {
-    let states = |make: &dyn Fn(usize) -> Option<Captioned>| -> Vec<Captioned> {
-        (0..STATES.len()).filter_map(make).collect()
-    };
-    let mut energy = states(&|s| fluctuation(study, s));
-    energy.extend(states(&|s| drift(study, s)));
-    energy.extend(states(&|s| temperature(study, s)));
-    FluidFigures {
-        energy,
-        truncations: states(&|s| truncations(study, s)),
-        limits: limits(study).into_iter().collect(),
-        floors: floors(study).into_iter().collect(),
-    }
+/// The figures of a kind, one per state point.
+fn of_states(make: impl Fn(usize) -> Option<Picture>) -> impl Iterator<Item = Picture> {
+    (0..STATES.len()).filter_map(make)
+}
+
+/// Energy and temperature against dt.
+pub(super) fn energy(study: &FluidStudy) -> Vec<Picture> {
+    of_states(|s| fluctuation(study, s))
+        .chain(of_states(|s| drift(study, s)))
+        .chain(of_states(|s| temperature(study, s)))
+        .collect()
+}
+
+/// The truncations at each state point.
+pub(super) fn truncations(study: &FluidStudy) -> Vec<Picture> {
+    of_states(|s| truncation(study, s)).collect()
 }
 
 /// The methods that are drawn: name in the legend, method, index of colour and symbol.
@@ -57,15 +39,6 @@ fn drawn() -> Vec<(String, &'static str, usize)> {
         .enumerate()
         .map(|(g, group)| (group.name.clone(), group.representative().spec.name, g))
         .collect()
-}
-
-/// Runs of a method at one state point under the truncation that is shown, by falling dt.
-fn runs_of<'a>(study: &'a FluidStudy, state: usize, method: &str) -> Vec<&'a FluidRun> {
-    let truncation = TRUNCATIONS[SHOWN_TRUNCATION].1;
-    let here = |r: &&FluidRun| {
-        r.method == method && r.state == STATES[state].name && r.truncation == truncation
-    };
-    study.runs.iter().filter(here).collect()
 }
 
 fn series(
@@ -88,8 +61,7 @@ fn series(
             _ => failures.push(run.dt),
         }
     }
-    let look = Look::LineAndPoints(Dash::cycle(index), Symbol::cycle(index));
-    Series::from_points(name, look, index, points).with_failures(failures)
+    Series::new(name, Look::joined(index), index, points).with_failures(failures)
 }
 
 fn file_stem(kind: &str, state: usize) -> String {
@@ -107,7 +79,8 @@ fn per_method(
     let title = format!("{title}, {}", STATES[state].name);
     let mut figure = Figure::new(file_stem(kind, state), title, dt_axis(), y);
     for (name, method, i) in drawn() {
-        let runs = runs_of(study, state, method);
+        let here = study.runs_at(state, SHOWN_TRUNCATION);
+        let runs: Vec<&FluidRun> = here.filter(|r| r.method == method).collect();
         if !runs.is_empty() {
             figure = figure.with(series(&name, i, &runs, &value));
         }
@@ -115,7 +88,7 @@ fn per_method(
     (!figure.series.is_empty()).then_some(figure)
 }
 
-fn fluctuation(study: &FluidStudy, state: usize) -> Option<Captioned> {
+fn fluctuation(study: &FluidStudy, state: usize) -> Option<Picture> {
     let y = Axis::logarithmic("RMS of the energy / ε per atom");
     let figure = per_method(study, state, "fluctuation", "Energy fluctuation", y, |r| {
         Some((r.fluctuation?, None))
@@ -123,33 +96,33 @@ fn fluctuation(study: &FluidStudy, state: usize) -> Option<Captioned> {
     let caption = "RMS of the total energy around its own straight line against dt, force-shifted at \
                    2.5 σ. The slope is the order of the method until something else than dt decides. \
                    Crosses: the run did not reach its end.";
-    Some(Captioned::new(figure, caption, "fluid.csv"))
+    Some(Picture::new(figure, caption, "fluid.csv"))
 }
 
-fn drift(study: &FluidStudy, state: usize) -> Option<Captioned> {
+fn drift(study: &FluidStudy, state: usize) -> Option<Picture> {
     let y = Axis::logarithmic("|drift| / ε/τ per atom");
     let figure = per_method(study, state, "drift", "Energy drift", y, |r| {
         Some((r.drift?.abs(), r.drift_error))
     })?;
     let caption = "Size of the slope of the total energy against dt, with its standard error: where the \
                    bar reaches the lower edge no drift was found in so short a run.";
-    Some(Captioned::new(figure, caption, "fluid.csv"))
+    Some(Picture::new(figure, caption, "fluid.csv"))
 }
 
-fn temperature(study: &FluidStudy, state: usize) -> Option<Captioned> {
+fn temperature(study: &FluidStudy, state: usize) -> Option<Picture> {
     let y = Axis::linear("(T_kin − T_conf)/T").from_to(-0.15, 0.15);
     let figure = per_method(study, state, "temperature", "Temperature error", y, |r| {
         Some((r.temperature_error?, r.temperature_error_error))
     })?
-    .guided(Guide::Horizontal(0.0, String::new()));
+    .level(0.0, "");
     let caption = "Kinetic less configurational temperature, Σ⟨F²⟩/⟨∇²U⟩, as a share of T*. In a correct \
                    ensemble both are equal; a finite step pulls them apart, and so does a method that \
                    heats or cools. All runs begin alike, so that they share part of the noise of one short run. \
                    Arrows at the edges lie beyond them.";
-    Some(Captioned::new(figure, caption, "fluid.csv"))
+    Some(Picture::new(figure, caption, "fluid.csv"))
 }
 
-fn truncations(study: &FluidStudy, state: usize) -> Option<Captioned> {
+fn truncation(study: &FluidStudy, state: usize) -> Option<Picture> {
     let title = format!(
         "Truncation and energy, velocity Verlet, {}",
         STATES[state].name
@@ -158,27 +131,24 @@ fn truncations(study: &FluidStudy, state: usize) -> Option<Captioned> {
     let mut figure = Figure::new(file_stem("truncation", state), title, dt_axis(), y);
     for (i, (_, name)) in TRUNCATIONS.iter().enumerate() {
         let mut runs: Vec<&FluidRun> = study
-            .runs
-            .iter()
-            .filter(|r| r.method == "velocity-verlet" && r.state == STATES[state].name)
-            .filter(|r| r.truncation == *name)
+            .runs_at(state, i)
+            .filter(|r| r.method == "velocity-verlet")
             .collect();
         runs.sort_by(|a, b| a.dt.total_cmp(&b.dt));
         figure = figure.with(series(name, i, &runs, |r| Some((r.fluctuation?, None))));
     }
-    if figure.series.iter().all(|s| s.points.is_empty()) {
+    if figure.is_empty() {
         return None;
     }
     let caption = "The same for the four ways to end the potential at 2.5 σ. The plain cutoff and the \
                    shifted one have the same forces, and both are judged by the energy that these conserve. \
                    Their force jumps at the cutoff, and each crossing leaves an error that falls more slowly \
                    than dt²: it shows where the smallest steps leave the line of the smooth ones.";
-    Some(Captioned::new(figure, caption, "fluid.csv"))
+    Some(Picture::new(figure, caption, "fluid.csv"))
 }
 
 /// The largest stable steps against the temperature.
-fn limits(study: &FluidStudy) -> Option<Captioned> {
-    let truncation = TRUNCATIONS[SHOWN_TRUNCATION].1;
+pub(super) fn limits(study: &FluidStudy) -> Option<Picture> {
     let mut figure = Figure::new(
         "fluid-limits",
         "Largest stable step on the fluid",
@@ -186,29 +156,25 @@ fn limits(study: &FluidStudy) -> Option<Captioned> {
         Axis::logarithmic("largest stable dt / τ"),
     );
     for (name, method, i) in drawn() {
-        let points: Vec<(f64, f64)> = STATES
-            .iter()
-            .filter_map(|s| {
-                let place = |l: &&super::FluidLimit| {
-                    l.method == method && l.state == s.name && l.truncation == truncation
-                };
-                Some((s.temperature, study.limits.iter().find(place)?.middle()?))
-            })
-            .collect();
+        let point = |(state, point): (usize, &StatePoint)| {
+            let limit = limit_at(&study.limits, method, state, SHOWN_TRUNCATION)?;
+            Some((point.temperature, limit.middle()?))
+        };
+        let points: Vec<(f64, f64)> = STATES.iter().enumerate().filter_map(point).collect();
         if !points.is_empty() {
-            let look = Look::LineAndPoints(Dash::cycle(i), Symbol::cycle(i));
-            figure = figure.with(Series::new(name, look, i, points));
+            figure = figure.joined(name, i, points);
         }
     }
-    if figure.series.iter().all(|s| s.points.is_empty()) {
+    if figure.is_empty() {
         return None;
     }
     let caption = "Largest stable step of every method against the temperature, force-shifted. A hotter \
                    fluid meets steeper parts of the core and bears smaller steps.";
-    Some(Captioned::new(figure, caption, "fluid-limits.csv"))
+    Some(Picture::new(figure, caption, "fluid-limits.csv"))
 }
 
-fn floors(study: &FluidStudy) -> Option<Captioned> {
+/// Small steps in double and in mixed precision.
+pub(super) fn floors(study: &FluidStudy) -> Option<Picture> {
     if study.double.is_empty() {
         return None;
     }
@@ -240,5 +206,5 @@ fn floors(study: &FluidStudy) -> Option<Captioned> {
     let caption = "Velocity Verlet near the triple point: the RMS of the energy falls as dt² until rounding \
                    of the pair forces takes over. Where the marks leave the line is the floor of that \
                    precision.";
-    Some(Captioned::new(figure, caption, "fluid-precision.csv"))
+    Some(Picture::new(figure, caption, "fluid-precision.csv"))
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use lennard_core::random::Streams;
-use lennard_core::{Dynamics, PeriodicBox, State, Want};
+use lennard_core::{Momentum, PeriodicBox, State, System, Want};
 use lennard_forcefield::{
     Conditions, ForceFieldOptions, KernelOptions, PairForces, Precision, SplitOptions,
     TruncationKind, TruncationOptions, build,
@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::StudyError;
 
-/// Density of all state points, σ⁻³: that of the liquid near its triple point.
+/// Density of all state points, σ⁻³: the density of the liquid near its triple point.
 pub const DENSITY: f64 = 0.8442;
 /// Cutoff, σ.
 pub const R_CUT: f64 = 2.5;
@@ -79,8 +79,8 @@ pub(crate) struct Start {
 }
 
 /// Forces, masses and a state, ready for a method.
-pub(crate) struct System {
-    pub(crate) dynamics: Dynamics,
+pub(crate) struct Bench {
+    pub(crate) system: System,
     pub(crate) forces: PairForces,
     pub(crate) state: State,
 }
@@ -102,7 +102,7 @@ impl Start {
             positions: lattice(side),
             velocities: velocities(temperature),
         };
-        let mut system = start.system(
+        let mut bench = start.bench(
             EQUILIBRATION_DT,
             &IntegratorOptions::default(),
             Precision::Double,
@@ -113,13 +113,13 @@ impl Start {
             dt: EQUILIBRATION_DT,
             source,
         };
-        let System {
-            dynamics,
+        let Bench {
+            system,
             forces,
             state,
-        } = &mut system;
+        } = &mut bench;
         method
-            .start(dynamics, state, forces, EQUILIBRATION_DT, Want::NOTHING)
+            .start(system, state, forces, EQUILIBRATION_DT, Want::NOTHING)
             .map_err(failed)?;
         let steps = if quick {
             EQUILIBRATION_STEPS / 8
@@ -128,10 +128,12 @@ impl Start {
         };
         for n in 1..=steps {
             method
-                .step(dynamics, state, forces, EQUILIBRATION_DT, Want::NOTHING)
+                .step(system, state, forces, EQUILIBRATION_DT, Want::NOTHING)
                 .map_err(failed)?;
             if n % RESCALE_EVERY == 0 {
-                let factor = (temperature / dynamics.temperature(&state.velocities)).sqrt();
+                let factor = (temperature
+                    / system.temperature(&state.velocities, Momentum::Conserved))
+                .sqrt();
                 for v in &mut state.velocities {
                     *v *= factor;
                 }
@@ -142,13 +144,13 @@ impl Start {
         Ok(start)
     }
 
-    /// The system at this start, with forces as the method wants them.
-    pub(crate) fn system(
+    /// The bench at this start, with the forces that the method needs.
+    pub(crate) fn bench(
         &self,
         dt: f64,
         method: &IntegratorOptions,
         precision: Precision,
-    ) -> Result<System, StudyError> {
+    ) -> Result<Bench, StudyError> {
         let options = ForceFieldOptions {
             truncation: TruncationOptions::new(TRUNCATIONS[self.truncation].0, R_CUT),
             kernel: KernelOptions {
@@ -164,10 +166,10 @@ impl Start {
             temperature: STATES[self.state_point].temperature,
             dt,
         };
-        Ok(System {
-            dynamics: Dynamics::fluid(self.positions.len()),
+        Ok(Bench {
+            system: System::atoms(self.positions.len()),
             forces: build(&options, &conditions)?,
-            state: State::new(self.positions.clone(), self.velocities.clone()),
+            state: State::new(self.cell, self.positions.clone(), self.velocities.clone()),
         })
     }
 }
@@ -199,6 +201,7 @@ fn velocities(temperature: f64) -> Vec<DVec3> {
     for v in &mut velocities {
         *v -= mean;
     }
-    let factor = (temperature / Dynamics::fluid(ATOMS).temperature(&velocities)).sqrt();
+    let factor =
+        (temperature / System::atoms(ATOMS).temperature(&velocities, Momentum::Conserved)).sqrt();
     velocities.into_iter().map(|v| v * factor).collect()
 }

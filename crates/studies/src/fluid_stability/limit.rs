@@ -39,7 +39,7 @@ pub struct FluidLimit {
     pub unstable: Option<f64>,
     /// How the run at that unstable step ended.
     pub failure: Option<Outcome>,
-    /// Its change of energy where it completed, ε an atom.
+    /// Its change of energy where it completed, ε per atom.
     pub failure_change: Option<f64>,
 }
 

@@ -1,5 +1,5 @@
-//! The same question for the fluid: which step does each method bear on a Lennard-Jones liquid, and what
-//! does it do to the energy there.
+//! The fluid part of the study: the largest step that each method bears on a Lennard-Jones liquid, and the drift and
+//! the fluctuation of the energy there.
 
 mod figures;
 pub mod fluid;
@@ -19,13 +19,12 @@ use fluid::{STATES, Start, TRUNCATIONS};
 use limit::FluidLimit;
 use run::{FluidRun, Plan};
 
-pub(crate) use figures::{FluidFigures, figures};
 pub(crate) use page::sections;
 pub(crate) use tables::csv;
 
 /// Steps of the drift and fluctuation runs, τ.
 const STEPS: [f64; 8] = [0.001, 0.002, 0.004, 0.006, 0.008, 0.012, 0.016, 0.024];
-/// Those of the quick study.
+/// Steps of the same runs in the quick study, τ.
 const QUICK_STEPS: [f64; 3] = [0.002, 0.004, 0.016];
 /// Steps of implicit Euler, each of which costs a nonlinear solve.
 const IMPLICIT_STEPS: [f64; 4] = [0.002, 0.004, 0.008, 0.016];
@@ -35,7 +34,7 @@ const TIME: f64 = 3.0;
 const IMPLICIT_TIME: f64 = 0.5;
 /// Steps of the runs in double and mixed precision, τ.
 const SMALL_STEPS: [f64; 6] = [1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3];
-/// Length of those, τ.
+/// Length of these runs, τ.
 const SMALL_STEP_TIME: f64 = 0.4;
 /// Steps past the limit, as multiples of it.
 const PAST_LIMIT: [f64; 4] = [1.05, 1.2, 1.5, 2.0];
@@ -57,7 +56,29 @@ pub struct FluidStudy {
     pub past_limit: Vec<(f64, FluidRun)>,
 }
 
-/// What a method needs in the study.
+impl FluidStudy {
+    /// The runs at a state point under a truncation, as indices of [`STATES`] and [`TRUNCATIONS`].
+    fn runs_at(&self, state: usize, truncation: usize) -> impl Iterator<Item = &FluidRun> {
+        let (state, truncation) = (STATES[state].name, TRUNCATIONS[truncation].1);
+        let here = move |r: &&FluidRun| r.state == state && r.truncation == truncation;
+        self.runs.iter().filter(here)
+    }
+}
+
+/// The limit of a method at a state point under a truncation, as indices of [`STATES`] and [`TRUNCATIONS`].
+fn limit_at<'a>(
+    limits: &'a [FluidLimit],
+    method: &str,
+    state: usize,
+    truncation: usize,
+) -> Option<&'a FluidLimit> {
+    let (state, truncation) = (STATES[state].name, TRUNCATIONS[truncation].1);
+    limits
+        .iter()
+        .find(|l| l.method == method && l.state == state && l.truncation == truncation)
+}
+
+/// A method of the study.
 struct Method {
     entry: &'static IntegratorEntry,
     costly: bool,
@@ -88,12 +109,12 @@ fn methods() -> (Vec<Method>, Vec<(&'static str, String)>) {
     (methods, left_out)
 }
 
-/// Index of the truncation that stands for all where only one can be shown: energy and force are
-/// continuous, so that the errors are those of the methods.
+/// Index of the truncation that stands for all where only one can be shown. Its energy and force are continuous,
+/// so that every error is an error of the method.
 pub(crate) const SHOWN_TRUNCATION: usize = 2;
 
-/// Whether a method is drawn: of those that are one map on the oscillator, and one run on the fluid up to
-/// rounding, the best known one stands for all.
+/// Whether a method is drawn. Methods with one map on the oscillator run alike on the fluid up to rounding, and
+/// the best known method stands for all.
 pub(crate) fn stands_for_itself(method: &str) -> bool {
     let groups = groups();
     let group = groups
@@ -148,7 +169,7 @@ pub(crate) fn measure(quick: bool, progress: &mut dyn Progress) -> Result<FluidS
         .filter(|(m, start)| !m.costly || start.truncation == SHOWN_TRUNCATION)
         .filter(|(m, _)| !quick || !m.costly && stands_for_itself(m.entry.spec.name))
         .collect();
-    // The dearest first: whoever comes last would else keep one thread waiting.
+    // The dearest jobs come first: a dear job at the end would keep one thread waiting.
     searches.sort_by_key(|(m, _)| (!m.costly, m.entry.spec.symplectic));
     let limits = side_by_side(
         &searches,
@@ -191,7 +212,7 @@ fn plans<'a>(methods: &[Method], starts: &'a [Start], quick: bool) -> Vec<Plan<'
             }));
         }
     }
-    // The dearest first: whoever comes last would else keep one thread waiting.
+    // The dearest jobs come first: a dear job at the end would keep one thread waiting.
     plans.sort_by_key(|p| {
         std::cmp::Reverse(p.steps * u64::from(p.entry.spec.force_evaluations.max(1)))
     });
@@ -225,34 +246,24 @@ fn edges(
         };
         for precision in [Precision::Double, Precision::Mixed] {
             plans.extend(SMALL_STEPS.iter().map(|dt| {
-                let steps = (time / dt).round() as u64;
-                (
-                    None,
-                    Plan {
-                        entry: verlet,
-                        start,
-                        dt: *dt,
-                        steps,
-                        precision,
-                    },
-                )
+                let plan = Plan {
+                    entry: verlet,
+                    start,
+                    dt: *dt,
+                    steps: (time / dt).round() as u64,
+                    precision,
+                };
+                (None, plan)
             }));
         }
     }
     if let Some(start) = shown {
-        let limit_of = |name: &str| {
-            let place = |l: &&FluidLimit| {
-                l.method == name
-                    && l.state == STATES[0].name
-                    && l.truncation == TRUNCATIONS[SHOWN_TRUNCATION].1
-            };
-            limits.iter().find(place).and_then(FluidLimit::middle)
-        };
         for method in methods
             .iter()
             .filter(|m| m.entry.spec.symplectic && stands_for_itself(m.entry.spec.name))
         {
-            let Some(limit) = limit_of(method.entry.spec.name) else {
+            let limit = limit_at(limits, method.entry.spec.name, 0, SHOWN_TRUNCATION);
+            let Some(limit) = limit.and_then(FluidLimit::middle) else {
                 continue;
             };
             plans.extend(PAST_LIMIT.iter().map(|factor| {

@@ -1,31 +1,18 @@
 //! The sections of the page about the fluid.
 
-use lennard_report::{Block, PageFigure, Section};
+use lennard_report::Section;
 
-use super::figures::FluidFigures;
 use super::limit::{ALLOWED_CHANGE, LEAST_STEPS, LEAST_TIME};
-use super::{FluidStudy, fluid, tables};
-use crate::StudyError;
-use crate::files::Captioned;
-
-fn on_page(figures: &[Captioned], command: &str) -> Result<Block, StudyError> {
-    let figures: Result<Vec<PageFigure>, StudyError> =
-        figures.iter().map(|f| f.on_page(command)).collect();
-    Ok(Block::Figures(figures?))
-}
+use super::{FluidStudy, figures, fluid, tables};
 
 /// The sections of the fluid part.
-pub(crate) fn sections(
-    study: &FluidStudy,
-    figures: &FluidFigures,
-    command: &str,
-) -> Result<Vec<Section>, StudyError> {
+pub(crate) fn sections(study: &FluidStudy) -> Vec<Section> {
     let left_out: Vec<String> = study
         .left_out
         .iter()
         .map(|(name, reason)| format!("Left out: `{name}`: {reason}."))
         .collect();
-    Ok(vec![
+    vec![
         Section::new("The fluid: energy and temperature against dt")
             .text(format!(
                 "The same methods on the Lennard-Jones fluid: {} atoms at ρ* = {}, cutoff {} σ, from one \
@@ -36,11 +23,11 @@ pub(crate) fn sections(
                 fluid::DENSITY,
                 fluid::R_CUT
             ))
-            .with(Block::List(left_out))
-            .with(on_page(&figures.energy, command)?)
-            .with(Block::Table(tables::cost_on_page(study, command)))
-            .with(Block::Heading("How the potential ends".into()))
-            .with(on_page(&figures.truncations, command)?),
+            .list(left_out)
+            .figures(figures::energy(study))
+            .table(tables::cost_on_page(study))
+            .heading("How the potential ends")
+            .figures(figures::truncations(study)),
         Section::new("The fluid: largest stable steps")
             .text(format!(
                 "A step is called stable if a run of {LEAST_TIME} τ, and of {LEAST_STEPS} steps at least, \
@@ -51,11 +38,11 @@ pub(crate) fn sections(
                  says how fast they do.",
                 ALLOWED_CHANGE * 100.0
             ))
-            .with(on_page(&figures.limits, command)?)
-            .with(Block::Table(tables::limits_on_page(study, command)))
-            .with(Block::Heading("Past the limit".into()))
-            .with(Block::Table(tables::past_on_page(study, command)))
-            .with(Block::Heading("Very small steps".into()))
-            .with(on_page(&figures.floors, command)?),
-    ])
+            .figures(figures::limits(study).into_iter().collect())
+            .table(tables::limits_on_page(study))
+            .heading("Past the limit")
+            .table(tables::past_on_page(study))
+            .heading("Very small steps")
+            .figures(figures::floors(study).into_iter().collect()),
+    ]
 }

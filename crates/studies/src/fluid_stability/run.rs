@@ -1,6 +1,6 @@
 //! One run of the fluid at constant energy, and what it says about the method.
 
-use lennard_core::{ForceProvider, StepError, Want};
+use lennard_core::{ForceTerm, Momentum, StepError, Want};
 use lennard_forcefield::Precision;
 use lennard_integrators::IntegratorEntry;
 use serde::Serialize;
@@ -37,12 +37,12 @@ pub enum Outcome {
         step: u64,
         /// Time, τ.
         time: f64,
-        /// Change of energy by then, ε an atom.
+        /// Change of energy by then, ε per atom.
         change: f64,
     },
 }
 
-/// A run and its numbers; those are not there where the run did not complete.
+/// A run and its numbers, which are missing where the run did not complete.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FluidRun {
     /// The method.
@@ -57,21 +57,21 @@ pub struct FluidRun {
     pub steps: u64,
     /// How it ended.
     pub outcome: Outcome,
-    /// Slope of the energy, ε/τ an atom.
+    /// Slope of the energy, ε/τ per atom.
     pub drift: Option<f64>,
     /// Its standard error, from the slopes between blocks.
     pub drift_error: Option<f64>,
-    /// RMS of the energy around that slope, ε an atom.
+    /// RMS of the energy around that slope, ε per atom.
     pub fluctuation: Option<f64>,
-    /// Energy at the end less that at the start, ε an atom.
+    /// Energy at the end less the energy at the start, ε per atom.
     pub change: Option<f64>,
     /// Kinetic temperature less the configurational one Σ⟨F²⟩/⟨∇²U⟩, as a share of T*.
     pub temperature_error: Option<f64>,
     /// Its standard error.
     pub temperature_error_error: Option<f64>,
-    /// Largest |Σ m·v| an atom.
+    /// Largest |Σ m·v| per atom.
     pub momentum: Option<f64>,
-    /// Force evaluations a step, Hessian products counted as two.
+    /// Force evaluations per step, Hessian products counted as two.
     pub evaluations_per_step: f64,
 }
 
@@ -93,7 +93,7 @@ pub(crate) struct Plan<'a> {
     pub(crate) precision: Precision,
 }
 
-/// One look at a running system.
+/// A sample of a running system.
 struct Sample {
     time: f64,
     energy: f64,
@@ -105,7 +105,7 @@ struct Sample {
 /// Runs the plan to its end or to its failure; only a fluid that cannot even be started is an error.
 pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
     let options = (plan.entry.default_options)();
-    let mut system = plan.start.system(plan.dt, &options, plan.precision)?;
+    let mut system = plan.start.bench(plan.dt, &options, plan.precision)?;
     let mut method = plan.entry.build();
     let mut result = FluidRun {
         method: plan.entry.spec.name,
@@ -129,13 +129,13 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
         ..Want::NOTHING
     };
     let every = ((SAMPLE_INTERVAL / plan.dt).round() as u64).max(1);
-    let (dynamics, state, forces) = (&system.dynamics, &mut system.state, &mut system.forces);
+    let (system, state, forces) = (&system.system, &mut system.state, &mut system.forces);
     let stopped = |step: u64, time: f64, reason: StepError| Outcome::Stopped {
         step,
         time,
         reason: reason.to_string(),
     };
-    if let Err(reason) = method.start(dynamics, state, forces, plan.dt, looking) {
+    if let Err(reason) = method.start(system, state, forces, plan.dt, looking) {
         result.outcome = stopped(0, 0.0, reason);
         return Ok(result);
     }
@@ -143,9 +143,9 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
         Some(Sample {
             time: state.time,
             energy: (state.energetics.conserved_potential?
-                + dynamics.kinetic_energy(&state.velocities))
+                + system.kinetic_energy(&state.velocities))
                 / ATOMS as f64,
-            temperature: dynamics.temperature(&state.velocities),
+            temperature: system.temperature(&state.velocities, Momentum::Conserved),
             force_squared: state.forces.iter().map(|f| f.length_squared()).sum(),
             laplacian: state.energetics.laplacian?,
         })
@@ -156,7 +156,7 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
     for n in 1..=plan.steps {
         let due = n % every == 0;
         let want = if due { looking } else { Want::NOTHING };
-        if let Err(reason) = method.step(dynamics, state, forces, plan.dt, want) {
+        if let Err(reason) = method.step(system, state, forces, plan.dt, want) {
             result.outcome = stopped(n, n as f64 * plan.dt, reason);
             break;
         }
@@ -165,7 +165,7 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
             continue;
         }
         let Some(sample) = look(state) else { continue };
-        momentum = momentum.max(dynamics.momentum(&state.velocities).length() / ATOMS as f64);
+        momentum = momentum.max(system.momentum(&state.velocities).length() / ATOMS as f64);
         let change = sample.energy - samples[0].energy;
         // A NaN is as far away as an infinity.
         if change.abs() > limit || change.is_nan() {

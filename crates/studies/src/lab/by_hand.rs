@@ -1,6 +1,6 @@
 //! A method and forces called by hand, without the engine around them.
 
-use lennard_core::{Dynamics, Integrator, State, StepError, Want};
+use lennard_core::{Integrator, State, StepError, System, Want};
 use lennard_forcefield::PairForces;
 use lennard_integrators::IntegratorOptions;
 
@@ -8,9 +8,9 @@ use lennard_integrators::IntegratorOptions;
 pub(crate) struct ByHand {
     /// The fluid as it is.
     pub(crate) state: State,
-    method: Box<dyn Integrator>,
+    method: Integrator,
     forces: PairForces,
-    dynamics: Dynamics,
+    system: System,
     dt: f64,
 }
 
@@ -23,7 +23,7 @@ impl ByHand {
         dt: f64,
     ) -> Result<Self, StepError> {
         let mut fluid = Self {
-            dynamics: Dynamics::fluid(state.len()),
+            system: System::atoms(state.len()),
             method: lennard_integrators::build(integrator),
             forces,
             state,
@@ -37,7 +37,7 @@ impl ByHand {
         let (state, forces) = (&mut self.state, &mut self.forces);
         let report = self
             .method
-            .start(&self.dynamics, state, forces, self.dt, Want::NOTHING);
+            .start(&self.system, state, forces, self.dt, Want::NOTHING);
         report.map(drop)
     }
 
@@ -48,7 +48,7 @@ impl ByHand {
             let (state, forces) = (&mut self.state, &mut self.forces);
             let (taken, _) =
                 self.method
-                    .stride(&self.dynamics, state, forces, self.dt, left, Want::NOTHING)?;
+                    .stride(&self.system, state, forces, self.dt, left, Want::NOTHING)?;
             left -= taken;
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! What a run under some settings measures: energy conservation, temperatures, U and P.
 
 use lennard_core::Estimate;
-use lennard_engine::{Compared, Nobody, beside_equation_of_state, model_kind};
+use lennard_engine::{Compared, Unfollowed, beside_equation_of_state, model_kind};
 use lennard_observables::{ThermoSeries, Thermodynamics, statistics};
 use serde::{Deserialize, Serialize};
 
@@ -131,8 +131,8 @@ impl Workbench {
         let every = ((SAMPLE_INTERVAL / dt).round() as u64).max(1);
         let stages = [stage(settling, false), stage(time, true)];
         let mut simulation = self.simulation(settings, &stages, every)?;
-        simulation.run(&mut Nobody)?;
-        let found = &simulation.thermodynamics;
+        simulation.run(&mut Unfollowed)?;
+        let found = simulation.thermodynamics();
         let cut = found.equilibration_cut();
         let rows = found.series();
         let comparison = beside_equation_of_state(

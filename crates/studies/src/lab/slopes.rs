@@ -1,6 +1,5 @@
 //! How U and P change with the temperature.
 
-use lennard_forcefield::PotentialOptions;
 use serde::{Deserialize, Serialize};
 
 use super::workbench::Workbench;
@@ -34,7 +33,7 @@ impl Workbench {
         let temperature = self.measured_stage().temperature;
         let equation = lennard_literature::thol_2016();
         let density = self.start().density();
-        if matches!(self.scene().potential, PotentialOptions::LennardJones {})
+        if self.scene().potential.spec().is_lennard_jones
             && equation.check(density, temperature).is_ok()
         {
             let state = equation.at(density, temperature);

@@ -2,9 +2,11 @@
 
 use glam::DVec3;
 use lennard_core::{
-    Configuration, Energetics, ForceError, ForceProvider, Part, PeriodicBox, State, Want,
+    Configuration, Energetics, ForceError, ForceTerm, Part, PeriodicBox, State, Want,
 };
-use lennard_engine::{Beginning, EngineError, Nobody, Simulation, measured_stage, prepare_from};
+use lennard_engine::{
+    Beginning, EngineError, Simulation, Unfollowed, measured_stage, prepare_from,
+};
 use lennard_forcefield::PairForces;
 use lennard_integrators::{ThermostatOptions, bussi};
 use lennard_scene::{Scene, Stage};
@@ -55,7 +57,7 @@ impl Start {
             });
         }
         let mut simulation = lennard_engine::prepare(before)?;
-        simulation.run(&mut Nobody)?;
+        simulation.run(&mut Unfollowed)?;
         Ok(simulation.into())
     }
 
@@ -77,9 +79,14 @@ impl Start {
         self.positions.len() as f64 / self.cell.volume()
     }
 
+    /// Box and positions.
+    pub(crate) fn configuration(&self) -> Configuration<'_> {
+        Configuration::at_rest(&self.cell, &self.positions)
+    }
+
     /// The start as the state of a run.
     pub(crate) fn state(&self) -> State {
-        State::new(self.positions.clone(), self.velocities.clone())
+        State::new(self.cell, self.positions.clone(), self.velocities.clone())
     }
 
     /// A simulation of a scene from this start.
@@ -101,17 +108,12 @@ impl Start {
     /// Energies at the start by one part of the forces, and that part of the forces, `[N]` in ε/σ.
     pub(crate) fn evaluate(
         &self,
-        forces: &mut impl ForceProvider,
+        forces: &mut impl ForceTerm,
         part: Part,
         want: Want,
     ) -> Result<(Energetics, Vec<DVec3>), ForceError> {
         let mut out = vec![DVec3::ZERO; self.len()];
-        let at = Configuration {
-            positions: &self.positions,
-            velocities: None,
-            time: 0.0,
-        };
-        let energies = forces.evaluate(at, part, want, &mut out)?;
+        let energies = forces.evaluate(self.configuration(), part, want, &mut out)?;
         Ok((energies, out))
     }
 }
@@ -119,7 +121,7 @@ impl Start {
 impl From<Simulation> for Start {
     fn from(simulation: Simulation) -> Self {
         Self {
-            cell: simulation.cell,
+            cell: simulation.state.cell,
             positions: simulation.state.positions,
             velocities: simulation.state.velocities,
         }

@@ -1,11 +1,9 @@
 //! The figures of a run's page.
 
 use lennard_core::Table;
-use lennard_report::{
-    Axis, Dash, Figure, Guide, Look, PageFigure, Point, ReportError, Series, Symbol,
-};
+use lennard_report::{Axis, Dash, Figure, Guide, Look, Picture, Point, Series, Symbol, with_error};
 
-use crate::compare::RunFolder;
+use crate::compare::{HANSEN_VERLET, RunFolder};
 
 pub(super) const TIME_SERIES: &str = "Measured stages only. What lies left of the dashed line is the start that all averages leave out.";
 pub(super) const ERROR_BARS: &str = "Apparent standard error of the mean when successive samples are averaged in blocks: it rises until the blocks are longer than \
@@ -16,88 +14,83 @@ pub(super) const MOTION: &str = "Mean-square displacement, velocity autocorrelat
 
 /// Points of a curve that can be told apart on a page.
 const MOST_POINTS: usize = 600;
+/// Shells that are marked in g(r).
+const SHELLS: usize = 3;
 
-/// Height of the first peak of S(k) at freezing.
-const HANSEN_VERLET: f64 = 2.85;
+const LINE: Look = Look::Line(Dash::Solid);
+const MARKS: Look = Look::LineAndPoints(Dash::Dotted, Symbol::Disc);
+const JOINED_MARKS: Look = Look::LineAndPoints(Dash::Solid, Symbol::Disc);
 
-/// A figure with what is said below it.
-pub(super) struct Captioned {
-    figure: Figure,
-    caption: String,
-    data: String,
-}
-
-impl Captioned {
-    pub(super) fn on_page(self) -> Result<PageFigure, ReportError> {
-        Ok(PageFigure {
-            svg: self.figure.to_svg()?,
-            caption: self.caption,
-            command: None,
-            data: Some(self.data),
-        })
-    }
-}
-
-fn column<'a>(table: &'a Table, name: &str) -> Option<&'a [f64]> {
-    table
-        .columns
-        .iter()
-        .find(|c| c.name == name)
-        .map(|c| c.values.as_slice())
+/// The only series of a figure.
+fn series<P: Into<Point>>(look: Look, points: Vec<P>) -> Series {
+    Series::new("", look, 0, points)
 }
 
 /// Pairs of two columns, finite ones, neighbors averaged where there are more than can be seen.
 fn curve(table: &Table, x: &str, y: &str) -> Option<Vec<(f64, f64)>> {
-    let pairs: Vec<(f64, f64)> = column(table, x)?
-        .iter()
-        .copied()
-        .zip(column(table, y)?.iter().copied())
+    let pairs = table.numbers(x)?.into_iter().zip(table.numbers(y)?);
+    let pairs: Vec<(f64, f64)> = pairs
         .filter(|(a, b)| a.is_finite() && b.is_finite())
         .collect();
     let group = pairs.len().div_ceil(MOST_POINTS).max(1);
-    let thinned: Vec<(f64, f64)> = pairs
-        .chunks(group)
-        .map(|c| {
-            let n = c.len() as f64;
-            (
-                c.iter().map(|p| p.0).sum::<f64>() / n,
-                c.iter().map(|p| p.1).sum::<f64>() / n,
-            )
-        })
-        .collect();
+    let mean = |c: &[(f64, f64)]| {
+        let n = c.len() as f64;
+        let (x, y) = c.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0, y + p.1));
+        (x / n, y / n)
+    };
+    let thinned: Vec<(f64, f64)> = pairs.chunks(group).map(mean).collect();
     (!thinned.is_empty()).then_some(thinned)
 }
 
 /// Points with error bars.
-fn with_errors(table: &Table, x: &str, y: &str, error: &str, scale: f64) -> Option<Vec<Point>> {
-    let (x, y, e) = (column(table, x)?, column(table, y)?, column(table, error)?);
-    let points: Vec<Point> = (0..x.len().min(y.len()).min(e.len()))
-        .filter(|&i| x[i].is_finite() && y[i].is_finite())
-        .map(|i| Point {
-            x: x[i],
-            y: scale * y[i],
-            error: Some(scale * e[i]).filter(|e| e.is_finite()),
-            ..Point::default()
+fn with_errors(table: &Table, [x, y, error]: [&str; 3]) -> Option<Vec<Point>> {
+    let pairs = table.numbers(x)?.into_iter().zip(table.numbers(y)?);
+    let points: Vec<Point> = pairs
+        .zip(table.numbers(error)?)
+        .filter(|((x, y), _)| x.is_finite() && y.is_finite())
+        .map(|((x, y), error)| Point {
+            error: Some(error).filter(|e| e.is_finite()),
+            ..Point::from((x, y))
         })
         .collect();
     (!points.is_empty()).then_some(points)
 }
 
+/// A sentence with a mean of the run and its error in the place of `{}`; nothing where the run has no such mean.
+fn said_of(run: &RunFolder, average: &str, sentence: &str) -> String {
+    run.average(average).map_or(String::new(), |a| {
+        sentence.replace("{}", &with_error(a.mean, a.standard_error))
+    })
+}
+
 /// Temperature, energy, pressure and conserved energy against time.
-pub(super) fn time_series(run: &RunFolder) -> Vec<Captioned> {
+pub(super) fn time_series(run: &RunFolder) -> Vec<Picture> {
     let Some(table) = run.table("measured") else {
         return Vec::new();
     };
     let cut = run
         .average("potential_energy")
         .map_or(0, |a| a.equilibration_cut);
-    let time = column(&table, "time").unwrap_or_default();
+    let time = table.numbers("time").unwrap_or_default();
     // The cut counts samples, and a row may be the mean of several.
     let interval = run.scene.output.thermo_every as f64 * run.scene.integrator.dt;
     let cut_time = time
         .first()
         .filter(|_| cut > 0)
         .map(|start| start + cut as f64 * interval);
+    let draw = |(name, title, label)| {
+        let curve = curve(&table, "time", name)?;
+        let mut figure = Figure::new(name, title, Axis::linear("time / τ"), Axis::linear(label))
+            .with(series(LINE, curve));
+        if let Some(at) = cut_time {
+            figure = figure.guided(Guide::Vertical(at, "averages begin".into()));
+        }
+        Some(Picture::new(
+            figure,
+            said_of(run, name, "Mean {}."),
+            "measured.csv",
+        ))
+    };
     [
         ("temperature", "Temperature, whole steps", "T / (ε/k_B)"),
         ("potential_energy", "Potential energy", "U/N / ε"),
@@ -105,240 +98,171 @@ pub(super) fn time_series(run: &RunFolder) -> Vec<Captioned> {
         ("conserved_energy", "Conserved energy", "(E − heat)/N / ε"),
     ]
     .into_iter()
-    .filter_map(|(name, title, label)| {
-        let mut figure =
-            Figure::new(name, title, Axis::linear("time / τ"), Axis::linear(label)).with(
-                Series::new("", Look::Line(Dash::Solid), 0, curve(&table, "time", name)?),
-            );
-        if let Some(at) = cut_time {
-            figure = figure.guided(Guide::Vertical(at, "averages begin".into()));
-        }
-        let caption = run.average(name).map_or(String::new(), |a| {
-            format!(
-                "Mean {}.",
-                lennard_report::with_error(a.mean, a.standard_error)
-            )
-        });
-        Some(Captioned {
-            figure,
-            caption,
-            data: "measured.csv".into(),
-        })
-    })
+    .filter_map(draw)
     .collect()
 }
 
 /// Blocking curves.
-pub(super) fn blocking(run: &RunFolder) -> Vec<Captioned> {
-    [("potential_energy", "Potential energy", "ε"), ("pressure", "Pressure", "ε/σ³"), ("temperature", "Temperature, whole steps", "ε/k_B")]
-        .into_iter()
-        .filter_map(|(name, title, unit)| {
-            let table = run.table(&format!("blocking_{name}"))?;
-            let points = with_errors(&table, "block", "standard_error", "uncertainty", 1.0)?;
-            if points.iter().all(|p| p.y <= 0.0) {
-                return None;
-            }
-            let mut figure = Figure::new(
-                format!("blocking_{name}"),
-                format!("{title}: error against block length"),
-                Axis::logarithmic("samples a block"),
-                Axis::linear(format!("standard error / {unit}")),
-            )
-            .with(Series::from_points("", Look::LineAndPoints(Dash::Dotted, Symbol::Disc), 0, points));
-            if let Some(average) = run.average(name) {
-                figure = figure.guided(Guide::Horizontal(average.standard_error, "printed error".into()));
-            }
-            Some(Captioned {
-                figure,
-                caption: "Marks with their own uncertainty; the line is the error printed beside the mean, from the correlation time.".into(),
-                data: format!("blocking_{name}.csv"),
-            })
-        })
-        .collect()
+pub(super) fn blocking(run: &RunFolder) -> Vec<Picture> {
+    let draw = |(name, title, unit)| {
+        let file = format!("blocking_{name}");
+        let points = with_errors(
+            &run.table(&file)?,
+            ["block", "standard_error", "uncertainty"],
+        )?;
+        if points.iter().all(|p| p.y <= 0.0) {
+            return None;
+        }
+        let mut figure = Figure::new(
+            file.as_str(),
+            format!("{title}: error against block length"),
+            Axis::logarithmic("samples per block"),
+            Axis::linear(format!("standard error / {unit}")),
+        )
+        .with(series(MARKS, points));
+        if let Some(average) = run.average(name) {
+            figure = figure.level(average.standard_error, "printed error");
+        }
+        let caption = "Marks with their own uncertainty; the line is the error printed beside the mean, from the correlation time.";
+        Some(Picture::new(figure, caption, format!("{file}.csv")))
+    };
+    [
+        ("potential_energy", "Potential energy", "ε"),
+        ("pressure", "Pressure", "ε/σ³"),
+        ("temperature", "Temperature, whole steps", "ε/k_B"),
+    ]
+    .into_iter()
+    .filter_map(draw)
+    .collect()
 }
 
 /// g(r) with its shells and S(k).
-pub(super) fn structure(run: &RunFolder) -> Vec<Captioned> {
-    let mut found = Vec::new();
-    if let Some(g) = run.table("rdf").and_then(|t| curve(&t, "r", "g")) {
-        let mut figure = Figure::new(
-            "rdf",
-            "Radial distribution function",
-            Axis::linear("r / σ"),
-            Axis::linear("g(r)"),
-        )
-        .with(Series::new("", Look::Line(Dash::Solid), 0, g))
-        .guided(Guide::Horizontal(1.0, String::new()));
-        let mut shells = Vec::new();
-        if let Some(peaks) = run.table("rdf_peaks") {
-            let kinds = column(&peaks, "kind").unwrap_or_default();
-            let places = column(&peaks, "r").unwrap_or_default();
-            let minima = kinds
-                .iter()
-                .zip(places)
-                .filter(|(kind, _)| **kind < 0.0)
-                .map(|(_, r)| *r);
-            for (shell, r) in minima.take(3).enumerate() {
-                figure = figure.guided(Guide::Vertical(r, (shell + 1).to_string()));
-                shells.push(format!("{r:.3}"));
-            }
-        }
-        let coordination = run
-            .average("coordination_number")
-            .map_or(String::new(), |a| {
-                format!(
-                    " {} neighbors up to the first of them.",
-                    lennard_report::with_error(a.mean, a.standard_error)
-                )
-            });
-        let caption = if shells.is_empty() {
-            "No shell ends within the range.".to_owned()
-        } else {
-            format!(
-                "Shells 1, 2, … end at the dashed minima, {} σ.{coordination}",
-                shells.join(", ")
-            )
-        };
-        found.push(Captioned {
-            figure,
-            caption,
-            data: "rdf.csv".into(),
-        });
+pub(super) fn structure(run: &RunFolder) -> Vec<Picture> {
+    [pair_distribution(run), structure_factor(run)]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+fn pair_distribution(run: &RunFolder) -> Option<Picture> {
+    let g = curve(&run.table("rdf")?, "r", "g")?;
+    let mut figure = Figure::new(
+        "rdf",
+        "Radial distribution function",
+        Axis::linear("r / σ"),
+        Axis::linear("g(r)"),
+    )
+    .with(series(LINE, g))
+    .level(1.0, "");
+    let mut shells = Vec::new();
+    for (shell, r) in minima(run).into_iter().take(SHELLS).enumerate() {
+        figure = figure.guided(Guide::Vertical(r, (shell + 1).to_string()));
+        shells.push(format!("{r:.3}"));
     }
-    if let Some(s) = run
-        .table("structure_factor")
-        .and_then(|t| with_errors(&t, "k", "structure_factor", "standard_error", 1.0))
-    {
-        let figure = Figure::new(
-            "structure_factor",
-            "Static structure factor",
-            Axis::linear("k / σ⁻¹"),
-            Axis::linear("S(k)"),
+    let caption = if shells.is_empty() {
+        "No shell ends within the range.".to_owned()
+    } else {
+        let neighbors = " {} neighbors up to the first of them.";
+        format!(
+            "Shells 1, 2, … end at the dashed minima, {} σ.{}",
+            shells.join(", "),
+            said_of(run, "coordination_number", neighbors)
         )
-        .with(Series::from_points(
-            "",
-            Look::LineAndPoints(Dash::Solid, Symbol::Disc),
-            0,
-            s,
-        ))
-        .guided(Guide::Horizontal(HANSEN_VERLET, "freezing, 2.85".into()))
-        .guided(Guide::Horizontal(1.0, String::new()));
-        let caption = run
-            .average("structure_factor_first_peak")
-            .map_or(String::new(), |a| {
-                format!(
-                    "First peak {}.",
-                    lennard_report::with_error(a.mean, a.standard_error)
-                )
-            });
-        found.push(Captioned {
-            figure,
-            caption,
-            data: "structure_factor.csv".into(),
-        });
-    }
-    found
+    };
+    Some(Picture::new(figure, caption, "rdf.csv"))
+}
+
+/// The distances of the minima of g(r), σ.
+fn minima(run: &RunFolder) -> Vec<f64> {
+    let Some(peaks) = run.table("rdf_peaks") else {
+        return Vec::new();
+    };
+    let kinds = peaks.numbers("kind").unwrap_or_default();
+    let places = peaks.numbers("r").unwrap_or_default();
+    let both = kinds.into_iter().zip(places);
+    both.filter(|(kind, _)| *kind < 0.0)
+        .map(|(_, r)| r)
+        .collect()
+}
+
+fn structure_factor(run: &RunFolder) -> Option<Picture> {
+    let table = run.table("structure_factor")?;
+    let s = with_errors(&table, ["k", "structure_factor", "standard_error"])?;
+    let figure = Figure::new(
+        "structure_factor",
+        "Static structure factor",
+        Axis::linear("k / σ⁻¹"),
+        Axis::linear("S(k)"),
+    )
+    .with(series(JOINED_MARKS, s))
+    .level(HANSEN_VERLET, format!("freezing, {HANSEN_VERLET}"))
+    .level(1.0, "");
+    let caption = said_of(run, "structure_factor_first_peak", "First peak {}.");
+    Some(Picture::new(figure, caption, "structure_factor.csv"))
 }
 
 /// Mean-square displacement, velocity autocorrelation, Green–Kubo integrals.
-pub(super) fn motion(run: &RunFolder) -> Vec<Captioned> {
-    let mut found = Vec::new();
-    if let Some(table) = run.table("msd")
-        && let Some(msd) = curve(&table, "time", "msd")
-    {
-        let msd = msd.into_iter().filter(|(t, x)| *t > 0.0 && *x > 0.0);
-        let figure = Figure::new(
-            "msd",
-            "Mean-square displacement",
-            Axis::logarithmic("lag / τ"),
-            Axis::logarithmic("⟨|r(t) − r(0)|²⟩ / σ²"),
-        )
-        .with(Series::new("", Look::Line(Dash::Solid), 0, msd));
-        let caption = run
-            .average("diffusion_coefficient")
-            .map_or(String::new(), |a| {
-                format!(
-                    "D = {} σ²/τ from the slope.",
-                    lennard_report::with_error(a.mean, a.standard_error)
-                )
-            });
-        found.push(Captioned {
-            figure,
-            caption,
-            data: "msd.csv".into(),
-        });
+pub(super) fn motion(run: &RunFolder) -> Vec<Picture> {
+    let viscosity = ["shear_viscosity", "shear viscosity", "η / (ετ/σ³)"];
+    let conductivity = [
+        "thermal_conductivity",
+        "thermal conductivity",
+        "λ / (k_B/(στ))",
+    ];
+    [
+        displacement(run),
+        autocorrelation(run),
+        green_kubo(run, viscosity),
+        green_kubo(run, conductivity),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn displacement(run: &RunFolder) -> Option<Picture> {
+    let mut msd = curve(&run.table("msd")?, "time", "msd")?;
+    msd.retain(|(t, x)| *t > 0.0 && *x > 0.0);
+    let figure = Figure::new(
+        "msd",
+        "Mean-square displacement",
+        Axis::logarithmic("lag / τ"),
+        Axis::logarithmic("⟨|r(t) − r(0)|²⟩ / σ²"),
+    )
+    .with(series(LINE, msd));
+    let caption = said_of(run, "diffusion_coefficient", "D = {} σ²/τ from the slope.");
+    Some(Picture::new(figure, caption, "msd.csv"))
+}
+
+fn autocorrelation(run: &RunFolder) -> Option<Picture> {
+    let c = curve(&run.table("vacf")?, "time", "normalised")?;
+    let figure = Figure::new(
+        "vacf",
+        "Velocity autocorrelation",
+        Axis::linear("lag / τ"),
+        Axis::linear("C(t)/C(0)"),
+    )
+    .with(series(LINE, c))
+    .level(0.0, "");
+    let integral = "D = {} σ²/τ from its integral.";
+    let caption = said_of(run, "diffusion_coefficient_green_kubo", integral);
+    Some(Picture::new(figure, caption, "vacf.csv"))
+}
+
+fn green_kubo(run: &RunFolder, [name, words, label]: [&str; 3]) -> Option<Picture> {
+    let columns = ["time", "integral", "integral_standard_error"];
+    let points = with_errors(&run.table(name)?, columns)?;
+    let mut figure = Figure::new(
+        name,
+        format!("Green–Kubo integral of the {words}"),
+        Axis::linear("upper limit / τ"),
+        Axis::linear(label),
+    )
+    .with(series(MARKS, points));
+    let mut caption = "No plateau was found.".to_owned();
+    if let Some(a) = run.average(name) {
+        figure = figure.level(a.mean, "plateau");
+        caption = said_of(run, name, &format!("Plateau {{}} {}.", a.unit));
     }
-    if let Some(c) = run
-        .table("vacf")
-        .and_then(|t| curve(&t, "time", "normalised"))
-    {
-        let figure = Figure::new(
-            "vacf",
-            "Velocity autocorrelation",
-            Axis::linear("lag / τ"),
-            Axis::linear("C(t)/C(0)"),
-        )
-        .with(Series::new("", Look::Line(Dash::Solid), 0, c))
-        .guided(Guide::Horizontal(0.0, String::new()));
-        let caption = run
-            .average("diffusion_coefficient_green_kubo")
-            .map_or(String::new(), |a| {
-                format!(
-                    "D = {} σ²/τ from its integral.",
-                    lennard_report::with_error(a.mean, a.standard_error)
-                )
-            });
-        found.push(Captioned {
-            figure,
-            caption,
-            data: "vacf.csv".into(),
-        });
-    }
-    for (name, title, label) in [
-        (
-            "shear_viscosity",
-            "Green–Kubo integral of the shear viscosity",
-            "η / (ετ/σ³)",
-        ),
-        (
-            "thermal_conductivity",
-            "Green–Kubo integral of the thermal conductivity",
-            "λ / (k_B/(στ))",
-        ),
-    ] {
-        let Some(table) = run.table(name) else {
-            continue;
-        };
-        let Some(points) = with_errors(&table, "time", "integral", "integral_standard_error", 1.0)
-        else {
-            continue;
-        };
-        let mut figure = Figure::new(
-            name,
-            title,
-            Axis::linear("upper limit / τ"),
-            Axis::linear(label),
-        )
-        .with(Series::from_points(
-            "",
-            Look::LineAndPoints(Dash::Dotted, Symbol::Disc),
-            0,
-            points,
-        ));
-        let mut caption = "No plateau was found.".to_owned();
-        if let Some(a) = run.average(name) {
-            figure = figure.guided(Guide::Horizontal(a.mean, "plateau".into()));
-            caption = format!(
-                "Plateau {} {}.",
-                lennard_report::with_error(a.mean, a.standard_error),
-                a.unit
-            );
-        }
-        found.push(Captioned {
-            figure,
-            caption,
-            data: format!("{name}.csv"),
-        });
-    }
-    found
+    Some(Picture::new(figure, caption, format!("{name}.csv")))
 }

@@ -1,13 +1,12 @@
 //! Amplification and phase of the one-step map against ωh, and the stability limits.
 
-use lennard_core::StepError;
 use lennard_integrators::IntegratorEntry;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::groups::Group;
 use super::map::StepMap;
-use super::rig::{Spring, excursion, measured_map};
+use super::rig::{Rig, Spring, excursion, measured_map};
 use crate::StudyError;
 
 /// The largest ωh at which a limit is looked for.
@@ -43,11 +42,11 @@ pub struct MapPoint {
     pub measured_radius: f64,
     /// Angle of its eigenvalues, where they are complex.
     pub theory_phase: Option<f64>,
-    /// The same as measured.
+    /// The angle as measured.
     pub measured_phase: Option<f64>,
 }
 
-/// What was found of one method.
+/// The map and the limits of one method.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MethodMap {
     /// The method.
@@ -68,8 +67,7 @@ pub struct MethodMap {
     pub bounded_at_1000: Option<bool>,
 }
 
-/// The map that a method declares; every method on the list declares one, and one that does not is
-/// measured without a theory line.
+/// The map that a method declares. A method without one is measured without a theory line.
 pub(crate) fn theory(entry: &IntegratorEntry, omega_h: f64) -> Option<StepMap> {
     entry
         .spec
@@ -77,12 +75,7 @@ pub(crate) fn theory(entry: &IntegratorEntry, omega_h: f64) -> Option<StepMap> {
         .map(|map| StepMap(map(omega_h, 1.0)))
 }
 
-fn step_error(entry: &IntegratorEntry, dt: f64) -> impl Fn(StepError) -> StudyError {
-    let method = entry.spec.name;
-    move |source| StudyError::Step { method, dt, source }
-}
-
-/// Looks at every method of the groups.
+/// Measures every method of the groups.
 pub(crate) fn measure(groups: &[Group], quick: bool) -> Result<Vec<MethodMap>, StudyError> {
     let methods: Vec<(usize, &IntegratorEntry)> = groups
         .iter()
@@ -109,7 +102,7 @@ fn method_map(
     let mut points = Vec::new();
     let mut omega_h = first;
     while omega_h <= 4.0 {
-        let measured = measured_map(entry, omega_h, 1.0).map_err(step_error(entry, 1.0))?;
+        let measured = measured_map(entry, omega_h, 1.0)?;
         let theory = theory(entry, omega_h);
         points.push(MapPoint {
             omega_h,
@@ -124,10 +117,10 @@ fn method_map(
         .iter()
         .map(|p| (p.measured_radius / p.theory_radius - 1.0).abs())
         .fold(0.0, f64::max);
-    let measured_limit = measured_limit(entry).map_err(step_error(entry, 1.0))?;
+    let measured_limit = measured_limit(entry)?;
     let bounded_at_1000 = match measured_limit {
         Some(_) => None,
-        None => Some(bounded(entry, 1000.0, BISECTION_STEPS).map_err(step_error(entry, 1.0))?),
+        None => Some(bounded(entry, 1000.0, BISECTION_STEPS)?),
     };
     Ok(MethodMap {
         method: entry.spec.name,
@@ -141,32 +134,33 @@ fn method_map(
     })
 }
 
-fn bounded(entry: &IntegratorEntry, omega_h: f64, steps: u32) -> Result<bool, StepError> {
+fn bounded(entry: &IntegratorEntry, omega_h: f64, steps: u32) -> Result<bool, StudyError> {
     let spring = Spring::Stiffness(omega_h * omega_h);
     Ok(excursion(entry, spring, 1.0, steps, BOUND)?.largest() < BOUND)
 }
 
 /// The first ωh at which runs do not stay bounded: searched for by the measured one-step map, found by
 /// bisection over runs; 0 where even the smallest ωh is unstable.
-fn measured_limit(entry: &IntegratorEntry) -> Result<Option<f64>, StepError> {
-    let steady =
-        |x| Ok::<_, StepError>(measured_map(entry, x, 1.0)?.radius() < 1.0 + RADIUS_ROUNDING);
+fn measured_limit(entry: &IntegratorEntry) -> Result<Option<f64>, StudyError> {
+    let steady = |x| Ok(measured_map(entry, x, 1.0)?.radius() < 1.0 + RADIUS_ROUNDING);
     let Some((good, bad)) = first_failure(steady)? else {
         return Ok(None);
     };
     bisect(good, bad, |x| bounded(entry, x, BISECTION_STEPS)).map(Some)
 }
 
-/// The same of the declared map, by its spectral radius alone.
+/// The first ωh at which the spectral radius of the declared map is above 1.
 fn theory_limit(entry: &IntegratorEntry) -> Option<f64> {
     let map = |x| theory(entry, x).map(StepMap::radius);
-    let steady = |x| Ok::<_, StepError>(map(x).is_none_or(|r| r < 1.0 + RADIUS_ROUNDING));
+    let steady = |x| Ok(map(x).is_none_or(|r| r < 1.0 + RADIUS_ROUNDING));
     let (good, bad) = first_failure(steady).ok().flatten()?;
     bisect(good, bad, steady).ok()
 }
 
 /// The first interval of the search whose upper end is unsteady; (0, 0) where the smallest ωh is.
-fn first_failure<E>(steady: impl Fn(f64) -> Result<bool, E>) -> Result<Option<(f64, f64)>, E> {
+fn first_failure(
+    steady: impl Fn(f64) -> Result<bool, StudyError>,
+) -> Result<Option<(f64, f64)>, StudyError> {
     if !steady(SMALLEST_OMEGA_H)? {
         return Ok(Some((0.0, 0.0)));
     }
@@ -180,11 +174,11 @@ fn first_failure<E>(steady: impl Fn(f64) -> Result<bool, E>) -> Result<Option<(f
     Ok(None)
 }
 
-fn bisect<E>(
+fn bisect(
     mut good: f64,
     mut bad: f64,
-    stable: impl Fn(f64) -> Result<bool, E>,
-) -> Result<f64, E> {
+    stable: impl Fn(f64) -> Result<bool, StudyError>,
+) -> Result<f64, StudyError> {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (good + bad);
         if middle == 0.0 {
@@ -199,16 +193,15 @@ fn bisect<E>(
     Ok(0.5 * (good + bad))
 }
 
-/// The growth a step, (|z_n|/|z_0|)^{1/n} with |z|² = x² + (v/ω)², over [`GROWTH_STEPS`] steps at ωh.
+/// The growth per step, (|z_n|/|z_0|)^{1/n} with |z|² = x² + (v/ω)², over [`GROWTH_STEPS`] steps at ωh.
 ///
 /// Exact for methods whose map is a rotation times a factor, such as both plain Euler methods.
 pub(crate) fn mean_growth(entry: &IntegratorEntry, omega_h: f64) -> Result<f64, StudyError> {
-    let error = step_error(entry, 1.0);
     let size = |z: glam::DVec2| z.x.hypot(z.y / omega_h);
     let spring = Spring::Stiffness(omega_h * omega_h);
-    let mut rig = super::rig::Rig::start(entry, spring, (1.0, 0.0), 1.0).map_err(&error)?;
+    let mut rig = Rig::start(entry, spring, (1.0, 0.0), 1.0)?;
     for _ in 0..GROWTH_STEPS {
-        rig.step(1.0).map_err(&error)?;
+        rig.step(1.0)?;
     }
     Ok(size(rig.phase_point()).powf(1.0 / f64::from(GROWTH_STEPS)))
 }

@@ -1,14 +1,13 @@
 //! The figures of orders and of the discretisation error.
 
-use lennard_report::{Axis, Dash, Figure, Look, Series, Symbol};
+use lennard_report::{Axis, Dash, Figure, Look, Picture, Series};
 
 use super::OscillatorStudy;
 use super::figures::dense;
 use super::orders::OrderLine;
 use super::variable_step::exact_path;
-use crate::files::Captioned;
 
-pub(crate) fn discretisation(study: &OscillatorStudy) -> Captioned {
+pub(crate) fn discretisation(study: &OscillatorStudy) -> Picture {
     let mut figure = Figure::new(
         "exponential-error",
         "Error of Störmer–Verlet on ẍ = w²x",
@@ -33,8 +32,7 @@ pub(crate) fn discretisation(study: &OscillatorStudy) -> Captioned {
     .into_iter()
     .enumerate()
     {
-        let points: Vec<(f64, f64)> = scaled(errors).into_iter().step_by(4).collect();
-        figure = figure.with(Series::new(name, Look::Points(Symbol::cycle(i)), i, points));
+        figure = figure.marks(name, i, scaled(errors).into_iter().step_by(4));
     }
     for (i, (name, offset)) in [("theory: wt/24", 0.0), ("theory: wt/24 + 1/16", 1.0 / 16.0)]
         .into_iter()
@@ -43,7 +41,7 @@ pub(crate) fn discretisation(study: &OscillatorStudy) -> Captioned {
         let line = dense(0.0, end, 2).map(|t| (t, t / 24.0 + offset));
         figure = figure.with(Series::new(name, Look::Line(Dash::cycle(7 * i)), i, line));
     }
-    Captioned::new(
+    Picture::new(
         figure,
         format!(
             "Relative error in units of (wh)², at wh = {}. From the growing root the line starts at zero \
@@ -54,7 +52,7 @@ pub(crate) fn discretisation(study: &OscillatorStudy) -> Captioned {
     )
 }
 
-pub(crate) fn variable_step(study: &OscillatorStudy) -> Vec<Captioned> {
+pub(crate) fn variable_step(study: &OscillatorStudy) -> Vec<Picture> {
     let mut path = Figure::new(
         "variable-step",
         "A step that changes by a factor of two",
@@ -73,11 +71,12 @@ pub(crate) fn variable_step(study: &OscillatorStudy) -> Vec<Captioned> {
         "largest error of x / m",
     );
     for (i, run) in study.step_rules.iter().enumerate() {
-        // Three of four lie on the analytic line: each shows every third point, beside the others'.
+        // Three of four lie on the analytic line: each shows every third point, so that all can be seen.
         let (look, first, every) = if run.method.is_none() {
-            (Look::LineAndPoints(Dash::Dashed, Symbol::cycle(i)), 0, 1)
+            let symbol = lennard_report::Symbol::cycle(i);
+            (Look::LineAndPoints(Dash::Dashed, symbol), 0, 1)
         } else {
-            (Look::Points(Symbol::cycle(i)), i, 3)
+            (Look::marks(i), i, 3)
         };
         let points = run.path.iter().skip(first).step_by(every).copied();
         path = path.with(Series::new(run.rule, look, i, points));
@@ -90,17 +89,16 @@ pub(crate) fn variable_step(study: &OscillatorStudy) -> Vec<Captioned> {
             ),
             None => run.rule.to_owned(),
         };
-        let look = Look::LineAndPoints(Dash::Solid, Symbol::cycle(i));
-        errors = errors.with(Series::new(name, look, i, run.errors.iter().copied()));
+        errors = errors.joined(name, i, run.errors.iter().copied());
     }
     vec![
-        Captioned::new(
+        Picture::new(
             path,
             "Four steps of h and four of h/2 by turns, h = 0.125 s, ω = 1/s: the plain rule takes each \
              change of the step for a change of velocity.",
             "variable-step.csv",
         ),
-        Captioned::new(
+        Picture::new(
             errors,
             "Largest error over 12 s against the long step.",
             "orders.csv",
@@ -117,119 +115,83 @@ fn log_log(name: &str, title: &str, y: &str) -> Figure {
     )
 }
 
+/// The errors as marks, each with the line of its declared order.
 fn with_lines<'a>(
     mut figure: Figure,
-    lines: impl Iterator<Item = (usize, String, &'a OrderLine)>,
+    lines: impl Iterator<Item = (usize, &'a str, &'a OrderLine)>,
 ) -> Figure {
     for (i, name, line) in lines {
         let order = line
             .measured
             .map_or("rounding".to_owned(), |p| format!("order {p:.2}"));
-        let look = Look::Points(Symbol::cycle(i));
         // The theory line goes through the error at the middle step with the declared slope.
         let (h, e) = line.errors[line.errors.len() / 2];
         let (first, last) = (line.errors[0].0, line.errors[line.errors.len() - 1].0);
         let theory = [first, last].map(|x| (x, e * (x / h).powf(line.theory)));
-        let marks = Series::new(
-            format!("{name}: {order}"),
-            look,
-            i,
-            line.errors.iter().copied(),
-        );
         if line.measured.is_some() {
-            figure = figure.with(Series::new(
-                String::new(),
-                Look::Line(Dash::cycle(i)),
-                i,
-                theory,
-            ));
+            figure = figure.line("", i, theory);
         }
-        figure = figure.with(marks);
+        let name = format!("{name}: {order}");
+        figure = figure.marks(name, i, line.errors.iter().copied());
     }
     figure
 }
 
-pub(crate) fn orders(study: &OscillatorStudy) -> Vec<Captioned> {
+pub(crate) fn orders(study: &OscillatorStudy) -> Vec<Picture> {
     let orders = &study.orders;
-    let of_groups = |lines: &'_ [OrderLine]| -> Vec<(usize, String, OrderLine)> {
-        study
-            .groups
-            .iter()
-            .enumerate()
-            .filter_map(|(g, group)| {
-                let first = group.first().spec.name;
-                let line = lines.iter().find(|l| l.name == first)?;
-                Some((g, group.name.clone(), line.clone()))
-            })
-            .collect()
-    };
     let global = |name: &str, title: &str, y: &str, lines: &[OrderLine]| {
-        let lines = of_groups(lines);
-        let figure = log_log(name, title, y);
-        let figure = Figure {
-            y: figure.y.from_to(1e-15, 1.0),
-            ..figure
-        };
-        with_lines(figure, lines.iter().map(|(g, n, l)| (*g, n.clone(), l)))
+        let mut figure = log_log(name, title, y);
+        figure.y = figure.y.from_to(1e-15, 1.0);
+        let groups = study.groups.iter().enumerate();
+        let of_groups = groups.filter_map(|(g, group)| {
+            let first = group.first().spec.name;
+            let line = lines.iter().find(|l| l.name == first)?;
+            Some((g, group.name.as_str(), line))
+        });
+        let caption = "Largest error over 2 s on the oscillator with ω = 1/s, against the step. Lines: the \
+                       declared order through the middle point. Marks that level off have reached rounding.";
+        Picture::new(with_lines(figure, of_groups), caption, "orders.csv")
     };
-    let listed = |name: &str, title: &str, y: &str, lines: &[&OrderLine]| {
-        let lines = lines
-            .iter()
-            .enumerate()
-            .map(|(i, l)| (i, l.name.clone(), *l));
-        with_lines(log_log(name, title, y), lines)
+    let listed = |name: &str, title: &str, y: &str, lines: Vec<&OrderLine>, caption: &str| {
+        let lines = lines.into_iter().enumerate();
+        let lines = lines.map(|(i, l)| (i, l.name.as_str(), l));
+        Picture::new(
+            with_lines(log_log(name, title, y), lines),
+            caption,
+            "orders.csv",
+        )
     };
-    let caption = "Largest error over 2 s on the oscillator with ω = 1/s, against the step. Lines: the \
-                   declared order through the middle point. Marks that level off have reached rounding.";
     vec![
-        Captioned::new(
-            global(
-                "order-positions",
-                "Global error of positions",
-                "largest error of x / m",
-                &orders.positions,
-            ),
-            caption,
-            "orders.csv",
+        global(
+            "order-positions",
+            "Global error of positions",
+            "largest error of x / m",
+            &orders.positions,
         ),
-        Captioned::new(
-            global(
-                "order-velocities",
-                "Global error of velocities",
-                "largest error of v / (m/s)",
-                &orders.velocities,
-            ),
-            caption,
-            "orders.csv",
+        global(
+            "order-velocities",
+            "Global error of velocities",
+            "largest error of v / (m/s)",
+            &orders.velocities,
         ),
-        Captioned::new(
-            listed(
-                "order-estimates",
-                "Starts and velocity estimates of Störmer–Verlet",
-                "largest error",
-                &orders
-                    .starts
-                    .iter()
-                    .chain(&orders.velocity_estimates)
-                    .collect::<Vec<_>>(),
-            ),
+        listed(
+            "order-estimates",
+            "Starts and velocity estimates of Störmer–Verlet",
+            "largest error",
+            orders
+                .starts
+                .iter()
+                .chain(&orders.velocity_estimates)
+                .collect(),
             "A2 and A5: the start with and without its acceleration term (error of x), and three velocities \
              made from positions.",
-            "orders.csv",
         ),
-        Captioned::new(
-            listed(
-                "order-local",
-                "Local errors and energy of the Verlet family",
-                "error",
-                &orders
-                    .local
-                    .iter()
-                    .chain([&orders.energy])
-                    .collect::<Vec<_>>(),
-            ),
+        listed(
+            "order-local",
+            "Local errors and energy of the Verlet family",
+            "error",
+            orders.local.iter().chain([&orders.energy]).collect(),
             "A7: errors of a single step from exact values, and the bound of the energy's oscillation.",
-            "orders.csv",
         ),
     ]
 }

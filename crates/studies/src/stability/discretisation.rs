@@ -69,18 +69,12 @@ fn growth(z: f64) -> Result<GrowthError, StudyError> {
 
 /// (wt, ln x_n − wt) at each step from x = 1.
 fn logarithms(z: f64, velocity: f64) -> Result<Vec<(f64, f64)>, StudyError> {
-    let failed = |source| StudyError::Step {
-        method: "stormer-verlet",
-        dt: z,
-        source,
-    };
     let method = entry("stormer-verlet")?;
-    let mut rig =
-        Rig::start(method, Spring::Stiffness(-1.0), (1.0, velocity), z).map_err(failed)?;
+    let mut rig = Rig::start(method, Spring::Stiffness(-1.0), (1.0, velocity), z)?;
     let steps = (END / z).round() as u32;
     (1..=steps)
         .map(|n| {
-            let x = rig.step(z).map_err(failed)?.x;
+            let x = rig.step(z)?.x;
             let t = f64::from(n) * z;
             Ok((t, x.ln() - t))
         })

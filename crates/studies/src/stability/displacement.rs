@@ -1,4 +1,4 @@
-//! Displacement and energy against time at the stiffnesses of the manual's study.
+//! Displacement and energy against time, at the stiffnesses of the manual's study.
 
 use std::f64::consts::PI;
 
@@ -18,7 +18,7 @@ pub const MASS: f64 = 1.0;
 pub const STEP: f64 = 0.0167;
 /// Displacement at the start, m; the velocity is zero.
 pub const START: f64 = 1.0;
-/// Steps of the long runs: just outside the limit SPOOK turns by a quarter of a circle less 3·10⁻⁵ a step,
+/// Steps of the long runs: just outside the limit SPOOK turns by a quarter of a circle less 3·10⁻⁵ per step,
 /// and it takes so many steps until its samples have come close to a crest in each half of the run.
 const LONG_RUN: u32 = 100_000;
 /// |x| at which a long run counts as diverging, m.
@@ -37,7 +37,7 @@ pub struct Case {
     pub omega_h: f64,
     /// One run for each group of methods.
     pub runs: Vec<Run>,
-    /// What each method did in a long run.
+    /// The long run of each method.
     pub summaries: Vec<Summary>,
 }
 
@@ -48,10 +48,10 @@ pub struct Run {
     pub method: &'static str,
     /// Index of the group.
     pub group: usize,
-    /// x in m, from time 0, one a step; ends early where the method stopped.
+    /// x in m, from time 0, one per step; ends early where the method stopped.
     #[serde(skip)]
     pub positions: Vec<f64>,
-    /// ½kx² + ½mv² in J, one a step.
+    /// ½kx² + ½mv² in J, one per step.
     #[serde(skip)]
     pub energies: Vec<f64>,
     /// Why the method stopped, if it did.
@@ -65,13 +65,13 @@ pub struct Summary {
     pub method: &'static str,
     /// Steps of the long run.
     pub steps: u32,
-    /// Growth a step by the one-step map.
+    /// Growth per step by the one-step map.
     pub theory_radius: f64,
     /// Amplitude by the one-step map, m; `None` where it grows, shrinks or has real eigenvalues.
     pub theory_amplitude: Option<f64>,
     /// max |x| of the long run, m; `None` where it diverged.
     pub measured_amplitude: Option<f64>,
-    /// max |x| of its second half over that of its first: 1 where bounded, 0 where it dies away.
+    /// max |x| of its second half over the same of its first half: 1 where bounded, 0 where it dies away.
     pub growth_of_halves: Option<f64>,
     /// Period by the one-step map over the true one.
     pub theory_period_ratio: Option<f64>,
@@ -127,25 +127,17 @@ fn short_run(
     stiffness: f64,
     steps: u32,
 ) -> Result<Run, StudyError> {
-    let method = entry.spec.name;
-    let mut rig =
-        Rig::start(entry, Spring::Stiffness(stiffness), (START, 0.0), STEP).map_err(|source| {
-            StudyError::Step {
-                method,
-                dt: STEP,
-                source,
-            }
-        })?;
+    let mut rig = Rig::start(entry, Spring::Stiffness(stiffness), (START, 0.0), STEP)?;
     let energy = |x: f64, v: f64| 0.5 * stiffness * x * x + 0.5 * MASS * v * v;
     let mut run = Run {
-        method,
+        method: entry.spec.name,
         group,
         positions: vec![START],
         energies: vec![energy(START, 0.0)],
         stopped: None,
     };
     for _ in 0..steps {
-        match rig.step(STEP) {
+        match rig.try_step(STEP) {
             Ok(z) => {
                 run.positions.push(z.x);
                 run.energies.push(energy(z.x, z.y));
@@ -165,21 +157,15 @@ fn summarise(
     omega_h: f64,
     steps: u32,
 ) -> Result<Summary, StudyError> {
-    let method = entry.spec.name;
-    let failed = |source| StudyError::Step {
-        method,
-        dt: STEP,
-        source,
-    };
     let spring = Spring::Stiffness(stiffness);
-    let far = excursion(entry, spring, STEP, steps, DIVERGED).map_err(failed)?;
-    let measured = measured_map(entry, omega_h / STEP, STEP).map_err(failed)?;
+    let far = excursion(entry, spring, STEP, steps, DIVERGED)?;
+    let measured = measured_map(entry, omega_h / STEP, STEP)?;
     // The declared map in units of the step, so that x and v·h have the same size.
     let map = theory(entry, omega_h);
     let neutral = |m: &StepMap| (m.radius() - 1.0).abs() < 1e-9;
     let finite = |x: f64| x.is_finite().then_some(x);
     Ok(Summary {
-        method,
+        method: entry.spec.name,
         steps,
         theory_radius: map.map_or(f64::NAN, StepMap::radius),
         theory_amplitude: map.filter(neutral).and_then(|m| m.amplitude(START, 0.0)),

@@ -40,7 +40,7 @@ impl Group {
 }
 
 impl Group {
-    /// The method that is drawn where all of them would lie on top of each other.
+    /// The method that is drawn where all members would lie on top of each other.
     #[must_use]
     pub fn representative(&self) -> &'static IntegratorEntry {
         let known = self.members.iter().find(|e| e.spec.name == FAMILY);

@@ -30,7 +30,7 @@ pub struct RigidRun {
     pub measured_radius: f64,
     /// |x_n| at the last step, m.
     pub last_displacement: f64,
-    /// max |x| of the second half of the run over that of the first: 2 for linear growth.
+    /// max |x| of the second half of the run over the same of the first half: 2 for linear growth.
     pub growth_of_halves: f64,
     /// |x| in m at the steps of [`Infinite::shown_steps`].
     #[serde(skip)]
@@ -84,16 +84,28 @@ fn shown_steps() -> Vec<u32> {
     steps
 }
 
+/// SPOOK on a spring, from x = 1 m at rest.
+fn start(spring: Spring) -> Result<Rig, StudyError> {
+    Rig::start(entry("spook")?, spring, (1.0, 0.0), STEP)
+}
+
+/// |x| after each of the steps, m.
+fn displacements(spring: Spring, steps: u32) -> Result<Vec<f64>, StudyError> {
+    let mut rig = start(spring)?;
+    (0..steps).map(|_| Ok(rig.step(STEP)?.x.abs())).collect()
+}
+
+/// The values at the steps that are shown.
+fn shown(values: &[f64], steps: &[u32]) -> Vec<f64> {
+    let at = |n: &u32| values.get(*n as usize - 1).copied();
+    steps.iter().filter_map(at).collect()
+}
+
 /// Measures everything.
 pub(crate) fn measure(quick: bool) -> Result<Infinite, StudyError> {
     let spook = entry("spook")?;
-    let failed = |source| StudyError::Step {
-        method: "spook",
-        dt: STEP,
-        source,
-    };
     let steps = if quick { STEPS / 5 } else { STEPS };
-    let shown = shown_steps();
+    let shown_steps = shown_steps();
     let mut deviation_from_linear = 0.0_f64;
     let mut rigid = Vec::new();
     for damping_steps in DAMPING_STEPS {
@@ -101,61 +113,41 @@ pub(crate) fn measure(quick: bool) -> Result<Infinite, StudyError> {
             damping_time: damping_steps * STEP,
         };
         let gamma = 1.0 / (1.0 + 4.0 * damping_steps);
-        let far = excursion(spook, spring, STEP, steps, f64::INFINITY).map_err(failed)?;
-        let mut rig = Rig::start(spook, spring, (1.0, 0.0), STEP).map_err(failed)?;
-        let mut displacements = Vec::new();
-        let mut states = Vec::new();
-        let mut last = 1.0;
-        for n in 1..=steps {
-            let z = rig.step(STEP).map_err(failed)?;
-            last = z.x.abs();
-            if states.len() < 3 {
-                states.push(z);
-            }
-            if shown.binary_search(&n).is_ok() {
-                displacements.push(last);
-            }
-            if damping_steps == 0.0 {
+        let x = displacements(spring, steps)?;
+        if damping_steps == 0.0 {
+            for (n, x) in (1..).zip(&x) {
                 let linear = 2.0 * f64::from(n) + 1.0;
-                deviation_from_linear = deviation_from_linear.max((last / linear - 1.0).abs());
+                deviation_from_linear = deviation_from_linear.max((x / linear - 1.0).abs());
             }
         }
         rigid.push(RigidRun {
             damping_steps,
             gamma,
             theory_radius: rigid_map(gamma).radius(),
-            measured_radius: StepMap::from_states([states[0], states[1], states[2]]).radius(),
-            last_displacement: last,
-            growth_of_halves: far.growth(),
-            displacements,
+            measured_radius: start(spring)?.map(STEP)?.radius(),
+            last_displacement: x.last().copied().unwrap_or(f64::NAN),
+            growth_of_halves: excursion(spook, spring, STEP, steps, f64::INFINITY)?.growth(),
+            displacements: shown(&x, &shown_steps),
         });
     }
     let stiff = APPROACH
         .iter()
         .map(|omega_h| {
             let spring = Spring::Stiffness((omega_h / STEP).powi(2));
-            // Near the end of the line x turns by π − 4/(ωh) a step: a beat takes π·ωh/4 steps.
+            // Near the end of the line x turns by π − 4/(ωh) per step: a beat takes π·ωh/4 steps.
             let enough = (4.0 * omega_h) as u32 + 1000;
-            let far = excursion(spook, spring, STEP, enough, f64::INFINITY).map_err(failed)?;
-            let mut rig = Rig::start(spook, spring, (1.0, 0.0), STEP).map_err(failed)?;
-            let mut displacements = Vec::new();
-            for n in 1..=SHOWN {
-                let z = rig.step(STEP).map_err(failed)?;
-                if shown.binary_search(&n).is_ok() {
-                    displacements.push(z.x.abs());
-                }
-            }
             Ok(StiffRun {
                 omega_h: *omega_h,
                 theory_amplitude: 1.0_f64.hypot(0.5 * omega_h),
-                measured_amplitude: far.largest(),
-                displacements,
+                measured_amplitude: excursion(spook, spring, STEP, enough, f64::INFINITY)?
+                    .largest(),
+                displacements: shown(&displacements(spring, SHOWN)?, &shown_steps),
             })
         })
         .collect::<Result<_, StudyError>>()?;
     Ok(Infinite {
         steps,
-        shown_steps: shown,
+        shown_steps,
         rigid,
         deviation_from_linear,
         stiff,

@@ -1,7 +1,9 @@
-//! What the article and our own list claim of these methods, beside what was measured.
+//! The claims of the article and of our own list about these methods, beside the measurements.
 
+use super::OscillatorStudy;
 use super::manual_judgement::{self, or_infinity};
-use super::{OscillatorStudy, orders::OrderLine};
+use super::orders::OrderLine;
+use super::variable_step::StepRuleRun;
 use crate::StudyError;
 use crate::claims::{Claim, Demand};
 use crate::fluid_stability::FluidStudy;
@@ -10,6 +12,7 @@ const ARTICLE: &str = "article on Verlet integration";
 const OURS: &str = "list of integrators";
 
 const ORDER_REASON: &str = "next term of the error expansion at the smallest step";
+const NEXT_TERM_REASON: &str = "next term, of the order (wh)²";
 pub(crate) const ROUNDING_REASON: &str = "rounding";
 
 /// Tolerance of a measured order.
@@ -20,153 +23,123 @@ const MOMENTUM_TOLERANCE: f64 = 1e-11;
 /// Two runs of one τ see different parts of the phase space once they have parted.
 const FLUID_ORDER_TOLERANCE: f64 = 0.2;
 
-fn order(source: &'static str, statement: impl Into<String>, line: &OrderLine) -> Claim {
-    let near = Demand::Near {
-        value: line.theory,
-        within: ORDER_TOLERANCE,
-    };
-    Claim::judge(
-        source,
-        statement,
-        format!("order of {}", line.name),
-        near,
-        line.measured.unwrap_or(f64::NAN),
-    )
-    .with_theory(line.theory, ORDER_TOLERANCE, ORDER_REASON)
-}
-
 /// All claims about the oscillator.
 pub(crate) fn claims(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> {
-    let mut claims = article(study)?;
+    let mut claims = article(study);
     claims.extend(manual_judgement::manual(study)?);
     claims.extend(manual_judgement::rigid(study));
     claims.extend(limits(study));
     Ok(claims)
 }
 
-fn article(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> {
-    let orders = &study.orders;
+/// A claim that an error falls with a known order.
+fn order(statement: &str, line: &OrderLine) -> Claim {
+    let quantity = format!("order of {}", line.name);
+    let measured = line.measured.unwrap_or(f64::NAN);
+    let theory = (line.theory, ORDER_TOLERANCE, ORDER_REASON);
+    Claim::of_theory(ARTICLE, statement, quantity, theory, measured)
+}
+
+/// A claim about the rule for a changing step with this order.
+fn rule(statement: &str, order: f64, run: &StepRuleRun) -> Claim {
+    let quantity = format!("order of the {} form", run.rule);
+    let measured = run.order.unwrap_or(f64::NAN);
+    let theory = (order, ORDER_TOLERANCE, ORDER_REASON);
+    Claim::of_theory(ARTICLE, statement, quantity, theory, measured)
+}
+
+fn article(study: &OscillatorStudy) -> Vec<Claim> {
+    let o = &study.orders;
+    let [plain, corrected, exact, ..] = study.step_rules.as_slice() else {
+        return Vec::new();
+    };
     let growth = &study.growth[study.growth.len() / 2];
+    let part = |statement: &str, quantity: String, one_over: f64, measured: f64| {
+        let theory = (1.0 / one_over, 0.01 / one_over.abs(), NEXT_TERM_REASON);
+        Claim::of_theory(ARTICLE, statement, quantity, theory, measured)
+    };
     let coefficient = |what: &str, measured: f64| {
-        let near = Demand::Near {
-            value: 1.0 / 24.0,
-            within: 0.01 / 24.0,
-        };
-        Claim::judge(
-            ARTICLE,
-            format!("on ẍ = w²x, xₙ = exp(wt)·(1 − (wh)²/24·wt + …), {what}"),
-            format!("coefficient at wh = {}", growth.wh),
-            near,
-            measured,
-        )
-        .with_theory(1.0 / 24.0, 0.01 / 24.0, "next term, of the order (wh)²")
+        let statement = format!("on ẍ = w²x, xₙ = exp(wt)·(1 − (wh)²/24·wt + …), {what}");
+        let quantity = format!("coefficient at wh = {}", growth.wh);
+        part(&statement, quantity, 24.0, measured)
     };
-    let rule = |i: usize, order: f64, statement: &str| {
-        let run = &study.step_rules[i];
-        let near = Demand::Near {
-            value: order,
-            within: ORDER_TOLERANCE,
-        };
-        let measured = run.order.unwrap_or(f64::NAN);
-        Claim::judge(
-            ARTICLE,
-            statement,
-            format!("order of the {} form", run.rule),
-            near,
-            measured,
-        )
-        .with_theory(order, ORDER_TOLERANCE, ORDER_REASON)
-    };
-    Ok(vec![
+    let equality = "A6: velocity Verlet equals Störmer–Verlet with central velocities";
+    let difference = "largest difference of x and v over 128 steps";
+    let offset = "A3: the Taylor start adds an offset near −(wh)²/16";
+    let steady = "A7: the energy of velocity Verlet does not drift";
+    let drift = "drift over the run as a share of the oscillation";
+    vec![
         order(
-            ARTICLE,
             "A2: the Taylor start keeps Störmer–Verlet of order 2",
-            &orders.starts[0],
+            &o.starts[0],
         ),
         order(
-            ARTICLE,
             "A2: a start without the acceleration drops it to 1",
-            &orders.starts[1],
+            &o.starts[1],
         ),
         coefficient("A3: started with x₁ = q₊", growth.exact_start_coefficient),
         coefficient(
             "A3: slope with the Taylor start",
             growth.taylor_start_coefficient,
         ),
-        Claim::judge(
-            ARTICLE,
-            "A3: the Taylor start adds an offset near −(wh)²/16",
-            "offset over (wh)²",
-            Demand::Near {
-                value: -1.0 / 16.0,
-                within: 0.01 / 16.0,
-            },
+        part(
+            offset,
+            "offset over (wh)²".into(),
+            -16.0,
             growth.taylor_start_offset,
-        )
-        .with_theory(-1.0 / 16.0, 0.01 / 16.0, "next term, of the order (wh)²"),
+        ),
         rule(
-            0,
-            0.0,
             "A4: with the plain rule a changing step breaks the method",
+            0.0,
+            plain,
         ),
-        rule(1, 1.0, "A4: the time-corrected rule converges"),
-        rule(2, 2.0, "A4: the more exact rule keeps order 2"),
+        rule("A4: the time-corrected rule converges", 1.0, corrected),
+        rule("A4: the more exact rule keeps order 2", 2.0, exact),
         order(
-            ARTICLE,
             "A5: the central velocity is of order 2",
-            &orders.velocity_estimates[0],
+            &o.velocity_estimates[0],
         ),
         order(
-            ARTICLE,
             "A5: the half-step velocity is of order 2",
-            &orders.velocity_estimates[1],
+            &o.velocity_estimates[1],
         ),
         order(
-            ARTICLE,
             "A5: the early velocity is of order 1",
-            &orders.velocity_estimates[2],
+            &o.velocity_estimates[2],
         ),
         Claim::judge(
             ARTICLE,
-            "A6: velocity Verlet equals Störmer–Verlet with central velocities",
-            "largest difference of x and v over 128 steps",
+            equality,
+            difference,
             Demand::Below(1e-12),
-            orders.velocity_verlet_against_stormer,
+            o.velocity_verlet_against_stormer,
         )
         .with_theory(0.0, 1e-12, ROUNDING_REASON),
         order(
-            ARTICLE,
             "A7: local error O(h⁴) in the position of the recurrence",
-            &orders.local[0],
+            &o.local[0],
         ),
+        order("A7: local error O(h²) in the central velocity", &o.local[1]),
         order(
-            ARTICLE,
-            "A7: local error O(h²) in the central velocity",
-            &orders.local[1],
-        ),
-        order(
-            ARTICLE,
             "A7: one velocity-Verlet step errs by O(h³) in x",
-            &orders.local[2],
+            &o.local[2],
         ),
         order(
-            ARTICLE,
             "A7: one velocity-Verlet step errs by O(h³) in v",
-            &orders.local[3],
+            &o.local[3],
         ),
         order(
-            ARTICLE,
             "A7: the energy oscillates within a bound that falls as h²",
-            &orders.energy,
+            &o.energy,
         ),
         Claim::judge(
             ARTICLE,
-            "A7: the energy of velocity Verlet does not drift",
-            "drift over the run as a share of the oscillation",
+            steady,
+            drift,
             Demand::Below(1e-3),
-            orders.energy_drift_share,
+            o.energy_drift_share,
         ),
-    ])
+    ]
 }
 
 /// Claims about a conservative system of many particles, judged on the fluid.
@@ -197,28 +170,17 @@ pub(crate) fn on_the_fluid(study: &FluidStudy) -> Vec<Claim> {
     if let [coarse, fine] = &study.double[last..]
         && let (Some(a), Some(b)) = (coarse.fluctuation, fine.fluctuation)
     {
-        let measured = (b / a).ln() / (fine.dt / coarse.dt).ln();
-        let near = Demand::Near {
-            value: 2.0,
-            within: FLUID_ORDER_TOLERANCE,
-        };
-        claims.push(
-            Claim::judge(
-                ARTICLE,
-                "A7: on the fluid, too, the bound of the energy's oscillation falls as h²",
-                format!(
-                    "order of the energy RMS of `velocity-verlet` between dt = {} and {}",
-                    coarse.dt, fine.dt
-                ),
-                near,
-                measured,
-            )
-            .with_theory(
-                2.0,
-                FLUID_ORDER_TOLERANCE,
-                "two short runs that part company after a while",
+        let reason = "two short runs that part company after a while";
+        claims.push(Claim::of_theory(
+            ARTICLE,
+            "A7: on the fluid, too, the bound of the energy's oscillation falls as h²",
+            format!(
+                "order of the energy RMS of `velocity-verlet` between dt = {} and {}",
+                coarse.dt, fine.dt
             ),
-        );
+            (2.0, FLUID_ORDER_TOLERANCE, reason),
+            (b / a).ln() / (fine.dt / coarse.dt).ln(),
+        ));
     }
     claims
 }

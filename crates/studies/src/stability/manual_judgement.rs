@@ -1,4 +1,4 @@
-//! What the manual of SPOOK claims of a stiff oscillator, beside what was measured.
+//! The claims of SPOOK's manual about a stiff oscillator, beside the measurements.
 
 use super::OscillatorStudy;
 use super::amplification::{mean_growth, theory};
@@ -10,9 +10,13 @@ use crate::claims::{Claim, Demand};
 
 const MANUAL: &str = "manual of the SPOOK integrator";
 
+/// The quantities that several claims are judged by.
+const AMPLITUDE: &str = "max |x| / m over the long run";
+const HALVES: &str = "max |x|, second half of the long run over the first";
+
 const SAMPLING_REASON: &str = "the largest of many samples of a cosine misses its crest by less";
 
-/// A growth factor a step averaged over 1000 steps.
+/// A growth factor per step, averaged over 1000 steps.
 const GROWTH_TOLERANCE: f64 = 1e-10;
 /// max |x| over a long run: the phases sampled fill the circle to 10⁻³, and the crest is missed by half
 /// its square.
@@ -40,138 +44,131 @@ pub(crate) fn or_infinity(value: Option<f64>) -> f64 {
     value.unwrap_or(f64::INFINITY)
 }
 
+/// A demand on the amplitude of a long run.
+fn amplitude(statement: &str, demand: Demand, s: &Summary) -> Claim {
+    let theory = s.theory_amplitude.unwrap_or(f64::NAN);
+    let measured = or_infinity(s.measured_amplitude);
+    Claim::judge(MANUAL, statement, AMPLITUDE, demand, measured).with_theory(
+        theory,
+        AMPLITUDE_TOLERANCE * theory,
+        SAMPLING_REASON,
+    )
+}
+
+/// A demand on the period over the true one.
+fn period(statement: &str, demand: Demand, s: &Summary) -> Claim {
+    let theory = s.theory_period_ratio.unwrap_or(f64::NAN);
+    let measured = s.measured_period_ratio.unwrap_or(f64::NAN);
+    Claim::judge(
+        MANUAL,
+        statement,
+        "period over the true period",
+        demand,
+        measured,
+    )
+    .with_theory(theory, GROWTH_TOLERANCE, ROUNDING_REASON)
+}
+
+/// The demand that a long run does not grow.
+fn bounded(statement: &str, s: &Summary) -> Claim {
+    let growth = or_infinity(s.growth_of_halves);
+    Claim::judge(MANUAL, statement, HALVES, Demand::Below(NO_GROWTH), growth).with_theory(
+        1.0,
+        NO_GROWTH - 1.0,
+        SAMPLING_REASON,
+    )
+}
+
+/// A demand on the growth per step of a method.
+fn factor(
+    statement: &str,
+    demand: Demand,
+    method: &'static str,
+    case: &Case,
+) -> Result<Claim, StudyError> {
+    let method = entry(method)?;
+    let radius = theory(method, case.omega_h).map_or(f64::NAN, |m| m.radius());
+    let measured = mean_growth(method, case.omega_h)?;
+    let claim = Claim::judge(
+        MANUAL,
+        statement,
+        "growth a step over 1000 steps",
+        demand,
+        measured,
+    );
+    Ok(claim.with_theory(radius, GROWTH_TOLERANCE, ROUNDING_REASON))
+}
+
 /// Claims about each finite stiffness.
 pub(crate) fn manual(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> {
-    let soft = case(study, "k-100")?;
-    let mean = |name: &'static str, case: &Case| -> Result<(f64, f64), StudyError> {
-        let method = entry(name)?;
-        let radius = theory(method, case.omega_h).map_or(f64::NAN, |m| m.radius());
-        Ok((mean_growth(method, case.omega_h)?, radius))
+    let of = |name: &'static str| {
+        let case = case(study, name)?;
+        Ok::<_, StudyError>((
+            case,
+            summary(case, "spook")?,
+            summary(case, "symplectic-euler")?,
+        ))
     };
-    let grows = |s: &Summary| or_infinity(s.growth_of_halves);
-    let amplitude = |s: &Summary, demand: Demand, statement: &str| {
-        let theory = s.theory_amplitude.unwrap_or(f64::NAN);
-        Claim::judge(
-            MANUAL,
-            statement,
-            "max |x| / m over the long run",
-            demand,
-            or_infinity(s.measured_amplitude),
-        )
-        .with_theory(theory, AMPLITUDE_TOLERANCE * theory, SAMPLING_REASON)
-    };
-    let period = |s: &Summary, demand: Demand, statement: &str| {
-        let theory = s.theory_period_ratio.unwrap_or(f64::NAN);
-        let measured = s.measured_period_ratio.unwrap_or(f64::NAN);
-        Claim::judge(
-            MANUAL,
-            statement,
-            "period over the true period",
-            demand,
-            measured,
-        )
-        .with_theory(theory, GROWTH_TOLERANCE, ROUNDING_REASON)
-    };
-    let bounded = |s: &Summary, statement: &str| {
-        let what = "max |x|, second half of the long run over the first";
-        Claim::judge(MANUAL, statement, what, Demand::Below(NO_GROWTH), grows(s)).with_theory(
-            1.0,
-            NO_GROWTH - 1.0,
-            SAMPLING_REASON,
-        )
-    };
-    let (explicit, explicit_theory) = mean("explicit-euler", soft)?;
-    let (implicit, implicit_theory) = mean("implicit-euler", soft)?;
-    let factor = |statement: &str, demand, measured, theory| {
-        Claim::judge(
-            MANUAL,
-            statement,
-            "growth a step over 1000 steps",
-            demand,
-            measured,
-        )
-        .with_theory(theory, GROWTH_TOLERANCE, ROUNDING_REASON)
-    };
-    let (inside, outside, aliasing) = (
-        case(study, "k-inside")?,
-        case(study, "k-outside")?,
-        case(study, "k-aliasing")?,
-    );
+    let (soft, soft_spook, soft_euler) = of("k-100")?;
+    let (_, _, inside_euler) = of("k-inside")?;
+    let (_, outside_spook, outside_euler) = of("k-outside")?;
+    let (_, aliasing_spook, _) = of("k-aliasing")?;
     let near = Demand::Near {
         value: 1.0,
         within: 0.01,
     };
-    let outside_symplectic = summary(outside, "symplectic-euler")?;
+    let (above, below) = (Demand::Above, Demand::Below);
+    let grows = "k = 100: explicit Euler diverges, by √(1 + ω²h²) a step";
+    let decays = "k = 100: implicit Euler decays, by 1/√(1 + ω²h²) a step";
+    let follows = "k = 100: SPOOK follows the analytic solution (1 % in the period)";
+    let diverges = Claim::judge(
+        MANUAL,
+        "k = 4m/h² + 1: semi-implicit Euler diverges",
+        AMPLITUDE,
+        above(1e9),
+        or_infinity(outside_euler.measured_amplitude),
+    );
     Ok(vec![
-        factor(
-            "k = 100: explicit Euler diverges, by √(1 + ω²h²) a step",
-            Demand::Above(1.0),
-            explicit,
-            explicit_theory,
-        ),
-        factor(
-            "k = 100: implicit Euler decays, by 1/√(1 + ω²h²) a step",
-            Demand::Below(1.0),
-            implicit,
-            implicit_theory,
-        ),
+        factor(grows, above(1.0), "explicit-euler", soft)?,
+        factor(decays, below(1.0), "implicit-euler", soft)?,
+        period(follows, near, soft_spook),
         period(
-            summary(soft, "spook")?,
-            near,
-            "k = 100: SPOOK follows the analytic solution (1 % in the period)",
-        ),
-        period(
-            summary(soft, "symplectic-euler")?,
-            near,
             "k = 100: semi-implicit Euler follows it (1 %)",
+            near,
+            soft_euler,
         ),
+        bounded("k = 100: SPOOK stays within a bound", soft_spook),
         bounded(
-            summary(soft, "spook")?,
-            "k = 100: SPOOK stays within a bound",
-        ),
-        bounded(
-            summary(soft, "symplectic-euler")?,
             "k = 100: semi-implicit Euler stays within a bound",
+            soft_euler,
         ),
         bounded(
-            summary(inside, "symplectic-euler")?,
             "k = 4m/h² − 1: semi-implicit Euler is bounded",
+            inside_euler,
         ),
         amplitude(
-            summary(inside, "symplectic-euler")?,
-            Demand::Above(100.0),
             "k = 4m/h² − 1: its amplitude is over 100 m",
+            above(100.0),
+            inside_euler,
         ),
-        Claim::judge(
-            MANUAL,
-            "k = 4m/h² + 1: semi-implicit Euler diverges",
-            "max |x| / m over the long run",
-            Demand::Above(1e9),
-            or_infinity(outside_symplectic.measured_amplitude),
-        ),
-        bounded(
-            summary(outside, "spook")?,
-            "k = 4m/h² + 1: SPOOK stays bounded",
-        ),
+        diverges,
+        bounded("k = 4m/h² + 1: SPOOK stays bounded", outside_spook),
         amplitude(
-            summary(outside, "spook")?,
-            Demand::Below(10.0),
             "k = 4m/h² + 1: with amplitude √(1 + ω²h²/4)",
+            below(10.0),
+            outside_spook,
         ),
         period(
-            summary(outside, "spook")?,
-            Demand::Above(1.01),
             "k = 4m/h² + 1: SPOOK has the wrong period",
+            above(1.01),
+            outside_spook,
         ),
         amplitude(
-            summary(aliasing, "spook")?,
-            Demand::Above(1.5),
             "k = 4π²m/h²: SPOOK's amplitude grows",
+            above(1.5),
+            aliasing_spook,
         ),
-        bounded(
-            summary(aliasing, "spook")?,
-            "k = 4π²m/h²: but stays bounded",
-        ),
+        bounded("k = 4π²m/h²: but stays bounded", aliasing_spook),
     ])
 }
 
@@ -187,7 +184,7 @@ pub(crate) fn rigid(study: &OscillatorStudy) -> Vec<Claim> {
                 Claim::judge(
                     MANUAL,
                     "k = ∞, τ = 0: SPOOK does not diverge",
-                    "max |x|, second half of the long run over the first",
+                    HALVES,
                     Demand::Below(NO_GROWTH),
                     run.growth_of_halves,
                 )

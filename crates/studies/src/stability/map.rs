@@ -15,7 +15,7 @@ impl StepMap {
         self.0.determinant()
     }
 
-    /// The spectral radius ρ, the amplification a step: both eigenvalues λ solve λ² − T·λ + D = 0, so
+    /// The spectral radius ρ, the amplification per step: both eigenvalues λ solve λ² − T·λ + D = 0, so
     /// ρ = √D where they are complex and (|T| + √(T² − 4D))/2 where they are real.
     pub(crate) fn radius(self) -> f64 {
         let (t, d) = (self.trace(), self.determinant());
@@ -27,7 +27,7 @@ impl StepMap {
         }
     }
 
-    /// The angle θ in (0, π) by which a complex eigenvalue turns a step; `None` where they are real.
+    /// The angle θ in (0, π) by which a complex eigenvalue turns per step; `None` where they are real.
     pub(crate) fn phase(self) -> Option<f64> {
         let (t, d) = (self.trace(), self.determinant());
         let discriminant = 4.0 * d - t * t;

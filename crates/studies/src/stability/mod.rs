@@ -1,8 +1,8 @@
 //! `lennard stability`: where each integrator fails, on the oscillator and on the fluid, with theory and
 //! measurement in one picture and a verdict for each claim of the two documents behind the project.
 //!
-//! The oscillator part goes over the list of integrators: one that is added there is measured and charted
-//! here without a line of this crate being touched.
+//! The oscillator part goes over the list of integrators: an integrator that is added there is measured and drawn
+//! here without a change of this crate.
 
 pub mod amplification;
 mod convergence_figures;
@@ -85,7 +85,7 @@ pub struct StabilityStudy {
 /// Share of the oscillator part in the time of the whole study.
 const OSCILLATOR_SHARE: f64 = 0.03;
 
-/// Tells the progress of a part as a share of the whole.
+/// The progress of a part, told as a share of the whole.
 struct Rest<'a>(&'a mut dyn Progress);
 
 impl Progress for Rest<'_> {
@@ -98,8 +98,8 @@ impl Progress for Rest<'_> {
 /// Runs the study.
 ///
 /// # Errors
-/// [`StudyError`] where a method fails at a place where all must work; that a method becomes unstable or
-/// refuses is a result and no error.
+/// [`StudyError`] where a method fails at a place where all must work. An unstable method, or one that refuses,
+/// is a result and no error.
 pub fn run(
     options: &StabilityOptions,
     progress: &mut dyn Progress,
@@ -146,10 +146,8 @@ fn oscillator(quick: bool, progress: &mut dyn Progress) -> Result<OscillatorStud
 pub fn write(study: &StabilityStudy, dir: &Path) -> Result<(), StudyError> {
     let mut tables = tables::csv(&study.oscillator);
     tables.extend(fluid_stability::csv(&study.fluid));
-    tables.push(tables::claims(&study.claims));
-    let layout = page::Layout::of(study);
-    let page = page::page(study, &layout)?.to_html();
-    crate::files::write_all(dir, &tables, &layout.all(), ("study.json", study), &page)
+    tables.push(crate::claims::csv(&study.claims));
+    crate::files::write_all(dir, &tables, ("study.json", study), &page::page(study))
 }
 
 #[cfg(test)]

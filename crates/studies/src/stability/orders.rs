@@ -15,7 +15,7 @@ const START: (f64, f64) = (1.0, 0.5);
 const END: f64 = 2.0;
 /// The coarsest step is END over this number of steps; each further one is half as long.
 const COARSEST: u32 = 16;
-/// Number of steps lengths.
+/// Number of step lengths.
 const REFINEMENTS: u32 = 7;
 /// Errors below this are rounding: 512 steps of a few 10⁻¹⁶ each.
 const ROUNDING: f64 = 2e-13;
@@ -59,22 +59,17 @@ fn exact(t: f64) -> (f64, f64) {
     (x * t.cos() + v * t.sin(), v * t.cos() - x * t.sin())
 }
 
-/// (x, v) from time 0, one a step, to the end.
+/// (x, v) from time 0 to the end, one per step.
 fn path(
     entry: &IntegratorEntry,
     start: (f64, f64),
     steps: u32,
 ) -> Result<Vec<(f64, f64)>, StudyError> {
     let dt = END / f64::from(steps);
-    let failed = |source| StudyError::Step {
-        method: entry.spec.name,
-        dt,
-        source,
-    };
-    let mut rig = Rig::start(entry, Spring::Stiffness(1.0), start, dt).map_err(failed)?;
+    let mut rig = Rig::start(entry, Spring::Stiffness(1.0), start, dt)?;
     let mut path = vec![start];
     for _ in 0..steps {
-        let z = rig.step(dt).map_err(failed)?;
+        let z = rig.step(dt)?;
         path.push((z.x, z.y));
     }
     Ok(path)
@@ -108,6 +103,21 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.map(f64::abs).fold(0.0, f64::max)
 }
 
+/// The largest error over a run of what `pick` takes of (x, v).
+fn error_of(
+    entry: &IntegratorEntry,
+    start: (f64, f64),
+    steps: u32,
+    pick: fn((f64, f64)) -> f64,
+) -> Result<f64, StudyError> {
+    let run = path(entry, start, steps)?;
+    let h = END / f64::from(steps);
+    Ok(largest(run.iter().enumerate().map(|(i, z)| {
+        let truth = exact(i as f64 * h);
+        pick(*z) - pick(truth)
+    })))
+}
+
 /// Measures all orders.
 pub(crate) fn measure(groups: &[Group], quick: bool) -> Result<Orders, StudyError> {
     let entries: Vec<&IntegratorEntry> = groups
@@ -117,19 +127,11 @@ pub(crate) fn measure(groups: &[Group], quick: bool) -> Result<Orders, StudyErro
     let both: Vec<(OrderLine, OrderLine)> = entries
         .par_iter()
         .map(|e| {
-            let at_end = |n: u32, pick: fn((f64, f64)) -> f64| -> Result<f64, StudyError> {
-                let run = path(e, START, n)?;
-                let h = END / f64::from(n);
-                Ok(largest(run.iter().enumerate().map(|(i, z)| {
-                    let truth = exact(i as f64 * h);
-                    pick(*z) - pick(truth)
-                })))
-            };
             let x = line(e.spec.name, f64::from(e.spec.position_order), |n, _| {
-                at_end(n, |z| z.0)
+                error_of(e, START, n, |z| z.0)
             })?;
             let v = line(e.spec.name, f64::from(e.spec.velocity_order), |n, _| {
-                at_end(n, |z| z.1)
+                error_of(e, START, n, |z| z.1)
             })?;
             Ok((x, v))
         })
@@ -155,12 +157,7 @@ fn starts() -> Result<Vec<OrderLine>, StudyError> {
     let run = |n: u32, h: f64, with_term: bool| {
         let (x, v) = START;
         let start = (x, if with_term { v } else { v + 0.5 * h * x });
-        let run = path(stormer, start, n)?;
-        Ok(largest(
-            run.iter()
-                .enumerate()
-                .map(|(i, z)| z.0 - exact(i as f64 * h).0),
-        ))
+        error_of(stormer, start, n, |z| z.0)
     };
     Ok(vec![
         line("x₀ + v₀h + ½a₀h²", 2.0, |n, h| run(n, h, true))?,
@@ -195,8 +192,8 @@ fn local() -> Result<Vec<OrderLine>, StudyError> {
     let verlet = entry("velocity-verlet")?;
     // One step from the exact state at a generic time.
     let one_step = |h: f64, pick: fn((f64, f64)) -> f64| {
-        let run = one_step_of(verlet, h)?;
-        Ok((pick(run) - pick(exact(h))).abs())
+        let z = Rig::start(verlet, Spring::Stiffness(1.0), START, h)?.step(h)?;
+        Ok((pick((z.x, z.y)) - pick(exact(h))).abs())
     };
     Ok(vec![
         line("x of the recurrence", 4.0, |_, h| {
@@ -215,17 +212,6 @@ fn local() -> Result<Vec<OrderLine>, StudyError> {
     ])
 }
 
-fn one_step_of(entry: &IntegratorEntry, dt: f64) -> Result<(f64, f64), StudyError> {
-    let failed = |source| StudyError::Step {
-        method: entry.spec.name,
-        dt,
-        source,
-    };
-    let mut rig = Rig::start(entry, Spring::Stiffness(1.0), START, dt).map_err(failed)?;
-    let z = rig.step(dt).map_err(failed)?;
-    Ok((z.x, z.y))
-}
-
 /// The energy of velocity Verlet: the order of its oscillation, and its drift over a long run as a
 /// share of that oscillation.
 fn energy(quick: bool) -> Result<(OrderLine, f64), StudyError> {
@@ -238,15 +224,10 @@ fn energy(quick: bool) -> Result<(OrderLine, f64), StudyError> {
     // The same method with ω = 1 and a long way to go: a step of 0.05 s.
     let dt = 0.05;
     let steps = if quick { 20_000 } else { 200_000 };
-    let failed = |source| StudyError::Step {
-        method: "velocity-verlet",
-        dt,
-        source,
-    };
-    let mut rig = Rig::start(verlet, Spring::Stiffness(1.0), START, dt).map_err(failed)?;
+    let mut rig = Rig::start(verlet, Spring::Stiffness(1.0), START, dt)?;
     let mut energies = Vec::with_capacity(steps);
     for n in 0..steps {
-        let z = rig.step(dt).map_err(failed)?;
+        let z = rig.step(dt)?;
         energies.push((n as f64, of(&(z.x, z.y))));
     }
     let (_, slope) = fit::line(&energies);

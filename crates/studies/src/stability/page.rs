@@ -1,62 +1,14 @@
 //! The page of the study.
 
-use lennard_report::{Block, Page, PageFigure, Section, significant};
+use lennard_report::{Block, Page, Section, significant};
 
-use super::StabilityStudy;
 use super::displacement::STEP;
-use super::{convergence_figures, figures, tables};
-use crate::StudyError;
+use super::{StabilityStudy, convergence_figures, figures, tables};
 use crate::claims::{self, Verdict};
-use crate::files::Captioned;
-use crate::fluid_stability::{self, FluidFigures};
-
-/// Every figure of the study, in its place.
-pub(crate) struct Layout {
-    amplification: Vec<Captioned>,
-    cases: Vec<Vec<Captioned>>,
-    infinite: Captioned,
-    discretisation: Captioned,
-    variable_step: Vec<Captioned>,
-    orders: Vec<Captioned>,
-    fluid: FluidFigures,
-}
-
-impl Layout {
-    pub(crate) fn of(study: &StabilityStudy) -> Self {
-        let o = &study.oscillator;
-        Self {
-            amplification: vec![figures::amplification(o), figures::phase(o)],
-            cases: o
-                .cases
-                .iter()
-                .map(|c| figures::case(c, &o.groups))
-                .collect(),
-            infinite: figures::infinite(o),
-            discretisation: convergence_figures::discretisation(o),
-            variable_step: convergence_figures::variable_step(o),
-            orders: convergence_figures::orders(o),
-            fluid: fluid_stability::figures(&study.fluid),
-        }
-    }
-
-    pub(crate) fn all(&self) -> Vec<Captioned> {
-        let mut all = self.amplification.clone();
-        all.extend(self.cases.iter().flatten().cloned());
-        all.extend([self.infinite.clone(), self.discretisation.clone()]);
-        all.extend(self.variable_step.iter().chain(&self.orders).cloned());
-        all.extend(self.fluid.all());
-        all
-    }
-}
-
-fn on_page(figures: &[Captioned], command: &str) -> Result<Block, StudyError> {
-    let figures: Result<Vec<PageFigure>, StudyError> =
-        figures.iter().map(|f| f.on_page(command)).collect();
-    Ok(Block::Figures(figures?))
-}
+use crate::fluid_stability;
 
 /// The whole page.
-pub(crate) fn page(study: &StabilityStudy, layout: &Layout) -> Result<Page, StudyError> {
+pub(crate) fn page(study: &StabilityStudy) -> Page {
     let command = study.options.command.as_str();
     let failing = study
         .claims
@@ -64,39 +16,25 @@ pub(crate) fn page(study: &StabilityStudy, layout: &Layout) -> Result<Page, Stud
         .filter(|c| c.verdict == Verdict::DoesNotHold)
         .count();
     let differing = study.claims.iter().filter(|c| !c.theory_agrees).count();
+    let settings = if study.options.quick {
+        "quick: shorter runs"
+    } else {
+        "full"
+    };
     let mut provenance = vec![
         ("Command".to_owned(), format!("`{command}`")),
-        (
-            "Settings".to_owned(),
-            if study.options.quick {
-                "quick: shorter runs"
-            } else {
-                "full"
-            }
-            .to_owned(),
-        ),
+        ("Settings".to_owned(), settings.to_owned()),
     ];
     provenance.extend(study.options.provenance.iter().cloned());
     let mut sections = vec![
-        amplification(study, layout, command)?,
-        cases(study, layout, command)?,
-        infinite(study, layout, command)?,
-        convergence(layout, command)?,
+        amplification(study),
+        cases(study),
+        infinite(study),
+        convergence(study),
     ];
-    sections.extend(fluid_stability::sections(
-        &study.fluid,
-        &layout.fluid,
-        command,
-    )?);
-    sections.push(Section::new("Claims and verdicts").with(Block::Table(claims::table(
-                &study.claims,
-                "What each source claims beside what was measured. A verdict is computed: it says whether \
-                 the measured number meets the claim; “differs” in the column of the theory would say that \
-                 theory and measurement disagree by more than a stated cause explains (`claims.csv` has \
-                 tolerances and their causes).",
-                command,
-            ))));
-    Ok(Page {
+    sections.extend(fluid_stability::sections(&study.fluid));
+    sections.push(Section::new("Claims and verdicts").table(claims::table(&study.claims)));
+    Page {
         title: "Where each integrator fails".into(),
         lead: format!(
             "{} methods on an oscillator and on the Lennard-Jones fluid, run by the same code. Of {} claims \
@@ -106,55 +44,53 @@ pub(crate) fn page(study: &StabilityStudy, layout: &Layout) -> Result<Page, Stud
             study.claims.len() - failing,
             if failing == 1 { "does" } else { "do" },
         ),
+        command: Some(command.to_owned()),
         sections,
         provenance,
-    })
+    }
 }
 
-fn amplification(
-    study: &StabilityStudy,
-    layout: &Layout,
-    command: &str,
-) -> Result<Section, StudyError> {
-    let mut groups = Vec::new();
-    for group in study
+fn amplification(study: &StabilityStudy) -> Section {
+    let shared = study
         .oscillator
         .groups
         .iter()
-        .filter(|g| g.members.len() > 1)
-    {
-        let names: Vec<String> = group
-            .members
-            .iter()
-            .map(|m| format!("`{}`", m.spec.name))
-            .collect();
-        groups.push(format!("One map, one line: {}.", names.join(", ")));
-    }
-    Ok(Section::new("Amplification and stability limits")
+        .filter(|g| g.members.len() > 1);
+    let groups = shared.map(|group| {
+        let names = group.members.iter().map(|m| format!("`{}`", m.spec.name));
+        format!(
+            "One map, one line: {}.",
+            names.collect::<Vec<_>>().join(", ")
+        )
+    });
+    Section::new("Amplification and stability limits")
         .text(
             "On ẍ = −ω²x every method is a 2×2 matrix on (x, v), the one-step map. Its spectral radius says \
              by what factor a step makes a motion grow, the angle of its eigenvalues how far a step turns \
              it. Both are functions of ωh alone.",
         )
-        .with(on_page(&layout.amplification, command)?)
-        .with(Block::List(groups))
-        .with(Block::Table(tables::limits_on_page(&study.oscillator, command))))
+        .figures(vec![
+            figures::amplification(&study.oscillator),
+            figures::phase(&study.oscillator),
+        ])
+        .list(groups.collect())
+        .table(tables::limits_on_page(&study.oscillator))
 }
 
-fn cases(study: &StabilityStudy, layout: &Layout, command: &str) -> Result<Section, StudyError> {
+fn cases(study: &StabilityStudy) -> Section {
     let mut section = Section::new("Displacement and energy at each stiffness").text(format!(
         "One oscillator, m = 1 kg, from x = 1 m at rest, with the step h = {STEP} s throughout; only the \
          stiffness changes. A cross at the upper edge marks where a method stopped by itself, because its \
          numbers left the range it can represent."
     ));
-    for (case, figures) in study.oscillator.cases.iter().zip(&layout.cases) {
+    for case in &study.oscillator.cases {
         section = section
-            .with(Block::Heading(case.title.into()))
+            .heading(case.title)
             .text(case_in_words(case.name))
-            .with(on_page(figures, command)?)
-            .with(Block::Table(tables::case_on_page(case, command)));
+            .figures(figures::case(case, &study.oscillator.groups))
+            .table(tables::case_on_page(case));
     }
-    Ok(section)
+    section
 }
 
 fn case_in_words(name: &str) -> &'static str {
@@ -181,11 +117,11 @@ fn case_in_words(name: &str) -> &'static str {
     }
 }
 
-fn infinite(study: &StabilityStudy, layout: &Layout, command: &str) -> Result<Section, StudyError> {
+fn infinite(study: &StabilityStudy) -> Section {
     let found = &study.oscillator.infinite;
     let rigid = found.rigid.iter().find(|r| r.damping_steps == 0.0);
     let last = rigid.map_or(f64::NAN, |r| r.last_displacement);
-    Ok(Section::new("Infinite stiffness: what is true")
+    Section::new("Infinite stiffness: what is true")
         .text(
             "The manual says that SPOOK does not diverge at k = ∞, that is at ε = 0. With g(x) = x and \
              γ = 1/(1 + 4τ/h) the scheme reads, for ε = 0 (Σ = 0):",
@@ -225,28 +161,29 @@ fn infinite(study: &StabilityStudy, layout: &Layout, command: &str) -> Result<Se
              true, and the error shrinks by √γ or faster a step."
                 .into(),
         ))
-        .with(on_page(std::slice::from_ref(&layout.infinite), command)?))
+        .figures(vec![figures::infinite(&study.oscillator)])
 }
 
-fn convergence(layout: &Layout, command: &str) -> Result<Section, StudyError> {
-    Ok(Section::new("Order of convergence")
+fn convergence(study: &StabilityStudy) -> Section {
+    let o = &study.oscillator;
+    Section::new("Order of convergence")
         .text(
             "Errors against the step, each with the line that its theory gives; the orders in the legends \
              are measured at the smallest steps above rounding.",
         )
-        .with(on_page(&layout.orders, command)?)
-        .with(Block::Heading("The discretisation error of Störmer–Verlet".into()))
+        .figures(convergence_figures::orders(o))
+        .heading("The discretisation error of Störmer–Verlet")
         .text(
             "On ẍ = w²x the recurrence is solved by powers of q₊ = exp(wh)·(1 − (wh)³/24 + …), so that xₙ = \
              exp(wt)·(1 − (wh)²/24·wt + …): an error of second order whose constant grows with time.",
         )
-        .with(on_page(std::slice::from_ref(&layout.discretisation), command)?)
-        .with(Block::Heading("A step that changes".into()))
+        .figures(vec![convergence_figures::discretisation(o)])
+        .heading("A step that changes")
         .text(
             "The plain rule x₊ = 2x − x₋ + a·h² has the last step inside it: when h changes it takes the \
              difference for a change of velocity, and refining the steps does not help (order 0). The \
              time-corrected rule scales the difference and is of order 1; with ½(h + h₋)·h in place of h² it \
              is of order 2. Velocity Verlet takes any step.",
         )
-        .with(on_page(&layout.variable_step, command)?))
+        .figures(convergence_figures::variable_step(o))
 }

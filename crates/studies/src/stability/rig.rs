@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use glam::DVec2;
-use lennard_core::{DVec3, Dynamics, Integrator, State, StepError, Want};
+use lennard_core::{DVec3, Integrator, State, StepError, System, Want};
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces, OscillatorConstraint};
 use lennard_integrators::{IntegratorEntry, OscillatorModel};
 
 use super::map::StepMap;
+use crate::StudyError;
 
 /// An oscillator of unit mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,8 +21,9 @@ pub(crate) enum Spring {
 
 /// A method, an oscillator and a state on the x axis.
 pub(crate) struct Rig {
-    pub(crate) integrator: Box<dyn Integrator>,
-    dynamics: Dynamics,
+    method: &'static str,
+    integrator: Integrator,
+    system: System,
     forces: HarmonicForces,
     state: State,
 }
@@ -33,42 +35,69 @@ impl Rig {
         spring: Spring,
         (x, v): (f64, f64),
         dt: f64,
-    ) -> Result<Self, StepError> {
-        let mut dynamics = Dynamics::fluid(1);
+    ) -> Result<Self, StudyError> {
+        let mut system = System::atoms(1);
         let mut stiffness = 0.0;
         match (spring, entry.oscillator) {
             (Spring::Stiffness(k), OscillatorModel::Constraint) => {
-                dynamics.constraints = vec![Arc::new(OscillatorConstraint::spring(k, 0.0))];
+                system.constraints = vec![Arc::new(OscillatorConstraint::spring(k, 0.0))];
             }
             (Spring::Rigid { damping_time }, _) => {
-                dynamics.constraints = vec![Arc::new(OscillatorConstraint::new(0.0, damping_time))];
+                system.constraints = vec![Arc::new(OscillatorConstraint::new(0.0, damping_time))];
             }
             (Spring::Stiffness(k), OscillatorModel::ExactSolution) => {
                 stiffness = k;
-                dynamics.exact = Some(Arc::new(ExactOscillator::new(k, 0.0, 1.0)));
+                system.exact = Some(Arc::new(ExactOscillator::new(k, 0.0, 1.0)));
             }
             (Spring::Stiffness(k), OscillatorModel::Force) => stiffness = k,
         }
         let mut rig = Self {
+            method: entry.spec.name,
             integrator: entry.build(),
-            dynamics,
+            system,
             forces: HarmonicForces::new(stiffness),
-            state: State::new(vec![DVec3::new(x, 0.0, 0.0)], vec![DVec3::new(v, 0.0, 0.0)]),
+            state: State::new(
+                lennard_core::PeriodicBox::boundless(),
+                vec![DVec3::new(x, 0.0, 0.0)],
+                vec![DVec3::new(v, 0.0, 0.0)],
+            ),
         };
-        rig.integrator.start(
-            &rig.dynamics,
+        let started = rig.integrator.start(
+            &rig.system,
             &mut rig.state,
             &mut rig.forces,
             dt,
             Want::NOTHING,
-        )?;
-        Ok(rig)
+        );
+        match started {
+            Ok(_) => Ok(rig),
+            Err(source) => Err(rig.failure(dt, source)),
+        }
     }
 
-    /// One step; the new (x, v).
-    pub(crate) fn step(&mut self, dt: f64) -> Result<DVec2, StepError> {
+    /// The one-step map that the next three states show.
+    pub(crate) fn map(&mut self, dt: f64) -> Result<StepMap, StudyError> {
+        let states = [self.step(dt)?, self.step(dt)?, self.step(dt)?];
+        Ok(StepMap::from_states(states))
+    }
+
+    fn failure(&self, dt: f64, source: StepError) -> StudyError {
+        StudyError::Step {
+            method: self.method,
+            dt,
+            source,
+        }
+    }
+
+    /// One step of a method that must not fail here; the new (x, v).
+    pub(crate) fn step(&mut self, dt: f64) -> Result<DVec2, StudyError> {
+        self.try_step(dt).map_err(|source| self.failure(dt, source))
+    }
+
+    /// One step of a method that may fail; the new (x, v).
+    pub(crate) fn try_step(&mut self, dt: f64) -> Result<DVec2, StepError> {
         self.integrator.step(
-            &self.dynamics,
+            &self.system,
             &mut self.state,
             &mut self.forces,
             dt,
@@ -117,11 +146,11 @@ pub(crate) fn excursion(
     dt: f64,
     steps: u32,
     bound: f64,
-) -> Result<Excursion, StepError> {
+) -> Result<Excursion, StudyError> {
     let mut rig = Rig::start(entry, spring, (1.0, 0.0), dt)?;
     let mut halves = [1.0_f64, 0.0];
     for n in 0..steps {
-        let x = match rig.step(dt) {
+        let x = match rig.try_step(dt) {
             Ok(z) => z.x.abs(),
             Err(_) => f64::INFINITY,
         };
@@ -148,10 +177,8 @@ pub(crate) fn measured_map(
     entry: &IntegratorEntry,
     omega: f64,
     dt: f64,
-) -> Result<StepMap, StepError> {
+) -> Result<StepMap, StudyError> {
     let spring = Spring::Stiffness(omega * omega);
     let start = (PROBE, 0.3 * PROBE / dt);
-    let mut rig = Rig::start(entry, spring, start, dt)?;
-    let states = [rig.step(dt)?, rig.step(dt)?, rig.step(dt)?];
-    Ok(StepMap::from_states(states))
+    Rig::start(entry, spring, start, dt)?.map(dt)
 }

@@ -1,15 +1,14 @@
 //! The tables of the oscillator part, as CSV and on the page.
 
-use lennard_report::{Cell, PageTable, Tone, significant};
+use lennard_core::{Cell, Table, Tone};
+use lennard_report::significant;
 
 use super::OscillatorStudy;
 use super::displacement::{Case, STEP};
 use super::orders::OrderLine;
-use crate::claims::Claim;
-use crate::files::{TextTable, exact, exact_or_empty};
 
 /// All CSV tables of the oscillator part.
-pub(crate) fn csv(study: &OscillatorStudy) -> Vec<TextTable> {
+pub(crate) fn csv(study: &OscillatorStudy) -> Vec<Table> {
     let mut tables = vec![
         amplification(study),
         limits(study),
@@ -19,336 +18,236 @@ pub(crate) fn csv(study: &OscillatorStudy) -> Vec<TextTable> {
     ];
     tables.extend(study.cases.iter().map(|c| displacement(study, c)));
     tables.push(summaries(study));
-    let mut paths = TextTable::new("variable-step", &["rule", "time [s]", "x [m]"]);
-    for run in &study.step_rules {
-        for (t, x) in &run.path {
-            paths.push([run.rule.to_owned(), exact(*t), exact(*x)]);
-        }
-    }
-    tables.push(paths);
+    tables.push(paths(study));
     tables
 }
 
-/// The claims as CSV.
-pub(crate) fn claims(claims: &[Claim]) -> TextTable {
-    let header = [
-        "source",
-        "claim",
-        "judged by",
-        "theory",
-        "measured",
-        "tolerance",
-        "tolerance from",
-        "theory agrees",
-        "verdict",
-    ];
-    let mut table = TextTable::new("claims", &header);
-    for c in claims {
-        table.push([
-            c.source.to_owned(),
-            c.statement.clone(),
-            c.quantity.clone(),
-            exact_or_empty(c.theory),
-            exact(c.measured),
-            exact(c.tolerance),
-            c.tolerance_reason.to_owned(),
-            c.theory_agrees.to_string(),
-            match c.verdict {
-                crate::claims::Verdict::Holds => "holds".to_owned(),
-                crate::claims::Verdict::DoesNotHold => "does not hold".to_owned(),
-            },
-        ]);
-    }
-    table
+fn amplification(study: &OscillatorStudy) -> Table {
+    let all = study.methods.iter();
+    let points: Vec<_> = all
+        .flat_map(|m| m.points.iter().map(move |p| (m.method, p)))
+        .collect();
+    Table::rows_of("amplification", &points)
+        .column("method", |(method, _)| *method)
+        .column("omega h", |(_, p)| p.omega_h)
+        .column("radius by theory", |(_, p)| p.theory_radius)
+        .column("radius measured", |(_, p)| p.measured_radius)
+        .column("phase by theory", |(_, p)| p.theory_phase)
+        .column("phase measured", |(_, p)| p.measured_phase)
+        .table()
 }
 
-fn amplification(study: &OscillatorStudy) -> TextTable {
-    let header = [
-        "method",
-        "omega h",
-        "radius by theory",
-        "radius measured",
-        "phase by theory",
-        "phase measured",
-    ];
-    let mut table = TextTable::new("amplification", &header);
-    for m in &study.methods {
-        for p in &m.points {
-            table.push([
-                m.method.to_owned(),
-                exact(p.omega_h),
-                exact(p.theory_radius),
-                exact(p.measured_radius),
-                exact_or_empty(p.theory_phase),
-                exact_or_empty(p.measured_phase),
-            ]);
-        }
-    }
-    table
+fn limits(study: &OscillatorStudy) -> Table {
+    Table::rows_of("limits", &study.methods)
+        .column("method", |m| m.method)
+        .column("limit declared", |m| m.declared_limit)
+        .column("limit by theory", |m| m.theory_limit)
+        .column("limit measured", |m| m.measured_limit)
+        .column("bounded at omega h = 1000", |m| m.bounded_at_1000)
+        .table()
 }
 
-fn limits(study: &OscillatorStudy) -> TextTable {
-    let header = [
-        "method",
-        "limit declared",
-        "limit by theory",
-        "limit measured",
-        "bounded at omega h = 1000",
-    ];
-    let mut table = TextTable::new("limits", &header);
-    for m in &study.methods {
-        table.push([
-            m.method.to_owned(),
-            exact_or_empty(m.declared_limit),
-            exact_or_empty(m.theory_limit),
-            exact_or_empty(m.measured_limit),
-            m.bounded_at_1000.map(|b| b.to_string()).unwrap_or_default(),
-        ]);
-    }
-    table
+/// An error at one step, with the line that it belongs to.
+struct OrderPoint<'a> {
+    kind: &'static str,
+    name: &'a str,
+    theory: Option<f64>,
+    measured: Option<f64>,
+    at: (f64, f64),
 }
 
-fn orders(study: &OscillatorStudy) -> TextTable {
-    let mut table = TextTable::new(
-        "orders",
-        &[
-            "kind",
-            "name",
-            "order by theory",
-            "order measured",
-            "h [s]",
-            "error",
-        ],
-    );
+fn orders(study: &OscillatorStudy) -> Table {
     let o = &study.orders;
-    let kinds: [(&str, Vec<&OrderLine>); 6] = [
-        ("global position", o.positions.iter().collect()),
-        ("global velocity", o.velocities.iter().collect()),
-        ("start", o.starts.iter().collect()),
-        ("velocity estimate", o.velocity_estimates.iter().collect()),
-        ("local", o.local.iter().collect()),
-        ("energy", vec![&o.energy]),
+    let kinds: [(&'static str, &[OrderLine]); 6] = [
+        ("global position", &o.positions),
+        ("global velocity", &o.velocities),
+        ("start", &o.starts),
+        ("velocity estimate", &o.velocity_estimates),
+        ("local", &o.local),
+        ("energy", std::slice::from_ref(&o.energy)),
     ];
+    let mut points = Vec::new();
     for (kind, lines) in kinds {
         for line in lines {
-            for (h, e) in &line.errors {
-                table.push([
-                    kind.to_owned(),
-                    line.name.clone(),
-                    exact(line.theory),
-                    exact_or_empty(line.measured),
-                    exact(*h),
-                    exact(*e),
-                ]);
-            }
+            points.extend(line.errors.iter().map(|at| OrderPoint {
+                kind,
+                name: &line.name,
+                theory: Some(line.theory),
+                measured: line.measured,
+                at: *at,
+            }));
         }
     }
     for run in &study.step_rules {
-        for (h, e) in &run.errors {
-            table.push([
-                "changing step".to_owned(),
-                run.rule.to_owned(),
-                String::new(),
-                exact_or_empty(run.order),
-                exact(*h),
-                exact(*e),
-            ]);
-        }
+        points.extend(run.errors.iter().map(|at| OrderPoint {
+            kind: "changing step",
+            name: run.rule,
+            theory: None,
+            measured: run.order,
+            at: *at,
+        }));
     }
-    table
+    Table::rows_of("orders", &points)
+        .column("kind", |p| p.kind)
+        .column("name", |p| p.name)
+        .column("order by theory", |p| p.theory)
+        .column("order measured", |p| p.measured)
+        .column("h [s]", |p| p.at.0)
+        .column("error", |p| p.at.1)
+        .table()
 }
 
-fn growth(study: &OscillatorStudy) -> TextTable {
-    let header = [
-        "wh",
-        "wt",
-        "relative error from the growing root",
-        "relative error from the Taylor start",
-    ];
-    let mut table = TextTable::new("exponential-error", &header);
-    for g in &study.growth {
-        for ((t, a), b) in g
-            .times
-            .iter()
-            .zip(&g.exact_start_errors)
-            .zip(&g.taylor_start_errors)
-        {
-            table.push([g.wh, *t, *a, *b].map(exact));
-        }
-    }
-    table
-}
-
-fn infinite(study: &OscillatorStudy) -> TextTable {
-    let mut table = TextTable::new("infinite-stiffness", &["run", "step", "|x| [m]"]);
-    let found = &study.infinite;
-    let named = found
-        .rigid
+fn growth(study: &OscillatorStudy) -> Table {
+    let steps = |g: &super::discretisation::GrowthError| 0..g.times.len();
+    let points: Vec<_> = study
+        .growth
         .iter()
-        .map(|r| {
-            (
-                format!("k = inf, tau/h = {}", r.damping_steps),
-                &r.displacements,
-            )
+        .flat_map(|g| steps(g).map(move |n| (g, n)))
+        .collect();
+    Table::rows_of("exponential-error", &points)
+        .column("wh", |(g, _)| g.wh)
+        .column("wt", |(g, n)| g.times[*n])
+        .column("relative error from the growing root", |(g, n)| {
+            g.exact_start_errors[*n]
         })
-        .chain(
-            found
-                .stiff
-                .iter()
-                .map(|r| (format!("omega h = {}", r.omega_h), &r.displacements)),
-        );
-    for (name, displacements) in named {
-        for (n, x) in found.shown_steps.iter().zip(displacements) {
-            table.push([name.clone(), n.to_string(), exact(*x)]);
-        }
-    }
-    table
+        .column("relative error from the Taylor start", |(g, n)| {
+            g.taylor_start_errors[*n]
+        })
+        .table()
 }
 
-/// One row a step, two columns a method; empty where a method had stopped.
-fn displacement(study: &OscillatorStudy, case: &Case) -> TextTable {
-    let name = match case.name {
-        "k-100" => "displacement-k-100",
-        "k-inside" => "displacement-k-inside",
-        "k-outside" => "displacement-k-outside",
-        _ => "displacement-k-aliasing",
-    };
-    let mut table = TextTable::new(name, &["time [s]"]);
+fn infinite(study: &OscillatorStudy) -> Table {
+    let found = &study.infinite;
+    let rigid = found.rigid.iter().map(|r| {
+        let name = format!("k = inf, tau/h = {}", r.damping_steps);
+        (name, &r.displacements)
+    });
+    let stiff = found
+        .stiff
+        .iter()
+        .map(|r| (format!("omega h = {}", r.omega_h), &r.displacements));
+    let runs: Vec<_> = rigid.chain(stiff).collect();
+    let points: Vec<_> = runs
+        .iter()
+        .flat_map(|(name, x)| found.shown_steps.iter().zip(*x).map(move |p| (name, p)))
+        .collect();
+    Table::rows_of("infinite-stiffness", &points)
+        .column("run", |(name, _)| *name)
+        .column("step", |(_, (n, _))| **n)
+        .column("|x| [m]", |(_, (_, x))| **x)
+        .table()
+}
+
+/// One row per step and two columns per method; a cell is empty where a method had stopped.
+fn displacement(study: &OscillatorStudy, case: &Case) -> Table {
+    let steps = case.runs.iter().map(|r| r.positions.len()).max();
+    let steps: Vec<usize> = (0..steps.unwrap_or(0)).collect();
+    let mut table = Table::rows_of(format!("displacement-{}", case.name), &steps)
+        .column("time [s]", |n| *n as f64 * STEP);
     for run in &case.runs {
         let label = &study.groups[run.group].name;
-        table.header.push(format!("{label}: x [m]"));
-        table.header.push(format!("{label}: energy [J]"));
+        table = table
+            .column(&format!("{label}: x [m]"), |n| {
+                run.positions.get(*n).copied()
+            })
+            .column(&format!("{label}: energy [J]"), |n| {
+                run.energies.get(*n).copied()
+            });
     }
-    let steps = case
-        .runs
+    table.table()
+}
+
+fn summaries(study: &OscillatorStudy) -> Table {
+    let all: Vec<_> = study
+        .cases
         .iter()
-        .map(|r| r.positions.len())
-        .max()
-        .unwrap_or(0);
-    for n in 0..steps {
-        let mut row = vec![exact(n as f64 * STEP)];
-        for run in &case.runs {
-            row.push(exact_or_empty(run.positions.get(n).copied()));
-            row.push(exact_or_empty(run.energies.get(n).copied()));
-        }
-        table.push(row);
-    }
-    table
+        .flat_map(|case| case.summaries.iter().map(move |s| (case, s)))
+        .collect();
+    Table::rows_of("stiffnesses", &all)
+        .column("k [N/m]", |(case, _)| case.stiffness)
+        .column("omega h", |(case, _)| case.omega_h)
+        .column("method", |(_, s)| s.method)
+        .column("radius by theory", |(_, s)| s.theory_radius)
+        .column("amplitude by theory [m]", |(_, s)| s.theory_amplitude)
+        .column("amplitude measured [m]", |(_, s)| s.measured_amplitude)
+        .column("growth of halves", |(_, s)| s.growth_of_halves)
+        .column("period ratio by theory", |(_, s)| s.theory_period_ratio)
+        .column("period ratio measured", |(_, s)| s.measured_period_ratio)
+        .table()
 }
 
-fn summaries(study: &OscillatorStudy) -> TextTable {
-    let header = [
-        "k [N/m]",
-        "omega h",
-        "method",
-        "radius by theory",
-        "amplitude by theory [m]",
-        "amplitude measured [m]",
-        "growth of halves",
-        "period ratio by theory",
-        "period ratio measured",
-    ];
-    let mut table = TextTable::new("stiffnesses", &header);
-    for case in &study.cases {
-        for s in &case.summaries {
-            table.push([
-                exact(case.stiffness),
-                exact(case.omega_h),
-                s.method.to_owned(),
-                exact(s.theory_radius),
-                exact_or_empty(s.theory_amplitude),
-                exact_or_empty(s.measured_amplitude),
-                exact_or_empty(s.growth_of_halves),
-                exact_or_empty(s.theory_period_ratio),
-                exact_or_empty(s.measured_period_ratio),
-            ]);
-        }
-    }
-    table
-}
-
-fn number(value: Option<f64>, digits: usize, missing: &str) -> Cell {
-    value.map_or(Cell::number(missing), |v| {
-        Cell::number(significant(v, digits))
-    })
+fn paths(study: &OscillatorStudy) -> Table {
+    let points: Vec<_> = study
+        .step_rules
+        .iter()
+        .flat_map(|run| run.path.iter().map(move |p| (run.rule, p)))
+        .collect();
+    Table::rows_of("variable-step", &points)
+        .column("rule", |(rule, _)| *rule)
+        .column("time [s]", |(_, p)| p.0)
+        .column("x [m]", |(_, p)| p.1)
+        .table()
 }
 
 /// The largest stable ωh of every method.
-pub(crate) fn limits_on_page(study: &OscillatorStudy, command: &str) -> PageTable {
-    let rows = study
-        .methods
-        .iter()
-        .map(|m| {
-            let none = if m.bounded_at_1000 == Some(true) {
+pub(crate) fn limits_on_page(study: &OscillatorStudy) -> Table {
+    let caption = "The largest stable ωh on the oscillator: as declared, from the declared map, and by \
+                   bisection over runs of 50 000 steps, which count as bounded while |x| < 10⁶. The last \
+                   column is the largest relative difference between the measured and the declared spectral \
+                   radius.";
+    Table::rows_of("limits", &study.methods)
+        .caption(caption)
+        .column("Method", |m| format!("`{}`", m.method))
+        .column("Declared", |m| {
+            Cell::rounded(m.declared_limit, 8).or_figures("none")
+        })
+        .column("Theory", |m| {
+            Cell::rounded(m.theory_limit, 9).or_figures("none up to 12")
+        })
+        .column("Measured", |m| {
+            let bounded = m.bounded_at_1000 == Some(true);
+            Cell::rounded(m.measured_limit, 9).or_figures(if bounded {
                 "none (bounded at 1000)"
             } else {
                 "none"
-            };
-            vec![
-                Cell::text(format!("`{}`", m.method)),
-                number(m.declared_limit, 8, "none"),
-                number(m.theory_limit, 9, "none up to 12"),
-                number(m.measured_limit, 9, none),
-                Cell::number(significant(m.largest_radius_difference, 1)),
-            ]
+            })
         })
-        .collect();
-    PageTable {
-        caption: "The largest stable ωh on the oscillator: as declared, from the declared map, and by \
-                  bisection over runs of 50 000 steps, which count as bounded while |x| < 10⁶. The last \
-                  column is the largest relative difference between the measured and the declared spectral \
-                  radius."
-            .into(),
-        command: Some(command.to_owned()),
-        header: ["Method", "Declared", "Theory", "Measured", "Map differs by"].map(str::to_owned).to_vec(),
-        rows,
-    }
+        .column("Map differs by", |m| {
+            Cell::rounded(m.largest_radius_difference, 1)
+        })
+        .table()
 }
 
-/// What each method did at one stiffness.
-pub(crate) fn case_on_page(case: &Case, command: &str) -> PageTable {
-    let rows = case
-        .summaries
-        .iter()
-        .map(|s| {
+/// The fate of each method at one stiffness.
+pub(crate) fn case_on_page(case: &Case) -> Table {
+    let steps = case.summaries.first().map_or(0, |s| s.steps);
+    let caption = format!(
+        "{} = {} N/m, ωh = {:.6}, over {steps} steps. The amplitude by theory is the amplitude of the one-step \
+         map; the measured one is the largest |x|.",
+        case.title,
+        significant(case.stiffness, 7),
+        case.omega_h
+    );
+    Table::rows_of(case.name, &case.summaries)
+        .caption(caption)
+        .column("Method", |s| format!("`{}`", s.method))
+        .column("Fate", |s| {
             let (fate, tone) = match s.growth_of_halves {
                 None => ("diverges", Tone::Bad),
                 Some(g) if g > 1.001 => ("grows", Tone::Bad),
                 Some(g) if g < 0.9 => ("dies away", Tone::Careful),
                 Some(_) => ("bounded", Tone::Good),
             };
-            vec![
-                Cell::text(format!("`{}`", s.method)),
-                Cell::toned(fate, tone),
-                Cell::number(significant(s.theory_radius, 6)),
-                number(s.theory_amplitude, 7, "–"),
-                number(s.measured_amplitude, 7, "–"),
-                number(s.theory_period_ratio, 6, "–"),
-                number(s.measured_period_ratio, 6, "–"),
-            ]
+            Cell::words(fate).toned(tone)
         })
-        .collect();
-    let steps = case.summaries.first().map_or(0, |s| s.steps);
-    PageTable {
-        caption: format!(
-            "{} = {} N/m, ωh = {:.6}, over {steps} steps. The amplitude by theory is that of the one-step \
-             map; the measured one is the largest |x|.",
-            case.title,
-            significant(case.stiffness, 7),
-            case.omega_h
-        ),
-        command: Some(command.to_owned()),
-        header: [
-            "Method",
-            "Fate",
-            "Growth a step",
-            "Amplitude / m, theory",
-            "measured",
-            "Period / true, theory",
-            "measured",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-        rows,
-    }
+        .column("Growth per step", |s| Cell::rounded(s.theory_radius, 6))
+        .column("Amplitude by theory [m]", |s| {
+            Cell::rounded(s.theory_amplitude, 7)
+        })
+        .column("measured [m]", |s| Cell::rounded(s.measured_amplitude, 7))
+        .column("Period over the true one, theory", |s| {
+            Cell::rounded(s.theory_period_ratio, 6)
+        })
+        .column("measured", |s| Cell::rounded(s.measured_period_ratio, 6))
+        .table()
 }

@@ -51,7 +51,7 @@ fn every_method_has_the_limit_of_its_declared_map() {
             (None, None) => assert_eq!(m.bounded_at_1000, Some(true), "{}", m.method),
             other => panic!("{}: {other:?}", m.method),
         }
-        // The largest radii are those of runs that grow a thousandfold a step, from a start on a grid.
+        // Runs with the largest radii grow a thousandfold per step, from a start on a grid.
         assert!(m.largest_radius_difference < 1e-9, "{}", m.method);
     }
     assert_eq!(limit("explicit-euler"), Some(0.0));
@@ -75,7 +75,7 @@ fn explicit_euler_grows_and_implicit_euler_decays_by_the_root_of_one_plus_the_sq
 #[test]
 fn spook_turns_by_twice_the_arctangent_and_swings_by_the_root_at_every_finite_stiffness() {
     let spook = entry("spook").unwrap();
-    // Not at ωh = 2, where a step is a quarter of a turn and no sample comes near a crest.
+    // At ωh = 2 a step is a quarter of a turn, and no sample comes near a crest.
     for omega_h in [0.01, 0.1, 1.0, 2.1, 6.3, 50.0, 1000.0] {
         let map = measured_map(spook, omega_h, 1.0).unwrap();
         let theta = map.phase().expect("never real");

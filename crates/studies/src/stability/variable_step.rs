@@ -69,16 +69,11 @@ fn plain_path(steps: &[f64]) -> Vec<(f64, f64)> {
 }
 
 fn path(method: &'static str, steps: &[f64]) -> Result<Vec<(f64, f64)>, StudyError> {
-    let failed = |source| StudyError::Step {
-        method,
-        dt: steps[0],
-        source,
-    };
     let spring = Spring::Stiffness(1.0);
-    let mut rig = Rig::start(entry(method)?, spring, START, steps[0]).map_err(failed)?;
+    let mut rig = Rig::start(entry(method)?, spring, START, steps[0])?;
     let mut path = vec![(0.0, START.0)];
     for h in steps {
-        let z = rig.step(*h).map_err(failed)?;
+        let z = rig.step(*h)?;
         path.push((rig.time(), z.x));
     }
     Ok(path)

@@ -1,99 +1,72 @@
-//! The table and the page of a sweep.
+//! The tables and the page of a sweep.
 
-use lennard_report::{
-    Axis, Block, Cell, Figure, Guide, Look, Page, PageFigure, PageTable, Point, ReportError,
-    Section, Series, Symbol, Tone, significant, with_error,
-};
+use lennard_core::{Cell, Table, Tone};
+use lennard_report::{Axis, Figure, Look, Page, Picture, Point, Section, Series, Symbol};
 
-use super::{Agreement, SweepRecord, probability_words};
-use crate::compare::{Row, Verdict, quantity_words};
+use super::{SweepRecord, SweptPoint, probability_words};
+use crate::compare::{ComparedRun, Row, StateOfMatter, Verdict, quantity_words};
+
+/// The quantities of a sweep with their short names.
+const QUANTITIES: [(&str, &str); 3] = [
+    ("potential_energy", "u"),
+    ("pressure", "p"),
+    ("heat_capacity", "cv"),
+];
+
+/// The state of a point: the measured one, or the one that was asked for.
+fn state(point: &SweptPoint) -> &StateOfMatter {
+    point.compared.as_ref().map_or(&point.planned, |c| &c.state)
+}
 
 /// The points with U, P and c_v beside the equation of state, as CSV.
-pub(super) fn csv(record: &SweepRecord) -> String {
-    let mut text = String::from(
-        "name,density,temperature,temperature_whole_steps,temperature_half_steps,phase,steps,atoms",
-    );
-    const QUANTITIES: [(&str, &str); 3] = [
-        ("potential_energy", "u"),
-        ("pressure", "p"),
-        ("heat_capacity", "cv"),
-    ];
-    for (_, short) in QUANTITIES {
-        text += &format!(
-            ",{short},{short}_se,{short}_reference,{short}_difference,{short}_difference_se,{short}_verdict"
-        );
+pub(super) fn csv(record: &SweepRecord) -> Table {
+    let compared =
+        |p: &SweptPoint, number: fn(&ComparedRun) -> u64| p.compared.as_ref().map_or(0, number);
+    let mean = |p: &SweptPoint, quantity: &str| p.row(quantity).map(|r| r.measured);
+    let mut table = Table::rows_of("table", &record.points)
+        .column("name", |p| &p.name)
+        .column("density", |p| state(p).density)
+        .column("temperature", |p| state(p).temperature)
+        .column("temperature_whole_steps", |p| mean(p, "temperature"))
+        .column("temperature_half_steps", |p| {
+            mean(p, "temperature_half_steps")
+        })
+        .column("phase", |p| {
+            state(p).phase.map_or("unknown", |p| p.describe())
+        })
+        .column("steps", |p| compared(p, |c| c.measured_steps))
+        .column("atoms", |p| compared(p, |c| c.atoms));
+    for (quantity, short) in QUANTITIES {
+        let of = |p: &SweptPoint, number: fn(&Row) -> Option<f64>| p.row(quantity).and_then(number);
+        table = table
+            .column(short, |p| mean(p, quantity))
+            .column(&format!("{short}_se"), |p| {
+                of(p, |r| Some(r.standard_error))
+            })
+            .column(&format!("{short}_reference"), |p| of(p, |r| r.reference))
+            .column(&format!("{short}_difference"), |p| of(p, |r| r.difference))
+            .column(&format!("{short}_difference_se"), |p| {
+                of(p, |r| r.combined_error)
+            })
+            .column(&format!("{short}_verdict"), |p| {
+                p.row(quantity).map(|r| r.verdict.words())
+            });
     }
-    text.push('\n');
-    for point in &record.points {
-        let state = point.compared.as_ref().map_or(&point.planned, |c| &c.state);
-        let (steps, atoms) = point
-            .compared
-            .as_ref()
-            .map_or((0, 0), |c| (c.measured_steps, c.atoms));
-        let phase = state.phase.map_or("unknown", |p| p.describe());
-        let mean = |quantity: &str| {
-            point
-                .row(quantity)
-                .map_or(String::new(), |r| r.measured.to_string())
-        };
-        text += &format!(
-            "{},{},{},{},{},\"{phase}\",{steps},{atoms}",
-            point.name,
-            state.density,
-            state.temperature,
-            mean("temperature"),
-            mean("temperature_half_steps"),
-        );
-        for (quantity, _) in QUANTITIES {
-            match point.row(quantity) {
-                None => text += ",,,,,,",
-                Some(r) => {
-                    let optional = |x: Option<f64>| x.map(|x| x.to_string()).unwrap_or_default();
-                    text += &format!(
-                        ",{},{},{},{},{},{}",
-                        r.measured,
-                        r.standard_error,
-                        optional(r.reference),
-                        optional(r.difference),
-                        optional(r.combined_error),
-                        r.verdict.words()
-                    );
-                }
-            }
-        }
-        text.push('\n');
-    }
-    text
+    table.table()
 }
 
 /// The page of a sweep.
-pub(super) fn page(record: &SweepRecord, command: &str) -> Result<Page, ReportError> {
+pub(super) fn page(record: &SweepRecord, command: &str) -> Page {
     let finished = record
         .points
         .iter()
         .filter(|p| p.compared.is_some())
         .count();
-    let mut page = Page {
-        title: format!("Sweep {}", record.name),
-        lead: format!(
-            "{finished} of {} points are finished. Each is compared with the equation of state that describes its model, at the measured \
-             temperature that belongs to its positions (of half steps where the method has them) and for as many particles in a closed box; the error of a difference counts that U, P and T fluctuate together.",
-            record.points.len()
-        ),
-        sections: Vec::new(),
-        provenance: vec![
-            ("command".into(), format!("`{command}`")),
-            ("version".into(), record.version.into()),
-            ("processor".into(), record.cpu.clone()),
-            (
-                "threads for all points together".into(),
-                record.threads.to_string(),
-            ),
-        ],
+    let together = match record.agreement.is_empty() {
+        true => Section::new(TOGETHER).text("No point is judged: see the table."),
+        false => Section::new(TOGETHER).table(agreement_table(record)),
     };
-    page.sections.push(together(record));
-    let mut figures = Vec::new();
-    for (quantity, title, unit) in [
+    let figures = [
         (
             "potential_energy",
             "Potential energy: measured − equation of state",
@@ -104,32 +77,42 @@ pub(super) fn page(record: &SweepRecord, command: &str) -> Result<Page, ReportEr
             "Pressure: measured − equation of state",
             "ΔP / (ε/σ³)",
         ),
-    ] {
-        if let Some(figure) = differences(record, quantity, title, unit) {
-            figures.push(PageFigure {
-                svg: figure.to_svg()?,
-                caption: "Bars are one standard error of the difference. Points that are no single stable phase are shown as open marks and \
-                          are not judged."
-                    .into(),
-                command: None,
-                data: Some("table.csv".into()),
-            });
-        }
-    }
-    let mut points = Section::new("Points");
-    if !figures.is_empty() {
-        points = points.with(Block::Figures(figures));
-    }
-    page.sections.push(points.with(Block::Table(table(record))));
+    ];
+    let drawn = figures
+        .into_iter()
+        .filter_map(|(quantity, title, unit)| differences(record, quantity, title, unit));
+    let points = Section::new("Points")
+        .figures(drawn.collect())
+        .table(point_table(record));
+    let mut sections = vec![together, points];
     let remarks = remarks(record);
     if !remarks.is_empty() {
-        page.sections
-            .push(Section::new("Remarks").with(Block::List(remarks)));
+        sections.push(Section::new("Remarks").list(remarks));
     }
-    Ok(page)
+    Page {
+        title: format!("Sweep {}", record.name),
+        lead: format!(
+            "{finished} of {} points are finished. Each is compared with the equation of state that describes its model, at the measured \
+             temperature that belongs to its positions (of half steps where the method has them) and for as many particles in a closed box; the error of a difference counts that U, P and T fluctuate together.",
+            record.points.len()
+        ),
+        command: None,
+        sections,
+        provenance: vec![
+            ("command".into(), format!("`{command}`")),
+            ("version".into(), record.version.into()),
+            ("processor".into(), record.cpu.clone()),
+            (
+                "threads for all points together".into(),
+                record.threads.to_string(),
+            ),
+        ],
+    }
 }
 
-fn differences(record: &SweepRecord, quantity: &str, title: &str, unit: &str) -> Option<Figure> {
+const TOGETHER: &str = "All points together";
+
+fn differences(record: &SweepRecord, quantity: &str, title: &str, unit: &str) -> Option<Picture> {
     let marks = |judged: bool| -> Vec<Point> {
         record
             .points
@@ -161,155 +144,107 @@ fn differences(record: &SweepRecord, quantity: &str, title: &str, unit: &str) ->
         Axis::linear("density ρ / σ⁻³"),
         Axis::linear(unit),
     )
-    .guided(Guide::Horizontal(0.0, String::new()));
+    .level(0.0, "");
     for (name, points, symbol, color) in [
         ("single phase", judged, Symbol::Disc, 0),
         ("not judged", others, Symbol::Ring, 1),
     ] {
         if !points.is_empty() {
-            figure = figure.with(Series::from_points(
-                name,
-                Look::Points(symbol),
-                color,
-                points,
-            ));
+            figure = figure.with(Series::new(name, Look::Points(symbol), color, points));
         }
     }
-    Some(figure)
+    let caption = "Bars are one standard error of the difference. Points that are no single stable phase are shown as open marks and \
+                   are not judged.";
+    Some(Picture::new(figure, caption, "table.csv"))
 }
 
-fn together(record: &SweepRecord) -> Section {
-    let header = [
-        "Quantity",
-        "Points judged",
-        "Agree",
-        "Mean difference",
-        "Largest",
-        "Largest standard error",
-        "χ²",
-        "p",
-        "χ² with the equation's own uncertainty",
-        "p",
-    ];
-    let line = |a: &Agreement| {
-        vec![
-            Cell::text(quantity_words(&a.quantity)),
-            Cell::number(a.points.to_string()),
-            Cell::toned(
-                a.agree.to_string(),
-                if a.agree == a.points {
-                    Tone::Good
-                } else {
-                    Tone::Careful
-                },
-            ),
-            Cell::number(significant(a.mean_difference, 3)),
-            Cell::number(significant(a.largest_difference, 3)),
-            Cell::number(significant(a.largest_standard_error, 2)),
-            Cell::number(significant(a.chi_squared, 4)),
-            Cell::number(probability_words(a.p_value)),
-            Cell::number(significant(a.chi_squared_with_reference, 4)),
-            Cell::number(probability_words(a.p_value_with_reference)),
-        ]
-    };
-    let section = Section::new("All points together");
-    if record.agreement.is_empty() {
-        return section.text("No point is judged: see the table.");
+/// The differences of all points together, quantity by quantity.
+#[must_use]
+pub fn agreement_table(record: &SweepRecord) -> Table {
+    let caption = "Differences of all points that are single stable phases. p is the probability of a χ² at least so large: first were the \
+                   equation exact, then were it off at random by its own uncertainty.";
+    Table::rows_of("agreement", &record.agreement)
+        .caption(caption)
+        .column("Quantity", |a| quantity_words(&a.quantity))
+        .column("Points judged", |a| a.points)
+        .column("Agree", |a| {
+            let all = a.agree == a.points;
+            Cell::from(a.agree).toned(if all { Tone::Good } else { Tone::Careful })
+        })
+        .column("Mean difference", |a| Cell::rounded(a.mean_difference, 3))
+        .column("Largest", |a| Cell::rounded(a.largest_difference, 3))
+        .column("Largest standard error", |a| {
+            Cell::rounded(a.largest_standard_error, 2)
+        })
+        .column(CHI_SQUARED[0], |a| Cell::rounded(a.chi_squared, 4))
+        .column("p", |a| Cell::figures(probability_words(a.p_value)))
+        .column(CHI_SQUARED[1], |a| {
+            Cell::rounded(a.chi_squared_with_reference, 4)
+        })
+        .column("p with the equation's own uncertainty", |a| {
+            Cell::figures(probability_words(a.p_value_with_reference))
+        })
+        .table()
+}
+
+/// The columns of [`agreement_table`] that p already says.
+pub const CHI_SQUARED: [&str; 2] = ["χ²", "χ² with the equation's own uncertainty"];
+
+/// The points with U, P and c_v beside the equation of state.
+#[must_use]
+pub fn point_table(record: &SweepRecord) -> Table {
+    let caption = "Digits in brackets are one standard error in the last digits. Differences in green agree, in red they do not; in brown they are as large as the predicted bias of a short \
+                   cutoff.";
+    let mean =
+        |p: &SweptPoint, quantity: &str| Cell::rounded(p.row(quantity).map(|r| r.measured), 5);
+    let mut table = Table::rows_of("points", &record.points)
+        .caption(caption)
+        .column("Point", |p| &p.name)
+        .column("T, whole steps", |p| mean(p, "temperature"))
+        .column("T, half steps", |p| mean(p, "temperature_half_steps"));
+    for (quantity, heading, beside) in [
+        ("potential_energy", "U [ε]", "U − equation"),
+        ("pressure", "P [(ε/σ³)]", "P − equation"),
+        ("heat_capacity", "c_v [k_B]", "c_v − equation"),
+    ] {
+        table = table
+            .measured(heading, |p| {
+                p.row(quantity).map(|r| (r.measured, r.standard_error))
+            })
+            .column(beside, |p| {
+                let row = p.row(quantity)?;
+                let cell = Cell::measured(row.difference?, row.combined_error?);
+                Some(cell.toned(row.verdict.tone()))
+            });
     }
-    section.with(Block::Table(PageTable {
-        caption: "Differences of all points that are single stable phases. p is the probability of a χ² at least so large: first were the \
-                  equation exact, then were it off at random by its own uncertainty."
-            .into(),
-        command: None,
-        header: header.map(str::to_owned).to_vec(),
-        rows: record.agreement.iter().map(line).collect(),
-    }))
-}
-
-fn table(record: &SweepRecord) -> PageTable {
-    let header = [
-        "Point",
-        "T, whole steps",
-        "T, half steps",
-        "U / ε",
-        "U − equation",
-        "P / (ε/σ³)",
-        "P − equation",
-        "c_v / k_B",
-        "c_v − equation",
-        "State",
-    ];
-    let rows = record
-        .points
-        .iter()
-        .map(|point| {
-            let Some(compared) = &point.compared else {
-                let why = point
-                    .failure
-                    .clone()
-                    .unwrap_or_else(|| "not finished".into());
-                let first = why.lines().next().unwrap_or_default().to_owned();
-                let mut cells = vec![
-                    Cell::text(point.name.clone()),
-                    Cell::number(point.planned.temperature.to_string()),
-                    Cell::default(),
-                    Cell::toned(first, Tone::Bad),
-                ];
-                cells.resize(header.len(), Cell::default());
-                return cells;
-            };
-            let state = &compared.state;
-            let mut cells = vec![Cell::text(point.name.clone())];
-            for quantity in ["temperature", "temperature_half_steps"] {
-                let mean = point.row(quantity).map(|r| r.measured);
-                cells.push(Cell::number(mean.map_or("–".into(), |t| significant(t, 5))));
-            }
-            for quantity in ["potential_energy", "pressure", "heat_capacity"] {
-                let r = point.row(quantity);
-                cells.push(Cell::number(r.map_or("–".into(), |r| {
-                    with_error(r.measured, r.standard_error)
-                })));
-                let difference =
-                    r.and_then(|r| Some((with_error(r.difference?, r.combined_error?), tone(r))));
-                cells.push(
-                    difference
-                        .map_or_else(|| Cell::number("–"), |(text, tone)| Cell::toned(text, tone)),
-                );
-            }
-            let careful = if state.is_single_stable_phase() {
+    table
+        .column("Verdicts of U, P, c_v", verdicts)
+        .column("State", |p| {
+            let state = state(p);
+            Cell::words(&state.words).toned(if state.is_single_stable_phase() {
                 Tone::Plain
             } else {
                 Tone::Careful
-            };
-            cells.push(Cell::toned(state.words.clone(), careful));
-            cells
+            })
         })
-        .collect();
-    PageTable {
-        caption: "Digits in brackets are one standard error in the last digits. Differences in green agree, in red they do not; in brown they are as large as the predicted bias of a short \
-                  cutoff.".into(),
-        command: None,
-        header: header.map(str::to_owned).to_vec(),
-        rows,
-    }
+        .table()
 }
 
-/// A verdict as a cell of a table.
-pub(crate) fn verdict_cell(row: &Row) -> Cell {
-    Cell::toned(row.verdict_words(), tone(row))
-}
-
-fn tone(row: &Row) -> Tone {
-    match row.verdict {
-        Verdict::Agrees => Tone::Good,
-        Verdict::Differs => Tone::Bad,
-        Verdict::PredictedBias
-        | Verdict::NotInEquilibrium
-        | Verdict::TooShort
-        | Verdict::Incomplete
-        | Verdict::Thermostat => Tone::Careful,
-        Verdict::NoReference => Tone::Plain,
+/// The verdicts of a point, or why there are none.
+fn verdicts(point: &SweptPoint) -> Cell {
+    let Some(compared) = &point.compared else {
+        let why = point.failure.as_deref().and_then(|why| why.lines().next());
+        return Cell::words(why.unwrap_or("not finished")).toned(Tone::Bad);
+    };
+    if !compared.state.is_single_stable_phase() {
+        return Cell::words("not judged").toned(Tone::Careful);
     }
+    let rows = QUANTITIES.iter().filter_map(|(q, _)| point.row(q));
+    let words = rows.map(|r| match r.verdict {
+        Verdict::PredictedBias => r.verdict_words(),
+        other => other.words().to_owned(),
+    });
+    Cell::words(words.collect::<Vec<_>>().join(", "))
 }
 
 /// Remarks of all points, each once, with how many points they belong to.

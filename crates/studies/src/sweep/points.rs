@@ -16,7 +16,7 @@ const MOST_POINTS: usize = 10_000;
 /// One state point.
 #[derive(Debug, Clone)]
 pub struct Point {
-    /// Its name, which is that of its folder too: `rho0.85-T1.128`.
+    /// Its name and the name of its folder: `rho0.85-T1.128`.
     pub name: String,
     /// Its scene.
     pub scene: Scene,
@@ -35,42 +35,20 @@ struct Key {
 }
 
 const KEYS: [Key; 7] = [
-    Key {
-        name: "density",
-        scene: Some("system.density"),
-        short: "rho",
-    },
-    Key {
-        name: "temperature",
-        scene: Some("system.temperature"),
-        short: "T",
-    },
-    Key {
-        name: "n_atoms",
-        scene: Some("system.n_atoms"),
-        short: "N",
-    },
-    Key {
-        name: "r_cut",
-        scene: Some("truncation.r_cut"),
-        short: "rc",
-    },
-    Key {
-        name: "dt",
-        scene: Some("integrator.dt"),
-        short: "dt",
-    },
-    Key {
-        name: "seed",
-        scene: Some("system.seed"),
-        short: "seed",
-    },
-    Key {
-        name: "longer",
-        scene: None,
-        short: "",
-    },
+    Key::new("density", Some("system.density"), "rho"),
+    Key::new("temperature", Some("system.temperature"), "T"),
+    Key::new("n_atoms", Some("system.n_atoms"), "N"),
+    Key::new("r_cut", Some("truncation.r_cut"), "rc"),
+    Key::new("dt", Some("integrator.dt"), "dt"),
+    Key::new("seed", Some("system.seed"), "seed"),
+    Key::new("longer", None, ""),
 ];
+
+impl Key {
+    const fn new(name: &'static str, scene: Option<&'static str>, short: &'static str) -> Self {
+        Self { name, scene, short }
+    }
+}
 /// Where `longer` stands in [`KEYS`].
 const LONGER: usize = KEYS.len() - 1;
 /// The most times that a point may be longer than the others.
@@ -215,7 +193,7 @@ fn name_of(chosen: &[(&Key, &String)], takes: impl Fn(&Key) -> bool) -> String {
 }
 
 /// The seed of a point: the first number of the stream of `seed` that is called after the point, `sweep/rho0.85-T1.128`,
-/// without its last bit, so that a scene file can hold it. Here `seed` is that of the scene or the point's own, and the
+/// without its last bit, so that a scene file can hold it. Here `seed` is the seed of the scene or of the point, and the
 /// name is the point's without its seed.
 ///
 /// With one seed for all points, points would feel the same noise of their heat baths, and their results would err alike.

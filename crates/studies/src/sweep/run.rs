@@ -16,7 +16,7 @@ use crate::kept::same_scene;
 /// Name and version of the schema of [`SweepRecord`].
 const SWEEP_SCHEMA: &str = "lennard-sweep/1";
 
-/// What a sweep writes itself in its folder: record, table and page.
+/// The files that a sweep writes in its folder: record, table and page.
 pub const FILES: [&str; 3] = ["sweep.json", "table.csv", "report.html"];
 
 /// How to run a sweep.
@@ -185,13 +185,13 @@ pub fn run(
         return Ok(record);
     }
     lennard_io::write_json_atomically(&json, &record)?;
-    lennard_io::write_text_atomically(&table, &page::csv(&record))?;
-    let html = page::page(&record, &options.command)?.to_html();
+    lennard_io::write_table_csv(&table, &page::csv(&record))?;
+    let html = page::page(&record, &options.command).to_html()?;
     lennard_io::write_text_atomically(&report, &html)?;
     Ok(record)
 }
 
-/// Looks what an earlier sweep has left, before anything is written.
+/// Finds out what an earlier sweep has left, before anything is written.
 fn look(folder: &Path, point: &Point, replace: bool) -> Result<Found, SweepError> {
     if !folder.join("run.json").exists() {
         return Ok(Found::Nothing);

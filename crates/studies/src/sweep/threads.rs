@@ -39,7 +39,7 @@ mod tests {
                 .collect::<Vec<_>>(),
             [3, 3, 2]
         );
-        // Nothing to run still has somebody to say so.
+        // A sweep with nothing to run still has one worker.
         assert_eq!(workers(0, 4), 1);
     }
 }

@@ -134,7 +134,7 @@ pub(super) fn of_jump(
     dt: f64,
 ) -> Result<f64, TuneError> {
     let model = Model::new(&scene.potential, &truncation)
-        .map_err(|e| scene.source.invalid(e.key(), e.found(), e.allowed()))?;
+        .map_err(|e| scene.source.invalid(&e.key(), e.found(), e.allowed()))?;
     let (t, g) = (survey.temperature, survey.g(model.r_cut));
     Ok(0.5 * variance_growth(&model, survey.density(), g, t, dt) / t)
 }
@@ -175,6 +175,7 @@ mod tests {
     /// Looks at energy and neighbors of a running fluid.
     struct Looks {
         every: u64,
+        schedule: lennard_engine::Schedule,
         energies: Vec<f64>,
         temperatures: Vec<f64>,
         shell: Vec<f64>,
@@ -182,16 +183,8 @@ mod tests {
     }
 
     impl lennard_engine::Follower for Looks {
-        fn want(&self, _: &Scene, step: u64, _: bool) -> lennard_core::Want {
-            if step.is_multiple_of(self.every) {
-                lennard_core::Want::ENERGY
-            } else {
-                lennard_core::Want::NOTHING
-            }
-        }
-
-        fn looks_at(&self, _: &Scene, step: u64, _: bool) -> bool {
-            step.is_multiple_of(self.every)
+        fn schedule(&self) -> &lennard_engine::Schedule {
+            &self.schedule
         }
 
         fn after_step(
@@ -203,13 +196,12 @@ mod tests {
                 let n = state.len() as f64;
                 let energy = simulation.conserved_energy_per_particle().unwrap();
                 self.energies.push(energy * n);
-                self.temperatures
-                    .push(simulation.dynamics.temperature(&state.velocities));
+                self.temperatures.push(simulation.view().temperature());
                 // Pairs in the last twentieth of a diameter below the cutoff.
                 let bins = (self.r_cut / 0.05).round() as usize;
                 let counts = lennard_observables::count_distances(
                     &state.positions,
-                    &simulation.cell,
+                    &simulation.state.cell,
                     self.r_cut,
                     bins,
                 );
@@ -232,6 +224,14 @@ mod tests {
         let every = 125;
         let mut looks = Looks {
             every,
+            schedule: std::iter::once(
+                lennard_engine::Operation::new(
+                    lennard_engine::Action::Call,
+                    lennard_engine::Trigger::Every(every),
+                )
+                .wanting(lennard_core::Want::ENERGY),
+            )
+            .collect(),
             energies: vec![],
             temperatures: vec![],
             shell: vec![],

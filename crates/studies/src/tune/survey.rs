@@ -4,7 +4,9 @@
 use std::time::{Duration, Instant};
 
 use lennard_core::Want;
-use lennard_engine::{EngineError, Follower, Simulation, Verdict};
+use lennard_engine::{
+    Action, EngineError, Follower, Operation, Schedule, Simulation, Trigger, Verdict,
+};
 use lennard_forcefield::TruncationOptions;
 use lennard_observables::{count_distances, statistics};
 use lennard_scene::Scene;
@@ -57,22 +59,15 @@ pub(super) struct Survey {
 struct Watcher<'a> {
     sample: &'a Sample,
     every: u64,
+    schedule: Schedule,
     from: u64,
     end: Instant,
     frames: Vec<Frame>,
 }
 
 impl Follower for Watcher<'_> {
-    fn want(&self, _scene: &Scene, step: u64, _measured: bool) -> Want {
-        if step.is_multiple_of(self.every) {
-            Want::TOTALS
-        } else {
-            Want::NOTHING
-        }
-    }
-
-    fn looks_at(&self, _scene: &Scene, step: u64, _measured: bool) -> bool {
-        step.is_multiple_of(self.every)
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
 
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
@@ -84,7 +79,7 @@ impl Follower for Watcher<'_> {
         let asked = "the step was asked for totals";
         let bins = bins_within(self.sample.sight);
         let reach = bins as f64 * BIN_WIDTH;
-        let counts = count_distances(&state.positions, &simulation.cell, reach, bins);
+        let counts = count_distances(&state.positions, &simulation.state.cell, reach, bins);
         self.frames.push(Frame {
             potential: e.conserved_potential.expect(asked),
             virial: e.scalar_virial().expect(asked),
@@ -110,9 +105,12 @@ impl Survey {
         let run = |chain: &u64| -> Result<(Vec<Frame>, Start, f64), TuneError> {
             let mut scene = sample.canonical.clone();
             scene.system.seed = scene.system.seed.wrapping_add(1000 + chain);
+            let every = ((FRAME_INTERVAL / dt).round() as u64).max(1);
+            let frames = Operation::new(Action::Call, Trigger::Every(every)).wanting(Want::TOTALS);
             let mut watcher = Watcher {
                 sample,
-                every: ((FRAME_INTERVAL / dt).round() as u64).max(1),
+                every,
+                schedule: Schedule::empty().with(frames),
                 from: (PARTING_TIME / dt) as u64,
                 end,
                 frames: Vec::new(),

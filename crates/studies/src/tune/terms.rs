@@ -66,7 +66,7 @@ impl Terms {
             ..truncation
         };
         let model = Model::new(&scene.potential, &truncation)
-            .map_err(|e| scene.source.invalid(e.key(), e.found(), e.allowed()))?;
+            .map_err(|e| scene.source.invalid(&e.key(), e.found(), e.allowed()))?;
         let mut terms = Self {
             energy: vec![0.0; bins],
             conserved: vec![0.0; bins],

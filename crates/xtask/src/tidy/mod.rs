@@ -1,5 +1,6 @@
 //! Checks of the repository itself.
 
+mod circles;
 mod errors;
 mod layers;
 mod literals;
@@ -24,6 +25,7 @@ pub fn all(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {
         // A README that cannot be read is a fault like others: the rest is checked all the same.
         readme::faults_in_file(workspace).unwrap_or_else(|error| vec![error.to_string()]),
     ));
+    findings.push(("no circles of files", circles::faults(workspace)?));
     findings.push(("every error text is in a test", errors::faults(workspace)?));
     findings.extend(tracked::findings(workspace)?);
     Ok(findings)

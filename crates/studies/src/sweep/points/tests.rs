@@ -57,7 +57,7 @@ fn every_point_has_a_seed_of_its_own() {
         &[],
     );
     assert_eq!(one["rho0.6-T2-seed2"], given["rho0.6-T2-seed2"]);
-    // Without seeds in the sweep, that of the base counts, or the one on the command line.
+    // Without seeds in the sweep, the seed of the base counts, or the seed on the command line.
     let of_base = seeds(grid, &[]);
     assert_eq!(of_base.values().collect::<BTreeSet<_>>().len(), 4);
     let set = [("system.seed".to_owned(), "2".to_owned())];

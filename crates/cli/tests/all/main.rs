@@ -1,0 +1,16 @@
+//! Black-box tests: `lennard` as a user runs it.
+
+mod bad_input;
+mod bench;
+mod chart;
+mod commands;
+mod common;
+mod faults;
+mod literature;
+mod messages;
+mod output_folders;
+mod restart;
+mod signals;
+mod starts_and_ends;
+mod tune;
+mod verdicts;

@@ -1,0 +1,203 @@
+//! What a run says of the state that it starts from and of the one that it ends with.
+
+use std::fs;
+use std::process::Output;
+
+use crate::common::{Place, lennard_in, stderr, stdout};
+
+const SCENE: &str = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.2\n[truncation]\nr_cut = 2.2\n\
+                     [[stage]]\nname = \"production\"\nsteps = 20\n";
+
+struct Bench(Place);
+
+impl std::ops::Deref for Bench {
+    type Target = Place;
+
+    fn deref(&self) -> &Place {
+        &self.0
+    }
+}
+
+impl Bench {
+    fn new() -> Self {
+        let from_file = SCENE.replace(
+            "n_atoms = 108\ndensity = 0.8",
+            "configuration = \"start.xyz\"",
+        );
+        Self(Place::with(&[
+            ("liquid.toml", SCENE),
+            ("from-file.toml", &from_file),
+        ]))
+    }
+
+    fn lennard(&self, arguments: &[&str]) -> Output {
+        lennard_in(self.root(), arguments)
+    }
+
+    fn succeed(&self, arguments: &[&str]) -> String {
+        let output = self.lennard(arguments);
+        assert!(output.status.success(), "{}", stderr(&output));
+        stdout(&output)
+    }
+
+    fn remarks(&self, folder: &str) -> String {
+        let record: serde_json::Value =
+            serde_json::from_str(&self.read(&format!("{folder}/run.json"))).unwrap();
+        record["remarks"].to_string()
+    }
+}
+
+/// A frame with `drift` added to the velocities along x.
+fn drifting(frame: &str, drift: f64) -> String {
+    assert!(frame.contains("velo:R:3"), "{frame:.300}");
+    let mut lines = frame.lines();
+    let head: Vec<&str> = lines.by_ref().take(2).collect();
+    let particles = lines.map(|line| {
+        let mut fields: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
+        let v: f64 = fields[VX].parse().unwrap();
+        fields[VX] = (v + drift).to_string();
+        fields.join(" ")
+    });
+    let all: Vec<String> = head
+        .into_iter()
+        .map(str::to_owned)
+        .chain(particles)
+        .collect();
+    all.join("\n") + "\n"
+}
+
+/// The column of v_x: after the symbol and the position.
+const VX: usize = 4;
+
+/// Proves that a run says what it takes off the velocities of a file, and that `energy` shows the temperature that the run
+/// begins with. It does not judge whether a drift should be taken off.
+#[test]
+fn the_drift_of_a_file_is_named_and_run_and_energy_agree_on_the_temperature() {
+    let bench = Bench::new();
+    bench.succeed(&["run", "liquid.toml", "--quiet", "--out", "made"]);
+    let frame = bench.read("made/final.xyz");
+    bench.write("start.xyz", &frame);
+    let json = |bench: &Bench| -> serde_json::Value {
+        let text = bench.succeed(&["energy", "from-file.toml", "--json"]);
+        serde_json::from_str(&text).unwrap()
+    };
+    let plain = json(&bench);
+    assert_eq!(
+        plain["remarks"],
+        serde_json::Value::Null,
+        "no drift, no remark"
+    );
+    bench.write("start.xyz", &drifting(&frame, 0.5));
+    let with_drift = json(&bench);
+    let temperature = plain["temperature"].as_f64().unwrap();
+    assert!((with_drift["temperature"].as_f64().unwrap() - temperature).abs() < 1e-9);
+    // 2K/(3N − 3) of the drift alone: N/(3N − 3) of its square.
+    let before = temperature + 0.25 * 108.0 / 321.0;
+    let words = format!(
+        "start.xyz had a total momentum of (0.500000, 0.000000, 0.000000) per particle: removed, T changed from {before:.6} to {temperature:.6}"
+    );
+    let said = bench.succeed(&["energy", "from-file.toml"]);
+    let said = said.replace("-0.000000", "0.000000");
+    assert!(said.contains(&words), "wanted {words} in\n{said}");
+    let said = bench.succeed(&["run", "from-file.toml", "--out", "out"]);
+    let said = said.replace("-0.000000", "0.000000");
+    assert!(said.contains(&words), "wanted {words} in\n{said}");
+    let remarks = bench.remarks("out").replace("-0.000000", "0.000000");
+    assert!(remarks.contains(&words), "wanted {words} in\n{remarks}");
+    // It stays with the run that goes on.
+    bench.succeed(&["resume", "out", "--steps", "10", "--quiet"]);
+    let remarks = bench.remarks("out").replace("-0.000000", "0.000000");
+    assert!(remarks.contains(&words), "wanted {words} in\n{remarks}");
+}
+
+#[test]
+fn the_frame_of_a_file_with_many_is_named() {
+    let bench = Bench::new();
+    let made = [
+        "run",
+        "liquid.toml",
+        "--quiet",
+        "--out",
+        "made",
+        "--set",
+        "output.trajectory_every=5",
+    ];
+    bench.succeed(&made);
+    bench.write("start.xyz", &bench.read("made/trajectory.xyz"));
+    let words = "the start is frame 4 of 4 of ";
+    let said = bench.succeed(&["run", "from-file.toml", "--out", "out"]);
+    assert!(said.contains(words) && said.contains("start.xyz"), "{said}");
+    assert!(
+        bench.remarks("out").contains(words),
+        "{}",
+        bench.remarks("out")
+    );
+    bench.write("start.xyz", &bench.read("made/final.xyz"));
+    let said = bench.succeed(&["run", "from-file.toml", "--out", "other"]);
+    assert!(!said.contains("the start is frame"), "{said}");
+}
+
+/// Proves that the last state is written with its energies wherever rows and samples fall, and that the state is the same
+/// to the bit as where they fall on the last step.
+#[test]
+fn the_last_state_has_its_energies_whenever_samples_are_taken() {
+    let bench = Bench::new();
+    let header = |text: &str, key: &str| -> f64 {
+        let line = text.lines().nth(1).unwrap();
+        let at = line
+            .find(&format!("{key}="))
+            .unwrap_or_else(|| panic!("no {key} in {line}"));
+        let value = line[at + key.len() + 1..]
+            .split_whitespace()
+            .next()
+            .unwrap();
+        value.parse().unwrap()
+    };
+    for more in [&[][..], &["--set", "kernel.precision=mixed"]] {
+        let run = |every: &str, out: &str| {
+            let every = format!("output.thermo_every={every}");
+            let run = [
+                "run",
+                "liquid.toml",
+                "--quiet",
+                "--out",
+                out,
+                "--set",
+                &every,
+            ];
+            bench.succeed(&[&run[..], more, &["--set", "stage.0.steps=40"]].concat());
+            let text = bench.read(&format!("{out}/final.xyz"));
+            fs::remove_dir_all(bench.path(out)).unwrap();
+            text
+        };
+        let (on, off) = (run("10", "on"), run("7", "off"));
+        for key in ["total_potential_energy", "total_kinetic_energy", "pressure"] {
+            assert_eq!(header(&on, key), header(&off, key), "{key}");
+        }
+        let particles = |text: &str| text.lines().skip(2).map(str::to_owned).collect::<Vec<_>>();
+        assert_eq!(particles(&on), particles(&off));
+    }
+}
+
+#[test]
+fn going_on_is_advised_only_where_there_is_a_checkpoint() {
+    let bench = Bench::new();
+    bench.succeed(&["run", "liquid.toml", "--quiet", "--out", "out"]);
+    let record = bench.read("out/run.json");
+    bench.write(
+        "out/run.json",
+        &record.replace("\"finished\": true", "\"finished\": false"),
+    );
+    let said = stderr(&bench.lennard(&["compare", "out"]));
+    assert!(said.contains("to go on: lennard resume out"), "{said}");
+    for (_, path) in lennard_io::CheckpointFolder::new(&bench.path("out"))
+        .list()
+        .unwrap()
+    {
+        fs::remove_file(path).unwrap();
+    }
+    let said = stderr(&bench.lennard(&["compare", "out"]));
+    assert!(!said.contains("lennard resume"), "{said}");
+    let again = "it has no checkpoint to go on from; to start again: lennard run out/scene.toml --out FOLDER";
+    assert!(said.contains(again), "{said}");
+}

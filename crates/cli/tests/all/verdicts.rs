@@ -1,0 +1,284 @@
+//! What is said of a run: results only where they were earned.
+
+use crate::common::{Place, lennard_in};
+use serde_json::Value;
+
+const SCENE: &str = r#"
+[system]
+lattice = "fcc"
+n_atoms = 108
+density = 0.7
+temperature = 1.5
+seed = 3
+
+[truncation]
+r_cut = 2.5
+tail_correction = true
+
+[integrator]
+dt = 0.004
+
+[[stage]]
+name = "melt"
+steps = 1000
+thermostat = { kind = "bussi", tau = 0.1 }
+
+[[stage]]
+name = "production"
+steps = 6000
+
+[[observable]]
+kind = "rdf"
+every = 50
+
+[[observable]]
+kind = "msd"
+
+[[observable]]
+kind = "structure-factor"
+"#;
+
+/// Runs the scene with changes; its record and what `compare` says of it.
+fn run(changes: &[&str]) -> (Value, Value, String) {
+    let place = Place::with(&[("scene.toml", SCENE)]);
+    let mut arguments = vec!["run", "scene.toml", "--out", "out", "--json", "--no-report"];
+    for change in changes {
+        arguments.extend(["--set", change]);
+    }
+    let ran = lennard_in(place.root(), &arguments);
+    let said = String::from_utf8_lossy(&ran.stderr).into_owned();
+    assert!(ran.status.success(), "{said}");
+    let record: Value = serde_json::from_slice(&ran.stdout).unwrap();
+    let compare = |extra: &[&str]| {
+        let all: Vec<&str> = ["compare", "out"].iter().chain(extra).copied().collect();
+        lennard_in(place.root(), &all)
+    };
+    let compared: Value = serde_json::from_slice(&compare(&["--json"]).stdout).unwrap();
+    let table = String::from_utf8_lossy(&compare(&[]).stdout).into_owned();
+    (record, compared["runs"][0].clone(), table)
+}
+
+fn row<'a>(compared: &'a Value, quantity: &str) -> &'a Value {
+    let rows = compared["rows"].as_array().unwrap();
+    rows.iter()
+        .find(|r| r["quantity"] == quantity)
+        .unwrap_or_else(|| panic!("no {quantity}"))
+}
+
+#[test]
+fn means_of_a_run_that_still_relaxes_are_no_results() {
+    // A bath at T = 0.8 that takes 10 τ to cool a fluid at 1.5, over 24 τ.
+    let (record, compared, table) = run(&[
+        "stage.production.temperature=0.8",
+        "stage.production.thermostat={ kind = \"langevin\", friction = 0.05 }",
+    ]);
+    let averages = record["averages"].as_object().unwrap();
+    for name in [
+        "temperature",
+        "potential_energy",
+        "pressure",
+        "heat_capacity",
+        "rdf_first_peak",
+    ] {
+        let average = &averages[name];
+        assert_eq!(
+            average["standing"], "not-in-equilibrium",
+            "{name}: {average}"
+        );
+        assert!(average["standard_error"].is_null(), "{name}: {average}");
+        let reason = average["reason"].as_str().unwrap();
+        assert!(reason.contains("falls from"), "{reason}");
+    }
+    assert!(record["comparison"].as_array().unwrap().is_empty());
+    assert_eq!(row(&compared, "pressure")["verdict"], "not-in-equilibrium");
+    assert!(table.contains("The run was not in equilibrium"), "{table}");
+    assert!(
+        !table.contains("agrees") && !table.contains("Thol"),
+        "{table}"
+    );
+}
+
+#[test]
+fn a_run_too_short_says_how_many_steps_are_missing_and_gives_no_error() {
+    let (record, compared, table) = run(&[
+        "system.density=0.003",
+        "system.temperature=0.9",
+        "stage.production.steps=2500",
+    ]);
+    let energy = &record["averages"]["potential_energy"];
+    assert_eq!(energy["standing"], "too-short", "{energy}");
+    assert!(energy["standard_error"].is_null());
+    let reason = energy["reason"].as_str().unwrap();
+    assert!(
+        reason.contains("collides") && reason.contains("more steps"),
+        "{reason}"
+    );
+    assert_eq!(row(&compared, "potential_energy")["verdict"], "too-short");
+    assert!(table.contains("The run is too short"), "{table}");
+}
+
+#[test]
+fn a_heat_capacity_under_a_bath_is_never_below_its_kinetic_part() {
+    for seed in ["1", "2", "3"] {
+        let (record, ..) = run(&[
+            &format!("system.seed={seed}"),
+            "stage.production.steps=1000",
+            "stage.production.thermostat={ kind = \"bussi\", tau = 0.5 }",
+        ]);
+        let found = &record["averages"]["heat_capacity"];
+        assert!(found["mean"].as_f64().unwrap() >= 1.5, "{found}");
+        assert_ne!(found["standing"], "sound", "{found}");
+        assert!(found["standard_error"].is_null());
+    }
+}
+
+#[test]
+fn friction_is_said_beside_diffusion_and_no_correction_is_added() {
+    let (record, compared, table) = run(&[
+        "stage.production.steps=20000",
+        "stage.production.thermostat={ kind = \"langevin\", friction = 10.0 }",
+    ]);
+    let averages = record["averages"].as_object().unwrap();
+    let diffusion = &averages["diffusion_coefficient"];
+    assert_eq!(diffusion["standing"], "thermostat", "{diffusion}");
+    assert!(!averages.contains_key("diffusion_coefficient_uncorrected"));
+    let row = row(&compared, "diffusion_coefficient");
+    assert_eq!(row["verdict"], "thermostat");
+    assert!(row["reference"].is_null());
+    assert!(table.contains("langevin"), "{table}");
+    // What does not move through time is the fluid's own.
+    assert_eq!(
+        averages["pressure"]["standing"], "sound",
+        "{}",
+        averages["pressure"]
+    );
+}
+
+#[test]
+fn velocity_scaling_in_production_is_judged_by_nothing() {
+    let (record, compared, _) =
+        run(&["stage.production.thermostat={ kind = \"rescale\", every = 10 }"]);
+    let temperature = &record["averages"]["temperature"];
+    assert_eq!(temperature["standing"], "thermostat");
+    assert!(temperature["standard_error"].is_null(), "{temperature}");
+    assert_eq!(row(&compared, "potential_energy")["verdict"], "thermostat");
+    assert!(record["comparison"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn a_state_without_a_reference_is_named_and_has_none() {
+    // Inside the vapor–liquid dome.
+    let (_, compared, table) = run(&["system.density=0.4", "system.temperature=0.9"]);
+    for quantity in ["potential_energy", "pressure", "heat_capacity"] {
+        assert!(
+            row(&compared, quantity)["reference"].is_null(),
+            "{quantity}"
+        );
+    }
+    assert!(
+        table.contains("metastable") || table.contains("dome"),
+        "{table}"
+    );
+    assert!(!table.contains("agrees with its reference: pressure"));
+    // The sentence says why, though the two temperatures agree.
+    let headline = compared["headline"].as_str().unwrap();
+    assert!(
+        headline.contains("No reference of a homogeneous fluid applies: "),
+        "{headline}"
+    );
+    // A crystal is not set beside the equation of the fluid.
+    let (_, compared, table) = run(&[
+        "system.density=1.1",
+        "system.temperature=0.7",
+        "truncation.r_cut=2.2",
+    ]);
+    assert!(row(&compared, "potential_energy")["reference"].is_null());
+    assert!(
+        table.contains("freezing") || table.contains("range"),
+        "{table}"
+    );
+}
+
+#[test]
+fn a_slab_is_set_beside_saturation_and_not_beside_the_mean_density() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../inputs");
+    let slab = inputs.join("fluid/slab.toml");
+    let arguments = [
+        "run",
+        slab.to_str().unwrap(),
+        "--out",
+        "out",
+        "--quiet",
+        "--no-report",
+        "--set",
+        "stage.production.steps=12000",
+    ];
+    assert!(lennard_in(folder.path(), &arguments).status.success());
+    let compared = lennard_in(folder.path(), &["compare", "out", "--json"]);
+    let compared: Value = serde_json::from_slice(&compared.stdout).unwrap();
+    let run = &compared["runs"][0];
+    assert!(row(run, "potential_energy")["reference"].is_null());
+    assert!(run["equation"].is_null());
+    let normal = row(run, "pressure_zz");
+    assert_eq!(normal["primary"], true);
+    // The vapor pressure of the truncated-shifted fluid at T = 0.75 by Thol 2015.
+    let reference = normal["reference"].as_f64().unwrap();
+    assert!((0.007..0.011).contains(&reference), "{normal}");
+    assert!(
+        normal["source"]
+            .as_str()
+            .unwrap()
+            .starts_with("vapor pressure")
+    );
+}
+
+#[test]
+fn few_rows_by_default_and_every_one_with_all() {
+    let place = Place::with(&[("scene.toml", SCENE)]);
+    let rows = |arguments: &[&str]| {
+        let said = lennard_in(place.root(), arguments);
+        let text = String::from_utf8_lossy(&said.stdout).into_owned();
+        (
+            text.lines().filter(|l| l.starts_with('│')).count() - 1,
+            text,
+        )
+    };
+    let (few, text) = rows(&["run", "scene.toml", "--out", "out", "--no-report"]);
+    assert!((5..=8).contains(&few), "{text}");
+    assert!(
+        text.contains("Difference / s.e.") && text.contains("Tolerance"),
+        "{text}"
+    );
+    assert!(text.contains("--all") && !text.contains("note:"), "{text}");
+    let (all, text) = rows(&["compare", "out", "--all"]);
+    assert!(all > 12 && text.contains("kinetic energy"), "{text}");
+}
+
+#[test]
+fn one_part_of_the_run_is_discarded_for_every_observable() {
+    // A bath at another temperature, which it reaches in a tenth of the run.
+    let (record, ..) = run(&[
+        "stage.production.steps=20000",
+        "stage.production.temperature=1.0",
+        "stage.production.thermostat={ kind = \"langevin\", friction = 1.0 }",
+    ]);
+    let discarded = |name: &str| {
+        let average = &record["averages"][name];
+        average["equilibration_cut"].as_u64().unwrap()
+    };
+    let steps = 10 * discarded("potential_energy");
+    assert!((200..12_000).contains(&steps), "{steps}");
+    // Blocks are left out whole: of 64 at most, a 32nd part of the run.
+    for (name, every) in [
+        ("rdf_first_peak", 50),
+        ("structure_factor_first_peak", 100),
+        ("diffusion_coefficient", 10),
+    ] {
+        let own = every * discarded(name);
+        assert!(
+            (steps..=steps + 20_000 / 32).contains(&own),
+            "{name}: {own} {steps}"
+        );
+    }
+}

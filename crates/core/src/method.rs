@@ -1,0 +1,60 @@
+//! What every integrator's file provides: its declaration and one step, written as kicks, drifts and force evaluations.
+
+use crate::{ForceProperties, IntegratorSpec, Persist, Step, StepError, System};
+
+/// One method of integration: its step as a sequence of operators.
+///
+/// Contract: after `start` and after each `step`, positions, velocities, forces and energetics of the state all belong to
+/// its time.
+pub trait Method: Persist + Send {
+    /// What the method declares about itself.
+    fn spec(&self) -> &'static IntegratorSpec;
+
+    /// Whether the method can run this system with such forces; else the reason.
+    ///
+    /// The default refuses constraints, which most methods do not solve for.
+    ///
+    /// # Errors
+    /// The reason in words.
+    fn suits(&self, system: &System, forces: ForceProperties) -> Result<(), String> {
+        let _ = forces;
+        without_constraints(system)
+    }
+
+    /// Evaluates the forces at the start and remembers what the steps need.
+    ///
+    /// # Errors
+    /// [`StepError`] where the forces fail.
+    fn start(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        s.forces_at_start()?;
+        self.remember(s)
+    }
+
+    /// Takes positions or velocities of other times from the state as it is, which has its forces: at the start, and after
+    /// a bath changed the velocities. The default remembers nothing.
+    ///
+    /// # Errors
+    /// [`StepError`] where the state does not suit the method.
+    fn remember(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let _ = s;
+        Ok(())
+    }
+
+    /// One step.
+    ///
+    /// # Errors
+    /// [`StepError`] where the forces fail or a solver does not converge.
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError>;
+}
+
+/// Refuses a system with constraints.
+///
+/// # Errors
+/// The reason in words.
+pub fn without_constraints(system: &System) -> Result<(), String> {
+    if system.constraints.is_empty() {
+        Ok(())
+    } else {
+        Err("it has constraints, and the method solves for none".to_owned())
+    }
+}

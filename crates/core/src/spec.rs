@@ -1,0 +1,122 @@
+//! What an integrator declares about itself, what happens in its steps, and why a step fails.
+
+use glam::DMat2;
+
+use crate::{ForceError, Momentum};
+
+/// What a method declares about itself; conformance tests measure each entry.
+#[derive(Debug, Clone, Copy)]
+pub struct IntegratorSpec {
+    /// Name in scene files, with hyphens.
+    pub name: &'static str,
+    /// One sentence.
+    pub summary: &'static str,
+    /// The update equations, in plain text.
+    pub equations: &'static str,
+    /// Global order of the positions in dt.
+    pub position_order: u32,
+    /// Global order of the published velocities in dt.
+    pub velocity_order: u32,
+    /// Preserves phase-space area (measured on the oscillator).
+    pub symplectic: bool,
+    /// Returns to its start when velocities are reversed.
+    pub reversible: bool,
+    /// Refuses a step size that changes.
+    pub fixed_step_only: bool,
+    /// Accepts forces that depend on velocities.
+    pub velocity_dependent_forces: bool,
+    /// Whether total momentum is conserved (no noise).
+    pub conserves_momentum: bool,
+    /// Ends every step with half a kick and begins the next with the same one, so that v_n ± (h/2)·a_n are its
+    /// velocities half a step later and earlier ([`crate::View::half_step_kinetic_energy`]).
+    pub half_kicks: bool,
+    /// Whether a step is half a kick, a drift, the forces and half a kick, and nothing else: a backend may then take several
+    /// steps at once.
+    pub is_kick_drift_kick: bool,
+    /// Force evaluations per step; 0 where their number varies or none is made.
+    pub force_evaluations: u32,
+    /// The largest stable ω·dt on the oscillator, if there is a finite one.
+    pub stability_limit: Option<f64>,
+    /// The one-step map on the oscillator ẍ = −ω²x, as the matrix on (x, v), for (ω, dt).
+    pub oscillator_map: Option<fn(f64, f64) -> DMat2>,
+    /// Author, title, equation.
+    pub source: &'static str,
+}
+
+impl IntegratorSpec {
+    /// Whether the motion keeps the total momentum.
+    #[must_use]
+    pub fn momentum(&self) -> Momentum {
+        if self.conserves_momentum {
+            Momentum::Conserved
+        } else {
+            Momentum::Free
+        }
+    }
+}
+
+/// What happened in a step, or in several that were taken at once.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct StepReport {
+    /// Force evaluations made.
+    pub force_evaluations: u32,
+    /// Iterations of an inner solver.
+    pub iterations: u32,
+    /// Residual that the inner solver ended with, in its own norm.
+    pub residual: f64,
+    /// Energy in ε put in by a heat bath inside the step: E − Σ heat is conserved.
+    pub heat: f64,
+}
+
+/// Why a step failed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// The forces failed.
+    #[error(transparent)]
+    Force(#[from] ForceError),
+    /// The method assumes F(x).
+    #[error(
+        "`{method}` assumes that forces depend on positions alone, and these depend on velocities"
+    )]
+    VelocityDependentForce {
+        /// The method's name.
+        method: &'static str,
+    },
+    /// The step changed under a method that needs it fixed.
+    #[error(
+        "`{method}` needs a fixed step: it was started with dt = {started} and asked for dt = {asked}"
+    )]
+    ChangingStep {
+        /// The method's name.
+        method: &'static str,
+        /// The step it was started with.
+        started: f64,
+        /// The step asked for.
+        asked: f64,
+    },
+    /// The step is zero, negative or not finite.
+    #[error("dt must be a finite positive number, found {0}")]
+    BadStep(f64),
+    /// An inner solver did not converge.
+    #[error(
+        "`{method}` did not solve its equations in {iterations} iterations: residual {residual:e}, wanted {wanted:e}"
+    )]
+    NotConverged {
+        /// The method's name.
+        method: &'static str,
+        /// Iterations made.
+        iterations: u32,
+        /// Residual reached.
+        residual: f64,
+        /// Residual wanted.
+        wanted: f64,
+    },
+    /// The method needs something that this system does not offer.
+    #[error("`{method}` cannot run this system: {reason}")]
+    Unsuited {
+        /// The method's name.
+        method: &'static str,
+        /// What is missing.
+        reason: String,
+    },
+}

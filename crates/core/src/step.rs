@@ -1,0 +1,298 @@
+//! One step under way: the operators that every method is made of.
+
+use std::ops::Range;
+
+use crate::parallel::all_pieces;
+use crate::{
+    Backend, Configuration, DVec3, Energetics, ForceError, FusedSteps, IntegratorSpec, Momentum,
+    Part, State, StepError, StepReport, System, Want, sweeps,
+};
+
+/// A step of a method: what its kicks, drifts and force evaluations act on.
+///
+/// Fractions are those of the step h. A kick waits for the drift that may follow, so that both take one pass over memory.
+pub struct Step<'a> {
+    system: &'a System,
+    state: &'a mut State,
+    backend: &'a mut dyn Backend,
+    spec: &'static IntegratorSpec,
+    dt: f64,
+    want: Want,
+    /// Steps that may be taken besides this one without a look in between.
+    ahead: u64,
+    /// The kick that was not given yet, as a fraction of the step.
+    waiting_kick: Option<f64>,
+    /// The part of the step by which positions have drifted.
+    drifted: f64,
+    started: f64,
+    report: StepReport,
+}
+
+/// What belongs to a step, for operators that are neither a kick nor a drift.
+pub struct Parts<'a> {
+    /// Masses, constraints and the exact solution.
+    pub system: &'a System,
+    /// Positions, velocities and forces.
+    pub state: &'a mut State,
+    /// The forces.
+    pub backend: &'a mut dyn Backend,
+}
+
+impl<'a> Step<'a> {
+    /// A step of `dt` τ that begins at a state, and whose forces deliver `want` at its end.
+    #[must_use]
+    pub fn new(
+        system: &'a System,
+        state: &'a mut State,
+        backend: &'a mut dyn Backend,
+        spec: &'static IntegratorSpec,
+        dt: f64,
+        want: Want,
+    ) -> Self {
+        Self {
+            started: state.time,
+            system,
+            state,
+            backend,
+            spec,
+            dt,
+            want,
+            ahead: 0,
+            waiting_kick: None,
+            drifted: 0.0,
+            report: StepReport::default(),
+        }
+    }
+
+    /// With so many further steps that may be taken with it, where the method is kick-drift-kick.
+    pub(crate) fn with_steps_ahead(self, ahead: u64) -> Self {
+        Self { ahead, ..self }
+    }
+
+    /// The step h in τ.
+    #[must_use]
+    pub fn dt(&self) -> f64 {
+        self.dt
+    }
+
+    /// The system.
+    #[must_use]
+    pub fn system(&self) -> &'a System {
+        self.system
+    }
+
+    /// Degrees of freedom n_dof of this motion: three less where the method conserves the total momentum.
+    #[must_use]
+    pub fn n_dof(&self) -> f64 {
+        self.system.n_dof(self.spec.momentum())
+    }
+
+    /// Whether the method conserves the total momentum.
+    #[must_use]
+    pub fn momentum(&self) -> Momentum {
+        self.spec.momentum()
+    }
+
+    /// The kick B: v ← v + fraction·h·F/m.
+    pub fn kick(&mut self, fraction: f64) {
+        self.give_waiting_kick();
+        self.waiting_kick = Some(fraction);
+    }
+
+    /// The drift A: x ← x + fraction·h·v.
+    pub fn drift(&mut self, fraction: f64) {
+        let (state, h) = (&mut *self.state, fraction * self.dt);
+        match self.waiting_kick.take() {
+            Some(kick) => sweeps::kick_and_drift(
+                &mut state.positions,
+                &mut state.velocities,
+                &state.forces,
+                &self.system.masses,
+                kick * self.dt,
+                h,
+            ),
+            None => sweeps::drift(&mut state.positions, &state.velocities, h),
+        }
+        self.drifted += fraction;
+    }
+
+    /// Arrives at the end of the step and evaluates the forces there, with what is wanted besides.
+    ///
+    /// Where nothing looks at the steps that follow, a backend may take some of them first.
+    ///
+    /// # Errors
+    /// [`StepError`] where the forces fail.
+    pub fn forces(&mut self) -> Result<(), StepError> {
+        self.arrive();
+        if self.ahead > 0 {
+            self.fused_steps();
+        }
+        self.evaluate_here(self.want)
+    }
+
+    /// Evaluates the forces inside the step, at the time to which the positions have drifted.
+    ///
+    /// # Errors
+    /// [`StepError`] where the forces fail.
+    pub fn inner_forces(&mut self) -> Result<(), StepError> {
+        let time = self.started + self.drifted * self.dt;
+        self.evaluate(time, Want::NOTHING)
+    }
+
+    /// Evaluates the forces before the first step, at the state as it is.
+    ///
+    /// # Errors
+    /// [`StepError`] where the forces fail.
+    pub fn forces_at_start(&mut self) -> Result<(), StepError> {
+        self.evaluate_here(self.want)
+    }
+
+    /// Evaluates one part of the forces at the current positions into an array of the caller. `share` is the part of the
+    /// step that is over; at the end (1) the totals that are wanted come with it.
+    ///
+    /// # Errors
+    /// [`StepError`] where the forces fail.
+    pub fn part_of_forces(
+        &mut self,
+        part: Part,
+        share: f64,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, StepError> {
+        self.give_waiting_kick();
+        self.report.force_evaluations += 1;
+        let at = Configuration {
+            cell: &self.state.cell,
+            positions: &self.state.positions,
+            velocities: None,
+            time: self.started + share * self.dt,
+        };
+        let found = self.backend.evaluate(at, part, want, forces)?;
+        check_finite(forces)?;
+        Ok(found)
+    }
+
+    /// Advances the clock to the end of the step: everything after it belongs to the new time.
+    pub fn arrive(&mut self) {
+        self.give_waiting_kick();
+        tick(self.state, self.dt);
+    }
+
+    /// What the forces are wanted to deliver at the end of the step.
+    #[must_use]
+    pub fn want(&self) -> Want {
+        self.want
+    }
+
+    /// System, state and forces, for other operators. A kick that waits is given first.
+    pub fn parts(&mut self) -> Parts<'_> {
+        self.give_waiting_kick();
+        Parts {
+            system: self.system,
+            state: &mut *self.state,
+            backend: &mut *self.backend,
+        }
+    }
+
+    /// Counts energy in ε that a bath puts in.
+    pub fn add_heat(&mut self, heat: f64) {
+        self.report.heat += heat;
+    }
+
+    /// Notes what an inner solver did: iterations, and the residual in its own norm.
+    pub fn solved(&mut self, iterations: u32, residual: f64) {
+        self.report.iterations += iterations;
+        self.report.residual = residual;
+    }
+
+    /// Counts force evaluations that a solver made by itself.
+    pub fn count_evaluations(&mut self, evaluations: u32) {
+        self.report.force_evaluations += evaluations;
+    }
+
+    /// Ends the step and returns what happened in it.
+    pub fn finish(mut self) -> StepReport {
+        self.give_waiting_kick();
+        self.report
+    }
+
+    fn give_waiting_kick(&mut self) {
+        if let Some(kick) = self.waiting_kick.take() {
+            let state = &mut *self.state;
+            sweeps::kick(
+                &mut state.velocities,
+                &state.forces,
+                &self.system.masses,
+                kick * self.dt,
+            );
+        }
+    }
+
+    fn fused_steps(&mut self) {
+        let state = &mut *self.state;
+        let taken = self.backend.advance(FusedSteps {
+            cell: &state.cell,
+            positions: &mut state.positions,
+            velocities: &mut state.velocities,
+            masses: &self.system.masses,
+            dt: self.dt,
+            steps: self.ahead,
+        });
+        for _ in 0..taken {
+            tick(state, self.dt);
+        }
+        self.report.force_evaluations += taken as u32;
+        if taken < self.ahead {
+            self.want = Want::NOTHING;
+        }
+        self.ahead = 0;
+    }
+
+    fn evaluate_here(&mut self, want: Want) -> Result<(), StepError> {
+        self.evaluate(self.state.time, want)
+    }
+
+    fn evaluate(&mut self, time: f64, want: Want) -> Result<(), StepError> {
+        self.give_waiting_kick();
+        self.report.force_evaluations += 1;
+        let state = &mut *self.state;
+        let at = Configuration {
+            cell: &state.cell,
+            positions: &state.positions,
+            // Only methods made for it may feed velocities to a force.
+            velocities: self
+                .spec
+                .velocity_dependent_forces
+                .then_some(state.velocities.as_slice()),
+            time,
+        };
+        state.energetics = self
+            .backend
+            .evaluate(at, Part::All, want, &mut state.forces)?;
+        check_finite(&state.forces)?;
+        Ok(())
+    }
+}
+
+fn tick(state: &mut State, dt: f64) {
+    state.step += 1;
+    state.time += dt;
+}
+
+/// Refuses forces that are not finite, whatever the forces themselves reported.
+///
+/// One running sum is enough: what is not finite never becomes finite again.
+///
+/// # Errors
+/// [`ForceError::NonFiniteForce`] for the first particle.
+pub fn check_finite(forces: &[DVec3]) -> Result<(), ForceError> {
+    let is_finite = |range: Range<usize>| forces[range].iter().sum::<DVec3>().is_finite();
+    if all_pieces(forces.len(), is_finite) {
+        return Ok(());
+    }
+    match forces.iter().position(|f| !f.is_finite()) {
+        Some(particle) => Err(ForceError::NonFiniteForce { particle }),
+        // Finite forces whose sum overflows: absurd, but each force is finite.
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,173 @@
+//! What a system is, which does not change while it moves: masses, constraints, and the exact solution where one is known.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+/// The masses of the particles.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Masses {
+    /// All particles have this mass.
+    Uniform(f64),
+    /// One mass per particle, `[N]`.
+    Each(Vec<f64>),
+}
+
+impl Masses {
+    /// The mass of particle `i`.
+    #[inline]
+    #[must_use]
+    pub fn of(&self, i: usize) -> f64 {
+        match self {
+            Self::Uniform(m) => *m,
+            Self::Each(m) => m[i],
+        }
+    }
+}
+
+/// A known solution of the equations of motion, against which methods are measured.
+pub trait ExactSolution: Send + Sync + std::fmt::Debug {
+    /// Advances positions and velocities exactly by `dt`.
+    fn advance(&self, positions: &mut [DVec3], velocities: &mut [DVec3], dt: f64);
+}
+
+/// One holonomic constraint ε·λ + g(q) + τ·ġ(q) = 0 with G = ∂g/∂q
+/// (Lacoursière, Ghosts and Machines, 2007; compliance ε = 1/k, damping time τ = c/k).
+pub trait Constraint: Send + Sync + std::fmt::Debug {
+    /// The constraint's value g(q).
+    fn value(&self, positions: &[DVec3]) -> f64;
+    /// Appends the non-zero entries of the gradient G = ∂g/∂q to `out`, each with its particle.
+    fn gradient(&self, positions: &[DVec3], out: &mut Vec<(usize, DVec3)>);
+    /// Compliance ε ≥ 0, the inverse of a stiffness.
+    fn compliance(&self) -> f64;
+    /// Damping time τ ≥ 0.
+    fn damping_time(&self) -> f64;
+}
+
+/// Whether the motion keeps the total momentum.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Momentum {
+    /// Total momentum stays as it is, and is zero: its three components are not thermal.
+    Conserved,
+    /// Noise, walls or fields change it: its components are thermal as all others.
+    Free,
+}
+
+/// What stays the same while a system moves.
+#[derive(Debug, Clone)]
+pub struct System {
+    n: usize,
+    /// Particle masses.
+    pub masses: Masses,
+    /// Constraints, for the methods that solve for them.
+    pub constraints: Vec<Arc<dyn Constraint>>,
+    /// The exact solution, if one is known.
+    pub exact: Option<Arc<dyn ExactSolution>>,
+}
+
+impl System {
+    /// `n` free particles of unit mass.
+    #[must_use]
+    pub fn atoms(n: usize) -> Self {
+        Self {
+            n,
+            masses: Masses::Uniform(1.0),
+            constraints: Vec::new(),
+            exact: None,
+        }
+    }
+
+    /// The same system with other masses.
+    #[must_use]
+    pub fn with_masses(self, masses: Masses) -> Self {
+        Self { masses, ..self }
+    }
+
+    /// Number of particles.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.n
+    }
+
+    /// Whether there is no particle at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.n == 0
+    }
+
+    /// Degrees of freedom n_dof in T = 2K/n_dof: three per particle, less one for each rigid constraint, less three where
+    /// the total momentum is conserved (and zero). A single particle keeps its three: it has nothing to share its momentum
+    /// with. A constraint of compliance ε > 0 is a spring, which takes no degree of freedom away.
+    #[must_use]
+    pub fn n_dof(&self, momentum: Momentum) -> f64 {
+        let rigid = self
+            .constraints
+            .iter()
+            .filter(|c| c.compliance() == 0.0)
+            .count();
+        let kept = match momentum {
+            Momentum::Conserved if self.n > 1 => 3,
+            _ => 0,
+        };
+        3.0 * self.n as f64 - (rigid + kept) as f64
+    }
+
+    /// The kinetic energy K = Σ ½ m v² in ε, summed in the order of the particles.
+    #[must_use]
+    pub fn kinetic_energy(&self, velocities: &[DVec3]) -> f64 {
+        crate::parallel::ordered_sum(velocities.len(), |range| {
+            range
+                .map(|i| 0.5 * self.masses.of(i) * velocities[i].length_squared())
+                .sum()
+        })
+    }
+
+    /// The kinetic temperature T = 2K/n_dof, in ε/k_B.
+    #[must_use]
+    pub fn temperature(&self, velocities: &[DVec3], momentum: Momentum) -> f64 {
+        2.0 * self.kinetic_energy(velocities) / self.n_dof(momentum)
+    }
+
+    /// The total momentum Σ m v.
+    #[must_use]
+    pub fn momentum(&self, velocities: &[DVec3]) -> DVec3 {
+        crate::parallel::ordered_sum(velocities.len(), |range| {
+            range.map(|i| self.masses.of(i) * velocities[i]).sum()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug)]
+    struct Bond(f64);
+
+    impl Constraint for Bond {
+        fn value(&self, positions: &[DVec3]) -> f64 {
+            positions[0].distance(positions[1]) - 1.0
+        }
+        fn gradient(&self, positions: &[DVec3], out: &mut Vec<(usize, DVec3)>) {
+            let along = (positions[0] - positions[1]).normalize();
+            out.extend([(0, along), (1, -along)]);
+        }
+        fn compliance(&self) -> f64 {
+            self.0
+        }
+        fn damping_time(&self) -> f64 {
+            0.0
+        }
+    }
+
+    #[test]
+    fn degrees_of_freedom_follow_from_particles_constraints_and_momentum() {
+        let mut system = System::atoms(10);
+        assert_eq!(system.n_dof(Momentum::Conserved), 27.0);
+        assert_eq!(system.n_dof(Momentum::Free), 30.0);
+        assert_eq!(System::atoms(1).n_dof(Momentum::Conserved), 3.0);
+        system.constraints = vec![Arc::new(Bond(0.0)), Arc::new(Bond(0.1))];
+        assert_eq!(system.n_dof(Momentum::Conserved), 26.0);
+        assert_eq!(system.n_dof(Momentum::Free), 29.0);
+    }
+}

@@ -1,0 +1,40 @@
+//! The heat baths of the measured stages, and what they make of the run.
+
+use lennard_core::ThermostatSpec;
+use lennard_observables::{Ensemble, HeldTemperature};
+use lennard_scene::{Scene, Stage};
+
+/// The thermostats of the measured stages.
+pub(crate) fn measured_baths(scene: &Scene) -> Vec<&'static ThermostatSpec> {
+    let measured = scene.stages.iter().filter(|s| s.measure);
+    measured
+        .filter_map(|s| Some(s.thermostat.as_ref()?.spec()))
+        .collect()
+}
+
+/// The ensemble that a stage samples; `None` where its dynamics sample none that is known.
+pub(crate) fn ensemble(scene: &Scene, stage: &Stage) -> Option<Ensemble> {
+    match &stage.thermostat {
+        Some(bath) => bath.spec().canonical.then_some(Ensemble::Canonical),
+        // A method that loses energy stays at no energy.
+        None => lennard_integrators::build(&scene.integrator.method)
+            .spec()
+            .symplectic
+            .then_some(Ensemble::Microcanonical),
+    }
+}
+
+/// The temperature that the bath of the measured stages holds; `None` where they have none, or not all the same.
+#[must_use]
+pub fn held_temperature(scene: &Scene) -> Option<HeldTemperature> {
+    let mut measured = scene.stages.iter().filter(|s| s.measure);
+    let first = measured.next()?;
+    let options = first.thermostat.as_ref()?;
+    let bath = options.spec();
+    let same = |s: &Stage| s.thermostat == first.thermostat && s.temperature == first.temperature;
+    (bath.canonical && measured.all(same)).then_some(HeldTemperature {
+        temperature: first.temperature,
+        half_steps: bath.holds_half_steps,
+        relaxation: options.relaxation(),
+    })
+}

@@ -1,0 +1,76 @@
+//! Where the watchdog looks during a run, and what its findings become.
+
+use lennard_core::StepError;
+
+use crate::failure::{PhysicsFailure, Symptom};
+use crate::force_check::Seen;
+use crate::schedule::{Action, Operation, Trigger};
+use crate::watchdog::{self, Circumstances};
+use crate::{EngineError, Simulation};
+
+/// When the watchdog looks at the speeds, whatever else is due.
+pub(crate) const WATCH: Operation = Operation {
+    action: Action::Watch,
+    trigger: Trigger::Every(watchdog::EVERY),
+    want: lennard_core::Want::NOTHING,
+};
+
+impl Simulation {
+    /// Looks for signs of a run gone wrong.
+    pub(crate) fn watch(&mut self) -> Result<(), EngineError> {
+        let stage = self.stage_run();
+        let (step, dt) = (self.state.step, stage.dt);
+        let at_end = stage.steps_done == self.current_stage().steps;
+        if let Some(energy) = self.conserved_energy_per_particle() {
+            watchdog::check_energy(stage.start_energy, energy).map_err(|s| self.diagnosed(s))?;
+        } else if !WATCH.trigger.is_due(step, true) && !at_end {
+            return Ok(());
+        }
+        if step.is_multiple_of(watchdog::LISTS_EVERY) || at_end {
+            let seen = self.watch_closely()?;
+            self.force_check.count(seen);
+            return Ok(());
+        }
+        watchdog::check_speeds(&self.state, dt).map_err(|s| self.diagnosed(s))
+    }
+
+    /// Looks at speeds and at forces of a few particles whatever the step, and counts nothing: what a run counts must not
+    /// depend on where checkpoints are.
+    pub(crate) fn watch_closely(&self) -> Result<Seen, EngineError> {
+        watchdog::check_speeds(&self.state, self.stage_run().dt).map_err(|s| self.diagnosed(s))?;
+        let seen = self.force_check.look(&self.state);
+        seen.map_err(|s| self.diagnosed(s))
+    }
+
+    pub(crate) fn failed(&self, error: StepError) -> EngineError {
+        match error {
+            StepError::Force(e) => self.diagnosed(Symptom::NonFinite(e)),
+            StepError::NotConverged { .. } => self.diagnosed(Symptom::Method(error)),
+            // Everything else is a combination that the scene should not ask for.
+            other => self
+                .scene
+                .source
+                .invalid("integrator.kind", other, "a method that suits the forces")
+                .into(),
+        }
+    }
+
+    fn diagnosed(&self, symptom: Symptom) -> EngineError {
+        let plan = self.current_stage();
+        let stage = self.stage_run();
+        let spec = stage.integrator.spec();
+        let at = Circumstances {
+            stage: &plan.name,
+            method: spec.name,
+            dt: stage.dt,
+            dt_limit: spec
+                .stability_limit
+                .map(|limit| watchdog::rough_stable_dt(plan.temperature, limit)),
+            steps_into_stage: stage.steps_done,
+            temperature: plan.temperature,
+            density: self.state.len() as f64 / self.state.cell.volume(),
+        };
+        let failure: PhysicsFailure = watchdog::diagnose(&self.state, at, symptom);
+        EngineError::Physics(Box::new(failure))
+    }
+}

@@ -1,0 +1,7 @@
+//! Tests of runs from outside: invariants, restart, watching, hostile input, error texts.
+
+mod hostile;
+mod invariants;
+mod messages;
+mod restart;
+mod watching;

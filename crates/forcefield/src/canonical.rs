@@ -1,0 +1,163 @@
+//! The canonical loop: forces that are a pure function of the positions, to the bit.
+//!
+//! The neighbors of each particle are added in ascending order, and particles beyond the cutoff leave no trace.
+//! Over all pairs the loop is the direct sum. Over a list it has the same bits, whatever the list, its history, the skin
+//! and the number of threads.
+
+use glam::DVec3;
+use lennard_core::PeriodicBox;
+use lennard_core::parallel::for_each_piece;
+use rayon::prelude::*;
+
+use crate::pair::PairForm;
+use crate::simd::{ChunkTotals, PerParticle};
+use crate::sums::outer;
+
+/// Particles per task: part of the definition of the sums.
+const PARTICLES_PER_CHUNK: usize = 64;
+
+/// The particles that may be near to each particle.
+#[derive(Debug, Clone, Copy)]
+pub enum NeighborSource<'a> {
+    /// All other particles.
+    AllOthers,
+    /// The listed particles of each particle, ascending and without repetition.
+    Listed(&'a [Vec<u32>]),
+}
+
+/// One evaluation.
+pub struct CanonicalJob<'a, F> {
+    /// The truncated potential.
+    pub form: F,
+    /// The cutoff, σ.
+    pub r_cut: f64,
+    /// The box.
+    pub cell: &'a PeriodicBox,
+    /// Positions folded into the home box, `[N]`, σ.
+    pub wrapped: &'a [DVec3],
+    /// The source of neighbors.
+    pub neighbors: NeighborSource<'a>,
+}
+
+/// Folds positions into the home box.
+pub fn wrap(cell: &PeriodicBox, positions: &[DVec3], wrapped: &mut Vec<DVec3>) {
+    wrapped.resize(positions.len(), DVec3::ZERO);
+    for_each_piece(wrapped, |first, chunk| {
+        for (w, r) in chunk.iter_mut().zip(&positions[first..]) {
+            *w = cell.wrap(*r);
+        }
+    });
+}
+
+/// The nearest image of a difference of two folded coordinates; ties fall as in [`PeriodicBox::minimum_image`].
+#[inline(always)]
+fn nearest(d: f64, length: f64) -> f64 {
+    let half = 0.5 * length;
+    if d >= half {
+        d - length
+    } else if d <= -half {
+        d + length
+    } else {
+        d
+    }
+}
+
+/// Computes one chunk: its number, its forces, and its entries per particle where wanted.
+type ChunkWork<'a> =
+    dyn Fn(usize, &mut [DVec3], Option<&mut [PerParticle]>) -> ChunkTotals + Sync + 'a;
+
+/// Runs all chunks and returns their totals in order. One instance serves all potentials, since the loop is short.
+fn run_chunks(
+    forces: &mut [DVec3],
+    each: Option<&mut [PerParticle]>,
+    run: &ChunkWork<'_>,
+) -> Vec<ChunkTotals> {
+    let serial = rayon::current_num_threads() == 1 || forces.len() <= PARTICLES_PER_CHUNK;
+    let chunks = forces.chunks_mut(PARTICLES_PER_CHUNK).enumerate();
+    match each {
+        None if serial => chunks.map(|(c, f)| run(c, f, None)).collect(),
+        None => forces
+            .par_chunks_mut(PARTICLES_PER_CHUNK)
+            .enumerate()
+            .map(|(c, f)| run(c, f, None))
+            .collect(),
+        Some(each) => forces
+            .par_chunks_mut(PARTICLES_PER_CHUNK)
+            .zip(each.par_chunks_mut(PARTICLES_PER_CHUNK))
+            .enumerate()
+            .map(|(c, (f, e))| run(c, f, Some(e)))
+            .collect(),
+    }
+}
+
+impl<F: PairForm> CanonicalJob<'_, F> {
+    /// Writes forces (and `each`), and returns the totals of chunks: every pair from both of its ends.
+    pub fn run(&self, forces: &mut [DVec3], each: Option<&mut [PerParticle]>) -> Vec<ChunkTotals> {
+        run_chunks(forces, each, &|chunk, forces, each| {
+            self.chunk(chunk, forces, each)
+        })
+    }
+
+    fn chunk(
+        &self,
+        chunk: usize,
+        forces: &mut [DVec3],
+        mut each: Option<&mut [PerParticle]>,
+    ) -> ChunkTotals {
+        let mut totals = ChunkTotals::NOTHING;
+        for (k, force) in forces.iter_mut().enumerate() {
+            let i = chunk * PARTICLES_PER_CHUNK + k;
+            let mut mine = ChunkTotals::NOTHING;
+            *force = match self.neighbors {
+                NeighborSource::AllOthers => {
+                    self.particle(i, (0..i).chain(i + 1..self.wrapped.len()), &mut mine)
+                }
+                NeighborSource::Listed(lists) => {
+                    self.particle(i, lists[i].iter().map(|j| *j as usize), &mut mine)
+                }
+            };
+            totals.broken |= !force.is_finite();
+            totals.energy += mine.energy;
+            totals.virial += mine.virial;
+            totals.laplacian += mine.laplacian;
+            totals.pairs += mine.pairs;
+            if let Some(each) = &mut each {
+                each[k] = (0.5 * mine.energy, 0.5 * mine.virial);
+            }
+        }
+        totals
+    }
+
+    /// The force on particle `i` by its neighbors, ε/σ, whose other sums are added to `totals`.
+    #[inline(always)]
+    fn particle(
+        &self,
+        i: usize,
+        neighbors: impl Iterator<Item = usize>,
+        totals: &mut ChunkTotals,
+    ) -> DVec3 {
+        let lengths = self.cell.lengths();
+        let r_cut2 = self.r_cut * self.r_cut;
+        let own = self.wrapped[i];
+        let mut force = DVec3::ZERO;
+        for j in neighbors {
+            let d = own - self.wrapped[j];
+            let r_ij = DVec3::new(
+                nearest(d.x, lengths.x),
+                nearest(d.y, lengths.y),
+                nearest(d.z, lengths.z),
+            );
+            let r2 = r_ij.length_squared();
+            if r2 <= r_cut2 {
+                let pair = self.form.eval_in_epsilon(r2);
+                let f_ij = pair.force * r_ij;
+                force += f_ij;
+                totals.energy += pair.energy;
+                totals.virial += outer(r_ij, f_ij);
+                totals.laplacian += pair.curvature - 2.0 * pair.force;
+                totals.pairs += 1;
+            }
+        }
+        force
+    }
+}

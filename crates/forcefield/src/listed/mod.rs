@@ -1,0 +1,241 @@
+//! A Verlet list at work: positions are packed into rows, the list is judged before each use, and pairs are summed.
+
+mod folded;
+mod persist;
+
+use glam::DVec3;
+use lennard_core::{Configuration, ForceError, FusedSteps, PeriodicBox};
+use lennard_neighbor::{ClusterList, Images, NeighborList, Positions};
+
+use self::folded::Folded;
+use crate::clock::Clock;
+use crate::fused::FusedBuffers;
+use crate::non_finite;
+use crate::pair::PairForm;
+use crate::simd::{
+    Detail, DoubleRow, FixedRow, KickDrift, Level, ListStatus, Outcome, PackedCopies, PerParticle,
+    Prepared, Request,
+};
+use crate::sums::Totals;
+use crate::validity::ListValidity;
+
+/// A list with the private copies of the positions that its loop reads.
+enum Pairs {
+    /// One list per particle, for forces that are a pure function of the positions.
+    Canonical(Box<NeighborList>, Folded),
+    /// One list per particle.
+    Rows(Box<NeighborList>, Copies<DoubleRow>),
+    /// One list per cluster of four particles.
+    Clusters(Box<ClusterList>, Copies<FixedRow>),
+}
+
+/// Copies of the particles for single evaluations and for fused steps.
+#[derive(Default)]
+struct Copies<Row> {
+    packed: PackedCopies<Row>,
+    fused: FusedBuffers,
+}
+
+impl<Row: Copy + Default + Send + Sync> Copies<Row> {
+    fn bytes(&self) -> usize {
+        self.packed.bytes() + self.fused.bytes()
+    }
+}
+
+/// The smallest number of fused steps that is worth gathering the particles by slot.
+const FEWEST_STEPS: u64 = 3;
+
+/// A list with everything that belongs to it.
+pub struct Listed {
+    validity: ListValidity,
+    pairs: Pairs,
+}
+
+/// The loop that a list serves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Loop {
+    /// Forces that are a pure function of the positions.
+    Canonical,
+    /// One list per particle, in double precision.
+    Rows,
+    /// One list per cluster of four particles, in mixed precision.
+    Cluster,
+}
+
+/// Evaluates `$body` with `$list` bound to the list of any kind.
+macro_rules! with_any_list {
+    ($pairs:expr, $list:ident => $body:expr) => {
+        match $pairs {
+            Pairs::Canonical($list, _) | Pairs::Rows($list, _) => $body,
+            Pairs::Clusters($list, _) => $body,
+        }
+    };
+}
+use with_any_list;
+
+impl Listed {
+    /// A list for `r_cut` and `skin` in σ.
+    pub fn new(r_cut: f64, skin: f64, level: Level, kind: Loop) -> Self {
+        let list = |images| Box::new(NeighborList::new(images, level.lanes()));
+        let pairs = match kind {
+            Loop::Canonical => Pairs::Canonical(list(Images::Folded), Folded::default()),
+            Loop::Rows => Pairs::Rows(list(Images::Ghosts), Copies::default()),
+            Loop::Cluster => Pairs::Clusters(Box::default(), Copies::default()),
+        };
+        Self {
+            validity: ListValidity::new(r_cut, skin, level),
+            pairs,
+        }
+    }
+
+    /// Number of lanes computed in one evaluation, which contains every pair twice.
+    pub fn lanes(&self) -> u64 {
+        match &self.pairs {
+            Pairs::Canonical(list, _) | Pairs::Rows(list, _) => list.lanes_listed(),
+            Pairs::Clusters(list, _) => list.lanes(),
+        }
+    }
+
+    /// Number of listed pairs, each counted once.
+    pub fn listed_pairs(&self) -> u64 {
+        with_any_list!(&self.pairs, list => list.pairs())
+    }
+
+    /// Number of builds so far.
+    pub fn builds(&self) -> u64 {
+        self.validity.builds()
+    }
+
+    /// Number of bytes held.
+    pub fn bytes(&self) -> u64 {
+        let pairs = match &self.pairs {
+            Pairs::Canonical(list, folded) => list.bytes() + folded.bytes(),
+            Pairs::Rows(list, copies) => list.bytes() + copies.bytes(),
+            Pairs::Clusters(list, copies) => list.bytes() + copies.bytes(),
+        };
+        (pairs + self.validity.bytes()) as u64
+    }
+
+    /// Builds the list for positions in a box.
+    pub fn build(&mut self, cell: &PeriodicBox, positions: &[DVec3]) -> Result<(), ForceError> {
+        let positions = Positions::ById(positions);
+        let validity = &mut self.validity;
+        with_any_list!(&mut self.pairs, list => validity.build(&mut **list, cell, positions))?;
+        if let Pairs::Canonical(list, folded) = &mut self.pairs {
+            folded.take_list(list);
+        }
+        Ok(())
+    }
+
+    /// Inserts pairs that the list lacks; returns whether it can take them.
+    fn insert(&mut self, pairs: &[[u32; 2]]) -> bool {
+        let validity = &mut self.validity;
+        with_any_list!(&mut self.pairs, list => validity.insert(&mut **list, pairs))
+    }
+
+    fn may_be_valid(&self, cell: &PeriodicBox, n: usize) -> bool {
+        match &self.pairs {
+            Pairs::Canonical(..) | Pairs::Rows(..) => {
+                self.validity.may_be_valid::<NeighborList>(cell, n)
+            }
+            Pairs::Clusters(..) => self.validity.may_be_valid::<ClusterList>(cell, n),
+        }
+    }
+
+    /// Writes forces (and `each`) at a configuration, and returns the totals that `detail` asks for.
+    pub fn evaluate<F: PairForm>(
+        &mut self,
+        form: F,
+        at: Configuration<'_>,
+        detail: Detail,
+        forces: &mut [DVec3],
+        mut each: Option<&mut [PerParticle]>,
+        clock: &mut Clock,
+    ) -> Result<Totals, ForceError> {
+        let outcome = clock.computing(|clock| {
+            let mut request = Request::of(detail);
+            while self.may_be_valid(at.cell, at.positions.len()) {
+                let each = each.as_deref_mut();
+                let outcome = self.attempt(form, at, request, forces, each);
+                match &outcome.status {
+                    ListStatus::Complete | ListStatus::NonFinite => return Ok(outcome),
+                    ListStatus::Incomplete(pairs) if self.insert(pairs) => {
+                        request.prepared = Prepared::Judged;
+                    }
+                    ListStatus::Expired | ListStatus::Incomplete(_) => break,
+                }
+            }
+            clock.building(|| self.build(at.cell, at.positions))?;
+            Ok(self.attempt(form, at, Request::of(detail), forces, each))
+        })?;
+        if outcome.status == ListStatus::NonFinite {
+            return Err(non_finite::position(at.positions));
+        }
+        assert_eq!(
+            outcome.status,
+            ListStatus::Complete,
+            "a new list is complete"
+        );
+        if outcome.broken {
+            return Err(non_finite::force(forces));
+        }
+        Ok(Totals::of_chunks(&outcome.totals))
+    }
+
+    /// Judges the list where the request demands it, and evaluates where the list is complete.
+    fn attempt<F: PairForm>(
+        &mut self,
+        form: F,
+        at: Configuration<'_>,
+        request: Request,
+        forces: &mut [DVec3],
+        each: Option<&mut [PerParticle]>,
+    ) -> Outcome {
+        let (validity, positions) = (&self.validity, at.positions);
+        match &mut self.pairs {
+            Pairs::Canonical(list, folded) => validity.with_list(&**list, at.cell, |used| {
+                folded.evaluate(used, form, positions, forces, each)
+            }),
+            Pairs::Rows(list, copies) => validity.with_list(&**list, at.cell, |used| {
+                used.evaluate(&mut copies.packed, form, positions, request, forces, each)
+            }),
+            Pairs::Clusters(list, copies) => validity.with_list(&**list, at.cell, |used| {
+                used.evaluate(&mut copies.packed, form, positions, request, forces, each)
+            }),
+        }
+    }
+
+    /// Takes fused steps: see [`lennard_core::Backend::advance`].
+    pub fn advance<F: PairForm>(
+        &mut self,
+        form: F,
+        steps: &mut FusedSteps<'_>,
+        kick_drift: KickDrift,
+        clock: &mut Clock,
+    ) -> u64 {
+        if steps.steps < FEWEST_STEPS {
+            return 0;
+        }
+        let validity = &mut self.validity;
+        clock.computing(|clock| match &mut self.pairs {
+            // Canonical forces have one loop only, which does not fuse steps.
+            Pairs::Canonical(..) => 0,
+            Pairs::Rows(list, Copies { packed, fused }) => fused.advance(
+                validity,
+                (&mut **list, packed),
+                form,
+                steps,
+                kick_drift,
+                clock,
+            ),
+            Pairs::Clusters(list, Copies { packed, fused }) => fused.advance(
+                validity,
+                (&mut **list, packed),
+                form,
+                steps,
+                kick_drift,
+                clock,
+            ),
+        })
+    }
+}

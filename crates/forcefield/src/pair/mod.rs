@@ -1,0 +1,76 @@
+//! Pair potentials, their truncations, and the truncated potential that the kernels sum.
+//!
+//! A potential is one file in `potentials/` and one line in its list; a truncation likewise in `truncations/`. Options, scene
+//! keys, dispatch to the kernels, tails, names and tests follow from the two lists.
+
+mod model;
+mod part;
+mod potentials;
+mod smoothstep;
+mod tail;
+mod truncations;
+
+pub use model::{Model, model_name};
+pub use part::SplitWeights;
+pub(crate) use potentials::with_form;
+pub use potentials::{
+    Form, LennardJones, OwnEnd, PotentialOptions, PotentialSpec, SoftSphere, Wca, potentials,
+};
+pub use tail::{Tail, tail_correction};
+pub(crate) use truncations::with_truncated;
+pub use truncations::{Plain, Truncated, TruncationKind, TruncationSpec, truncations};
+
+use crate::options::TruncationOptions;
+use crate::real::Real;
+
+/// The values of a pair formula at a distance r, in ε or in a unit of energy that the formula names.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair<R> {
+    /// U(r), ε.
+    pub energy: R,
+    /// −U′(r)/r, ε/σ²: the force on i is this times r_ij = r_i − r_j.
+    pub force: R,
+    /// U″(r), ε/σ².
+    pub curvature: R,
+}
+
+impl<R: Real> Pair<R> {
+    /// The values in ε, of a formula that counts in `unit` ε.
+    #[inline(always)]
+    fn in_epsilon(self, unit: f64) -> Self {
+        let unit = R::splat(unit);
+        Self {
+            energy: self.energy * unit,
+            force: self.force * unit,
+            curvature: self.curvature * unit,
+        }
+    }
+}
+
+/// U(r) without any cutoff. The trait is not object-safe, on purpose: each kernel compiles the formula in.
+pub trait PairPotential: Copy + std::fmt::Debug + Send + Sync + 'static {
+    /// The unit of energy of the formula, ε. A common factor of every pair becomes a factor of the sums, where it costs
+    /// nothing.
+    const UNIT: f64 = 1.0;
+    /// U, −U′/r and U″ where 1/r² is `inv_r2` σ⁻², in [`PairPotential::UNIT`].
+    fn eval<R: Real>(&self, inv_r2: R) -> Pair<R>;
+    /// ∫ r² U dr from `r_cut` to ∞, ε·σ³.
+    fn tail_energy(&self, r_cut: f64) -> f64;
+    /// ∫ r³ U′ dr from `r_cut` to ∞, ε·σ³.
+    fn tail_virial(&self, r_cut: f64) -> f64;
+}
+
+/// A truncated potential, as a kernel sees it: valid for r ≤ r_cut. The kernel's own comparison makes it zero beyond.
+pub trait PairForm: Copy + Send + Sync + 'static {
+    /// Whether runs use the form so seldom that an instance of the loop without energetics is not worth compiling.
+    const RARE: bool = false;
+    /// The unit of energy of the form, ε: kernels multiply their sums by it.
+    const UNIT: f64;
+    /// U, −U′/r and U″ at r² = `r2` σ², for r ≤ r_cut, in [`PairForm::UNIT`]; `inv_r2` is 1/r².
+    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R>;
+    /// U, −U′/r and U″ at r² = `r2` σ², in ε.
+    #[inline(always)]
+    fn eval_in_epsilon<R: Real>(&self, r2: R) -> Pair<R> {
+        self.eval(r2, r2.recip()).in_epsilon(Self::UNIT)
+    }
+}

@@ -1,0 +1,58 @@
+//! Lennard-Jones 12-6, the potential of a simple liquid.
+
+use super::{Potential, PotentialSpec};
+use crate::pair::{Pair, PairPotential};
+use crate::real::Real;
+
+lennard_core::options! {
+    /// Lennard-Jones 12-6: U = 4·(r⁻¹² − r⁻⁶), −U′/r = 24·(2r⁻¹² − r⁻⁶)/r², U″ = (624r⁻¹² − 168r⁻⁶)/r².
+    ///
+    /// J. E. Lennard-Jones, "On the determination of molecular fields. II", Proc. R. Soc. A 106 (1924) 463,
+    /// in the form of M. P. Allen and D. J. Tildesley, "Computer Simulation of Liquids", eq. 1.6.
+    #[derive(Copy)]
+    pub struct LennardJones {}
+}
+
+impl Potential for LennardJones {
+    const SPEC: PotentialSpec = PotentialSpec {
+        name: "lennard-jones",
+        title: "Lennard-Jones",
+        summary: "The 12-6 potential of a simple liquid.",
+        equation: "U = 4 (r^-12 - r^-6)",
+        source: "J. E. Lennard-Jones, On the determination of molecular fields. II, Proc. R. Soc. A 106 (1924) 463",
+        is_lennard_jones: true,
+    };
+    const EXAMPLES: &'static [Self] = &[Self {}];
+    type Formula = Self;
+
+    fn formula(&self) -> Self {
+        *self
+    }
+}
+
+impl PairPotential for LennardJones {
+    const UNIT: f64 = 48.0;
+
+    #[inline(always)]
+    fn eval<R: Real>(&self, inv_r2: R) -> Pair<R> {
+        let inv_r4 = inv_r2 * inv_r2;
+        let inv_r6 = inv_r4 * inv_r2;
+        let inv_r8 = inv_r4 * inv_r4;
+        Pair {
+            energy: inv_r6 * inv_r6.mul_add(R::splat(1.0 / 12.0), R::splat(-1.0 / 12.0)),
+            // r⁻⁸·(r⁻⁶ − 1/2): one multiplication less than with r⁻⁶ times a factor.
+            force: inv_r8 * inv_r4.mul_add(inv_r2, R::splat(-0.5)),
+            curvature: inv_r8 * inv_r6.mul_add(R::splat(13.0), R::splat(-3.5)),
+        }
+    }
+
+    fn tail_energy(&self, r_cut: f64) -> f64 {
+        let inv_r3 = r_cut.powi(-3);
+        4.0 * (inv_r3.powi(3) / 9.0 - inv_r3 / 3.0)
+    }
+
+    fn tail_virial(&self, r_cut: f64) -> f64 {
+        let inv_r3 = r_cut.powi(-3);
+        4.0 * (-12.0 * inv_r3.powi(3) / 9.0 + 6.0 * inv_r3 / 3.0)
+    }
+}

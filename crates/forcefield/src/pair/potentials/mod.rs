@@ -1,0 +1,220 @@
+//! The list of potentials: one file and one line each.
+
+mod lennard_jones;
+mod soft_sphere;
+mod wca;
+
+pub use lennard_jones::LennardJones;
+pub use soft_sphere::SoftSphere;
+pub use wca::Wca;
+
+use lennard_core::options::{Keys, OptionError, Options};
+use serde::{Deserialize, Serialize};
+
+use super::{PairPotential, Plain, Truncated, TruncationOptions};
+
+/// The smallest exponent of an inverse power: below it the tail integrals diverge.
+const SMALLEST_EXPONENT: i64 = 4;
+/// The largest exponent of an inverse power: above it an overlap of 1e-4 σ overflows.
+const LARGEST_EXPONENT: i64 = 72;
+
+/// What a potential declares about itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct PotentialSpec {
+    /// Name in scene files.
+    pub name: &'static str,
+    /// Name in sentences.
+    pub title: &'static str,
+    /// One sentence.
+    pub summary: &'static str,
+    /// The formula, in plain text.
+    pub equation: &'static str,
+    /// Author, title, equation.
+    pub source: &'static str,
+    /// Whether the potential is Lennard-Jones 12-6, which the literature's equations of state describe.
+    pub is_lennard_jones: bool,
+}
+
+/// The file of a potential provides this for its options type; [`PairPotential`] holds the formula.
+pub trait Potential: Options + Copy + 'static {
+    /// What the potential declares about itself.
+    const SPEC: PotentialSpec;
+    /// Options for the tests, one for each way through the formula.
+    const EXAMPLES: &'static [Self];
+    /// The formula that kernels compile in.
+    type Formula: PairPotential;
+
+    /// The formula with these options.
+    fn formula(&self) -> Self::Formula;
+
+    /// The potential with its options, in words.
+    fn in_words(&self) -> String {
+        Self::SPEC.title.to_owned()
+    }
+
+    /// Whether the options go together; each alone lies in its range.
+    ///
+    /// # Errors
+    /// [`OptionError`] with the key that does not fit the others.
+    fn check_together(&self) -> Result<(), OptionError> {
+        Ok(())
+    }
+}
+
+/// A potential that falls to zero by itself, with U = U′ = 0 at its end: no truncation changes it.
+pub trait EndsByItself: Potential {
+    /// The distance at which the potential ends, σ. It replaces `truncation.r_cut`.
+    const END: f64;
+    /// The distance in plain text.
+    const END_IN_WORDS: &'static str;
+}
+
+/// Where a potential ends by itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OwnEnd {
+    /// The distance, σ.
+    pub r: f64,
+    /// The distance in plain text.
+    pub in_words: &'static str,
+}
+
+/// Makes options, dispatch and lists from lines `Variant,`. A line `Variant ends,` is for a potential that is
+/// [`EndsByItself`]: kernels have one instance of it in place of one per truncation.
+macro_rules! list_of_potentials {
+    ($d:tt $($(#[$doc:meta])* $variant:ident $($ends:ident)?,)*) => {
+        /// The pair potential U(r), before any truncation, in reduced units: the scene's table `[potential]`.
+        #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(tag = "kind", rename_all = "kebab-case")]
+        #[non_exhaustive]
+        pub enum PotentialOptions {
+            $($(#[$doc])* $variant($variant),)*
+        }
+
+        impl PotentialOptions {
+            /// What the potential declares about itself.
+            #[must_use]
+            pub fn spec(&self) -> &'static PotentialSpec {
+                match self {
+                    $(Self::$variant(_) => &<$variant as Potential>::SPEC,)*
+                }
+            }
+
+            /// The potential with its options, in words.
+            #[must_use]
+            pub fn in_words(&self) -> String {
+                match self {
+                    $(Self::$variant(potential) => potential.in_words(),)*
+                }
+            }
+
+            /// Where the potential ends by itself; `None` where a truncation ends it.
+            #[must_use]
+            pub fn own_end(&self) -> Option<OwnEnd> {
+                match self {
+                    $(Self::$variant(_) => list_of_potentials!(@end $variant $($ends)?),)*
+                }
+            }
+
+            /// Options of every potential for tests, one for each way through its formula.
+            #[must_use]
+            pub fn examples() -> Vec<Self> {
+                let mut all = Vec::new();
+                $(all.extend(<$variant as Potential>::EXAMPLES.iter().copied().map(Self::$variant));)*
+                all
+            }
+
+            /// The scene keys of every potential, by its name.
+            #[must_use]
+            pub fn keys() -> Vec<(&'static str, Keys)> {
+                vec![$((<$variant as Potential>::SPEC.name, <$variant as Options>::KEYS),)*]
+            }
+
+            /// Whether the options lie in their ranges and go together.
+            ///
+            /// # Errors
+            /// [`OptionError`] with the key that is to blame.
+            pub(crate) fn check(&self) -> Result<(), OptionError> {
+                match self {
+                    $(Self::$variant(potential) => {
+                        potential.check()?;
+                        potential.check_together()
+                    })*
+                }
+            }
+
+            /// ∫ r² U dr and ∫ r³ U′ dr from `r_cut` to ∞, ε·σ³.
+            pub(super) fn tail_integrals(&self, r_cut: f64) -> (f64, f64) {
+                match self {
+                    $(Self::$variant(potential) => {
+                        let formula = potential.formula();
+                        (formula.tail_energy(r_cut), formula.tail_virial(r_cut))
+                    })*
+                }
+            }
+        }
+
+        static POTENTIALS: &[PotentialSpec] = &[$(<$variant as Potential>::SPEC,)*];
+
+        /// Every combination of potential and truncation that can run.
+        #[derive(Clone, Copy, Debug)]
+        pub enum Form {
+            $($(#[$doc])* $variant(list_of_potentials!(@form $variant $($ends)?)),)*
+        }
+
+        impl Form {
+            /// The truncated potential that the options describe.
+            pub(super) fn new(potential: &PotentialOptions, truncation: &TruncationOptions) -> Self {
+                match potential {
+                    $(PotentialOptions::$variant(potential) => {
+                        let formula = potential.formula();
+                        Self::$variant(list_of_potentials!(@truncated formula, truncation $(, $ends)?))
+                    })*
+                }
+            }
+        }
+
+        /// Runs `$body` with `$form` bound to the concrete truncated potential of a [`Form`].
+        macro_rules! with_form {
+            ($d value:expr, $d form:ident => $d body:expr) => {
+                match $d value {
+                    $($crate::pair::Form::$variant(truncated) => {
+                        $crate::pair::with_truncated!($($ends)? truncated, $d form => $d body)
+                    })*
+                }
+            };
+        }
+        pub(crate) use with_form;
+    };
+    (@end $variant:ident ends) => {
+        Some(OwnEnd {
+            r: <$variant as EndsByItself>::END,
+            in_words: <$variant as EndsByItself>::END_IN_WORDS,
+        })
+    };
+    (@end $variant:ident) => { None };
+    (@form $variant:ident ends) => { Plain<<$variant as Potential>::Formula> };
+    (@form $variant:ident) => { Truncated<<$variant as Potential>::Formula> };
+    (@truncated $formula:ident, $truncation:ident, ends) => { Plain::uncut($formula) };
+    (@truncated $formula:ident, $truncation:ident) => { Truncated::new($formula, $truncation) };
+}
+
+list_of_potentials! { $
+    /// Lennard-Jones 12-6.
+    LennardJones,
+    /// Weeks–Chandler–Andersen. Its own end replaces `truncation.r_cut`.
+    Wca ends,
+    /// Soft sphere, an inverse power.
+    SoftSphere,
+}
+
+impl Default for PotentialOptions {
+    fn default() -> Self {
+        Self::LennardJones(LennardJones {})
+    }
+}
+
+/// Every potential that a scene may name.
+#[must_use]
+pub fn potentials() -> &'static [PotentialSpec] {
+    POTENTIALS
+}

@@ -1,0 +1,62 @@
+//! Weeks–Chandler–Andersen, the repulsive part of Lennard-Jones.
+
+use super::{EndsByItself, LennardJones, Potential, PotentialSpec};
+use crate::pair::{Pair, PairPotential};
+use crate::real::Real;
+
+lennard_core::options! {
+    /// Weeks–Chandler–Andersen: U = 4·(r⁻¹² − r⁻⁶) + 1 inside 2^{1/6} σ, where the cutoff ends it.
+    ///
+    /// J. D. Weeks, D. Chandler and H. C. Andersen, "Role of repulsive forces in determining the
+    /// equilibrium structure of simple liquids", J. Chem. Phys. 54 (1971) 5237, eq. 4.
+    #[derive(Copy)]
+    pub struct Wca {}
+}
+
+impl Potential for Wca {
+    const SPEC: PotentialSpec = PotentialSpec {
+        name: "wca",
+        title: "WCA",
+        summary: "The repulsive part of Lennard-Jones, ending smoothly at its minimum.",
+        equation: "U = 4 (r^-12 - r^-6) + 1 for r <= 2^(1/6), else 0",
+        source: "J. D. Weeks, D. Chandler and H. C. Andersen, Role of repulsive forces in determining the equilibrium structure of simple liquids, J. Chem. Phys. 54 (1971) 5237, eq. 4",
+        is_lennard_jones: false,
+    };
+    const EXAMPLES: &'static [Self] = &[Self {}];
+    type Formula = Self;
+
+    fn formula(&self) -> Self {
+        *self
+    }
+
+    fn in_words(&self) -> String {
+        "Weeks–Chandler–Andersen, ending at 2^(1/6) σ".to_owned()
+    }
+}
+
+impl EndsByItself for Wca {
+    /// 2^{1/6} σ, the minimum of the Lennard-Jones potential.
+    const END: f64 = 1.122_462_048_309_373;
+    const END_IN_WORDS: &'static str = "2^(1/6)";
+}
+
+impl PairPotential for Wca {
+    const UNIT: f64 = LennardJones::UNIT;
+
+    #[inline(always)]
+    fn eval<R: Real>(&self, inv_r2: R) -> Pair<R> {
+        let pair = LennardJones {}.eval(inv_r2);
+        Pair {
+            energy: pair.energy + R::splat(1.0 / Self::UNIT),
+            ..pair
+        }
+    }
+
+    fn tail_energy(&self, _r_cut: f64) -> f64 {
+        0.0
+    }
+
+    fn tail_virial(&self, _r_cut: f64) -> f64 {
+        0.0
+    }
+}

@@ -1,0 +1,72 @@
+//! The smoothstep, and potentials weighted by it.
+
+use super::Pair;
+use crate::real::Real;
+
+/// The quintic smoothstep in s = r², falling from 1 at s_on to 0 at s_off with two continuous
+/// derivatives: S = 1 − x³·(10 − 15x + 6x²), x = (s − s_on)/(s_off − s_on) held to [0, 1].
+///
+/// Allen and Tildesley describe such switches in section 5.2; taking r² for r spares a square root.
+#[derive(Clone, Copy, Debug)]
+pub struct Smoothstep {
+    on: f64,
+    inv_width: f64,
+}
+
+/// The value of a smoothstep and its first two derivatives by s = r².
+#[derive(Clone, Copy)]
+pub struct Step<R> {
+    /// S.
+    pub(super) value: R,
+    first: R,
+    second: R,
+}
+
+impl Smoothstep {
+    /// Falls from 1 at r = `from` to 0 at r = `to`, both in σ.
+    pub fn new(from: f64, to: f64) -> Self {
+        Self {
+            on: from * from,
+            inv_width: 1.0 / (to * to - from * from),
+        }
+    }
+
+    /// The value and its derivatives at r² = `r2`.
+    #[inline(always)]
+    pub fn eval<R: Real>(&self, r2: R) -> Step<R> {
+        let inv_width = R::splat(self.inv_width);
+        let x = ((r2 - R::splat(self.on)) * inv_width)
+            .max(R::splat(0.0))
+            .min(R::splat(1.0));
+        let x2 = x * x;
+        let polynomial = x.mul_add(x.mul_add(R::splat(6.0), R::splat(-15.0)), R::splat(10.0));
+        // 1 − x, exact to the last bit near x = 1, keeps the derivatives' double zero there.
+        let rest = R::splat(1.0) - x;
+        Step {
+            value: -(x2 * x).mul_add(polynomial, R::splat(-1.0)),
+            first: x2 * (rest * rest) * (R::splat(-30.0) * inv_width),
+            second: x
+                * rest
+                * x.mul_add(R::splat(2.0), R::splat(-1.0))
+                * (R::splat(60.0) * inv_width * inv_width),
+        }
+    }
+}
+
+/// `pair` times a weight w(r²): (wU), −(wU)′/r = w·f − 2w₁U and (wU)″ = w·U″ − 4r²·w₁·f + (2w₁ + 4r²w₂)·U,
+/// where w₁ and w₂ are the derivatives of w by r² and f = −U′/r.
+#[inline(always)]
+pub(super) fn weighted<R: Real>(pair: Pair<R>, step: Step<R>, r2: R) -> Pair<R> {
+    let two_first = step.first + step.first;
+    let four_r2 = r2 * R::splat(4.0);
+    Pair {
+        energy: step.value * pair.energy,
+        force: step.value.mul_add(pair.force, -(two_first * pair.energy)),
+        curvature: step.value.mul_add(
+            pair.curvature,
+            four_r2
+                .mul_add(step.second, two_first)
+                .mul_add(pair.energy, -(four_r2 * step.first * pair.force)),
+        ),
+    }
+}

@@ -1,0 +1,35 @@
+//! The plain cutoff.
+
+use super::{Plain, TruncationSpec, without_switch};
+use crate::error::ForceFieldError;
+use crate::options::TruncationOptions;
+use crate::pair::PairPotential;
+
+pub(super) const SPEC: TruncationSpec = TruncationSpec {
+    name: "cut",
+    summary: "The potential as it is up to r_cut; the energy jumps there, and a tail correction may be added to means.",
+    equation: "U(r) for r <= r_cut, else 0",
+    source: "M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, section 5.2",
+    jumps: true,
+    weights: false,
+};
+
+pub(super) fn in_words(options: &TruncationOptions) -> String {
+    let with = if options.tail_correction {
+        "with"
+    } else {
+        "without"
+    };
+    format!("cut at {} σ, {with} tail correction", options.r_cut)
+}
+
+pub(super) fn check(options: &TruncationOptions) -> Result<(), ForceFieldError> {
+    without_switch(options)
+}
+
+pub(super) fn form<P: PairPotential>(potential: P, _options: &TruncationOptions) -> Plain<P> {
+    Plain {
+        potential,
+        shift: 0.0,
+    }
+}

@@ -1,0 +1,67 @@
+//! The quintic switch.
+
+use super::TruncationSpec;
+use crate::error::ForceFieldError;
+use crate::options::TruncationOptions;
+use crate::pair::smoothstep::{Smoothstep, weighted};
+use crate::pair::{Pair, PairForm, PairPotential};
+use crate::real::Real;
+
+pub(super) const SPEC: TruncationSpec = TruncationSpec {
+    name: "switch",
+    summary: "Energy, force and curvature are continuous: for energy conservation and the configurational temperature.",
+    equation: "U(r) S(x), S = 1 - x^3 (10 - 15 x + 6 x^2), x = (r^2 - r_s^2)/(r_cut^2 - r_s^2) held to [0, 1]",
+    source: "quintic smoothstep in r^2; switches in M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, section 5.2",
+    jumps: false,
+    weights: true,
+};
+
+/// Where the switch begins if the scene does not say: this share of r_cut.
+const DEFAULT_SHARE: f64 = 0.8;
+
+/// Where the switch of these options begins, σ.
+fn begins(options: &TruncationOptions) -> f64 {
+    options.switch_from.unwrap_or(DEFAULT_SHARE * options.r_cut)
+}
+
+pub(super) fn in_words(options: &TruncationOptions) -> String {
+    format!(
+        "switched off from {} to {} σ",
+        begins(options),
+        options.r_cut
+    )
+}
+
+pub(super) fn check(options: &TruncationOptions) -> Result<(), ForceFieldError> {
+    let r_cut = options.r_cut;
+    match options.switch_from {
+        Some(found) if !(found > 0.0 && found < r_cut) => {
+            Err(ForceFieldError::BadSwitch { found, r_cut })
+        }
+        _ => Ok(()),
+    }
+}
+
+pub(super) fn form<P: PairPotential>(potential: P, options: &TruncationOptions) -> Switch<P> {
+    Switch {
+        potential,
+        step: Smoothstep::new(begins(options), options.r_cut),
+    }
+}
+
+/// U·S(r²) with a [`Smoothstep`] that ends at r_cut: energy, force and curvature are continuous.
+#[derive(Clone, Copy, Debug)]
+pub struct Switch<P> {
+    /// The potential.
+    pub potential: P,
+    /// The switch.
+    pub step: Smoothstep,
+}
+
+impl<P: PairPotential> PairForm for Switch<P> {
+    const UNIT: f64 = P::UNIT;
+    #[inline(always)]
+    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
+        weighted(self.potential.eval(inv_r2), self.step.eval(r2), r2)
+    }
+}

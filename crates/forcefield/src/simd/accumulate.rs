@@ -1,0 +1,122 @@
+//! Sums over pairs in addition to the forces, the same for every loop.
+
+use glam::DMat3;
+
+use super::lanes::Lanes;
+use super::totals::ChunkTotals;
+use crate::pair::Pair;
+
+/// The units that a loop computes in.
+#[derive(Clone, Copy, Debug)]
+pub struct Units {
+    /// Unit of energies, also in −U′/r and U″, ε.
+    pub energy: f64,
+    /// Unit of distances, σ.
+    pub length: f64,
+}
+
+impl Units {
+    /// Unit of −U′/r times a distance, ε/σ.
+    #[inline(always)]
+    pub fn force(self) -> f64 {
+        self.energy * self.length
+    }
+
+    /// Unit of −U′/r times two distances, ε.
+    #[inline(always)]
+    fn virial(self) -> f64 {
+        self.energy * self.length * self.length
+    }
+}
+
+/// Running sums in addition to the forces.
+pub trait Accumulate<L: Lanes>: Copy {
+    /// Whether there is anything to sum.
+    const ANYTHING: bool;
+
+    /// The sums over no pair.
+    fn nothing(isa: L::Isa) -> Self;
+
+    /// Adds the pairs `inside`, with distance vectors `r_ij` and −U′/r = `f`, which is zero in all other lanes.
+    fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, inside: L::Mask);
+
+    /// The sums over all lanes.
+    fn totals(&self, units: Units) -> ChunkTotals;
+}
+
+/// No sums: a type without a size, which costs no time to clear for each particle.
+#[derive(Clone, Copy)]
+pub struct ForcesAlone;
+
+impl<L: Lanes> Accumulate<L> for ForcesAlone {
+    const ANYTHING: bool = false;
+
+    #[inline(always)]
+    fn nothing(_isa: L::Isa) -> Self {
+        Self
+    }
+
+    #[inline(always)]
+    fn add(&mut self, _r_ij: [L; 3], _f: L, _pair: &Pair<L>, _inside: L::Mask) {}
+
+    #[inline(always)]
+    fn totals(&self, _units: Units) -> ChunkTotals {
+        ChunkTotals::NOTHING
+    }
+}
+
+/// Energy, Laplacian, virial and number of pairs, one sum per lane.
+#[derive(Clone, Copy)]
+pub struct PairSums<L> {
+    energy: L,
+    laplacian: L,
+    /// xx, yy, zz, xy, xz, yz.
+    virial: [L; 6],
+    pairs: u32,
+}
+
+impl<L: Lanes> Accumulate<L> for PairSums<L> {
+    const ANYTHING: bool = true;
+
+    #[inline(always)]
+    fn nothing(isa: L::Isa) -> Self {
+        let zero = L::constant(isa, 0.0);
+        Self {
+            energy: zero,
+            laplacian: zero,
+            virial: [zero; 6],
+            pairs: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, inside: L::Mask) {
+        let [dx, dy, dz] = r_ij;
+        self.pairs += L::count(inside);
+        self.energy = self.energy + pair.energy.keep(inside);
+        let curvature = pair.curvature.keep(inside);
+        self.laplacian = self.laplacian + f.mul_add(L::splat(-2.0), curvature);
+        let [xx, yy, zz, xy, xz, yz] = &mut self.virial;
+        let (fx, fy, fz) = (dx * f, dy * f, dz * f);
+        *xx = dx.mul_add(fx, *xx);
+        *yy = dy.mul_add(fy, *yy);
+        *zz = dz.mul_add(fz, *zz);
+        *xy = dx.mul_add(fy, *xy);
+        *xz = dx.mul_add(fz, *xz);
+        *yz = dy.mul_add(fz, *yz);
+    }
+
+    #[inline(always)]
+    fn totals(&self, units: Units) -> ChunkTotals {
+        let [xx, yy, zz, xy, xz, yz] = self.virial;
+        let (xy, xz, yz) = (xy.sum(), xz.sum(), yz.sum());
+        let virial = [xx.sum(), xy, xz, xy, yy.sum(), yz, xz, yz, zz.sum()];
+        ChunkTotals {
+            energy: units.energy * self.energy.sum(),
+            virial: units.virial() * DMat3::from_cols_array(&virial),
+            laplacian: units.energy * self.laplacian.sum(),
+            pairs: u64::from(self.pairs),
+            broken: false,
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! The blocks of a chunk as a stream of registers, read ahead.
+//!
+//! ```text
+//!   blocks     | block 0          | block 1          | ... | last block |
+//!   registers  | part 0 | part 1  | part 0 | part 1  |         (here: two registers per block)
+//!                ^ computed now
+//!                         ^ gathered ahead
+//! ```
+
+use lennard_neighbor::{BLOCK, Block, ClusterChunk};
+
+use super::lanes::{BlockEntry, FixedLanes};
+use super::row::FixedRow;
+
+/// The neighbors of a chunk, block after block, gathered one register ahead of the computation.
+///
+/// A processor holds fewer waiting instructions than one block has. Gathering ahead starts the loads in time.
+pub struct BlockStream<L: FixedLanes> {
+    isa: L::Isa,
+    rows: *const FixedRow,
+    block: *const Block,
+    ahead: L::Rows,
+}
+
+impl<L: FixedLanes> BlockStream<L> {
+    /// Begins with the first block of a chunk.
+    ///
+    /// # Safety
+    /// Every entry of the blocks numbers a row: the list [is valid](lennard_neighbor::ClusterList::is_valid),
+    /// and there is a row per slot.
+    #[inline(always)]
+    pub unsafe fn new(isa: L::Isa, rows: &[FixedRow], chunk: &ClusterChunk) -> Self {
+        let (rows, block) = (rows.as_ptr(), chunk.blocks.as_ptr());
+        // SAFETY: the contract is passed on; a chunk has at least the block that ends it.
+        let ahead = unsafe { Self::gather(isa, rows, block, 0) };
+        Self {
+            isa,
+            rows,
+            block,
+            ahead,
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn gather(
+        isa: L::Isa,
+        rows: *const FixedRow,
+        block: *const Block,
+        part: usize,
+    ) -> L::Rows {
+        // SAFETY: the contract is passed on; base plus entry numbers a row.
+        unsafe {
+            let entries = (*block).entries.as_ptr().cast::<BlockEntry>();
+            let rows = rows.add((*block).base as usize);
+            L::gather(isa, rows, entries.add(part * L::WIDTH))
+        }
+    }
+
+    /// The entries of the present block that count.
+    ///
+    /// # Safety
+    /// The contract of [`BlockStream::new`] still holds, and the present block is not behind the last one.
+    #[inline(always)]
+    pub unsafe fn valid(&self) -> u16 {
+        // SAFETY: the contract is passed on.
+        unsafe { (*self.block).valid }
+    }
+
+    /// One register of the present block; after the last part, the next block becomes the present one.
+    ///
+    /// # Safety
+    /// The contract of [`BlockStream::new`] still holds. Parts are read in their order, and only of blocks of lists.
+    #[inline(always)]
+    pub unsafe fn next(&mut self, part: usize) -> L::Rows {
+        let present = self.ahead;
+        // SAFETY: the contract is passed on; behind the last block of a list there is another one.
+        unsafe {
+            let mut following = part + 1;
+            if following == BLOCK / L::WIDTH {
+                self.block = self.block.add(1);
+                following = 0;
+            }
+            self.ahead = Self::gather(self.isa, self.rows, self.block, following);
+        }
+        present
+    }
+}

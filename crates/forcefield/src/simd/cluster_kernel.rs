@@ -1,0 +1,236 @@
+//! The pairs of one cluster with its neighbors.
+//!
+//! ```text
+//!   a register of neighbors    n0 n1 n2 ... n15         gathered and converted once
+//!
+//!   interact with member a     a-n0 a-n1 ... a-n15      -> force of a += sum over lanes
+//!   interact with member b     b-n0 b-n1 ... b-n15      -> force of b
+//!   interact with member c     ...
+//!   interact with member d     ...
+//! ```
+//!
+//! Nothing is written to the neighbors: each pair is computed from both of its ends.
+
+use lennard_neighbor::{BLOCK, CLUSTER, Span};
+
+use super::accumulate::{Accumulate, Units};
+use super::block_stream::BlockStream;
+use super::frames::Frame;
+use super::lanes::FixedLanes;
+use crate::pair::PairForm;
+
+/// The units of a frame, and the constants of the loop in these units.
+#[derive(Clone, Copy)]
+pub struct FrameUnits {
+    units: Units,
+    /// The square of the cutoff, in units of the frame.
+    r_cut2: f64,
+    /// The square of the length unit, σ².
+    unit2: f64,
+    /// The inverse of `unit2`, σ⁻².
+    inv_unit2: f64,
+}
+
+impl FrameUnits {
+    /// The units of a frame whose length unit is `length` σ.
+    pub fn new<F: PairForm>(r_cut: f64, length: f64) -> Self {
+        let unit2 = length * length;
+        Self {
+            units: Units {
+                energy: F::UNIT,
+                length,
+            },
+            r_cut2: r_cut * r_cut / unit2,
+            unit2,
+            inv_unit2: 1.0 / unit2,
+        }
+    }
+}
+
+/// Number of blocks of each kind that a cluster has.
+#[derive(Clone, Copy)]
+pub struct BlockCounts {
+    first_half: u32,
+    second_half: u32,
+    masked: u32,
+    plain: u32,
+}
+
+impl BlockCounts {
+    /// The counts of a span whose blocks begin at `begin`.
+    #[inline(always)]
+    pub fn of(span: &Span, begin: u32) -> Self {
+        Self {
+            first_half: span.first_half - begin,
+            second_half: span.second_half - span.first_half,
+            masked: span.masked - span.second_half,
+            plain: span.end - span.masked,
+        }
+    }
+}
+
+/// Sums of one member.
+#[derive(Clone, Copy)]
+pub struct MemberSums<L, A> {
+    /// In units of the form and of the frame.
+    pub force: [L; 3],
+    /// The sums in addition to the force.
+    pub others: A,
+}
+
+/// A cluster in a frame, ready to interact with its neighbors.
+pub struct ClusterKernel<L: FixedLanes, F, V> {
+    isa: L::Isa,
+    form: F,
+    /// The square of the cutoff, in units of the frame.
+    r_cut2: L,
+    /// The square of the length unit, σ².
+    unit2: L,
+    /// The inverse of `unit2`, σ⁻².
+    inv_unit2: L,
+    units: Units,
+    frame: V,
+}
+
+impl<L: FixedLanes, F: PairForm, V: Frame<L>> ClusterKernel<L, F, V> {
+    /// The kernel of a potential in a frame and its units.
+    #[inline(always)]
+    pub fn new(isa: L::Isa, form: F, units: &FrameUnits, frame: V) -> Self {
+        Self {
+            isa,
+            form,
+            r_cut2: L::constant(isa, units.r_cut2),
+            unit2: L::constant(isa, units.unit2),
+            inv_unit2: L::constant(isa, units.inv_unit2),
+            units: units.units,
+            frame,
+        }
+    }
+
+    /// The sums `A` of each member over the next list of the stream, and their units; `C` sums over all members.
+    ///
+    /// # Safety
+    /// The stream stands at the first block of this cluster, and `counts` are the block counts of the cluster.
+    #[inline(always)]
+    pub unsafe fn run<A: Accumulate<L>, C: Accumulate<L>>(
+        &self,
+        counts: BlockCounts,
+        stream: &mut BlockStream<L>,
+        common: &mut C,
+    ) -> ([MemberSums<L, A>; CLUSTER], Units) {
+        let all = [u16::MAX; CLUSTER];
+        // SAFETY: the contract is passed on.
+        unsafe {
+            let members = self.frame.members();
+            let [a, b] = self.half(members[0], members[1], counts.first_half, stream, common);
+            let [c, d] = self.half(members[2], members[3], counts.second_half, stream, common);
+            let mut sums = [a, b, c, d];
+            // The members are the first entries of the first masked block. No member interacts with itself.
+            let mut but = [0b0001, 0b0010, 0b0100, 0b1000];
+            for _ in 0..counts.masked {
+                let valid = stream.valid();
+                let valid = [
+                    valid & !but[0],
+                    valid & !but[1],
+                    valid & !but[2],
+                    valid & !but[3],
+                ];
+                but = [0; CLUSTER];
+                sums = self.block::<A, C, true>(members, stream, valid, sums, common);
+            }
+            for _ in 0..counts.plain {
+                sums = self.block::<A, C, false>(members, stream, all, sums, common);
+            }
+            (sums, self.units)
+        }
+    }
+
+    /// The sums of two members over `blocks` blocks of their half.
+    ///
+    /// # Safety
+    /// As [`ClusterKernel::run`].
+    #[inline(always)]
+    unsafe fn half<A: Accumulate<L>, C: Accumulate<L>>(
+        &self,
+        first: V::Member,
+        second: V::Member,
+        blocks: u32,
+        stream: &mut BlockStream<L>,
+        common: &mut C,
+    ) -> [MemberSums<L, A>; 2] {
+        let nothing = MemberSums {
+            force: [L::constant(self.isa, 0.0); 3],
+            others: A::nothing(self.isa),
+        };
+        let (mut of_first, mut of_second) = (nothing, nothing);
+        for _ in 0..blocks {
+            // SAFETY: the contract is passed on.
+            let valid = u32::from(unsafe { stream.valid() });
+            for part in 0..BLOCK / L::WIDTH {
+                // SAFETY: as above.
+                let neighbors = self.frame.neighbors(unsafe { stream.next(part) });
+                let bits = valid >> (part * L::WIDTH);
+                of_first = self.interact::<A, C, true>(first, neighbors, bits, of_first, common);
+                of_second = self.interact::<A, C, true>(second, neighbors, bits, of_second, common);
+            }
+        }
+        [of_first, of_second]
+    }
+
+    /// Adds the pairs of one block with all members; where it is `MASKED`, only the entries that are `valid` for each.
+    ///
+    /// # Safety
+    /// As [`ClusterKernel::run`].
+    #[inline(always)]
+    unsafe fn block<A: Accumulate<L>, C: Accumulate<L>, const MASKED: bool>(
+        &self,
+        members: [V::Member; CLUSTER],
+        stream: &mut BlockStream<L>,
+        valid: [u16; CLUSTER],
+        sums: [MemberSums<L, A>; CLUSTER],
+        common: &mut C,
+    ) -> [MemberSums<L, A>; CLUSTER] {
+        // Sums go by value and by constant index: sums behind a reference would not stay in registers.
+        let [mut a, mut b, mut c, mut d] = sums;
+        for part in 0..BLOCK / L::WIDTH {
+            // SAFETY: the contract is passed on.
+            let neighbors = self.frame.neighbors(unsafe { stream.next(part) });
+            let bits = |valid: u16| u32::from(valid) >> (part * L::WIDTH);
+            a = self.interact::<A, C, MASKED>(members[0], neighbors, bits(valid[0]), a, common);
+            b = self.interact::<A, C, MASKED>(members[1], neighbors, bits(valid[1]), b, common);
+            c = self.interact::<A, C, MASKED>(members[2], neighbors, bits(valid[2]), c, common);
+            d = self.interact::<A, C, MASKED>(members[3], neighbors, bits(valid[3]), d, common);
+        }
+        [a, b, c, d]
+    }
+
+    /// Adds the pairs of one member with one register of neighbors; where they are `MASKED`, only the lanes set in `bits`.
+    #[inline(always)]
+    fn interact<A: Accumulate<L>, C: Accumulate<L>, const MASKED: bool>(
+        &self,
+        member: V::Member,
+        neighbors: V::Neighbors,
+        bits: u32,
+        mut sums: MemberSums<L, A>,
+        common: &mut C,
+    ) -> MemberSums<L, A> {
+        let [dx, dy, dz] = self.frame.apart(member, neighbors);
+        let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx));
+        let inside = if MASKED {
+            r2.at_most_among(self.r_cut2, bits)
+        } else {
+            r2.at_most(self.r_cut2)
+        };
+        let pair = if V::IN_SIGMA {
+            self.form.eval(r2, r2.recip())
+        } else {
+            self.form.eval(r2 * self.unit2, self.inv_unit2 / r2)
+        };
+        let f = pair.force.keep(inside);
+        let [x, y, z] = sums.force;
+        sums.force = [dx.mul_add(f, x), dy.mul_add(f, y), dz.mul_add(f, z)];
+        sums.others.add([dx, dy, dz], f, &pair, inside);
+        common.add([dx, dy, dz], f, &pair, inside);
+        sums
+    }
+}

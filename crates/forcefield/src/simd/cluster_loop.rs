@@ -1,0 +1,199 @@
+//! The loop over cluster lists, written once for all lanes.
+
+use glam::DVec3;
+use lennard_neighbor::{
+    ATOMS_PER_CHUNK, Block, CLUSTER, ClusterChunk, ClusterList, LARGE_SYSTEM, Span,
+};
+
+use super::accumulate::{Accumulate, ForcesAlone, PairSums, Units};
+use super::block_stream::BlockStream;
+use super::cluster_kernel::{BlockCounts, ClusterKernel, FrameUnits, MemberSums};
+use super::frames::{AbsoluteFrame, ClusterFrame};
+use super::lanes::FixedLanes;
+use super::output::Output;
+use super::prefetch::{Parts, prefetch, prefetch_read};
+use super::row::FixedRow;
+use super::totals::{ChunkTotals, Detail};
+use crate::pair::PairForm;
+
+/// One evaluation.
+pub struct ClusterJob<'a, F> {
+    form: F,
+    /// Length of a fixed-point unit along each axis, σ.
+    scale: [f64; 3],
+    in_sigma: FrameUnits,
+    /// Set where the fixed-point units are equal along all axes.
+    in_units: Option<FrameUnits>,
+    list: &'a ClusterList,
+    /// Where rows are prefetched: the approximate distance in slots from a cluster to its last neighbor.
+    slots_ahead: Option<usize>,
+}
+
+impl<'a, F: PairForm> ClusterJob<'a, F> {
+    /// Prepares an evaluation; `scale` is the length in σ of a fixed-point unit along each axis.
+    pub fn new(form: F, r_cut: f64, scale: [f64; 3], list: &'a ClusterList) -> Self {
+        let cubic = scale[0] == scale[1] && scale[1] == scale[2];
+        Self {
+            form,
+            scale,
+            in_sigma: FrameUnits::new::<F>(r_cut, 1.0),
+            in_units: cubic.then(|| FrameUnits::new::<F>(r_cut, scale[0])),
+            list,
+            // In smaller systems, prefetching costs 1 % of a step.
+            slots_ahead: (list.table().particle.len() >= LARGE_SYSTEM).then(|| list.slots_ahead()),
+        }
+    }
+
+    /// The sums of the next cluster of the stream, in the cheapest frame that suits it.
+    ///
+    /// # Safety
+    /// As [`ClusterKernel::run`]; `rows` are the rows of the members.
+    #[inline(always)]
+    unsafe fn cluster<L: FixedLanes, A: Accumulate<L>, C: Accumulate<L>>(
+        &self,
+        isa: L::Isa,
+        rows: [&FixedRow; CLUSTER],
+        (span, counts): (&Span, BlockCounts),
+        stream: &mut BlockStream<L>,
+        common: &mut C,
+    ) -> ([MemberSums<L, A>; CLUSTER], Units) {
+        // SAFETY: the contract is passed on, here and below.
+        unsafe {
+            if const { L::SPECIAL_LOOPS && !F::RARE } {
+                if let (true, Some(in_units)) = (span.compact, &self.in_units) {
+                    let frame = ClusterFrame::<L, true>::new(isa, rows, self.scale);
+                    let kernel = ClusterKernel::new(isa, self.form, in_units, frame);
+                    return kernel.run(counts, stream, common);
+                }
+                if span.compact {
+                    let frame = ClusterFrame::<L, false>::new(isa, rows, self.scale);
+                    let kernel = ClusterKernel::new(isa, self.form, &self.in_sigma, frame);
+                    return kernel.run(counts, stream, common);
+                }
+            }
+            let frame = AbsoluteFrame::new(isa, rows, self.scale);
+            let kernel = ClusterKernel::new(isa, self.form, &self.in_sigma, frame);
+            kernel.run(counts, stream, common)
+        }
+    }
+}
+
+/// Runs one chunk over rows, one per slot.
+///
+/// # Panics
+/// Where `rows` is shorter than the list needs, or `output` lacks a slot of the chunk: that is a bug of the caller.
+///
+/// # Safety
+/// No other thread runs the same chunk at the same time.
+#[inline(always)]
+pub unsafe fn run<L: FixedLanes, F: PairForm>(
+    isa: L::Isa,
+    job: &ClusterJob<'_, F>,
+    rows: &[FixedRow],
+    chunk: usize,
+    detail: Detail,
+    output: &Output<'_>,
+) -> ChunkTotals {
+    assert_eq!(
+        rows.len(),
+        job.list.table().particle.len(),
+        "a row for each slot"
+    );
+    let chunks = job.list.chunks();
+    if let Some(next) = chunks.get(chunk + 1) {
+        prefetch(&next.spans);
+    }
+    let later = match (job.slots_ahead, chunks.get(chunk + 2)) {
+        (Some(_), Some(later)) => &later.blocks[..],
+        _ => &[],
+    };
+    let chunk = &chunks[chunk];
+    // SAFETY: the contract is passed on.
+    unsafe {
+        // The constant is alone in its condition: only then does the compiler drop the other instances.
+        if F::RARE {
+            return sweep::<L, F, PairSums<L>, ForcesAlone>(isa, job, rows, chunk, later, output);
+        }
+        // A cluster of fewer than four particles repeats its last one, which must not count twice.
+        let full = chunk.first_slot as usize + CLUSTER * chunk.spans.len() <= rows.len();
+        match detail {
+            Detail::Forces => {
+                sweep::<L, F, ForcesAlone, ForcesAlone>(isa, job, rows, chunk, later, output)
+            }
+            Detail::Totals if L::SPECIAL_LOOPS && full => {
+                sweep::<L, F, ForcesAlone, PairSums<L>>(isa, job, rows, chunk, later, output)
+            }
+            _ => sweep::<L, F, PairSums<L>, ForcesAlone>(isa, job, rows, chunk, later, output),
+        }
+    }
+}
+
+/// Computes the clusters of a chunk one after another, with the sums `A` per member and `C` per cluster.
+///
+/// Sums per cluster take a quarter of the registers. Forces have the same bits with any other sums.
+/// The blocks of a `later` chunk are prefetched, some with each cluster.
+///
+/// # Safety
+/// As [`run`].
+#[inline(always)]
+unsafe fn sweep<L: FixedLanes, F: PairForm, A: Accumulate<L>, C: Accumulate<L>>(
+    isa: L::Isa,
+    job: &ClusterJob<'_, F>,
+    rows: &[FixedRow],
+    chunk: &ClusterChunk,
+    later: &[Block],
+    output: &Output<'_>,
+) -> ChunkTotals {
+    let n = rows.len();
+    let later = Parts::of(later, chunk.spans.len());
+    let mut totals = ChunkTotals::NOTHING;
+    let mut sum = DVec3::ZERO;
+    // SAFETY: entries of the list number slots, and `run` checked that each slot has a row. Each particle has one slot,
+    // each slot belongs to one cluster, each cluster belongs to one chunk, and no other thread runs this chunk.
+    unsafe {
+        let mut stream = BlockStream::new(isa, rows, chunk);
+        let mut first = chunk.first_slot as usize;
+        let mut begin = 0;
+        for (cluster, span) in chunk.spans.iter().enumerate() {
+            later.prefetch(cluster);
+            if let Some(ahead) = job.slots_ahead {
+                // The rows of four slots fill one cache line.
+                prefetch_read(rows.as_ptr().wrapping_add(first + ATOMS_PER_CHUNK + ahead));
+            }
+            let counts = BlockCounts::of(span, begin);
+            if L::SPECIAL_LOOPS {
+                output.prefetch(first + CLUSTER, CLUSTER);
+                output.prefetch_next_chunk(first, CLUSTER);
+            }
+            let own = if first + CLUSTER <= n {
+                [
+                    &rows[first],
+                    &rows[first + 1],
+                    &rows[first + 2],
+                    &rows[first + 3],
+                ]
+            } else {
+                // A cluster of fewer particles repeats its last one.
+                let row = |member: usize| &rows[(first + member).min(n - 1)];
+                [row(0), row(1), row(2), row(3)]
+            };
+            let mut common = C::nothing(isa);
+            let (sums, units) =
+                job.cluster::<L, A, C>(isa, own, (span, counts), &mut stream, &mut common);
+            let forces = [sums[0].force, sums[1].force, sums[2].force, sums[3].force];
+            let end = (first + CLUSTER).min(n);
+            let forces = L::sum_four(forces, units.force());
+            for ((slot, sums), force) in (first..end).zip(&sums).zip(forces) {
+                sum += force;
+                output.write(slot, force, &sums.others, units, &mut totals);
+            }
+            if C::ANYTHING {
+                totals.add(&common.totals(units));
+            }
+            (first, begin) = (end, span.end);
+        }
+    }
+    // A sum with a non-finite force in it never becomes finite again.
+    totals.broken = !sum.is_finite();
+    totals
+}

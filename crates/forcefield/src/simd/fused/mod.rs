@@ -1,0 +1,7 @@
+//! Fused steps: forces, kicks and drift of each chunk in one pass over memory.
+
+mod pack_ahead;
+mod steps;
+
+pub use pack_ahead::{ChunkDisplacement, NextRows};
+pub use steps::{SlotState, by_slot, fused_step, to_particles};

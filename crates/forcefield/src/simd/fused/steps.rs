@@ -1,0 +1,128 @@
+//! One fused step: chunk by chunk, forces, two half kicks, a drift, and rows of the next step.
+
+use glam::DVec3;
+use lennard_core::parallel::{for_each_piece, for_each_range, part};
+use lennard_neighbor::ATOMS_PER_CHUNK;
+
+use super::pack_ahead::{Ahead, NextRows};
+use crate::pair::PairForm;
+use crate::simd::disjoint::Disjoint;
+use crate::simd::kick_drift::KickDrift;
+use crate::simd::list_in_use::{ListInUse, Ordered};
+use crate::simd::output::Output;
+use crate::simd::packed::{ListStatus, PackedCopies, Request, are_few};
+use crate::simd::pair_list::PairList;
+use crate::simd::prefetch::Region;
+
+/// Particles by slot.
+pub struct SlotState<'a> {
+    /// Positions, σ.
+    pub positions: &'a mut [DVec3],
+    /// Positions of the next step, σ. Without this array they overwrite `positions`, which only many particles allow.
+    pub next: Option<&'a mut [DVec3]>,
+    /// Velocities, σ/τ.
+    pub velocities: &'a mut [DVec3],
+    /// The numbers of the slots: 0, 1, …
+    pub slots: &'a [u32],
+}
+
+/// Judges the list where the request demands it, and takes one step where the list is complete.
+///
+/// Where a number is not finite, the written arrays have no meaning.
+pub fn fused_step<P: PairList, F: PairForm>(
+    used: &ListInUse<'_, P>,
+    copies: &mut PackedCopies<P::Row>,
+    job: &P::Job<'_, F>,
+    particles: SlotState<'_>,
+    kick_drift: KickDrift,
+    request: Request,
+) -> ListStatus {
+    let order = particles.slots;
+    let n = order.len();
+    assert!(
+        particles.positions.len() == n && particles.velocities.len() == n,
+        "one vector per slot"
+    );
+    assert!(
+        particles.next.is_some() || !are_few(n),
+        "few particles are packed while chunks run"
+    );
+    let positions = Disjoint::new(particles.positions);
+    let velocities = Disjoint::new(particles.velocities);
+    let next = particles.next.map(Disjoint::new);
+    let at = || Ordered {
+        // SAFETY: positions are read while rows are packed and while the list is judged. Many particles finish both
+        // before the first chunk runs. The chunks of few particles write their positions to another array.
+        positions: unsafe { positions.all() },
+        order,
+    };
+    let ahead = Ahead {
+        list: used.list,
+        level: used.level,
+        // Few particles lie in a cache, and their next chunk may belong to another thread.
+        state: next
+            .is_none()
+            .then(|| [positions.region(), velocities.region()]),
+        built: Region::of(used.built),
+        far2: used.far2,
+    };
+    let run = |rows: &[P::Row], next_rows: Option<&NextRows<'_, P::Row>>, chunk| {
+        let slots = part(chunk, ATOMS_PER_CHUNK, n);
+        // SAFETY: each chunk runs once, and its slots belong to no other chunk. This holds for all blocks below.
+        let (positions, velocities) = unsafe {
+            let positions = match &next {
+                Some(next) => {
+                    let next = next.part(slots.clone());
+                    next.copy_from_slice(&at().positions[slots.clone()]);
+                    next
+                }
+                None => positions.part(slots.clone()),
+            };
+            (positions, velocities.part(slots.clone()))
+        };
+        let mut forces = [DVec3::ZERO; ATOMS_PER_CHUNK];
+        let forces = &mut forces[..slots.len()];
+        let order = &order[..slots.len()];
+        // SAFETY: as above.
+        let next_chunk = unsafe { ahead.next_chunk(chunk, next_rows) };
+        let output = Output::of_chunk(forces, order, slots.start, next_chunk);
+        // SAFETY: as above.
+        let totals = unsafe { P::run(used.level, job, rows, chunk, request.detail, &output) };
+        let step = kick_drift.apply(used.level, positions, velocities, forces);
+        let mut motion = used.motion(Ordered { positions, order });
+        motion.built = &used.built[slots];
+        // SAFETY: as above.
+        unsafe { ahead.pack(chunk, next_rows, motion, step) };
+        totals
+    };
+    let outcome = used.run_chunks(copies, &at, request, &run);
+    if outcome.broken {
+        ListStatus::NonFinite
+    } else {
+        outcome.status
+    }
+}
+
+/// Gathers elements by slot from an array by index, where `order` has the index of each slot.
+pub fn by_slot(order: &[u32], from: &[DVec3], to: &mut Vec<DVec3>) {
+    to.resize(order.len(), DVec3::ZERO);
+    for_each_piece(to, |first, piece| {
+        for (to, at) in piece.iter_mut().zip(&order[first..]) {
+            *to = from[*at as usize];
+        }
+    });
+}
+
+/// Scatters elements by slot to an array by particle.
+pub fn to_particles<P: PairList>(list: &P, from: &[DVec3], to: &mut [DVec3]) {
+    let order = list.particles();
+    let n = order.len();
+    assert!(from.len() == n && to.len() == n, "one vector per slot");
+    let to = Disjoint::new(to);
+    for_each_range(n, |slots| {
+        for (from, at) in from[slots.clone()].iter().zip(&order[slots]) {
+            // SAFETY: each particle has one slot.
+            unsafe { to.write(*at as usize, *from) };
+        }
+    });
+}

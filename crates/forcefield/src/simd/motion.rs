@@ -1,0 +1,130 @@
+//! Displacements since the build of a list, and their summary.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+/// Positions of the particles at some slots, now and at the build of the list.
+///
+/// The displacement of a particle is d = x − (L/L⁰)·x⁰: the part of its motion that a change of the box does not explain.
+#[derive(Debug, Clone, Copy)]
+pub struct Motion<'a> {
+    /// Unwrapped positions, σ.
+    pub positions: &'a [DVec3],
+    /// The index in `positions` of each slot.
+    pub order: &'a [u32],
+    /// Positions of the build by slot, σ.
+    pub built: &'a [DVec3],
+    /// L/L⁰ along each axis: the sides of the box over its sides at the build.
+    pub stretch: DVec3,
+    /// The |d|² beyond which a particle moved far, σ².
+    pub far2: f64,
+    /// The sides of the box, σ.
+    pub lengths: DVec3,
+}
+
+impl Motion<'_> {
+    /// The motion at some of the slots.
+    #[inline(always)]
+    pub fn part(self, slots: Range<usize>) -> Self {
+        Self {
+            order: &self.order[slots.clone()],
+            built: &self.built[slots],
+            ..self
+        }
+    }
+
+    /// The position of the particle at the `k`th slot, σ.
+    #[inline(always)]
+    pub fn at(&self, k: usize) -> DVec3 {
+        self.positions[self.order[k] as usize]
+    }
+
+    /// The displacement of the particle at the `k`th slot, σ.
+    #[inline(always)]
+    pub fn displacement(&self, k: usize) -> DVec3 {
+        // In the box of the build the product changes no bit.
+        self.at(k) - self.stretch * self.built[k]
+    }
+}
+
+/// How far some particles have moved since the build of the list.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotionSummary {
+    /// The largest |d|², σ².
+    pub largest2: f64,
+    /// Whether every |d|² is a finite number.
+    pub finite: bool,
+    /// The slots of the particles that moved far.
+    pub far: Vec<u32>,
+}
+
+impl MotionSummary {
+    /// The summary of no particle.
+    pub const NOTHING: Self = Self {
+        largest2: 0.0,
+        finite: true,
+        far: Vec::new(),
+    };
+
+    /// The union of two sets of particles.
+    pub fn and(mut self, other: Self) -> Self {
+        self.far.extend(other.far);
+        Self {
+            largest2: self.largest2.max(other.largest2),
+            finite: self.finite & other.finite,
+            far: self.far,
+        }
+    }
+
+    /// Includes the slots from `first` on, by their |d|² in `squares`; a particle above `far2` moved far.
+    pub fn include(&mut self, first: usize, squares: &[f64], far2: f64) {
+        // There is no branch per particle, since far movers are hard to predict.
+        let mut largest2 = [self.largest2; 4];
+        let mut all_near = true;
+        let (fours, rest) = squares.as_chunks::<4>();
+        for four in fours {
+            for (largest2, d2) in largest2.iter_mut().zip(four) {
+                *largest2 = if *d2 > *largest2 { *d2 } else { *largest2 };
+                // The comparison is false for NaN.
+                all_near &= *d2 <= far2;
+            }
+        }
+        for d2 in rest {
+            largest2[0] = if *d2 > largest2[0] { *d2 } else { largest2[0] };
+            all_near &= *d2 <= far2;
+        }
+        self.largest2 = largest2.into_iter().fold(0.0, f64::max);
+        if all_near {
+            return;
+        }
+        let mut len = self.far.len();
+        self.far.resize(len + squares.len(), 0);
+        for (slot, d2) in (first..).zip(squares) {
+            self.far[len] = slot as u32;
+            len += usize::from(*d2 > far2);
+            self.finite &= *d2 < f64::INFINITY;
+        }
+        self.far.truncate(len);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_far_movers_are_found() {
+        let squares: Vec<f64> = (0..203).map(|i| f64::from(i % 7)).collect();
+        let mut moved = MotionSummary::NOTHING;
+        moved.include(1000, &squares[..101], 4.5);
+        moved.include(1101, &squares[101..], 4.5);
+        let far = (1000..).zip(&squares).filter(|(_, d2)| **d2 > 4.5);
+        assert_eq!(moved.far, far.map(|(slot, _)| slot).collect::<Vec<u32>>());
+        assert_eq!((moved.largest2, moved.finite), (6.0, true));
+        moved.include(2000, &[1.0, 2.0], 4.5);
+        assert_eq!((moved.largest2, moved.finite), (6.0, true));
+        moved.include(3000, &[0.0, f64::NAN, 1.0, 2.0, f64::INFINITY], 4.5);
+        assert!(!moved.finite && moved.far.last() == Some(&3004));
+    }
+}

@@ -1,0 +1,313 @@
+//! Copies of the positions, packed into rows in the order of a list, and the loop over all chunks.
+//!
+//! ```text
+//!   many particles:  pack (all threads) -> judge the list -> run chunks (all threads)
+//!   few particles:   each thread: pack its own copy -> judge -> run chunks
+//! ```
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+
+use lennard_core::tasks::{for_each_task, map_tasks};
+use lennard_neighbor::{LARGE_SYSTEM, PackedDisplacement};
+
+use super::disjoint::Disjoint;
+use super::fused::{ChunkDisplacement, NextRows};
+use super::motion::MotionSummary;
+use super::pack::By;
+use super::totals::{ChunkTotals, Detail};
+
+/// Whether a list may be used at some positions.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ListStatus {
+    /// The list contains every pair inside the cutoff.
+    Complete,
+    /// The list lacks these pairs of slots.
+    Incomplete(Vec<[u32; 2]>),
+    /// The list may lack pairs, and it must be built again.
+    Expired,
+    /// A position is not a finite number.
+    NonFinite,
+}
+
+/// The state of the rows before an evaluation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Prepared {
+    /// Rows must be packed, and the list must be judged.
+    Nothing,
+    /// The chunks of the step before packed the rows. The list must be judged.
+    Packed,
+    /// Rows are packed and the list was judged. The pairs that it lacked have been inserted.
+    Judged,
+}
+
+/// What an evaluation is asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Request {
+    /// The quantities to sum.
+    pub detail: Detail,
+    /// The state of the rows.
+    pub prepared: Prepared,
+    /// Whether chunks pack the rows of the next step; few particles never do.
+    pub packs_next: bool,
+}
+
+impl Request {
+    /// A request for sums at new positions.
+    pub fn of(detail: Detail) -> Self {
+        Self {
+            detail,
+            prepared: Prepared::Nothing,
+            packs_next: false,
+        }
+    }
+}
+
+/// The result of an evaluation.
+pub struct Outcome {
+    /// Whether the list could be used. If not, there are no sums.
+    pub status: ListStatus,
+    /// The totals of all chunks in order: every pair from both of its ends. Empty where only forces are summed.
+    pub totals: Vec<ChunkTotals>,
+    /// Whether a force is not finite.
+    pub broken: bool,
+}
+
+/// Packs rows and packed displacements, by one thread or by all.
+pub type PackRows<'a, Row> =
+    dyn Fn(By, &mut [Row], Option<&mut [PackedDisplacement]>) -> MotionSummary + Sync + 'a;
+
+/// Judges the list by the motion. Packed displacements change the time that it takes, and never the result.
+pub type JudgeList<'a> =
+    dyn Fn(&MotionSummary, Option<&[PackedDisplacement]>) -> ListStatus + Sync + 'a;
+
+/// Runs one chunk over rows, and packs its rows of the next step where asked.
+pub type RunChunk<'a, Row> =
+    dyn Fn(&[Row], Option<&NextRows<'_, Row>>, usize) -> ChunkTotals + Sync + 'a;
+
+/// One loop over a list.
+pub struct Evaluation<'a, Row> {
+    /// Number of particles.
+    pub n: usize,
+    /// Number of rows, ghosts included.
+    pub rows: usize,
+    /// Number of chunks of the list.
+    pub chunks: usize,
+    /// What the evaluation is asked for.
+    pub request: Request,
+    /// Whether the list lasts until many particles have moved far, since pairs can be inserted.
+    pub inserts: bool,
+    /// Packs rows.
+    pub pack: &'a PackRows<'a, Row>,
+    /// Judges the list.
+    pub judge: &'a JudgeList<'a>,
+    /// Runs a chunk.
+    pub run: &'a RunChunk<'a, Row>,
+}
+
+/// Whether particles are so few that each thread packs all of them for itself.
+///
+/// It packs before its first chunk, while other threads may already run chunks.
+pub fn are_few(n: usize) -> bool {
+    n <= 2048
+}
+
+/// Packed copies of the positions.
+///
+/// Many particles have one copy that all threads read, and a second one where chunks pack the rows of the next step.
+/// Few particles have one copy per thread: a thread packs them faster than their rows come from the cache of another
+/// processor, and one parallel section does everything. Nothing but speed depends on it.
+#[derive(Debug)]
+pub struct PackedCopies<Row>(Vec<Mutex<PackedCopy<Row>>>);
+
+/// One copy.
+#[derive(Debug, Default)]
+struct PackedCopy<Row> {
+    rows: Vec<Row>,
+    /// Rows of the next step, where chunks pack ahead.
+    next: Vec<Row>,
+    /// The displacements of each chunk, where chunks pack ahead.
+    displacements: Vec<ChunkDisplacement>,
+    /// The packed displacement of each slot, where `has_packed`.
+    packed: Vec<PackedDisplacement>,
+    /// Whether packed displacements were written with the rows.
+    has_packed: bool,
+    /// Number of far movers at the last judgment.
+    far: usize,
+}
+
+/// Displacements are packed in large systems once one particle in this many had moved far at the last judgment.
+///
+/// Below it, the look ahead takes less time than packing all displacements. Nothing but speed depends on it.
+const PACKED_AMONG: usize = 256;
+
+impl<Row> Default for PackedCopies<Row> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
+    /// Number of bytes held.
+    pub fn bytes(&self) -> usize {
+        self.0
+            .iter()
+            .map(lock)
+            .map(|copy| {
+                (copy.rows.capacity() + copy.next.capacity()) * size_of::<Row>()
+                    + copy.displacements.capacity() * size_of::<ChunkDisplacement>()
+                    + copy.packed.capacity() * size_of::<PackedDisplacement>()
+            })
+            .sum()
+    }
+
+    /// Packs, judges, and runs each chunk exactly once where the list is complete.
+    pub fn run(&mut self, evaluation: &Evaluation<'_, Row>) -> Outcome {
+        let few = are_few(evaluation.n);
+        let copies = if few { rayon::current_num_threads() } else { 1 };
+        self.0.resize_with(copies, Mutex::default);
+        if few {
+            return self.run_few(evaluation);
+        }
+        let (mut copy, status) = match evaluation.request.prepared {
+            Prepared::Nothing => self.pack(0, By::All, evaluation),
+            Prepared::Packed => self.take_next(evaluation),
+            Prepared::Judged => (lock(&self.0[0]), ListStatus::Complete),
+        };
+        if status != ListStatus::Complete {
+            return Outcome {
+                status,
+                totals: Vec::new(),
+                broken: false,
+            };
+        }
+        let (rows, next) = copy.for_chunks(evaluation);
+        run_chunks(evaluation, status, &|(), c| {
+            (evaluation.run)(rows, next.as_ref(), c)
+        })
+    }
+
+    /// Each thread packs a copy of its own before its first chunk, and all threads come to the same judgment.
+    fn run_few<'a>(&'a self, evaluation: &Evaluation<'_, Row>) -> Outcome {
+        let status = OnceLock::new();
+        let run = |mine: &mut Option<MutexGuard<'a, PackedCopy<Row>>>, c: usize| {
+            let copy = mine.get_or_insert_with(|| {
+                let me = rayon::current_thread_index().unwrap_or(0);
+                // Each thread judges for itself: waiting for another thread may put it to sleep.
+                let (copy, judged) = self.pack(me % self.0.len(), By::OneThread, evaluation);
+                let _ = status.set(judged);
+                copy
+            });
+            match status.get() {
+                Some(ListStatus::Complete) => (evaluation.run)(&copy.rows, None, c),
+                _ => ChunkTotals::NOTHING,
+            }
+        };
+        let mut outcome = run_chunks(evaluation, ListStatus::Complete, &run);
+        // Without particles no thread judges, and no pair is missing.
+        if let Some(judged) = status.into_inner() {
+            outcome.status = judged;
+        }
+        outcome
+    }
+
+    /// Packs a copy and judges the list.
+    fn pack(
+        &self,
+        copy: usize,
+        by: By,
+        evaluation: &Evaluation<'_, Row>,
+    ) -> (MutexGuard<'_, PackedCopy<Row>>, ListStatus) {
+        let mut copy = lock(&self.0[copy]);
+        copy.rows.resize(evaluation.rows, Row::default());
+        copy.displacements.clear();
+        copy.begin_packed(evaluation);
+        let has_packed = copy.has_packed;
+        let PackedCopy { rows, packed, .. } = &mut *copy;
+        let summary = (evaluation.pack)(by, rows, has_packed.then_some(packed));
+        let status = copy.judge(&summary, evaluation);
+        (copy, status)
+    }
+
+    /// Takes the rows that chunks packed ahead, and judges the list.
+    fn take_next(
+        &self,
+        evaluation: &Evaluation<'_, Row>,
+    ) -> (MutexGuard<'_, PackedCopy<Row>>, ListStatus) {
+        let mut copy = lock(&self.0[0]);
+        let PackedCopy { rows, next, .. } = &mut *copy;
+        std::mem::swap(rows, next);
+        let summary = ChunkDisplacement::summary(&copy.displacements);
+        let status = copy.judge(&summary, evaluation);
+        (copy, status)
+    }
+}
+
+impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
+    /// Decides whether displacements are packed, and makes room for them.
+    fn begin_packed(&mut self, evaluation: &Evaluation<'_, Row>) {
+        let n = evaluation.n;
+        self.has_packed = evaluation.inserts && n >= LARGE_SYSTEM && self.far * PACKED_AMONG > n;
+        if self.has_packed {
+            self.packed.resize(n, PackedDisplacement::default());
+        }
+    }
+
+    fn judge(&mut self, summary: &MotionSummary, evaluation: &Evaluation<'_, Row>) -> ListStatus {
+        self.far = summary.far.len();
+        (evaluation.judge)(summary, self.has_packed.then_some(&self.packed))
+    }
+
+    /// The rows that chunks read, and the arrays that they write for the next step.
+    fn for_chunks(
+        &mut self,
+        evaluation: &Evaluation<'_, Row>,
+    ) -> (&[Row], Option<NextRows<'_, Row>>) {
+        let packs_next = evaluation.request.packs_next;
+        if packs_next {
+            self.next.resize(evaluation.rows, Row::default());
+            self.displacements
+                .resize(evaluation.chunks, ChunkDisplacement::UNKNOWN);
+            self.begin_packed(evaluation);
+        }
+        let next = packs_next.then(|| NextRows {
+            rows: Disjoint::new(&mut self.next),
+            displacements: Disjoint::new(&mut self.displacements),
+            packed: self.has_packed.then(|| Disjoint::new(&mut self.packed)),
+        });
+        (&self.rows, next)
+    }
+}
+
+/// Locks a copy. No thread ever waits: each thread has a copy of its own, or one thread locks for all.
+fn lock<Row>(copy: &Mutex<PackedCopy<Row>>) -> MutexGuard<'_, PackedCopy<Row>> {
+    copy.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Runs each chunk once. One instance serves all potentials, since the loop over chunks is short.
+fn run_chunks<Row, S: Default>(
+    evaluation: &Evaluation<'_, Row>,
+    status: ListStatus,
+    run: &(dyn Fn(&mut S, usize) -> ChunkTotals + Sync),
+) -> Outcome {
+    if evaluation.request.detail == Detail::Forces {
+        let broken = AtomicBool::new(false);
+        for_each_task(evaluation.chunks, |scratch, c| {
+            if run(scratch, c).broken {
+                broken.store(true, Ordering::Relaxed);
+            }
+        });
+        return Outcome {
+            status,
+            totals: Vec::new(),
+            broken: broken.into_inner(),
+        };
+    }
+    let totals = map_tasks(evaluation.chunks, run);
+    let broken = totals.iter().any(|c| c.broken);
+    Outcome {
+        status,
+        totals,
+        broken,
+    }
+}

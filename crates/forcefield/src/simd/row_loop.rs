@@ -1,0 +1,190 @@
+//! The loop over row lists, written once for all lanes.
+
+use glam::DVec3;
+use lennard_neighbor::{Entries, ListChunk, NeighborList};
+
+use super::accumulate::{Accumulate, ForcesAlone, PairSums, Units};
+use super::lanes::{Entry, RowLanes};
+use super::output::Output;
+use super::prefetch::prefetch;
+use super::totals::{ChunkTotals, Detail};
+use crate::pair::PairForm;
+
+/// One evaluation.
+pub struct RowJob<'a, F> {
+    form: F,
+    r_cut2: f64,
+    list: &'a NeighborList,
+}
+
+impl<'a, F: PairForm> RowJob<'a, F> {
+    /// Prepares an evaluation with a cutoff, σ.
+    pub fn new(form: F, r_cut: f64, list: &'a NeighborList) -> Self {
+        Self {
+            form,
+            r_cut2: r_cut * r_cut,
+            list,
+        }
+    }
+}
+
+/// Runs one chunk.
+///
+/// # Panics
+/// Where `rows` is shorter than the list needs, or `output` lacks a slot of the chunk: that is a bug of the caller.
+///
+/// # Safety
+/// No other thread runs the same chunk at the same time.
+#[inline(always)]
+pub unsafe fn run<L: RowLanes, F: PairForm>(
+    isa: L::Isa,
+    job: &RowJob<'_, F>,
+    rows: &[L::Row],
+    chunk: usize,
+    detail: Detail,
+    output: &Output<'_>,
+) -> ChunkTotals {
+    assert!(
+        rows.len() >= job.list.targets(),
+        "a row for each target of the list"
+    );
+    let chunks = job.list.chunks();
+    if let Some(next) = chunks.get(chunk + 1) {
+        prefetch(&next.counts);
+        match &next.entries {
+            Entries::Narrow(e) => prefetch(e),
+            Entries::Wide(e) => prefetch(e),
+        }
+    }
+    let chunk = &chunks[chunk];
+    assert_eq!(
+        job.list.lanes() % L::WIDTH,
+        0,
+        "entries fill whole registers"
+    );
+    // SAFETY: the contract is passed on.
+    unsafe {
+        let e = match &chunk.entries {
+            // Entries are wide above a million particles in a cube. One instance then serves every detail.
+            Entries::Wide(e) => {
+                return sweep::<L, F, u32, PairSums<L>>(isa, job, rows, chunk, e, output);
+            }
+            Entries::Narrow(e) => e,
+        };
+        // The constant is alone in its condition: only then does the compiler drop the other instances.
+        if F::RARE {
+            return sweep::<L, F, u16, PairSums<L>>(isa, job, rows, chunk, e, output);
+        }
+        match detail {
+            Detail::Forces => sweep::<L, F, u16, ForcesAlone>(isa, job, rows, chunk, e, output),
+            _ => sweep::<L, F, u16, PairSums<L>>(isa, job, rows, chunk, e, output),
+        }
+    }
+}
+
+/// Computes the particles of a chunk one after another, with the sums `A` for each.
+///
+/// # Safety
+/// As [`run`]; `entries` are those of `chunk`, built by the list of `job`.
+#[inline(always)]
+unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, A: Accumulate<L>>(
+    isa: L::Isa,
+    job: &RowJob<'_, F>,
+    rows: &[L::Row],
+    chunk: &ListChunk,
+    entries: &[E],
+    output: &Output<'_>,
+) -> ChunkTotals {
+    let r_cut2 = L::constant(isa, job.r_cut2);
+    let units = Units {
+        energy: F::UNIT,
+        length: 1.0,
+    };
+    // There is no `array::map` over lanes here: it is a call, and a call leaves the instruction set.
+    let zero = L::constant(isa, 0.0);
+    let mut totals = ChunkTotals::NOTHING;
+    let mut sum = DVec3::ZERO;
+    let mut start = 0;
+    // SAFETY: `run` checked that every target of the list is a row; base plus entry is a target.
+    let from_base = unsafe { rows.as_ptr().add(chunk.base as usize) };
+    let padding = job.list.lanes();
+    for (offset, count) in chunk.counts.iter().enumerate() {
+        let count = *count as usize;
+        let slot = chunk.first_slot as usize + offset;
+        output.prefetch_next_chunk(slot, 1);
+        let own = L::spread(isa, &rows[job.list.target_of(slot) as usize]);
+        let end = start + count.next_multiple_of(padding);
+        let mine = &entries[start..end];
+        start = end;
+
+        let mut force = [zero; 3];
+        let mut sums = A::nothing(isa);
+        let full = count / L::WIDTH;
+        for register in 0..full {
+            // SAFETY: `WIDTH` entries lie at this offset of `mine`, and each numbers a row (see above).
+            unsafe {
+                let at = mine.as_ptr().add(register * L::WIDTH);
+                add::<L, F, E, A>(
+                    &job.form,
+                    own,
+                    from_base,
+                    at,
+                    r_cut2,
+                    L::WIDTH,
+                    &mut force,
+                    &mut sums,
+                );
+            }
+        }
+        let rest = count % L::WIDTH;
+        if rest > 0 {
+            // SAFETY: entries are padded to whole registers with a row that exists.
+            unsafe {
+                let at = mine.as_ptr().add(full * L::WIDTH);
+                add::<L, F, E, A>(
+                    &job.form, own, from_base, at, r_cut2, rest, &mut force, &mut sums,
+                );
+            }
+        }
+
+        let [fx, fy, fz] = force;
+        let force = L::sum3(fx, fy, fz, units.force());
+        sum += force;
+        // SAFETY: each slot belongs to one chunk, and no other thread runs this one.
+        unsafe { output.write(slot, force, &sums, units, &mut totals) };
+    }
+    // A sum with a non-finite force in it never becomes finite again.
+    totals.broken = !sum.is_finite();
+    totals
+}
+
+/// Adds the pairs of one register; the first `valid` lanes are pairs, the rest is padding.
+///
+/// # Safety
+/// As [`RowLanes::differences`].
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+unsafe fn add<L: RowLanes, F: PairForm, E: Entry, A: Accumulate<L>>(
+    form: &F,
+    own: L::Rows,
+    rows: *const L::Row,
+    entries: *const E,
+    r_cut2: L,
+    valid: usize,
+    force: &mut [L; 3],
+    sums: &mut A,
+) {
+    // SAFETY: the contract is passed on.
+    let [dx, dy, dz] = unsafe { L::differences(own, rows, entries) };
+    let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx));
+    let mut inside = r2.at_most(r_cut2);
+    if valid < L::WIDTH {
+        inside = L::first(inside, valid);
+    }
+    let pair = form.eval(r2, r2.recip());
+    let f = pair.force.keep(inside);
+    force[0] = dx.mul_add(f, force[0]);
+    force[1] = dy.mul_add(f, force[1]);
+    force[2] = dz.mul_add(f, force[2]);
+    sums.add([dx, dy, dz], f, &pair, inside);
+}

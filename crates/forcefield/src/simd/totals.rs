@@ -1,0 +1,52 @@
+//! Sums over one chunk of a list.
+
+use glam::DMat3;
+
+/// Energy (half of each pair), ε, and virial tensor (half of each pair), ε, of one particle.
+pub type PerParticle = (f64, DMat3);
+
+/// The quantities that a loop sums.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Detail {
+    /// Forces.
+    Forces,
+    /// Forces and the totals of the chunk.
+    Totals,
+    /// Forces, totals, and energy and virial of each particle.
+    PerParticle,
+}
+
+/// Sums over one chunk. A full list contains every pair twice, so that each sum is twice the share of the chunk.
+#[derive(Debug, Clone, Copy)]
+pub struct ChunkTotals {
+    /// Σ U, ε.
+    pub energy: f64,
+    /// Σ r_ij ⊗ F_ij, ε.
+    pub virial: DMat3,
+    /// Σ (U″ + 2U′/r), ε/σ².
+    pub laplacian: f64,
+    /// Number of pairs with r ≤ r_cut.
+    pub pairs: u64,
+    /// Whether a force was not finite.
+    pub broken: bool,
+}
+
+impl ChunkTotals {
+    /// The sums over no pair. (The default of a matrix is the identity, so there is no derived default.)
+    pub const NOTHING: Self = Self {
+        energy: 0.0,
+        virial: DMat3::ZERO,
+        laplacian: 0.0,
+        pairs: 0,
+        broken: false,
+    };
+
+    /// Adds the sums over other pairs.
+    #[inline(always)]
+    pub fn add(&mut self, other: &Self) {
+        self.energy += other.energy;
+        self.virial += other.virial;
+        self.laplacian += other.laplacian;
+        self.pairs += other.pairs;
+    }
+}

@@ -1,0 +1,218 @@
+//! The validity of a list: the box and the positions of its build, and when it may be used.
+
+use glam::DVec3;
+use lennard_core::{ForceError, PeriodicBox};
+use lennard_neighbor::{
+    Criterion, Displacements, GridError, PackedDisplacement, Positions, Reach, Validity,
+    unlisted_pairs,
+};
+
+use crate::simd::{Level, ListInUse, ListStatus, MotionSummary, Ordered, PairList, by_slot};
+
+/// The last build of a list.
+#[derive(Debug, Clone)]
+struct Build {
+    /// The box of the build. The box of an evaluation may differ from it.
+    cell: PeriodicBox,
+    /// The skin of the build, σ.
+    skin: f64,
+    /// The list radius, σ: the cutoff, the skin, and the rounding of distances.
+    r_list: f64,
+}
+
+/// When a list may be used, and the record of its last build.
+#[derive(Debug)]
+pub struct ListValidity {
+    r_cut: f64,
+    /// The skin of the plan, σ. A build in a smaller box may have a thinner one.
+    skin: f64,
+    level: Level,
+    /// The last build. It is none before the first, and after a failed one.
+    build: Option<Build>,
+    /// Positions of the last build by slot, σ; their room is reused.
+    built: Vec<DVec3>,
+    /// The pairs of slots that were inserted since the build, in their order.
+    inserted: Vec<[u32; 2]>,
+    builds: u64,
+}
+
+impl ListValidity {
+    /// The validity of a list that is not built yet, with a cutoff and a skin, σ.
+    pub fn new(r_cut: f64, skin: f64, level: Level) -> Self {
+        Self {
+            r_cut,
+            skin,
+            level,
+            build: None,
+            built: Vec::new(),
+            inserted: Vec::new(),
+            builds: 0,
+        }
+    }
+
+    /// Number of builds so far.
+    pub fn builds(&self) -> u64 {
+        self.builds
+    }
+
+    /// Sets the number of builds, as a restart does.
+    pub fn set_builds(&mut self, builds: u64) {
+        self.builds = builds;
+    }
+
+    /// The box of the last build; none before the first.
+    pub fn build_cell(&self) -> Option<&PeriodicBox> {
+        self.build.as_ref().map(|build| &build.cell)
+    }
+
+    /// Positions of the last build by slot, σ.
+    pub fn built(&self) -> &[DVec3] {
+        &self.built
+    }
+
+    /// The pairs of slots that were inserted since the build, in their order.
+    pub fn inserted(&self) -> &[[u32; 2]] {
+        &self.inserted
+    }
+
+    /// Forgets the last build.
+    pub fn forget(&mut self) {
+        self.build = None;
+    }
+
+    /// Number of bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of::<DVec3>() * self.built.capacity()
+    }
+
+    /// Builds a list in a box.
+    ///
+    /// Where half the shortest side leaves no room for the skin of the plan, the build has a thinner skin.
+    pub fn build<P: PairList>(
+        &mut self,
+        list: &mut P,
+        cell: &PeriodicBox,
+        positions: Positions<'_>,
+    ) -> Result<(), ForceError> {
+        // A list that failed to build must not look valid.
+        self.build = None;
+        let largest = cell.largest_cutoff();
+        let skin = if self.r_cut + self.skin > largest {
+            (largest - self.r_cut).max(0.0)
+        } else {
+            self.skin
+        };
+        let reach = Reach {
+            r_cut: self.r_cut,
+            r_list: self.r_cut + skin + P::rounding(cell, self.r_cut),
+        };
+        list.build(self.level, cell, reach, positions).map_err(
+            |GridError::BadPosition { particle }| ForceError::NonFinitePosition { particle },
+        )?;
+        debug_assert!(list.is_valid(), "the loops rely on valid lists");
+        by_slot(list.source(), positions.values(), &mut self.built);
+        self.inserted.clear();
+        self.builds += 1;
+        self.build = Some(Build {
+            cell: *cell,
+            skin,
+            r_list: reach.r_list,
+        });
+        Ok(())
+    }
+
+    /// Inserts pairs that a list lacks; returns whether the list can take them.
+    pub fn insert<P: PairList>(&mut self, list: &mut P, pairs: &[[u32; 2]]) -> bool {
+        if P::INSERTS {
+            pairs.iter().for_each(|pair| list.insert(*pair));
+            self.inserted.extend(pairs);
+            debug_assert!(list.is_valid(), "the loops rely on valid lists");
+        }
+        P::INSERTS
+    }
+
+    /// Whether the list was built for `n` particles, and may be valid at some positions in a box.
+    pub fn may_be_valid<P: PairList>(&self, cell: &PeriodicBox, n: usize) -> bool {
+        let criterion = self.build.as_ref().map(|b| self.criterion::<P>(b, cell));
+        self.built.len() == n && criterion.is_some_and(|criterion| criterion.far2() >= 0.0)
+    }
+
+    /// The criterion in a box.
+    fn criterion<P: PairList>(&self, build: &Build, cell: &PeriodicBox) -> Criterion {
+        if *cell == build.cell {
+            return Criterion::new(build.skin);
+        }
+        let shortest = (cell.lengths() / build.cell.lengths()).min_element();
+        let inner = self.r_cut + P::rounding(cell, self.r_cut);
+        Criterion::in_changed_box(shortest * build.r_list - inner)
+    }
+
+    /// Calls `work` with a list in use in a box.
+    ///
+    /// # Panics
+    /// Where the list was never built: that is a bug of the caller.
+    pub fn with_list<P: PairList, R>(
+        &self,
+        list: &P,
+        cell: &PeriodicBox,
+        work: impl FnOnce(&ListInUse<'_, P>) -> R,
+    ) -> R {
+        let build = self.build.as_ref().expect("a list is built before its use");
+        let criterion = self.criterion::<P>(build, cell);
+        work(&ListInUse {
+            list,
+            level: self.level,
+            cell,
+            r_cut: self.r_cut,
+            built: &self.built,
+            stretch: cell.lengths() / build.cell.lengths(),
+            far2: criterion.far2(),
+            judge: &|summary, packed, at| {
+                let far = summary.far.len();
+                if !summary.finite {
+                    return ListStatus::NonFinite;
+                }
+                match criterion.check(summary.largest2, far, self.built.len()) {
+                    Validity::Valid => ListStatus::Complete,
+                    Validity::Expired => ListStatus::Expired,
+                    Validity::Uncertain => self.unlisted(list, build, summary, packed, at),
+                }
+            },
+        })
+    }
+
+    /// Whether the list contains every pair inside the cutoff, by a search ahead of the far movers.
+    ///
+    /// The box equals the box of the build: in any other box the criterion never asks for this search.
+    fn unlisted<P: PairList>(
+        &self,
+        list: &P,
+        build: &Build,
+        summary: &MotionSummary,
+        packed: Option<&[PackedDisplacement]>,
+        at: Ordered<'_>,
+    ) -> ListStatus {
+        // The factor is a margin for rounding: no pair inside the cutoff may seem to lie outside.
+        let inner = (build.r_list - build.skin) * (1.0 + 1e-12);
+        let displacements = Displacements {
+            cells: list.cells(),
+            at: |slot: u32| at.positions[at.order[slot as usize] as usize],
+            built: &self.built,
+            packed,
+            largest2: summary.largest2,
+        };
+        let mut unlisted = unlisted_pairs(
+            &build.cell,
+            build.r_list,
+            inner,
+            displacements,
+            &summary.far,
+        );
+        unlisted.retain(|pair| !list.contains(*pair));
+        if unlisted.is_empty() {
+            ListStatus::Complete
+        } else {
+            ListStatus::Incomplete(unlisted)
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Configurations and comparisons that the tests share.
+
+use lennard_core::{
+    Configuration, DVec3, Energetics, ForceError, ForceTerm, Part, PeriodicBox, Want,
+};
+use lennard_forcefield::{
+    Conditions, ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions,
+    PairForces, Precision, build,
+};
+
+/// Reproducible numbers in [0, 1): Weyl's sequence, with one irrational number per axis.
+pub fn scatter(n: usize, lengths: DVec3, seed: f64) -> Vec<DVec3> {
+    let step = DVec3::new(0.819_172_513, 0.671_043_607, 0.549_700_478);
+    (0..n)
+        .map(|i| ((i as f64 + 0.5 + seed) * step).fract() * lengths)
+        .collect()
+}
+
+/// A perturbed simple cubic lattice at this density: distances as in a liquid, without overlap.
+pub fn liquid(k: [usize; 3], density: f64, shake: f64) -> (PeriodicBox, Vec<DVec3>) {
+    let a = density.powf(-1.0 / 3.0);
+    let cell = PeriodicBox::new(DVec3::new(k[0] as f64, k[1] as f64, k[2] as f64) * a).unwrap();
+    let noise = scatter(k[0] * k[1] * k[2], DVec3::splat(2.0 * shake), 0.25);
+    let mut positions = Vec::new();
+    for x in 0..k[0] {
+        for y in 0..k[1] {
+            for z in 0..k[2] {
+                let site = DVec3::new(x as f64, y as f64, z as f64) * a;
+                positions.push(site + noise[positions.len()] - DVec3::splat(shake));
+            }
+        }
+    }
+    (cell, positions)
+}
+
+pub fn conditions(cell: PeriodicBox, n_atoms: usize) -> Conditions {
+    Conditions {
+        cell,
+        n_atoms,
+        temperature: 1.0,
+        dt: 0.004,
+    }
+}
+
+pub fn verlet(skin: Option<f64>) -> NeighborOptions {
+    NeighborOptions {
+        mode: ListMode::Verlet,
+        skin,
+    }
+}
+
+/// Every fast loop that this machine can run.
+pub fn kernels() -> Vec<KernelOptions> {
+    let mut all = Vec::new();
+    for isa in [Isa::Avx512, Isa::Avx2, Isa::Portable] {
+        for precision in [Precision::Double, Precision::Mixed] {
+            let kernel = KernelOptions {
+                kernel: Kernel::Auto,
+                precision,
+                isa,
+            };
+            let options = ForceFieldOptions {
+                kernel,
+                ..ForceFieldOptions::default()
+            };
+            let cell = PeriodicBox::new(DVec3::splat(10.0)).unwrap();
+            if build(&options, &conditions(cell, 800)).is_ok() {
+                all.push(kernel);
+            }
+        }
+    }
+    all
+}
+
+pub fn evaluate(
+    forces: &mut PairForces,
+    cell: PeriodicBox,
+    positions: &[DVec3],
+    part: Part,
+    want: Want,
+) -> Result<(Vec<DVec3>, Energetics), ForceError> {
+    let mut f = vec![DVec3::ZERO; positions.len()];
+    let at = Configuration::at_rest(&cell, positions);
+    let e = forces.evaluate(at, part, want, &mut f)?;
+    Ok((f, e))
+}
+
+pub fn all(
+    forces: &mut PairForces,
+    cell: PeriodicBox,
+    positions: &[DVec3],
+    want: Want,
+) -> (Vec<DVec3>, Energetics) {
+    evaluate(forces, cell, positions, Part::All, want).unwrap()
+}
+
+pub fn reference(
+    options: &ForceFieldOptions,
+    cell: PeriodicBox,
+    positions: &[DVec3],
+) -> (Vec<DVec3>, Energetics) {
+    let options = ForceFieldOptions {
+        kernel: KernelOptions {
+            kernel: Kernel::Reference,
+            ..KernelOptions::default()
+        },
+        neighbor: NeighborOptions::default(),
+        ..*options
+    };
+    let want = Want {
+        per_particle: true,
+        ..Want::TOTALS
+    };
+    all(
+        &mut build(&options, &conditions(cell, positions.len())).unwrap(),
+        cell,
+        positions,
+        want,
+    )
+}
+
+/// Σ_j |F_ij| and Σ_j (|U″| + |U′/r|) of each particle: the scales of rounding errors.
+pub fn magnitudes(
+    options: &ForceFieldOptions,
+    cell: PeriodicBox,
+    positions: &[DVec3],
+) -> Vec<(f64, f64)> {
+    let model = lennard_forcefield::Model::new(&options.potential, &options.truncation).unwrap();
+    let mut sums = vec![(0.0, 0.0); positions.len()];
+    for i in 0..positions.len() {
+        for j in 0..positions.len() {
+            let r2 = cell
+                .minimum_image(positions[i] - positions[j])
+                .length_squared();
+            if i != j && r2 <= model.r_cut * model.r_cut {
+                let pair = model.eval(r2);
+                sums[i].0 += (pair.force * r2.sqrt()).abs();
+                sums[i].1 += pair.curvature.abs() + pair.force.abs();
+            }
+        }
+    }
+    sums
+}
+
+pub fn in_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap()
+        .install(work)
+}

@@ -1,0 +1,8 @@
+//! Tests of forces from outside: formulas, kernels, reference configurations, steps taken in one go.
+
+mod changing_box;
+mod common;
+mod formulas;
+mod kernels;
+mod nist;
+mod strides;

@@ -1,0 +1,277 @@
+//! Fused steps have the bits of single steps.
+
+use crate::common::*;
+use lennard_core::sweeps::{drift, kick};
+use lennard_core::{
+    Backend, Configuration, DVec3, ForceError, ForceTerm, FusedSteps, Masses, Part, PeriodicBox,
+    Want,
+};
+use lennard_forcefield::{
+    ForceFieldOptions, Kernel, KernelOptions, ListMode, NeighborOptions, PairForces, Precision,
+    TruncationKind, TruncationOptions, build,
+};
+
+const DT: f64 = 0.004;
+
+/// A fluid before the evaluation of its forces.
+#[derive(Clone, PartialEq)]
+struct Fluid {
+    cell: PeriodicBox,
+    positions: Vec<DVec3>,
+    velocities: Vec<DVec3>,
+}
+
+impl Fluid {
+    fn start(cell: PeriodicBox, positions: Vec<DVec3>) -> Self {
+        let noise = scatter(positions.len(), DVec3::splat(4.0), 0.7);
+        Self {
+            cell,
+            positions,
+            velocities: noise.iter().map(|v| *v - DVec3::splat(2.0)).collect(),
+        }
+    }
+
+    /// One step of the sequence that fused steps promise.
+    fn step(&mut self, forces: &mut PairForces, masses: &Masses) -> Result<(), ForceError> {
+        let (f, _) = evaluate(forces, self.cell, &self.positions, Part::All, Want::NOTHING)?;
+        kick(&mut self.velocities, &f, masses, 0.5 * DT);
+        kick(&mut self.velocities, &f, masses, 0.5 * DT);
+        drift(&mut self.positions, &self.velocities, DT);
+        Ok(())
+    }
+
+    fn stride(&mut self, forces: &mut PairForces, masses: &Masses, steps: u64) -> u64 {
+        forces.advance(FusedSteps {
+            cell: &self.cell,
+            positions: &mut self.positions,
+            velocities: &mut self.velocities,
+            masses,
+            dt: DT,
+            steps,
+        })
+    }
+}
+
+/// A list with a thin skin, which is built several times in the steps below.
+fn options(kernel: KernelOptions, kind: TruncationKind) -> ForceFieldOptions {
+    ForceFieldOptions {
+        kernel,
+        truncation: TruncationOptions::new(kind, 2.3),
+        neighbor: verlet(Some(0.15)),
+        ..ForceFieldOptions::default()
+    }
+}
+
+#[test]
+fn strides_of_any_length_have_the_bits_of_single_steps() {
+    // The numbers are no multiples of four or of a chunk. Each thread packs the rows of the first, and all threads pack
+    // the rows of the second.
+    for (k, shift) in [([7, 8, 9], 0.0), ([13, 14, 13], -3e6)] {
+        let (cell, start) = liquid(k, 0.8, 0.1);
+        let home = shift * cell.lengths();
+        let start = Fluid::start(cell, start.into_iter().map(|r| r + home).collect());
+        for kernel in kernels() {
+            for (kind, mass) in [(TruncationKind::Shift, 1.0), (TruncationKind::Switch, 2.5)] {
+                let masses = Masses::Uniform(mass);
+                let at = conditions(cell, start.positions.len());
+                let fresh = || build(&options(kernel, kind), &at).unwrap();
+                let (mut one, mut forces) = (start.clone(), fresh());
+                for _ in 0..60 {
+                    one.step(&mut forces, &masses).unwrap();
+                }
+                let expected = forces.statistics();
+                assert!((3..40).contains(&expected.builds), "{}", expected.builds);
+                for (threads, lengths) in [(1, [60, 0]), (2, [59, 1]), (3, [7, 9])] {
+                    let (mut all, mut forces) = (start.clone(), fresh());
+                    in_threads(threads, || {
+                        let mut left = 60;
+                        for length in lengths.into_iter().cycle() {
+                            left -= all.stride(&mut forces, &masses, length.min(left));
+                            if left == 0 {
+                                break;
+                            }
+                            // A method takes single steps between two strides.
+                            all.step(&mut forces, &masses).unwrap();
+                            left -= 1;
+                        }
+                    });
+                    let what = format!("{kernel:?}, {kind:?}, {threads} threads, {lengths:?}");
+                    assert!(all == one, "{what}");
+                    let found = forces.statistics();
+                    assert_eq!(
+                        (found.builds, found.evaluations),
+                        (expected.builds, expected.evaluations),
+                        "{what}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_stride_of_very_many_particles_has_the_bits_of_single_steps() {
+    // So many that displacements are packed, by the chunks of the step before too.
+    let (cell, start) = liquid([52, 51, 50], 0.8442, 0.1);
+    let mut start = Fluid::start(cell, start);
+    // One particle in 17 is so fast that it is a far mover for many steps of a list, and it meets others.
+    for (k, v) in start.velocities.iter_mut().enumerate() {
+        *v = v.normalize() * if k % 17 == 0 { 4.0 } else { 1.0 };
+    }
+    let kernel = KernelOptions {
+        precision: Precision::Mixed,
+        ..KernelOptions::default()
+    };
+    let (masses, at) = (
+        Masses::Uniform(1.0),
+        conditions(cell, start.positions.len()),
+    );
+    let fresh = || build(&options(kernel, TruncationKind::Shift), &at).unwrap();
+    let (mut one, mut forces) = (start.clone(), fresh());
+    for _ in 0..36 {
+        one.step(&mut forces, &masses).unwrap();
+    }
+    let expected = forces.statistics().builds;
+    assert!((2..9).contains(&expected), "{expected}");
+    let (mut all, mut forces) = (start, fresh());
+    assert_eq!(all.stride(&mut forces, &masses, 36), 36);
+    assert!(all == one);
+    assert_eq!(forces.statistics().builds, expected);
+}
+
+/// Takes a stride of some length, then single steps up to the step that fails.
+///
+/// Single steps with `fresh` forces must agree with the stride.
+fn fails(start: &Fluid, fresh: impl Fn() -> PairForces, stride: u64) -> (u64, ForceError) {
+    let masses = Masses::Uniform(1.0);
+    let (mut fluid, mut forces) = (start.clone(), fresh());
+    let mut done = fluid.stride(&mut forces, &masses, stride);
+    let (mut single, mut of_single) = (start.clone(), fresh());
+    for _ in 0..done {
+        single.step(&mut of_single, &masses).unwrap();
+    }
+    assert!(fluid == single, "{done} of {stride} steps");
+    loop {
+        if let Err(error) = fluid.step(&mut forces, &masses) {
+            return (done, error);
+        }
+        done += 1;
+        assert!(done < 50, "nothing failed");
+    }
+}
+
+#[test]
+fn a_stride_leaves_what_is_not_finite_to_single_steps() {
+    // Rows packed by each thread; and by all threads, then by the chunks of the step before.
+    for k in [[8, 8, 8], [13, 14, 13]] {
+        let (cell, positions) = liquid(k, 0.8, 0.1);
+        let n = positions.len();
+        let sound = Fluid::start(cell, positions);
+        // An infinite velocity, a velocity that leads too far, and two particles that meet in one point after four steps.
+        // The box has room for these two far from the others.
+        let (mut nowhere, mut far, mut meeting) = (sound.clone(), sound.clone(), sound);
+        nowhere.velocities[77].y = f64::INFINITY;
+        far.velocities[77].y = 1e12;
+        for (i, x) in [(77, -0.5), (78, 0.5)] {
+            let outside = 3.0 * cell.lengths().x;
+            meeting.positions[i] = DVec3::new(outside + 20.0 * x, outside, outside);
+            meeting.velocities[i] = DVec3::X * (-5.0 * x / DT);
+        }
+        let roomy = PeriodicBox::new(6.0 * cell.lengths()).unwrap();
+        // The same two alone.
+        meeting.cell = roomy;
+        let alone = Fluid {
+            cell: roomy,
+            positions: meeting.positions[77..79].to_vec(),
+            velocities: meeting.velocities[77..79].to_vec(),
+        };
+        for kernel in kernels() {
+            for (cell, start, least) in [
+                (cell, &nowhere, 1),
+                (cell, &far, 2),
+                (roomy, &meeting, 4),
+                (roomy, &alone, 4),
+            ] {
+                let at = conditions(cell, start.positions.len());
+                let fresh = || build(&options(kernel, TruncationKind::Shift), &at).unwrap();
+                let expected = fails(start, fresh, 0);
+                assert!(expected.0 >= least, "{expected:?}");
+                // Strides that end before the failure, with it, and after it.
+                for stride in [3, 4, 5, 6, 50] {
+                    let found = fails(start, fresh, stride);
+                    assert_eq!(found, expected, "{kernel:?}, {stride} steps");
+                }
+            }
+            // The stride that failed at its first step changed nothing.
+            let (mut all, mut forces) = (
+                nowhere.clone(),
+                build(
+                    &options(kernel, TruncationKind::Shift),
+                    &conditions(cell, n),
+                )
+                .unwrap(),
+            );
+            assert_eq!(all.stride(&mut forces, &Masses::Uniform(1.0), 9), 0);
+            assert!(all == nowhere);
+        }
+    }
+}
+
+#[test]
+fn forces_without_a_list_in_that_order_take_no_strides() {
+    let (cell, positions) = liquid([8, 8, 8], 0.8, 0.1);
+    let start = Fluid::start(cell, positions);
+    let base = options(KernelOptions::default(), TruncationKind::Shift);
+    let canonical = ForceFieldOptions {
+        canonical: true,
+        ..base
+    };
+    let direct = ForceFieldOptions {
+        neighbor: NeighborOptions {
+            mode: ListMode::Direct,
+            skin: None,
+        },
+        ..base
+    };
+    let mut reference = ForceFieldOptions {
+        neighbor: NeighborOptions::default(),
+        ..base
+    };
+    reference.kernel.kernel = Kernel::Reference;
+    let (same, each) = (Masses::Uniform(1.0), Masses::Each(vec![1.0; 512]));
+    for (options, masses) in [
+        (canonical, &same),
+        (direct, &same),
+        (reference, &same),
+        (base, &each),
+    ] {
+        let mut forces = build(&options, &conditions(cell, 512)).unwrap();
+        let mut fluid = start.clone();
+        assert_eq!(fluid.stride(&mut forces, masses, 20), 0, "{options:?}");
+        assert!(fluid == start);
+        assert_eq!(forces.statistics().evaluations, 0);
+    }
+    // A stride of two steps is too short to be worth the gathering of particles.
+    let mixed = ForceFieldOptions {
+        kernel: KernelOptions {
+            precision: Precision::Mixed,
+            ..base.kernel
+        },
+        ..base
+    };
+    let mut forces = build(&mixed, &conditions(cell, 512)).unwrap();
+    assert_eq!(start.clone().stride(&mut forces, &same, 2), 0);
+    assert_eq!(start.clone().stride(&mut forces, &same, 20), 20);
+    let at = Configuration::at_rest(&cell, &start.positions);
+    // An evaluation at other positions right after a stride builds a list of its own.
+    let mut f = vec![DVec3::ZERO; 512];
+    forces
+        .evaluate(at, Part::All, Want::NOTHING, &mut f)
+        .unwrap();
+    let mut fresh = build(&mixed, &conditions(cell, 512)).unwrap();
+    let (expected, _) = all(&mut fresh, cell, &start.positions, Want::NOTHING);
+    let size: f64 = expected.iter().map(|f| f.length()).fold(0.0, f64::max);
+    for (f, e) in f.iter().zip(&expected) {
+        assert!((*f - *e).length() < 1e-5 * size);
+    }
+}

@@ -1,0 +1,123 @@
+//! Small systems for the tests: written apart from the library, so that each can judge the other.
+
+use lennard_core::random::Streams;
+use lennard_core::{
+    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, FusedSteps,
+    Part, Persist, RestoreError, StateReader, StateWriter, Want, sweeps,
+};
+use rand::RngExt;
+
+/// Lennard-Jones particles without any cutoff or box, a double loop, U = Σ 4·(r⁻¹² − r⁻⁶).
+///
+/// Split for RESPA by the potential's own two terms: near r⁻¹², far −r⁻⁶. Takes up to two steps in one go.
+pub struct Cluster;
+
+impl Persist for Cluster {
+    fn save(&self, _to: &mut StateWriter<'_>) {}
+    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
+        Ok(())
+    }
+}
+
+impl ForceTerm for Cluster {
+    fn evaluate(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        let (repulsive, attractive) = match part {
+            Part::All => (1.0, 1.0),
+            Part::Near => (1.0, 0.0),
+            Part::Far => (0.0, 1.0),
+        };
+        forces.fill(DVec3::ZERO);
+        let mut energy = 0.0;
+        for i in 0..forces.len() {
+            for j in 0..i {
+                let r_ij = at.positions[i] - at.positions[j];
+                let inv_r2 = r_ij.length_squared().recip();
+                let inv_r6 = inv_r2 * inv_r2 * inv_r2;
+                let (r12, r6) = (repulsive * inv_r6 * inv_r6, attractive * inv_r6);
+                energy += 4.0 * (r12 - r6);
+                let f = (24.0 * (2.0 * r12 - r6) * inv_r2) * r_ij;
+                forces[i] += f;
+                forces[j] -= f;
+            }
+        }
+        if let Some(particle) = forces.iter().position(|f| !f.is_finite()) {
+            return Err(ForceError::NonFiniteForce { particle });
+        }
+        let energy = want.energy.then_some(energy);
+        Ok(Energetics {
+            potential_energy: energy,
+            conserved_potential: energy,
+            ..Energetics::default()
+        })
+    }
+
+    fn properties(&self) -> ForceProperties {
+        ForceProperties {
+            splits: true,
+            ..ForceProperties::default()
+        }
+    }
+}
+
+impl Backend for Cluster {
+    fn advance(&mut self, stride: FusedSteps<'_>) -> u64 {
+        let steps = stride.steps.min(2);
+        let mut forces = vec![DVec3::ZERO; stride.positions.len()];
+        for _ in 0..steps {
+            let at = Configuration::at_rest(stride.cell, stride.positions);
+            self.evaluate(at, Part::All, Want::NOTHING, &mut forces)
+                .unwrap();
+            for _ in 0..2 {
+                sweeps::kick(stride.velocities, &forces, stride.masses, 0.5 * stride.dt);
+            }
+            sweeps::drift(stride.positions, stride.velocities, stride.dt);
+        }
+        steps
+    }
+}
+
+/// `n` points in a cube of the given side, no two closer than `closest`.
+pub fn scattered(n: usize, side: f64, closest: f64, seed: u64) -> Vec<DVec3> {
+    let mut rng = Streams::new(seed).sequential("scattered");
+    let mut points: Vec<DVec3> = Vec::new();
+    while points.len() < n {
+        let p = side * DVec3::new(rng.random(), rng.random(), rng.random());
+        if points.iter().all(|q| (p - *q).length() > closest) {
+            points.push(p);
+        }
+    }
+    points
+}
+
+/// A compact cluster on a cubic lattice near the pair minimum, with random velocities whose sum is
+/// zero; `edge`³ particles.
+pub fn cluster(edge: usize, speed: f64, seed: u64) -> (Vec<DVec3>, Vec<DVec3>) {
+    let mut rng = Streams::new(seed).sequential("cluster");
+    let mut positions = Vec::new();
+    for i in 0..edge.pow(3) {
+        let cell = DVec3::new(
+            (i % edge) as f64,
+            (i / edge % edge) as f64,
+            (i / edge / edge) as f64,
+        );
+        positions.push(1.12 * cell);
+    }
+    let mut velocities: Vec<DVec3> = positions
+        .iter()
+        .map(|_| {
+            let v = DVec3::new(rng.random(), rng.random(), rng.random());
+            speed * (2.0 * v - DVec3::ONE)
+        })
+        .collect();
+    let mean = velocities.iter().sum::<DVec3>() / velocities.len() as f64;
+    for v in &mut velocities {
+        *v -= mean;
+    }
+    (positions, velocities)
+}

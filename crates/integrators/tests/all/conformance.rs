@@ -1,0 +1,681 @@
+//! What each method of the list declares about itself, measured.
+
+use crate::common::{Cluster, cluster};
+use glam::DMat2;
+use lennard_core::{
+    Backend, Configuration, DVec3, ForceTerm, Integrator, Masses, Part, Persist, State,
+    StateArchive, System, Want,
+};
+use lennard_integrators::measure::{
+    CountingForces, Kepler, KeplerForces, OscillatorBench, SearchRange, amplification_per_step,
+    energy_error, measured_map, measured_stability_limit, orders, run, theoretical_stability_limit,
+};
+use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces};
+use lennard_integrators::{IntegratorEntry, OscillatorModel, integrators};
+
+/// Rounding of a one-step map with entries of the order 1, as the issue sets it.
+const ROUNDING: f64 = 1e-13;
+
+/// The methods that can run any forces F(x), with no solution known beforehand.
+fn general_methods() -> impl Iterator<Item = &'static IntegratorEntry> {
+    integrators()
+        .iter()
+        .filter(|e| e.oscillator != OscillatorModel::ExactSolution)
+}
+
+fn largest_entry(m: DMat2) -> f64 {
+    m.to_cols_array().iter().fold(0.0, |a, b| a.max(b.abs()))
+}
+
+/// A small cluster with unequal masses, started with a little motion.
+fn moving_cluster() -> (System, State) {
+    let (positions, velocities) = cluster(3, 0.5, 3);
+    let mut system = System::atoms(positions.len());
+    system.masses = Masses::Each(
+        (0..positions.len())
+            .map(|i| 1.0 + 0.5 * (i % 3) as f64)
+            .collect(),
+    );
+    (
+        system,
+        State::new(
+            lennard_core::PeriodicBox::boundless(),
+            positions,
+            velocities,
+        ),
+    )
+}
+
+fn steps(
+    integrator: &mut Integrator,
+    system: &System,
+    state: &mut State,
+    forces: &mut dyn Backend,
+    dt: f64,
+    n: u64,
+) {
+    for _ in 0..n {
+        integrator
+            .step(system, state, forces, dt, Want::NOTHING)
+            .unwrap();
+    }
+}
+
+#[test]
+fn strides_of_any_method_have_the_bits_of_its_steps() {
+    let mut longest = 0;
+    for entry in general_methods() {
+        let (system, start) = moving_cluster();
+        let (mut one, mut all) = (start.clone(), start);
+        let (mut method, mut other) = (entry.build(), entry.build());
+        let dt = 0.001;
+        let begin = |method: &mut Integrator, state: &mut State| {
+            method
+                .start(&system, state, &mut Cluster, dt, Want::ENERGY)
+                .unwrap();
+        };
+        begin(&mut method, &mut one);
+        begin(&mut other, &mut all);
+        let (mut evaluations, mut heat) = (0, 0.0);
+        for step in 1..=13 {
+            let want = if step == 13 {
+                Want::ENERGY
+            } else {
+                Want::NOTHING
+            };
+            let report = method
+                .step(&system, &mut one, &mut Cluster, dt, want)
+                .unwrap();
+            evaluations += report.force_evaluations;
+            heat += report.heat;
+        }
+        while all.step < 13 {
+            let before = all.step;
+            let (taken, report) = other
+                .stride(
+                    &system,
+                    &mut all,
+                    &mut Cluster,
+                    dt,
+                    13 - before,
+                    Want::ENERGY,
+                )
+                .unwrap();
+            assert_eq!(all.step, before + taken, "{}", entry.spec.name);
+            evaluations -= report.force_evaluations;
+            heat -= report.heat;
+            longest = longest.max(taken);
+        }
+        assert!(
+            format!("{one:?}") == format!("{all:?}"),
+            "{}: {one:?}\n{all:?}",
+            entry.spec.name
+        );
+        assert_eq!((evaluations, heat), (0, 0.0), "{}", entry.spec.name);
+    }
+    assert_eq!(longest, 3, "two at once, and the one that ends the stride");
+}
+
+#[test]
+fn one_step_from_anywhere_is_the_declared_map() {
+    for entry in integrators() {
+        let Some(map) = entry.spec.oscillator_map else {
+            continue;
+        };
+        for (omega, dt) in [(1.0, 0.1), (1.0, 1.9), (0.3, 2.0), (2.0, 0.7), (3.0, 1.2)] {
+            let measured = measured_map(entry, omega, dt, 1).unwrap();
+            let declared = map(omega, dt);
+            let error = largest_entry(measured - declared) / largest_entry(declared).max(1.0);
+            assert!(
+                error < ROUNDING,
+                "{} at ω = {omega}, dt = {dt}: {error:e}\n{measured}\n{declared}",
+                entry.spec.name
+            );
+        }
+    }
+}
+
+#[test]
+fn a_method_with_memory_follows_the_same_map_on_later_steps() {
+    // A first step can be right by the start alone; the fifth shows the memory.
+    for entry in integrators() {
+        let Some(map) = entry.spec.oscillator_map else {
+            continue;
+        };
+        let declared = (0..5).fold(DMat2::IDENTITY, |m, _| map(1.0, 0.4) * m);
+        let error = largest_entry(measured_map(entry, 1.0, 0.4, 5).unwrap() - declared);
+        assert!(error < 5.0 * ROUNDING, "{}: {error:e}", entry.spec.name);
+    }
+}
+
+#[test]
+fn measured_orders_are_the_declared_ones() {
+    for entry in general_methods() {
+        let found = orders(entry).unwrap();
+        let spec = entry.spec;
+        for (what, measured, declared) in [
+            ("position", found.position, spec.position_order),
+            ("velocity", found.velocity, spec.velocity_order),
+        ] {
+            assert!(
+                (measured - f64::from(declared)).abs() < 0.05,
+                "{}: {what} order {measured}, declared {declared}\n{:?}",
+                spec.name,
+                found.points
+            );
+        }
+    }
+}
+
+#[test]
+fn the_exact_solution_is_exact() {
+    let entry = &integrators()[0];
+    assert_eq!(entry.spec.name, "analytic");
+    for damping in [0.0, 0.3, 2.0, 5.0] {
+        let mut bench = OscillatorBench::new(entry.oscillator, 1.0, damping);
+        let steps = 100;
+        let map = bench.map(|| entry.build(), 0.13, steps).unwrap();
+        let at_once = ExactOscillator::new(1.0, damping, 1.0).map(0.13 * steps as f64);
+        // A hundred products of matrices near 1, each rounded.
+        assert!(largest_entry(map - at_once) < 100.0 * 1e-15 * 10.0);
+    }
+}
+
+#[test]
+fn every_state_that_a_method_publishes_belongs_to_one_time() {
+    // Energy and virial theorem would mix times otherwise: on the ellipse E = −½ exactly, so E − E₀ is
+    // bounded by what the declared order allows at once; a velocity half a step away would show E at
+    // order 1.
+    for entry in general_methods() {
+        let order = entry.spec.position_order as i32;
+        let error = |dt: f64| {
+            let mut state = Kepler::for_orders().start();
+            let mut worst = 0.0_f64;
+            run(
+                &mut entry.build(),
+                &System::atoms(1),
+                &mut KeplerForces,
+                &mut state,
+                dt,
+                (1.0 / dt).round() as u64,
+                |s, _| {
+                    let energy =
+                        0.5 * s.velocities[0].length_squared() - s.positions[0].length().recip();
+                    worst = worst.max((energy + 0.5).abs());
+                },
+            )
+            .unwrap();
+            worst
+        };
+        let (coarse, fine) = (error(0.02), error(0.01));
+        // Halving the step gains 2^order; 1.6^order leaves room for the next term.
+        assert!(
+            coarse / fine > 1.6_f64.powi(order) || fine < 1e-13,
+            "{}: {coarse:e} {fine:e}",
+            entry.spec.name
+        );
+    }
+}
+
+#[test]
+fn forces_and_clock_belong_to_the_new_positions() {
+    for entry in general_methods() {
+        let (system, mut state) = moving_cluster();
+        let mut integrator = entry.build();
+        integrator
+            .start(&system, &mut state, &mut Cluster, 0.004, Want::ENERGY)
+            .unwrap();
+        for n in 1..=3 {
+            let want = if n == 3 { Want::ENERGY } else { Want::NOTHING };
+            integrator
+                .step(&system, &mut state, &mut Cluster, 0.004, want)
+                .unwrap();
+            let mut forces = vec![DVec3::ZERO; state.len()];
+            let at = Configuration::at_rest(&state.cell, &state.positions);
+            let found = Cluster
+                .evaluate(at, Part::All, Want::ENERGY, &mut forces)
+                .unwrap();
+            let name = entry.spec.name;
+            assert_eq!(state.step, n, "{name}");
+            assert!((state.time - 0.004 * n as f64).abs() < 1e-15, "{name}");
+            // RESPA adds the two parts in another order.
+            for (f, g) in state.forces.iter().zip(&forces) {
+                assert!((*f - *g).length() <= 1e-12 * g.length().max(1.0), "{name}");
+            }
+            match (n, state.energetics.potential_energy) {
+                (3, Some(u)) => {
+                    assert!((u / found.potential_energy.unwrap() - 1.0).abs() < 1e-12);
+                }
+                (3, None) => panic!("{name}: no energy where it was asked for"),
+                (_, Some(_)) => panic!("{name}: an energy where nobody asked for one"),
+                (_, None) => {}
+            }
+        }
+    }
+}
+
+#[test]
+fn methods_that_kick_by_halves_move_with_the_velocities_of_half_steps_and_no_others_do() {
+    let dt = 0.004;
+    for entry in general_methods() {
+        let (system, mut state) = moving_cluster();
+        let mut integrator = entry.build();
+        integrator
+            .start(&system, &mut state, &mut Cluster, dt, Want::NOTHING)
+            .unwrap();
+        steps(&mut integrator, &system, &mut state, &mut Cluster, dt, 2);
+        let before = state.clone();
+        steps(&mut integrator, &system, &mut state, &mut Cluster, dt, 1);
+        let mut worst = 0.0_f64;
+        for i in 0..state.len() {
+            let moved = (state.positions[i] - before.positions[i]) / dt;
+            for (of, sign) in [(&before, 0.5), (&state, -0.5)] {
+                let kick = sign * dt / system.masses.of(i) * of.forces[i];
+                worst = worst.max((moved - of.velocities[i] - kick).length());
+            }
+        }
+        // Positions are rounded, or on a grid, to some 1e-15, which dt magnifies; a force on the way shows at
+        // dt² = 1e-5 times its change.
+        let (declared, name) = (entry.spec.half_kicks, entry.spec.name);
+        assert_eq!(worst < 1e-10, declared, "{name}: {worst:e}");
+        assert!(declared || worst > 1e-8, "{name}: {worst:e}");
+    }
+}
+
+#[test]
+fn symplectic_methods_keep_phase_space_area_and_no_others_do() {
+    for entry in integrators() {
+        let map = measured_map(entry, 1.0, 0.5, 1).unwrap();
+        let change = (map.determinant() - 1.0).abs();
+        if entry.spec.symplectic {
+            assert!(change < ROUNDING, "{}: {change:e}", entry.spec.name);
+        } else {
+            assert!(change > 0.1, "{}: {change:e}", entry.spec.name);
+        }
+    }
+}
+
+/// Runs to and fro on the cluster and returns the largest distance from the start.
+fn distance_after_return(entry: &IntegratorEntry, dt: f64, n: u64) -> f64 {
+    let (system, mut state) = moving_cluster();
+    let mut integrator = entry.build();
+    integrator
+        .start(&system, &mut state, &mut Cluster, dt, Want::NOTHING)
+        .unwrap();
+    let start = state.clone();
+    steps(&mut integrator, &system, &mut state, &mut Cluster, dt, n);
+    for v in &mut state.velocities {
+        *v = -*v;
+    }
+    integrator
+        .start(&system, &mut state, &mut Cluster, dt, Want::NOTHING)
+        .unwrap();
+    steps(&mut integrator, &system, &mut state, &mut Cluster, dt, n);
+    let pairs = |a: &[DVec3], b: &[DVec3], sign: f64| {
+        a.iter()
+            .zip(b)
+            .map(|(x, y)| (*x - sign * *y).length())
+            .fold(0.0, f64::max)
+    };
+    pairs(&state.positions, &start.positions, 1.0).max(pairs(
+        &state.velocities,
+        &start.velocities,
+        -1.0,
+    ))
+}
+
+#[test]
+fn reversible_methods_return_to_their_start_and_no_others_do() {
+    for entry in general_methods() {
+        let distance = distance_after_return(entry, 0.004, 100);
+        if entry.spec.reversible {
+            // 200 steps of rounding in velocities of the order 10 (1e-15/h for positions kept as
+            // differences), grown by collisions.
+            assert!(distance < 1e-9, "{}: {distance:e}", entry.spec.name);
+        } else {
+            assert!(distance > 1e-5, "{}: {distance:e}", entry.spec.name);
+        }
+    }
+}
+
+#[test]
+fn force_evaluations_are_as_many_as_declared_and_reported() {
+    for entry in general_methods() {
+        let (system, mut state) = moving_cluster();
+        let mut forces = CountingForces::new(Cluster);
+        let mut integrator = entry.build();
+        integrator
+            .start(&system, &mut state, &mut forces, 0.004, Want::NOTHING)
+            .unwrap();
+        for _ in 0..5 {
+            let (evaluations, products) = (forces.evaluations, forces.products);
+            let report = integrator
+                .step(&system, &mut state, &mut forces, 0.004, Want::NOTHING)
+                .unwrap();
+            let made = forces.evaluations - evaluations;
+            let name = entry.spec.name;
+            assert_eq!(made, u64::from(report.force_evaluations), "{name}");
+            if entry.spec.force_evaluations != 0 {
+                assert_eq!(made, u64::from(entry.spec.force_evaluations), "{name}");
+            } else {
+                assert_eq!(
+                    forces.products - products,
+                    u64::from(report.iterations),
+                    "{name}"
+                );
+                assert!(made > 0 && report.iterations > 0);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_run_in_two_parts_is_the_same_run_to_the_bit() {
+    for entry in general_methods() {
+        let dt = 0.004;
+        let (system, mut whole) = moving_cluster();
+        let mut integrator = entry.build();
+        integrator
+            .start(&system, &mut whole, &mut Cluster, dt, Want::NOTHING)
+            .unwrap();
+        let mut first = whole.clone();
+        steps(&mut integrator, &system, &mut whole, &mut Cluster, dt, 100);
+
+        let mut integrator = entry.build();
+        let (_, mut again) = moving_cluster();
+        integrator
+            .start(&system, &mut again, &mut Cluster, dt, Want::NOTHING)
+            .unwrap();
+        steps(&mut integrator, &system, &mut again, &mut Cluster, dt, 40);
+        let mut archive = StateArchive::default();
+        again.save(&mut archive.writer().section("state"));
+        integrator.save(&mut archive.writer().section("integrator"));
+        drop(integrator);
+
+        let mut fresh = entry.build();
+        first.restore(&archive.reader().section("state")).unwrap();
+        fresh
+            .restore(&archive.reader().section("integrator"))
+            .unwrap();
+        steps(&mut fresh, &system, &mut first, &mut Cluster, dt, 60);
+        assert_eq!(first, whole, "{}", entry.spec.name);
+
+        // Without any one of its entries an integrator must not restore quietly.
+        for name in archive
+            .arrays
+            .keys()
+            .filter(|n| n.starts_with("integrator/"))
+        {
+            let mut without = archive.clone();
+            without.arrays.remove(name);
+            let restored = entry
+                .build()
+                .restore(&without.reader().section("integrator"));
+            assert!(restored.is_err(), "{} without {name}", entry.spec.name);
+        }
+    }
+}
+
+#[test]
+fn total_momentum_is_conserved() {
+    for entry in general_methods() {
+        assert!(entry.spec.conserves_momentum);
+        let (system, mut state) = moving_cluster();
+        let before = system.momentum(&state.velocities);
+        let mut integrator = entry.build();
+        integrator
+            .start(&system, &mut state, &mut Cluster, 0.004, Want::NOTHING)
+            .unwrap();
+        steps(
+            &mut integrator,
+            &system,
+            &mut state,
+            &mut Cluster,
+            0.004,
+            500,
+        );
+        let change = (system.momentum(&state.velocities) - before).length();
+        // The coarsest is the bit-reversible method: each push is rounded to δ = 2⁻⁴⁸, so each particle's
+        // momentum walks by m·δ/(h·√12) = 4e-13 a step and direction; √(27·500·3) of these add up to
+        // 8e-11, and four times that is allowed.
+        assert!(change < 3.2e-10, "{}: {change:e}", entry.spec.name);
+    }
+}
+
+#[test]
+fn symplectic_methods_keep_the_energy_within_a_bound_that_shrinks_with_the_step() {
+    for entry in integrators().iter().filter(|e| e.spec.symplectic) {
+        let order = entry.spec.position_order as i32;
+        let coarse = energy_error(entry, 0.2, 20_000).unwrap();
+        let fine = energy_error(entry, 0.1, 40_000).unwrap();
+        let name = entry.spec.name;
+        // No drift: the second half is no worse than the first. The bit-reversible method rounds its
+        // positions at random, 2⁻⁴⁹/h a step.
+        assert!(
+            coarse.second_half <= coarse.first_half * 1.001 + 1e-11,
+            "{name}: {coarse:?}"
+        );
+        if order > 0 {
+            // (1/2)^order within 30 %: at h = 0.2 the next terms are (ωh)² = 4 % and their like.
+            let gain = coarse.first_half / fine.first_half;
+            let expected = 2.0_f64.powi(order);
+            assert!((gain / expected - 1.0).abs() < 0.3, "{name}: {gain}");
+        }
+    }
+}
+
+#[test]
+fn the_energy_of_the_euler_methods_grows_and_decays_as_their_maps_say() {
+    for (name, factor) in [
+        ("explicit-euler", 1.0 + 0.01),
+        ("implicit-euler", 1.0 / 1.01),
+    ] {
+        let entry = find(name);
+        // (ωh)² = 0.01: each step multiplies the energy by 1 ± 0.01 as the case may be.
+        let mut bench = OscillatorBench::new(entry.oscillator, 1.0, 0.0);
+        let start = glam::DVec2::new(1.0, 0.5);
+        let samples = bench
+            .trajectory(&mut entry.build(), start, 0.1, 50)
+            .unwrap();
+        for pair in samples.windows(2) {
+            let ratio = pair[1].energy / pair[0].energy;
+            assert!((ratio - factor).abs() < 1e-10, "{name}: {ratio}");
+        }
+    }
+}
+
+fn find(name: &str) -> &'static IntegratorEntry {
+    integrators().iter().find(|e| e.spec.name == name).unwrap()
+}
+
+/// Where stability limits are searched: finer than the narrowest window of instability, 0.005.
+const SEARCH: SearchRange = SearchRange {
+    from: 0.0,
+    to: 4.0,
+    spacing: 0.004,
+};
+
+#[test]
+fn declared_stability_limits_are_those_of_the_declared_maps() {
+    for entry in integrators() {
+        let theory = theoretical_stability_limit(entry, SEARCH);
+        match entry.spec.stability_limit {
+            // Declared to six digits where it is no round number; the map of explicit Euler shows its
+            // growth from ωh = 5e-7 on.
+            Some(limit) => {
+                let theory = theory.unwrap_or_else(|| panic!("{}", entry.spec.name));
+                assert!(
+                    (theory - limit).abs() <= 1e-5 * limit.max(0.1),
+                    "{}: {theory}",
+                    entry.spec.name
+                );
+            }
+            None => assert_eq!(theory, None, "{}", entry.spec.name),
+        }
+    }
+}
+
+#[test]
+fn runs_become_unstable_where_the_maps_do() {
+    for entry in general_methods() {
+        let theory = theoretical_stability_limit(entry, SEARCH);
+        let measured = measured_stability_limit(entry, SEARCH);
+        match (theory, measured) {
+            // Explicit Euler has no stable step at all; a finite run sees that from some step on.
+            (Some(theory), Some(measured)) if theory < 1e-6 => assert!(measured < 0.1),
+            (Some(theory), Some(measured)) => assert!(
+                (measured / theory - 1.0).abs() < 1e-6,
+                "{}: measured {measured}, theory {theory}",
+                entry.spec.name
+            ),
+            (theory, measured) => assert_eq!(theory, measured, "{}", entry.spec.name),
+        }
+    }
+}
+
+#[test]
+fn long_runs_stay_bounded_just_inside_the_limit_and_run_away_just_outside() {
+    // A millionth away from ωh = ℓ: inside, amplitudes stay near (2·1e-6)^{−1/2} = 700; outside, they
+    // grow as e^{n·2·√(2e-6)}, which is e^{56} after 20,000 steps.
+    for entry in general_methods().filter(|e| e.spec.stability_limit == Some(2.0)) {
+        let largest = |factor: f64| {
+            let mut bench = OscillatorBench::new(entry.oscillator, 1.0, 0.0);
+            let start = glam::DVec2::ONE;
+            bench
+                .trajectory(&mut entry.build(), start, 2.0 * factor, 20_000)
+                .map_or(f64::INFINITY, |samples| {
+                    samples.iter().fold(0.0, |m, s| s.position.abs().max(m))
+                })
+        };
+        let (inside, outside) = (largest(1.0 - 1e-6), largest(1.0 + 1e-6));
+        let name = entry.spec.name;
+        assert!(inside < 1e4, "{name}: {inside:e}");
+        assert!(outside > 1e8, "{name}: {outside:e}");
+    }
+}
+
+#[test]
+fn amplification_of_the_euler_methods_is_known_to_1e_10() {
+    for x in [0.01, 0.5, 2.0, 10.0_f64] {
+        let growth = (1.0 + x * x).sqrt();
+        for (name, theory) in [("explicit-euler", growth), ("implicit-euler", 1.0 / growth)] {
+            let map = measured_map(find(name), 1.0, x, 20).unwrap();
+            let measured = amplification_per_step(&map, 20);
+            assert!(
+                (measured / theory - 1.0).abs() < 1e-10,
+                "{name} at {x}: {measured}"
+            );
+        }
+    }
+}
+
+#[test]
+fn exactly_the_methods_without_memory_take_new_velocities_without_a_new_start() {
+    // Where nothing of other times is remembered, starting anew changes no bit; where something is, it must.
+    let remembering = [
+        "stormer-verlet",
+        "stormer-verlet-time-corrected",
+        "stormer-verlet-variable",
+        "leapfrog",
+        "bit-reversible-verlet",
+    ];
+    for entry in general_methods() {
+        let end = |start_anew: bool| {
+            let (system, mut state) = moving_cluster();
+            let (dt, want) = (0.004, Want::NOTHING);
+            let mut integrator = entry.build();
+            let start = |i: &mut Integrator, state: &mut State| {
+                i.start(&system, state, &mut Cluster, dt, want).unwrap();
+            };
+            start(&mut integrator, &mut state);
+            steps(&mut integrator, &system, &mut state, &mut Cluster, dt, 10);
+            for v in &mut state.velocities {
+                *v *= 1.5;
+            }
+            if start_anew {
+                start(&mut integrator, &mut state);
+            }
+            steps(&mut integrator, &system, &mut state, &mut Cluster, dt, 10);
+            state
+        };
+        let name = entry.spec.name;
+        assert_eq!(
+            end(true) != end(false),
+            remembering.contains(&name),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn methods_that_accept_damping_follow_it_at_their_order() {
+    let accepting: Vec<_> = integrators()
+        .iter()
+        .filter(|e| e.spec.velocity_dependent_forces)
+        .map(|e| e.spec.name)
+        .collect();
+    let expected = ["analytic", "explicit-euler", "symplectic-euler", "spook"];
+    assert_eq!(accepting, expected);
+    for entry in general_methods().filter(|e| e.spec.velocity_dependent_forces) {
+        let error = |steps: u64| {
+            let dt = 2.0 / steps as f64;
+            let mut forces = HarmonicForces::new(1.0).with_damping(0.5);
+            let mut state = State::new(
+                lennard_core::PeriodicBox::boundless(),
+                vec![DVec3::X],
+                vec![DVec3::ZERO],
+            );
+            run(
+                &mut entry.build(),
+                &System::atoms(1),
+                &mut forces,
+                &mut state,
+                dt,
+                steps,
+                |_, _| {},
+            )
+            .unwrap();
+            let exact = ExactOscillator::new(1.0, 0.5, 1.0).map(2.0).x_axis;
+            (state.positions[0].x - exact.x).abs()
+        };
+        let order = (error(2000) / error(4000)).log2();
+        assert!((order - 1.0).abs() < 0.05, "{}: {order}", entry.spec.name);
+    }
+}
+
+#[test]
+fn methods_for_a_changing_step_keep_the_order_that_they_claim() {
+    // The step swings by a half around its mean. Time-corrected Störmer–Verlet falls to order 1, as
+    // its documentation says; all others keep their order.
+    for entry in general_methods().filter(|e| !e.spec.fixed_step_only) {
+        let order = match entry.spec.name {
+            "stormer-verlet-time-corrected" => 1,
+            _ => entry.spec.position_order,
+        };
+        let error = |mean: f64| {
+            let orbit = Kepler::for_orders();
+            let system = System::atoms(1);
+            let mut state = orbit.start();
+            let mut integrator = entry.build();
+            let step_at = |t: f64| mean * (1.0 + 0.5 * (2.0 * t).sin());
+            let mut dt = step_at(0.0);
+            integrator
+                .start(&system, &mut state, &mut KeplerForces, dt, Want::NOTHING)
+                .unwrap();
+            while state.time < 2.0 {
+                integrator
+                    .step(&system, &mut state, &mut KeplerForces, dt, Want::NOTHING)
+                    .unwrap();
+                dt = step_at(state.time);
+            }
+            (state.positions[0] - orbit.at(state.time).0).length()
+        };
+        let mean = if order == 4 { 0.02 } else { 0.004 };
+        let found = (error(mean) / error(0.5 * mean)).log2();
+        assert!(
+            (found - f64::from(order)).abs() < 0.15,
+            "{}: {found}",
+            entry.spec.name
+        );
+    }
+}

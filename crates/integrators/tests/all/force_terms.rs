@@ -1,0 +1,216 @@
+//! Forces are terms that add, and baths that act now and then leave the steps between them together.
+
+use crate::common::{Cluster, cluster};
+use lennard_core::random::Streams;
+use lennard_core::{
+    Backend, Configuration, DVec3, ForceSum, ForceTerm, FusedSteps, Masses, Part, PeriodicBox,
+    Persist, State, StateArchive, System, Want,
+};
+use lennard_integrators::measure::{CountingForces, run};
+use lennard_integrators::oscillator::HarmonicForces;
+use lennard_integrators::{IntegratorOptions, ThermostatOptions, build};
+
+/// A cluster in a harmonic trap.
+fn trapped() -> ForceSum<Cluster> {
+    ForceSum::new(Cluster).with(HarmonicForces::new(0.3))
+}
+
+fn start() -> State {
+    let (positions, velocities) = cluster(3, 0.5, 3);
+    State::new(PeriodicBox::boundless(), positions, velocities)
+}
+
+#[test]
+fn forces_energies_and_hessians_of_terms_add() {
+    let state = start();
+    let at = Configuration::at_rest(&state.cell, &state.positions);
+    let n = state.len();
+    for part in [Part::All, Part::Near, Part::Far] {
+        let mut found = vec![[DVec3::ZERO; 3]; n];
+        let mut energies = [0.0; 3];
+        let (mut pairs, mut trap, mut sum) = (Cluster, HarmonicForces::new(0.3), trapped());
+        let terms: [&mut dyn ForceTerm; 3] = [&mut pairs, &mut trap, &mut sum];
+        for (k, term) in terms.into_iter().enumerate() {
+            let mut forces = vec![DVec3::ONE; n];
+            let totals = term.evaluate(at, part, Want::ENERGY, &mut forces).unwrap();
+            energies[k] = totals.potential_energy.unwrap();
+            for (f, all) in forces.iter().zip(&mut found) {
+                all[k] = *f;
+            }
+        }
+        assert_eq!(energies[2], energies[0] + energies[1]);
+        assert!(found.iter().all(|[a, b, sum]| *sum == *a + *b));
+    }
+    let direction: Vec<DVec3> = (0..n).map(|i| DVec3::splat((i as f64).sin())).collect();
+    let product = |term: &mut dyn ForceTerm| {
+        let mut out = vec![DVec3::ZERO; n];
+        term.hessian_vector(at, &direction, &mut out).unwrap();
+        out
+    };
+    let (pairs, sum) = (product(&mut Cluster), product(&mut trapped()));
+    for ((a, d), s) in pairs.iter().zip(&direction).zip(&sum) {
+        assert!((*a + 0.3 * *d - *s).length() < 1e-12 * (1.0 + a.length()));
+    }
+}
+
+#[test]
+fn a_sum_has_the_properties_of_all_its_terms_and_conserves_their_energy() {
+    let damped = ForceSum::new(Cluster).with(HarmonicForces::new(1.0).with_damping(0.1));
+    assert!(damped.properties().velocity_dependent && !damped.properties().splits);
+    assert!(trapped().properties().splits && !trapped().properties().linear);
+    let (mut state, system) = (start(), System::atoms(27));
+    let mut method = build(&IntegratorOptions::default());
+    let (mut forces, dt) = (trapped(), 0.002);
+    let energy = |s: &State| {
+        s.energetics.conserved_potential.unwrap() + system.kinetic_energy(&s.velocities)
+    };
+    method
+        .start(&system, &mut state, &mut forces, dt, Want::ENERGY)
+        .unwrap();
+    let first = energy(&state);
+    for _ in 0..2000 {
+        method
+            .step(&system, &mut state, &mut forces, dt, Want::ENERGY)
+            .unwrap();
+        assert!((energy(&state) - first).abs() < 2e-3 * first.abs());
+    }
+    // Without the trap the same start has another energy and another end.
+    let mut free = start();
+    run(
+        &mut method,
+        &system,
+        &mut Cluster,
+        &mut free,
+        dt,
+        2000,
+        |_, _| {},
+    )
+    .unwrap();
+    assert!(state.positions[0].distance(free.positions[0]) > 0.1);
+}
+
+#[test]
+fn one_term_takes_its_own_fused_steps_and_two_take_none() {
+    let taken = |forces: &mut dyn Backend| {
+        let mut state = start();
+        forces.advance(FusedSteps {
+            cell: &state.cell,
+            positions: &mut state.positions,
+            velocities: &mut state.velocities,
+            masses: &Masses::Uniform(1.0),
+            dt: 0.002,
+            steps: 9,
+        })
+    };
+    assert_eq!(taken(&mut ForceSum::new(Cluster)), 2);
+    assert_eq!(taken(&mut trapped()), 0);
+}
+
+/// Remembers one number, as a term with a list would remember its list.
+struct Remembering(HarmonicForces, f64);
+
+impl Persist for Remembering {
+    fn save(&self, to: &mut lennard_core::StateWriter<'_>) {
+        to.put_f64("number", &[self.1]);
+    }
+    fn restore(
+        &mut self,
+        from: &lennard_core::StateReader<'_>,
+    ) -> Result<(), lennard_core::RestoreError> {
+        [self.1] = from.f64s("number")?;
+        Ok(())
+    }
+}
+
+impl ForceTerm for Remembering {
+    fn evaluate(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<lennard_core::Energetics, lennard_core::ForceError> {
+        self.0.evaluate(at, part, want, forces)
+    }
+    fn properties(&self) -> lennard_core::ForceProperties {
+        self.0.properties()
+    }
+}
+
+#[test]
+fn each_term_of_a_sum_is_saved_under_a_name_of_its_own() {
+    let term = |number| Remembering(HarmonicForces::new(1.0), number);
+    let sum = |a, b| ForceSum::new(Cluster).with(term(a)).with(term(b));
+    let saved = |sum: &ForceSum<Cluster>| {
+        let mut archive = StateArchive::default();
+        sum.save(&mut archive.writer());
+        archive
+    };
+    let whole = saved(&sum(3.0, 5.0));
+    assert_eq!(whole.arrays.len(), 2);
+    let mut other = sum(0.0, 0.0);
+    other.restore(&whole.reader()).unwrap();
+    assert_eq!(saved(&other), whole);
+}
+
+#[test]
+fn steps_between_two_actions_of_a_bath_are_taken_at_once_with_the_same_bits() {
+    let rescale: ThermostatOptions = toml::from_str("kind = \"rescale\"\nevery = 3").unwrap();
+    let bussi: ThermostatOptions = toml::from_str("kind = \"bussi\"\ntau = 0.1").unwrap();
+    let system = System::atoms(27);
+    for (options, longest) in [(rescale, 3), (bussi, 1)] {
+        let integrator = || {
+            let noise = Streams::new(7).noise("bath");
+            options.couple(build(&IntegratorOptions::default()), 0.4, noise)
+        };
+        let (mut one, mut all) = (start(), start());
+        let (mut single, mut strides) = (integrator(), integrator());
+        let (dt, want) = (0.002, Want::NOTHING);
+        for (integrator, state) in [(&mut single, &mut one), (&mut strides, &mut all)] {
+            integrator
+                .start(&system, state, &mut Cluster, dt, want)
+                .unwrap();
+        }
+        let (mut heat, mut most) = (0.0, 0);
+        for _ in 0..20 {
+            let report = single.step(&system, &mut one, &mut Cluster, dt, want);
+            heat += report.unwrap().heat;
+        }
+        while all.step < 20 {
+            let left = 20 - all.step;
+            let (taken, report) = strides
+                .stride(&system, &mut all, &mut Cluster, dt, left, want)
+                .unwrap();
+            heat -= report.heat;
+            most = most.max(taken);
+        }
+        assert_eq!(one, all, "{}", options.name());
+        assert_eq!((heat.abs() < 1e-13, most), (true, longest));
+    }
+}
+
+#[test]
+fn an_implicit_method_counts_the_evaluations_and_products_of_its_forces() {
+    let mut forces = CountingForces::new(HarmonicForces::new(1.0));
+    let mut state = start();
+    let mut method = build(&IntegratorOptions::ImplicitEuler(Default::default()));
+    let system = System::atoms(27);
+    let (mut evaluations, mut products) = (1, 0);
+    run(
+        &mut method,
+        &system,
+        &mut forces,
+        &mut state,
+        0.1,
+        5,
+        |_, r| {
+            evaluations += u64::from(r.force_evaluations);
+            products += u64::from(r.iterations);
+        },
+    )
+    .unwrap();
+    assert_eq!(
+        (forces.evaluations, forces.products),
+        (evaluations, products)
+    );
+}

@@ -1,0 +1,12 @@
+//! Tests of integrators and thermostats from outside, on an oscillator and on a small cluster.
+
+mod bit_reversible;
+mod common;
+mod conformance;
+mod fire;
+mod force_terms;
+mod implicit_and_constrained;
+mod messages;
+mod refusals;
+mod thermostats;
+mod verlet_family;

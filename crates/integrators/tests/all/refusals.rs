@@ -1,0 +1,218 @@
+//! What every method of the list refuses, and the names and options by which it goes.
+
+use std::sync::Arc;
+
+use lennard_core::{
+    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
+    Persist, RestoreError, State, StateReader, StateWriter, StepError, System, Want,
+};
+use lennard_integrators::measure::{Kepler, KeplerForces, run};
+use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces};
+use lennard_integrators::{IntegratorEntry, IntegratorOptions, OscillatorModel, integrators};
+
+/// The methods that can run any forces F(x), with no solution known beforehand.
+fn general_methods() -> impl Iterator<Item = &'static IntegratorEntry> {
+    integrators()
+        .iter()
+        .filter(|e| e.oscillator != OscillatorModel::ExactSolution)
+}
+
+/// Forces that turn bad: after so many evaluations, either by an error or silently.
+struct Failing {
+    good_evaluations: u64,
+    silently: bool,
+}
+
+impl Persist for Failing {
+    fn save(&self, _to: &mut StateWriter<'_>) {}
+    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
+        Ok(())
+    }
+}
+
+impl ForceTerm for Failing {
+    fn evaluate(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        let found = KeplerForces.evaluate(at, part, want, forces)?;
+        if self.good_evaluations > 0 {
+            self.good_evaluations -= 1;
+        } else if self.silently {
+            forces[0].y = f64::NAN;
+        } else {
+            return Err(ForceError::NonFiniteForce { particle: 0 });
+        }
+        Ok(found)
+    }
+    fn properties(&self) -> ForceProperties {
+        KeplerForces.properties()
+    }
+}
+
+impl Backend for Failing {}
+
+#[test]
+fn forces_that_are_not_finite_stop_the_run() {
+    for entry in general_methods() {
+        for silently in [false, true] {
+            let mut forces = Failing {
+                good_evaluations: 50,
+                silently,
+            };
+            let mut state = Kepler::for_orders().start();
+            let result = run(
+                &mut entry.build(),
+                &System::atoms(1),
+                &mut forces,
+                &mut state,
+                0.01,
+                100,
+                |_, _| {},
+            );
+            let name = entry.spec.name;
+            assert!(
+                matches!(
+                    result,
+                    Err(StepError::Force(ForceError::NonFiniteForce { particle: 0 }))
+                ),
+                "{name}, silently {silently}: {result:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn forces_that_depend_on_velocities_are_refused_where_the_method_assumes_none() {
+    for entry in general_methods() {
+        let mut forces = HarmonicForces::new(1.0).with_damping(0.1);
+        let mut state = State::new(
+            lennard_core::PeriodicBox::boundless(),
+            vec![DVec3::X],
+            vec![DVec3::Y],
+        );
+        let mut integrator = entry.build();
+        let started = integrator.start(
+            &System::atoms(1),
+            &mut state,
+            &mut forces,
+            0.1,
+            Want::NOTHING,
+        );
+        let name = entry.spec.name;
+        if entry.spec.velocity_dependent_forces {
+            assert_eq!(started, Ok(()), "{name}");
+        } else {
+            assert_eq!(
+                started,
+                Err(StepError::VelocityDependentForce { method: name })
+            );
+        }
+    }
+}
+
+#[test]
+fn impossible_steps_are_refused() {
+    for entry in integrators() {
+        for dt in [0.0, -0.01, f64::NAN, f64::INFINITY] {
+            let exact = Arc::new(ExactOscillator::new(1.0, 0.0, 1.0));
+            let mut system = System::atoms(1);
+            system.exact = Some(exact);
+            let mut forces = HarmonicForces::new(1.0);
+            let mut state = State::new(
+                lennard_core::PeriodicBox::boundless(),
+                vec![DVec3::X],
+                vec![DVec3::ZERO],
+            );
+            let mut integrator = entry.build();
+            let refused = |r: Result<(), StepError>| matches!(r, Err(StepError::BadStep(_)));
+            let name = entry.spec.name;
+            let want = Want::NOTHING;
+            assert!(
+                refused(integrator.start(&system, &mut state, &mut forces, dt, want)),
+                "{name}"
+            );
+            integrator
+                .start(&system, &mut state, &mut forces, 0.1, want)
+                .unwrap();
+            let before = state.clone();
+            let step = integrator.step(&system, &mut state, &mut forces, dt, want);
+            assert!(refused(step.map(|_| ())), "{name}");
+            assert_eq!(state, before, "{name}: a refused step changed the state");
+        }
+    }
+}
+
+#[test]
+fn a_changing_step_is_refused_by_exactly_the_methods_that_say_so() {
+    for entry in general_methods() {
+        let mut state = Kepler::for_orders().start();
+        let mut integrator = entry.build();
+        let system = System::atoms(1);
+        integrator
+            .start(&system, &mut state, &mut KeplerForces, 0.01, Want::NOTHING)
+            .unwrap();
+        let result = integrator.step(&system, &mut state, &mut KeplerForces, 0.02, Want::NOTHING);
+        if entry.spec.fixed_step_only {
+            assert_eq!(
+                result,
+                Err(StepError::ChangingStep {
+                    method: entry.spec.name,
+                    started: 0.01,
+                    asked: 0.02
+                })
+            );
+        } else {
+            assert!(result.is_ok(), "{}", entry.spec.name);
+        }
+    }
+}
+
+#[test]
+fn names_summaries_and_sources_are_there_and_options_go_by_the_names() {
+    let mut names: Vec<_> = integrators().iter().map(|e| e.spec.name).collect();
+    for entry in integrators() {
+        let spec = entry.spec;
+        for text in [spec.summary, spec.equations, spec.source] {
+            assert!(text.len() > 20, "{}: {text}", spec.name);
+        }
+        let text = format!("kind = \"{}\"", spec.name);
+        let options: IntegratorOptions = toml::from_str(&text).unwrap();
+        assert_eq!(options, (entry.default_options)());
+        assert_eq!(options.name(), spec.name);
+        assert_eq!(options.check(), Ok(()));
+        // What is written out is read back as the same.
+        let written = toml::to_string(&options).unwrap();
+        assert_eq!(
+            toml::from_str::<IntegratorOptions>(&written).unwrap(),
+            options
+        );
+        let unknown = format!("{text}\nsurprise = 1");
+        assert!(toml::from_str::<IntegratorOptions>(&unknown).is_err());
+    }
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), integrators().len());
+}
+
+#[test]
+fn impossible_options_are_named() {
+    for (text, key) in [
+        ("kind = \"respa\"\ninner_steps = 0", "inner_steps"),
+        ("kind = \"implicit-euler\"\ntolerance = 0.0", "tolerance"),
+        (
+            "kind = \"implicit-euler\"\nmax_iterations = 0",
+            "max_iterations",
+        ),
+        (
+            "kind = \"bit-reversible-verlet\"\ngrid_spacing = nan",
+            "grid_spacing",
+        ),
+    ] {
+        let options: IntegratorOptions = toml::from_str(text).unwrap();
+        assert_eq!(options.check().unwrap_err().key, key);
+    }
+}

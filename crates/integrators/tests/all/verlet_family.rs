@@ -1,0 +1,252 @@
+//! The claims about the Verlet family (methods.md A1–A7): two starts, three velocities, the 1/24, three
+//! rules for a changing step, local errors, and which methods are the same method.
+
+use crate::common::{Cluster, cluster};
+use lennard_core::{DVec3, ForceTerm, Integrator, Part, State, System, Want};
+use lennard_integrators::measure::{
+    exponential_error, fitted_order, one_step_errors, run, start_orders, variable_step_errors,
+    velocity_estimate_errors,
+};
+use lennard_integrators::oscillator::HarmonicForces;
+use lennard_integrators::{integrators, velocity_verlet};
+
+/// Orders are measured to this: the next term of the error is below 1 % at the steps chosen.
+const ORDER_TOLERANCE: f64 = 0.05;
+
+fn assert_order(points: &[(f64, f64)], expected: f64, what: &str) {
+    let order = fitted_order(points);
+    assert!(
+        (order - expected).abs() < ORDER_TOLERANCE,
+        "{what}: order {order}, expected {expected}: {points:?}"
+    );
+}
+
+#[test]
+fn the_fit_finds_the_exponent_of_a_power_and_no_other() {
+    let points: Vec<_> = [0.1, 0.05, 0.02]
+        .map(|h: f64| (h, 3.0 * h.powf(2.5)))
+        .to_vec();
+    assert!((fitted_order(&points) - 2.5).abs() < 1e-12);
+}
+
+#[test]
+fn the_taylor_start_keeps_order_2_and_a_start_without_the_force_drops_it_to_1() {
+    let (taylor, plain) = start_orders(4.0, &[1000, 2000, 4000]).unwrap();
+    assert!(
+        (taylor.position - 2.0).abs() < ORDER_TOLERANCE,
+        "{taylor:?}"
+    );
+    assert!(
+        (taylor.velocity - 2.0).abs() < ORDER_TOLERANCE,
+        "{taylor:?}"
+    );
+    assert!((plain.position - 1.0).abs() < ORDER_TOLERANCE, "{plain:?}");
+    assert!((plain.velocity - 1.0).abs() < ORDER_TOLERANCE, "{plain:?}");
+}
+
+#[test]
+fn the_three_velocities_have_orders_2_2_and_1() {
+    let [central, half, early] = velocity_estimate_errors(4.0, &[1000, 2000, 4000]).unwrap();
+    assert_order(&central, 2.0, "central");
+    assert_order(&half, 2.0, "half step");
+    assert_order(&early, 1.0, "early");
+}
+
+#[test]
+fn the_discretisation_error_on_an_exponential_is_1_24() {
+    // wh = 0.01 over wt = 10: the next term is of relative order (wh)² = 1e-4, and the asked 1 % is far.
+    let found = exponential_error(0.01, 1000).unwrap();
+    let theory = 1.0 / 24.0;
+    assert!(
+        (found.coefficient_from_root / theory - 1.0).abs() < 0.01,
+        "{found:?}"
+    );
+    assert!(
+        (found.coefficient_from_slope / theory - 1.0).abs() < 0.01,
+        "{found:?}"
+    );
+    // The Taylor start's offset is −(wh)²/16 up to terms of (wh)⁴; measured as a small difference.
+    assert!(
+        (found.taylor_offset + 1.0 / 16.0).abs() < 0.01 / 16.0,
+        "{found:?}"
+    );
+}
+
+#[test]
+fn under_a_changing_step_the_rules_have_orders_0_1_and_2() {
+    let [plain, corrected, exact] = variable_step_errors(4.0, &[4000, 8000, 16000]).unwrap();
+    // The plain rule's error does not shrink with the step at all.
+    assert!(fitted_order(&plain).abs() < ORDER_TOLERANCE, "{plain:?}");
+    assert!(plain[0].1 > 0.1);
+    assert_order(&corrected, 1.0, "time-corrected");
+    assert_order(&exact, 2.0, "more exact");
+}
+
+#[test]
+fn a_single_step_errs_as_claimed() {
+    let found = one_step_errors(&[0.02, 0.01, 0.005]).unwrap();
+    assert_order(&found.recurrence_position, 4.0, "two-step recurrence");
+    assert_order(&found.central_velocity, 2.0, "central velocity");
+    assert_order(&found.velocity_verlet_position, 3.0, "position");
+    assert_order(&found.velocity_verlet_velocity, 3.0, "velocity");
+}
+
+fn end_of_run(name: &str, steps: u64) -> State {
+    let entry = integrators().iter().find(|e| e.spec.name == name).unwrap();
+    let (positions, velocities) = cluster(3, 0.5, 3);
+    let mut state = State::new(
+        lennard_core::PeriodicBox::boundless(),
+        positions,
+        velocities,
+    );
+    run(
+        &mut entry.build(),
+        &System::atoms(27),
+        &mut Cluster,
+        &mut state,
+        0.004,
+        steps,
+        |_, _| {},
+    )
+    .unwrap();
+    state
+}
+
+fn distance(a: &[DVec3], b: &[DVec3]) -> f64 {
+    a.iter()
+        .zip(b)
+        .map(|(x, y)| (*x - *y).length())
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn velocity_verlet_leapfrog_and_stormer_verlet_with_central_velocities_are_one_method() {
+    let reference = end_of_run("velocity-verlet", 100);
+    for name in [
+        "velocity-verlet-short",
+        "leapfrog",
+        "stormer-verlet",
+        "stormer-verlet-time-corrected",
+        "stormer-verlet-variable",
+        "bit-reversible-verlet",
+    ] {
+        let other = end_of_run(name, 100);
+        // Equal but for rounding: positions near 2 give 4e-16 a step, over h = 0.004 in the velocity,
+        // and the cluster's collisions let 100 steps of it grow by less than 10.
+        let x = distance(&other.positions, &reference.positions);
+        let v = distance(&other.velocities, &reference.velocities);
+        assert!(x < 1e-11 && v < 1e-10, "{name}: {x:e} {v:e}");
+    }
+    // Another method differs by far more: the comparison can tell.
+    let euler = end_of_run("symplectic-euler", 100);
+    assert!(distance(&euler.positions, &reference.positions) > 1e-4);
+}
+
+#[test]
+fn velocity_verlet_is_newmark_with_beta_0_and_gamma_one_half() {
+    // Newmark: x′ = x + h·v + h²·((½ − β)·a + β·a′), v′ = v + h·((1 − γ)·a + γ·a′).
+    let (beta, gamma, h) = (0.0, 0.5, 0.004);
+    let (mut x, mut v) = cluster(3, 0.5, 3);
+    let force = |x: &[DVec3]| {
+        let mut f = vec![DVec3::ZERO; x.len()];
+        let cell = lennard_core::PeriodicBox::boundless();
+        let at = lennard_core::Configuration::at_rest(&cell, x);
+        Cluster
+            .evaluate(at, Part::All, Want::NOTHING, &mut f)
+            .unwrap();
+        f
+    };
+    let mut a = force(&x);
+    for _ in 0..100 {
+        for i in 0..x.len() {
+            x[i] += h * v[i] + h * h * (0.5 - beta) * a[i];
+        }
+        let new = force(&x);
+        for i in 0..x.len() {
+            v[i] += h * ((1.0 - gamma) * a[i] + gamma * new[i]);
+        }
+        a = new;
+    }
+    let verlet = end_of_run("velocity-verlet", 100);
+    assert!(distance(&verlet.positions, &x) < 1e-12);
+    assert!(distance(&verlet.velocities, &v) < 1e-11);
+}
+
+#[test]
+fn the_shadow_energy_of_velocity_verlet_is_exact_on_the_oscillator() {
+    // ½v² + ½ω²x²·(1 − (ωh)²/4) is conserved to rounding: what oscillates is only the difference.
+    let (omega, dt) = (1.0, 0.9);
+    let mut state = State::new(
+        lennard_core::PeriodicBox::boundless(),
+        vec![DVec3::X],
+        vec![0.3 * DVec3::X],
+    );
+    let shadow = |s: &State| {
+        let q = omega * omega * dt * dt;
+        0.5 * s.velocities[0].length_squared()
+            + 0.5 * omega * omega * s.positions[0].length_squared() * (1.0 - 0.25 * q)
+    };
+    let start = shadow(&state);
+    run(
+        &mut Integrator::new(velocity_verlet::VelocityVerlet),
+        &System::atoms(1),
+        &mut HarmonicForces::new(omega * omega),
+        &mut state,
+        dt,
+        10_000,
+        |s, _| assert!((shadow(s) / start - 1.0).abs() < 1e-12),
+    )
+    .unwrap();
+}
+
+/// Means of the kinetic energy on whole steps and on half steps and of the potential energy, of oscillators with ω = 1.
+fn mean_energies(entry: &lennard_integrators::IntegratorEntry, dt: f64) -> (f64, f64, f64) {
+    let system = System::atoms(1);
+    let mut state = State::new(
+        lennard_core::PeriodicBox::boundless(),
+        vec![DVec3::new(1.0, 0.0, -0.3)],
+        vec![DVec3::new(0.0, 0.5, 0.2)],
+    );
+    let (mut whole, mut half, mut potential) = (0.0, 0.0, 0.0);
+    // Whole turns of the discrete map leave nothing of the oscillating parts but what the last one lacks.
+    let steps = 200_000;
+    let mut forces = HarmonicForces::new(1.0);
+    run(
+        &mut entry.build(),
+        &system,
+        &mut forces,
+        &mut state,
+        dt,
+        steps,
+        |state, _| {
+            let view = lennard_core::View {
+                half_kick_step: Some(dt),
+                ..lennard_core::View::of(state, &system)
+            };
+            whole += system.kinetic_energy(&state.velocities);
+            half += view.half_step_kinetic_energy().unwrap();
+            potential += 0.5 * state.positions[0].length_squared();
+        },
+    )
+    .unwrap();
+    let n = steps as f64;
+    (whole / n, half / n, potential / n)
+}
+
+#[test]
+fn half_steps_have_the_kinetic_energy_of_the_positions_and_whole_steps_too_little() {
+    for entry in integrators().iter().filter(|e| e.spec.half_kicks) {
+        let dt = 0.5;
+        let (whole, half, potential) = mean_energies(entry, dt);
+        let name = entry.spec.name;
+        assert!(
+            (half / potential - 1.0).abs() < 1e-4,
+            "{name}: {half} {potential}"
+        );
+        let exact = 1.0 - 0.25 * dt * dt;
+        assert!(
+            (whole / potential - exact).abs() < 1e-4,
+            "{name}: {whole} {potential}"
+        );
+    }
+}

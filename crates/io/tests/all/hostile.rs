@@ -1,0 +1,113 @@
+//! Seeded mutations and random bytes through every reader: an answer or an error, never a panic, and
+//! what is taken can be taken again.
+
+use crate::common::{mutate, noise, system};
+use lennard_io::{
+    Frame, FrameStyle, read_configuration_bytes, read_run_record_bytes, read_table_csv_bytes,
+    read_trajectory_bytes, write_frame,
+};
+use proptest::prelude::*;
+
+const CASES: usize = 30_000;
+
+fn trajectory_text() -> Vec<u8> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("f.xyz");
+    let mut text = Vec::new();
+    for (seed, wrapped) in [(1, true), (2, false)] {
+        let style = FrameStyle {
+            wrapped,
+            forces: !wrapped,
+            length_scale: if wrapped { 1.0 } else { 3.405 },
+            ..FrameStyle::default()
+        };
+        let frame = Frame {
+            state: &system(4, 2.0, seed),
+            extra: &[("potential_energy", -5.5)],
+        };
+        write_frame(&path, &style, &frame).unwrap();
+        text.extend(std::fs::read(&path).unwrap());
+    }
+    text
+}
+
+#[test]
+fn mutated_trajectories_are_read_or_refused() {
+    let text = trajectory_text();
+    assert_eq!(read_trajectory_bytes(&text).unwrap().len(), 2);
+    let mut noise = noise(11);
+    let (mut read, mut refused) = (0, 0);
+    for _ in 0..CASES {
+        let mutated = mutate(&text, &mut noise);
+        match read_trajectory_bytes(&mutated) {
+            Ok(frames) => {
+                read += 1;
+                for frame in frames {
+                    assert!(!frame.positions.is_empty());
+                    assert!(frame.positions.iter().all(|r| r.is_finite()));
+                    let velocities = frame.velocities.iter().chain(&frame.forces).flatten();
+                    assert!(velocities.clone().all(|v| v.is_finite()));
+                }
+            }
+            Err(error) => {
+                refused += 1;
+                assert!(error.line().is_some_and(|line| line >= 1));
+                assert!(error.to_string().len() < 2000, "{error}");
+            }
+        }
+        let _ = read_configuration_bytes(&mutated);
+    }
+    // Both ways must be walked for the test to mean anything.
+    assert!(
+        read > CASES / 100 && refused > CASES / 2,
+        "{read} {refused}"
+    );
+}
+
+#[test]
+fn mutated_nist_columns_are_read_or_refused() {
+    let text = b"10.0 10.0 10.0\n3\n  1  -1.1E-01  1.3E+00 -8.8E-01\n  2  1 2 3\n  3 4 5 6.5\n";
+    read_configuration_bytes(text).unwrap();
+    let mut noise = noise(12);
+    let mut read = 0;
+    for _ in 0..CASES {
+        if let Ok(start) = read_configuration_bytes(&mutate(text, &mut noise)) {
+            read += 1;
+            assert!(start.positions.iter().all(|r| r.is_finite()));
+            assert!(start.cell.volume() > 0.0);
+        }
+    }
+    assert!(read > 100, "{read}");
+}
+
+#[test]
+fn mutated_tables_and_records_are_read_or_refused() {
+    let table =
+        b"step,time [\xcf\x84],pressure [\xce\xb5/\xcf\x83\xc2\xb3]\n1,0.5,nan\n2,1.0,-3.5e-3\n";
+    let record = include_bytes!("../data/run.json");
+    read_table_csv_bytes(table).unwrap();
+    read_run_record_bytes(record).unwrap();
+    let mut noise = noise(13);
+    let mut read = [0, 0];
+    for _ in 0..CASES / 3 {
+        read[0] += u32::from(read_table_csv_bytes(&mutate(table, &mut noise)).is_ok());
+        read[1] += u32::from(read_run_record_bytes(&mutate(record, &mut noise)).is_ok());
+    }
+    assert!(read.iter().all(|&n| n > 100), "{read:?}");
+}
+
+proptest! {
+    #[test]
+    fn random_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+        let _ = read_trajectory_bytes(&bytes);
+        let _ = read_configuration_bytes(&bytes);
+        let _ = read_table_csv_bytes(&bytes);
+        let _ = read_run_record_bytes(&bytes);
+    }
+
+    #[test]
+    fn random_headers_never_panic(header in "(Lattice|Properties|pbc|a)?[ =\"{}\\\\:A-Za-z0-9.\u{e9}]{0,60}") {
+        let text = format!("1\n{header}\nAr 0.5 0.5 0.5\n");
+        let _ = read_trajectory_bytes(text.as_bytes());
+    }
+}

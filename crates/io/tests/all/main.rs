@@ -1,0 +1,9 @@
+//! Tests of file formats from outside: reading, writing, checkpoints, hostile input, error texts.
+
+mod checkpoints;
+mod common;
+mod hostile;
+mod messages;
+mod reading;
+mod tables_and_record;
+mod trajectory;

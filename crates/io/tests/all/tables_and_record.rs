@@ -1,0 +1,284 @@
+//! Tables and the run record.
+
+use lennard_core::{Average, Cell, Column, Estimate, Table};
+use lennard_io::{
+    AverageRecord, Comparison, Conservation, Host, NeighborRecord, Performance, RUN_SCHEMA,
+    RunRecord, StageSeconds, StatePoint, TableWriter, ThermostatRecord, WriteError,
+    read_run_record, read_run_record_bytes, read_table_csv, write_json_atomically, write_table_csv,
+};
+
+fn table() -> Table {
+    Table::new("rdf", "radial distribution function")
+        .with("r", "σ", vec![0.1, 1.0, 1e-300])
+        .with("g", "", vec![0.0, f64::NAN, f64::NEG_INFINITY])
+        .with("a, \"quoted\" name", "ε/σ³", vec![1.0, 2.0, 3.0])
+}
+
+#[test]
+fn a_table_has_its_units_in_the_heading_and_reads_back_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rdf.csv");
+    write_table_csv(&path, &table()).unwrap();
+    assert_eq!(
+        std::fs::read_to_string(&path).unwrap(),
+        "r [σ],g,\"a, \"\"quoted\"\" name [ε/σ³]\"\n0.1,0.0,1.0\n1.0,nan,2.0\n1e-300,-inf,3.0\n"
+    );
+    let back = read_table_csv(&path).unwrap();
+    assert_eq!(back.name, "rdf");
+    for (written, read) in table().columns.iter().zip(&back.columns) {
+        assert_eq!((&written.name, &written.unit), (&read.name, &read.unit));
+        let bits = |column: &Column| -> Vec<u64> {
+            column.numbers().iter().map(|x| x.to_bits()).collect()
+        };
+        assert_eq!(bits(written), bits(read));
+    }
+}
+
+#[test]
+fn words_errors_and_missing_values_have_fields_of_their_own() {
+    let items = [
+        ("a, b", Some(0.5), Some((1.0, 0.25)), 7_u64),
+        ("c", None, None, 8),
+    ];
+    let table = Table::rows_of("t", &items)
+        .column("name", |i| i.0)
+        .column("x [σ]", |i| Cell::rounded(i.1, 2))
+        .measured("u [ε]", |i| i.2)
+        .column("n", |i| i.3)
+        .column("range", |i| Cell::figures(format!("{} – {}", i.3, i.3 + 1)))
+        .table();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.csv");
+    write_table_csv(&path, &table).unwrap();
+    assert_eq!(
+        std::fs::read_to_string(&path).unwrap(),
+        "name,x [σ],u [ε],u standard error,n,range\n\"a, b\",0.5,1.0,0.25,7,7 – 8\nc,,,,8,8 – 9\n"
+    );
+    let path = folder.path().join("t.json");
+    write_json_atomically(&path, &table).unwrap();
+    let read: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    assert_eq!(
+        read["columns"][2],
+        serde_json::json!({
+            "name": "u",
+            "unit": "ε",
+            "cells": [{"value": 1.0, "standard_error": 0.25}, null],
+        })
+    );
+}
+
+#[test]
+fn columns_of_different_lengths_are_refused_and_nothing_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.csv");
+    let ragged = table().with("short", "", vec![1.0]);
+    let error = write_table_csv(&path, &ragged).unwrap_err();
+    assert!(error.to_string().contains("[3, 3, 3, 1]"), "{error}");
+    assert!(write_table_csv(&path, &Table::new("t", "no column")).is_err());
+    assert!(!path.exists());
+}
+
+#[test]
+fn a_table_with_a_bad_row_is_refused_with_its_line() {
+    for (text, line, found) in [
+        ("a,b\n1,2\n3\n", 3, "3"),
+        ("a,b\n1,2\n3,x\n", 3, "`x`"),
+        ("", 1, "no heading"),
+    ] {
+        let error = lennard_io::read_table_csv_bytes(text.as_bytes()).unwrap_err();
+        assert_eq!(error.line(), Some(line), "{error}");
+        assert!(error.to_string().contains(found), "{error}");
+    }
+}
+
+#[test]
+fn a_resumed_table_is_byte_identical_to_one_that_was_never_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    let (whole, split) = (folder.path().join("a.csv"), folder.path().join("b.csv"));
+    let columns = [("step", ""), ("time", "τ")];
+    let row = |step: u64| [Cell::from(step), Cell::from(step as f64 * 0.1)];
+    let mut writer = TableWriter::create(&whole, &columns).unwrap();
+    for step in 0..9 {
+        writer.write(&row(step)).unwrap();
+    }
+    assert_eq!(writer.finish().unwrap().records, 9);
+
+    let mut writer = TableWriter::create(&split, &columns).unwrap();
+    let at_start = writer.mark();
+    assert_eq!(at_start.records, 0);
+    for step in 0..5 {
+        writer.write(&row(step)).unwrap();
+    }
+    let mark = writer.mark();
+    for step in 5..7 {
+        writer.write(&row(step)).unwrap();
+    }
+    drop(writer);
+    let mut writer = TableWriter::resume_at(&split, &columns, mark).unwrap();
+    for step in 5..9 {
+        writer.write(&row(step)).unwrap();
+    }
+    assert_eq!(writer.finish().unwrap().records, 9);
+    let text = std::fs::read_to_string(&whole).unwrap();
+    assert!(text.starts_with("step,time [τ]\n0,0.0\n1,0.1\n2,0.2\n3,0.30000000000000004\n"));
+    assert_eq!(text, std::fs::read_to_string(&split).unwrap());
+
+    let other = [("step", ""), ("time", "s")];
+    let error = TableWriter::resume_at(&split, &other, mark).unwrap_err();
+    assert!(matches!(error, WriteError::NotResumable { .. }));
+    assert_eq!(text, std::fs::read_to_string(&split).unwrap());
+}
+
+fn record() -> RunRecord {
+    let average = Average {
+        name: "pressure".into(),
+        unit: "ε/σ³".into(),
+        estimate: Estimate {
+            mean: 0.1 + 0.2,
+            standard_error: f64::NAN,
+            n_effective: 12.5,
+            least_effective: 12.5,
+            freedom: 32.0,
+            equilibration_cut: 40,
+        },
+        doubt: None,
+    };
+    RunRecord {
+        schema: RUN_SCHEMA.into(),
+        finished: true,
+        scene: serde_json::json!({"system": {"seed": 1}, "potential": {"kind": "lennard-jones"}}),
+        model: "Lennard-Jones, cut at 2.5 σ, with tail correction".into(),
+        seed: u64::MAX,
+        version: "0.1.0".into(),
+        host: Host {
+            cpu: "a processor".into(),
+            isa: "avx2".into(),
+            threads: 2,
+        },
+        steps: 20_000,
+        atoms: 864,
+        n_dof: 2589,
+        wall_s: 3.25,
+        performance: Performance {
+            atom_steps_per_s: 5.3e6,
+            ns_per_atom_step: 188.0,
+            stages: StageSeconds {
+                force: 2.5,
+                neighbor: 0.25,
+                integrate: 0.25,
+                observe: 0.125,
+                write: 0.125,
+            },
+        },
+        neighbor: NeighborRecord {
+            builds: 900,
+            checked_forces: 1200,
+            largest_deviation: Some(0.03125),
+            skin: Some(0.3),
+        },
+        averages: [(average.name.clone(), AverageRecord::new(&average, 1000))].into(),
+        conservation: Conservation {
+            energy_drift_per_atom_per_tau: -1.5e-8,
+            energy_drift_standard_error: 2e-8,
+            energy_rms_per_atom: 1e-4,
+            momentum_per_atom: 1e-17,
+        },
+        thermostat: Some(ThermostatRecord {
+            name: "bussi".into(),
+            heat: -3.5,
+            conserved_quantity: "total energy − heat".into(),
+        }),
+        comparison: vec![Comparison {
+            quantity: "pressure".into(),
+            unit: "ε/σ³".into(),
+            measured: 0.31,
+            reference: 0.3,
+            finite_size: Some(0.25),
+            reference_uncertainty: None,
+            difference: 0.01,
+            standard_error: 0.02,
+            in_standard_errors: 0.5,
+            at: StatePoint {
+                temperature: 0.722,
+                half_steps: true,
+                density: 0.8442,
+            },
+            source: "a source".into(),
+            remark: String::new(),
+        }],
+        remarks: vec!["a remark".into()],
+        trajectory_frames: Some(201),
+    }
+}
+
+/// The file in `tests/data` is the schema: scripts of others rely on these names.
+#[test]
+fn the_run_record_is_written_byte_for_byte_as_the_schema_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.json");
+    write_json_atomically(&path, &record()).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(text, include_str!("../data/run.json"));
+    let back = read_run_record(&path).unwrap();
+    assert_eq!(
+        back.averages["pressure"].mean.to_bits(),
+        (0.1_f64 + 0.2).to_bits()
+    );
+    assert!(back.averages["pressure"].standard_error.is_nan());
+    assert_eq!(back.seed, u64::MAX);
+    let again = serde_json::to_string_pretty(&back).unwrap() + "\n";
+    assert_eq!(again, text);
+}
+
+#[test]
+fn the_run_record_holds_every_entry_that_scripts_rely_on() {
+    let value = serde_json::to_value(record()).unwrap();
+    for pointer in [
+        "/schema",
+        "/finished",
+        "/scene",
+        "/seed",
+        "/version",
+        "/host/cpu",
+        "/host/isa",
+        "/host/threads",
+        "/steps",
+        "/atoms",
+        "/wall_s",
+        "/n_dof",
+        "/performance/atom_steps_per_s",
+        "/performance/ns_per_atom_step",
+        "/performance/stages/force",
+        "/performance/stages/neighbor",
+        "/performance/stages/integrate",
+        "/performance/stages/observe",
+        "/performance/stages/write",
+        "/neighbor/builds",
+        "/neighbor/checked_forces",
+        "/neighbor/largest_deviation",
+        "/neighbor/skin",
+        "/averages/pressure/mean",
+        "/averages/pressure/standard_error",
+        "/averages/pressure/n_effective",
+        "/averages/pressure/equilibration_cut",
+        "/conservation/energy_drift_per_atom_per_tau",
+        "/conservation/energy_drift_standard_error",
+        "/conservation/energy_rms_per_atom",
+        "/conservation/momentum_per_atom",
+        "/comparison",
+    ] {
+        assert!(value.pointer(pointer).is_some(), "{pointer}");
+    }
+}
+
+#[test]
+fn a_record_of_another_schema_is_refused_by_name() {
+    let text = include_str!("../data/run.json").replace("lennard-run/1", "lennard-run/9");
+    let error = read_run_record_bytes(text.as_bytes())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("lennard-run/9") && error.contains("lennard-run/1"),
+        "{error}"
+    );
+}

@@ -1,0 +1,312 @@
+//! Extended XYZ written and read back.
+
+use crate::common::{cell, system};
+use glam::DVec3;
+use lennard_core::{PeriodicBox, State};
+use lennard_io::{
+    FileMark, Frame, FrameStyle, TrajectoryWriter, WriteError, read_configuration,
+    read_configuration_in, read_trajectory, whole_frames, write_frame,
+};
+use proptest::prelude::*;
+
+fn style() -> FrameStyle {
+    FrameStyle::default()
+}
+
+fn frame(state: &State) -> Frame<'_> {
+    Frame { state, extra: &[] }
+}
+
+fn text_of(style: &FrameStyle, frame: &Frame<'_>) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("f.xyz");
+    write_frame(&path, style, frame).unwrap();
+    std::fs::read_to_string(path).unwrap()
+}
+
+fn two_particles() -> State {
+    let cell = PeriodicBox::new(DVec3::new(4.0, 5.0, 6.5)).unwrap();
+    let positions = vec![DVec3::new(0.1, -1.0, 13.25), DVec3::new(1.0, 2.0, 3.0)];
+    let velocities = vec![DVec3::new(1e-7, -2.5, 0.0), DVec3::new(0.0, 1e22, -0.1)];
+    let mut state = State::new(cell, positions, velocities);
+    state.forces = vec![DVec3::new(48.0, 0.0, -24.0), DVec3::new(-48.0, 0.0, 24.0)];
+    (state.step, state.time) = (100, 0.5);
+    state
+}
+
+#[test]
+fn the_dialect_is_written_byte_for_byte() {
+    let state = two_particles();
+    let extra = [("potential_energy", -5.5), ("temperature", 1.0)];
+    let frame = Frame {
+        extra: &extra,
+        ..frame(&state)
+    };
+    assert_eq!(
+        text_of(&style(), &frame),
+        "2\n\
+         Lattice=\"4.0 0.0 0.0 0.0 5.0 0.0 0.0 0.0 6.5\" \
+         Properties=species:S:1:pos:R:3:velo:R:3:map_shift:I:3 pbc=\"T T T\" \
+         Time=0.5 Step=100 potential_energy=-5.5 temperature=1.0 units=lj\n\
+         Ar 0.1 4.0 0.25 1e-7 -2.5 0.0 0 -1 2\n\
+         Ar 1.0 2.0 3.0 0.0 1e+22 -0.1 0 0 0\n"
+    );
+    let other = FrameStyle {
+        element: "X".into(),
+        velocities: false,
+        forces: true,
+        wrapped: false,
+        length_scale: 2.0,
+    };
+    assert_eq!(
+        text_of(&other, &self::frame(&state)),
+        "2\n\
+         Lattice=\"8.0 0.0 0.0 0.0 10.0 0.0 0.0 0.0 13.0\" \
+         Properties=species:S:1:pos:R:3:forces:R:3 pbc=\"T T T\" \
+         Time=0.5 Step=100 units=lj length_scale=2.0\n\
+         X 0.2 -2.0 26.5 24.0 0.0 -12.0\n\
+         X 2.0 4.0 6.0 -24.0 0.0 12.0\n"
+    );
+}
+
+#[test]
+fn unwrapped_frames_read_back_to_the_bit() {
+    let style = FrameStyle {
+        wrapped: false,
+        forces: true,
+        ..style()
+    };
+    let state = system(5000, 40.0, 1);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.xyz");
+    write_frame(&path, &style, &frame(&state)).unwrap();
+    let read = read_trajectory(&path).unwrap();
+    assert_eq!(read.len(), 1);
+    assert_eq!(read[0].positions, state.positions);
+    assert_eq!(read[0].velocities.as_ref(), Some(&state.velocities));
+    assert_eq!(read[0].forces.as_ref(), Some(&state.forces));
+    assert_eq!((read[0].step, read[0].time), (Some(1200), Some(4.8)));
+    assert_eq!(read[0].cell, Some(cell()));
+    assert_eq!(read[0].species.as_deref(), Some("Ar"));
+}
+
+#[test]
+fn the_same_bytes_are_written_for_any_number_of_threads() {
+    let state = system(20_000, 2.0, 2);
+    let text = |threads| {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap()
+            .install(|| text_of(&style(), &frame(&state)))
+    };
+    let one = text(1);
+    assert_eq!(one.lines().count(), 20_002);
+    for threads in [2, 3, 8] {
+        assert!(text(threads) == one, "{threads} threads");
+    }
+}
+
+/// One unit in the last place of x.
+fn ulp(x: f64) -> f64 {
+    x.abs().next_up() - x.abs()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn wrapped_positions_read_back_within_the_rounding_that_is_stated(
+        seed in any::<u64>(), reach in 0.5_f64..1e6,
+    ) {
+        let state = system(50, reach, seed);
+        let text = text_of(&style(), &frame(&state));
+        let read = lennard_io::read_trajectory_bytes(text.as_bytes()).unwrap();
+        for (written, read) in state.positions.iter().zip(&read[0].positions) {
+            for axis in 0..3 {
+                let (w, r, side) = (written[axis], read[axis], cell().lengths()[axis]);
+                prop_assert!((w - r).abs() <= ulp(w).max(ulp(side)), "{w} {r}");
+                // Away from the faces only −L/2 < r < 0 loses bits.
+                let from_face = (w / side - (w / side).round()).abs();
+                if from_face > 1e-6 && !(-0.5 * side..0.0).contains(&w) {
+                    prop_assert_eq!(w.to_bits(), r.to_bits());
+                }
+            }
+        }
+        prop_assert_eq!(read[0].velocities.as_ref(), Some(&state.velocities));
+    }
+
+    #[test]
+    fn a_length_scale_is_taken_out_again_within_rounding(seed in any::<u64>(), scale in 1e-3_f64..1e3) {
+        let style = FrameStyle { length_scale: scale, wrapped: false, forces: true, ..style() };
+        let state = system(20, 3.0, seed);
+        let text = text_of(&style, &frame(&state));
+        let read = lennard_io::read_trajectory_bytes(text.as_bytes()).unwrap();
+        // One multiplication and one division round once each, by at most half a unit in the last place.
+        let close = |a: DVec3, b: DVec3| (a - b).abs().cmple(2.0 * f64::EPSILON * a.abs()).all();
+        let read = &read[0];
+        for i in 0..20 {
+            prop_assert!(close(state.positions[i], read.positions[i]));
+            prop_assert!(close(state.velocities[i], read.velocities.as_ref().unwrap()[i]));
+            prop_assert!(close(state.forces[i], read.forces.as_ref().unwrap()[i]));
+        }
+        prop_assert!(close(cell().lengths(), read.cell.unwrap().lengths()));
+    }
+}
+
+#[test]
+fn a_resumed_trajectory_is_byte_identical_to_one_that_was_never_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    let (whole, split) = (folder.path().join("a.xyz"), folder.path().join("b.xyz"));
+    let states: Vec<State> = (0..6).map(|seed| system(30, 2.0, seed)).collect();
+    let mut writer = TrajectoryWriter::create(&whole, &style()).unwrap();
+    for state in &states {
+        writer.write(&frame(state)).unwrap();
+    }
+    assert_eq!(writer.finish().unwrap().records, 6);
+
+    let mut writer = TrajectoryWriter::create(&split, &style()).unwrap();
+    let mut mark = FileMark::default();
+    for (i, state) in states[..5].iter().enumerate() {
+        writer.write(&frame(state)).unwrap();
+        if i == 2 {
+            mark = writer.mark();
+        }
+    }
+    drop(writer);
+    let killed = std::fs::read(&split).unwrap();
+    std::fs::write(&split, &killed[..killed.len() - 17]).unwrap();
+    let mut writer = TrajectoryWriter::resume_at(&split, &style(), mark).unwrap();
+    for state in &states[3..] {
+        writer.write(&frame(state)).unwrap();
+    }
+    assert_eq!(writer.finish().unwrap().records, 6);
+    assert!(std::fs::read(&whole).unwrap() == std::fs::read(&split).unwrap());
+}
+
+#[test]
+fn whole_frames_are_told_from_a_truncated_one_wherever_it_is_cut() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.xyz");
+    let mut writer = TrajectoryWriter::create(&path, &style()).unwrap();
+    let mut ends = vec![0];
+    for seed in 0..3 {
+        writer.write(&frame(&system(3, 2.0, seed))).unwrap();
+        ends.push(writer.mark().bytes);
+    }
+    let text = std::fs::read(&path).unwrap();
+    for length in 0..=text.len() {
+        std::fs::write(&path, &text[..length]).unwrap();
+        let mark = whole_frames(&path).unwrap();
+        let records = ends.iter().filter(|&&end| end <= length as u64).count() - 1;
+        assert_eq!(mark.records, records as u64, "cut at {length}");
+        assert_eq!(mark.bytes, ends[records], "cut at {length}");
+    }
+}
+
+#[test]
+fn a_start_configuration_is_the_last_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.xyz");
+    let mut writer = TrajectoryWriter::create(&path, &style()).unwrap();
+    for seed in 0..3 {
+        let mut state = system(10, 0.9, seed);
+        state.step = seed;
+        writer.write(&frame(&state)).unwrap();
+    }
+    writer.finish().unwrap();
+    let start = read_configuration(&path).unwrap();
+    assert_eq!(start.step, Some(2));
+    assert_eq!(start.velocities.unwrap(), system(10, 0.9, 2).velocities);
+    read_configuration_in(&path, Some(cell())).expect("the same box is no contradiction");
+    let other = PeriodicBox::new(DVec3::splat(20.0)).unwrap();
+    let error = read_configuration_in(&path, Some(other)).unwrap_err();
+    assert_eq!(error.line(), Some(2 * 12 + 2));
+    assert!(error.to_string().contains("the same box"), "{error}");
+}
+
+#[test]
+fn numbers_that_are_not_finite_are_never_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.xyz");
+    let mut writer = TrajectoryWriter::create(&path, &style()).unwrap();
+    writer.write(&frame(&system(5000, 1.0, 0))).unwrap();
+    let before = std::fs::read(&path).unwrap();
+    for bad in [f64::NAN, f64::INFINITY] {
+        let mut state = system(5000, 1.0, 0);
+        state.velocities[4321].y = bad;
+        state.velocities[4999].y = bad;
+        let error = writer.write(&frame(&state)).unwrap_err();
+        assert!(
+            matches!(
+                error,
+                WriteError::NotFinite {
+                    quantity: "velocity",
+                    particle: 4321,
+                    ..
+                }
+            ),
+            "{error}"
+        );
+    }
+    let mut state = system(5, 1.0, 0);
+    state.positions[3].x = 1e200;
+    let error = writer.write(&frame(&state)).unwrap_err();
+    assert!(matches!(error, WriteError::NotFinite { particle: 3, .. }));
+    state.positions[3].x = 0.0;
+    state.time = f64::NAN;
+    assert!(writer.write(&frame(&state)).is_err());
+    assert!(std::fs::read(&path).unwrap() == before);
+}
+
+#[test]
+fn what_readers_would_take_for_something_else_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.xyz");
+    let state = two_particles();
+    for element in ["", "LJ", "ar", "Ar ", "1"] {
+        let style = FrameStyle {
+            element: element.into(),
+            ..style()
+        };
+        let error = TrajectoryWriter::create(&path, &style).unwrap_err();
+        assert!(error.to_string().contains("chemical symbol"), "{error}");
+    }
+    for key in ["energy", "Lattice", "a b", "", "1st", "a=b"] {
+        let extra = [(key, 1.0)];
+        let frame = Frame {
+            extra: &extra,
+            ..frame(&state)
+        };
+        assert!(write_frame(&path, &style(), &frame).is_err(), "{key}");
+    }
+    let empty = State::new(state.cell, vec![], vec![]);
+    assert!(write_frame(&path, &style(), &self::frame(&empty)).is_err());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+/// Not a check of speed: run with `--ignored --nocapture` to see it.
+#[test]
+#[ignore = "a measurement: writes about 250 MB"]
+#[allow(clippy::print_stdout)] // the figures are its purpose
+fn time_for_frames_of_a_million_atoms() {
+    let state = system(1_000_000, 2.0, 1);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.xyz");
+    let mut writer = TrajectoryWriter::create(&path, &style()).unwrap();
+    for _ in 0..2 {
+        let start = std::time::Instant::now();
+        writer.write(&frame(&state)).unwrap();
+        println!("written in {:?}", start.elapsed());
+    }
+    println!("{} MB a frame", writer.finish().unwrap().bytes / 2_000_000);
+    let start = std::time::Instant::now();
+    assert_eq!(whole_frames(&path).unwrap().records, 2);
+    println!("two frames counted in {:?}", start.elapsed());
+    let start = std::time::Instant::now();
+    assert_eq!(
+        read_configuration(&path).unwrap().positions.len(),
+        1_000_000
+    );
+    println!("last of two frames read in {:?}", start.elapsed());
+}

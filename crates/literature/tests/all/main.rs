@@ -1,0 +1,5 @@
+//! Tests of equations of state and tables against published numbers.
+
+mod coexistence;
+mod equations;
+mod tables;

@@ -1,0 +1,225 @@
+//! The part of a cluster list that one task reads.
+//!
+//! ```text
+//!   slots     | s  s+1 s+2 s+3 | s+4 ...        4 consecutive slots are a cluster: 2 + 2 members in halves
+//!   clusters  |   cluster 0    |  cluster 1 ...
+//!
+//!   blocks of cluster k, between the ends that its span stores:
+//!
+//!   begin        first_half    second_half      masked           end
+//!     |  for members  |  for members  |  for all,     |  for all,     |
+//!     |  0 and 1      |  2 and 3      |  with a mask  |  every entry  |
+//!
+//!   The first masked block begins with the members themselves, so that each member can be excluded from its own list.
+//! ```
+
+use super::block::Block;
+use super::format::{BLOCK, CLUSTER};
+use super::found::{ALL_MEMBERS, ClusterNeighbors, FIRST_HALF, SECOND_HALF};
+use super::pack::{pack, pack_far, worthwhile};
+use crate::room::give_back;
+
+/// The ends of the blocks of one cluster, by kind, among the blocks of its chunk.
+///
+/// Each kind begins where the kind before it ends. The first kind begins at the end of the cluster before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Span {
+    /// End of the blocks for the first two members; not every entry counts.
+    pub first_half: u32,
+    /// End of the blocks for the last two members; not every entry counts.
+    pub second_half: u32,
+    /// End of the blocks for all members in which not every entry counts. The first one begins with the members.
+    pub masked: u32,
+    /// End of the blocks for all members in which every entry counts.
+    pub end: u32,
+    /// Whether a loop may take all coordinates relative to the [`cluster_center`](super::cluster_center).
+    ///
+    /// The members are close together and the box is wide: no neighbor lies more than half a box from the center.
+    pub compact: bool,
+}
+
+/// The lists of up to [`crate::ATOMS_PER_CHUNK`] consecutive slots.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ClusterChunk {
+    /// The first slot.
+    pub first_slot: u32,
+    /// The ends of each cluster's blocks.
+    pub spans: Vec<Span>,
+    /// The blocks of one cluster after another, and a last one that belongs to no cluster.
+    pub blocks: Vec<Block>,
+}
+
+/// The blocks of one cluster by kind.
+#[derive(Debug, Clone, Copy)]
+pub struct ClusterBlocks<'a> {
+    /// For the first two members; not every entry counts.
+    pub first_half: &'a [Block],
+    /// For the last two members; not every entry counts.
+    pub second_half: &'a [Block],
+    /// For all members; not every entry counts.
+    pub masked: &'a [Block],
+    /// For all members; every entry counts.
+    pub plain: &'a [Block],
+}
+
+impl ClusterBlocks<'_> {
+    /// The blocks that one member looks at.
+    pub fn for_member(&self, member: usize) -> impl Iterator<Item = &Block> {
+        let half = if 2 * member < CLUSTER {
+            self.first_half
+        } else {
+            self.second_half
+        };
+        half.iter().chain(self.masked).chain(self.plain)
+    }
+
+    /// Number of lanes that a loop computes.
+    #[must_use]
+    pub fn lanes(&self) -> usize {
+        let for_half = self.first_half.len() + self.second_half.len();
+        let for_all = self.masked.len() + self.plain.len();
+        BLOCK * (CLUSTER / 2 * for_half + CLUSTER * for_all)
+    }
+}
+
+impl ClusterChunk {
+    /// The blocks of cluster `k`.
+    #[must_use]
+    fn list(&self, k: usize) -> ClusterBlocks<'_> {
+        let span = &self.spans[k];
+        let begin = if k == 0 { 0 } else { self.spans[k - 1].end };
+        let between = |from: u32, to: u32| &self.blocks[from as usize..to as usize];
+        ClusterBlocks {
+            first_half: between(begin, span.first_half),
+            second_half: between(span.first_half, span.second_half),
+            masked: between(span.second_half, span.masked),
+            plain: between(span.masked, span.end),
+        }
+    }
+
+    /// The first slot and the blocks of each cluster.
+    pub fn lists(&self) -> impl Iterator<Item = (usize, ClusterBlocks<'_>)> {
+        let first = self.first_slot as usize;
+        (0..self.spans.len()).map(move |k| (first + k * CLUSTER, self.list(k)))
+    }
+
+    /// Whether the list of cluster `k` contains a slot for one member.
+    pub(super) fn contains(&self, k: usize, member: usize, slot: u32) -> bool {
+        self.list(k)
+            .for_member(member)
+            .any(|block| block.contains(slot))
+    }
+
+    /// Inserts a slot into the list of cluster `k`, for all members; one member does not have it yet.
+    pub(super) fn insert(&mut self, k: usize, slot: u32) {
+        let begin = if k == 0 {
+            0
+        } else {
+            self.spans[k - 1].end as usize
+        };
+        let span = &mut self.spans[k];
+        let second_half = span.second_half as usize;
+        let masked = second_half..span.masked as usize;
+        if let Some(block) = (begin..second_half).find(|block| self.blocks[*block].contains(slot)) {
+            // One half has the slot. Its block becomes the last masked one, which all members look at.
+            self.blocks[block..masked.end].rotate_left(1);
+            span.first_half -= u32::from(block < span.first_half as usize);
+            span.second_half -= 1;
+            return;
+        }
+        let blocks = &mut self.blocks[masked.clone()];
+        if blocks.iter_mut().any(|block| block.insert(slot)) {
+            return;
+        }
+        self.blocks.insert(masked.end, Block::of(slot, &[slot]));
+        span.masked += 1;
+        span.end += 1;
+        for span in &mut self.spans[k + 1..] {
+            span.first_half += 1;
+            span.second_half += 1;
+            span.masked += 1;
+            span.end += 1;
+        }
+    }
+
+    /// Removes all lists.
+    pub(super) fn clear(&mut self) {
+        self.spans.clear();
+        self.blocks.clear();
+    }
+
+    /// Adds the list of a cluster; `base` is a base that is known to reach all of its neighbors, if there is one.
+    pub(super) fn push(&mut self, found: &mut ClusterNeighbors, compact: bool, base: Option<u32>) {
+        let [blocks_of_first, blocks_of_second] = worthwhile(found.len);
+        self.push_half(found, FIRST_HALF, blocks_of_first, base);
+        let first_half = self.blocks.len();
+        self.push_half(found, SECOND_HALF, blocks_of_second, base);
+        let second_half = self.blocks.len();
+        let (near, base) = match base {
+            Some(base) => (found.of(ALL_MEMBERS).len(), base),
+            None => found.near_first(),
+        };
+        let (near, far) = found.of(ALL_MEMBERS).split_at(near);
+        let masked = pack(near, base, &mut self.blocks);
+        let masked = pack_far(far, masked, &mut self.blocks);
+        self.spans.push(Span {
+            first_half: first_half as u32,
+            second_half: second_half as u32,
+            masked: masked as u32,
+            end: self.blocks.len() as u32,
+            compact,
+        });
+    }
+
+    /// Writes at most `blocks` blocks of the neighbors of one half, and moves the rest to the neighbors of all members.
+    fn push_half(
+        &mut self,
+        found: &mut ClusterNeighbors,
+        half: usize,
+        blocks: usize,
+        base: Option<u32>,
+    ) {
+        let mut used = 0;
+        for _ in 0..blocks {
+            let (slots, count) = found.next_of(half, used);
+            let Some(block) = Block::of_first(slots, count, base) else {
+                break;
+            };
+            self.blocks.push(block);
+            used += count;
+        }
+        found.give_to_all(half, used);
+    }
+
+    /// Ends the lists with a block that belongs to no cluster, for loops that read one block ahead.
+    pub(super) fn finish(&mut self) {
+        self.blocks
+            .push(Block::of(self.first_slot, &[self.first_slot]));
+        give_back(&mut self.blocks);
+    }
+
+    /// Number of bytes held beyond the structure itself.
+    pub(super) fn bytes(&self) -> usize {
+        self.spans.capacity() * size_of::<Span>() + self.blocks.capacity() * size_of::<Block>()
+    }
+
+    /// Whether spans ascend to the last block, and every entry numbers a slot below `n`.
+    pub(super) fn is_valid(&self, n: usize) -> bool {
+        let mut end = 0;
+        for span in &self.spans {
+            let ends = [
+                end,
+                span.first_half,
+                span.second_half,
+                span.masked,
+                span.end,
+            ];
+            if !ends.is_sorted() {
+                return false;
+            }
+            end = span.end;
+        }
+        let in_range = |block: &Block| block.highest_slot() < n as u64;
+        end as usize + 1 == self.blocks.len() && self.blocks.iter().all(in_range)
+    }
+}

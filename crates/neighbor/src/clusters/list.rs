@@ -1,0 +1,180 @@
+//! Cluster lists: one full list per cluster of four particles.
+//!
+//! ```text
+//!   cluster         members at 4 consecutive slots: a b c d
+//!   its list        every particle, by its nearest image, within r_list of a, b, c or d; each once
+//!
+//!   for all         | block | block | block | ...    each of a, b, c, d looks at all entries
+//!   first half      | block |                        near to a or b, and to neither c nor d
+//!   second half     | block |                        near to c or d, and to neither a nor b
+//! ```
+//!
+//! The loop reads a block of sixteen neighbors once and computes it with all members: *cluster × single*.
+
+use lennard_core::PeriodicBox;
+use lennard_core::parallel::part;
+use lennard_core::tasks::for_each_item;
+
+use super::block::Block;
+use super::chunk::{ClusterBlocks, ClusterChunk};
+use super::format::{CLUSTER, Reach};
+use super::scan::ClusterScanner;
+use super::search::{Scratch, Search};
+use crate::rows::ATOMS_PER_CHUNK;
+use crate::sort::{ColumnTable, GridError, Positions};
+
+/// Full lists in fixed point, one per cluster.
+///
+/// A list contains every particle within the list radius of a member once, by its nearest image. A particle near to
+/// one half of the cluster alone is kept apart where that saves work: the other half does not look at it.
+#[derive(Debug, Clone, Default)]
+pub struct ClusterList {
+    table: ColumnTable,
+    chunks: Vec<ClusterChunk>,
+    slots_ahead: usize,
+}
+
+impl ClusterList {
+    /// The sorted particles.
+    #[must_use]
+    pub fn table(&self) -> &ColumnTable {
+        &self.table
+    }
+
+    /// The lists, chunk by chunk.
+    #[must_use]
+    pub fn chunks(&self) -> &[ClusterChunk] {
+        &self.chunks
+    }
+
+    /// The approximate distance in slots from a cluster to its last neighbor: rows farther ahead can be prefetched.
+    #[must_use]
+    pub fn slots_ahead(&self) -> usize {
+        self.slots_ahead
+    }
+
+    /// Number of lanes that a loop over all lists computes.
+    #[must_use]
+    pub fn lanes(&self) -> u64 {
+        let lists = self.chunks.iter().flat_map(ClusterChunk::lists);
+        lists.map(|(_, list)| list.lanes() as u64).sum()
+    }
+
+    /// Number of pairs in the list, each counted once.
+    #[must_use]
+    pub fn pairs(&self) -> u64 {
+        let n = self.table.particle.len();
+        let lists = self.chunks.iter().flat_map(ClusterChunk::lists);
+        let of_cluster = |(first, list): (usize, ClusterBlocks<'_>)| -> u64 {
+            (0..(n - first).min(CLUSTER))
+                .flat_map(|member| list.for_member(member))
+                .map(|block| u64::from(block.valid.count_ones()))
+                .sum()
+        };
+        // Members are entries of their own lists.
+        (lists.map(of_cluster).sum::<u64>() - n as u64) / 2
+    }
+
+    /// Number of bytes held.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let chunks: usize = self.chunks.iter().map(ClusterChunk::bytes).sum();
+        self.table.bytes() + chunks + self.chunks.capacity() * size_of::<ClusterChunk>()
+    }
+
+    /// Builds the lists for positions in a box: a pure function of the arguments.
+    ///
+    /// The list radius is at most half the shortest side of the box.
+    ///
+    /// # Errors
+    /// [`GridError`] where a position is not a usable number.
+    pub fn build(
+        &mut self,
+        cell: &PeriodicBox,
+        reach: Reach,
+        positions: Positions<'_>,
+        scanner: &dyn ClusterScanner,
+    ) -> Result<(), GridError> {
+        self.table.sort(cell, positions)?;
+        let n = self.table.particle.len();
+        self.slots_ahead = self.table.grid.slots_ahead(cell.lengths(), reach.r_list, n);
+        self.chunks
+            .resize_with(n.div_ceil(ATOMS_PER_CHUNK), ClusterChunk::default);
+        let search = Search::new(&self.table, cell, reach, scanner);
+        let chunks = self.chunks.iter_mut();
+        for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
+            let slots = part(c, ATOMS_PER_CHUNK, n);
+            search.fill(slots, scratch, chunk);
+        });
+        Ok(())
+    }
+
+    /// Whether a pair of slots is listed at both ends.
+    #[must_use]
+    pub fn contains(&self, [a, b]: [u32; 2]) -> bool {
+        [(a, b), (b, a)].into_iter().all(|(own, other)| {
+            let (chunk, k, member) = address(own);
+            self.chunks[chunk].contains(k, member, other)
+        })
+    }
+
+    /// Inserts a pair of slots at each end that does not list it yet.
+    ///
+    /// The forces equal the forces of a list that had the pair from its build on, except for the order of the sums.
+    pub fn insert(&mut self, [a, b]: [u32; 2]) {
+        for (own, other) in [(a, b), (b, a)] {
+            let (chunk, k, member) = address(own);
+            let chunk = &mut self.chunks[chunk];
+            if !chunk.contains(k, member, other) {
+                chunk.insert(k, other);
+            }
+        }
+    }
+
+    /// The particles listed for each particle, `[N]`, ascending: for tests and observers, too slow for force loops.
+    ///
+    /// A neighbor of one member is listed for other members too, near or not.
+    #[must_use]
+    pub fn neighbors(&self) -> Vec<Vec<u32>> {
+        let particle = &self.table.particle;
+        let mut all = vec![Vec::new(); particle.len()];
+        for chunk in &self.chunks {
+            for (first, list) in chunk.lists() {
+                for own in first..(first + CLUSTER).min(particle.len()) {
+                    let neighbors = &mut all[particle[own] as usize];
+                    let slots = list.for_member(own - first).flat_map(Block::slots);
+                    let others = slots.filter(|slot| *slot as usize != own);
+                    neighbors.extend(others.map(|slot| particle[slot as usize]));
+                    neighbors.sort_unstable();
+                }
+            }
+        }
+        all
+    }
+
+    /// Whether every entry numbers a slot that exists, and the clusters cover all slots.
+    ///
+    /// The force loops rely on it: they read rows through entries without a test of their own.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        let n = self.table.particle.len();
+        let fits = |(c, chunk): (usize, &ClusterChunk)| {
+            let slots = part(c, ATOMS_PER_CHUNK, n);
+            chunk.first_slot as usize == slots.start
+                && chunk.spans.len() == slots.len().div_ceil(CLUSTER)
+                && chunk.is_valid(n)
+        };
+        self.chunks.len() == n.div_ceil(ATOMS_PER_CHUNK) && self.chunks.iter().enumerate().all(fits)
+    }
+}
+
+/// The chunk of a slot, its cluster inside the chunk, and its member number inside the cluster.
+fn address(slot: u32) -> (usize, usize, usize) {
+    let slot = slot as usize;
+    let in_chunk = slot % ATOMS_PER_CHUNK;
+    (
+        slot / ATOMS_PER_CHUNK,
+        in_chunk / CLUSTER,
+        in_chunk % CLUSTER,
+    )
+}

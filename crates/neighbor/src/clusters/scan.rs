@@ -1,0 +1,114 @@
+//! The innermost loops of the search for cluster lists.
+
+use std::ops::Range;
+
+use super::format::CLUSTER;
+use super::found::ClusterNeighbors;
+use super::group::{GroupBounds, GroupCandidates};
+use crate::sort::ColumnTable;
+
+/// 1.5·2²³: added to a number below 2²² and subtracted again, it leaves the nearest integer.
+const ROUNDING: f32 = 12_582_912.0;
+
+/// The innermost loops of the search, for one instruction set.
+pub trait ClusterScanner: Sync {
+    /// Gathers the slots of `runs` that lie within the search radius of the bounds.
+    fn gather(
+        &self,
+        table: &ColumnTable,
+        bounds: &GroupBounds,
+        runs: &[Range<u32>],
+        candidates: &mut GroupCandidates,
+    );
+
+    /// Adds to `found` the candidates within the search radius of a member, without the members themselves.
+    ///
+    /// The members have the slots from `first` on, and `own` has their coordinates relative to the middle.
+    /// `found` has room for all candidates and [`PADDING`](crate::PADDING) more.
+    fn near(
+        &self,
+        candidates: &GroupCandidates,
+        bounds: &GroupBounds,
+        own: [[f32; 3]; CLUSTER],
+        first: u32,
+        found: &mut ClusterNeighbors,
+    );
+}
+
+/// The scanner that needs no particular instruction set.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ScalarClusterScanner;
+
+impl ClusterScanner for ScalarClusterScanner {
+    fn gather(
+        &self,
+        table: &ColumnTable,
+        bounds: &GroupBounds,
+        runs: &[Range<u32>],
+        candidates: &mut GroupCandidates,
+    ) {
+        candidates.make_room(table, runs);
+        let mut len = 0;
+        for slot in runs.iter().cloned().flatten() {
+            let at = [0, 1, 2].map(|axis| table.at[axis][slot as usize]);
+            let at = bounds.relative(at);
+            let mut gap2 = 0.0;
+            for (at, half) in at.iter().zip(bounds.half) {
+                let gap = (at.abs() - half).max(0.0);
+                gap2 += gap * gap;
+            }
+            for (to, at) in candidates.at.iter_mut().zip(at) {
+                to[len] = at;
+            }
+            candidates.square[len] = at[0] * at[0] + at[1] * at[1] + at[2] * at[2];
+            candidates.slot[len] = slot;
+            // Each candidate is written, and only near ones are counted: there is no branch to mispredict.
+            len += usize::from(gap2 <= bounds.radius2);
+        }
+        candidates.len = len;
+    }
+
+    fn near(
+        &self,
+        candidates: &GroupCandidates,
+        bounds: &GroupBounds,
+        own: [[f32; 3]; CLUSTER],
+        first: u32,
+        found: &mut ClusterNeighbors,
+    ) {
+        let [x, y, z] = candidates.at.each_ref().map(|axis| &axis[..candidates.len]);
+        let spheres = own.map(|own| bounds.sphere(own));
+        for (k, slot) in candidates.slot[..candidates.len].iter().enumerate() {
+            let mut is_near = [false; CLUSTER];
+            for ((is_near, own), (t, limit)) in is_near.iter_mut().zip(own).zip(spheres) {
+                let Some(lengths) = bounds.folds else {
+                    let squares = candidates.square[k] - t[0] * x[k] - t[1] * y[k] - t[2] * z[k];
+                    *is_near = squares <= limit;
+                    continue;
+                };
+                let mut r2 = 0.0;
+                for (axis, at) in [x[k], y[k], z[k]].into_iter().enumerate() {
+                    // The nearest integer is found without a call.
+                    let d = at - own[axis];
+                    let boxes = d * (1.0 / lengths[axis]) + ROUNDING;
+                    let d = d - lengths[axis] * (boxes - ROUNDING);
+                    r2 += d * d;
+                }
+                *is_near = r2 <= bounds.radius2;
+            }
+            let is_other = slot.wrapping_sub(first) >= CLUSTER as u32;
+            let first_half = (is_near[0] | is_near[1]) & is_other;
+            let second_half = (is_near[2] | is_near[3]) & is_other;
+            let kinds = [
+                first_half & second_half,
+                first_half & !second_half,
+                second_half & !first_half,
+            ];
+            for ((slots, len), is_of_kind) in found.slots.iter_mut().zip(&mut found.len).zip(kinds)
+            {
+                slots[*len] = *slot;
+                *len += usize::from(is_of_kind);
+            }
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! The search that fills the chunks of a neighbor list.
+
+use std::ops::Range;
+
+use super::chunk::{Entries, Images, ListChunk};
+use super::scan::{Candidates, Center, Numbering, RowScanner};
+use crate::room::give_back;
+use crate::sort::{PADDING, RowTable};
+
+/// Buffers that one thread reuses while it fills chunks.
+#[derive(Default)]
+pub struct Scratch {
+    runs: Vec<Range<u32>>,
+    candidates: Candidates,
+}
+
+/// An entry of either width.
+trait Offset: Copy + Default {
+    fn of(number: u32) -> Self;
+    fn near(
+        scanner: &dyn RowScanner,
+        candidates: &Candidates,
+        center: Center,
+        radius2: f32,
+        found: &mut [Self],
+    ) -> usize;
+}
+
+impl Offset for u16 {
+    fn of(number: u32) -> Self {
+        number as u16
+    }
+    fn near(
+        scanner: &dyn RowScanner,
+        candidates: &Candidates,
+        center: Center,
+        radius2: f32,
+        found: &mut [u16],
+    ) -> usize {
+        scanner.near_narrow(candidates, center, radius2, found)
+    }
+}
+
+impl Offset for u32 {
+    fn of(number: u32) -> Self {
+        number
+    }
+    fn near(
+        scanner: &dyn RowScanner,
+        candidates: &Candidates,
+        center: Center,
+        radius2: f32,
+        found: &mut [u32],
+    ) -> usize {
+        scanner.near_wide(candidates, center, radius2, found)
+    }
+}
+
+/// Fills chunks; all chunks of a build share it.
+pub struct Filler<'a> {
+    pub table: &'a RowTable,
+    /// The square of the search radius, σ².
+    pub radius2: f32,
+    pub images: Images,
+    /// Entries of a slot are padded to a multiple of this number.
+    pub lanes: usize,
+    pub scanner: &'a dyn RowScanner,
+}
+
+impl Filler<'_> {
+    /// Writes the neighbors of `slots` to a chunk.
+    pub fn fill(&self, slots: Range<usize>, scratch: &mut Scratch, chunk: &mut ListChunk) {
+        chunk.first_slot = slots.start as u32;
+        chunk.counts.clear();
+        let targets = match self.images {
+            Images::Ghosts => self.table.rows_near(&slots),
+            Images::Folded => 0..self.table.particle.len() as u32,
+        };
+        chunk.base = targets.start;
+        let narrow = targets.end - targets.start <= u32::from(u16::MAX) + 1;
+        let counts = &mut chunk.counts;
+        let old = std::mem::replace(&mut chunk.entries, Entries::Wide(Vec::new()));
+        chunk.entries = match (old, narrow) {
+            (Entries::Narrow(entries), true) => {
+                Entries::Narrow(self.write(slots, chunk.base, scratch, counts, entries))
+            }
+            (Entries::Wide(entries), false) => {
+                Entries::Wide(self.write(slots, chunk.base, scratch, counts, entries))
+            }
+            (_, true) => {
+                Entries::Narrow(self.write(slots, chunk.base, scratch, counts, Vec::new()))
+            }
+            (_, false) => Entries::Wide(self.write(slots, chunk.base, scratch, counts, Vec::new())),
+        };
+    }
+
+    /// Writes the entries of `slots` over the entries of an earlier build.
+    ///
+    /// Old entries stay behind the new ones, since clearing them would cost as much as a search.
+    fn write<E: Offset>(
+        &self,
+        slots: Range<usize>,
+        base: u32,
+        scratch: &mut Scratch,
+        counts: &mut Vec<u32>,
+        mut entries: Vec<E>,
+    ) -> Vec<E> {
+        let table = self.table;
+        let numbering = match self.images {
+            Images::Ghosts => Numbering::Rows { base },
+            Images::Folded => Numbering::Slots(table.padded_slots()),
+        };
+        let Scratch { runs, candidates } = scratch;
+        let mut written = 0;
+        let mut first = slots.start;
+        while first < slots.end {
+            let end = table.group_end(first, slots.end);
+            table.runs_near(first, end - 1, runs);
+            self.scanner
+                .gather(&table.coordinates, numbering, runs, candidates);
+            for slot in first..end {
+                let row = table.row[slot];
+                let center = Center {
+                    at: table.coordinates.at(row as usize),
+                    number: numbering.of(row),
+                };
+                let room = written + candidates.len + 2 * PADDING;
+                if entries.len() < room {
+                    entries.resize(room, E::default());
+                }
+                let found = &mut entries[written..];
+                let count = E::near(self.scanner, candidates, center, self.radius2, found);
+                let padded = count.next_multiple_of(self.lanes);
+                found[count..padded].fill(E::of(center.number));
+                counts.push(count as u32);
+                written += padded;
+            }
+            first = end;
+        }
+        give_back(&mut entries);
+        entries
+    }
+}

@@ -1,0 +1,212 @@
+//! Full Verlet lists in chunks of constant size.
+
+use lennard_core::PeriodicBox;
+use lennard_core::parallel::part;
+use lennard_core::tasks::for_each_item;
+
+use super::chunk::{ATOMS_PER_CHUNK, Images, ListChunk};
+use super::fill::{Filler, Scratch};
+use super::scan::RowScanner;
+use crate::sort::{GridError, Positions, RowTable};
+
+/// A full Verlet list: for each particle, all particles within the list radius.
+///
+/// The search radius is larger by a margin for rounding errors. A pair inside the margin may be listed for one of its
+/// two particles only.
+#[derive(Debug, Clone)]
+pub struct NeighborList {
+    images: Images,
+    lanes: usize,
+    table: RowTable,
+    chunks: Vec<ListChunk>,
+}
+
+impl NeighborList {
+    /// An empty list, with the entries of each particle padded to a multiple of `lanes`.
+    #[must_use]
+    pub fn new(images: Images, lanes: usize) -> Self {
+        Self {
+            images,
+            lanes: lanes.max(1),
+            table: RowTable::default(),
+            chunks: Vec::new(),
+        }
+    }
+
+    /// The sorted rows.
+    #[must_use]
+    pub fn table(&self) -> &RowTable {
+        &self.table
+    }
+
+    /// The neighbors, chunk by chunk.
+    #[must_use]
+    pub fn chunks(&self) -> &[ListChunk] {
+        &self.chunks
+    }
+
+    /// Entries of a particle are padded to a multiple of this number.
+    #[must_use]
+    pub fn lanes(&self) -> usize {
+        self.lanes
+    }
+
+    /// The upper limit, exclusive, of base + entry.
+    #[must_use]
+    pub fn targets(&self) -> usize {
+        match self.images {
+            Images::Ghosts => self.table.rows(),
+            Images::Folded => self.table.particle.len(),
+        }
+    }
+
+    /// The number that entries use for the particle at `slot`.
+    #[must_use]
+    pub fn target_of(&self, slot: usize) -> u32 {
+        match self.images {
+            Images::Ghosts => self.table.row[slot],
+            Images::Folded => slot as u32,
+        }
+    }
+
+    /// Builds the list for positions in a box, with list radius `radius`, σ.
+    ///
+    /// The result is a pure function of the arguments and of the settings given to [`NeighborList::new`].
+    ///
+    /// # Errors
+    /// [`GridError`] where a position is not a usable number.
+    pub fn build(
+        &mut self,
+        cell: &PeriodicBox,
+        radius: f64,
+        positions: Positions<'_>,
+        scanner: &dyn RowScanner,
+    ) -> Result<(), GridError> {
+        self.table.sort(cell, positions, radius)?;
+        let margin = self.table.search_margin();
+        let radius2 = (radius + margin).powi(2) as f32 * (1.0 + 4.0 * f32::EPSILON);
+        let n = self.table.particle.len();
+        self.chunks
+            .resize_with(n.div_ceil(ATOMS_PER_CHUNK), ListChunk::default);
+        let filler = Filler {
+            table: &self.table,
+            radius2,
+            images: self.images,
+            lanes: self.lanes,
+            scanner,
+        };
+        let chunks = self.chunks.iter_mut();
+        for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
+            let slots = part(c, ATOMS_PER_CHUNK, n);
+            filler.fill(slots, scratch, chunk);
+        });
+        Ok(())
+    }
+
+    /// Number of pairs in the list, each counted once.
+    #[must_use]
+    pub fn pairs(&self) -> u64 {
+        let entries: u64 = self
+            .chunks
+            .iter()
+            .flat_map(|c| &c.counts)
+            .map(|n| u64::from(*n))
+            .sum();
+        entries / 2
+    }
+
+    /// Number of entries that a force loop computes, padding included.
+    #[must_use]
+    pub fn lanes_listed(&self) -> u64 {
+        let padded = |count: &u32| u64::from(count.next_multiple_of(self.lanes as u32));
+        self.chunks.iter().flat_map(|c| &c.counts).map(padded).sum()
+    }
+
+    /// Number of bytes held.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let chunks: usize = self
+            .chunks
+            .iter()
+            .map(|c| c.entries.bytes() + 4 * c.counts.capacity() + size_of::<ListChunk>())
+            .sum();
+        chunks + self.table.bytes()
+    }
+
+    /// The particles listed for each particle, `[N]`, ascending: for tests and observers, too slow for force loops.
+    #[must_use]
+    pub fn neighbors(&self) -> Vec<Vec<u32>> {
+        let mut all = vec![Vec::new(); self.table.particle.len()];
+        for chunk in &self.chunks {
+            let mut start = 0;
+            for (offset, count) in chunk.counts.iter().enumerate() {
+                let count = *count as usize;
+                let slot = chunk.first_slot as usize + offset;
+                let neighbors = &mut all[self.table.particle[slot] as usize];
+                for entry in chunk.entries.offsets(start..start + count) {
+                    let target = entry + chunk.base;
+                    let slot = match self.images {
+                        Images::Ghosts => self.table.slots()[target as usize],
+                        Images::Folded => target,
+                    };
+                    neighbors.push(self.table.particle[slot as usize]);
+                }
+                neighbors.sort_unstable();
+                start += count.next_multiple_of(self.lanes);
+            }
+        }
+        all
+    }
+
+    /// Whether every entry numbers a row or a slot that exists, and the chunks cover all slots.
+    ///
+    /// The force loops rely on it: they read rows through entries without a test of their own.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        let targets = self.targets() as u64;
+        let mut slots = 0;
+        for chunk in &self.chunks {
+            let padded = |count: &u32| (*count as usize).next_multiple_of(self.lanes);
+            let used: usize = chunk.counts.iter().map(padded).sum();
+            let fits = chunk.first_slot as usize == slots && used <= chunk.entries.len();
+            let reaches = |entry: u32| u64::from(chunk.base) + u64::from(entry) < targets;
+            if !fits || !chunk.entries.offsets(0..used).into_iter().all(reaches) {
+                return false;
+            }
+            slots += chunk.counts.len();
+        }
+        slots == self.table.particle.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rows::{Entries, ScalarScanner};
+    use glam::DVec3;
+
+    #[test]
+    fn a_list_with_an_entry_beyond_its_rows_is_not_valid() {
+        let cell = PeriodicBox::new(DVec3::splat(9.0)).unwrap();
+        let positions: Vec<DVec3> = (0..100)
+            .map(|k| DVec3::new(0.82, 0.67, 0.55) * f64::from(k))
+            .collect();
+        let mut list = NeighborList::new(Images::Ghosts, 4);
+        list.build(&cell, 2.5, Positions::ById(&positions), &ScalarScanner)
+            .unwrap();
+        assert!(list.is_valid());
+        let good = list.clone();
+        list.chunks[1].first_slot += 1;
+        assert!(!list.is_valid());
+        list = good.clone();
+        list.chunks[0].counts[3] += 10_000;
+        assert!(!list.is_valid());
+        list = good;
+        let beyond = (list.targets() - list.chunks[0].base as usize) as u16;
+        let Entries::Narrow(entries) = &mut list.chunks[0].entries else {
+            panic!("100 particles need no wide entries");
+        };
+        entries[2] = beyond;
+        assert!(!list.is_valid());
+    }
+}

@@ -1,0 +1,12 @@
+//! The cells of a sort, as the search for unlisted pairs reads them.
+
+use std::ops::Range;
+
+/// Particles sorted into cells, as they were when a list was built; the cells of a column along z follow each other.
+pub trait Cells: Sync {
+    /// Number of cells along each axis.
+    fn count(&self) -> [u32; 3];
+
+    /// The slots of the particles in the column at (x, y), between two cells along z, both included.
+    fn slots(&self, x: u32, y: u32, z: [u32; 2]) -> Range<u32>;
+}

@@ -1,0 +1,21 @@
+//! Particles sorted in space: into rows with periodic images as ghosts, or into columns in fixed point.
+
+mod axis;
+mod cell_grid;
+mod cell_sort;
+mod cells;
+mod column_grid;
+mod columns;
+mod coordinates;
+mod fixed;
+mod fold;
+mod positions;
+mod row_table;
+
+pub(crate) use axis::{CellRange, wrap_cell};
+pub use cells::Cells;
+pub use columns::ColumnTable;
+pub use coordinates::{PADDING, RowCoordinates};
+pub use fixed::{FIXED_ROUNDING, FIXED_UNITS, to_fixed};
+pub use positions::{GridError, Positions};
+pub use row_table::{Ghost, RowTable};

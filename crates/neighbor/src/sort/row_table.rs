@@ -1,0 +1,333 @@
+//! The row table: particles sorted by cell into rows, with their periodic images as ghost rows.
+//!
+//! ```text
+//!   cells of the extended grid     ghost | home home home home | ghost
+//!   rows                           0   1 | 2   3   4   5   6   | 7   8
+//!   slot shown by each row         3   4 | 0   1   2   3   4   | 0   1
+//!
+//!   A row in double precision, as the pair loop reads it (32 bytes, one AVX register):
+//!   +-----+-----+-----+-----+
+//!   |  x  |  y  |  z  |  0  |   f64, σ; the coordinates of the particle or of its image
+//!   +-----+-----+-----+-----+
+//! ```
+//!
+//! A force loop over rows needs no minimum image: the nearest image of a neighbor is a row of its own.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::{DVec3, IVec3};
+use lennard_core::PeriodicBox;
+use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
+use lennard_core::tasks::map_items;
+
+use super::cell_grid::CellGrid;
+use super::cell_sort::CellSort;
+use super::cells::Cells;
+use super::coordinates::{PADDING, RowCoordinates};
+use super::fold::{FARTHEST_IMAGE, fold};
+use super::positions::{GridError, Positions};
+
+/// Number of consecutive cells of a column that share one gathering of candidates.
+///
+/// Two spread the cost of the gathering over more particles. More would add candidates that are near to few.
+const CELLS_PER_GROUP: u32 = 2;
+
+/// A row that repeats another row in a neighboring box.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ghost {
+    /// The row of the ghost.
+    pub row: u32,
+    /// The row that the ghost repeats.
+    pub source: u32,
+    /// The number of boxes that the ghost is shifted by along each axis.
+    pub shift: [i8; 3],
+}
+
+/// Particles sorted into rows by cell, in ascending order of x, then y, then z, with ghosts among them.
+///
+/// *Slots* 0..N number the particles in sorted order. *Rows* number slots and ghosts together.
+/// The table is a pure function of the positions: it depends on no thread count and on no history.
+#[derive(Debug, Clone, Default)]
+pub struct RowTable {
+    /// The particle at each slot, `[N]`.
+    pub particle: Vec<u32>,
+    /// The row of each slot, `[N]`, ascending.
+    pub row: Vec<u32>,
+    /// The image of each slot: boxes between the unwrapped position and the home box, `[N]`.
+    pub image: Vec<IVec3>,
+    /// The ghosts, in ascending order of their rows.
+    pub ghosts: Vec<Ghost>,
+    /// The slot that each row shows, `[rows]` and padding.
+    slot: Vec<u32>,
+    /// Coordinates of the rows in single precision, for the search.
+    pub(crate) coordinates: RowCoordinates,
+    grid: CellGrid,
+    sort: CellSort,
+    /// The extended cell of each slot, `[N]`.
+    cell_of_slot: Vec<u32>,
+    /// Scratch: the folded position of each slot, `[N]`, σ.
+    wrapped: Vec<DVec3>,
+}
+
+impl RowTable {
+    /// Number of rows, ghosts included.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.slot.len().saturating_sub(PADDING)
+    }
+
+    /// The slot that each row shows, `[rows]`.
+    #[must_use]
+    pub fn slots(&self) -> &[u32] {
+        &self.slot[..self.rows()]
+    }
+
+    /// [`RowTable::slots`] and [`PADDING`] more elements.
+    pub(crate) fn padded_slots(&self) -> &[u32] {
+        &self.slot
+    }
+
+    /// Number of bytes held.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let n = self.particle.capacity();
+        let rows = self.slot.capacity();
+        n * (4 + 4 + 12 + 4 + size_of::<DVec3>())
+            + rows * (4 + 12)
+            + self.ghosts.capacity() * size_of::<Ghost>()
+            + self.grid.first_row.capacity() * 4
+            + self.sort.bytes()
+    }
+
+    /// The index, in the order that was given to the sort, of the position that belongs to each slot, `[N]`.
+    #[must_use]
+    pub fn source(&self) -> &[u32] {
+        &self.sort.source
+    }
+
+    /// Sorts positions in a box for a search within `radius` σ.
+    ///
+    /// # Errors
+    /// [`GridError::BadPosition`] where a position is not a usable number; the table is then unusable.
+    pub fn sort(
+        &mut self,
+        cell: &PeriodicBox,
+        positions: Positions<'_>,
+        radius: f64,
+    ) -> Result<(), GridError> {
+        let values = positions.values();
+        let n = values.len();
+        let lengths = cell.lengths();
+        self.grid.choose(lengths, n, radius);
+        let [nx, ny, nz] = self.grid.inner;
+        let inv_edge = DVec3::new(nx as f64, ny as f64, nz as f64) / lengths;
+
+        let far = lengths * FARTHEST_IMAGE;
+        let bad = AtomicBool::new(false);
+        self.sort.home.resize(n, 0);
+        for_each_piece(&mut self.sort.home, |first, chunk| {
+            let mut usable = true;
+            for (home, r) in chunk.iter_mut().zip(&values[first..]) {
+                // The comparison is false for NaN.
+                usable &= r.abs().cmple(far).all();
+                let scaled = fold(*r, lengths).0 * inv_edge;
+                let x = (scaled.x as u32).min(nx as u32 - 1);
+                let y = (scaled.y as u32).min(ny as u32 - 1);
+                let z = (scaled.z as u32).min(nz as u32 - 1);
+                *home = (x * ny as u32 + y) * nz as u32 + z;
+            }
+            if !usable {
+                bad.store(true, Ordering::Relaxed);
+            }
+        });
+        if bad.into_inner()
+            && let Some(bad) = values.iter().position(|r| !r.abs().cmple(far).all())
+        {
+            let particle = positions.particle(bad, &self.particle);
+            return Err(GridError::BadPosition { particle });
+        }
+        self.sort.sort(nx * ny * nz, &mut self.particle, positions);
+        self.number_rows();
+        self.fill_slots(values, lengths);
+        self.fill_rows(lengths);
+        Ok(())
+    }
+
+    /// Numbers the rows of the extended grid, ghosts included.
+    fn number_rows(&mut self) {
+        let grid = &self.grid;
+        let first_slot = &self.sort.first;
+        let axes = [0, 1, 2].map(|a| grid.axis(a));
+        let mut first_row = Vec::with_capacity(grid.first_row.len());
+        let mut rows = 0;
+        for (hx, _) in &axes[0] {
+            for (hy, _) in &axes[1] {
+                for (hz, _) in &axes[2] {
+                    let home = grid.home_index(*hx, *hy, *hz);
+                    first_row.push(rows);
+                    rows += first_slot[home + 1] - first_slot[home];
+                }
+            }
+        }
+        first_row.push(rows);
+        self.grid.first_row = first_row;
+        self.slot.resize(rows as usize + PADDING, 0);
+        self.coordinates.resize(rows as usize);
+    }
+
+    /// Fills the arrays with one element per slot.
+    fn fill_slots(&mut self, positions: &[DVec3], lengths: DVec3) {
+        let n = self.particle.len();
+        self.row.resize(n, 0);
+        self.image.resize(n, IVec3::ZERO);
+        self.cell_of_slot.resize(n, 0);
+        self.wrapped.resize(n, DVec3::ZERO);
+        let grid = &self.grid;
+        let [_, ny, nz] = grid.inner;
+        let [_, ey, ez] = grid.extended();
+        let [lx, ly, lz] = grid.layers;
+        let CellSort {
+            home,
+            first: first_slot,
+            source,
+        } = &self.sort;
+        for_each_piece_pair(
+            &mut self.row,
+            &mut self.cell_of_slot,
+            |first, rows, cells| {
+                for (k, (row, cell)) in rows.iter_mut().zip(cells).enumerate() {
+                    let slot = first + k;
+                    let home = home[source[slot] as usize] as usize;
+                    let (x, y, z) = (home / (ny * nz), home / nz % ny, home % nz);
+                    let extended = ((x + lx) * ey + y + ly) * ez + z + lz;
+                    *cell = extended as u32;
+                    *row = grid.first_row[extended] + slot as u32 - first_slot[home];
+                }
+            },
+        );
+        for_each_piece_pair(
+            &mut self.image,
+            &mut self.wrapped,
+            |first, images, wrapped| {
+                let all = images.iter_mut().zip(wrapped).zip(&source[first..]);
+                for ((image, wrapped), source) in all {
+                    (*wrapped, *image) = fold(positions[*source as usize], lengths);
+                }
+            },
+        );
+    }
+
+    /// Fills the arrays with one element per row, one layer of cells after another.
+    fn fill_rows(&mut self, lengths: DVec3) {
+        let grid = &self.grid;
+        let first_slot = &self.sort.first;
+        let [_, ey, ez] = grid.extended();
+        let axes = [0, 1, 2].map(|a| grid.axis(a));
+        let (own_rows, wrapped) = (&self.row, &self.wrapped);
+        let mut rest = (
+            self.slot.as_mut_slice(),
+            self.coordinates.x.as_mut_slice(),
+            self.coordinates.y.as_mut_slice(),
+            self.coordinates.z.as_mut_slice(),
+        );
+        let mut layers = Vec::with_capacity(axes[0].len());
+        for x in 0..axes[0].len() {
+            let first = x * ey * ez;
+            let rows = (grid.first_row[first + ey * ez] - grid.first_row[first]) as usize;
+            let (slot, s_rest) = rest.0.split_at_mut(rows);
+            let (cx, cx_rest) = rest.1.split_at_mut(rows);
+            let (cy, cy_rest) = rest.2.split_at_mut(rows);
+            let (cz, cz_rest) = rest.3.split_at_mut(rows);
+            rest = (s_rest, cx_rest, cy_rest, cz_rest);
+            layers.push((x, slot, cx, cy, cz));
+        }
+        let fill = |(x, slot, cx, cy, cz): Layer<'_>| {
+            let mut ghosts = Vec::new();
+            let (hx, sx) = axes[0][x];
+            let mut row = grid.first_row[x * ey * ez];
+            let mut at = 0;
+            for (hy, sy) in &axes[1] {
+                for (hz, sz) in &axes[2] {
+                    let home = grid.home_index(hx, *hy, *hz);
+                    let shift = [sx, *sy, *sz];
+                    let is_ghost = shift != [0; 3];
+                    let offset = IVec3::from(shift.map(i32::from)).as_dvec3() * lengths;
+                    for s in first_slot[home]..first_slot[home + 1] {
+                        let r = wrapped[s as usize] + offset;
+                        slot[at] = s;
+                        cx[at] = r.x as f32;
+                        cy[at] = r.y as f32;
+                        cz[at] = r.z as f32;
+                        if is_ghost {
+                            let source = own_rows[s as usize];
+                            ghosts.push(Ghost { row, source, shift });
+                        }
+                        at += 1;
+                        row += 1;
+                    }
+                }
+            }
+            ghosts
+        };
+        self.ghosts.clear();
+        for mut part in map_items(layers.into_iter(), |(), _, layer| fill(layer)) {
+            self.ghosts.append(&mut part);
+        }
+    }
+
+    /// A range of rows that contains all neighbors of the particles at `slots`, and these particles themselves.
+    pub(crate) fn rows_near(&self, slots: &Range<usize>) -> Range<u32> {
+        if slots.is_empty() {
+            return 0..0;
+        }
+        let cell = |slot: usize| self.cell_of_slot[slot];
+        self.grid
+            .rows_near([cell(slots.start), cell(slots.end - 1)])
+    }
+
+    /// The end of the group of slots that begins with `first` and shares one gathering of candidates.
+    ///
+    /// A group has the slots, before `end`, of up to [`CELLS_PER_GROUP`] consecutive cells of a column.
+    pub(crate) fn group_end(&self, first: usize, end: usize) -> usize {
+        let cells = &self.cell_of_slot[first..end];
+        let beyond = cells[0] + CELLS_PER_GROUP;
+        first + cells.iter().take_while(|c| **c < beyond).count()
+    }
+
+    /// Writes to `runs` the rows of all cells within the search radius of the slots from `first` to `last`, which
+    /// belong to one group.
+    pub(crate) fn runs_near(&self, first: usize, last: usize, runs: &mut Vec<Range<u32>>) {
+        let ends = [first, last].map(|slot| self.cell_of_slot[slot]);
+        self.grid.runs_near(ends, runs);
+    }
+
+    /// The margin that is added to the search radius, so that rounding to single precision hides no pair, σ.
+    pub(crate) fn search_margin(&self) -> f64 {
+        // Two coordinates on three axes are each off by half a unit in the last place of the extent.
+        // The distance itself is rounded a few times. Eight units in the last place cover all of it.
+        8.0 * self.grid.extent() * f64::from(f32::EPSILON)
+    }
+}
+
+impl Cells for RowTable {
+    fn count(&self) -> [u32; 3] {
+        self.grid.inner.map(|count| count as u32)
+    }
+
+    #[inline(always)]
+    fn slots(&self, x: u32, y: u32, z: [u32; 2]) -> Range<u32> {
+        let home = |z: u32| self.grid.home_index(x as usize, y as usize, z as usize);
+        let first = &self.sort.first;
+        first[home(z[0])]..first[home(z[1]) + 1]
+    }
+}
+
+/// Rows, slots and coordinates of one layer of cells.
+type Layer<'a> = (
+    usize,
+    &'a mut [u32],
+    &'a mut [f32],
+    &'a mut [f32],
+    &'a mut [f32],
+);

@@ -1,0 +1,254 @@
+//! What holds for each entry of the list.
+
+use glam::Vec3Swizzles;
+use lennard_core::random::Streams;
+use lennard_core::{
+    DMat3, DVec3, Energetics, Observable, PeriodicBox, State, StateArchive, System, View,
+};
+use lennard_observables::{BuildContext, MsdOptions, ObservableOptions, build, observables};
+use rand_distr::{Distribution, StandardNormal};
+
+const N: usize = 60;
+
+fn context() -> BuildContext {
+    context_of(N)
+}
+
+fn context_of(n_atoms: usize) -> BuildContext {
+    BuildContext {
+        cell: PeriodicBox::new(DVec3::splat(12.0)).unwrap(),
+        n_atoms,
+        dt: 0.005,
+        every: 10,
+        r_cut: 2.5,
+    }
+}
+
+/// A state of a random walk, with everything that an observable may ask for.
+fn walk(samples: u64, look: impl FnMut(u64, &View<'_>)) {
+    walk_of(N, samples, look);
+}
+
+fn walk_of(n: usize, samples: u64, mut look: impl FnMut(u64, &View<'_>)) {
+    let context = context_of(n);
+    let noise = Streams::new(11).noise("walk");
+    let normal = |step: u64, i: usize| -> DVec3 {
+        let mut rng = noise.at(step, i as u32);
+        DVec3::from_array(std::array::from_fn(|_| StandardNormal.sample(&mut rng)))
+    };
+    let start: Vec<DVec3> = (0..n).map(|i| 4.0 * normal(u64::MAX, i)).collect();
+    let mut state = State::new(context.cell, start, vec![DVec3::ZERO; n]);
+    let system = System::atoms(n);
+    for s in 0..samples {
+        for i in 0..n {
+            state.velocities[i] = normal(s, i);
+            state.positions[i] += 0.05 * state.velocities[i];
+            state.forces[i] = 3.0 * state.velocities[i].zxy();
+        }
+        state.step = s * context.every;
+        state.time = state.step as f64 * context.dt;
+        let w = normal(s, n);
+        state.energetics = Energetics {
+            potential_energy: Some(-5.0 * n as f64 + w.x),
+            conserved_potential: Some(-4.9 * n as f64 + w.x),
+            virial: Some(DMat3::from_diagonal(w) * 100.0),
+            laplacian: Some(300.0 * n as f64 + w.y),
+            pairs: Some(1),
+            per_particle: Some(
+                (0..n)
+                    .map(|i| (-5.0 + 0.1 * w.z * i as f64, DMat3::from_diagonal(w)))
+                    .collect(),
+            ),
+        };
+        look(
+            s,
+            &View {
+                heat: 0.01 * s as f64,
+                ..View::of(&state, &system)
+            },
+        );
+    }
+}
+
+fn saved(observable: &dyn Observable) -> StateArchive {
+    let mut archive = StateArchive::default();
+    observable.save(&mut archive.writer());
+    archive
+}
+
+#[test]
+fn the_list_the_names_and_the_scene_tables_agree() {
+    let all = ObservableOptions::all();
+    assert_eq!(all.len(), observables().len());
+    for (options, spec) in all.iter().zip(observables()) {
+        assert_eq!(options.name(), spec.name);
+        assert!(options.default_every() > 0);
+        let written = toml::to_string(options).unwrap();
+        assert!(
+            written.contains(&format!("kind = \"{}\"", spec.name)),
+            "{written}"
+        );
+        assert_eq!(
+            &toml::from_str::<ObservableOptions>(&written).unwrap(),
+            options
+        );
+        let minimal = format!("kind = \"{}\"", spec.name);
+        assert_eq!(
+            &toml::from_str::<ObservableOptions>(&minimal).unwrap(),
+            options
+        );
+        let misspelt = format!("{minimal}\nr_maxx = 3.0");
+        let error = toml::from_str::<ObservableOptions>(&misspelt).unwrap_err();
+        assert!(error.to_string().contains("r_maxx"), "{error}");
+        let built = build(options, &context()).unwrap();
+        assert_eq!(built.spec().name, spec.name);
+        for text in [spec.summary, spec.equation, spec.source] {
+            assert!(!text.is_empty());
+        }
+    }
+}
+
+#[test]
+fn an_observable_restored_in_the_middle_ends_with_the_same_bits() {
+    // Every default, and the options under which more of the state is used.
+    let mut options = ObservableOptions::all();
+    options.push(ObservableOptions::Msd(MsdOptions {
+        viscosity: Some(2.0),
+        particles: 17,
+        ..MsdOptions::default()
+    }));
+    let make = || -> Vec<Box<dyn Observable>> {
+        options
+            .iter()
+            .map(|o| build(o, &context()).unwrap())
+            .collect()
+    };
+    let (mut whole, mut first, mut second) = (make(), make(), make());
+    walk(180, |s, view| {
+        if s == 77 {
+            for (a, b) in first.iter().zip(&mut second) {
+                b.restore(&saved(a.as_ref()).reader()).unwrap();
+            }
+        }
+        for k in 0..whole.len() {
+            whole[k].sample(view);
+            if s < 77 {
+                first[k].sample(view);
+            } else {
+                second[k].sample(view);
+            }
+        }
+    });
+    for (a, b) in whole.iter().zip(&second) {
+        let name = a.spec().name;
+        let archive = saved(a.as_ref());
+        assert!(!archive.arrays.is_empty(), "{name} saves nothing");
+        assert!(archive == saved(b.as_ref()), "{name}");
+        // As text, for which NaN equals NaN.
+        assert_eq!(
+            format!("{:?}", a.finish(0.0)),
+            format!("{:?}", b.finish(0.0))
+        );
+    }
+    for (a, b) in first.iter().zip(&second) {
+        let name = a.spec().name;
+        assert!(
+            saved(a.as_ref()) != saved(b.as_ref()),
+            "{name}: nothing happened after the restart"
+        );
+    }
+}
+
+#[test]
+fn a_saved_state_of_another_run_is_refused() {
+    for options in ObservableOptions::all() {
+        let mut built = build(&options, &context()).unwrap();
+        let empty = StateArchive::default();
+        assert!(
+            built.restore(&empty.reader()).is_err(),
+            "{}",
+            options.name()
+        );
+    }
+}
+
+#[test]
+fn findings_have_the_same_bits_on_any_number_of_threads() {
+    // More than one chunk of the ordered sums.
+    let n = lennard_core::parallel::CHUNK + 1;
+    let run = |threads: usize| -> Vec<StateArchive> {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let mut all: Vec<_> = ObservableOptions::all()
+            .iter()
+            .map(|o| build(o, &context_of(n)).unwrap())
+            .collect();
+        walk_of(n, 6, |_, view| {
+            pool.install(|| all.iter_mut().for_each(|o| o.sample(view)));
+        });
+        all.iter().map(|o| saved(o.as_ref())).collect()
+    };
+    assert!(run(1) == run(3));
+}
+
+#[test]
+fn only_what_is_needed_is_asked_of_the_forces() {
+    let wants = |name: &str| {
+        let options = ObservableOptions::all()
+            .into_iter()
+            .find(|o| o.name() == name)
+            .unwrap();
+        build(&options, &context()).unwrap().want()
+    };
+    for name in ["momentum", "rdf", "msd", "vacf", "structure-factor"] {
+        assert!(wants(name).is_nothing(), "{name}");
+    }
+    let tensor = wants("pressure-tensor");
+    assert!(tensor.virial && !tensor.energy && !tensor.laplacian);
+    assert_eq!(wants("thermodynamics"), lennard_core::Want::TOTALS);
+    let without: ObservableOptions =
+        toml::from_str("kind = \"thermodynamics\"\nconfigurational_temperature = false").unwrap();
+    assert_eq!(
+        build(&without, &context()).unwrap().want(),
+        lennard_core::Want::ENERGY_AND_VIRIAL
+    );
+}
+
+#[test]
+fn every_table_has_columns_of_equal_length_and_every_average_is_a_number() {
+    let mut all: Vec<_> = ObservableOptions::all()
+        .iter()
+        .map(|o| build(o, &context()).unwrap())
+        .collect();
+    for observable in &all {
+        // Nothing seen: no panic, and no number that pretends to be one.
+        for average in observable.finish(0.0).averages {
+            assert!(average.estimate.mean.is_nan(), "{}", average.name);
+        }
+    }
+    walk(180, |_, view| all.iter_mut().for_each(|o| o.sample(view)));
+    let mut names = Vec::new();
+    for observable in &all {
+        let findings = observable.finish(0.0);
+        for table in &findings.tables {
+            let rows = table.rows();
+            assert!(
+                table.columns.iter().all(|c| c.cells.len() == rows),
+                "{}",
+                table.name
+            );
+            names.push(table.name.clone());
+        }
+        for average in &findings.averages {
+            assert!(average.estimate.mean.is_finite(), "{}", average.name);
+            assert!(average.estimate.standard_error >= 0.0, "{}", average.name);
+            names.push(format!("average {}", average.name));
+        }
+    }
+    let count = names.len();
+    names.sort();
+    names.dedup();
+    assert_eq!(names.len(), count, "a name is used twice: {names:?}");
+}

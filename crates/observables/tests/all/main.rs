@@ -1,0 +1,6 @@
+//! Tests of observables and of their statistics from outside.
+
+mod every_observable;
+mod lennard_jones;
+mod messages;
+mod thermodynamics;

@@ -1,0 +1,3 @@
+//! Tests of figures and pages from outside.
+
+mod messages;

@@ -1,0 +1,7 @@
+//! Tests of scene files from outside: reading, writing, lock files, hostile input, error texts.
+
+mod hostile;
+mod inputs;
+mod lock;
+mod messages;
+mod reading;

@@ -1,0 +1,50 @@
+//! The quantities of a run beside their references, for a reader.
+
+use lennard_core::{Cell, Table};
+use lennard_report::significant;
+
+use super::{Row, quantity_words};
+
+/// The rows of a run as a table; `verdict` gives the words of the last column.
+#[must_use]
+pub fn table(rows: &[&Row], verdict: impl Fn(&Row) -> String) -> Table {
+    let caption = "Digits in brackets are one standard error (s.e.) in the last digits; a number without them has none, and the verdict says why. Energy and pressure agree within 4 standard errors and what the \
+                   equation of state may be off by (0.003 ε and 0.005 ε/σ³), c_v within 2 standard errors and 2 %, transport coefficients within 2 \
+                   combined standard errors and 3 %.";
+    Table::rows_of("comparison", rows)
+        .caption(caption)
+        .column("Quantity", |r| {
+            let words = quantity_words(&r.quantity);
+            if r.unit.is_empty() {
+                words
+            } else {
+                format!("{words}, {}", r.unit)
+            }
+        })
+        .measured("Measured", |r| Some((r.measured, r.standard_error)))
+        .column("Reference", |r| {
+            with_or_without_error(r.reference, r.reference_error)
+        })
+        .column("Difference", |r| {
+            with_or_without_error(r.difference, r.combined_error)
+        })
+        .column("Difference / s.e.", |r| {
+            let figures = r.in_standard_errors.map(|z| format!("{z:+.1}"));
+            figures.map(Cell::figures)
+        })
+        .column("Tolerance", |r| {
+            let figures = r.tolerance.map(|t| format!("± {}", significant(t, 2)));
+            figures.map(Cell::figures)
+        })
+        .column("Verdict", |r| {
+            Cell::words(verdict(r)).toned(r.verdict.tone())
+        })
+        .table()
+}
+
+fn with_or_without_error(value: Option<f64>, error: Option<f64>) -> Cell {
+    match (value, error) {
+        (Some(value), Some(error)) => Cell::measured(value, error),
+        (value, _) => Cell::rounded(value, 5),
+    }
+}

@@ -1,0 +1,88 @@
+//! Verdicts follow the numbers.
+
+use super::*;
+
+const TOLERANCE: Tolerance = Tolerance::new(4.0, 0.003, 0.0);
+
+fn average(mean: f64, standard_error: f64) -> AverageRecord {
+    AverageRecord {
+        mean,
+        standard_error,
+        n_effective: 500.0,
+        freedom: 64.0,
+        equilibration_cut: 0,
+        unit: "ε".into(),
+        standing: lennard_io::SOUND.into(),
+        reason: String::new(),
+    }
+}
+
+fn row(measured: f64) -> Row {
+    Row::measured("u", &average(measured, 3e-4)).against(-5.0, Some(4e-4), TOLERANCE, "x")
+}
+
+#[test]
+fn a_verdict_weighs_both_errors_and_the_allowance() {
+    // 4·√(3² + 4²)·1e-4 + 0.003 = 0.005.
+    assert_eq!(row(-5.0049).verdict, Verdict::Agrees);
+    assert_eq!(row(-5.0051).verdict, Verdict::Differs);
+    assert!((row(-4.999).in_standard_errors.unwrap() - 2.0).abs() < 1e-9);
+    assert_eq!(row(f64::NAN).verdict, Verdict::Differs);
+}
+
+#[test]
+fn a_value_known_to_lie_in_a_range_differs_by_its_distance_from_it() {
+    let row = |low, high| row(high).between(low, high);
+    let inside = row(-5.1, -4.9);
+    assert_eq!(
+        (inside.difference, inside.verdict),
+        (Some(0.0), Verdict::Agrees)
+    );
+    assert!(
+        inside
+            .range_words()
+            .unwrap()
+            .contains("range -5.1000 to -4.9000")
+    );
+    let above = row(-4.998, -4.9);
+    assert!((above.in_standard_errors.unwrap() - 4.0).abs() < 1e-9);
+    assert_eq!(above.verdict, Verdict::Agrees);
+    assert_eq!(row(-5.2, -5.01).verdict, Verdict::Differs);
+    // What is no range changes nothing.
+    let none = row(f64::NAN, f64::NAN);
+    assert_eq!((none.verdict, none.range_words()), (Verdict::Differs, None));
+}
+
+#[test]
+fn a_bias_explains_a_difference_of_its_size_and_no_other() {
+    let because = "the tail beyond a cutoff of 2.5 σ";
+    let found = row(-5.012).biased_by(-0.010, because);
+    assert_eq!(found.verdict, Verdict::PredictedBias);
+    assert_eq!(found.verdict_words(), "predicted bias of −0.010");
+    // 0.375 ε off, where the cutoff makes a hundredth of that.
+    let found = row(-4.625).biased_by(0.004, because);
+    assert_eq!(found.verdict, Verdict::Differs);
+    assert!(found.verdict_words().contains("not explained"));
+    // A bias of the wrong sign explains nothing, and what agrees needs no explanation.
+    assert_eq!(
+        row(-5.0055).biased_by(0.001, because).verdict,
+        Verdict::Differs
+    );
+    assert_eq!(
+        row(-5.001).biased_by(-0.001, because).verdict,
+        Verdict::Agrees
+    );
+}
+
+#[test]
+fn what_is_no_result_is_held_against_nothing() {
+    let doubted = AverageRecord {
+        standing: "too-short".into(),
+        reason: "12 samples".into(),
+        standard_error: f64::NAN,
+        ..average(-7.0, 0.0)
+    };
+    let row = Row::measured("u", &doubted).against(-5.0, None, TOLERANCE, "a source");
+    assert_eq!(row.verdict_words(), "too short: 12 samples");
+    assert_eq!((row.reference, row.source.as_str()), (None, ""));
+}

@@ -1,0 +1,4 @@
+//! Tests of studies from outside.
+
+mod messages;
+mod stability;
