@@ -98,25 +98,46 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
     })
 }
 
-/// A part of the work: how it is done, or why it is not.
-fn item(part: &str, how: Result<String, &str>) -> PlanItem {
-    let on = how.is_ok();
+/// How a part of the work is done, or why it is not.
+enum How<'a> {
+    On(String),
+    Off(&'a str),
+}
+
+impl<'a> How<'a> {
+    /// On where there are words how, else off.
+    fn of(how: Option<String>, why_not: &'a str) -> Self {
+        how.map_or(Self::Off(why_not), Self::On)
+    }
+
+    /// On or off, in the same words.
+    fn either(on: bool, words: &'a str) -> Self {
+        Self::of(on.then(|| words.to_owned()), words)
+    }
+}
+
+fn item(part: &str, how: How<'_>) -> PlanItem {
+    let on = matches!(how, How::On(_));
+    let why = match how {
+        How::On(words) => words,
+        How::Off(words) => words.to_owned(),
+    };
     PlanItem {
         part: part.to_owned(),
         on,
-        why: how.unwrap_or_else(str::to_owned),
+        why,
         share: None,
     }
 }
 
-fn neighbor_in_words(forces: &ForcePlan) -> Result<String, &str> {
-    if forces.search != Search::Verlet {
-        return Err(&forces.reason);
-    }
-    Ok(format!(
-        "list radius {:.3} σ (skin {:.3} σ): {}",
-        forces.r_list, forces.skin, forces.reason
-    ))
+fn neighbor_in_words(forces: &ForcePlan) -> How<'_> {
+    let list = (forces.search == Search::Verlet).then(|| {
+        format!(
+            "list radius {:.3} σ (skin {:.3} σ): {}",
+            forces.r_list, forces.skin, forces.reason
+        )
+    });
+    How::of(list, &forces.reason)
 }
 
 fn items(
@@ -131,7 +152,7 @@ fn items(
     }
     items.extend(of_observables(scene));
     items.extend(of_output(scene));
-    items.push(item("watchdog", Ok(watchdog::what_is_done())));
+    items.push(item("watchdog", How::On(watchdog::what_is_done())));
     let more_threads = format!(
         "{threads} at work; {} pay for {} particles",
         forces.recommended_threads,
@@ -139,15 +160,11 @@ fn items(
     );
     items.push(item(
         "more than one thread",
-        if threads > 1 {
-            Ok(more_threads)
-        } else {
-            Err(&more_threads)
-        },
+        How::either(threads > 1, &more_threads),
     ));
     items.push(item(
         "image flags",
-        Err("positions are kept unwrapped; flags are made only where a frame is written"),
+        How::Off("positions are kept unwrapped; flags are made only where a frame is written"),
     ));
     items
 }
@@ -156,12 +173,12 @@ fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [Plan
     let rows = scene.output.thermo_every;
     let laplacian = format!("Laplacian on every {rows}th step of measured stages");
     let tail = match simulation.tail() {
-        Some(tail) => Ok(format!(
+        Some(tail) => How::On(format!(
             "computed once: {:.4} ε per particle, {:.4} ε/σ³",
             tail.energy_per_particle, tail.pressure
         )),
-        None if scene.truncation.tail_correction => Err("the potential has none"),
-        None => Err("not asked for, or not a plain cutoff"),
+        None if scene.truncation.tail_correction => How::Off("the potential has none"),
+        None => How::Off("not asked for, or not a plain cutoff"),
     };
     let (kernel, isa, precision) = (forces.kernel, forces.isa, forces.precision.name());
     let method = scene.integrator.method.spec().name;
@@ -172,15 +189,16 @@ fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [Plan
     ];
     let wants_laplacian = simulation.thermodynamics().want().laplacian;
     [
-        item("pair forces", Ok(pairs)),
+        item("pair forces", How::On(pairs)),
         item("neighbor list", neighbor_in_words(forces)),
-        item("integrator", Ok(integrator)),
-        item("energy and virial", Ok(energies)),
+        item("integrator", How::On(integrator)),
+        item("energy and virial", How::On(energies)),
         item(
             "configurational temperature",
-            wants_laplacian
-                .then_some(laplacian)
-                .ok_or("switched off in the scene"),
+            How::of(
+                wants_laplacian.then_some(laplacian),
+                "switched off in the scene",
+            ),
         ),
         item("tail correction", tail),
     ]
@@ -198,11 +216,11 @@ fn of_stage(stage: &Stage) -> impl Iterator<Item = PlanItem> {
     };
     let itself = item(
         &format!("stage {}", stage.name),
-        Ok(format!("{} steps, {bath}{measured}", stage.steps)),
+        How::On(format!("{} steps, {bath}{measured}", stage.steps)),
     );
     let bath = stage.thermostat.as_ref().map(|thermostat| {
         let how = "once a step, or as often as its table says; one that is an integrator costs what the integrator does";
-        item(&bath_name(stage, thermostat.name()), Ok(how.into()))
+        item(&bath_name(stage, thermostat.name()), How::On(how.into()))
     });
     [itself].into_iter().chain(bath)
 }
@@ -213,21 +231,17 @@ fn of_observables(scene: &Scene) -> Vec<PlanItem> {
     let averages = format!("averages on every {rows}th step of measured stages");
     let mut items = vec![item(
         THERMO,
-        if scene.stages.iter().any(|s| s.measure) {
-            Ok(averages)
-        } else {
-            Err(&averages)
-        },
+        How::either(scene.stages.iter().any(|s| s.measure), &averages),
     )];
     let tables = scene.observables.iter();
     let named = tables.map(|table| (table.options.name(), table.every));
     let named: Vec<_> = named.filter(|(name, _)| *name != THERMO).collect();
     for (name, every) in &named {
-        items.push(item(name, Ok(format!("every {every} steps"))));
+        items.push(item(name, How::On(format!("every {every} steps"))));
     }
     for spec in lennard_observables::observables() {
         if spec.name != THERMO && named.iter().all(|(name, _)| *name != spec.name) {
-            items.push(item(spec.name, Err("not in the scene")));
+            items.push(item(spec.name, How::Off("not in the scene")));
         }
     }
     items
@@ -249,13 +263,14 @@ fn of_output(scene: &Scene) -> [PlanItem; 2] {
     [
         item(
             "trajectory",
-            trajectory.ok_or("no `trajectory_every` in [output]"),
+            How::of(trajectory, "no `trajectory_every` in [output]"),
         ),
         item(
             "checkpoints",
-            (!when.is_empty())
-                .then_some(checkpoints)
-                .ok_or("at the end alone, or when the run is stopped"),
+            How::of(
+                (!when.is_empty()).then_some(checkpoints),
+                "at the end alone, or when the run is stopped",
+            ),
         ),
     ]
 }
