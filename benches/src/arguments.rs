@@ -150,7 +150,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn output_that_nobody_reads_is_no_error() {
+    fn output_without_a_reader_is_no_error() {
         let gone = io::Error::from(io::ErrorKind::BrokenPipe);
         assert!(has_no_reader(&gone));
         assert!(!has_no_reader(&io::Error::from(io::ErrorKind::StorageFull)));

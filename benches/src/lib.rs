@@ -67,8 +67,7 @@ pub struct Run {
     pub forces: Vec<DVec3>,
     /// What gives them.
     pub provider: PairForces,
-    options: ForceFieldOptions,
-    conditions: Conditions,
+    cell: PeriodicBox,
     masses: Masses,
     dt: f64,
     time: f64,
@@ -149,8 +148,7 @@ impl Case {
             positions,
             velocities,
             provider,
-            options,
-            conditions,
+            cell,
             masses: Masses::Uniform(1.0),
             dt: self.dt,
             time: 0.0,
@@ -168,33 +166,13 @@ impl Run {
     /// [`ForceError`] where one is not finite.
     pub fn evaluate(&mut self, want: Want) -> Result<Energetics, ForceError> {
         let at = Configuration {
-            cell: &self.conditions.cell,
+            cell: &self.cell,
             positions: &self.positions,
             velocities: None,
             time: self.time,
         };
         self.provider
             .evaluate(at, Part::All, want, &mut self.forces)
-    }
-
-    /// What builds the same forces once more, with no list yet.
-    pub fn fresh_providers(&self) -> impl Fn() -> Result<PairForces, ForceFieldError> + use<> {
-        let (options, conditions) = (self.options, self.conditions);
-        move || build(&options, &conditions)
-    }
-
-    /// Evaluates other forces where the particles are.
-    ///
-    /// # Errors
-    /// [`ForceError`] where one is not finite.
-    pub fn evaluate_with(&mut self, provider: &mut PairForces) -> Result<Energetics, ForceError> {
-        let at = Configuration {
-            cell: &self.conditions.cell,
-            positions: &self.positions,
-            velocities: None,
-            time: self.time,
-        };
-        provider.evaluate(at, Part::All, Want::NOTHING, &mut self.forces)
     }
 
     /// Takes `steps` steps of velocity Verlet, as many as possible in strides, and gives what `want` asks for at the last one.
@@ -215,7 +193,7 @@ impl Run {
                 dt,
             );
             let stride = FusedSteps {
-                cell: &self.conditions.cell,
+                cell: &self.cell,
                 positions: &mut self.positions,
                 velocities: &mut self.velocities,
                 masses: &self.masses,

@@ -1,15 +1,16 @@
 //! Whole steps of the cases A, B and C without the engine, for the comparison with other engines:
-//! `steps CASE [STEPS] [key=value ...]` with keys `threads`, `beside`, `precision`, `isa`, `skin`, `repeats` and `warm`. With `beside`, blocks on
-//! so many threads are taken in turn with those on `threads`, and the median of the ratios of neighboring blocks tells
-//! more than two runs on a machine whose clock drifts. `skin` takes the place of the one that the case would choose. Kernels
-//! and lists by themselves are what `lennard bench` is for.
+//! `steps CASE [STEPS] [key=value ...]` with keys `threads`, `beside`, `precision`, `isa`, `skin`, `repeats` and `warm`.
+//!
+//! With `beside`, blocks on two numbers of threads take turns. The median of their ratios tells more than two runs on a
+//! machine whose clock drifts. `skin` replaces the skin that the case would choose. `lennard bench` times kernels and
+//! lists by themselves.
 
 use std::io::{Write, stdout};
 use std::process::ExitCode;
-use std::time::Instant;
 
 use lennard_benches::arguments::{Arguments, exit_code};
 use lennard_core::parallel::awake;
+use lennard_core::stopwatch::{in_turn, timed};
 use lennard_core::{ForceTerm, Want};
 use lennard_forcefield::{Isa, KernelOptions, Precision, TruncationKind};
 
@@ -58,25 +59,18 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
     let mut run = pools[0].install(|| case.start(kernel, skin, TruncationKind::Cut))?;
     pools[0].install(|| run.steps(warm, Want::NOTHING))?;
     let mut seconds = vec![Vec::new(); pools.len()];
-    for round in 0..repeats {
-        for k in 0..pools.len() {
-            // Neither always comes first.
-            let k = (k + round) % pools.len();
-            pools[k]
-                .install(|| -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-                    let mut block = |steps| awake(|| run.steps(steps, Want::NOTHING));
-                    if pools.len() > 1 {
-                        // What the other threads left in their caches is not this block's affair.
-                        block(steps.div_ceil(8))?;
-                    }
-                    let start = Instant::now();
-                    block(steps)?;
-                    seconds[k].push(start.elapsed().as_secs_f64());
-                    Ok(())
-                })
-                .map_err(|e| e.to_string())?;
-        }
-    }
+    in_turn(pools.len(), repeats, case.seed, |turn| {
+        pools[turn.item].install(|| {
+            let mut block = |steps| awake(|| run.steps(steps, Want::NOTHING));
+            if pools.len() > 1 {
+                // The caches hold what the other threads left: these steps replace it.
+                block(steps.div_ceil(8))?;
+            }
+            let (time, taken) = timed(|| block(steps));
+            seconds[turn.item].push(time);
+            taken.map(drop)
+        })
+    })?;
     let s = run.provider.statistics();
     let speed = |seconds: f64| (case.n_atoms() * steps) as f64 / seconds / 1e6;
     for (seconds, threads) in seconds.iter().zip(&counts) {

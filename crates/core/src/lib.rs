@@ -19,6 +19,7 @@ pub mod random;
 mod spec;
 mod state;
 mod step;
+pub mod stopwatch;
 pub mod sweeps;
 mod system;
 mod table;

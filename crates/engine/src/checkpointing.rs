@@ -6,7 +6,6 @@
 use std::time::{Duration, Instant};
 
 use lennard_core::{Array, DMat3, DVec3, Energetics, Persist, StateArchive, StateReader};
-use lennard_forcefield::Precision;
 use lennard_io::{Checkpoint, CheckpointFolder, CheckpointMetadata, WriteError};
 
 use crate::files::Marks;
@@ -53,7 +52,7 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
             scene_name: simulation.scene.name.clone(),
             isa: simulation.isa.clone(),
-            precision: precision_name(simulation.scene.kernel.precision).to_owned(),
+            precision: simulation.scene.kernel.precision.name().to_owned(),
             step: simulation.state.step,
             files: [(THERMO.to_owned(), marks.thermo)]
                 .into_iter()
@@ -183,13 +182,6 @@ fn restored_energetics(from: &StateReader<'_>) -> Result<Energetics, lennard_cor
         },
         ..Energetics::default()
     })
-}
-
-fn precision_name(precision: Precision) -> &'static str {
-    match precision {
-        Precision::Double => "double",
-        Precision::Mixed => "mixed",
-    }
 }
 
 /// Writes checkpoints when they are due.

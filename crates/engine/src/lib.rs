@@ -1,5 +1,6 @@
 //! From a scene to results: initial conditions, the main loop, the watchdog, files and the run record.
 
+mod bare;
 mod baths;
 mod build;
 mod checkpointing;
@@ -27,6 +28,7 @@ mod timers;
 mod watch;
 pub mod watchdog;
 
+pub use bare::{ENDLESS, bare, measured_stage, take};
 pub use baths::held_temperature;
 pub use build::{
     Beginning, SMALLEST_START_DISTANCE, begin, conditions, forces, prepare, prepare_from,
@@ -42,7 +44,7 @@ pub use failure::{PhysicsFailure, Symptom};
 pub use files::{Marks, RunFiles, discard};
 pub use follower::{Follower, StopAt, Unfollowed, Verdict};
 pub use force_check::{ForceCheck, Seen};
-pub use plan::{Plan, PlanItem, plan};
+pub use plan::{Plan, PlanItem, plan, watching_seconds};
 pub use resume::{ResumeOptions, Resumed, resume, way_on};
 pub use run::{Ending, Outcome, Progress, RunOptions, go_on, run};
 pub use schedule::{Action, Observer, Operation, SET_ASIDE_EVERY, Schedule, Trigger};

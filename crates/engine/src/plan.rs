@@ -3,8 +3,8 @@
 mod shares;
 
 use lennard_core::{DVec3, Observable};
-use lennard_forcefield::{Precision, Search};
-use lennard_scene::Scene;
+use lennard_forcefield::{ForcePlan, Search};
+use lennard_scene::{Scene, Stage};
 use serde::Serialize;
 
 use crate::run::SET_ASIDE_BYTES;
@@ -12,6 +12,8 @@ use crate::simulation::Simulation;
 use crate::watchdog;
 use crate::{EngineError, build};
 use shares::{Costs, bath_name};
+
+pub use shares::watching_seconds;
 
 /// One part of the work.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -96,194 +98,179 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
     })
 }
 
-fn item(part: &str, on: bool, why: impl Into<String>) -> PlanItem {
+/// How a part of the work is done, or why it is not.
+enum How<'a> {
+    On(String),
+    Off(&'a str),
+}
+
+impl<'a> How<'a> {
+    /// On where there are words how, else off.
+    fn of(how: Option<String>, why_not: &'a str) -> Self {
+        how.map_or(Self::Off(why_not), Self::On)
+    }
+
+    /// On or off, in the same words.
+    fn either(on: bool, words: &'a str) -> Self {
+        Self::of(on.then(|| words.to_owned()), words)
+    }
+}
+
+fn item(part: &str, how: How<'_>) -> PlanItem {
+    let on = matches!(how, How::On(_));
+    let why = match how {
+        How::On(words) => words,
+        How::Off(words) => words.to_owned(),
+    };
     PlanItem {
         part: part.to_owned(),
         on,
-        why: why.into(),
+        why,
         share: None,
     }
 }
 
-fn neighbor_in_words(forces: &lennard_forcefield::ForcePlan) -> String {
-    if forces.search == Search::Verlet {
+fn neighbor_in_words(forces: &ForcePlan) -> How<'_> {
+    let list = (forces.search == Search::Verlet).then(|| {
         format!(
             "list radius {:.3} σ (skin {:.3} σ): {}",
             forces.r_list, forces.skin, forces.reason
         )
-    } else {
-        forces.reason.clone()
-    }
+    });
+    How::of(list, &forces.reason)
 }
 
 fn items(
     scene: &Scene,
     simulation: &Simulation,
-    forces: &lennard_forcefield::ForcePlan,
+    forces: &ForcePlan,
     threads: usize,
 ) -> Vec<PlanItem> {
-    let output = &scene.output;
-    let spec = scene.integrator.method.spec();
-    let mut items = vec![
-        item("pair forces", true, {
-            let precision = match forces.precision {
-                Precision::Double => "double",
-                Precision::Mixed => "mixed",
-            };
-            format!(
-                "every step, `{}` loop, {} in {precision} precision",
-                forces.kernel, forces.isa
-            )
-        }),
-        item(
-            "neighbor list",
-            forces.search == Search::Verlet,
-            neighbor_in_words(forces),
-        ),
-        item(
-            "integrator",
-            true,
-            format!("{}, dt = {} τ", spec.name, scene.integrator.dt),
-        ),
-        item(
-            "energy and virial",
-            true,
-            format!(
-                "on every {}th step, for thermo.csv and the averages; not between",
-                output.thermo_every
-            ),
-        ),
-    ];
-    let want = simulation.thermodynamics().want();
-    items.push(if want.laplacian {
-        item(
-            "configurational temperature",
-            true,
-            format!(
-                "Laplacian on every {}th step of measured stages",
-                output.thermo_every
-            ),
-        )
-    } else {
-        item(
-            "configurational temperature",
-            false,
-            "switched off in the scene",
-        )
-    });
-    items.push(match simulation.tail() {
-        Some(tail) => item(
-            "tail correction",
-            true,
-            format!(
-                "computed once: {:.4} ε per particle, {:.4} ε/σ³",
-                tail.energy_per_particle, tail.pressure
-            ),
-        ),
-        None if scene.truncation.tail_correction => {
-            item("tail correction", false, "the potential has none")
-        }
-        None => item(
-            "tail correction",
-            false,
-            "not asked for, or not a plain cutoff",
-        ),
-    });
+    let mut items = Vec::from(of_steps(scene, simulation, forces));
     for stage in &scene.stages {
-        let bath = match &stage.thermostat {
-            Some(t) => format!("{} at T = {}", t.name(), stage.temperature),
-            None => "constant energy, no thermostat".into(),
-        };
-        let measured = if stage.measure {
-            ", measured"
-        } else {
-            ", not measured: no observable runs"
-        };
-        items.push(item(
-            &format!("stage {}", stage.name),
-            true,
-            format!("{} steps, {bath}{measured}", stage.steps),
-        ));
-        if let Some(thermostat) = &stage.thermostat {
-            items.push(item(
-                &bath_name(stage, thermostat.name()),
-                true,
-                "once a step, or as often as its table says; one that is an integrator costs what the integrator does",
-            ));
-        }
+        items.extend(of_stage(stage));
     }
-    items.push(item(
-        "thermodynamics",
-        scene.stages.iter().any(|s| s.measure),
-        format!(
-            "averages on every {}th step of measured stages",
-            output.thermo_every
-        ),
-    ));
-    for table in scene
-        .observables
-        .iter()
-        .filter(|o| o.options.name() != "thermodynamics")
-    {
-        items.push(item(
-            table.options.name(),
-            true,
-            format!("every {} steps", table.every),
-        ));
-    }
-    for spec in lennard_observables::observables() {
-        let named = scene
-            .observables
-            .iter()
-            .any(|o| o.options.name() == spec.name);
-        if !named && spec.name != "thermodynamics" {
-            items.push(item(spec.name, false, "not in the scene"));
-        }
-    }
-    items.push(match output.trajectory_every {
-        Some(every) => item(
-            "trajectory",
-            true,
-            format!("a frame every {every} steps of measured stages"),
-        ),
-        None => item("trajectory", false, "no `trajectory_every` in [output]"),
-    });
-    items.push(
-        match (scene.checkpoint.every_steps, scene.checkpoint.every_seconds) {
-            (None, None) => item(
-                "checkpoints",
-                false,
-                "at the end alone, or when the run is stopped",
-            ),
-            (steps, seconds) => {
-                let steps = steps.map(|n| format!("every {n} steps"));
-                let seconds = seconds.map(|s| format!("every {s} s"));
-                let both: Vec<String> = steps.into_iter().chain(seconds).collect();
-                item(
-                    "checkpoints",
-                    true,
-                    format!(
-                        "{}, and at the end; their cost is that of the disk",
-                        both.join(" and ")
-                    ),
-                )
-            }
-        },
+    items.extend(of_observables(scene));
+    items.extend(of_output(scene));
+    items.push(item("watchdog", How::On(watchdog::what_is_done())));
+    let more_threads = format!(
+        "{threads} at work; {} pay for {} particles",
+        forces.recommended_threads,
+        simulation.state.len()
     );
-    items.push(item("watchdog", true, watchdog::what_is_done()));
     items.push(item(
         "more than one thread",
-        threads > 1,
-        format!(
-            "{threads} at work; {} pay for {} particles",
-            forces.recommended_threads,
-            simulation.state.len()
-        ),
+        How::either(threads > 1, &more_threads),
     ));
     items.push(item(
         "image flags",
-        false,
-        "positions are kept unwrapped; flags are made only where a frame is written",
+        How::Off("positions are kept unwrapped; flags are made only where a frame is written"),
     ));
     items
+}
+
+fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [PlanItem; 6] {
+    let rows = scene.output.thermo_every;
+    let laplacian = format!("Laplacian on every {rows}th step of measured stages");
+    let tail = match simulation.tail() {
+        Some(tail) => How::On(format!(
+            "computed once: {:.4} ε per particle, {:.4} ε/σ³",
+            tail.energy_per_particle, tail.pressure
+        )),
+        None if scene.truncation.tail_correction => How::Off("the potential has none"),
+        None => How::Off("not asked for, or not a plain cutoff"),
+    };
+    let (kernel, isa, precision) = (forces.kernel, forces.isa, forces.precision.name());
+    let method = scene.integrator.method.spec().name;
+    let [pairs, integrator, energies] = [
+        format!("every step, `{kernel}` loop, {isa} in {precision} precision"),
+        format!("{method}, dt = {} τ", scene.integrator.dt),
+        format!("on every {rows}th step, for thermo.csv and the averages; not between"),
+    ];
+    let wants_laplacian = simulation.thermodynamics().want().laplacian;
+    [
+        item("pair forces", How::On(pairs)),
+        item("neighbor list", neighbor_in_words(forces)),
+        item("integrator", How::On(integrator)),
+        item("energy and virial", How::On(energies)),
+        item(
+            "configurational temperature",
+            How::of(
+                wants_laplacian.then_some(laplacian),
+                "switched off in the scene",
+            ),
+        ),
+        item("tail correction", tail),
+    ]
+}
+
+fn of_stage(stage: &Stage) -> impl Iterator<Item = PlanItem> {
+    let bath = match &stage.thermostat {
+        Some(t) => format!("{} at T = {}", t.name(), stage.temperature),
+        None => "constant energy, no thermostat".into(),
+    };
+    let measured = if stage.measure {
+        ", measured"
+    } else {
+        ", not measured: no observable runs"
+    };
+    let itself = item(
+        &format!("stage {}", stage.name),
+        How::On(format!("{} steps, {bath}{measured}", stage.steps)),
+    );
+    let bath = stage.thermostat.as_ref().map(|thermostat| {
+        let how = "once a step, or as often as its table says; one that is an integrator costs what the integrator does";
+        item(&bath_name(stage, thermostat.name()), How::On(how.into()))
+    });
+    [itself].into_iter().chain(bath)
+}
+
+fn of_observables(scene: &Scene) -> Vec<PlanItem> {
+    const THERMO: &str = "thermodynamics";
+    let rows = scene.output.thermo_every;
+    let averages = format!("averages on every {rows}th step of measured stages");
+    let mut items = vec![item(
+        THERMO,
+        How::either(scene.stages.iter().any(|s| s.measure), &averages),
+    )];
+    let tables = scene.observables.iter();
+    let named = tables.map(|table| (table.options.name(), table.every));
+    let named: Vec<_> = named.filter(|(name, _)| *name != THERMO).collect();
+    for (name, every) in &named {
+        items.push(item(name, How::On(format!("every {every} steps"))));
+    }
+    for spec in lennard_observables::observables() {
+        if spec.name != THERMO && named.iter().all(|(name, _)| *name != spec.name) {
+            items.push(item(spec.name, How::Off("not in the scene")));
+        }
+    }
+    items
+}
+
+fn of_output(scene: &Scene) -> [PlanItem; 2] {
+    let frames = |every| format!("a frame every {every} steps of measured stages");
+    let trajectory = scene.output.trajectory_every.map(frames);
+    let (steps, seconds) = (scene.checkpoint.every_steps, scene.checkpoint.every_seconds);
+    let when: Vec<String> = steps
+        .map(|n| format!("every {n} steps"))
+        .into_iter()
+        .chain(seconds.map(|s| format!("every {s} s")))
+        .collect();
+    let checkpoints = format!(
+        "{}, and at the end; their cost is that of the disk",
+        when.join(" and ")
+    );
+    [
+        item(
+            "trajectory",
+            How::of(trajectory, "no `trajectory_every` in [output]"),
+        ),
+        item(
+            "checkpoints",
+            How::of(
+                (!when.is_empty()).then_some(checkpoints),
+                "at the end alone, or when the run is stopped",
+            ),
+        ),
+    ]
 }

@@ -3,9 +3,9 @@
 //! Nothing here decides anything about a run.
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use glam::DVec3;
+use lennard_core::stopwatch::timed;
 use lennard_core::{Configuration, ForceError, ForceTerm, Part, Want};
 
 use crate::options::{Isa, Precision, TruncationOptions};
@@ -52,16 +52,15 @@ pub fn part_times(
         build: f64::INFINITY,
     };
     for _ in 0..rounds.max(1) {
-        let start = Instant::now();
-        forces.evaluate(at, Part::All, Want::NOTHING, &mut out)?;
-        best.forces = best.forces.min(start.elapsed().as_secs_f64());
-        let start = Instant::now();
-        black_box(forces.evaluate(at, Part::All, Want::TOTALS, &mut out)?);
-        best.totals = best.totals.min(start.elapsed().as_secs_f64());
-        let start = Instant::now();
-        let built = forces.rebuild(at)?;
-        let seconds = start.elapsed().as_secs_f64();
-        best.build = best.build.min(if built { seconds } else { 0.0 });
+        let mut evaluation = |want| -> Result<f64, ForceError> {
+            let (seconds, found) = timed(|| forces.evaluate(at, Part::All, want, &mut out));
+            black_box(found?);
+            Ok(seconds)
+        };
+        best.forces = best.forces.min(evaluation(Want::NOTHING)?);
+        best.totals = best.totals.min(evaluation(Want::TOTALS)?);
+        let (seconds, built) = timed(|| forces.rebuild(at));
+        best.build = best.build.min(if built? { seconds } else { 0.0 });
     }
     Ok(best)
 }
@@ -97,10 +96,9 @@ pub fn arithmetic_limit(isa: Isa, precision: Precision) -> Option<f64> {
     };
     let best = (0..RUNS)
         .map(|_| {
-            let start = Instant::now();
-            let (pairs, sum) = limit(level, precision, &form, r_cut, ROUNDS);
+            let (seconds, (pairs, sum)) = timed(|| limit(level, precision, &form, r_cut, ROUNDS));
             black_box(sum);
-            pairs as f64 / start.elapsed().as_secs_f64()
+            pairs as f64 / seconds
         })
         .fold(0.0, f64::max);
     Some(best)

@@ -127,6 +127,17 @@ pub enum Precision {
     Mixed,
 }
 
+impl Precision {
+    /// The name in scenes and results: `double` or `mixed`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Double => "double",
+            Self::Mixed => "mixed",
+        }
+    }
+}
+
 /// Which instruction set the pair loop uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

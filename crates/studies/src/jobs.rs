@@ -7,7 +7,7 @@ use std::sync::mpsc;
 use crate::StudyError;
 
 /// Runs `work` on every item, on as many threads as there are in the present pool, and returns the results
-/// in the order of the items. `done` is called on this thread after each with the share finished.
+/// in the order of the items. After each item `done` is called on this thread with the share that is finished.
 ///
 /// Each job sees a pool of a single thread: a small system is slower on two, and jobs must not wait for
 /// each other. Which thread does which item changes nothing in the results.
@@ -19,7 +19,15 @@ pub(crate) fn side_by_side<I: Sync, R: Send>(
     side_by_side_on(rayon::current_num_threads(), items, work, done)
 }
 
-/// The same on at most so many threads.
+/// [`side_by_side`] without a progress that is told.
+pub(crate) fn side_by_side_quietly<I: Sync, R: Send>(
+    items: &[I],
+    work: impl Fn(&I) -> R + Sync,
+) -> Vec<R> {
+    side_by_side(items, work, |_| {})
+}
+
+/// [`side_by_side`] on at most `threads` threads.
 pub(crate) fn side_by_side_on<I: Sync, R: Send>(
     threads: usize,
     items: &[I],
@@ -69,7 +77,7 @@ pub(crate) fn side_by_side_on<I: Sync, R: Send>(
         .collect()
 }
 
-/// A pool of so many threads.
+/// A pool of `threads` threads.
 pub(crate) fn pool(threads: usize) -> Result<rayon::ThreadPool, StudyError> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)

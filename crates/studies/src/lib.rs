@@ -13,6 +13,7 @@ mod files;
 pub mod fluid_stability;
 mod jobs;
 mod kept;
+pub mod lab;
 mod progress;
 pub mod run_page;
 pub mod settings;

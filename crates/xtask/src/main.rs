@@ -77,7 +77,7 @@ fn main() -> ExitCode {
                 "coverage: printed errors against 2,700 runs of many seeds (cargo xtask coverage)",
                 "accuracy: tuned settings on trial at eight states (cargo xtask accuracy)",
                 "fuzz: mutated files through every reader (cargo xtask fuzz)",
-                "bench: speed (cargo bench)",
+                "bench: speed (lennard bench)",
             ],
         ),
         "physics" => tiers::run_all(&workspace, &tiers::physics(), &[]),

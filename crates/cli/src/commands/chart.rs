@@ -4,8 +4,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use lennard_io::Existing;
+use lennard_studies::chart::Size;
 use lennard_studies::chart::{self, ChartError, ChartOptions};
-use lennard_studies::settings::Size;
 
 use crate::args::ChartArgs;
 use crate::commands::{Inputs, load_file, output_folder, print_json};

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use lennard_report::{percent, significant};
-use lennard_studies::bench::{BenchStudy, FeatureStudy, SkinStudy, feature_table, kernel_table};
+use lennard_studies::bench::{
+    BenchStudy, FeatureStudy, SkinStudy, feature_table, kernel_table, with_range,
+};
 
 use super::table;
 
@@ -75,8 +77,8 @@ fn skins(skin: &SkinStudy) {
 fn features(found: &FeatureStudy) {
     println!(
         "  force provider and integrator by hand {} ns per atom-step, the engine with every feature off {} ns: {} more ({} to {})",
-        found.bare_ns.with_range(),
-        found.off_ns.with_range(),
+        with_range(found.bare_ns),
+        with_range(found.off_ns),
         percent(found.engine_share.median),
         percent(found.engine_share.lowest),
         percent(found.engine_share.highest)

@@ -31,8 +31,8 @@ pub fn chart(chart: &Chart, folder: &Path) {
             println!(
                 "  their cost: {} µs per atom and τ ({} to {}, {} timings, {})",
                 significant(1e6 * cost.wall.median, 3),
-                significant(1e6 * cost.wall.low, 3),
-                significant(1e6 * cost.wall.high, 3),
+                significant(1e6 * cost.wall.lowest, 3),
+                significant(1e6 * cost.wall.highest, 3),
                 cost.wall.repeats,
                 lennard_report::counted(chart.plan.threads, "thread")
             );

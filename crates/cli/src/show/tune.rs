@@ -1,7 +1,7 @@
 //! Settings for an accuracy, as a person reads them.
 
 use lennard_core::{Cell, Table};
-use lennard_studies::settings::Cost;
+use lennard_studies::lab::Cost;
 use lennard_studies::tune::Tuning;
 
 use super::{duration, table};
@@ -61,7 +61,7 @@ pub fn tuning(tuning: &Tuning) {
             Cell::figures(duration(c.wall.median))
         })
         .column("range", |(_, c)| {
-            let (low, high) = (duration(c.wall.low), duration(c.wall.high));
+            let (low, high) = (duration(c.wall.lowest), duration(c.wall.highest));
             Cell::figures(format!("{low} to {high}"))
         })
         .column("relative", |(_, c)| {

@@ -5,10 +5,12 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use lennard_core::stopwatch::{Spread, Stopwatch, repeated, timed};
 use lennard_core::{Configuration, Integrator, NoForces, Part, Persist, StateArchive, Want};
 use lennard_io::{Frame, Sink, TrajectoryWriter};
 use lennard_scene::{Scene, Stage};
 
+use crate::bare::bare;
 use crate::build::{Beginning, prepare_from};
 use crate::files::{header, style};
 use crate::follower::{Follower, StopAt, Verdict};
@@ -24,8 +26,8 @@ const STEPS_FOR: Duration = Duration::from_millis(400);
 const PART_FOR: Duration = Duration::from_millis(30);
 /// Calls of a part that is measured alone, at most.
 const CALLS: usize = 9;
-/// Steps of a stage that never ends.
-const ENDLESS: u64 = 1_000_000_000_000_000;
+/// Calls of a part of the watchdog in one measurement.
+const WATCHING_CALLS: u32 = 50;
 
 /// Seconds of each part, for one call or one step.
 pub(super) struct Costs {
@@ -39,7 +41,7 @@ pub(super) struct Costs {
     force: f64,
     /// List building of such a step.
     neighbor: f64,
-    /// Bytes that the forces hold, steps that nobody looks at included where the scene has some.
+    /// Bytes that the forces hold; fused steps are included where the scene has steps without an observer.
     pub(super) force_bytes: u64,
     /// Bytes of what a checkpoint is put together in.
     pub(super) checkpoint_bytes: usize,
@@ -74,16 +76,13 @@ impl Costs {
         let all = follower.steps.len() as f64;
         // The first step also builds the list and warms the caches.
         let first = usize::from(follower.steps.len() > 1);
-        let mut times = follower.steps.split_off(first);
-        times.sort_by(f64::total_cmp);
+        let times = follower.steps.split_off(first);
         let evaluate = |bare: &mut Simulation, want| -> Result<f64, EngineError> {
             let mut fault = None;
             let time = median(|| {
                 let at = Configuration::at_rest(&bare.state.cell, &bare.state.positions);
-                match bare
-                    .forces
-                    .evaluate(at, Part::All, want, &mut bare.state.forces)
-                {
+                let forces = &mut bare.state.forces;
+                match bare.forces.evaluate(at, Part::All, want, forces) {
                     Ok(found) => bare.state.energetics = found,
                     Err(error) => fault = Some(error),
                 }
@@ -97,7 +96,7 @@ impl Costs {
             per_particle: true,
             ..Want::TOTALS
         };
-        // Measured only where somebody asks: on a large system it takes memory. It also leaves what observers look at.
+        // Measured only where an observer asks: on a large system it takes memory. It also leaves what observers look at.
         let wants_each = simulation
             .observers
             .iter()
@@ -115,21 +114,13 @@ impl Costs {
         let thermodynamics = observers.next().map_or(0.0, |(_, cost)| cost);
         let observers = observers.collect();
         take_steps_unseen(&mut bare, simulation)?;
-        let dt = bare.stage_run().dt;
-        let look = median(|| drop(watchdog::check_speeds(&bare.state, dt)));
-        let check = median(|| drop(bare.force_check.look(&bare.state)));
-        let mut before = aside(&bare.state);
-        let copy = median(|| set_aside(&bare.state, &mut before));
-        let baths = simulation
-            .scene
-            .stages
-            .iter()
-            .map(|stage| bath(&bare, stage))
-            .collect();
+        let stages = simulation.scene.stages.iter();
+        let baths = stages.map(|stage| bath(&bare, stage)).collect();
+        let step = times.iter().sum::<f64>() / times.len() as f64;
         Ok(Self {
             steps: times.len() as u64,
-            step: times.iter().sum::<f64>() / times.len() as f64,
-            median_step: times[times.len() / 2],
+            step,
+            median_step: Spread::of(times).map_or(f64::NAN, |steps| steps.median),
             force: statistics.force_seconds / all,
             neighbor: statistics.neighbor_seconds / all,
             force_bytes: bare.forces.statistics().bytes,
@@ -141,9 +132,7 @@ impl Costs {
             observers,
             baths,
             frame: frame(&bare),
-            watch: look / watchdog::EVERY as f64
-                + check / watchdog::LISTS_EVERY as f64
-                + copy / SET_ASIDE_EVERY as f64,
+            watch: watching_seconds(&bare),
         })
     }
 
@@ -193,7 +182,7 @@ impl Costs {
         parts
     }
 
-    /// What wishes cost at the forces, of which a share `alone` is on steps where nobody else asks.
+    /// Seconds that `want` costs at the forces, where a share `alone` of the steps has no other reason to compute totals.
     fn wanted(&self, want: Want, alone: f64) -> f64 {
         let totals = if want.is_nothing() {
             0.0
@@ -214,7 +203,7 @@ fn alone(every: u64, rows: u64) -> f64 {
     1.0 - gcd(every, rows) as f64 / rows as f64
 }
 
-/// How a stage's heat bath is called in the plan.
+/// The name of a stage's heat bath in the plan.
 pub(super) fn bath_name(stage: &Stage, thermostat: &str) -> String {
     format!("thermostat {thermostat} of {}", stage.name)
 }
@@ -224,39 +213,39 @@ fn gcd(a: u64, b: u64) -> u64 {
 }
 
 /// The median time of a call, s.
-fn median(mut call: impl FnMut()) -> f64 {
-    let begin = Instant::now();
-    let mut times = Vec::with_capacity(CALLS);
-    while times.is_empty() || times.len() < CALLS && begin.elapsed() < PART_FOR {
-        let clock = Instant::now();
-        call();
-        times.push(clock.elapsed().as_secs_f64());
-    }
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
+fn median(call: impl FnMut()) -> f64 {
+    repeated(PART_FOR, CALLS, call).median
 }
 
-/// The same particles in one stage without end at constant energy, with nothing to observe, write or couple to.
+/// Seconds that the watchdog takes per step, on the clock of the calling thread: its looks at the speeds and at single
+/// forces, and the copy of the state that it goes back to.
+#[must_use]
+pub fn watching_seconds(simulation: &Simulation) -> f64 {
+    let state = &simulation.state;
+    let per_call = |call: &mut dyn FnMut()| {
+        let watch = Stopwatch::start();
+        (0..WATCHING_CALLS).for_each(|_| call());
+        watch.on_processor() / f64::from(WATCHING_CALLS)
+    };
+    let dt = simulation.stage_run().dt;
+    let mut before = aside(state);
+    per_call(&mut || drop(watchdog::check_speeds(state, dt))) / watchdog::EVERY as f64
+        + per_call(&mut || drop(simulation.force_check.look(state))) / watchdog::LISTS_EVERY as f64
+        + per_call(&mut || set_aside(state, &mut before)) / SET_ASIDE_EVERY as f64
+}
+
+/// The same particles with everything off.
 fn with_everything_off(simulation: &Simulation) -> Result<Simulation, EngineError> {
-    let mut scene = simulation.scene.clone();
-    let stage = scene.stages.iter().rposition(|s| s.measure).unwrap_or(0);
-    scene.stages = vec![Stage {
-        steps: ENDLESS,
-        thermostat: None,
-        measure: false,
-        ..scene.stages.swap_remove(stage)
-    }];
-    scene.observables.clear();
     let beginning = Beginning {
         cell: simulation.state.cell,
         positions: simulation.state.positions.clone(),
         velocities: Some(simulation.state.velocities.clone()),
         relax: false,
     };
-    prepare_from(scene, beginning)
+    prepare_from(bare(&simulation.scene), beginning)
 }
 
-/// Takes some steps as the scene does, which are many at once where nobody looks: what those take memory for is then there.
+/// Takes some steps as the scene does, several in one go where nothing observes them: their memory is then there.
 fn take_steps_unseen(bare: &mut Simulation, scene: &Simulation) -> Result<(), EngineError> {
     let without_bath = |stage: &Stage| stage.thermostat.is_none();
     if scene.scene.stages.iter().any(without_bath) {
@@ -293,13 +282,10 @@ fn bath(bare: &Simulation, stage: &Stage) -> f64 {
     let time = |mut integrator: Integrator| {
         let mut state = bare.state.clone();
         let started = integrator.start(&bare.system, &mut state, &mut NoForces, dt, Want::NOTHING);
-        let clock = Instant::now();
         let mut step =
             || integrator.step(&bare.system, &mut state, &mut NoForces, dt, Want::NOTHING);
-        if started.is_err() || (0..STEPS).any(|_| step().is_err()) {
-            return 0.0;
-        }
-        clock.elapsed().as_secs_f64() / STEPS as f64
+        let (seconds, failed) = timed(|| started.is_err() || (0..STEPS).any(|_| step().is_err()));
+        if failed { 0.0 } else { seconds / STEPS as f64 }
     };
     time(options.couple(method(), stage.temperature, noise)) - time(method())
 }

@@ -2,48 +2,47 @@
 
 use std::time::{Duration, Instant};
 
-use lennard_core::{Configuration, Momentum, PeriodicBox, State, System, Want};
-use lennard_engine::{
-    Action, Beginning, EngineError, Operation, Simulation, StopAt, Trigger, prepare_from,
-};
+use lennard_core::stopwatch::{Spread, in_turn, timed};
+use lennard_core::{Momentum, System, Want};
+use lennard_engine::{EngineError, Simulation, take};
 use lennard_forcefield::measure;
 use lennard_scene::Scene;
 
-use super::variants::Variant;
 use super::{BenchError, BenchOptions};
 use crate::Progress;
 use crate::jobs::pool;
+use crate::lab::Start;
 
 /// Steps before the clock starts: the list is built, memory is touched, caches are warm.
 pub(super) const SETTLING: u64 = 5;
-/// Steps from the scene's start to the state that is measured, at least: a lattice melts in so many.
+/// Least number of steps from the scene's start to the state that is measured: a lattice melts in these.
 const WARM_STEPS: u64 = 300;
 /// The same for a quick look, where a half-molten crystal is good enough.
 const WARM_STEPS_QUICK: u64 = 100;
 /// How long that may take.
 const WARM_FOR: Duration = Duration::from_secs(5);
-/// How long a block should take on the fastest variant.
-const BLOCK: Duration = Duration::from_millis(100);
-const BLOCK_QUICK: Duration = Duration::from_millis(25);
-/// Steps of a block, whatever they take: several lives of a list.
+/// How long a block should take with the warm-up's settings, s.
+const BLOCK: f64 = 0.1;
+const BLOCK_QUICK: f64 = 0.025;
+/// Fewest steps of a block: several lives of a list.
 const FEWEST_STEPS: u64 = 20;
 /// Longer blocks of a tiny system say nothing more.
 const MOST_STEPS: u64 = 20_000;
 
 /// The state that every block starts from.
-pub(super) struct Start {
-    pub(super) cell: PeriodicBox,
-    pub(super) state: State,
+pub(super) struct Blocks {
+    pub(super) start: Start,
     /// Steps of a block.
     pub(super) steps: u64,
     /// Pairs within the cutoff for each particle, each counted once.
     pub(super) pairs_per_atom: f64,
 }
 
-impl Start {
-    /// Runs the first variant from the scene's start until it is warm.
+impl Blocks {
+    /// Runs a scene on `threads` threads from its start until it is warm.
     pub(super) fn warmed(
-        variants: &[Variant],
+        scene: &Scene,
+        threads: usize,
         options: &BenchOptions,
         progress: &mut dyn Progress,
     ) -> Result<Self, BenchError> {
@@ -53,73 +52,64 @@ impl Start {
         } else {
             (WARM_STEPS, BLOCK)
         };
-        let first = &variants[0];
-        let most = variants.iter().map(|v| v.threads).max().unwrap_or(1);
-        let pool = pool(most)?;
-        let mut simulation = lennard_engine::prepare(first.scene.clone())?;
-        let step = pool.install(|| -> Result<f64, EngineError> {
+        let mut simulation = lennard_engine::prepare(scene.clone())?;
+        let seconds = pool(threads)?.install(|| -> Result<f64, EngineError> {
             let end = Instant::now() + WARM_FOR;
-            let mut done = 0;
-            while done < steps && Instant::now() < end {
-                take(&mut simulation, SETTLING)?;
-                done += SETTLING;
+            while simulation.state.step < steps && Instant::now() < end {
+                take(&mut simulation, SETTLING, Want::NOTHING)?;
             }
-            let clock = Instant::now();
-            take(&mut simulation, FEWEST_STEPS)?;
-            Ok(clock.elapsed().as_secs_f64() / FEWEST_STEPS as f64)
+            let (seconds, taken) = timed(|| take(&mut simulation, FEWEST_STEPS, Want::NOTHING));
+            taken?;
+            Ok(seconds / FEWEST_STEPS as f64)
         })?;
-        let state = simulation.state.clone();
-        let cell = simulation.state.cell;
-        let (_, mut forces) = lennard_engine::forces(&first.scene, cell, state.len())?;
-        let pairs =
-            measure::work(&mut forces, Configuration::at_rest(&cell, &state.positions))?.pairs;
+        let start = Start::from(simulation);
+        let pairs = measure::work(&mut start.forces(scene)?, start.configuration())?.pairs;
         Ok(Self {
-            cell,
-            steps: ((block.as_secs_f64() / step) as u64).clamp(FEWEST_STEPS, MOST_STEPS),
-            pairs_per_atom: pairs as f64 / state.len() as f64,
-            state,
+            steps: ((block / seconds) as u64).clamp(FEWEST_STEPS, MOST_STEPS),
+            pairs_per_atom: pairs as f64 / start.len() as f64,
+            start,
         })
     }
 
-    /// Box and positions.
-    pub(super) fn configuration(&self) -> Configuration<'_> {
-        Configuration::at_rest(&self.cell, &self.state.positions)
-    }
-
+    /// Temperature of the state, ε/k_B.
     pub(super) fn temperature(&self) -> f64 {
-        System::atoms(self.state.len()).temperature(&self.state.velocities, Momentum::Conserved)
+        System::atoms(self.start.len()).temperature(&self.start.velocities, Momentum::Conserved)
     }
 
-    /// A simulation of a scene from this state, its list built and its memory touched.
+    /// A simulation of a scene from this state; its list is built and its memory is touched.
     pub(super) fn simulation(&self, scene: &Scene) -> Result<Simulation, EngineError> {
-        let beginning = Beginning {
-            cell: self.cell,
-            positions: self.state.positions.clone(),
-            velocities: Some(self.state.velocities.clone()),
-            relax: false,
-        };
-        let mut simulation = prepare_from(scene.clone(), beginning)?;
-        take(&mut simulation, SETTLING)?;
+        let mut simulation = self.start.simulation(scene.clone())?;
+        take(&mut simulation, SETTLING, Want::NOTHING)?;
         Ok(simulation)
     }
+
+    /// Nanoseconds per particle and step in a second of a block.
+    pub(super) fn ns_per_second(&self) -> f64 {
+        1e9 / (self.start.len() as f64 * self.steps as f64)
+    }
 }
 
-/// Takes some steps.
-pub(super) fn take(simulation: &mut Simulation, steps: u64) -> Result<(), EngineError> {
-    take_wanting(simulation, steps, Want::NOTHING)
+/// Measures a block of each item in each round, in shuffled turns: all blocks of each item.
+pub(super) fn in_turns<T>(
+    labels: &[String],
+    options: &BenchOptions,
+    progress: &mut dyn Progress,
+    mut block: impl FnMut(usize) -> Result<T, BenchError>,
+) -> Result<Vec<Vec<T>>, BenchError> {
+    let mut blocks: Vec<Vec<T>> = labels.iter().map(|_| Vec::new()).collect();
+    // The order is no secret and no physics: any fixed seed will do.
+    in_turn(labels.len(), options.repeats, 1, |turn| {
+        progress.update(&labels[turn.item], turn.done);
+        blocks[turn.item].push(block(turn.item)?);
+        Ok::<(), BenchError>(())
+    })?;
+    Ok(blocks)
 }
 
-/// Takes some steps and wants the same of each.
-pub(super) fn take_wanting(
-    simulation: &mut Simulation,
-    steps: u64,
-    want: Want,
-) -> Result<(), EngineError> {
-    let end = simulation.state.step + steps;
-    let wanted =
-        (!want.is_nothing()).then(|| Operation::new(Action::Call, Trigger::Always).wanting(want));
-    let schedule = wanted.into_iter().collect();
-    simulation
-        .run(&mut StopAt::following(schedule, end))
-        .map(drop)
+/// The spread of repeated blocks.
+///
+/// # Panics
+/// Where there are no values: nothing is measured less than once.
+pub(super) fn spread(values: impl IntoIterator<Item = f64>) -> Spread {
+    Spread::of(values).expect("measured at least once")
 }

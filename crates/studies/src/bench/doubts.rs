@@ -1,9 +1,7 @@
 //! What speaks against a figure of a benchmark.
 
+use lennard_core::stopwatch::{BUSY, Spread};
 use serde::Serialize;
-
-use super::Spread;
-use crate::settings::BUSY;
 
 /// A block below this, s, is as long as what disturbs it.
 const SHORT: f64 = 0.02;
@@ -94,13 +92,14 @@ mod tests {
 
     #[test]
     fn short_scattered_and_impossible_figures_are_doubted_and_sound_ones_are_not() {
-        let sound = Spread::of([0.100, 0.105, 0.119]);
+        let of = |seconds: &[f64]| Spread::of(seconds.iter().copied()).unwrap();
+        let sound = of(&[0.100, 0.105, 0.119]);
         assert_eq!(doubts(sound, Some(8.0), Some(0.93)), []);
         assert_eq!(doubts(sound, None, None), []);
-        let scattered = Spread::of([0.100, 0.105, 0.125]);
+        let scattered = of(&[0.100, 0.105, 0.125]);
         assert_eq!(doubts(scattered, Some(8.0), None), [Doubt::Scattered]);
         assert_eq!(
-            doubts(Spread::of([0.0199]), Some(2.0), Some(1.82)),
+            doubts(of(&[0.0199]), Some(2.0), Some(1.82)),
             [Doubt::ShortBlocks, Doubt::FewBuilds, Doubt::AboveLimit]
         );
         let said = sentences(

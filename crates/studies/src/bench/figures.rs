@@ -1,10 +1,11 @@
 //! The pictures of a benchmark.
 
+use lennard_core::stopwatch::Spread;
 use lennard_report::{
     Axis, BarFigure, BarSeries, Figure, Guide, Look, Picture, Point, Series, Symbol,
 };
 
-use super::{BenchStudy, KernelResult, Spread};
+use super::{BenchStudy, FeatureStudy, KernelResult, SkinStudy};
 
 /// All pictures that the study has the numbers for.
 pub(super) fn all(study: &BenchStudy) -> Vec<Picture> {
@@ -13,63 +14,61 @@ pub(super) fn all(study: &BenchStudy) -> Vec<Picture> {
         figures.push(speeds(study));
         figures.push(parts(study));
     }
-    if let Some(skin) = &study.skin {
-        let points = skin.points.iter().map(|p| Point {
-            x: p.skin,
-            y: p.step_ns.median,
-            error: Some(p.step_ns.half_range()),
-            ..Point::default()
-        });
-        let figure = Figure::new(
-            "skins",
-            "Cost against skin",
-            Axis::linear("skin / σ"),
-            Axis::linear("ns per atom-step"),
-        )
-        .guided(Guide::Vertical(skin.chosen, "chosen".into()))
-        .with(Series::new(
-            "whole step",
-            Look::Points(Symbol::Disc),
-            0,
-            points,
-        ));
-        figures.push(Picture::new(
-            figure,
-            format!(
-                "Whole steps with other skins ({}); lines are half the range over {} repeats.",
-                skin.with, study.repeats
-            ),
-            "skins.csv",
-        ));
-    }
-    if let Some(found) = &study.features {
-        let figure = BarFigure {
-            name: "features".into(),
-            title: "What a feature adds to a step".into(),
-            axis: Axis::linear("% of a step with everything off"),
-            groups: found.features.iter().map(|f| f.name.clone()).collect(),
-            series: vec![BarSeries {
-                name: "added".into(),
-                color: 0,
-                // Below nothing is noise, and a bar of it would say otherwise.
-                values: found
-                    .features
-                    .iter()
-                    .map(|f| {
-                        Some((
-                            100.0 * f.share.median.max(0.0),
-                            Some(100.0 * f.share.half_range()),
-                        ))
-                    })
-                    .collect(),
-            }],
-        };
-        figures.push(Picture::new(figure, format!(
-                "Each alone and as often as the table says, against the engine with every feature off; {} of one thread, median of {} rounds, lines are half the range.",
-                found.clock, study.repeats
-            ), "features.csv"));
-    }
+    figures.extend(study.skin.iter().map(|skin| skins(study, skin)));
+    let found = study.features.iter();
+    figures.extend(found.map(|found| features(study, found)));
     figures
+}
+
+fn skins(study: &BenchStudy, skin: &SkinStudy) -> Picture {
+    let points = skin.points.iter().map(|p| Point {
+        x: p.skin,
+        y: p.step_ns.median,
+        error: Some(p.step_ns.half_range()),
+        ..Point::default()
+    });
+    let figure = Figure::new(
+        "skins",
+        "Cost against skin",
+        Axis::linear("skin / σ"),
+        Axis::linear("ns per atom-step"),
+    )
+    .guided(Guide::Vertical(skin.chosen, "chosen".into()))
+    .with(Series::new(
+        "whole step",
+        Look::Points(Symbol::Disc),
+        0,
+        points,
+    ));
+    let caption = format!(
+        "Whole steps with other skins ({}); lines are half the range over {} repeats.",
+        skin.with, study.repeats
+    );
+    Picture::new(figure, caption, "skins.csv")
+}
+
+fn features(study: &BenchStudy, found: &FeatureStudy) -> Picture {
+    // Below nothing is noise, and a bar of it would say otherwise.
+    let value = |share: Spread| {
+        let (height, error) = (share.median.max(0.0), share.half_range());
+        Some((100.0 * height, Some(100.0 * error)))
+    };
+    let figure = BarFigure {
+        name: "features".into(),
+        title: "What a feature adds to a step".into(),
+        axis: Axis::linear("% of a step with everything off"),
+        groups: found.features.iter().map(|f| f.name.clone()).collect(),
+        series: vec![BarSeries {
+            name: "added".into(),
+            color: 0,
+            values: found.features.iter().map(|f| value(f.share)).collect(),
+        }],
+    };
+    let caption = format!(
+        "Each alone and as often as the table says, against the engine with every feature off; {} of one thread, median of {} rounds, lines are half the range.",
+        found.clock, study.repeats
+    );
+    Picture::new(figure, caption, "features.csv")
 }
 
 fn bar(spread: Spread) -> Option<(f64, Option<f64>)> {
@@ -100,14 +99,11 @@ fn speeds(study: &BenchStudy) -> Picture {
         series: series.collect(),
         groups,
     };
-    Picture::new(
-        figure,
-        format!(
-            "Whole steps at constant energy, lists included: median of {} blocks of {} steps, lines are half the range.",
-            study.repeats, study.steps
-        ),
-        "kernels.csv",
-    )
+    let caption = format!(
+        "Whole steps at constant energy, lists included: median of {} blocks of {} steps, lines are half the range.",
+        study.repeats, study.steps
+    );
+    Picture::new(figure, caption, "kernels.csv")
 }
 
 /// The parts of a step on the fewest threads.
@@ -150,18 +146,12 @@ fn parts(study: &BenchStudy) -> Picture {
             .collect(),
         groups,
     };
-    Picture::new(
-        figure,
-        format!(
-            "Medians of whole steps with half their range, best times of parts alone. A list build is paid once in {} steps.",
-            study
-                .kernels
-                .iter()
-                .find_map(|k| k.steps_per_build)
-                .map_or("all".into(), |s| format!("{s:.1}"))
-        ),
-        "kernels.csv",
-    )
+    let steps_per_build = study.kernels.iter().find_map(|k| k.steps_per_build);
+    let caption = format!(
+        "Medians of whole steps with half their range, best times of parts alone. A list build is paid once in {} steps.",
+        steps_per_build.map_or("all".into(), |s| format!("{s:.1}"))
+    );
+    Picture::new(figure, caption, "kernels.csv")
 }
 
 /// The best alone.

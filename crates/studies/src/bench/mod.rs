@@ -5,18 +5,19 @@
 //! about a run.
 
 mod blocks;
-mod clock;
 mod doubts;
 mod features;
 mod figures;
 mod page;
 mod skins;
-mod spread;
 mod variants;
 
 use std::path::{Path, PathBuf};
 
+use blocks::Blocks;
+use lennard_core::stopwatch::Spread;
 use lennard_engine::EngineError;
+use lennard_report::significant;
 use lennard_scene::{Scene, SceneError};
 use serde::Serialize;
 
@@ -24,10 +25,9 @@ pub use doubts::Doubt;
 pub use features::{Feature, FeatureStudy};
 pub use page::{features as feature_table, kernels as kernel_table};
 pub use skins::{SkinPoint, SkinStudy};
-pub use spread::Spread;
 pub use variants::KernelResult;
 
-use crate::{Progress, StudyError};
+use crate::{Progress, StudyError, files};
 
 /// The case that runs where no scene is named: 32,000 particles melting.
 const MELT: (&str, &str) = (
@@ -43,7 +43,7 @@ const FLUID: (&str, &str) = (
 /// What is measured.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Subject {
-    /// A built-in case: that of `inputs/bench/melt-32k.toml`, or of `inputs/bench/fluid-864.toml` for a quick look.
+    /// A built-in case: `inputs/bench/melt-32k.toml`, or `inputs/bench/fluid-864.toml` for a quick look.
     BuiltIn {
         /// Whether the small one.
         quick: bool,
@@ -192,17 +192,18 @@ pub fn run(options: &BenchOptions, progress: &mut dyn Progress) -> Result<BenchS
         &options.precisions,
         &options.threads,
     )?;
-    let start = blocks::Start::warmed(&plan, options, progress)?;
+    let most = plan.iter().map(|variant| variant.threads).max();
+    let blocks = Blocks::warmed(&plan[0].scene, most.unwrap_or(1), options, progress)?;
     let mut study = BenchStudy {
         schema: "lennard-bench/1",
         scene: plan[0].scene.name.clone(),
         model: lennard_forcefield::model_name(&plan[0].scene.force_field()),
-        atoms: start.state.len(),
-        density: start.state.len() as f64 / start.cell.volume(),
+        atoms: blocks.start.len(),
+        density: blocks.start.density(),
         r_cut: plan[0].scene.truncation.r_cut,
-        pairs_per_atom: start.pairs_per_atom,
-        temperature: start.temperature(),
-        steps: start.steps,
+        pairs_per_atom: blocks.pairs_per_atom,
+        temperature: blocks.temperature(),
+        steps: blocks.steps,
         repeats: options.repeats,
         command: options.command.clone(),
         machine: options.machine.clone(),
@@ -211,22 +212,31 @@ pub fn run(options: &BenchOptions, progress: &mut dyn Progress) -> Result<BenchS
         features: None,
     };
     if options.features {
-        study.features = Some(features::measure(&plan[0], &start, options, progress)?);
+        let progress = &mut Part(progress, 0.05, 0.95);
+        study.features = Some(features::measure(&plan[0], &blocks, options, progress)?);
     } else {
-        study.kernels = variants::measure(&plan, &start, options, &mut Part(progress, 0.05, 0.8))?;
-        study.skin = skins::measure(&plan[0], &start, options, &mut Part(progress, 0.8, 1.0))?;
+        study.kernels = variants::measure(&plan, &blocks, options, &mut Part(progress, 0.05, 0.8))?;
+        study.skin = skins::measure(&plan[0], &blocks, options, &mut Part(progress, 0.8, 1.0))?;
     }
     progress.update("done", 1.0);
     Ok(study)
 }
 
-/// Writes `bench.json`, `bench.csv`, SVG figures (in `figures/`) and `report.html` into `dir`.
+/// Writes `bench.json`, CSV tables, SVG figures (in `figures/`) and `report.html` into `dir`.
 ///
 /// # Errors
 /// [`StudyError`] where a figure cannot be drawn or a file cannot be written.
 pub fn write(study: &BenchStudy, dir: &Path) -> Result<(), StudyError> {
     let page = page::page(study);
-    crate::files::write_all(dir, &page::csv(study), ("bench.json", study), &page)
+    files::write_all(dir, &page::csv(study), ("bench.json", study), &page)
+}
+
+/// For a reader: `12.3 (11.9–13.0)`, the median with its range.
+#[must_use]
+pub fn with_range(spread: Spread) -> String {
+    let [median, lowest, highest] =
+        [spread.median, spread.lowest, spread.highest].map(|value| significant(value, 3));
+    format!("{median} ({lowest}–{highest})")
 }
 
 /// A part of the whole, as progress is told.

@@ -1,9 +1,10 @@
 //! The tables and the page of a benchmark.
 
+use lennard_core::stopwatch::Spread;
 use lennard_core::{Cell, RowsOf, Table};
 use lennard_report::{Page, Section, percent, significant};
 
-use super::{BenchStudy, FeatureStudy, KernelResult, Spread, figures};
+use super::{BenchStudy, FeatureStudy, KernelResult, figures, with_range};
 
 /// The best time, in brackets the median of the repeats: `70.1 (74.3)`.
 fn best(spread: Spread) -> String {
@@ -88,8 +89,8 @@ pub(super) fn page(study: &BenchStudy) -> Page {
         let section = Section::new("Features").text(format!(
             "Force provider and integrator called by hand take {} ns an atom and step, the engine with every feature off {} ns: {} more \
              (from {} to {}).",
-            found.bare_ns.with_range(),
-            found.off_ns.with_range(),
+            with_range(found.bare_ns),
+            with_range(found.off_ns),
             percent(found.engine_share.median),
             percent(found.engine_share.lowest),
             percent(found.engine_share.highest)
@@ -145,7 +146,7 @@ pub fn kernels(study: &BenchStudy, with_ranges: bool) -> Table {
                    everything in registers, measured on this processor: its share is the part of the force time that such arithmetic \
                    would take. Times are ns per atom.";
     let whole = |spread: Spread| match with_ranges {
-        true => Cell::figures(spread.with_range()),
+        true => Cell::figures(with_range(spread)),
         false => Cell::rounded(spread.median, 3),
     };
     let part = |spread: Spread| match with_ranges {

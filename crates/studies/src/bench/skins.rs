@@ -1,11 +1,13 @@
 //! How far the skin that the scene gets is from the cheapest one.
 
+use lennard_core::Want;
+use lennard_core::stopwatch::{Spread, Stopwatch};
+use lennard_engine::take;
 use serde::Serialize;
 
-use super::blocks::{Start, take};
-use super::clock::{Clock, tells_processor_time};
-use super::variants::{Variant, in_shuffled_rounds};
-use super::{BenchError, BenchOptions, Spread};
+use super::blocks::{Blocks, in_turns, spread};
+use super::variants::Variant;
+use super::{BenchError, BenchOptions};
 use crate::Progress;
 use crate::jobs::pool;
 
@@ -17,7 +19,7 @@ const TRIED: [f64; 7] = [0.5, 0.65, 0.8, 1.0, 1.25, 1.6, 2.0];
 pub struct SkinPoint {
     /// The skin, σ.
     pub skin: f64,
-    /// Nanoseconds an atom and whole step.
+    /// Nanoseconds per particle and whole step.
     pub step_ns: Spread,
 }
 
@@ -28,9 +30,9 @@ pub struct SkinStudy {
     pub with: String,
     /// The skin that the scene gets, σ.
     pub chosen: f64,
-    /// The cheapest of those that were tried, σ.
+    /// The cheapest skin that was tried, σ.
     pub cheapest: f64,
-    /// Median cost of the chosen over that of the cheapest, minus 1.
+    /// Median cost of the chosen skin over the cost of the cheapest, minus 1.
     pub excess: f64,
     /// The skins, ascending.
     pub points: Vec<SkinPoint>,
@@ -39,59 +41,52 @@ pub struct SkinStudy {
 /// Measures whole steps with several skins on the first variant; `None` where it has no list.
 pub(super) fn measure(
     variant: &Variant,
-    start: &Start,
+    blocks: &Blocks,
     options: &BenchOptions,
     progress: &mut dyn Progress,
 ) -> Result<Option<SkinStudy>, BenchError> {
-    if variant.skin <= 0.0 {
+    let own = variant.plan.skin;
+    if own <= 0.0 {
         return Ok(None);
     }
-    let room = start.cell.largest_cutoff() - variant.scene.truncation.r_cut;
+    let room = blocks.start.cell.largest_cutoff() - variant.scene.truncation.r_cut;
     let skins: Vec<f64> = TRIED
         .iter()
-        .map(|f| f * variant.skin)
-        .filter(|s| *s <= room)
+        .map(|factor| factor * own)
+        .filter(|skin| *skin <= room)
         .collect();
+    let labels: Vec<String> = skins.iter().map(|s| format!("skin {s:.3} σ")).collect();
     let pool = pool(variant.threads)?;
-    let by_processor = variant.threads == 1 && tells_processor_time();
-    let mut seconds: Vec<Vec<f64>> = skins.iter().map(|_| Vec::new()).collect();
-    in_shuffled_rounds(skins.len(), options.repeats, |i, share| {
-        progress.update(&format!("skin {:.3} σ", skins[i]), share);
+    let by_processor = variant.threads == 1 && Stopwatch::tells_processor_time();
+    let seconds = in_turns(&labels, options, progress, |i| {
         let mut scene = variant.scene.clone();
         scene.neighbor.skin = Some(skins[i]);
-        let time = pool.install(|| -> Result<f64, BenchError> {
-            let mut simulation = start.simulation(&scene)?;
-            let clock = Clock::start();
-            take(&mut simulation, start.steps)?;
+        pool.install(|| {
+            let mut simulation = blocks.simulation(&scene)?;
+            let watch = Stopwatch::start();
+            take(&mut simulation, blocks.steps, Want::NOTHING)?;
             Ok(if by_processor {
-                clock.on_processor()
+                watch.on_processor()
             } else {
-                clock.wall()
+                watch.wall()
             })
-        })?;
-        seconds[i].push(time);
-        Ok(())
-    })?;
-    let ns = 1e9 / (start.state.len() as f64 * start.steps as f64);
-    let points: Vec<SkinPoint> = skins
-        .iter()
-        .zip(seconds)
-        .map(|(&skin, all)| SkinPoint {
-            skin,
-            step_ns: Spread::of(all).scaled(ns),
         })
-        .collect();
+    })?;
+    let point = |(skin, seconds): (&f64, Vec<f64>)| SkinPoint {
+        skin: *skin,
+        step_ns: spread(seconds).scaled(blocks.ns_per_second()),
+    };
+    let points: Vec<SkinPoint> = skins.iter().zip(seconds).map(point).collect();
     let cost = |p: &&SkinPoint| p.step_ns.median;
     let cheapest = points.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
-    let chosen = points.iter().find(|p| p.skin == variant.skin);
+    let chosen = points.iter().find(|p| p.skin == own);
     let (Some(cheapest), Some(chosen)) = (cheapest, chosen) else {
         return Ok(None);
     };
     Ok(Some(SkinStudy {
         with: format!(
-            "{} {}, {}, {}",
-            variant.isa,
-            super::variants::precision_name(variant.precision),
+            "{}, {}, {}",
+            variant.kernel(),
             lennard_report::counted(variant.threads, "thread"),
             if by_processor {
                 "processor time"

@@ -165,7 +165,7 @@ fn one(chart: &Chart, point: &ChartedPoint, mark: &Mark, axis: Axis, color: usiz
     Series::new("", look, color, vec![shown])
 }
 
-/// What stands beside a mark: the scene's own settings and the usual ones by name, those of the front by number.
+/// The label beside a mark: a name for the scene's own settings and the usual ones, a number on the front.
 fn label(point: &ChartedPoint, mark: &Mark, axis: Axis) -> Option<String> {
     match point {
         _ if point.number == 1 => Some("scene".into()),
@@ -174,7 +174,7 @@ fn label(point: &ChartedPoint, mark: &Mark, axis: Axis) -> Option<String> {
     }
 }
 
-/// What a reader sees who points at a mark.
+/// The note that appears when a reader points at a mark.
 fn note(chart: &Chart, mark: &Mark) -> String {
     let value = match (mark.error, mark.standard_error, &mark.failure) {
         (Some(e), Some(se), _) => {

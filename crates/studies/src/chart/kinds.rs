@@ -6,7 +6,8 @@ use super::Chart;
 use super::panels::median;
 use super::point::{ChartedPoint, Errors, Outcome};
 use crate::StudyError;
-use crate::settings::{AgainstEquation, Measured, Settings, Value, Workbench};
+use crate::lab::{AgainstEquation, Measured, Value, Workbench};
+use crate::settings::Settings;
 
 /// Rounding of a number in double precision, 2⁻⁵³.
 const ROUNDING: f64 = 1.1e-16;

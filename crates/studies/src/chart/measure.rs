@@ -3,17 +3,17 @@
 use std::sync::Mutex;
 use std::sync::atomic::Ordering;
 
+use lennard_core::stopwatch::{in_turn, shuffled};
 use lennard_forcefield::{ListMode, Precision, TruncationKind};
 use lennard_scene::Scene;
 
+use super::grid::{COMMON_STEPS, Grid, Size, grid};
 use super::point::{ChartedPoint, Errors, Outcome};
 use super::store::Store;
 use super::{Chart, ChartError, ChartOptions, Plan, SCHEMA, panels, peers};
 use crate::jobs::{pool, side_by_side_on};
-use crate::settings::{
-    COMMON_STEPS, Failed, Grid, Settings, Size, Workbench, grid, modelled_work, shuffled,
-    truncation_is_free,
-};
+use crate::lab::{Failed, Workbench, modelled_work};
+use crate::settings::{Settings, truncation_is_free};
 use crate::{Progress, StudyError};
 
 /// About this long are they, τ: before chaos takes over.
@@ -98,7 +98,7 @@ pub(super) fn all(
     let mut remarks = Vec::new();
     if options.with_peers && finished {
         progress.update("other engines", 0.99);
-        match peers::lammps(&bench, &plan, &slopes, &points) {
+        match peers::of_lammps(&bench, &plan, &slopes, &points) {
             Ok(found) => points.extend(found),
             Err(reason) => remarks.push(format!("LAMMPS is left out: {reason}")),
         }
@@ -225,7 +225,7 @@ fn errors(
     settings: &Settings,
     time: f64,
     plan: &Plan,
-    slopes: &crate::settings::Slopes,
+    slopes: &crate::lab::Slopes,
 ) -> Result<Errors, StudyError> {
     Ok(Errors {
         forces: bench.force_errors(settings)?,
@@ -254,41 +254,35 @@ fn time_all(
 ) -> Result<(), ChartError> {
     let pool = pool(plan.threads)?;
     let seed = bench.scene().system.seed;
-    for round in 0..plan.repeats {
-        for (done, i) in shuffled(points.len(), seed, round).into_iter().enumerate() {
-            let mut point = get(&points[i]);
-            if options.stop.load(Ordering::Relaxed) {
-                return Ok(());
-            }
-            if point.is_timed(round + 1) {
-                continue;
-            }
-            let timing =
-                pool.install(|| outcome(bench.timing(&point.settings, plan.timing_seconds)))?;
-            match timing {
-                Outcome::Found(timing) => {
-                    if point.pair_forces_per_atom_tau.is_none() {
-                        let evaluations = timing.evaluations_per_tau;
-                        point.pair_forces_per_atom_tau =
-                            Some(bench.pair_forces(&point.settings, evaluations)?);
-                    }
-                    point.timings.push(timing);
-                }
-                Outcome::Failed(failed) => point.not_timed = Some(failed),
-            }
-            store.save(&point)?;
-            set(&points[i], point);
-            let share = (round * points.len() + done) as f64 / (plan.repeats * points.len()) as f64;
-            progress.update("timing", ERRORS_SHARE + (1.0 - ERRORS_SHARE) * share);
+    in_turn(points.len(), plan.repeats, seed, |turn| {
+        let slot = &points[turn.item];
+        let mut point = get(slot);
+        if options.stop.load(Ordering::Relaxed) || point.is_timed(turn.round + 1) {
+            return Ok(());
         }
-    }
-    Ok(())
+        let timing = || outcome(bench.timing(&point.settings, plan.timing_seconds));
+        match pool.install(timing)? {
+            Outcome::Found(timing) => {
+                if point.pair_forces_per_atom_tau.is_none() {
+                    let evaluations = timing.evaluations_per_tau;
+                    point.pair_forces_per_atom_tau =
+                        Some(bench.pair_forces(&point.settings, evaluations)?);
+                }
+                point.timings.push(timing);
+            }
+            Outcome::Failed(failed) => point.not_timed = Some(failed),
+        }
+        store.save(&point)?;
+        set(slot, point);
+        progress.update("timing", ERRORS_SHARE + (1.0 - ERRORS_SHARE) * turn.done);
+        Ok(())
+    })
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::grid::LeftOut;
     use super::*;
-    use crate::settings::LeftOut;
 
     #[test]
     fn an_empty_grid_is_refused_and_says_why() {

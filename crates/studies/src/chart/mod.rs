@@ -4,6 +4,7 @@
 //! goes on where it was stopped.
 
 mod figures;
+pub(crate) mod grid;
 mod kinds;
 mod measure;
 mod page;
@@ -14,6 +15,7 @@ mod standings;
 mod store;
 mod tables;
 
+pub use grid::{LeftOut, Size};
 pub use page::own_settings;
 pub use panels::{Axis, Mark, Panel, panels};
 pub use point::{ChartedPoint, Errors, Outcome};
@@ -26,7 +28,7 @@ use std::sync::atomic::AtomicBool;
 use lennard_scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{LeftOut, Size, Slopes};
+use crate::lab::Slopes;
 use crate::{Progress, StudyError, files};
 
 /// Name and version of the schema of [`Chart`].

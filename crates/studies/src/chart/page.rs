@@ -7,7 +7,7 @@ use super::panels::{Mark, Panel};
 use super::point::Outcome;
 use super::standings::{Advice, NOT_RESOLVED, Standing, basis, done, standings};
 use super::{Chart, ChartedPoint, Errors, figures, tables};
-use crate::settings::{Measured, Value};
+use crate::lab::{Measured, Value};
 
 /// Sections with the panels that belong to them.
 const SECTIONS: [(&str, &[&str]); 4] = [

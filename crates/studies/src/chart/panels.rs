@@ -6,7 +6,8 @@ use super::Chart;
 use super::kinds::{Floor, Kind, Reading, kinds};
 use super::point::ChartedPoint;
 use crate::StudyError;
-use crate::settings::{Settings, Workbench};
+use crate::lab::Workbench;
+use crate::settings::Settings;
 
 /// An error counts as smaller than another from this share of it on: less is chance.
 const SMALLER: f64 = 0.95;
@@ -111,7 +112,7 @@ fn panel(bench: &Workbench, chart: &Chart, kind: &Kind) -> Panel {
                 Reading::Failed(why) => (None, None, Some(why)),
             };
             let (wall, pair_forces) = cost(bench, chart, point)?;
-            let spread = point.cost().map(|c| (c.wall.low, c.wall.high));
+            let spread = point.cost().map(|c| (c.wall.lowest, c.wall.highest));
             Some(Mark {
                 number: point.number,
                 wall,
@@ -180,7 +181,7 @@ fn cost(bench: &Workbench, chart: &Chart, point: &ChartedPoint) -> Option<(f64, 
         })
         .next_back();
     by_step.or_else(|| {
-        let seconds = crate::settings::modelled_work(bench.scene(), bench.start(), &point.settings);
+        let seconds = crate::lab::modelled_work(bench.scene(), bench.start(), &point.settings);
         let evaluations = f64::from(point.settings.integrator.spec().force_evaluations.max(1));
         let pairs = bench.pair_forces(&point.settings, evaluations / point.settings.dt);
         Some((seconds / bench.start().len() as f64, pairs.ok()?))

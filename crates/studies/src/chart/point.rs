@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{Cost, Failed, ForceErrors, Measured, Settings, Timing, TrajectoryError};
+use crate::lab::{Cost, Failed, ForceErrors, Measured, Timing, TrajectoryError};
+use crate::settings::Settings;
 
 /// What came of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -85,7 +86,7 @@ impl ChartedPoint {
         Cost::of(&self.timings, self.pair_forces_per_atom_tau?)
     }
 
-    /// Whether it has so many timings, or cannot be timed.
+    /// Whether the point has `repeats` timings, or cannot be timed.
     #[must_use]
     pub fn is_timed(&self, repeats: usize) -> bool {
         self.not_timed.is_some() || self.timings.len() >= repeats

@@ -1,13 +1,13 @@
 //! Where the scene's own settings stand among the others, and what a chart may advise.
 
+use lennard_core::stopwatch::BUSY;
 use lennard_engine::watchdog::rough_stable_dt;
 use lennard_report::significant;
 
 use super::panels::{Mark, Panel};
 use super::{Chart, ChartedPoint};
-use crate::settings::BUSY;
 
-/// An error that is statistical counts as known to so many standard errors.
+/// Standard errors within which a statistical error counts as known.
 const CERTAIN: f64 = 2.0;
 /// An error of one run, without a standard error and without a floor, counts as smaller from this share of another on.
 const OF_ONE_RUN: f64 = 0.8;
@@ -103,7 +103,7 @@ pub fn basis(chart: &Chart) -> String {
 /// Where the scene's own settings stand in each panel.
 ///
 /// Advised are the cheapest by wall time of those
-/// - whose error, with two of its standard errors, is no larger than that of the scene less two of its own (errors
+/// - whose error, with two of its standard errors, is no larger than the error of the scene less two of its own (errors
 ///   without a standard error: no larger, or below the floor as its own is; without a floor too: smaller by a fifth),
 /// - whose every timing is shorter than every one of the scene's,
 /// - whose step is at most half of the stability limit, or no longer than the scene's by the same method.
@@ -146,7 +146,7 @@ fn advice<'a>(chart: &Chart, panel: &'a Panel, own: &Mark) -> Advice<'a> {
     }
 }
 
-/// Whether the error of a mark is known to be no larger than that of another.
+/// Whether the error of a mark is known to be no larger than the error of another.
 fn is_no_worse(mark: &Mark, own: &Mark, floor: f64) -> bool {
     let (Some(error), Some(of_own)) = (mark.error, own.error) else {
         return false;
@@ -190,9 +190,11 @@ pub fn stability_limit(chart: &Chart, point: &ChartedPoint) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::grid::Size;
     use super::super::{Errors, Outcome, Plan};
     use super::*;
-    use crate::settings::{ForceErrors, Settings, Size, Slopes};
+    use crate::lab::{ForceErrors, Slopes};
+    use crate::settings::Settings;
 
     fn mark(number: usize, wall: f64, error: f64, standard_error: Option<f64>) -> Mark {
         Mark {
@@ -279,7 +281,7 @@ mod tests {
         assert!((0.022..0.026).contains(&limit), "{limit}");
         assert_eq!(advised(&of_forces), Some(2));
         // A run that failed at 0.01 tells more than the rough limit.
-        let failed = || crate::settings::Failed {
+        let failed = || crate::lab::Failed {
             reason: "it blew up".into(),
             step: None,
         };
@@ -344,7 +346,7 @@ mod tests {
         // Both below the floor: noise beside noise.
         let small = mark(1, 2.0, 0.005, Some(0.01));
         assert!(!is_no_worse(&mark(2, 1.0, 0.001, Some(0.01)), &small, 0.01));
-        // Without a standard error the floor is that of rounding.
+        // Without a standard error the floor is the rounding.
         let exact = mark(1, 2.0, 1e-15, None);
         assert!(is_no_worse(&mark(2, 1.0, 2e-15, None), &exact, 1e-14));
         assert!(!is_no_worse(&mark(2, 1.0, 2e-14, None), &exact, 1e-14));

@@ -135,8 +135,11 @@ fn differences(there: &Plan, wanted: &Plan) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use lennard_core::stopwatch::Spread;
+
+    use super::super::grid::Size;
     use super::*;
-    use crate::settings::{Settings, Size, Spread};
+    use crate::settings::Settings;
 
     fn scene(seed: &str) -> Scene {
         const TEXT: &str = "[system]\nn_atoms = 32\ndensity = 0.8\ntemperature = 1.0\n[truncation]\nr_cut = 1.5\n\
@@ -166,7 +169,7 @@ mod tests {
         let store = Store::open(folder.path(), &scene, false).unwrap();
         store.begin(&scene, &plan()).unwrap();
         let mut point = ChartedPoint::new(1, Settings::of(&scene));
-        point.timings.push(crate::settings::Timing {
+        point.timings.push(crate::lab::Timing {
             seconds_per_atom_tau: 1e-5,
             evaluations_per_tau: 250.0,
             steps: 100,
@@ -179,7 +182,7 @@ mod tests {
         assert_eq!(back.timings, point.timings);
         assert!(back.pair_forces_per_atom_tau.unwrap().is_nan());
         let wall = back.cost().unwrap().wall;
-        assert_eq!(wall, Spread::of(&[1e-5]).unwrap());
+        assert_eq!(wall, Spread::of([1e-5]).unwrap());
         let mut other = Settings::of(&scene);
         other.dt *= 2.0;
         assert!(store.load(&ChartedPoint::new(1, other)).is_none());

@@ -1,17 +1,16 @@
 //! The numbers of a chart as tables.
 
 use lennard_core::Table;
+use lennard_core::stopwatch::Spread;
 use serde::Serialize;
 
 use super::point::Outcome;
 use super::{Chart, ChartedPoint, Panel};
-use crate::settings::{Measured, Value};
+use crate::lab::{Measured, Value};
 
 /// Every point with everything that is known of it.
 pub(super) fn points(chart: &Chart) -> Table {
-    let wall = |point: &ChartedPoint, pick: fn(&crate::settings::Spread) -> f64| {
-        point.cost().map(|c| pick(&c.wall))
-    };
+    let wall = |point: &ChartedPoint, pick: fn(&Spread) -> f64| point.cost().map(|c| pick(&c.wall));
     let table = Table::rows_of("points", &chart.points)
         .column("number", |p| p.number)
         .column("engine", |p| p.engine.as_deref().unwrap_or("lennard"))
@@ -21,14 +20,18 @@ pub(super) fn points(chart: &Chart) -> Table {
         .column("truncation", |p| word(&p.settings.truncation.kind))
         .column("r_cut [sigma]", |p| p.settings.truncation.r_cut)
         .column("tail", |p| p.settings.truncation.tail_correction)
-        .column("precision", |p| p.settings.precision_label())
+        .column("precision", |p| p.settings.precision.name())
         .column("list", |p| word(&p.settings.list))
         .column("skin [sigma]", |p| p.settings.skin)
         .column("wall median [s per atom and tau]", |p| {
             wall(p, |w| w.median)
         })
-        .column("wall lowest [s per atom and tau]", |p| wall(p, |w| w.low))
-        .column("wall highest [s per atom and tau]", |p| wall(p, |w| w.high))
+        .column("wall lowest [s per atom and tau]", |p| {
+            wall(p, |w| w.lowest)
+        })
+        .column("wall highest [s per atom and tau]", |p| {
+            wall(p, |w| w.highest)
+        })
         .column("timings", |p| p.timings.len())
         .column("force evaluations per tau", |p| {
             p.cost().map(|c| c.evaluations_per_tau)

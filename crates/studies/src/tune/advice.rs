@@ -9,7 +9,8 @@ use super::prices::Prices;
 use super::sample::Sample;
 use super::verify::Runs;
 use super::{Row, TuneError};
-use crate::settings::{Settings, Value};
+use crate::lab::Value;
+use crate::settings::Settings;
 
 /// What a search was made with.
 pub(super) struct Search<'a> {
@@ -124,7 +125,7 @@ pub(super) fn about(full: bool, settings: &Settings) -> String {
     }
 }
 
-/// Standard errors of U and P that the run of the scene will have: those of the verification, scaled with time and
+/// Standard errors of U and P that the run of the scene will have: the errors of the verification, scaled with time and
 /// number of particles.
 pub(super) fn planned_errors(scene: &Scene, sample: &Sample, runs: &Runs, dt: f64) -> [f64; 2] {
     let measured = scene.stages.iter().filter(|s| s.measure);

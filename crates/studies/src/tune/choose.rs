@@ -16,7 +16,7 @@ const SMALLEST_CUTOFF: f64 = 2.0;
 const CUTOFF_STEP: f64 = 0.1;
 /// Smallest time step tried, as a share of the careful one.
 const SMALLEST_STEP: f64 = 0.2;
-/// A prediction must keep the target by so many of its standard errors …
+/// Standard errors by which a prediction must keep the target …
 const MARGIN: f64 = 1.0;
 /// … and by this share of what the cutoff leaves out, which is known to first order.
 const HIGHER_ORDERS: f64 = 1.0 / 3.0;

@@ -8,8 +8,9 @@ use lennard_scene::Scene;
 use super::TuneError;
 use super::sample::Sample;
 use super::survey::Survey;
-use crate::jobs::side_by_side;
-use crate::settings::{Failed, Settings, Workbench};
+use crate::jobs::side_by_side_quietly;
+use crate::lab::{Failed, Workbench};
+use crate::settings::Settings;
 
 /// Steps at which stability is tried, as shares of the rough limit.
 pub(super) const RUNGS: [f64; 7] = [0.25, 0.28, 0.32, 0.36, 0.40, 0.45, 0.50];
@@ -17,7 +18,7 @@ pub(super) const RUNGS: [f64; 7] = [0.25, 0.28, 0.32, 0.36, 0.40, 0.45, 0.50];
 const SHORTEST_RUNG: f64 = 80.0;
 /// Without a wanted drift, a step is stable that drifts less than this: 10⁻³ ε/τ per particle is a per cent of T in ten τ.
 const LARGEST_DRIFT: f64 = 1e-3;
-/// A drift counts as seen from so many of its standard errors on.
+/// Standard errors from which on a drift counts as seen.
 const SEEN: f64 = 3.0;
 
 /// One try at a long step, with a truncation that ends smoothly.
@@ -29,7 +30,7 @@ pub(super) struct Rung {
     pub drift: Option<(f64, f64)>,
 }
 
-/// What a step may be and how it drifts.
+/// The largest step that may be taken, and the drift that a step brings.
 #[derive(Debug, Clone)]
 pub(super) struct Stability {
     /// ln|drift| = a − b/dt, where two rungs were seen to drift.
@@ -45,7 +46,6 @@ impl Stability {
         survey: &Survey,
         wanted: Option<f64>,
         seconds: f64,
-        done: impl FnMut(f64),
     ) -> Result<Self, TuneError> {
         let mut scene = sample.own.clone();
         scene.stages = sample.canonical.stages.clone();
@@ -80,7 +80,7 @@ impl Stability {
                 Err(other) => Err(other),
             }
         };
-        let rungs: Vec<Rung> = side_by_side(&RUNGS, climb, done)
+        let rungs: Vec<Rung> = side_by_side_quietly(&RUNGS, climb)
             .into_iter()
             .collect::<Result<_, _>>()?;
         Ok(Self::of(&rungs, wanted))

@@ -4,7 +4,8 @@ use lennard_forcefield::ListMode;
 use lennard_scene::Scene;
 
 use super::TuneError;
-use crate::settings::{Cost, Settings, Workbench, costs};
+use crate::lab::{Cost, Workbench, costs};
+use crate::settings::Settings;
 
 /// Another list or number of threads must be this much cheaper to be taken.
 const WORTHWHILE: f64 = 0.95;
@@ -48,8 +49,10 @@ pub(super) fn list_and_threads(
         }
     }
     let (repeats, seconds) = FINAL_TIMING;
-    let lowest =
-        |cost: &Result<Cost, _>| cost.as_ref().map_or(f64::INFINITY, |c: &Cost| c.wall.low);
+    let lowest = |cost: &Result<Cost, _>| {
+        cost.as_ref()
+            .map_or(f64::INFINITY, |c: &Cost| c.wall.lowest)
+    };
     let found = costs(bench, &tried, 1, repeats, seconds, 2)?;
     let mut best = 0;
     for i in 1..tried.len() {

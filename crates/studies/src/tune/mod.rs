@@ -30,7 +30,8 @@ use lennard_forcefield::NeighborOptions;
 use lennard_scene::{Chosen, Judged};
 use serde::Serialize;
 
-use crate::settings::{Cost, Settings, Value, Workbench};
+use crate::lab::{Cost, Value, Workbench};
+use crate::settings::Settings;
 
 /// Name and version of the schema of [`Tuning`].
 const SCHEMA: &str = "lennard-tune/1";

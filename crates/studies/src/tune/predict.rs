@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use lennard_core::{Configuration, ForceTerm, Part, Want};
+use lennard_core::{Part, Want};
 use lennard_forcefield::{Precision, TruncationKind, TruncationOptions};
 use serde::Serialize;
 
@@ -12,7 +12,8 @@ use super::sample::Sample;
 use super::survey::Survey;
 use super::terms::Terms;
 use crate::fluid_stability::stands_for_itself;
-use crate::settings::{Settings, Value, Workbench};
+use crate::lab::{Value, Workbench};
+use crate::settings::Settings;
 
 /// What the next order leaves unsure of a law in dt, as a share.
 const NEXT_ORDER: f64 = 0.1;
@@ -199,11 +200,9 @@ fn mixed_errors(sample: &Sample, survey: &Survey) -> Result<[Value; 2], TuneErro
             .map(|precision| {
                 let mut scene = sample.canonical.clone();
                 scene.kernel.precision = precision;
-                let (_, mut forces) = lennard_engine::forces(&scene, end.cell, end.len())?;
-                let at = Configuration::at_rest(&end.cell, &end.positions);
-                let mut out = vec![glam::DVec3::ZERO; end.len()];
-                let e = forces
-                    .evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut out)
+                let mut forces = end.forces(&scene)?;
+                let (e, _) = end
+                    .evaluate(&mut forces, Part::All, Want::ENERGY_AND_VIRIAL)
                     .map_err(|e| TuneError::Force(e.to_string()))?;
                 let energy = e.potential_energy.unwrap_or(f64::NAN) / survey.n_atoms;
                 let pressure = e.scalar_virial().unwrap_or(f64::NAN) / (3.0 * survey.volume);
@@ -243,14 +242,11 @@ fn fitted_law(
     };
     let bench = Workbench::with_start(&sample.own, survey.ends[0].clone());
     let slopes = survey.slopes();
-    let runs = crate::jobs::side_by_side(
-        &[&careful, &long],
-        |settings| -> Result<_, TuneError> {
+    let runs =
+        crate::jobs::side_by_side_quietly(&[&careful, &long], |settings| -> Result<_, TuneError> {
             let time = super::affordable(&bench, settings, seconds)?;
             Ok(bench.measure(settings, time, &slopes)?)
-        },
-        |_| {},
-    );
+        });
     let mut runs = runs.into_iter();
     let (Some(careful_run), Some(long_run)) = (runs.next(), runs.next()) else {
         return Ok([NOTHING; 2]);

@@ -1,18 +1,19 @@
-//! What a step costs for every cutoff, from a few timings.
+//! The cost of a step for every cutoff, from a few timings.
 
 use lennard_forcefield::Precision;
 use lennard_scene::{Geometry, Lattice, Scene, Stage, Start as SceneStart};
 
 use super::TuneError;
 use super::sample::Sample;
-use crate::settings::{Settings, Start, Workbench, costs};
+use crate::lab::{Start, Workbench, costs};
+use crate::settings::Settings;
 
 /// Cutoffs timed, σ.
 const NODES: [f64; 7] = [2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0];
-/// Each timing is repeated so often, in another order each time.
+/// Repeats of each timing, in another order each time.
 const REPEATS: usize = 3;
-/// Scenes of up to so many particles are timed at their own size; larger ones, for which caches and lists look alike, at
-/// the size of this: 4·14³.
+/// Scenes of up to 4·14³ particles are timed at their own size. Larger scenes are timed at this size, where caches and
+/// lists look alike.
 const TIMED_UP_TO: usize = 10_976;
 /// Steps that bring a larger stand-in near its equilibrium: a melted lattice has the neighbors of the fluid.
 const MELTING_STEPS: u64 = 400;
@@ -67,7 +68,7 @@ impl Prices {
             // The least of the repeats: what disturbs a timing only makes it longer.
             nodes[of].push((
                 settings.truncation.r_cut.powi(3),
-                cost.wall.low * settings.dt,
+                cost.wall.lowest * settings.dt,
             ));
         }
         nodes.iter_mut().for_each(|nodes| never_falling(nodes));
@@ -104,8 +105,8 @@ fn never_falling(nodes: &mut [(f64, f64)]) {
     }
 }
 
-/// Particles of the fcc lattice that stands for so many: no fewer, up to [`TIMED_UP_TO`], so that whatever cutoff fits the
-/// box of the scene fits that of the timings.
+/// Particles of the fcc lattice that stands for a scene: no fewer than the scene has, up to [`TIMED_UP_TO`]. A cutoff that
+/// fits the box of the scene then fits the box of the timings.
 fn timed_atoms(scene_atoms: usize) -> usize {
     let wanted = scene_atoms.min(TIMED_UP_TO);
     (1..)

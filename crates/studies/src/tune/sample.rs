@@ -7,7 +7,8 @@ use lennard_integrators::{ThermostatOptions, bussi, velocity_verlet};
 use lennard_scene::{Geometry, Lattice, Scene, Stage, Start as SceneStart};
 
 use super::TuneError;
-use crate::settings::{Settings, Start};
+use crate::lab::Start;
+use crate::settings::Settings;
 
 /// Fluids of this many particles are judged as they are: below, half the box is too short to see what a cutoff leaves
 /// out; above, a minute samples no better, since errors of means go with the number of particles times the time.
@@ -24,7 +25,7 @@ const MOST_STEPS: u64 = 10_000;
 pub(super) const CAREFUL_STEP: f64 = 0.075;
 /// Relaxation time of the survey's heat bath, τ: about that in which a liquid forgets its energy by itself.
 const RELAXATION_TIME: f64 = 0.15;
-/// The start settles at its temperature for so long, τ.
+/// Time in which the start settles at its temperature, τ.
 const SETTLING_TIME: f64 = 8.0;
 /// Steps of a stage that ends when its follower says so.
 const LONGEST: u64 = 1 << 50;
@@ -151,7 +152,7 @@ pub(super) fn comfortable_cutoff(half: f64) -> f64 {
     ((half - SKIN) * 100.0).floor() / 100.0
 }
 
-/// The temperature at which the scene measures: that of the last heat bath up to there, or the system's.
+/// The temperature at which the scene measures: the temperature of the last heat bath up to there, or of the system.
 fn temperature(scene: &Scene) -> f64 {
     let measured = scene.stages.iter().rposition(|s| s.measure);
     let until = &scene.stages[..=measured.unwrap_or(scene.stages.len() - 1)];

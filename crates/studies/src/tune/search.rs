@@ -17,7 +17,8 @@ use super::survey::Survey;
 use super::verify::{self, Runs};
 use super::{Row, SCHEMA, TuneError, TuneOptions, Tuning};
 use crate::Progress;
-use crate::settings::{Cost, Settings, Value, costs};
+use crate::lab::{Cost, Value, costs};
+use crate::settings::Settings;
 
 /// Shares of the time for survey, stability, prices, and the runs that verify; the rest is for the start and the end.
 const SURVEY: f64 = 0.34;
@@ -62,10 +63,10 @@ pub(super) fn tune_and<T>(
     progress.update("equilibrating", 0.0);
     let sample = Sample::prepare(scene)?;
     progress.update("surveying the fluid", 0.05);
-    let survey = Survey::run(&sample, Duration::from_secs_f64(seconds(SURVEY)), |_| {})?;
+    let survey = Survey::run(&sample, Duration::from_secs_f64(seconds(SURVEY)))?;
     progress.update("looking for the longest stable step", 0.05 + SURVEY);
     let each = seconds(STABILITY) * options.threads as f64 / super::drift::RUNGS.len() as f64;
-    let stability = Stability::measure(&sample, &survey, accuracy.drift, each, |_| {})?;
+    let stability = Stability::measure(&sample, &survey, accuracy.drift, each)?;
     let mut models = Models::new(&sample, &survey, &stability, full, seconds(STABILITY))?;
     progress.update("timing cutoffs", 0.05 + SURVEY + STABILITY);
     let prices = Prices::measure(&sample, seconds(PRICES))?;
@@ -194,7 +195,7 @@ fn verified(
         if of_safest.is_none() {
             all.push((safest, time(SAFEST_SHARE * seconds, safest)));
         }
-        let mut found = verify::runs(search.sample, survey, &all, |_| {})?;
+        let mut found = verify::runs(search.sample, survey, &all)?;
         if found.len() > 1
             && let Some(run) = found.pop()
         {

@@ -1,15 +1,16 @@
 //! Whether the chosen settings are faster than the usual ones, as far as timings on this machine tell.
 
+use lennard_core::stopwatch::{BUSY, Spread};
 use lennard_report::significant;
 use lennard_scene::Accuracy;
 use serde::Serialize;
 
-use crate::settings::{BUSY, Cost, Spread, Value};
+use crate::lab::{Cost, Value};
 
 /// The chosen settings beside the usual ones, timed in turn.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Speed {
-    /// Median time of the chosen settings over that of the usual ones; absent where the usual ones do not fit.
+    /// Median time of the chosen settings over the median time of the usual ones; absent where the usual ones do not fit.
     pub over_usual: Option<f64>,
     /// Whether every timing of the chosen settings is shorter than every one of the usual; absent likewise.
     pub is_faster: Option<bool>,
@@ -45,13 +46,13 @@ impl Speed {
 
     fn beside(&mut self, chosen: &Spread, usual: &Spread, missed: &[String]) {
         let ratio = chosen.median / usual.median;
-        let is_faster = chosen.high < usual.low;
+        let is_faster = chosen.highest < usual.lowest;
         self.over_usual = Some(ratio);
         self.is_faster = Some(is_faster);
         if is_faster {
             return;
         }
-        let range = |s: &Spread| format!("{} to {}", micro(s.low), micro(s.high));
+        let range = |s: &Spread| format!("{} to {}", micro(s.lowest), micro(s.highest));
         let told = if ratio < 1.0 {
             "not told to be faster"
         } else {
@@ -93,7 +94,7 @@ mod tests {
 
     fn cost(walls: [f64; 3]) -> Cost {
         Cost {
-            wall: Spread::of(&walls.map(|w| 1e-6 * w)).unwrap(),
+            wall: Spread::of(walls.map(|w| 1e-6 * w)).unwrap(),
             evaluations_per_tau: 100.0,
             pair_forces_per_atom_tau: 1000.0,
         }

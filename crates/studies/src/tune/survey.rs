@@ -14,14 +14,14 @@ use lennard_scene::Scene;
 use super::TuneError;
 use super::sample::Sample;
 use super::terms::{BIN_WIDTH, Change, Terms, bins_within, dot};
-use crate::jobs::side_by_side;
-use crate::settings::{Slopes, Start, Value};
+use crate::jobs::side_by_side_quietly;
+use crate::lab::{Slopes, Start, Value};
 
 /// Time between two frames, τ: about that in which the pressure forgets itself.
 const FRAME_INTERVAL: f64 = 0.06;
 /// Frames of each chain, however little time there is: fewer have no errors.
 const FEWEST_FRAMES: usize = 60;
-/// The chains part for so long before they are looked at, τ: the same start with other noise.
+/// Time, τ, in which the chains part before their frames count: they have one start and different noise.
 const PARTING_TIME: f64 = 3.0;
 
 /// One look at the fluid; totals of the system.
@@ -97,12 +97,8 @@ impl Follower for Watcher<'_> {
 }
 
 impl Survey {
-    /// Runs one chain a thread for so long.
-    pub fn run(
-        sample: &Sample,
-        budget: Duration,
-        done: impl FnMut(f64),
-    ) -> Result<Self, TuneError> {
+    /// Runs one chain per thread until `budget` is spent.
+    pub fn run(sample: &Sample, budget: Duration) -> Result<Self, TuneError> {
         let chains: Vec<u64> = (0..rayon::current_num_threads() as u64).collect();
         let dt = sample.canonical.integrator.dt;
         let end = Instant::now() + budget;
@@ -119,15 +115,10 @@ impl Survey {
                 end,
                 frames: Vec::new(),
             };
-            let mut simulation = lennard_engine::prepare_from(scene, sample.start.beginning())?;
+            let mut simulation = sample.start.simulation(scene)?;
             simulation.run(&mut watcher)?;
             let time = simulation.state.time - PARTING_TIME;
-            let end = Start {
-                cell: simulation.state.cell,
-                positions: simulation.state.positions,
-                velocities: simulation.state.velocities,
-            };
-            Ok((watcher.frames, end, time))
+            Ok((watcher.frames, simulation.into(), time))
         };
         let n_atoms = sample.start.len() as f64;
         let volume = sample.start.cell.volume();
@@ -147,7 +138,7 @@ impl Survey {
                 sample.sight,
             )?,
         };
-        for found in side_by_side(&chains, run, done) {
+        for found in side_by_side_quietly(&chains, run) {
             let (frames, end, time) = found?;
             survey.frames.extend(frames);
             survey.ends.push(end);

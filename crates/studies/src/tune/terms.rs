@@ -4,7 +4,7 @@ use lennard_forcefield::{Model, TruncationOptions};
 use lennard_scene::Scene;
 
 use super::TuneError;
-use crate::settings::Value;
+use crate::lab::Value;
 
 /// Width of the bins of distance, σ.
 pub(super) const BIN_WIDTH: f64 = 0.02;

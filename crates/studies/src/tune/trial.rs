@@ -10,23 +10,23 @@ use super::sample::Sample;
 use super::search::tune_and;
 use super::{TuneError, TuneOptions, Tuning};
 use crate::Progress;
-use crate::jobs::side_by_side;
-use crate::settings::{
-    CUTOFFS, Failed, Measured, Settings, Slopes, TRUNCATIONS, Value, Workbench, costs,
-};
+use crate::chart::grid::{CUTOFFS, TRUNCATIONS};
+use crate::jobs::side_by_side_quietly;
+use crate::lab::{Failed, Measured, Slopes, Value, Workbench, costs};
+use crate::settings::Settings;
 
 /// Steps of the grid, τ.
 const STEPS: [f64; 6] = [0.002, 0.004, 0.008, 0.012, 0.016, 0.024];
 /// Steps at which the settings of the grid are priced, τ.
 const PRICED_STEPS: [f64; 2] = [STEPS[1], STEPS[3]];
-/// The choice may cost so many times the cheapest setting of the grid that meets the target.
+/// Largest cost of the choice over the cost of the cheapest setting of the grid that meets the target.
 pub const ALLOWED_FACTOR: f64 = 1.3;
 /// Step of the tight runs as a share of velocity Verlet's stability limit: the method of Blanes and Moan makes six
-/// evaluations a step, and its error of fourth order is far below those on trial.
+/// evaluations per step, and its error of fourth order is far below the errors on trial.
 const TIGHT_STEP: f64 = 0.25;
 /// Longest cutoff of the tight runs, σ.
 const TIGHT_CUTOFF: f64 = 6.0;
-/// Lengths of the runs that reject a cheaper setting, as shares of those of the choice: one that errs much shows soon.
+/// Lengths of the runs that reject a cheaper setting, as shares of the runs of the choice: a large error shows soon.
 const LENGTHS: [f64; 3] = [0.1, 0.4, 1.0];
 /// Standard errors within which a target is met, and beyond which it is missed.
 const SIGNIFICANT: f64 = 2.0;
@@ -49,7 +49,7 @@ pub struct TrialOptions {
 pub struct Cheaper {
     /// In a line.
     pub label: String,
-    /// Its cost over that of the choice.
+    /// Its cost over the cost of the choice.
     pub cost: f64,
     /// By what it misses; `None` where the runs cannot tell that it does.
     pub misses: Option<String>,
@@ -101,16 +101,12 @@ struct Seeds {
 impl Seeds {
     fn prepare(scene: &Scene, seeds: u64) -> Result<Self, TuneError> {
         let numbers: Vec<u64> = (0..seeds).map(|s| 70_001 + 13 * s).collect();
-        let prepared = side_by_side(
-            &numbers,
-            |seed| -> Result<Workbench, TuneError> {
-                let mut other = scene.clone();
-                other.system.seed = *seed;
-                let sample = Sample::prepare(&other)?;
-                Ok(Workbench::with_start(&sample.own, sample.start))
-            },
-            |_| {},
-        );
+        let prepared = side_by_side_quietly(&numbers, |seed| -> Result<Workbench, TuneError> {
+            let mut other = scene.clone();
+            other.system.seed = *seed;
+            let sample = Sample::prepare(&other)?;
+            Ok(Workbench::with_start(&sample.own, sample.start))
+        });
         let benches: Vec<Workbench> = prepared.into_iter().collect::<Result<_, _>>()?;
         let bench = benches
             .first()
@@ -130,7 +126,7 @@ impl Seeds {
             ]
         };
         let mut found = Vec::new();
-        for run in side_by_side(&self.benches, one, |_| {}) {
+        for run in side_by_side_quietly(&self.benches, one) {
             match run {
                 Ok(run) => found.push(numbers(run)),
                 Err(error) => return Ok(Err(Failed::from_error(error)?)),
@@ -140,7 +136,7 @@ impl Seeds {
     }
 }
 
-/// Mean and standard error over seeds of a quantity, less that of the tight runs of the same seeds.
+/// Mean and standard error over seeds of a quantity, less its value in the tight runs of the same seeds.
 fn over_seeds(runs: &[Found], tight: &[Found], which: usize) -> Value {
     let reference = |i: usize| if which == 2 { 0.0 } else { tight[i][which] };
     let all: Vec<f64> = runs
@@ -267,7 +263,7 @@ fn models_of_grid(bench: &Workbench) -> Vec<Model> {
 }
 
 /// Every setting of the grid that would cost less than the choice by more than the factor allowed, with its number in
-/// the grid and its cost over that of the choice.
+/// the grid and its cost over the cost of the choice.
 fn cheaper_than(
     tuning: &Tuning,
     bench: &Workbench,
@@ -285,7 +281,7 @@ fn cheaper_than(
     let mut prices = Vec::new();
     for (settings, cost) in priced.iter().zip(costs(bench, &priced, 1, 3, 0.05, 1)?) {
         let cost = cost.map_err(|f| TuneError::Nothing(f.reason))?;
-        prices.push(cost.wall.low * settings.dt);
+        prices.push(cost.wall.lowest * settings.dt);
     }
     let chosen = prices[0] / tuning.settings.dt;
     // A longer step wants a new list sooner: the price of a step is a line in dt.

@@ -6,8 +6,9 @@ use super::TuneError;
 use super::predict::Models;
 use super::sample::Sample;
 use super::survey::Survey;
-use crate::jobs::side_by_side;
-use crate::settings::{Failed, Measured, Settings, Value, Workbench};
+use crate::jobs::side_by_side_quietly;
+use crate::lab::{Failed, Measured, Value, Workbench};
+use crate::settings::Settings;
 
 /// What runs of some settings measured together.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -20,7 +21,7 @@ pub struct Runs {
     pub pressure: Value,
     /// Drift of the conserved energy, ε/τ per particle.
     pub drift: Value,
-    /// U and P less those of the equation of state of this model, and its name, where there is one.
+    /// The name of the equation of state of this model, and U and P less its values, where there is one.
     pub against_equation: Option<(String, Value, Value)>,
 }
 
@@ -68,31 +69,26 @@ fn together(values: &[Value]) -> Value {
     }
 }
 
-/// Runs settings on every thread from the ends of the survey's chains, each for its time in τ; `None` where a run fails.
+/// Runs each of `all` settings on every thread from the ends of the survey's chains, for its time in τ.
 pub(super) fn runs(
     sample: &Sample,
     survey: &Survey,
     all: &[(&Settings, f64)],
-    done: impl FnMut(f64),
 ) -> Result<Vec<Result<Runs, Failed>>, TuneError> {
     let slopes = survey.slopes();
     let jobs: Vec<(usize, usize)> = (0..all.len())
         .flat_map(|which| (0..survey.ends.len()).map(move |chain| (which, chain)))
         .collect();
-    let found = side_by_side(
-        &jobs,
-        |(which, chain)| {
-            let (settings, time) = all[*which];
-            let mut scene = sample.own.clone();
-            scene.system.seed = scene
-                .system
-                .seed
-                .wrapping_add(2000 + jobs.len() as u64 * *which as u64 + *chain as u64);
-            let bench = Workbench::with_start(&scene, survey.ends[*chain].clone());
-            bench.measure(settings, time, &slopes)
-        },
-        done,
-    );
+    let found = side_by_side_quietly(&jobs, |(which, chain)| {
+        let (settings, time) = all[*which];
+        let mut scene = sample.own.clone();
+        scene.system.seed = scene
+            .system
+            .seed
+            .wrapping_add(2000 + jobs.len() as u64 * *which as u64 + *chain as u64);
+        let bench = Workbench::with_start(&scene, survey.ends[*chain].clone());
+        bench.measure(settings, time, &slopes)
+    });
     let mut found = found.into_iter();
     let mut results = Vec::new();
     for _ in all {

@@ -1,12 +1,12 @@
-//! Sensible settings around those of a scene.
+//! Sensible settings around the settings of a scene.
 
 use lennard_forcefield::{ListMode, Precision, TruncationKind};
 use lennard_integrators::{IntegratorOptions, OscillatorModel, integrators};
 use serde::{Deserialize, Serialize};
 
-use super::workbench::Workbench;
-use super::{Settings, truncation_is_free};
 use crate::fluid_stability::stands_for_itself;
+use crate::lab::Workbench;
+use crate::settings::{Settings, truncation_is_free};
 
 /// How many settings are tried.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -34,17 +34,17 @@ pub struct LeftOut {
 /// Settings to be tried, and those that were left out.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Grid {
-    /// To be tried; those of the scene stand first.
+    /// To be tried; the settings of the scene stand first.
     pub settings: Vec<Settings>,
     /// Left out: what no scene may ask for, and what stands for something that is there.
     pub left_out: Vec<LeftOut>,
 }
 
-/// Cutoffs beside that of the scene, σ.
+/// Cutoffs beside the cutoff of the scene, σ.
 pub(crate) const CUTOFFS: [f64; 5] = [2.0, 2.5, 3.0, 4.0, 5.0];
-/// Those of the quick grid.
+/// Cutoffs of the quick grid, σ.
 const QUICK_CUTOFFS: [f64; 2] = [2.5, 4.0];
-/// Largest cutoffs beyond those are not tried: neighbors grow with the cube, σ.
+/// Larger cutoffs, σ, are not tried: neighbors grow with the cube.
 const LARGEST_CUTOFF: f64 = 6.0;
 /// Times of this many steps of the scene are whole numbers of steps of most of the grid: there trajectories are compared.
 pub(crate) const COMMON_STEPS: f64 = 48.0;
@@ -52,9 +52,9 @@ pub(crate) const COMMON_STEPS: f64 = 48.0;
 const FACTORS: [f64; 6] = [0.5, 1.0, 2.0, 3.0, 4.0, 6.0];
 /// For methods that bear longer steps.
 const LONG_FACTORS: [f64; 6] = [1.0, 2.0, 4.0, 6.0, 8.0, 12.0];
-/// Those of the quick grid.
+/// Factors of the quick grid.
 const QUICK_FACTORS: [f64; 3] = [0.5, 2.0, 4.0];
-/// Methods beside that of the scene: they differ in order and in cost.
+/// Methods beside the method of the scene: they differ in order and in cost.
 const METHODS: [&str; 4] = ["velocity-verlet", "respa", "pefrl", "blanes-moan"];
 
 /// Every truncation, with and without tail.
@@ -66,7 +66,7 @@ pub(crate) const TRUNCATIONS: [(TruncationKind, bool); 5] = [
     (TruncationKind::Switch, false),
 ];
 
-/// The settings around those of the workbench's scene. What does not fit the scene is left out, and said so.
+/// The settings around the settings of the workbench's scene. What does not fit the scene is left out, with the reason.
 #[must_use]
 pub fn grid(bench: &Workbench, size: Size) -> Grid {
     let mut maker = Maker {
@@ -141,7 +141,7 @@ impl Maker<'_> {
         }
     }
 
-    /// What most people would take, with a step as near to theirs as the common times allow.
+    /// The usual settings, with a step as near to the usual step as the common times allow.
     fn usual(&mut self, base: &Settings) {
         let largest = self.bench.start().cell.largest_cutoff();
         let Some(usual) = base.usual(largest) else {

@@ -1,27 +1,4 @@
-//! Everything about a scene that trades speed for accuracy, as one value, and what it costs and errs.
-//!
-//! [`Settings`] are taken from a scene and laid over one; [`grid`] lists sensible ones around a scene;
-//! a [`Workbench`] measures them, all from one equilibrated start: [`Workbench::timing`] and [`costs`] say what they
-//! cost, [`Workbench::force_errors`], [`Workbench::measure`], [`Workbench::trajectory_error`] and
-//! [`Workbench::reversibility`] what they err.
-
-mod cost;
-mod forces;
-mod grid;
-mod measured;
-mod motion;
-mod start;
-mod workbench;
-
-pub use cost::{BUSY, Cost, Spread, Timing, costs, modelled_work};
-pub(crate) use cost::{lowest_median_highest, shuffled};
-pub use forces::{ForceErrors, Untruncated};
-pub(crate) use grid::{COMMON_STEPS, CUTOFFS, TRUNCATIONS};
-pub use grid::{Grid, LeftOut, Size, grid};
-pub use measured::{AgainstEquation, Drift, Measured, Slopes, Value};
-pub use motion::{TightTrajectory, TrajectoryError};
-pub use start::Start;
-pub use workbench::{Failed, Workbench};
+//! Everything about a scene that trades speed for accuracy, as one value.
 
 use lennard_forcefield::{
     ListMode, NeighborOptions, Precision, SplitOptions, TruncationKind, TruncationOptions,
@@ -51,14 +28,14 @@ pub struct Settings {
     pub skin: Option<f64>,
 }
 
-/// The cutoff, σ, that most people take for a liquid.
+/// The usual cutoff of a liquid, σ.
 const USUAL_CUTOFF: f64 = 2.5;
-/// The time step, τ, that they take.
+/// The usual time step, τ.
 const USUAL_DT: f64 = 0.004;
 
 impl Settings {
-    /// What most people would take in place of these: a cutoff of 2.5 σ with its tail and a step of 0.004 τ, in double
-    /// precision. None where these end the potential otherwise, or where the cutoff is over `largest_cutoff`.
+    /// The usual settings in place of these: a cutoff of 2.5 σ with its tail and a step of 0.004 τ, in double precision.
+    /// `None` where these settings end the potential otherwise, or where the cutoff is over `largest_cutoff`.
     #[must_use]
     pub fn usual(&self, largest_cutoff: f64) -> Option<Self> {
         let cut = self.truncation.kind == TruncationKind::Cut && self.truncation.tail_correction;
@@ -82,7 +59,7 @@ impl Settings {
         })
     }
 
-    /// Those of a scene.
+    /// The settings of a scene.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         Self {
@@ -99,7 +76,7 @@ impl Settings {
     /// The scene with these settings in place of its own.
     ///
     /// Every stage keeps its simulated time, and every interval of sampling and writing too, to the nearest whole step;
-    /// a stage with a dt of its own keeps its ratio to that of the scene.
+    /// a stage with a dt of its own keeps its ratio to the dt of the scene.
     ///
     /// # Errors
     /// [`StudyError::Settings`] where they do not go together or do not fit the scene.
@@ -160,7 +137,7 @@ impl Settings {
             self.integrator.name(),
             lennard_report::significant(self.dt, 3),
             self.truncation_label(),
-            self.precision_label(),
+            self.precision.name(),
         )
     }
 
@@ -177,15 +154,6 @@ impl Settings {
             TruncationKind::ForceShift => format!("force-shifted at {r_cut} σ"),
             TruncationKind::Switch => format!("switched at {r_cut} σ"),
             other => format!("{} at {r_cut} σ", other.name()),
-        }
-    }
-
-    /// `double` or `mixed`.
-    #[must_use]
-    pub fn precision_label(&self) -> &'static str {
-        match self.precision {
-            Precision::Double => "double",
-            Precision::Mixed => "mixed",
         }
     }
 
@@ -227,10 +195,10 @@ pub fn truncation_is_free(scene: &Scene) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    pub(super) fn scene(extra: &[(&str, &str)]) -> Scene {
+    pub(crate) fn scene(extra: &[(&str, &str)]) -> Scene {
         const TEXT: &str = r#"
             [system]
             n_atoms = 256

@@ -1,7 +1,7 @@
 //! What a grid holds and what it leaves out.
 
-use super::super::tests::scene;
 use super::*;
+use crate::settings::tests::scene;
 
 fn bench(extra: &[(&str, &str)]) -> Workbench {
     let mut all = vec![("stage.equilibrate.steps", "2")];

@@ -1,28 +1,24 @@
 //! What settings cost: wall time of the main loop, and force evaluations.
 
-use std::time::Instant;
-
-use lennard_core::random::Streams;
-use lennard_core::{Configuration, ForceTerm, Part as ForcePart, Want};
-use lennard_engine::{
-    Action, EngineError, Follower, Operation, Schedule, Simulation, Trigger, Verdict,
-};
+use lennard_core::stopwatch::{Spread, in_turn, timed};
+use lennard_core::{Part, Want};
+use lennard_engine::{measured_stage, take};
 use lennard_forcefield::ListMode;
 use lennard_integrators::IntegratorOptions;
 use lennard_scene::Scene;
-use rand::seq::SliceRandom;
 use serde::{Deserialize, Serialize};
 
-use super::workbench::{Failed, Part, Workbench};
-use super::{Settings, Start};
+use super::start::Start;
+use super::workbench::{Failed, ShortStage, Workbench, failed_forces};
 use crate::StudyError;
 use crate::jobs::pool;
+use crate::settings::Settings;
 
 /// Seconds for one particle and one neighbor on an ordinary processor; only plans are made with it.
 const SECONDS_PER_NEIGHBOR: f64 = 1.5e-9;
 /// Seconds for one particle and step besides the forces, in such plans.
 const SECONDS_PER_PARTICLE: f64 = 1.5e-8;
-/// Evaluations a step of a method that iterates, in such plans.
+/// Evaluations per step of a method that iterates, in such plans.
 const EVALUATIONS_OF_ITERATION: f64 = 25.0;
 /// Steps before the clock starts: the first list is built, caches are warm.
 const WARM_UP: u64 = 20;
@@ -41,56 +37,23 @@ pub struct Timing {
     pub steps: u64,
 }
 
-/// Repeats of one timing whose range is above this share of their median were disturbed: the machine was busy.
-pub const BUSY: f64 = 0.2;
-
-/// Median and range of repeated timings.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Spread {
-    /// The median.
-    pub median: f64,
-    /// The smallest.
-    pub low: f64,
-    /// The largest.
-    pub high: f64,
-    /// How many there are.
-    pub repeats: usize,
-}
-
-impl Spread {
-    /// Of these values; `None` where there is none.
-    #[must_use]
-    pub fn of(values: &[f64]) -> Option<Self> {
-        let [low, median, high] = lowest_median_highest(values)?;
-        Some(Self {
-            median,
-            low,
-            high,
-            repeats: values.len(),
-        })
-    }
-
-    /// The range over the median.
-    #[must_use]
-    pub fn scatter(&self) -> f64 {
-        (self.high - self.low) / self.median
-    }
-}
-
-/// The smallest of these values, the middle one (the mean of the two in the middle where their number is even) and
-/// the largest; `None` where there is none.
-pub(crate) fn lowest_median_highest(values: &[f64]) -> Option<[f64; 3]> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let n = sorted.len();
-    let (lowest, highest) = (*sorted.first()?, *sorted.last()?);
-    Some([lowest, 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]), highest])
+/// A [`Spread`] as JSON of a cost names its range.
+#[derive(Serialize)]
+#[serde(remote = "Spread")]
+struct LowAndHigh {
+    median: f64,
+    #[serde(rename = "low")]
+    lowest: f64,
+    #[serde(rename = "high")]
+    highest: f64,
+    repeats: usize,
 }
 
 /// What settings cost.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Cost {
     /// Wall time for each particle and simulated τ, s.
+    #[serde(with = "LowAndHigh")]
     pub wall: Spread,
     /// Force evaluations for each simulated τ.
     pub evaluations_per_tau: f64,
@@ -103,9 +66,8 @@ impl Cost {
     /// From repeated timings and the pair forces of a step; `None` where there is no timing.
     #[must_use]
     pub fn of(timings: &[Timing], pair_forces_per_atom_tau: f64) -> Option<Self> {
-        let walls: Vec<f64> = timings.iter().map(|t| t.seconds_per_atom_tau).collect();
         Some(Self {
-            wall: Spread::of(&walls)?,
+            wall: Spread::of(timings.iter().map(|t| t.seconds_per_atom_tau))?,
             evaluations_per_tau: timings.first()?.evaluations_per_tau,
             pair_forces_per_atom_tau,
         })
@@ -133,29 +95,9 @@ pub fn modelled_work(scene: &Scene, start: &Start, settings: &Settings) -> f64 {
         _ if declared == 0.0 => EVALUATIONS_OF_ITERATION,
         _ => declared,
     };
-    let ratio = scene.stage_dt(super::start::measured_stage(scene)) / scene.integrator.dt;
+    let ratio = scene.stage_dt(measured_stage(scene)) / scene.integrator.dt;
     n * evaluations * (neighbors.min(n) * SECONDS_PER_NEIGHBOR + SECONDS_PER_PARTICLE)
         / (settings.dt * ratio)
-}
-
-/// Starts the clock after the warm-up.
-struct Stopwatch {
-    schedule: Schedule,
-    from: Option<(Instant, u64)>,
-}
-
-impl Follower for Stopwatch {
-    fn schedule(&self) -> &Schedule {
-        &self.schedule
-    }
-
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        if simulation.state.step == WARM_UP {
-            let evaluations = simulation.forces.statistics().evaluations;
-            self.from = Some((Instant::now(), evaluations));
-        }
-        Ok(Verdict::Continue)
-    }
 }
 
 impl Workbench {
@@ -166,21 +108,17 @@ impl Workbench {
     /// [`StudyError`] where the settings do not fit or the run fails ([`Failed::from_error`] tells which).
     pub fn timing(&self, settings: &Settings, seconds: f64) -> Result<Timing, StudyError> {
         let dt = self.stage_dt(settings);
-        let a_step = modelled_work(self.scene(), self.start(), settings) * dt;
-        let steps = ((seconds / a_step) as u64).clamp(FEWEST_STEPS, MOST_STEPS);
-        let part = Part {
+        let per_step = modelled_work(self.scene(), self.start(), settings) * dt;
+        let steps = ((seconds / per_step) as u64).clamp(FEWEST_STEPS, MOST_STEPS);
+        let stage = ShortStage {
             steps: WARM_UP + steps,
             measure: false,
-            bath: true,
         };
-        let mut simulation = self.simulation(settings, &[part], 1)?;
-        let mut watch = Stopwatch {
-            schedule: Schedule::empty().with(Operation::new(Action::Call, Trigger::At(WARM_UP))),
-            from: None,
-        };
-        simulation.run(&mut watch)?;
-        let (from, before) = watch.from.expect("the run is longer than its warm-up");
-        let elapsed = from.elapsed().as_secs_f64();
+        let mut simulation = self.simulation(settings, &[stage], 1)?;
+        take(&mut simulation, WARM_UP, Want::NOTHING)?;
+        let before = simulation.forces.statistics().evaluations;
+        let (elapsed, taken) = timed(|| take(&mut simulation, steps, Want::NOTHING));
+        taken?;
         let evaluations = simulation.forces.statistics().evaluations - before;
         let time = steps as f64 * dt;
         Ok(Timing {
@@ -190,8 +128,8 @@ impl Workbench {
         })
     }
 
-    /// Pair forces (each pair once) for each particle and simulated τ, where a τ takes so many evaluations. The pairs
-    /// are those of the start.
+    /// Pair forces (each pair once) for each particle and simulated τ, where a τ takes `evaluations_per_tau`
+    /// evaluations. The pairs are counted at the start.
     ///
     /// # Errors
     /// [`StudyError`] where the settings do not fit.
@@ -200,30 +138,24 @@ impl Workbench {
         settings: &Settings,
         evaluations_per_tau: f64,
     ) -> Result<f64, StudyError> {
-        let mut provider = self.forces(settings)?;
-        let mut pairs = |part: ForcePart| -> Result<f64, StudyError> {
-            let mut out = vec![glam::DVec3::ZERO; self.start().len()];
-            let at = Configuration::at_rest(&self.start().cell, &self.start().positions);
-            let found = provider
-                .evaluate(at, part, Want::ENERGY, &mut out)
-                .map_err(|source| StudyError::Force {
-                    label: settings.label(),
-                    source,
-                })?;
-            Ok(found.pairs.unwrap_or_default() as f64 / self.start().len() as f64)
+        let mut forces = self.forces(settings)?;
+        let mut pairs = |part: Part| -> Result<f64, StudyError> {
+            let found = self.start().evaluate(&mut forces, part, Want::ENERGY);
+            let (energies, _) = found.map_err(|source| failed_forces(settings, source))?;
+            Ok(energies.pairs.unwrap_or_default() as f64 / self.start().len() as f64)
         };
-        let all = pairs(ForcePart::All)?;
+        let all = pairs(Part::All)?;
         let IntegratorOptions::Respa(options) = &settings.integrator else {
             return Ok(all * evaluations_per_tau);
         };
         let inner = f64::from(options.inner_steps);
-        let near = pairs(ForcePart::Near)?;
+        let near = pairs(Part::Near)?;
         Ok(evaluations_per_tau * (all + inner * near) / (1.0 + inner))
     }
 }
 
-/// Times every one of these settings on so many threads `repeats` times, one after the other, each round in another
-/// order, `seconds` each by the model; the shuffling is that of `seed`.
+/// Times each of these settings on `threads` threads `repeats` times, `seconds` each by the model; the settings take turns
+/// in an order that `seed` shuffles.
 ///
 /// # Errors
 /// [`StudyError`] where settings do not fit or threads cannot be started; a run that fails is a result.
@@ -237,59 +169,35 @@ pub fn costs(
 ) -> Result<Vec<Result<Cost, Failed>>, StudyError> {
     let pool = pool(threads)?;
     let mut timings: Vec<Result<Vec<Timing>, Failed>> = vec![Ok(Vec::new()); settings.len()];
-    for round in 0..repeats {
-        for i in shuffled(settings.len(), seed, round) {
-            let Ok(so_far) = &mut timings[i] else {
-                continue;
-            };
+    in_turn(settings.len(), repeats, seed, |turn| {
+        let i = turn.item;
+        if let Ok(so_far) = &mut timings[i] {
             match pool.install(|| bench.timing(&settings[i], seconds)) {
                 Ok(timing) => so_far.push(timing),
                 Err(error) => timings[i] = Err(Failed::from_error(error)?),
             }
         }
-    }
-    let mut found = Vec::new();
-    for (settings, timings) in settings.iter().zip(timings) {
-        found.push(match timings {
-            Err(failed) => Err(failed),
-            Ok(timings) => {
-                let evaluations = timings.first().map_or(f64::NAN, |t| t.evaluations_per_tau);
-                let pairs = bench.pair_forces(settings, evaluations)?;
-                Cost::of(&timings, pairs).ok_or_else(|| Failed {
-                    reason: "it was not timed".into(),
-                    step: None,
-                })
-            }
-        });
-    }
-    Ok(found)
-}
-
-/// The numbers from 0 to n − 1 in an order that seed and round decide.
-pub(crate) fn shuffled(n: usize, seed: u64, round: usize) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..n).collect();
-    let mut random = Streams::new(seed).sequential(&format!("order-{round}"));
-    order.shuffle(&mut random);
-    order
+        Ok::<(), StudyError>(())
+    })?;
+    let cost = |(settings, timings): (&Settings, Result<Vec<Timing>, Failed>)| {
+        let timings = match timings {
+            Ok(timings) => timings,
+            Err(failed) => return Ok(Err(failed)),
+        };
+        let evaluations = timings.first().map_or(f64::NAN, |t| t.evaluations_per_tau);
+        let pairs = bench.pair_forces(settings, evaluations)?;
+        Ok(Cost::of(&timings, pairs).ok_or_else(|| Failed {
+            reason: "it was not timed".into(),
+            step: None,
+        }))
+    };
+    settings.iter().zip(timings).map(cost).collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::scene;
     use super::*;
-
-    #[test]
-    fn the_median_lies_in_the_middle_and_the_order_is_shuffled() {
-        let spread = Spread::of(&[3.0, 1.0, 2.0, 10.0]).unwrap();
-        assert_eq!((spread.low, spread.median, spread.high), (1.0, 2.5, 10.0));
-        assert!(Spread::of(&[]).is_none());
-        let (a, b) = (shuffled(50, 1, 0), shuffled(50, 1, 1));
-        assert_ne!(a, b);
-        assert_eq!(a, shuffled(50, 1, 0));
-        let mut sorted = b;
-        sorted.sort_unstable();
-        assert_eq!(sorted, (0..50).collect::<Vec<_>>());
-    }
+    use crate::settings::tests::scene;
 
     #[test]
     fn evaluations_are_those_that_a_method_declares() {

@@ -1,16 +1,18 @@
 //! Errors of short trajectories: against one that is all but exact, and there and back.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use glam::DVec3;
-use lennard_core::{State, System, Want};
-use lennard_forcefield::{ListMode, Precision, TruncationOptions};
+use lennard_core::StepError;
+use lennard_forcefield::{ListMode, Precision};
 use lennard_integrators::{IntegratorOptions, blanes_moan};
 use serde::{Deserialize, Serialize};
 
-use super::Settings;
+use super::by_hand::ByHand;
+use super::tight::TightTrajectory;
 use super::workbench::Workbench;
 use crate::StudyError;
+use crate::settings::Settings;
 
 /// Step of the trajectories that others are compared with, τ, made with the method of Blanes and Moan.
 const REFERENCE_DT: f64 = 0.001;
@@ -26,37 +28,6 @@ pub struct TrajectoryError {
     pub time: f64,
 }
 
-/// Where a tight trajectory ends, and how well that is known.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TightTrajectory {
-    /// Unwrapped positions, `[N]`, σ.
-    pub positions: Vec<DVec3>,
-    /// Root mean square distance from a trajectory with twice the step, σ.
-    pub floor: f64,
-}
-
-type Slot = Arc<OnceLock<Arc<TightTrajectory>>>;
-
-/// The tight trajectories made so far, each with its truncation and its time.
-#[derive(Default)]
-pub(super) struct References(Vec<(TruncationOptions, f64, Slot)>);
-
-impl References {
-    fn slot(&mut self, truncation: TruncationOptions, time: f64) -> Slot {
-        // A tail correction moves no particle.
-        let key = TruncationOptions {
-            tail_correction: false,
-            ..truncation
-        };
-        if let Some((_, _, slot)) = self.0.iter().find(|(t, at, _)| *t == key && *at == time) {
-            return Arc::clone(slot);
-        }
-        let slot = Slot::default();
-        self.0.push((key, time, Arc::clone(&slot)));
-        slot
-    }
-}
-
 /// √(Σ|a − b|²/N).
 fn distance(a: &[DVec3], b: &[DVec3]) -> f64 {
     let sum: f64 = a
@@ -67,7 +38,7 @@ fn distance(a: &[DVec3], b: &[DVec3]) -> f64 {
     (sum / a.len() as f64).sqrt()
 }
 
-/// A whole number of steps that ends at `time`, and the step that does: that of the settings but for rounding.
+/// A whole number of steps that ends at `time`, and the step that does: `dt` but for rounding.
 fn steps_to(time: f64, dt: f64) -> (u64, f64) {
     let steps = (time / dt).round().max(1.0);
     (steps as u64, time / steps)
@@ -85,11 +56,10 @@ impl Workbench {
         time: f64,
     ) -> Result<TrajectoryError, StudyError> {
         let (steps, dt) = steps_to(time, self.stage_dt(settings));
-        let mut state = self.state();
-        self.advance(settings, &mut state, steps, dt)?;
+        let positions = self.by_hand(settings, dt, |fluid| fluid.steps(steps))?;
         let tight = self.tight_trajectory(settings, time)?;
         Ok(TrajectoryError {
-            distance: distance(&state.positions, &tight.positions),
+            distance: distance(&positions, &tight.positions),
             floor: tight.floor,
             time,
         })
@@ -124,13 +94,12 @@ impl Workbench {
     /// As [`Workbench::trajectory_error`].
     pub fn reversibility(&self, settings: &Settings, time: f64) -> Result<f64, StudyError> {
         let (steps, dt) = steps_to(time, self.stage_dt(settings));
-        let mut state = self.state();
-        self.advance(settings, &mut state, steps, dt)?;
-        for v in &mut state.velocities {
-            *v = -*v;
-        }
-        self.advance(settings, &mut state, steps, dt)?;
-        Ok(distance(&state.positions, &self.start().positions))
+        let positions = self.by_hand(settings, dt, |fluid| {
+            fluid.steps(steps)?;
+            fluid.turn_round()?;
+            fluid.steps(steps)
+        })?;
+        Ok(distance(&positions, &self.start().positions))
     }
 
     fn compute_tight_trajectory(
@@ -149,48 +118,31 @@ impl Workbench {
         };
         let end = |dt: f64| -> Result<Vec<DVec3>, StudyError> {
             let (steps, dt) = steps_to(time, dt);
-            let mut state = self.state();
-            self.advance(&tight, &mut state, steps, dt)?;
-            Ok(state.positions)
+            self.by_hand(&tight, dt, |fluid| fluid.steps(steps))
         };
         let positions = end(REFERENCE_DT)?;
         let floor = distance(&end(2.0 * REFERENCE_DT)?, &positions);
         Ok(TightTrajectory { positions, floor })
     }
 
-    fn state(&self) -> State {
-        State::new(
-            self.start().cell,
-            self.start().positions.clone(),
-            self.start().velocities.clone(),
-        )
-    }
-
-    /// Starts the method of the settings on a state and makes so many steps at constant energy.
-    fn advance(
+    /// Runs from the start at constant energy, by hand: `along` takes the steps.
+    fn by_hand(
         &self,
         settings: &Settings,
-        state: &mut State,
-        steps: u64,
         dt: f64,
-    ) -> Result<(), StudyError> {
-        let mut forces = self.forces(settings)?;
-        let system = System::atoms(state.len());
-        let mut method = lennard_integrators::build(&settings.integrator);
-        let failed = |source| StudyError::Step {
+        along: impl FnOnce(&mut ByHand) -> Result<(), StepError>,
+    ) -> Result<Vec<DVec3>, StudyError> {
+        let forces = self.forces(settings)?;
+        let run = || {
+            let mut fluid = ByHand::start(&settings.integrator, forces, self.start().state(), dt)?;
+            along(&mut fluid)?;
+            Ok(fluid.state.positions)
+        };
+        run().map_err(|source| StudyError::Step {
             method: settings.integrator.name(),
             dt,
             source,
-        };
-        method
-            .start(&system, state, &mut forces, dt, Want::NOTHING)
-            .map_err(failed)?;
-        for _ in 0..steps {
-            method
-                .step(&system, state, &mut forces, dt, Want::NOTHING)
-                .map_err(failed)?;
-        }
-        Ok(())
+        })
     }
 }
 
@@ -198,8 +150,8 @@ impl Workbench {
 mod tests {
     use lennard_forcefield::TruncationKind;
 
-    use super::super::tests::scene;
     use super::*;
+    use crate::settings::tests::scene;
 
     #[test]
     fn the_trajectory_error_falls_as_the_order_of_the_method_says() {

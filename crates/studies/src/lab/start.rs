@@ -1,8 +1,13 @@
 //! The equilibrated start that all settings share.
 
 use glam::DVec3;
-use lennard_core::PeriodicBox;
-use lennard_engine::{Beginning, Simulation, Unfollowed};
+use lennard_core::{
+    Configuration, Energetics, ForceError, ForceTerm, Part, PeriodicBox, State, Want,
+};
+use lennard_engine::{
+    Beginning, EngineError, Simulation, Unfollowed, measured_stage, prepare_from,
+};
+use lennard_forcefield::PairForces;
 use lennard_integrators::{ThermostatOptions, bussi};
 use lennard_scene::{Scene, Stage};
 
@@ -53,12 +58,7 @@ impl Start {
         }
         let mut simulation = lennard_engine::prepare(before)?;
         simulation.run(&mut Unfollowed)?;
-        let Simulation { state, .. } = simulation;
-        Ok(Self {
-            cell: state.cell,
-            positions: state.positions,
-            velocities: state.velocities,
-        })
+        Ok(simulation.into())
     }
 
     /// Number of particles.
@@ -79,21 +79,51 @@ impl Start {
         self.positions.len() as f64 / self.cell.volume()
     }
 
-    /// The same place for a simulation to begin from.
-    pub(crate) fn beginning(&self) -> Beginning {
-        Beginning {
+    /// Box and positions.
+    pub(crate) fn configuration(&self) -> Configuration<'_> {
+        Configuration::at_rest(&self.cell, &self.positions)
+    }
+
+    /// The start as the state of a run.
+    pub(crate) fn state(&self) -> State {
+        State::new(self.cell, self.positions.clone(), self.velocities.clone())
+    }
+
+    /// A simulation of a scene from this start.
+    pub(crate) fn simulation(&self, scene: Scene) -> Result<Simulation, EngineError> {
+        let beginning = Beginning {
             cell: self.cell,
             positions: self.positions.clone(),
             velocities: Some(self.velocities.clone()),
             relax: false,
-        }
+        };
+        prepare_from(scene, beginning)
+    }
+
+    /// The forces of a scene in this box.
+    pub(crate) fn forces(&self, scene: &Scene) -> Result<PairForces, EngineError> {
+        Ok(lennard_engine::forces(scene, self.cell, self.len())?.1)
+    }
+
+    /// Energies at the start by one part of the forces, and that part of the forces, `[N]` in ε/σ.
+    pub(crate) fn evaluate(
+        &self,
+        forces: &mut impl ForceTerm,
+        part: Part,
+        want: Want,
+    ) -> Result<(Energetics, Vec<DVec3>), ForceError> {
+        let mut out = vec![DVec3::ZERO; self.len()];
+        let energies = forces.evaluate(self.configuration(), part, want, &mut out)?;
+        Ok((energies, out))
     }
 }
 
-/// The stage that is measured: the last that is, or the last of all.
-pub(crate) fn measured_stage(scene: &Scene) -> &Stage {
-    let measured = scene.stages.iter().rev().find(|s| s.measure);
-    measured
-        .or(scene.stages.last())
-        .expect("a scene has a stage: its reader refuses one without")
+impl From<Simulation> for Start {
+    fn from(simulation: Simulation) -> Self {
+        Self {
+            cell: simulation.state.cell,
+            positions: simulation.state.positions,
+            velocities: simulation.state.velocities,
+        }
+    }
 }

@@ -2,16 +2,17 @@
 
 use std::sync::{Mutex, OnceLock};
 
-use lennard_engine::{EngineError, Simulation};
+use lennard_core::ForceError;
+use lennard_engine::{EngineError, Simulation, measured_stage};
 use lennard_forcefield::PairForces;
 use lennard_scene::{Scene, Stage};
 use serde::{Deserialize, Serialize};
 
-use super::forces::Untruncated;
-use super::motion::References;
-use super::start::measured_stage;
-use super::{Settings, Start};
+use super::start::Start;
+use super::tight::References;
+use super::untruncated::Untruncated;
 use crate::StudyError;
+use crate::settings::Settings;
 
 /// A scene with its equilibrated start, ready to be run with any settings.
 ///
@@ -57,12 +58,18 @@ impl Failed {
     }
 }
 
-/// A stage of a run on the workbench.
-pub(super) struct Part {
+/// A stage of a run on the workbench, in the ensemble of the scene's measured stage.
+pub(super) struct ShortStage {
     pub(super) steps: u64,
     pub(super) measure: bool,
-    /// Whether the scene's heat bath acts.
-    pub(super) bath: bool,
+}
+
+/// The error of forces that cannot be evaluated under some settings.
+pub(super) fn failed_forces(settings: &Settings, source: ForceError) -> StudyError {
+    StudyError::Force {
+        label: settings.label(),
+        source,
+    }
 }
 
 impl Workbench {
@@ -121,32 +128,28 @@ impl Workbench {
     /// The forces under these settings, for the start.
     pub(super) fn forces(&self, settings: &Settings) -> Result<PairForces, StudyError> {
         let scene = settings.apply(&self.scene)?;
-        Ok(lennard_engine::forces(&scene, self.start.cell, self.start.len())?.1)
+        Ok(self.start.forces(&scene)?)
     }
 
-    /// A simulation from the start with these stages, thermodynamics sampled every so many steps.
+    /// A simulation from the start with these stages; thermodynamics is sampled on each `sample_every`th step.
     pub(super) fn simulation(
         &self,
         settings: &Settings,
-        parts: &[Part],
+        stages: &[ShortStage],
         sample_every: u64,
     ) -> Result<Simulation, StudyError> {
         let mut scene = settings.apply(&self.scene)?;
-        let stage = measured_stage(&scene).clone();
+        let measured = measured_stage(&scene).clone();
         scene.observables.clear();
         scene.output.thermo_every = sample_every;
-        scene.stages = parts
-            .iter()
-            .enumerate()
-            .map(|(i, part)| Stage {
-                name: format!("part-{}", i + 1),
-                steps: part.steps,
-                measure: part.measure,
-                thermostat: stage.thermostat.clone().filter(|_| part.bath),
-                ..stage.clone()
-            })
-            .collect();
-        Ok(lennard_engine::prepare_from(scene, self.start.beginning())?)
+        let stage = |(i, stage): (usize, &ShortStage)| Stage {
+            name: format!("part-{}", i + 1),
+            steps: stage.steps,
+            measure: stage.measure,
+            ..measured.clone()
+        };
+        scene.stages = stages.iter().enumerate().map(stage).collect();
+        Ok(self.start.simulation(scene)?)
     }
 
     /// The time step that a measured stage takes under these settings, τ.

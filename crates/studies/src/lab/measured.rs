@@ -2,12 +2,13 @@
 
 use lennard_core::Estimate;
 use lennard_engine::{Compared, Unfollowed, beside_equation_of_state, model_kind};
-use lennard_observables::{Thermodynamics, statistics};
+use lennard_observables::{ThermoSeries, Thermodynamics, statistics};
 use serde::{Deserialize, Serialize};
 
-use super::Settings;
-use super::workbench::{Part, Workbench};
+use super::slopes::Slopes;
+use super::workbench::{ShortStage, Workbench};
 use crate::StudyError;
+use crate::settings::Settings;
 
 /// Time between two samples, τ: about the time in which the pressure forgets itself.
 const SAMPLE_INTERVAL: f64 = 0.04;
@@ -38,6 +39,13 @@ impl From<Estimate> for Value {
 }
 
 impl Value {
+    /// A value that was not measured.
+    const UNKNOWN: Self = Self {
+        mean: f64::NAN,
+        standard_error: f64::NAN,
+        n_effective: 0.0,
+    };
+
     /// This less another, independent one.
     #[must_use]
     pub fn minus(&self, other: &Self) -> Self {
@@ -56,20 +64,6 @@ pub struct Drift {
     pub slope: f64,
     /// Its standard error.
     pub standard_error: f64,
-}
-
-/// How U and P change with the temperature at constant density: what lets runs at constant energy, each of which
-/// settles at a temperature of its own, be compared.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Slopes {
-    /// The temperature of the positions at which all are compared, ε/k_B.
-    pub temperature: f64,
-    /// ∂U/∂T, k_B.
-    pub du_dt: f64,
-    /// ∂P/∂T, k_B/σ³.
-    pub dp_dt: f64,
-    /// Where they come from.
-    pub source: String,
 }
 
 /// A difference from an equation of state, with what is known of its error.
@@ -92,8 +86,8 @@ pub struct Measured {
     pub time: f64,
     /// Kinetic temperature of whole steps, ε/k_B.
     pub temperature: Value,
-    /// Temperature of the positions, ε/k_B: that of half steps where the method has them, else that of whole steps. U
-    /// and P are judged at this one, as those of any run.
+    /// Temperature of the positions, ε/k_B: half steps have it where the method has half steps, else whole steps. U and P
+    /// of every run are judged at this temperature.
     pub temperature_of_positions: Value,
     /// Configurational temperature, ε/k_B.
     pub configurational_temperature: Value,
@@ -130,17 +124,17 @@ impl Workbench {
     ) -> Result<Measured, StudyError> {
         let dt = self.stage_dt(settings);
         let settling = SETTLING_TIME.min(LARGEST_SETTLING_SHARE * time);
-        let part = |time: f64, measure: bool| Part {
+        let stage = |time: f64, measure: bool| ShortStage {
             steps: (time / dt).ceil().max(1.0) as u64,
             measure,
-            bath: true,
         };
         let every = ((SAMPLE_INTERVAL / dt).round() as u64).max(1);
-        let parts = [part(settling, false), part(time, true)];
-        let mut simulation = self.simulation(settings, &parts, every)?;
+        let stages = [stage(settling, false), stage(time, true)];
+        let mut simulation = self.simulation(settings, &stages, every)?;
         simulation.run(&mut Unfollowed)?;
         let found = simulation.thermodynamics();
         let cut = found.equilibration_cut();
+        let rows = found.series();
         let comparison = beside_equation_of_state(
             &simulation.scene,
             self.start().density(),
@@ -148,119 +142,82 @@ impl Workbench {
             found,
             Compared::Anything,
         );
-        let rows = found.series();
-        let of = |column: &[f64]| Value::from(statistics::estimate_after(column, cut));
-        let at_reference = |estimate: Estimate, slope: f64| {
-            let off = of(&rows.temperature_of_positions).mean - slopes.temperature;
-            Value {
-                mean: estimate.mean - slope * off,
-                ..Value::from(estimate)
-            }
-        };
+        let (configurational, _) = statistics::ratio(&rows.squared_force, &rows.laplacian, cut);
         let conservation = found.conservation();
-        let entry = |name: &str| {
-            let entries = comparison.entries.iter();
-            entries.into_iter().find(|e| e.quantity == name).cloned()
-        };
-        let difference = |e: &lennard_io::Comparison| Value {
-            mean: e.difference,
-            standard_error: e.standard_error,
-            n_effective: f64::NAN,
-        };
-        let against_equation = entry("potential_energy")
-            .zip(entry("pressure"))
-            .map(|(u, p)| AgainstEquation {
-                source: u.source.clone(),
-                potential_energy: Value {
-                    n_effective: of(&rows.potential_energy).n_effective,
-                    ..difference(&u)
-                },
-                pressure: Value {
-                    n_effective: of(&rows.pressure).n_effective,
-                    ..difference(&p)
-                },
-                own_uncertainty: u.reference_uncertainty.zip(p.reference_uncertainty),
-            });
         Ok(Measured {
-            time: parts[1].steps as f64 * dt,
-            temperature: of(&rows.temperature),
-            temperature_of_positions: of(&rows.temperature_of_positions),
-            configurational_temperature: statistics::ratio(
-                &rows.squared_force,
-                &rows.laplacian,
-                cut,
-            )
-            .0
-            .into(),
+            time: stages[1].steps as f64 * dt,
+            configurational_temperature: configurational.into(),
             temperature_difference: temperature_difference(found, cut),
-            potential_energy: of(&rows.potential_energy),
-            pressure: of(&rows.pressure),
-            potential_energy_at_reference: at_reference(
-                found.potential_energy_against(slopes.du_dt),
-                slopes.du_dt,
-            ),
-            pressure_at_reference: at_reference(found.pressure_against(slopes.dp_dt), slopes.dp_dt),
             energy_rms: conservation.energy_rms_per_atom,
             drift: Drift {
                 slope: conservation.energy_drift_per_atom_per_tau,
                 standard_error: conservation.energy_drift_standard_error,
             },
-            against_equation,
             remarks: comparison.remarks,
+            ..self.measured(settings, rows, cut, slopes)?
         })
     }
 
-    /// How U and P change with temperature: from the equation of state of the full Lennard-Jones fluid where it covers
-    /// the state, else from two runs of `tight` settings, the second with more kinetic energy and a hotter bath.
-    ///
-    /// # Errors
-    /// [`StudyError`] where those runs cannot be made or fail.
-    pub fn slopes(&self, tight: &Settings, time: f64) -> Result<Slopes, StudyError> {
-        let temperature = self.measured_stage().temperature;
-        let equation = lennard_literature::thol_2016();
-        let density = self.start().density();
-        if self.scene().potential.spec().is_lennard_jones
-            && equation.check(density, temperature).is_ok()
-        {
-            let state = equation.at(density, temperature);
-            return Ok(Slopes {
-                temperature,
-                du_dt: state.du_dt,
-                dp_dt: state.dp_dt,
-                source: equation.spec().name.clone(),
-            });
-        }
-        let none = Slopes {
-            temperature,
-            du_dt: 0.0,
-            dp_dt: 0.0,
-            source: String::new(),
+    /// What the rows of a run of these settings say from row `cut` on, whichever engine made them: all but the
+    /// configurational temperature.
+    pub(crate) fn measured(
+        &self,
+        settings: &Settings,
+        rows: &ThermoSeries,
+        cut: usize,
+        slopes: &Slopes,
+    ) -> Result<Measured, StudyError> {
+        let of = |column: &[f64]| Value::from(statistics::estimate_after(column, cut));
+        let temperature = of(&rows.temperature_of_positions);
+        let about = |column: &[f64], slope: f64| -> Value {
+            let positions = &rows.temperature_of_positions;
+            statistics::about_line(column, positions, slope, cut).into()
         };
-        let colder = self.measure(tight, time, &none)?;
-        let (mut scene, mut start) = (self.scene().clone(), self.start().clone());
-        for stage in &mut scene.stages {
-            stage.temperature *= HOTTER;
-        }
-        for v in &mut start.velocities {
-            *v *= HOTTER.sqrt();
-        }
-        let hotter = Self::with_start(&scene, start).measure(tight, time, &none)?;
-        let rise = hotter.temperature_of_positions.mean - colder.temperature_of_positions.mean;
-        Ok(Slopes {
-            du_dt: (hotter.potential_energy.mean - colder.potential_energy.mean) / rise,
-            dp_dt: (hotter.pressure.mean - colder.pressure.mean) / rise,
-            source: format!("two runs, the second {rise:.3} ε/k_B hotter"),
-            temperature,
+        let at_reference = |column: &[f64], slope: f64| {
+            let value = about(column, slope);
+            Value {
+                mean: value.mean - slope * (temperature.mean - slopes.temperature),
+                ..value
+            }
+        };
+        let line = statistics::drift(&rows.time, &rows.conserved_energy);
+        Ok(Measured {
+            time: rows.time.last().copied().unwrap_or(0.0),
+            temperature: of(&rows.temperature),
+            temperature_of_positions: temperature,
+            configurational_temperature: Value::UNKNOWN,
+            temperature_difference: Value::UNKNOWN,
+            potential_energy: of(&rows.potential_energy),
+            pressure: of(&rows.pressure),
+            potential_energy_at_reference: at_reference(&rows.potential_energy, slopes.du_dt),
+            pressure_at_reference: at_reference(&rows.pressure, slopes.dp_dt),
+            energy_rms: line.rms,
+            drift: Drift {
+                slope: line.slope,
+                standard_error: line.standard_error,
+            },
+            against_equation: self.against_equation(
+                settings,
+                temperature.mean,
+                |du_dt, dp_dt| {
+                    let of_slope = |column: &[f64], slope: f64| Value {
+                        n_effective: of(column).n_effective,
+                        ..about(column, slope)
+                    };
+                    (
+                        of_slope(&rows.potential_energy, du_dt),
+                        of_slope(&rows.pressure, dp_dt),
+                    )
+                },
+            )?,
+            remarks: Vec::new(),
         })
     }
 
-    /// Means of somebody else's run of these settings at this temperature, beside the equation of state of their model;
-    /// `None` where there is none or it does not cover the state. `about` is asked for U and P with the errors of their
+    /// U and P of a run of these settings at this temperature, less the values of the equation of state of their model.
+    /// `None` where there is no equation or it does not cover the state. `about` gives U and P with the errors of their
     /// differences from lines with the slopes ∂U/∂T and ∂P/∂T.
-    ///
-    /// # Errors
-    /// [`StudyError::Settings`] where the settings do not fit the scene.
-    pub fn against_equation(
+    fn against_equation(
         &self,
         settings: &Settings,
         temperature: f64,
@@ -302,9 +259,6 @@ impl Workbench {
     }
 }
 
-/// Factor of the kinetic energy, and of the bath's temperature, in the second run for the slopes.
-const HOTTER: f64 = 1.2;
-
 /// T − T_conf with its error: to first order it fluctuates as T_i − (F²_i − T_conf·L_i)/⟨L⟩, with F² the mean square
 /// force and L the Laplacian of a particle.
 fn temperature_difference(found: &Thermodynamics, cut: usize) -> Value {
@@ -327,10 +281,9 @@ fn temperature_difference(found: &Thermodynamics, cut: usize) -> Value {
 #[cfg(test)]
 mod tests {
     use lennard_forcefield::TruncationKind;
-    use lennard_integrators::ThermostatOptions;
 
-    use super::super::tests::scene;
     use super::*;
+    use crate::settings::tests::scene;
 
     #[test]
     fn energy_errors_fall_with_the_step_and_temperatures_agree() {
@@ -355,22 +308,6 @@ mod tests {
         let moved = fine.pressure.mean - fine.pressure_at_reference.mean;
         assert!((moved - slopes.dp_dt * off).abs() < 1e-12);
         assert!(fine.against_equation.is_none() && !fine.remarks.is_empty());
-    }
-
-    #[test]
-    fn slopes_without_an_equation_come_from_two_runs() {
-        let free = scene(&[("potential.kind", "wca")]);
-        let mut held = free.clone();
-        for stage in &mut held.stages {
-            stage.thermostat = Some(ThermostatOptions::Bussi(Default::default()));
-        }
-        for scene in [free, held] {
-            let bench = Workbench::new(&scene).unwrap();
-            let slopes = bench.slopes(&Settings::of(&scene), 4.0).unwrap();
-            assert!(slopes.source.contains("two runs"), "{slopes:?}");
-            // Repulsive spheres at this density: both rise with temperature.
-            assert!(slopes.du_dt > 0.0 && slopes.dp_dt > 1.0, "{slopes:?}");
-        }
     }
 
     #[test]

@@ -1,0 +1,62 @@
+//! A method and forces called by hand, without the engine around them.
+
+use lennard_core::{Integrator, State, StepError, System, Want};
+use lennard_forcefield::PairForces;
+use lennard_integrators::IntegratorOptions;
+
+/// A fluid at constant energy that nothing observes, watches or couples to a bath.
+pub(crate) struct ByHand {
+    /// The fluid as it is.
+    pub(crate) state: State,
+    method: Integrator,
+    forces: PairForces,
+    system: System,
+    dt: f64,
+}
+
+impl ByHand {
+    /// Starts a method on a state, with time step `dt` in τ.
+    pub(crate) fn start(
+        integrator: &IntegratorOptions,
+        forces: PairForces,
+        state: State,
+        dt: f64,
+    ) -> Result<Self, StepError> {
+        let mut fluid = Self {
+            system: System::atoms(state.len()),
+            method: lennard_integrators::build(integrator),
+            forces,
+            state,
+            dt,
+        };
+        fluid.start_again()?;
+        Ok(fluid)
+    }
+
+    fn start_again(&mut self) -> Result<(), StepError> {
+        let (state, forces) = (&mut self.state, &mut self.forces);
+        let report = self
+            .method
+            .start(&self.system, state, forces, self.dt, Want::NOTHING);
+        report.map(drop)
+    }
+
+    /// Takes `steps` steps, several in one go where the forces can.
+    pub(crate) fn steps(&mut self, steps: u64) -> Result<(), StepError> {
+        let mut left = steps;
+        while left > 0 {
+            let (state, forces) = (&mut self.state, &mut self.forces);
+            let (taken, _) =
+                self.method
+                    .stride(&self.system, state, forces, self.dt, left, Want::NOTHING)?;
+            left -= taken;
+        }
+        Ok(())
+    }
+
+    /// Reverses all velocities and starts the method again.
+    pub(crate) fn turn_round(&mut self) -> Result<(), StepError> {
+        self.state.velocities.iter_mut().for_each(|v| *v = -*v);
+        self.start_again()
+    }
+}

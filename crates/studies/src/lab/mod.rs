@@ -1,0 +1,27 @@
+//! The workbench that all studies share: one equilibrated start of a scene, and short runs of it with any settings.
+//!
+//! [`Workbench::timing`] and [`costs`] say what settings cost. [`Workbench::force_errors`], [`Workbench::measure`],
+//! [`Workbench::trajectory_error`] and [`Workbench::reversibility`] say how large their errors are.
+
+mod by_hand;
+mod forces;
+mod measured;
+mod motion;
+pub(crate) mod peers;
+mod slopes;
+mod start;
+mod tight;
+mod timing;
+mod untruncated;
+mod workbench;
+
+pub(crate) use by_hand::ByHand;
+pub use forces::ForceErrors;
+pub use measured::{AgainstEquation, Drift, Measured, Value};
+pub use motion::TrajectoryError;
+pub use slopes::Slopes;
+pub use start::Start;
+pub use tight::TightTrajectory;
+pub use timing::{Cost, Timing, costs, modelled_work};
+pub use untruncated::Untruncated;
+pub use workbench::{Failed, Workbench};
