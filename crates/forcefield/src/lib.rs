@@ -27,9 +27,9 @@ pub use options::{
     ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions, Precision,
     SplitOptions, TruncationOptions,
 };
+pub use pair::potentials::*;
 pub use pair::{
-    Form, LennardJones, Model, OwnEnd, Pair, Plain, PotentialOptions, PotentialSpec, SoftSphere,
-    Tail, TruncationKind, TruncationSpec, Wca, model_name, potentials, tail_correction,
+    Model, Pair, Plain, Tail, TruncationKind, TruncationSpec, model_name, tail_correction,
     truncations,
 };
 pub use plan::{Conditions, ForcePlan, Search, recommended_threads};

@@ -47,15 +47,18 @@ fn fields(column: &Column, row: usize) -> impl Iterator<Item = Vec<u8>> {
 
 /// The value of a cell.
 fn field(cell: &Cell) -> Vec<u8> {
+    let mut text = Vec::new();
+    push_value(&mut text, cell);
+    text
+}
+
+/// Appends the value of a cell; words are not quoted.
+fn push_value(to: &mut Vec<u8>, cell: &Cell) {
     match &cell.value {
-        Value::Missing => Vec::new(),
-        Value::Words(text) | Value::Figures(text) => text.clone().into_bytes(),
-        Value::Whole(value) => {
-            let mut text = Vec::new();
-            push_integer(&mut text, *value);
-            text
-        }
-        Value::Number { value, .. } | Value::Measured { value, .. } => number_text(*value),
+        Value::Missing => {}
+        Value::Words(text) | Value::Figures(text) => to.extend_from_slice(text.as_bytes()),
+        Value::Whole(value) => push_integer(to, *value),
+        Value::Number { value, .. } | Value::Measured { value, .. } => push_any_float(to, *value),
     }
 }
 
@@ -248,7 +251,19 @@ impl TableWriter {
     pub fn write(&mut self, row: &[Cell]) -> Result<(), WriteError> {
         assert_eq!(row.len(), self.columns, "one cell for each heading");
         self.text.clear();
-        push_record(&mut self.text, self.file.path(), row.iter().map(field))?;
+        let is_text = |c: &Cell| matches!(c.value, Value::Words(_) | Value::Figures(_));
+        if row.iter().any(is_text) {
+            push_record(&mut self.text, self.file.path(), row.iter().map(field))?;
+        } else {
+            // A row of numbers needs no quotes, and a running simulation writes many.
+            for (i, cell) in row.iter().enumerate() {
+                if i > 0 {
+                    self.text.push(b',');
+                }
+                push_value(&mut self.text, cell);
+            }
+            self.text.push(b'\n');
+        }
         self.file.append(&self.text)
     }
 

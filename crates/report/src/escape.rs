@@ -53,6 +53,22 @@ fn wrap_pairs(text: &str, marker: &str, tag: &str) -> String {
     out + rest
 }
 
+/// The small print below figures and tables: where the numbers are and what made them.
+pub(crate) fn made_by(command: Option<&str>, data: Option<&str>) -> String {
+    let parts: Vec<String> = [
+        data.map(|d| format!("numbers: <code>{}</code>", escape(d))),
+        command.map(|c| format!("made by <code>{}</code>", escape(c))),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    if parts.is_empty() {
+        String::new()
+    } else {
+        format!(" <span class=\"made\">{}</span>", parts.join("; "))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

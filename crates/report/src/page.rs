@@ -2,7 +2,7 @@
 
 use lennard_core::Table;
 
-use crate::escape::{escape, inline_markup};
+use crate::escape::{escape, inline_markup, made_by};
 use crate::{Picture, ReportError, table};
 
 /// The style of every page.
@@ -204,22 +204,6 @@ impl Block {
             }
             Self::Table(table) => table::to_html(table, command),
         })
-    }
-}
-
-/// The small print below figures and tables: where the numbers are and what made them.
-pub(crate) fn made_by(command: Option<&str>, data: Option<&str>) -> String {
-    let parts: Vec<String> = [
-        data.map(|d| format!("numbers: <code>{}</code>", escape(d))),
-        command.map(|c| format!("made by <code>{}</code>", escape(c))),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
-    if parts.is_empty() {
-        String::new()
-    } else {
-        format!(" <span class=\"made\">{}</span>", parts.join("; "))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use lennard_core::{Cell, Column, Table, Tone, Value};
 
-use crate::escape::inline_markup;
+use crate::escape::{inline_markup, made_by};
 use crate::number::{plain_or_scientific, plus_minus, significant, with_error};
 
 /// Characters from which a text counts as long.
@@ -83,7 +83,7 @@ pub(crate) fn to_html(table: &Table, command: Option<&str>) -> String {
     }
     html.push_str("</tbody>\n</table></div>\n<figcaption>");
     html.push_str(&inline_markup(&table.caption));
-    html.push_str(&crate::page::made_by(command, None));
+    html.push_str(&made_by(command, None));
     html.push_str("</figcaption>\n</figure>\n");
     html
 }

@@ -5,7 +5,7 @@
 
 mod model;
 mod part;
-mod potentials;
+pub mod potentials;
 mod smoothstep;
 mod tail;
 mod truncations;
@@ -13,9 +13,7 @@ mod truncations;
 pub use model::{Model, model_name};
 pub use part::SplitWeights;
 pub(crate) use potentials::with_form;
-pub use potentials::{
-    Form, LennardJones, OwnEnd, PotentialOptions, PotentialSpec, SoftSphere, Wca, potentials,
-};
+pub use potentials::*;
 pub use tail::{Tail, tail_correction};
 pub(crate) use truncations::with_truncated;
 pub use truncations::{Plain, Truncated, TruncationKind, TruncationSpec, truncations};

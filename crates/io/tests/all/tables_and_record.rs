@@ -68,6 +68,20 @@ fn words_errors_and_missing_values_have_fields_of_their_own() {
 }
 
 #[test]
+fn a_growing_table_quotes_words_and_leaves_missing_values_empty() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.csv");
+    let mut writer = TableWriter::create(&path, &[("step", ""), ("word", "")]).unwrap();
+    writer.write(&[1_u64.into(), "a, b".into()]).unwrap();
+    writer.write(&[2_u64.into(), Cell::default()]).unwrap();
+    assert_eq!(writer.finish().unwrap().records, 2);
+    assert_eq!(
+        std::fs::read_to_string(&path).unwrap(),
+        "step,word\n1,\"a, b\"\n2,\n"
+    );
+}
+
+#[test]
 fn columns_of_different_lengths_are_refused_and_nothing_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.csv");

@@ -1,17 +1,10 @@
 //! The list of potentials: one file and one line each.
 
-mod lennard_jones;
-mod soft_sphere;
-mod wca;
-
-pub use lennard_jones::LennardJones;
-pub use soft_sphere::SoftSphere;
-pub use wca::Wca;
-
 use lennard_core::options::{Keys, OptionError, Options};
 use serde::{Deserialize, Serialize};
 
 use super::{PairPotential, Plain, Truncated, TruncationOptions};
+use crate::real::Real;
 
 /// The smallest exponent of an inverse power: below it the tail integrals diverge.
 const SMALLEST_EXPONENT: i64 = 4;
@@ -33,6 +26,26 @@ pub struct PotentialSpec {
     pub source: &'static str,
     /// Whether the potential is Lennard-Jones 12-6, which the literature's equations of state describe.
     pub is_lennard_jones: bool,
+}
+
+/// r⁻ⁿ where 1/r² is `inv_r2`, by squaring: the exponent is the same for all lanes.
+#[inline(always)]
+fn inverse_power<R: Real>(inv_r2: R, exponent: u32) -> R {
+    let mut product = if exponent % 2 == 1 {
+        inv_r2.sqrt()
+    } else {
+        inv_r2.splat(1.0)
+    };
+    let mut bits = exponent / 2;
+    let mut power = inv_r2;
+    while bits > 0 {
+        if bits % 2 == 1 {
+            product = product * power;
+        }
+        power = power * power;
+        bits /= 2;
+    }
+    product
 }
 
 /// The file of a potential provides this for its options type; [`PairPotential`] holds the formula.
@@ -78,10 +91,12 @@ pub struct OwnEnd {
     pub in_words: &'static str,
 }
 
-/// Makes options, dispatch and lists from lines `Variant,`. A line `Variant ends,` is for a potential that is
+/// Makes options, dispatch and lists from lines `file::Variant,`. A line `file::Variant ends,` is for a potential that is
 /// [`EndsByItself`]: kernels have one instance of it in place of one per truncation.
 macro_rules! list_of_potentials {
-    ($d:tt $($(#[$doc:meta])* $variant:ident $($ends:ident)?,)*) => {
+    ($d:tt $($(#[$doc:meta])* $file:ident::$variant:ident $($ends:ident)?,)*) => {
+        $(mod $file; pub use $file::$variant;)*
+
         /// The pair potential U(r), before any truncation, in reduced units: the scene's table `[potential]`.
         #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
         #[serde(tag = "kind", rename_all = "kebab-case")]
@@ -200,11 +215,11 @@ macro_rules! list_of_potentials {
 
 list_of_potentials! { $
     /// Lennard-Jones 12-6.
-    LennardJones,
+    lennard_jones::LennardJones,
     /// Weeks–Chandler–Andersen. Its own end replaces `truncation.r_cut`.
-    Wca ends,
+    wca::Wca ends,
     /// Soft sphere, an inverse power.
-    SoftSphere,
+    soft_sphere::SoftSphere,
 }
 
 impl Default for PotentialOptions {

@@ -1,6 +1,6 @@
 //! The soft sphere, an inverse power.
 
-use super::{LARGEST_EXPONENT, Potential, PotentialSpec, SMALLEST_EXPONENT};
+use super::{LARGEST_EXPONENT, inverse_power, Potential, PotentialSpec, SMALLEST_EXPONENT};
 use crate::pair::{Pair, PairPotential};
 use crate::real::Real;
 
@@ -45,21 +45,7 @@ impl Potential for SoftSphere {
 impl PairPotential for SoftSphere {
     #[inline(always)]
     fn eval<R: Real>(&self, inv_r2: R) -> Pair<R> {
-        let mut energy = if self.exponent % 2 == 1 {
-            inv_r2.sqrt()
-        } else {
-            inv_r2.splat(1.0)
-        };
-        // r⁻ⁿ by squaring: the exponent is the same for all lanes.
-        let mut bits = self.exponent / 2;
-        let mut power = inv_r2;
-        while bits > 0 {
-            if bits % 2 == 1 {
-                energy = energy * power;
-            }
-            power = power * power;
-            bits /= 2;
-        }
+        let energy = inverse_power(inv_r2, self.exponent);
         let n = f64::from(self.exponent);
         let scaled = energy * inv_r2;
         Pair {
