@@ -77,7 +77,7 @@ impl TruncationOptions {
 
 impl Default for TruncationOptions {
     fn default() -> Self {
-        Self::new(TruncationKind::Cut, DEFAULT_R_CUT)
+        Self::new(TruncationKind::default(), DEFAULT_R_CUT)
     }
 }
 

@@ -23,6 +23,7 @@ Usage: cargo xtask COMMAND
 Commands:
   test     All checks but the long ones: format, lints, documentation, Rust tests, a short soak,
            coverage of errors over few seeds, tidiness, Python environment, validation by other people's tools
+  check    Lints and tests of some crates alone: cargo xtask check observables
   physics  The long checks: state points against the equation of state, error bars against
            independent seeds, Rust tests marked as ignored
   tidy     Paths and commands named in README.md exist, crates depend as designed, no machine
@@ -65,6 +66,12 @@ fn main() -> ExitCode {
         ["accuracy", rest @ ..] => return accuracy::run(&workspace, rest),
         ["coverage", rest @ ..] => return coverage::run(&workspace, rest),
         ["fuzz", rest @ ..] => return fuzz::run(&workspace, rest),
+        ["check", crates @ ..] if !crates.is_empty() => {
+            return tiers::check(&workspace, crates).unwrap_or_else(|error| {
+                eprintln!("{error}");
+                ExitCode::from(2)
+            });
+        }
         _ => {}
     }
     match command {

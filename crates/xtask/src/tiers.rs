@@ -17,9 +17,15 @@ pub struct Tier {
     run: fn(&Workspace) -> Outcome,
 }
 
+/// By file, since cargo does not see modules that a macro declares.
 const FORMAT: Tier = Tier {
     name: "format",
-    run: |w| by_status(cargo_command(w, &["fmt", "--all", "--", "--check"])),
+    run: |w| {
+        let mut command = w.command("rustfmt");
+        command.args(["--check", "--edition", "2024"]);
+        command.args(w.tracked(&["*.rs"])?);
+        by_status(command)
+    },
 };
 const LINTS: Tier = Tier {
     name: "lints",
@@ -146,6 +152,52 @@ pub fn test() -> Vec<Tier> {
         PYTHON,
         VALIDATION,
     ]
+}
+
+/// What `cargo xtask check CRATE …` runs: lints and tests of these crates alone, named with or without prefix.
+pub fn check(workspace: &Workspace, crates: &[&str]) -> Result<ExitCode, Box<dyn Error>> {
+    let mut packages = Vec::new();
+    for name in crates {
+        let package = workspace
+            .packages
+            .iter()
+            .find(|p| p.name == *name || p.name.strip_prefix("lennard-") == Some(name))
+            .ok_or_else(|| format!("no crate `{name}` in this workspace"))?;
+        packages.extend(["--package", &package.name]);
+    }
+    let lints = [
+        &["clippy", "--all-targets"][..],
+        &packages,
+        &["--", "-D", "warnings"],
+    ]
+    .concat();
+    let tests = [
+        &["test", "--no-fail-fast"][..],
+        &packages,
+        &["--", "--quiet"],
+    ]
+    .concat();
+    let mut results = Vec::new();
+    for (name, arguments, counts) in [
+        ("lints", lints, None),
+        ("tests", tests, Some(Format::CargoTest)),
+    ] {
+        println!("\n── {name} ──");
+        let start = Instant::now();
+        let command = cargo_command(workspace, &arguments);
+        let counts = match counts {
+            Some(format) => by_counts(command, format)?,
+            None => by_status(command)?,
+        };
+        results.push((name, counts, start.elapsed()));
+    }
+    let (text, failed) = summary(&results, &["everything else (cargo xtask test)"]);
+    println!("\n{text}");
+    Ok(if failed {
+        ExitCode::FAILURE
+    } else {
+        ExitCode::SUCCESS
+    })
 }
 
 /// What `cargo xtask physics` runs.

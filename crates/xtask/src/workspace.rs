@@ -29,6 +29,36 @@ pub struct Workspace {
 }
 
 impl Workspace {
+    /// The files that git tracks or would add, of the patterns or all, relative to the root.
+    ///
+    /// # Errors
+    /// Where git cannot be started or refuses.
+    pub fn tracked(&self, patterns: &[&str]) -> Result<Vec<String>, Box<dyn Error>> {
+        let list = [
+            "ls-files",
+            "-z",
+            "--cached",
+            "--others",
+            "--exclude-standard",
+            "--",
+        ];
+        let output = self
+            .command("git")
+            .args(list)
+            .args(patterns)
+            .output()
+            .map_err(|e| format!("git cannot be started: {e}"))?;
+        if !output.status.success() {
+            return Err(format!(
+                "git cannot list the files: {}",
+                String::from_utf8_lossy(&output.stderr).trim()
+            )
+            .into());
+        }
+        let names = String::from_utf8(output.stdout)?;
+        Ok(names.split_terminator('\0').map(str::to_owned).collect())
+    }
+
     /// Asks cargo.
     pub fn find() -> Result<Self, Box<dyn Error>> {
         let output = Command::new(cargo())

@@ -4,7 +4,9 @@ mod circles;
 mod errors;
 mod layers;
 mod literals;
+mod methods;
 mod readme;
+mod sizes;
 mod tracked;
 
 use std::error::Error;
@@ -26,6 +28,11 @@ pub fn all(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {
         readme::faults_in_file(workspace).unwrap_or_else(|error| vec![error.to_string()]),
     ));
     findings.push(("no circles of files", circles::faults(workspace)?));
+    findings.push(("files fit a sitting", sizes::faults(workspace)?));
+    findings.push((
+        "methods are named in one file and one line",
+        methods::faults(workspace)?,
+    ));
     findings.push(("every error text is in a test", errors::faults(workspace)?));
     findings.extend(tracked::findings(workspace)?);
     Ok(findings)

@@ -36,26 +36,8 @@ const CRATES_IO: &str = "registry+https://github.com/rust-lang/crates.io-index";
 
 /// Checks every file that git tracks or would add.
 pub fn findings(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {
-    let output = workspace
-        .command("git")
-        .args([
-            "ls-files",
-            "-z",
-            "--cached",
-            "--others",
-            "--exclude-standard",
-        ])
-        .output()
-        .map_err(|e| format!("git cannot be started: {e}"))?;
-    if !output.status.success() {
-        return Err(format!(
-            "git cannot list the files: {}",
-            String::from_utf8_lossy(&output.stderr).trim()
-        )
-        .into());
-    }
     let (mut machine, mut registry, mut large) = (Vec::new(), Vec::new(), Vec::new());
-    for name in String::from_utf8(output.stdout)?.split_terminator('\0') {
+    for name in &workspace.tracked(&[])? {
         let path = workspace.root.join(name);
         // Deleted but still tracked, or a link to a folder.
         if !path.is_file() {

@@ -1,0 +1,81 @@
+use super::*;
+
+fn scene(more: &str) -> Scene {
+    let text = format!(
+        "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.0\n[truncation]\nr_cut = 2.2\n\
+         [output]\nthermo_every = 10\n{more}"
+    );
+    Scene::parse(&text, "scene.toml", &[]).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn costs(observers: Vec<(Want, f64)>, baths: Vec<f64>) -> Costs {
+    Costs {
+        steps: 1,
+        step: 10.0,
+        median_step: 10.0,
+        force: 6.0,
+        neighbor: 2.0,
+        force_bytes: 0,
+        checkpoint_bytes: 0,
+        totals: 5.0,
+        laplacian: -1.0,
+        per_particle: 7.0,
+        thermodynamics: 0.5,
+        observers,
+        baths,
+        frame: 3.0,
+        watch: 0.25,
+    }
+}
+
+#[test]
+fn memory_is_counted_as_a_run_takes_it() {
+    let measured = |more: &str| {
+        let mut simulation = crate::prepare(scene(more)).unwrap();
+        Costs::measure(&mut simulation).unwrap()
+    };
+    let stage = "[[stage]]\nname = \"a\"\nsteps = 300\n";
+    let observed = format!("{stage}[[observable]]\nkind = \"momentum\"\nevery = 1\n");
+    let bath = format!("{stage}thermostat = \"bussi\"\n");
+    let in_strides = measured(stage);
+    let step_by_step = [measured(&observed), measured(&bath)];
+    let n = 108;
+    for costs in step_by_step {
+        // Positions, velocities and positions of the next step, by place.
+        let more = in_strides.force_bytes as f64 - costs.force_bytes as f64;
+        assert!(more >= (3 * 24 * n) as f64, "{more}");
+        assert!(costs.force_bytes >= 24 * n);
+        // Positions, velocities, forces, and positions at the last build.
+        assert!(costs.checkpoint_bytes >= 4 * 24 * n as usize);
+    }
+}
+
+#[test]
+fn parts_are_paid_as_often_as_the_scene_says() {
+    let scene = scene(
+        "trajectory_every = 15\n[[stage]]\nname = \"a\"\nsteps = 300\nthermostat = \"bussi\"\n\
+         [[stage]]\nname = \"b\"\nsteps = 600\n[[observable]]\nkind = \"rdf\"\nevery = 20\n",
+    );
+    let parts = costs(vec![(Want::NOTHING, 4.0)], vec![0.1, 0.0]).of_run(&scene);
+    let near = |part: &str, wanted: f64| {
+        let found = parts[part];
+        assert!(
+            (found - wanted).abs() < 1e-9,
+            "{part}: {found}, wanted {wanted}"
+        );
+    };
+    near("pair forces", 900.0 * 6.0);
+    near("neighbor list", 900.0 * 2.0);
+    near("integrator", 900.0 * 1.75);
+    near("watchdog", 900.0 * 0.25);
+    near("energy and virial", 90.0 * 5.0);
+    near("thermostat bussi of a", 300.0 * 0.1);
+    // The second stage alone is measured.
+    near("thermodynamics", 60.0 * 0.5);
+    near("rdf", 30.0 * 4.0);
+    // A measurement below nothing is nothing.
+    near("configurational temperature", 0.0);
+    // Frames on steps 15, 30, 45, …: every second one falls on a row.
+    near("trajectory", 40.0 * (3.0 + 0.5 * 5.0));
+    assert!(!parts.contains_key("msd"));
+}

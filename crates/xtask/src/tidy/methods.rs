@@ -1,0 +1,101 @@
+//! One file and one line: no source outside a method's own crate names the method.
+//!
+//! The check sees names in quotes and variants of the option enums. It cannot see a method that is known by anything else.
+
+use std::error::Error;
+
+use crate::workspace::Workspace;
+
+/// The lists of methods: the folder whose files declare them, and the enum of their options.
+const LISTS: &[(&str, &str)] = &[
+    ("crates/integrators/src/", "IntegratorOptions"),
+    ("crates/integrators/src/", "ThermostatOptions"),
+    ("crates/forcefield/src/pair/potentials/", "PotentialOptions"),
+    ("crates/forcefield/src/pair/truncations/", "TruncationKind"),
+    ("crates/observables/src/", "ObservableOptions"),
+];
+
+/// Files that may name methods, each with the reason.
+const EXPLAINED: &[(&str, &str)] = &[
+    (
+        "crates/engine/src/compare.rs",
+        "which truncation the literature describes",
+    ),
+    (
+        "crates/engine/src/build.rs",
+        "thermodynamics is in every run, and the MSD takes a viscosity of the literature",
+    ),
+    (
+        "crates/scene/src/scene.rs",
+        "the bit-reversible method needs canonical forces",
+    ),
+    (
+        "crates/scene/src/tables.rs",
+        "RESPA brings the keys of the split; thermodynamics has the interval of thermo.csv",
+    ),
+    (
+        "crates/studies/src/",
+        "a study compares the methods that it is about",
+    ),
+    ("crates/cli/src/", "examples in the help"),
+    ("benches/", "cases of the benchmarks"),
+    ("fuzz/", "seeds of the fuzzers"),
+    ("crates/xtask/", "checks of the repository"),
+];
+
+/// Every naming of a method outside its folder that is not explained.
+pub fn faults(workspace: &Workspace) -> Result<Vec<String>, Box<dyn Error>> {
+    let mut faults = Vec::new();
+    for name in workspace.tracked(&["*.rs"])? {
+        let explained = EXPLAINED.iter().any(|(path, _)| name.starts_with(path));
+        if explained || name.contains("/tests/") || name.ends_with("tests.rs") {
+            continue;
+        }
+        let Ok(text) = std::fs::read_to_string(workspace.root.join(&name)) else {
+            continue;
+        };
+        faults.extend(named(&name, &text));
+    }
+    Ok(faults)
+}
+
+/// The lines of a file that name a method of another folder.
+fn named(file: &str, text: &str) -> Vec<String> {
+    let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+    let mut faults = Vec::new();
+    for (number, line) in (1..).zip(code.lines()) {
+        let line = line.split("//").next().unwrap_or_default();
+        for (folder, list) in LISTS {
+            if file.starts_with(folder) || !names_a_variant(line, list) {
+                continue;
+            }
+            faults.push(format!("{file}:{number} names a method of {list}"));
+        }
+    }
+    faults
+}
+
+/// Whether a line has `List::Variant`; functions of the list begin with a small letter.
+fn names_a_variant(line: &str, list: &str) -> bool {
+    line.match_indices(&format!("{list}::"))
+        .any(|(at, path)| line[at + path.len()..].starts_with(|c: char| c.is_ascii_uppercase()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_variant_is_found_where_it_has_no_business() {
+        let line = "if kind == TruncationKind::Switch { }\n";
+        assert_eq!(named("crates/io/src/a.rs", line).len(), 1);
+        assert!(named("crates/forcefield/src/pair/truncations/mod.rs", line).is_empty());
+        for fine in [
+            "TruncationKind::default()",
+            "// TruncationKind::Switch",
+            "#[cfg(test)]\nmod tests { TruncationKind::Switch }",
+        ] {
+            assert!(named("crates/io/src/a.rs", fine).is_empty(), "{fine}");
+        }
+    }
+}
