@@ -29,16 +29,11 @@ impl ByHand {
             state,
             dt,
         };
-        fluid.start_again()?;
-        Ok(fluid)
-    }
-
-    fn start_again(&mut self) -> Result<(), StepError> {
-        let (state, forces) = (&mut self.state, &mut self.forces);
-        let report = self
+        let (state, forces) = (&mut fluid.state, &mut fluid.forces);
+        fluid
             .method
-            .start(&self.system, state, forces, self.dt, Want::NOTHING);
-        report.map(drop)
+            .start(&fluid.system, state, forces, dt, Want::NOTHING)?;
+        Ok(fluid)
     }
 
     /// Takes `steps` steps, several in one go where the forces can.
@@ -52,11 +47,5 @@ impl ByHand {
             left -= taken;
         }
         Ok(())
-    }
-
-    /// Reverses all velocities and starts the method again.
-    pub(crate) fn turn_round(&mut self) -> Result<(), StepError> {
-        self.state.velocities.iter_mut().for_each(|v| *v = -*v);
-        self.start_again()
     }
 }

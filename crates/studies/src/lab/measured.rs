@@ -1,7 +1,7 @@
 //! What a run under some settings measures: energy conservation, temperatures, U and P.
 
 use lennard_core::Estimate;
-use lennard_engine::{Compared, Unfollowed, beside_equation_of_state, model_kind};
+use lennard_engine::{Compared, Comparison, Unfollowed, beside_equation_of_state, model_kind};
 use lennard_observables::{ThermoSeries, Thermodynamics, statistics};
 use serde::{Deserialize, Serialize};
 
@@ -153,6 +153,7 @@ impl Workbench {
                 slope: conservation.energy_drift_per_atom_per_tau,
                 standard_error: conservation.energy_drift_standard_error,
             },
+            against_equation: beside(&comparison, rows, cut),
             remarks: comparison.remarks,
             ..self.measured(settings, rows, cut, slopes)?
         })
@@ -200,13 +201,9 @@ impl Workbench {
                 settings,
                 temperature.mean,
                 |du_dt, dp_dt| {
-                    let of_slope = |column: &[f64], slope: f64| Value {
-                        n_effective: of(column).n_effective,
-                        ..about(column, slope)
-                    };
                     (
-                        of_slope(&rows.potential_energy, du_dt),
-                        of_slope(&rows.pressure, dp_dt),
+                        about(&rows.potential_energy, du_dt),
+                        about(&rows.pressure, dp_dt),
                     )
                 },
             )?,
@@ -259,6 +256,23 @@ impl Workbench {
     }
 }
 
+/// U and P less the values of the equation of state, as the comparison of a run corrects and judges them.
+fn beside(comparison: &Comparison, rows: &ThermoSeries, cut: usize) -> Option<AgainstEquation> {
+    let entry = |quantity: &str| comparison.entries.iter().find(|e| e.quantity == quantity);
+    let difference = |entry: &lennard_io::Comparison, column: &[f64]| Value {
+        mean: entry.difference,
+        standard_error: entry.standard_error,
+        n_effective: statistics::estimate_after(column, cut).n_effective,
+    };
+    let (u, p) = entry("potential_energy").zip(entry("pressure"))?;
+    Some(AgainstEquation {
+        source: u.source.clone(),
+        potential_energy: difference(u, &rows.potential_energy),
+        pressure: difference(p, &rows.pressure),
+        own_uncertainty: u.reference_uncertainty.zip(p.reference_uncertainty),
+    })
+}
+
 /// T − T_conf with its error: to first order it fluctuates as T_i − (F²_i − T_conf·L_i)/⟨L⟩, with F² the mean square
 /// force and L the Laplacian of a particle.
 fn temperature_difference(found: &Thermodynamics, cut: usize) -> Value {
@@ -308,6 +322,24 @@ mod tests {
         let moved = fine.pressure.mean - fine.pressure_at_reference.mean;
         assert!((moved - slopes.dp_dt * off).abs() < 1e-12);
         assert!(fine.against_equation.is_none() && !fine.remarks.is_empty());
+    }
+
+    #[test]
+    fn a_run_stands_beside_its_equation_as_the_comparison_of_a_run_does() {
+        let scene = scene(&[]);
+        let bench = Workbench::new(&scene).unwrap();
+        let base = Settings::of(&scene).with_truncation(TruncationKind::Shift, 2.5, false);
+        let slopes = bench.slopes(&base, 1.0).unwrap();
+        let run = bench.measure(&base, 2.0, &slopes).unwrap();
+        let beside = run.against_equation.unwrap();
+        // The comparison names its source in full, and corrects P for the finite number of particles.
+        assert!(beside.source.contains("doi:"), "{}", beside.source);
+        let at = run.temperature_of_positions.mean;
+        let means = |_, _| (run.potential_energy, run.pressure);
+        let plain = bench.against_equation(&base, at, means).unwrap();
+        let plain = plain.unwrap().pressure.mean;
+        let correction = (beside.pressure.mean - plain).abs();
+        assert!((1e-4..0.1).contains(&correction), "{correction}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use lennard_core::StepError;
+use lennard_core::State;
 use lennard_forcefield::{ListMode, Precision};
 use lennard_integrators::{IntegratorOptions, blanes_moan};
 use serde::{Deserialize, Serialize};
@@ -56,10 +56,10 @@ impl Workbench {
         time: f64,
     ) -> Result<TrajectoryError, StudyError> {
         let (steps, dt) = steps_to(time, self.stage_dt(settings));
-        let positions = self.by_hand(settings, dt, |fluid| fluid.steps(steps))?;
+        let end = self.by_hand(settings, self.start().state(), steps, dt)?;
         let tight = self.tight_trajectory(settings, time)?;
         Ok(TrajectoryError {
-            distance: distance(&positions, &tight.positions),
+            distance: distance(&end.positions, &tight.positions),
             floor: tight.floor,
             time,
         })
@@ -94,12 +94,10 @@ impl Workbench {
     /// As [`Workbench::trajectory_error`].
     pub fn reversibility(&self, settings: &Settings, time: f64) -> Result<f64, StudyError> {
         let (steps, dt) = steps_to(time, self.stage_dt(settings));
-        let positions = self.by_hand(settings, dt, |fluid| {
-            fluid.steps(steps)?;
-            fluid.turn_round()?;
-            fluid.steps(steps)
-        })?;
-        Ok(distance(&positions, &self.start().positions))
+        let mut state = self.by_hand(settings, self.start().state(), steps, dt)?;
+        state.velocities.iter_mut().for_each(|v| *v = -*v);
+        let back = self.by_hand(settings, state, steps, dt)?;
+        Ok(distance(&back.positions, &self.start().positions))
     }
 
     fn compute_tight_trajectory(
@@ -118,25 +116,27 @@ impl Workbench {
         };
         let end = |dt: f64| -> Result<Vec<DVec3>, StudyError> {
             let (steps, dt) = steps_to(time, dt);
-            self.by_hand(&tight, dt, |fluid| fluid.steps(steps))
+            let end = self.by_hand(&tight, self.start().state(), steps, dt)?;
+            Ok(end.positions)
         };
         let positions = end(REFERENCE_DT)?;
         let floor = distance(&end(2.0 * REFERENCE_DT)?, &positions);
         Ok(TightTrajectory { positions, floor })
     }
 
-    /// Runs from the start at constant energy, by hand: `along` takes the steps.
+    /// The state after `steps` steps at constant energy, by hand, with forces of its own.
     fn by_hand(
         &self,
         settings: &Settings,
+        state: State,
+        steps: u64,
         dt: f64,
-        along: impl FnOnce(&mut ByHand) -> Result<(), StepError>,
-    ) -> Result<Vec<DVec3>, StudyError> {
+    ) -> Result<State, StudyError> {
         let forces = self.forces(settings)?;
         let run = || {
-            let mut fluid = ByHand::start(&settings.integrator, forces, self.start().state(), dt)?;
-            along(&mut fluid)?;
-            Ok(fluid.state.positions)
+            let mut fluid = ByHand::start(&settings.integrator, forces, state, dt)?;
+            fluid.steps(steps)?;
+            Ok(fluid.state)
         };
         run().map_err(|source| StudyError::Step {
             method: settings.integrator.name(),
