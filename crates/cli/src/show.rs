@@ -22,7 +22,7 @@ use lennard_studies::claims;
 use lennard_studies::compare::ComparedRun;
 use lennard_studies::stability::StabilityStudy;
 
-use crate::commands::list::Entry;
+use crate::list_entry::Entry;
 
 /// A table that fits the terminal.
 fn table(table: &Table) -> comfy_table::Table {

@@ -3,10 +3,10 @@
 use std::io::{BufRead, Cursor, Seek};
 use std::path::Path;
 
-use glam::DVec3;
 use lennard_core::PeriodicBox;
 
 use crate::error::excerpt;
+use crate::found::StartConfiguration;
 use crate::lines::{Lines, one_token, open_regular};
 use crate::trajectory_reader::last_frame;
 use crate::{FormatError, nist};
@@ -14,25 +14,6 @@ use crate::{FormatError, nist};
 /// Two statements of the same box may differ by this much of a side: one may have been rounded to
 /// 15 digits.
 const SAME_BOX: f64 = 1e-14;
-
-/// Where a run starts, as read from a file; reduced units.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StartConfiguration {
-    /// The periodic box.
-    pub cell: PeriodicBox,
-    /// Positions, `[N]`, σ, unwrapped by the image flags where the file has them.
-    pub positions: Vec<DVec3>,
-    /// Velocities, `[N]`, σ/τ, where the file has them.
-    pub velocities: Option<Vec<DVec3>>,
-    /// Number of the step, where the file has one.
-    pub step: Option<u64>,
-    /// Time in τ, where the file has one.
-    pub time: Option<f64>,
-    /// The one species of all particles, where the file names one.
-    pub species: Option<String>,
-    /// Number of frames in the file, of which this is the last.
-    pub frames: u64,
-}
 
 /// Reads a start configuration: the last frame of an extended XYZ file, or NIST columns, told apart
 /// by their content.

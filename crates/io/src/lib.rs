@@ -10,12 +10,14 @@
 mod atomic;
 mod checkpoint;
 mod checkpoint_codec;
+mod checkpoint_contents;
 mod checkpoint_folder;
 mod claim;
 mod configuration;
 mod error;
 mod extended_xyz;
 mod folder;
+mod found;
 mod frame_text;
 mod host;
 mod lines;
@@ -31,19 +33,20 @@ mod xyz_header;
 
 pub use atomic::{write_json_atomically, write_text_atomically};
 pub use checkpoint::{
-    CHECKPOINT_VERSION, Checkpoint, CheckpointError, CheckpointMetadata, CheckpointProblem,
-    checkpoint_bytes, read_checkpoint, read_checkpoint_bytes, read_checkpoint_metadata,
-    write_checkpoint,
+    CheckpointError, checkpoint_bytes, read_checkpoint, read_checkpoint_bytes,
+    read_checkpoint_metadata, write_checkpoint,
+};
+pub use checkpoint_contents::{
+    CHECKPOINT_VERSION, Checkpoint, CheckpointMetadata, CheckpointProblem,
 };
 pub use checkpoint_folder::CheckpointFolder;
-pub use configuration::{
-    StartConfiguration, read_configuration, read_configuration_bytes, read_configuration_in,
-};
+pub use configuration::{read_configuration, read_configuration_bytes, read_configuration_in};
 pub use error::{FormatError, WriteError};
 pub use folder::{
     Existing, FolderError, OutputFolder, create_named_folder, create_numbered_folder,
     is_empty_folder,
 };
+pub use found::{StartConfiguration, TrajectoryFrame};
 pub use frame_text::{Frame, FrameStyle, is_element_symbol};
 pub use host::cpu_name;
 pub use record::{
@@ -56,5 +59,5 @@ pub use tables::{TableWriter, read_table_csv, read_table_csv_bytes, write_table_
 pub use topology::write_topology_gro;
 pub use trajectory::{TrajectoryWriter, write_frame};
 pub use trajectory_reader::{
-    TrajectoryFrame, TrajectoryReader, read_trajectory, read_trajectory_bytes, whole_frames,
+    TrajectoryReader, read_trajectory, read_trajectory_bytes, whole_frames,
 };

@@ -1,37 +1,13 @@
 //! Reading trajectories frame by frame.
 
-use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Seek, SeekFrom};
 use std::path::Path;
 
-use glam::DVec3;
-use lennard_core::PeriodicBox;
-
 use crate::extended_xyz::{find_frame, parse_frame, skip_frame};
+use crate::found::TrajectoryFrame;
 use crate::lines::{Lines, open_regular};
 use crate::{FileMark, FormatError};
-
-/// A frame as read, in reduced units: a `length_scale` of the header is taken out.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TrajectoryFrame {
-    /// The periodic box; `None` where the header names none.
-    pub cell: Option<PeriodicBox>,
-    /// Positions, `[N]`, σ, unwrapped by the image flags where the file has them.
-    pub positions: Vec<DVec3>,
-    /// Velocities, `[N]`, σ/τ.
-    pub velocities: Option<Vec<DVec3>>,
-    /// Forces, `[N]`, ε/σ.
-    pub forces: Option<Vec<DVec3>>,
-    /// The one species of all particles; `None` where the file names none.
-    pub species: Option<String>,
-    /// Number of the step.
-    pub step: Option<u64>,
-    /// Time in τ.
-    pub time: Option<f64>,
-    /// The other entries of the header, as text.
-    pub info: BTreeMap<String, String>,
-}
 
 /// Reads the frames of an extended XYZ file one after another, one in memory at a time.
 ///

@@ -18,6 +18,7 @@
 
 mod equation;
 mod finite_size;
+mod fluid_state;
 mod freezing;
 mod jet;
 mod kolafa_nezbeda;
@@ -28,10 +29,9 @@ mod tables;
 mod thol;
 mod transport;
 
-pub use equation::{
-    CriticalPoint, EquationOfState, EquationSpec, FluidState, OutsideRange, OwnUncertainty, Range,
-};
+pub use equation::{EquationOfState, EquationSpec, OutsideRange, OwnUncertainty, Range};
 pub use finite_size::{FiniteSize, Kept};
+pub use fluid_state::{CriticalPoint, FluidState};
 pub use freezing::{FreezingLine, freezing_line};
 pub use jet::Jet;
 pub use kolafa_nezbeda::KolafaNezbeda;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::equation::{CriticalPoint, FluidState};
+use crate::fluid_state::{CriticalPoint, FluidState};
 use crate::saturation::Saturation;
 
 /// Where a state lies in the phase diagram of an equation of state.

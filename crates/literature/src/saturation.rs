@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::equation::{CriticalPoint, FluidState};
+use crate::fluid_state::{CriticalPoint, FluidState};
 
 /// A vapor and a liquid at the same temperature, pressure and chemical potential.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -57,18 +57,13 @@ impl SeenBox {
 impl Persist for SeenBox {
     fn save(&self, to: &mut StateWriter<'_>) {
         to.put_u64("samples", &[self.samples]);
-        to.put_vec3("sides", &[self.sides]);
+        to.put_f64("sides", &self.sides.to_array());
         to.put_f64("volumes", &[self.volume, self.first_volume, self.smallest]);
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         [self.samples] = from.u64s("samples")?;
-        self.sides = match from.vec3("sides")? {
-            [sides] => *sides,
-            others => {
-                return Err(from.misfit("sides", format!("{} vectors, wanted 1", others.len())));
-            }
-        };
+        self.sides = DVec3::from_array(from.f64s("sides")?);
         [self.volume, self.first_volume, self.smallest] = from.f64s("volumes")?;
         Ok(())
     }

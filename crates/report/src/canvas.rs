@@ -11,6 +11,11 @@ use plotters::style::{
 use crate::escape::escape;
 use crate::{COLORS, Dash, ReportError, Symbol};
 
+/// Radius of marks, design units.
+pub(crate) const MARK: f64 = 4.2;
+/// Width of lines, design units.
+pub(crate) const LINE: f64 = 2.0;
+
 /// Drawing units per design unit: the plotting library takes whole numbers, and this is its precision.
 pub(crate) const FINE: i32 = 8;
 /// Width of every figure in design units: at the 360 pixels of a phone, text of 17 units is 11 pixels high.

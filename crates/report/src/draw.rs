@@ -5,8 +5,8 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::axis::Span;
 use crate::canvas::{
-    AFTER, BEFORE, BELOW, FAINT_GRID, FINE, GREY, GRID, Hint, Place, Sheet, TEXT, TINT, WIDTH,
-    color, drawing, fine, font, ink, stroke, text_width,
+    AFTER, BEFORE, BELOW, FAINT_GRID, FINE, GREY, GRID, Hint, LINE, MARK, Place, Sheet, TEXT, TINT,
+    WIDTH, color, drawing, fine, font, ink, stroke, text_width,
 };
 use crate::legend::Legend;
 use crate::{Figure, Guide, Look, Point, ReportError, Series, Symbol};
@@ -17,10 +17,6 @@ const PLOT_HEIGHT: f64 = 300.0;
 const TOP: f64 = 38.0;
 /// Room at the right, for half a tick label, design units.
 const RIGHT: f64 = 22.0;
-/// Radius of marks, design units.
-pub(crate) const MARK: f64 = 4.2;
-/// Width of lines, design units.
-pub(crate) const LINE: f64 = 2.0;
 
 /// The plotting area on the sheet and the two axes: from values to places.
 struct Frame {
@@ -45,7 +41,17 @@ impl Frame {
     }
 }
 
-pub(crate) fn figure(figure: &Figure) -> Result<String, ReportError> {
+impl Figure {
+    /// The figure as one SVG text that scales to the width it is given.
+    ///
+    /// # Errors
+    /// [`ReportError`] where there is nothing to draw or a fixed range is impossible.
+    pub fn to_svg(&self) -> Result<String, ReportError> {
+        svg(self)
+    }
+}
+
+fn svg(figure: &Figure) -> Result<String, ReportError> {
     let points = || figure.series.iter().flat_map(|s| &s.points);
     let failures = || figure.series.iter().flat_map(|s| &s.failures).map(|f| f.x);
     let guides = |vertical: bool| {

@@ -1,6 +1,6 @@
 //! A figure as data: axes, series, guides.
 
-use crate::{Axis, Dash, ReportError, Symbol};
+use crate::{Axis, Dash, Symbol};
 
 /// A point with an optional error bar.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -222,13 +222,5 @@ impl Figure {
     pub fn guided(mut self, guide: Guide) -> Self {
         self.guides.push(guide);
         self
-    }
-
-    /// The figure as one SVG text that scales to the width it is given.
-    ///
-    /// # Errors
-    /// [`ReportError`] where there is nothing to draw or a fixed range is impossible.
-    pub fn to_svg(&self) -> Result<String, ReportError> {
-        crate::draw::figure(self)
     }
 }

@@ -1,7 +1,6 @@
 //! The legend of a figure.
 
-use crate::canvas::{AFTER, INK, Sheet, TEXT, WIDTH, color, ink, text_width};
-use crate::draw::{LINE, MARK};
+use crate::canvas::{AFTER, INK, LINE, MARK, Sheet, TEXT, WIDTH, color, ink, text_width};
 use crate::{Figure, Look, ReportError, Series};
 
 /// Height of a line of the legend, design units.

@@ -4,6 +4,7 @@ mod agreement;
 mod file;
 mod page;
 mod points;
+mod ran;
 mod run;
 mod side_by_side;
 mod threads;

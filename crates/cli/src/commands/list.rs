@@ -2,29 +2,11 @@
 
 use std::process::ExitCode;
 
-use serde::Serialize;
-
 use crate::args::{ListArgs, Listed};
 use crate::commands::print_json;
 use crate::failure::Failure;
+use crate::list_entry::Entry;
 use crate::show;
-
-/// One method of a list.
-#[derive(Debug, Serialize)]
-pub struct Entry {
-    /// Name in scene files.
-    pub name: String,
-    /// One sentence.
-    pub summary: String,
-    /// Its equations, if it has any to show.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub equation: Option<String>,
-    /// What it declares about itself.
-    #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
-    pub properties: serde_json::Map<String, serde_json::Value>,
-    /// Where it comes from.
-    pub source: String,
-}
 
 /// Prints a list.
 pub fn list(args: &ListArgs) -> Result<ExitCode, Failure> {

@@ -3,7 +3,6 @@
 use lennard_report::significant;
 
 use super::Chart;
-use super::panels::median;
 use super::point::{ChartedPoint, Errors, Outcome};
 use crate::StudyError;
 use crate::lab::{AgainstEquation, Measured, Value, Workbench};
@@ -270,4 +269,11 @@ fn of_motion(chart: &Chart) -> Vec<Kind> {
             }),
         },
     ]
+}
+
+/// The middle one of the values that are finite.
+pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.retain(|v| v.is_finite());
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Chart;
-use super::kinds::{Floor, Kind, Reading, kinds};
+use super::kinds::{Floor, Kind, Reading, kinds, median};
 use super::point::ChartedPoint;
 use crate::StudyError;
 use crate::lab::Workbench;
@@ -91,13 +91,6 @@ pub struct Panel {
 pub fn panels(bench: &Workbench, chart: &Chart) -> Result<Vec<Panel>, StudyError> {
     let kinds = kinds(bench, chart)?;
     Ok(kinds.iter().map(|kind| panel(bench, chart, kind)).collect())
-}
-
-/// The middle one of the values that are finite.
-pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.retain(|v| v.is_finite());
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 fn panel(bench: &Workbench, chart: &Chart, kind: &Kind) -> Panel {

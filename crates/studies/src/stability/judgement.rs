@@ -1,7 +1,7 @@
 //! The claims of the article and of our own list about these methods, beside the measurements.
 
 use super::OscillatorStudy;
-use super::manual_judgement::{self, or_infinity};
+use super::manual_judgement::{self, ROUNDING_REASON, or_infinity};
 use super::orders::OrderLine;
 use super::variable_step::StepRuleRun;
 use crate::StudyError;
@@ -13,7 +13,6 @@ const OURS: &str = "list of integrators";
 
 const ORDER_REASON: &str = "next term of the error expansion at the smallest step";
 const NEXT_TERM_REASON: &str = "next term, of the order (wh)²";
-pub(crate) const ROUNDING_REASON: &str = "rounding";
 
 /// Tolerance of a measured order.
 const ORDER_TOLERANCE: f64 = 0.05;

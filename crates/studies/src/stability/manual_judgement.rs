@@ -4,9 +4,10 @@ use super::OscillatorStudy;
 use super::amplification::{mean_growth, theory};
 use super::displacement::{Case, Summary};
 use super::groups::entry;
-use super::judgement::ROUNDING_REASON;
 use crate::StudyError;
 use crate::claims::{Claim, Demand};
+
+pub(crate) const ROUNDING_REASON: &str = "rounding";
 
 const MANUAL: &str = "manual of the SPOOK integrator";
 

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use lennard_io::{CheckpointFolder, Existing, RunRecord};
 use serde::Serialize;
 
+use super::ran::{Found, Ran};
 use super::side_by_side::run_all;
 use super::{Agreement, Point, Sweep, SweepError, agreement, page};
 use crate::Progress;
@@ -97,34 +98,6 @@ pub struct SweepRecord {
     pub points: Vec<SweptPoint>,
     /// All points together, quantity by quantity.
     pub agreement: Vec<Agreement>,
-}
-
-/// What is in the folder of a point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Found {
-    /// A finished run of the same scene.
-    Finished,
-    /// A run of the same scene that can go on.
-    Begun,
-    /// Nothing of use.
-    Nothing,
-}
-
-/// How the run of one point ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Ran {
-    Kept,
-    Finished,
-    Stopped,
-}
-
-impl Ran {
-    pub(super) fn of(ending: lennard_engine::Ending) -> Self {
-        match ending {
-            lennard_engine::Ending::Finished => Self::Finished,
-            lennard_engine::Ending::Stopped | lennard_engine::Ending::OutOfTime => Self::Stopped,
-        }
-    }
 }
 
 /// Runs what is not finished yet, and writes table, page and record.

@@ -8,7 +8,7 @@ use std::time::Duration;
 use lennard_engine::{EngineError, ResumeOptions, RunOptions};
 use lennard_io::{Existing, OutputFolder};
 
-use super::run::{Found, Ran};
+use super::ran::{Found, Ran};
 use super::threads::{threads_of, workers};
 use super::{Point, SweepOptions};
 use crate::jobs::pool;

@@ -2,6 +2,7 @@
 
 mod circles;
 mod errors;
+mod finding;
 mod layers;
 mod literals;
 mod methods;
@@ -12,9 +13,7 @@ mod tracked;
 use std::error::Error;
 
 use crate::workspace::Workspace;
-
-/// A check's name and what it found wrong.
-pub type Finding = (&'static str, Vec<String>);
+use finding::Finding;
 
 /// Runs every check.
 pub fn all(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use super::Finding;
+use super::finding::Finding;
 use crate::workspace::Workspace;
 
 /// Nobody reads a larger file, and every clone carries it for ever.

@@ -1,0 +1,44 @@
+//! What the file of an observable provides, and what it may know.
+
+use lennard_core::options::Options;
+use lennard_core::{Observable, ObservableSpec, PeriodicBox};
+
+use crate::ObservableError;
+
+/// What an observable may know when it is built.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BuildContext {
+    /// The periodic box.
+    pub cell: PeriodicBox,
+    /// Number of particles.
+    pub n_atoms: usize,
+    /// Time step in τ.
+    pub dt: f64,
+    /// Steps between two samples.
+    pub every: u64,
+    /// Cutoff of the forces in σ.
+    pub r_cut: f64,
+}
+
+impl BuildContext {
+    /// The time between two samples, every·dt, in τ.
+    #[must_use]
+    pub fn sample_interval(&self) -> f64 {
+        self.every as f64 * self.dt
+    }
+}
+
+/// What the options type of an observable provides: the list is made of these.
+pub trait Recipe: Options {
+    /// What the observable declares about itself.
+    const SPEC: &'static ObservableSpec;
+
+    /// Steps between two samples where the scene names none.
+    fn default_every(&self) -> u64;
+
+    /// Builds the observable.
+    ///
+    /// # Errors
+    /// [`ObservableError`] where an option is impossible in this context.
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError>;
+}
