@@ -30,8 +30,8 @@ fn temporary() -> tempfile::TempDir {
         .unwrap_or_else(|_| tempfile::tempdir().expect("a temporary folder can be made"))
 }
 
-/// A run is brought back from the bytes and goes on for some steps, or there is an error of a known kind with a message
-/// of reasonable length.
+/// Resumes a run from the bytes for some steps.
+/// Bytes without a run must give an error of a known kind, with a message of reasonable length.
 ///
 /// # Panics
 /// Where something is wrong with the program.

@@ -14,7 +14,7 @@ pub type Reshape = fn(&mut Vec<u8>, &mut dyn FnMut(usize) -> usize);
 
 /// A reader with its corpus.
 pub struct Target {
-    /// Its name, and that of its folder in `fuzz/corpus`.
+    /// The name of the target and of its folder in `fuzz/corpus`.
     pub name: &'static str,
     /// Takes any bytes; says whether they were accepted; panics where something is wrong.
     pub body: fn(&[u8]) -> bool,

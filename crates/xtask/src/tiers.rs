@@ -138,8 +138,8 @@ const PHYSICS: Tier = Tier {
     run: |w| by_counts(pytest(w, "physics"), Format::Pytest),
 };
 
-/// What `cargo xtask test` runs, on a workspace [as tested](Workspace::with_tested_binary): a release build for the last
-/// tiers would take a fifth of the time.
+/// The tiers of `cargo xtask test`, on a workspace [as tested](Workspace::with_tested_binary).
+/// A release build for the last tiers would take a fifth of the time.
 pub fn test() -> Vec<Tier> {
     vec![
         FORMAT,
@@ -250,8 +250,8 @@ fn by_status(mut command: Command) -> Outcome {
     })
 }
 
-/// As many checks as the output counts; one failed more where the command failed without saying so
-/// (it did not compile, or found no test at all).
+/// Counts the checks in the output of a command.
+/// A command that fails without a failed check, for instance in compilation, counts as one failed check.
 fn by_counts(mut command: Command, format: Format) -> Outcome {
     let mut child = command.stdout(Stdio::piped()).spawn()?;
     let mut counts = Counts::default();

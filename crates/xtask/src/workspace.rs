@@ -13,6 +13,8 @@ pub struct Package {
     pub name: String,
     /// Normal and build dependencies that are packages of this workspace; tests may use more.
     pub needs: Vec<String>,
+    /// Names of its test binaries, without the one of the library.
+    pub test_binaries: Vec<String>,
 }
 
 /// Where things are.
@@ -98,9 +100,16 @@ impl Workspace {
                     needs.push(needed);
                 }
             }
+            let mut test_binaries = Vec::new();
+            for target in list(package, "targets")? {
+                if list(&target, "kind")?.contains(&"test".into()) {
+                    test_binaries.push(text(&target, "name")?);
+                }
+            }
             packages.push(Package {
                 name: name.clone(),
                 needs,
+                test_binaries,
             });
         }
         Ok(Self {
@@ -162,17 +171,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn dependencies_of_tests_do_not_count_as_needs() {
+    fn dependencies_of_tests_do_not_count_as_needs_and_test_binaries_are_named() {
         let metadata = serde_json::json!({
             "workspace_root": "root", "target_directory": "target",
             "packages": [
-                {"name": "a", "dependencies": [
+                {"name": "a", "targets": [{"name": "a", "kind": ["lib"]}, {"name": "all", "kind": ["test"]}], "dependencies": [
                     {"name": "b", "kind": null}, {"name": "c", "kind": "dev"}, {"name": "serde", "kind": null}]},
-                {"name": "b", "dependencies": []},
-                {"name": "c", "dependencies": []},
+                {"name": "b", "targets": [], "dependencies": []},
+                {"name": "c", "targets": [], "dependencies": []},
             ]
         });
         let workspace = Workspace::from_metadata(&metadata).unwrap();
         assert_eq!(workspace.packages[0].needs, ["b"]);
+        assert_eq!(workspace.packages[0].test_binaries, ["all"]);
     }
 }

@@ -96,8 +96,8 @@ pub fn all(samples: &[Sample]) -> Vec<Judged> {
     judged
 }
 
-/// The sample whose means are the truth for a cell: the longest one of its state and ensemble with at least half as
-/// many runs as any other length has.
+/// The sample whose means are the truth for a cell: the longest one of the same state and ensemble.
+/// A length counts where it has at least half as many runs as any other length.
 fn long_run(samples: &[Sample], cell: Cell) -> Option<&Sample> {
     let of_the_same = || {
         (samples.iter())
@@ -159,8 +159,8 @@ fn one(sample: &Sample, long: &Sample, quantity: &str) -> Option<Judged> {
     Some(judged)
 }
 
-/// χ² of the scatter about the mean of the runs, at constant energy about a line with the slope of the long runs, or
-/// with the slope of these runs themselves.
+/// χ² of the scatter about the mean of the runs.
+/// At constant energy the scatter is about a line, with the slope of the long runs or of these runs themselves.
 fn scatter(printed: &[((f64, f64), f64)], long: &Line, own_slope: bool) -> (f64, usize) {
     if printed.len() < FEWEST {
         return (0.0, 0);

@@ -228,8 +228,8 @@ impl Cell {
     }
 }
 
-/// Cells in the order in which they are run: the short lengths of everything first, then the longest of the liquids,
-/// of the densest fluids, of the slab and of the gases, so that what is there at any time is of use.
+/// Cells in the order of their runs, so that an unfinished study is of use.
+/// Short lengths come first, then the longest of the liquids, of the densest fluids, of the slab and of the gases.
 #[must_use]
 pub fn in_order(states: &[&'static State], ensembles: &[Ensemble], lengths: &[u64]) -> Vec<Cell> {
     let rank = |cell: &Cell| {

@@ -44,7 +44,7 @@ pub enum Source {
 pub struct Request {
     /// Where the records come from.
     pub source: Source,
-    /// Folder of the records, unless it is that of the source.
+    /// Folder of the records; the folder of the source by default.
     pub out: Option<PathBuf>,
     /// The program, unless it is the one that is built.
     pub binary: Option<PathBuf>,

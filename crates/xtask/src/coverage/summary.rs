@@ -13,8 +13,9 @@ const SHOWN: usize = 60;
 /// A cell is beyond chance where even one among all cells would be this improbable.
 const BEYOND_CHANCE: f64 = 1e-3;
 
-/// Probability that a cell with right errors is listed: two tails of the share within one error and one of the share
-/// within two, 0.05 % each, and two tails of χ², 0.1 % each.
+/// Probability that a cell with right errors is listed.
+/// Three tails count 0.05 % each: two of the share within one error, one of the share within two.
+/// The two tails of χ² count 0.1 % each.
 const LISTED_BY_CHANCE: f64 = 3.5e-3;
 
 /// What the judged cells add up to.

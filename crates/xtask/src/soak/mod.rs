@@ -1,5 +1,6 @@
-//! Runs that are killed, starved and moved from one number of threads to another, and must leave the same
-//! bytes as a run that was left alone: `cargo xtask soak`.
+//! Kills, starves and resumes runs on changing numbers of threads: `cargo xtask soak`.
+//!
+//! Each run must leave the same bytes as an undisturbed run.
 
 mod compare;
 mod rig;

@@ -1,8 +1,9 @@
 //! Every error text that a user can meet is in a test.
 //!
-//! Texts are the formats of `#[error("…")]` and the words handed to what makes errors; evidence is every text in a
-//! test (`tests/`, `#[cfg(test)]`) and every line of `inputs/bad/*.expected`. A text counts as tested where its longest
-//! piece between placeholders stands in a piece of evidence, or where some evidence stands in it and in no other text.
+//! Texts are the formats of `#[error("…")]` and the texts in calls that make errors.
+//! Evidence is every text in a test (`tests/`, `#[cfg(test)]`) and every line of `inputs/bad/*.expected`.
+//! A text counts as tested where a piece of evidence contains the longest piece between its placeholders.
+//! It also counts where a piece of evidence is part of this text and of no other text.
 
 use std::collections::BTreeSet;
 use std::error::Error;

@@ -73,6 +73,7 @@ mod tests {
         Package {
             name: format!("{PREFIX}{name}"),
             needs: needs.iter().map(|n| format!("{PREFIX}{n}")).collect(),
+            test_binaries: Vec::new(),
         }
     }
 

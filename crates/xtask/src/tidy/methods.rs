@@ -1,6 +1,6 @@
 //! One file and one line: no source outside a method's own crate names the method.
 //!
-//! The check sees names in quotes and variants of the option enums. It cannot see a method that is known by anything else.
+//! The check sees variants of the option enums. It cannot see a method's name in quotes.
 
 use std::error::Error;
 

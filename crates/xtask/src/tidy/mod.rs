@@ -7,7 +7,9 @@ mod layers;
 mod literals;
 mod methods;
 mod readme;
+mod sentences;
 mod sizes;
+mod test_binaries;
 mod tracked;
 
 use std::error::Error;
@@ -26,11 +28,19 @@ pub fn all(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {
         // A README that cannot be read is a fault like others: the rest is checked all the same.
         readme::faults_in_file(workspace).unwrap_or_else(|error| vec![error.to_string()]),
     ));
+    findings.push((
+        "one test binary per crate",
+        test_binaries::faults(&workspace.packages),
+    ));
     findings.push(("no circles of files", circles::faults(workspace)?));
     findings.push(("files fit a sitting", sizes::faults(workspace)?));
     findings.push((
         "methods are named in one file and one line",
         methods::faults(workspace)?,
+    ));
+    findings.push((
+        "sentences are short and have nouns",
+        sentences::faults(workspace)?,
     ));
     findings.push(("every error text is in a test", errors::faults(workspace)?));
     findings.extend(tracked::findings(workspace)?);

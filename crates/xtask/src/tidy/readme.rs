@@ -11,8 +11,8 @@ type Commands = BTreeMap<String, Vec<String>>;
 
 /// Folders that runs and builds make.
 const MADE_LATER: [&str; 3] = ["runs", "target", ".venv"];
-const XTASK: [&str; 9] = [
-    "test", "physics", "tidy", "soak", "fuzz", "coverage", "accuracy", "python", "help",
+const XTASK: [&str; 10] = [
+    "test", "check", "physics", "tidy", "soak", "fuzz", "coverage", "accuracy", "python", "help",
 ];
 const CARGO: [&str; 9] = [
     "run", "xtask", "test", "build", "bench", "fmt", "clippy", "doc", "install",
@@ -67,7 +67,7 @@ fn options_in(help: &str) -> Vec<String> {
         .collect()
 }
 
-/// Whether a path is that of the lock file which `lennard tune` makes beside a scene that is there.
+/// Whether a path names the lock file that `lennard tune` makes beside an existing scene.
 fn is_lock_of_a_scene(path: &str, root: &Path) -> bool {
     path.strip_suffix(".lock.toml")
         .is_some_and(|scene| root.join(format!("{scene}.toml")).exists())

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::finding::Finding;
 use crate::workspace::Workspace;
 
-/// Nobody reads a larger file, and every clone carries it for ever.
+/// Every clone carries a tracked file for ever, and a larger file has no readers.
 const LARGEST_KIB: u64 = 512;
 
 /// Beginnings of absolute paths that exist on one machine only. Split, so that this file does not
