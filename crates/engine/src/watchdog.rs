@@ -70,7 +70,7 @@ fn largest_squared_speed(velocities: &[DVec3]) -> f64 {
     .0
 }
 
-/// Fails where a particle moves more than [`LARGEST_MOVE`] in one step.
+/// Fails where a particle moves more than `LARGEST_MOVE` in one step.
 ///
 /// # Errors
 /// The symptom.
@@ -85,7 +85,7 @@ pub fn check_speeds(state: &State, dt: f64) -> Result<(), Symptom> {
     })
 }
 
-/// Fails where the conserved energy per particle has left its start by more than [`LARGEST_ENERGY_CHANGE`].
+/// Fails where the conserved energy per particle has left its start by more than `LARGEST_ENERGY_CHANGE`.
 ///
 /// # Errors
 /// The symptom.

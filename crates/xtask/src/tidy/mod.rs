@@ -24,9 +24,9 @@ pub fn all(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {
         layers::faults(&workspace.packages),
     )];
     findings.push((
-        "README.md names what exists",
-        // A README that cannot be read is a fault like others: the rest is checked all the same.
-        readme::faults_in_file(workspace).unwrap_or_else(|error| vec![error.to_string()]),
+        "README.md and docs name what exists",
+        // A document that cannot be read is a fault like others: the rest is checked all the same.
+        readme::faults_in_documents(workspace).unwrap_or_else(|error| vec![error.to_string()]),
     ));
     findings.push((
         "one test binary per crate",

@@ -1,4 +1,4 @@
-//! What README.md names must exist: paths, commands and their options.
+//! What README.md and the documents in docs/ name must exist: paths, commands and their options.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -18,11 +18,18 @@ const CARGO: [&str; 9] = [
     "run", "xtask", "test", "build", "bench", "fmt", "clippy", "doc", "install",
 ];
 
-/// Reads README.md and asks the built program what it knows.
-pub fn faults_in_file(workspace: &Workspace) -> Result<Vec<String>, Box<dyn Error>> {
-    let text = std::fs::read_to_string(workspace.root.join("README.md"))
-        .map_err(|e| format!("README.md: {e}"))?;
-    Ok(faults(&text, &workspace.root, &commands(workspace)?))
+/// Reads the documents and asks the built program what it knows.
+pub fn faults_in_documents(workspace: &Workspace) -> Result<Vec<String>, Box<dyn Error>> {
+    let commands = commands(workspace)?;
+    let mut found = Vec::new();
+    for name in workspace.tracked(&["README.md", "docs/*.md"])? {
+        let path = workspace.root.join(&name);
+        let text = std::fs::read_to_string(&path).map_err(|e| format!("{name}: {e}"))?;
+        let folder = path.parent().unwrap_or(&workspace.root);
+        let faults = faults(&text, &workspace.root, folder, &commands);
+        found.extend(faults.into_iter().map(|fault| format!("{name}, {fault}")));
+    }
+    Ok(found)
 }
 
 /// The commands of `lennard`, from its own help.
@@ -73,8 +80,8 @@ fn is_lock_of_a_scene(path: &str, root: &Path) -> bool {
         .is_some_and(|scene| root.join(format!("{scene}.toml")).exists())
 }
 
-/// Everything that the text names and that does not exist.
-fn faults(text: &str, root: &Path, lennard: &Commands) -> Vec<String> {
+/// Everything that the text names and that does not exist: paths begin in the root, and links in the folder of the text.
+fn faults(text: &str, root: &Path, folder: &Path, lennard: &Commands) -> Vec<String> {
     let mut faults = Vec::new();
     for (line, code) in code_in(text) {
         let words: Vec<&str> = code.split_whitespace().collect();
@@ -96,7 +103,7 @@ fn faults(text: &str, root: &Path, lennard: &Commands) -> Vec<String> {
     }
     for (line, target) in links_in(text) {
         let target = target.split('#').next().unwrap_or_default();
-        if !target.is_empty() && !target.contains("://") && !root.join(target).exists() {
+        if !target.is_empty() && !target.contains("://") && !folder.join(target).exists() {
             faults.push(format!(
                 "line {line}: the link goes to {target}, which is not there"
             ));
@@ -226,7 +233,7 @@ mod tests {
     }
 
     fn found(text: &str) -> Vec<String> {
-        faults(text, here(), &known())
+        faults(text, here(), here(), &known())
     }
 
     #[test]
@@ -242,6 +249,14 @@ mod tests {
             ```sh\n$ lennard run src/main.rs --out some/where.d\ncargo xtask test\n```\n\
             A [link](https://example.org/nowhere.html), `lennard`, `cargo run -p other --example x -- y`.\n";
         assert_eq!(found(text), Vec::<String>::new());
+    }
+
+    #[test]
+    fn links_begin_in_the_folder_of_the_document_and_paths_in_the_root() {
+        let text = "[a](../Cargo.toml) and `src/main.rs`\n";
+        let in_folder = |folder| faults(text, here(), &here().join(folder), &known());
+        assert_eq!(in_folder("src"), Vec::<String>::new());
+        assert_eq!(in_folder("src/tidy").len(), 1);
     }
 
     #[test]

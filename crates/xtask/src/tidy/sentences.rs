@@ -24,21 +24,21 @@ const WITHOUT_NOUN: [&str; 6] = [
 
 /// Sentences at fault that a folder still has; a folder without an entry has none.
 const ALLOWED: &[(&str, usize)] = &[
-    ("CHANGELOG.md", 43),
-    ("README.md", 72),
-    ("benches", 39),
+    ("CHANGELOG.md", 41),
+    ("README.md", 61),
+    ("benches", 37),
     ("crates/cli", 18),
-    ("crates/core", 21),
+    ("crates/core", 20),
     ("crates/engine", 29),
     ("crates/forcefield", 12),
-    ("crates/integrators", 24),
-    ("crates/io", 14),
-    ("crates/literature", 11),
+    ("crates/integrators", 23),
+    ("crates/io", 12),
+    ("crates/literature", 10),
     ("crates/observables", 66),
-    ("crates/scene", 20),
-    ("crates/studies", 50),
-    ("docs", 14),
-    ("inputs", 10),
+    ("crates/scene", 19),
+    ("crates/studies", 48),
+    ("docs", 13),
+    ("inputs", 9),
 ];
 
 /// An allowance so far above the number found must fall; less leaves room for branches that are merged.
@@ -128,9 +128,11 @@ fn paragraphs(text: &str, is_source: bool) -> Vec<(usize, String)> {
             is_open = false;
             continue;
         }
+        let numbered = prose.trim_start_matches(|c: char| c.is_ascii_digit());
         let item = ["- ", "* "]
             .iter()
-            .find_map(|mark| prose.strip_prefix(mark));
+            .find_map(|mark| prose.strip_prefix(mark))
+            .or_else(|| numbered.strip_prefix(". ").filter(|_| numbered != prose));
         match (item, found.last_mut()) {
             (None, Some((_, paragraph))) if is_open => {
                 paragraph.push(' ');
@@ -161,13 +163,30 @@ fn sentences(paragraph: &str) -> Vec<&str> {
 }
 
 /// Words are letters, two at least or an article: symbols and numbers of an equation do not count.
+/// Code in backticks is one word, and the target of a link is none.
 fn words_in(sentence: &str) -> usize {
     let is_word = |word: &&str| {
         let letters = word.chars().filter(|c| c.is_alphabetic()).count();
         letters > 1 || ["a", "A", "I"].contains(word)
     };
     let within = |c: char| c.is_alphabetic() || "'’-".contains(c);
-    sentence.split(|c| !within(c)).filter(is_word).count()
+    let words = |text: &str| text.split(|c| !within(c)).filter(is_word).count();
+    let prose: usize = sentence
+        .split('`')
+        .step_by(2)
+        .map(|text| words(&without_targets(text)))
+        .sum();
+    prose + sentence.matches('`').count() / 2
+}
+
+/// The text without the targets of links.
+fn without_targets(text: &str) -> String {
+    let mut pieces = text.split("](");
+    let mut kept = pieces.next().unwrap_or_default().to_owned();
+    for piece in pieces {
+        kept.push_str(piece.split_once(')').map_or(piece, |(_, rest)| rest));
+    }
+    kept
 }
 
 /// The first word of a sentence that stands for a noun.
@@ -207,6 +226,8 @@ mod tests {
             format!("/// {half}: `{}`\n", vec!["x = 3 + 1"; 30].join(" ")),
             format!("/// {half}\n\n/// {half}\n"),
             format!("/// - {half}\n/// - {half}\n"),
+            format!("/// 1. {half}\n/// 2. {half}\n"),
+            format!("/// [{half}](a/long/path/to/a/file.rs)\n"),
             format!("/// ```\n/// {half} {half}\n/// ```\n"),
             format!("let x = 1;\n{half} {half}\n"),
         ] {

@@ -48,7 +48,7 @@ fn inverse_power<R: Real>(inv_r2: R, exponent: u32) -> R {
     product
 }
 
-/// The file of a potential provides this for its options type; [`PairPotential`] holds the formula.
+/// The file of a potential provides this for its options type; `PairPotential` holds the formula.
 pub trait Potential: Options + Copy + 'static {
     /// What the potential declares about itself.
     const SPEC: PotentialSpec;
