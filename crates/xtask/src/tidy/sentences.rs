@@ -25,7 +25,7 @@ const WITHOUT_NOUN: [&str; 6] = [
 /// Sentences at fault that a folder still has; a folder without an entry has none.
 const ALLOWED: &[(&str, usize)] = &[
     ("CHANGELOG.md", 41),
-    ("README.md", 61),
+    ("README.md", 6),
     ("benches", 37),
     ("crates/cli", 18),
     ("crates/core", 20),
@@ -37,8 +37,8 @@ const ALLOWED: &[(&str, usize)] = &[
     ("crates/observables", 66),
     ("crates/scene", 19),
     ("crates/studies", 48),
-    ("docs", 13),
-    ("inputs", 9),
+    ("docs", 18),
+    ("inputs", 3),
 ];
 
 /// An allowance so far above the number found must fall; less leaves room for branches that are merged.
