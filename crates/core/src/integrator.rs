@@ -1,8 +1,8 @@
 //! An integrator at work: a method, the bath that acts after its steps, and the checks before them.
 
 use crate::{
-    Backend, IntegratorSpec, Method, Momentum, Persist, RestoreError, State, StateReader,
-    StateWriter, Step, StepError, StepReport, System, Thermostat, Want,
+    Backend, BondSolver, IntegratorSpec, Method, Momentum, Persist, RestoreError, State,
+    StateReader, StateWriter, Step, StepError, StepReport, System, Thermostat, Want,
 };
 
 /// Advances a state in time by the steps of a method, with or without a heat bath after each step.
@@ -11,6 +11,7 @@ use crate::{
 pub struct Integrator {
     method: Box<dyn Method>,
     bath: Option<Box<dyn Thermostat>>,
+    bonds: Option<Box<dyn BondSolver>>,
     started_dt: f64,
 }
 
@@ -21,6 +22,7 @@ impl Integrator {
         Self {
             method: Box::new(method),
             bath: None,
+            bonds: None,
             started_dt: 0.0,
         }
     }
@@ -30,6 +32,15 @@ impl Integrator {
     pub fn with_bath(self, bath: impl Thermostat + 'static) -> Self {
         Self {
             bath: Some(Box::new(bath)),
+            ..self
+        }
+    }
+
+    /// The same method, whose drifts hold rigid bonds by this solver.
+    #[must_use]
+    pub fn with_bonds(self, bonds: Box<dyn BondSolver>) -> Self {
+        Self {
+            bonds: Some(bonds),
             ..self
         }
     }
@@ -113,7 +124,7 @@ impl Integrator {
             });
         }
         let first = state.step;
-        let at_once = if spec.is_kick_drift_kick {
+        let at_once = if spec.is_kick_drift_kick && self.bonds.is_none() {
             steps.min(self.steps_to_bath(first, steps))
         } else {
             1
@@ -123,10 +134,13 @@ impl Integrator {
         } else {
             Want::NOTHING
         };
-        let mut step =
-            Step::new(system, state, forces, spec, dt, want).with_steps_ahead(at_once - 1);
+        let bonds = self.bonds.as_deref_mut();
+        let mut step = Step::new(system, state, forces, spec, dt, want)
+            .with_steps_ahead(at_once - 1)
+            .holding_bonds(bonds);
         self.method.step(&mut step)?;
-        self.couple(&mut step)?;
+        step.bonds_hold()?;
+        couple(self.method.as_mut(), self.bath.as_deref_mut(), &mut step)?;
         let report = step.finish();
         Ok((state.step - first, report))
     }
@@ -139,18 +153,6 @@ impl Integrator {
                 .find(|ahead| bath.acts_after(step + ahead))
                 .unwrap_or(most),
         }
-    }
-
-    /// Lets the bath act, and the method remember the velocities that the bath left.
-    fn couple(&mut self, step: &mut Step<'_>) -> Result<(), StepError> {
-        let Some(bath) = &mut self.bath else {
-            return Ok(());
-        };
-        let now = step.parts().state.step;
-        if bath.acts_after(now) && bath.apply(step) {
-            self.method.remember(step)?;
-        }
-        Ok(())
     }
 }
 
@@ -171,6 +173,22 @@ impl Persist for Integrator {
             None => Ok(()),
         }
     }
+}
+
+/// Lets the bath act, and the method remember the velocities that the bath left.
+fn couple(
+    method: &mut dyn Method,
+    bath: Option<&mut (dyn Thermostat + 'static)>,
+    step: &mut Step<'_>,
+) -> Result<(), StepError> {
+    let Some(bath) = bath else {
+        return Ok(());
+    };
+    let now = step.parts().state.step;
+    if bath.acts_after(now) && bath.apply(step) {
+        method.remember(step)?;
+    }
+    Ok(())
 }
 
 /// Refuses a step that is no step, and forces of a kind that the method does not take.

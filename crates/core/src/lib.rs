@@ -6,16 +6,19 @@
 //! lengths in σ, times in τ = σ√(m/ε), energies in ε, forces in ε/σ, pressures in ε/σ³.
 //! Pair vectors are `r_ij = r_i − r_j`; the pair virial is `W = Σ r_ij·F_ij` without a factor 1/3.
 
+mod bonds;
 mod cell;
 mod force;
 mod force_sum;
 mod integrator;
 mod method;
+mod molecules;
 mod observable;
 pub mod options;
 pub mod parallel;
 mod persist;
 pub mod random;
+pub mod rigid;
 mod spec;
 mod state;
 mod step;
@@ -26,6 +29,7 @@ mod table;
 pub mod tasks;
 mod thermostat;
 
+pub use bonds::{BondSolver, BondsSolved};
 pub use cell::{BoxError, PeriodicBox};
 pub use force::{
     Backend, ForceError, ForceProperties, ForceStatistics, ForceTerm, FusedSteps, NoForces,
@@ -33,7 +37,8 @@ pub use force::{
 pub use force_sum::ForceSum;
 pub use glam::{DMat3, DVec3};
 pub use integrator::Integrator;
-pub use method::{Method, without_constraints};
+pub use method::{Method, rigid_bonds_alone, without_constraints};
+pub use molecules::{Bonds, Exclusions, MOST_BONDS, MOST_SITES, Molecules};
 pub use observable::{
     Average, Doubt, Estimate, Findings, Observable, ObservableSpec, TailCorrection, View,
 };

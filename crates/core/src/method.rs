@@ -47,11 +47,23 @@ pub trait Method: Persist + Send {
     fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError>;
 }
 
-/// Refuses a system with constraints.
+/// Refuses a system with constraints or rigid bonds.
 ///
 /// # Errors
 /// The reason in words.
 pub fn without_constraints(system: &System) -> Result<(), String> {
+    rigid_bonds_alone(system)?;
+    if system.molecules.are_rigid() {
+        return Err("it has rigid bonds, and the method has no form that holds them".to_owned());
+    }
+    Ok(())
+}
+
+/// Refuses a system with constraints other than rigid bonds: what a method says whose kicks and drifts hold them.
+///
+/// # Errors
+/// The reason in words.
+pub fn rigid_bonds_alone(system: &System) -> Result<(), String> {
     if system.constraints.is_empty() {
         Ok(())
     } else {

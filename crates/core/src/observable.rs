@@ -101,6 +101,11 @@ impl<'a> View<'a> {
     pub fn half_step_kinetic_energy(&self) -> Option<f64> {
         let half = 0.5 * self.half_kick_step?;
         let (system, state) = (self.system, self.state);
+        if system.molecules.are_rigid() {
+            // Constraint forces accelerate sites as all other forces do.
+            let squares = crate::rigid::constraint_sums(system, state).squared_forces;
+            return Some(self.kinetic_energy() + 0.5 * half * half * squares);
+        }
         let squares: f64 = crate::parallel::ordered_sum(state.len(), |range| {
             range
                 .map(|i| state.forces[i].length_squared() / system.masses.of(i))

@@ -111,6 +111,36 @@ pub enum StepError {
         /// Residual wanted.
         wanted: f64,
     },
+    /// A bond turned so far in one step that no correction along its old direction restores its length.
+    #[error(
+        "bond {bond} of molecule {molecule} (counted from 1) turned too far in one step: {found} σ across its old direction, \
+         and it is {length} σ long; take a smaller dt"
+    )]
+    BondTurned {
+        /// Number of the molecule, from 1.
+        molecule: usize,
+        /// Number of the bond in the molecule, from 1.
+        bond: usize,
+        /// The part of the drifted bond across its old direction, σ.
+        found: f64,
+        /// The length that the bond must have, σ.
+        length: f64,
+    },
+    /// The bonds of a molecule did not reach their length.
+    #[error(
+        "molecule {molecule} (counted from 1) did not reach its bond lengths in {iterations} iterations: \
+         | |d|/r − 1 | is {residual:e}, wanted {wanted:e}; take a smaller dt or `[bonds] method = \"direct\"`"
+    )]
+    BondsNotConverged {
+        /// Number of the molecule, from 1.
+        molecule: usize,
+        /// Iterations or sweeps made.
+        iterations: u32,
+        /// The largest | |d|/r − 1 | reached.
+        residual: f64,
+        /// The tolerance.
+        wanted: f64,
+    },
     /// The method needs something that this system does not offer.
     #[error("`{method}` cannot run this system: {reason}")]
     Unsuited {

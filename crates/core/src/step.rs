@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use crate::parallel::all_pieces;
 use crate::{
-    Backend, Configuration, DVec3, Energetics, ForceError, FusedSteps, IntegratorSpec, Momentum,
-    Part, State, StepError, StepReport, System, Want, sweeps,
+    Backend, BondSolver, Configuration, DVec3, Energetics, ForceError, FusedSteps, IntegratorSpec,
+    Momentum, Part, State, StepError, StepReport, System, Want, rigid, sweeps,
 };
 
 /// A step of a method: what its kicks, drifts and force evaluations act on.
@@ -26,6 +26,10 @@ pub struct Step<'a> {
     drifted: f64,
     started: f64,
     report: StepReport,
+    /// What holds rigid bonds, where the system has some.
+    bonds: Option<&'a mut (dyn BondSolver + 'static)>,
+    /// Why bonds could not be held in a drift.
+    broken_bonds: Option<StepError>,
 }
 
 /// What belongs to a step, for operators that are neither a kick nor a drift.
@@ -61,7 +65,14 @@ impl<'a> Step<'a> {
             waiting_kick: None,
             drifted: 0.0,
             report: StepReport::default(),
+            bonds: None,
+            broken_bonds: None,
         }
+    }
+
+    /// The same step, whose drifts and kicks hold rigid bonds by a solver.
+    pub(crate) fn holding_bonds(self, bonds: Option<&'a mut (dyn BondSolver + 'static)>) -> Self {
+        Self { bonds, ..self }
     }
 
     /// With so many further steps that may be taken with it, where the method is kick-drift-kick.
@@ -99,9 +110,12 @@ impl<'a> Step<'a> {
         self.waiting_kick = Some(fraction);
     }
 
-    /// The drift A: x ← x + fraction·h·v.
+    /// The drift A: x ← x + fraction·h·v. Rigid bonds have their length afterwards.
     pub fn drift(&mut self, fraction: f64) {
         let (state, h) = (&mut *self.state, fraction * self.dt);
+        if let Some(bonds) = &mut self.bonds {
+            bonds.before_drift(self.system, &state.positions);
+        }
         match self.waiting_kick.take() {
             Some(kick) => sweeps::kick_and_drift(
                 &mut state.positions,
@@ -114,6 +128,33 @@ impl<'a> Step<'a> {
             None => sweeps::drift(&mut state.positions, &state.velocities, h),
         }
         self.drifted += fraction;
+        self.hold_bonds(h);
+    }
+
+    /// Brings rigid bonds back to their length after a drift of `h`; a failure ends the step where it can fail next.
+    fn hold_bonds(&mut self, h: f64) {
+        let Some(bonds) = &mut self.bonds else {
+            return;
+        };
+        let State {
+            positions,
+            velocities,
+            ..
+        } = &mut *self.state;
+        match bonds.after_drift(self.system, positions, velocities, h) {
+            Ok(solved) => {
+                self.report.iterations += solved.iterations;
+                self.report.residual = self.report.residual.max(solved.residual);
+            }
+            Err(e) => self.broken_bonds = self.broken_bonds.take().or(Some(e)),
+        }
+    }
+
+    /// Takes the part along rigid bonds off the velocities, where an operator has put one there.
+    pub fn project_velocities(&mut self) {
+        self.give_waiting_kick();
+        let state = &mut *self.state;
+        rigid::project_velocities(self.system, &state.positions, &mut state.velocities);
     }
 
     /// Arrives at the end of the step and evaluates the forces there, with what is wanted besides.
@@ -225,6 +266,7 @@ impl<'a> Step<'a> {
                 &self.system.masses,
                 kick * self.dt,
             );
+            rigid::project_velocities(self.system, &state.positions, &mut state.velocities);
         }
     }
 
@@ -248,12 +290,21 @@ impl<'a> Step<'a> {
         self.ahead = 0;
     }
 
+    /// Fails where bonds could not be held in a drift of this step.
+    ///
+    /// # Errors
+    /// The error of the solver.
+    pub(crate) fn bonds_hold(&mut self) -> Result<(), StepError> {
+        self.broken_bonds.take().map_or(Ok(()), Err)
+    }
+
     fn evaluate_here(&mut self, want: Want) -> Result<(), StepError> {
         self.evaluate(self.state.time, want)
     }
 
     fn evaluate(&mut self, time: f64, want: Want) -> Result<(), StepError> {
         self.give_waiting_kick();
+        self.bonds_hold()?;
         self.report.force_evaluations += 1;
         let state = &mut *self.state;
         let at = Configuration {

@@ -1,8 +1,11 @@
-//! What a system is, which does not change while it moves: masses, constraints, and the exact solution where one is known.
+//! What a system is, which does not change while it moves: masses, molecules, constraints, and the exact solution where
+//! one is known.
 
 use std::sync::Arc;
 
 use glam::DVec3;
+
+use crate::Molecules;
 
 /// The masses of the particles.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,6 +62,8 @@ pub struct System {
     n: usize,
     /// Particle masses.
     pub masses: Masses,
+    /// How particles are bonded to molecules.
+    pub molecules: Molecules,
     /// Constraints, for the methods that solve for them.
     pub constraints: Vec<Arc<dyn Constraint>>,
     /// The exact solution, if one is known.
@@ -72,6 +77,7 @@ impl System {
         Self {
             n,
             masses: Masses::Uniform(1.0),
+            molecules: Molecules::ATOMS,
             constraints: Vec::new(),
             exact: None,
         }
@@ -81,6 +87,25 @@ impl System {
     #[must_use]
     pub fn with_masses(self, masses: Masses) -> Self {
         Self { masses, ..self }
+    }
+
+    /// The same number of particles as molecules.
+    ///
+    /// # Panics
+    /// Where the particles make no whole number of molecules: that is a bug of the caller.
+    #[must_use]
+    pub fn of_molecules(n: usize, molecules: Molecules) -> Self {
+        assert!(n.is_multiple_of(molecules.sites()), "whole molecules");
+        Self {
+            molecules,
+            ..Self::atoms(n)
+        }
+    }
+
+    /// Number of molecules; the number of particles where they are not bonded.
+    #[must_use]
+    pub fn n_molecules(&self) -> usize {
+        self.n / self.molecules.sites()
     }
 
     /// Number of particles.
@@ -100,11 +125,14 @@ impl System {
     /// with. A constraint of compliance ε > 0 is a spring, which takes no degree of freedom away.
     #[must_use]
     pub fn n_dof(&self, momentum: Momentum) -> f64 {
-        let rigid = self
+        let mut rigid = self
             .constraints
             .iter()
             .filter(|c| c.compliance() == 0.0)
             .count();
+        if self.molecules.are_rigid() {
+            rigid += self.molecules.bonds() * self.n_molecules();
+        }
         let kept = match momentum {
             Momentum::Conserved if self.n > 1 => 3,
             _ => 0,
@@ -140,6 +168,7 @@ impl System {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Bonds;
 
     #[derive(Debug)]
     struct Bond(f64);
@@ -169,5 +198,9 @@ mod tests {
         system.constraints = vec![Arc::new(Bond(0.0)), Arc::new(Bond(0.1))];
         assert_eq!(system.n_dof(Momentum::Conserved), 26.0);
         assert_eq!(system.n_dof(Momentum::Free), 29.0);
+        let chains = |bonds| System::of_molecules(30, Molecules::chains(3, 1.0, bonds));
+        assert_eq!(chains(Bonds::Rigid).n_dof(Momentum::Conserved), 67.0);
+        assert_eq!(chains(Bonds::Springs).n_dof(Momentum::Conserved), 87.0);
+        assert_eq!(chains(Bonds::Rigid).n_molecules(), 10);
     }
 }

@@ -1,7 +1,7 @@
 //! The force on one particle by all pairs: what the forces of a run are checked by, without a list and without a kernel.
 
 use glam::DVec3;
-use lennard_core::PeriodicBox;
+use lennard_core::{Exclusions, PeriodicBox};
 
 use crate::error::ForceFieldError;
 use crate::options::{ForceFieldOptions, Precision, SplitOptions};
@@ -44,6 +44,7 @@ pub struct AllPairs {
     model: Model,
     precision: Precision,
     split: Option<SplitOptions>,
+    exclusions: Exclusions,
 }
 
 impl AllPairs {
@@ -56,6 +57,7 @@ impl AllPairs {
             model: Model::new(&o.potential, &o.truncation)?,
             precision: o.kernel.precision,
             split: o.split,
+            exclusions: o.exclusions,
         })
     }
 
@@ -76,7 +78,7 @@ impl AllPairs {
         let mut force = DVec3::ZERO;
         let (mut size, mut shaken) = (0.0, 0.0);
         for (j, other) in within((1.0 + SOUGHT_BEYOND) * r_cut + seen, own, cell, positions) {
-            if j == particle {
+            if j == particle || self.exclusions.exclude(j, particle) {
                 continue;
             }
             let r_ij = cell.minimum_image(own - other);

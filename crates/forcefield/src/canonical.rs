@@ -5,8 +5,8 @@
 //! and the number of threads.
 
 use glam::DVec3;
-use lennard_core::PeriodicBox;
 use lennard_core::parallel::for_each_piece;
+use lennard_core::{Exclusions, PeriodicBox};
 use rayon::prelude::*;
 
 use crate::pair::PairForm;
@@ -19,8 +19,8 @@ const PARTICLES_PER_CHUNK: usize = 64;
 /// The particles that may be near to each particle.
 #[derive(Debug, Clone, Copy)]
 pub enum NeighborSource<'a> {
-    /// All other particles.
-    AllOthers,
+    /// All other particles but the excluded ones.
+    AllBut(Exclusions),
     /// The listed particles of each particle, ascending and without repetition.
     Listed(&'a [Vec<u32>]),
 }
@@ -109,8 +109,14 @@ impl<F: PairForm> CanonicalJob<'_, F> {
             let i = chunk * PARTICLES_PER_CHUNK + k;
             let mut mine = ChunkTotals::NOTHING;
             *force = match self.neighbors {
-                NeighborSource::AllOthers => {
-                    self.particle(i, (0..i).chain(i + 1..self.wrapped.len()), &mut mine)
+                NeighborSource::AllBut(exclusions) => {
+                    let others = (0..i).chain(i + 1..self.wrapped.len());
+                    if exclusions.are_none() {
+                        self.particle(i, others, &mut mine)
+                    } else {
+                        let others = others.filter(|j| !exclusions.exclude(i, *j));
+                        self.particle(i, others, &mut mine)
+                    }
                 }
                 NeighborSource::Listed(lists) => {
                     self.particle(i, lists[i].iter().map(|j| *j as usize), &mut mine)

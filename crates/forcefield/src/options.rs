@@ -1,5 +1,6 @@
 //! What a scene file may say about forces: potential, truncation, list and kernel.
 
+use lennard_core::Exclusions;
 use serde::{Deserialize, Serialize};
 
 use crate::pair::{PotentialOptions, TruncationKind};
@@ -196,4 +197,7 @@ pub struct ForceFieldOptions {
     /// Whether forces must be a pure function of the positions, to the bit, whatever the list, its
     /// history and the number of threads: the bit-reversible integrator needs that.
     pub canonical: bool,
+    /// Pairs that do not interact: the ends of the bonds of molecules.
+    #[serde(skip)]
+    pub exclusions: Exclusions,
 }

@@ -2,8 +2,9 @@
 
 use glam::{DMat3, DVec3};
 use lennard_core::{
-    Backend, Configuration, Energetics, ForceError, ForceProperties, ForceStatistics, ForceTerm,
-    FusedSteps, Masses, Part, PeriodicBox, Persist, RestoreError, StateReader, StateWriter, Want,
+    Backend, Configuration, Energetics, Exclusions, ForceError, ForceProperties, ForceStatistics,
+    ForceTerm, FusedSteps, Masses, Part, PeriodicBox, Persist, RestoreError, StateReader,
+    StateWriter, Want,
 };
 
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
@@ -39,6 +40,7 @@ pub struct PairForces {
     largest_share: f64,
     n_atoms: usize,
     model: Model,
+    exclusions: Exclusions,
     strategy: Strategy,
     split: Option<Split>,
     plan: ForcePlan,
@@ -55,7 +57,13 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions) -> Result<PairForces, ForceF
     let plan = decision.plan;
     let listed = |r_cut| {
         let level = decision.level;
-        Box::new(Listed::new(r_cut, plan.skin, level, decision.listed))
+        Box::new(Listed::new(
+            r_cut,
+            plan.skin,
+            level,
+            decision.listed,
+            o.exclusions,
+        ))
     };
     let strategy = match plan.search {
         Search::Reference => Strategy::Reference,
@@ -78,6 +86,7 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions) -> Result<PairForces, ForceF
         },
         n_atoms: c.n_atoms,
         model: decision.model,
+        exclusions: o.exclusions,
         strategy,
         split,
         plan,
@@ -137,7 +146,7 @@ impl PairForces {
             return list.evaluate(form, at, detail, forces, each, clock);
         }
         // The near part is zero beyond r_split, so that the cutoff of the whole force serves it too.
-        let model = self.model;
+        let (model, exclusions) = (self.model, self.exclusions);
         if let Strategy::Verlet(listed) = &mut self.strategy {
             return listed.evaluate(form, at, detail, forces, each, clock);
         }
@@ -152,11 +161,11 @@ impl PairForces {
                     r_cut: model.r_cut,
                     cell: at.cell,
                     wrapped,
-                    neighbors: NeighborSource::AllOthers,
+                    neighbors: NeighborSource::AllBut(exclusions),
                 };
                 Totals::of_chunks(&job.run(forces, each))
             }
-            _ => reference::evaluate(&form, &model, at.cell, at.positions, forces, each),
+            _ => reference::evaluate(&form, &model, exclusions, at, forces, each),
         });
         if !forces.iter().all(|f| f.is_finite()) {
             return Err(non_finite::force(forces));

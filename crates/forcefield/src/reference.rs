@@ -1,7 +1,7 @@
 //! The reference loop: all pairs, serial, scalar, in double precision. Every other loop is judged by it.
 
 use glam::DVec3;
-use lennard_core::PeriodicBox;
+use lennard_core::{Configuration, Exclusions};
 
 use crate::pair::Model;
 use crate::pair::PairForm;
@@ -12,18 +12,21 @@ use crate::sums::{Totals, outer};
 pub fn evaluate<F: PairForm>(
     form: &F,
     model: &Model,
-    cell: &PeriodicBox,
-    positions: &[DVec3],
+    exclusions: Exclusions,
+    at: Configuration<'_>,
     forces: &mut [DVec3],
     mut each: Option<&mut [PerParticle]>,
 ) -> Totals {
+    let Configuration {
+        cell, positions, ..
+    } = at;
     let mut totals = Totals::NOTHING;
     forces.fill(DVec3::ZERO);
     for i in 0..positions.len() {
         for j in i + 1..positions.len() {
             let r_ij = cell.minimum_image(positions[i] - positions[j]);
             let r2 = r_ij.length_squared();
-            if r2 <= model.r_cut * model.r_cut {
+            if r2 <= model.r_cut * model.r_cut && !exclusions.exclude(i, j) {
                 let pair = form.eval_in_epsilon(r2);
                 let f_ij = pair.force * r_ij;
                 forces[i] += f_ij;

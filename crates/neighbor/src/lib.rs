@@ -23,8 +23,8 @@ mod validity;
 pub use brute::{brute_force_pairs, for_each_pair};
 pub use clusters::{
     ALL_MEMBERS, BLOCK, Block, CLUSTER, ClusterBlocks, ClusterChunk, ClusterList, ClusterNeighbors,
-    ClusterScanner, ENTRY_SCALE, FIRST_HALF, GroupBounds, GroupCandidates, Reach, SECOND_HALF,
-    ScalarClusterScanner, Span, cluster_center,
+    ClusterScanner, ENTRY_SCALE, ExcludedEntries, FIRST_HALF, GroupBounds, GroupCandidates, Reach,
+    SECOND_HALF, ScalarClusterScanner, Span, THEMSELVES, cluster_center,
 };
 pub use rows::{
     ATOMS_PER_CHUNK, Candidates, Center, Entries, Images, ListChunk, NeighborList, Numbering,

@@ -4,7 +4,7 @@ mod folded;
 mod persist;
 
 use glam::DVec3;
-use lennard_core::{Configuration, ForceError, FusedSteps, PeriodicBox};
+use lennard_core::{Configuration, Exclusions, ForceError, FusedSteps, PeriodicBox};
 use lennard_neighbor::{ClusterList, Images, NeighborList, Positions};
 
 use self::folded::Folded;
@@ -74,13 +74,17 @@ macro_rules! with_any_list {
 use with_any_list;
 
 impl Listed {
-    /// A list for `r_cut` and `skin` in σ.
-    pub fn new(r_cut: f64, skin: f64, level: Level, kind: Loop) -> Self {
-        let list = |images| Box::new(NeighborList::new(images, level.lanes()));
+    /// A list for `r_cut` and `skin` in σ, without the excluded pairs.
+    pub fn new(r_cut: f64, skin: f64, level: Level, kind: Loop, exclusions: Exclusions) -> Self {
+        let list =
+            |images| Box::new(NeighborList::new(images, level.lanes()).excluding(exclusions));
         let pairs = match kind {
             Loop::Canonical => Pairs::Canonical(list(Images::Folded), Folded::default()),
             Loop::Rows => Pairs::Rows(list(Images::Ghosts), Copies::default()),
-            Loop::Cluster => Pairs::Clusters(Box::default(), Copies::default()),
+            Loop::Cluster => Pairs::Clusters(
+                Box::new(ClusterList::default().excluding(exclusions)),
+                Copies::default(),
+            ),
         };
         Self {
             validity: ListValidity::new(r_cut, skin, level),

@@ -11,7 +11,7 @@
 //!
 //! Nothing is written to the neighbors: each pair is computed from both of its ends.
 
-use lennard_neighbor::{BLOCK, CLUSTER, Span};
+use lennard_neighbor::{BLOCK, CLUSTER, ExcludedEntries, Span, THEMSELVES};
 
 use super::accumulate::{Accumulate, Units};
 use super::block_stream::BlockStream;
@@ -109,12 +109,15 @@ impl<L: FixedLanes, F: PairForm, V: Frame<L>> ClusterKernel<L, F, V> {
 
     /// The sums `A` of each member over the next list of the stream, and their units; `C` sums over all members.
     ///
+    /// `excluded` has the entries of each masked block that members do not look at; none where these are the members alone.
+    ///
     /// # Safety
     /// The stream stands at the first block of this cluster, and `counts` are the block counts of the cluster.
     #[inline(always)]
     pub unsafe fn run<A: Accumulate<L>, C: Accumulate<L>>(
         &self,
         counts: BlockCounts,
+        excluded: &[ExcludedEntries],
         stream: &mut BlockStream<L>,
         common: &mut C,
     ) -> ([MemberSums<L, A>; CLUSTER], Units) {
@@ -126,8 +129,12 @@ impl<L: FixedLanes, F: PairForm, V: Frame<L>> ClusterKernel<L, F, V> {
             let [c, d] = self.half(members[2], members[3], counts.second_half, stream, common);
             let mut sums = [a, b, c, d];
             // The members are the first entries of the first masked block. No member interacts with itself.
-            let mut but = [0b0001, 0b0010, 0b0100, 0b1000];
+            let mut but = THEMSELVES;
+            let mut excluded = excluded.iter();
             for _ in 0..counts.masked {
+                if let Some(excluded) = excluded.next() {
+                    but = *excluded;
+                }
                 let valid = stream.valid();
                 let valid = [
                     valid & !but[0],

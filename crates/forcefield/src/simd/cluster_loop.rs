@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use lennard_neighbor::{
-    ATOMS_PER_CHUNK, Block, CLUSTER, ClusterChunk, ClusterList, LARGE_SYSTEM, Span,
+    ATOMS_PER_CHUNK, Block, CLUSTER, ClusterChunk, ClusterList, ExcludedEntries, LARGE_SYSTEM, Span,
 };
 
 use super::accumulate::{Accumulate, ForcesAlone, PairSums, Units};
@@ -53,7 +53,7 @@ impl<'a, F: PairForm> ClusterJob<'a, F> {
         &self,
         isa: L::Isa,
         rows: [&FixedRow; CLUSTER],
-        (span, counts): (&Span, BlockCounts),
+        (span, counts, excluded): (&Span, BlockCounts, &[ExcludedEntries]),
         stream: &mut BlockStream<L>,
         common: &mut C,
     ) -> ([MemberSums<L, A>; CLUSTER], Units) {
@@ -63,17 +63,17 @@ impl<'a, F: PairForm> ClusterJob<'a, F> {
                 if let (true, Some(in_units)) = (span.compact, &self.in_units) {
                     let frame = ClusterFrame::<L, true>::new(isa, rows, self.scale);
                     let kernel = ClusterKernel::new(isa, self.form, in_units, frame);
-                    return kernel.run(counts, stream, common);
+                    return kernel.run(counts, excluded, stream, common);
                 }
                 if span.compact {
                     let frame = ClusterFrame::<L, false>::new(isa, rows, self.scale);
                     let kernel = ClusterKernel::new(isa, self.form, &self.in_sigma, frame);
-                    return kernel.run(counts, stream, common);
+                    return kernel.run(counts, excluded, stream, common);
                 }
             }
             let frame = AbsoluteFrame::new(isa, rows, self.scale);
             let kernel = ClusterKernel::new(isa, self.form, &self.in_sigma, frame);
-            kernel.run(counts, stream, common)
+            kernel.run(counts, excluded, stream, common)
         }
     }
 }
@@ -154,6 +154,7 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, A: Accumulate<L>, C: Accumulate<L>>(
         let mut stream = BlockStream::new(isa, rows, chunk);
         let mut first = chunk.first_slot as usize;
         let mut begin = 0;
+        let mut excluded = &chunk.excluded[..];
         for (cluster, span) in chunk.spans.iter().enumerate() {
             later.prefetch(cluster);
             if let Some(ahead) = job.slots_ahead {
@@ -178,8 +179,11 @@ unsafe fn sweep<L: FixedLanes, F: PairForm, A: Accumulate<L>, C: Accumulate<L>>(
                 [row(0), row(1), row(2), row(3)]
             };
             let mut common = C::nothing(isa);
-            let (sums, units) =
-                job.cluster::<L, A, C>(isa, own, (span, counts), &mut stream, &mut common);
+            let masked = span.masked_blocks().min(excluded.len());
+            let (of_cluster, rest) = excluded.split_at(masked);
+            excluded = rest;
+            let cluster = (span, counts, of_cluster);
+            let (sums, units) = job.cluster::<L, A, C>(isa, own, cluster, &mut stream, &mut common);
             let forces = [sums[0].force, sums[1].force, sums[2].force, sums[3].force];
             let end = (first + CLUSTER).min(n);
             let forces = L::sum_four(forces, units.force());

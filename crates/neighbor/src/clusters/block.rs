@@ -79,16 +79,15 @@ impl Block {
         free < BLOCK && reaches
     }
 
+    /// The slot of entry `k`; `None` where it does not count.
+    pub(super) fn slot(&self, k: usize) -> Option<u32> {
+        (self.valid >> k & 1 == 1).then(|| self.base + u32::from(self.entries[k] / ENTRY_SCALE))
+    }
+
     /// The slots that count.
     pub fn slots(&self) -> impl Iterator<Item = u32> {
-        let Self {
-            base,
-            valid,
-            entries,
-        } = *self;
-        (0..BLOCK)
-            .filter(move |k| valid >> k & 1 == 1)
-            .map(move |k| base + u32::from(entries[k] / ENTRY_SCALE))
+        let block = *self;
+        (0..BLOCK).filter_map(move |k| block.slot(k))
     }
 
     /// The highest slot that an entry numbers, whether it counts or not.

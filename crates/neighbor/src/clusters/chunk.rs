@@ -11,9 +11,11 @@
 //!     |  0 and 1      |  2 and 3      |  with a mask  |  every entry  |
 //!
 //!   The first masked block begins with the members themselves, so that each member can be excluded from its own list.
+//!   Where particles are bonded, the other ends of the members' bonds come next, and each masked block has a mask per member.
 //! ```
 
 use super::block::Block;
+use super::excluded::{Excluded, ExcludedEntries};
 use super::format::{BLOCK, CLUSTER};
 use super::found::{ALL_MEMBERS, ClusterNeighbors, FIRST_HALF, SECOND_HALF};
 use super::pack::{pack, pack_far, worthwhile};
@@ -38,6 +40,14 @@ pub struct Span {
     pub compact: bool,
 }
 
+impl Span {
+    /// Number of blocks for all members in which not every entry counts.
+    #[must_use]
+    pub fn masked_blocks(&self) -> usize {
+        (self.masked - self.second_half) as usize
+    }
+}
+
 /// The lists of up to [`crate::ATOMS_PER_CHUNK`] consecutive slots.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ClusterChunk {
@@ -47,6 +57,9 @@ pub struct ClusterChunk {
     pub spans: Vec<Span>,
     /// The blocks of one cluster after another, and a last one that belongs to no cluster.
     pub blocks: Vec<Block>,
+    /// The entries that each member does not look at, one set per masked block of the chunk; empty where no pairs are excluded
+    /// but each member with itself.
+    pub excluded: Vec<ExcludedEntries>,
 }
 
 /// The blocks of one cluster by kind.
@@ -125,6 +138,7 @@ impl ClusterChunk {
             self.blocks[block..masked.end].rotate_left(1);
             span.first_half -= u32::from(block < span.first_half as usize);
             span.second_half -= 1;
+            self.look_at_all_of_last(k);
             return;
         }
         let blocks = &mut self.blocks[masked.clone()];
@@ -140,16 +154,35 @@ impl ClusterChunk {
             span.masked += 1;
             span.end += 1;
         }
+        self.look_at_all_of_last(k);
+    }
+
+    /// Inserts an empty mask for the last masked block of cluster `k`, which is new.
+    fn look_at_all_of_last(&mut self, k: usize) {
+        if !self.excluded.is_empty() {
+            let masked = self.spans[..=k].iter().map(Span::masked_blocks);
+            let last = masked.sum::<usize>() - 1;
+            self.excluded.insert(last, ExcludedEntries::default());
+        }
     }
 
     /// Removes all lists.
     pub(super) fn clear(&mut self) {
         self.spans.clear();
         self.blocks.clear();
+        self.excluded.clear();
     }
 
     /// Adds the list of a cluster; `base` is a base that is known to reach all of its neighbors, if there is one.
-    pub(super) fn push(&mut self, found: &mut ClusterNeighbors, compact: bool, base: Option<u32>) {
+    ///
+    /// `excluded` has the pairs that do not interact, where there are other pairs than each member with itself.
+    pub(super) fn push(
+        &mut self,
+        found: &mut ClusterNeighbors,
+        compact: bool,
+        base: Option<u32>,
+        excluded: Option<&Excluded>,
+    ) {
         let [blocks_of_first, blocks_of_second] = worthwhile(found.len);
         self.push_half(found, FIRST_HALF, blocks_of_first, base);
         let first_half = self.blocks.len();
@@ -159,9 +192,20 @@ impl ClusterChunk {
             Some(base) => (found.of(ALL_MEMBERS).len(), base),
             None => found.near_first(),
         };
+        let taken = excluded.map_or(Vec::new(), |e| found.take_excluded(near, e));
+        let head = CLUSTER + excluded.map_or(0, |e| e.slots().len()) - taken.len();
         let (near, far) = found.of(ALL_MEMBERS).split_at(near);
-        let masked = pack(near, base, &mut self.blocks);
-        let masked = pack_far(far, masked, &mut self.blocks);
+        let masked = pack(near, base, head, &mut self.blocks);
+        let mut masked = pack_far(far, masked, &mut self.blocks);
+        for slot in taken {
+            self.blocks.insert(masked, Block::of(slot, &[slot]));
+            masked += 1;
+        }
+        if let Some(excluded) = excluded {
+            let blocks = &self.blocks[second_half..masked];
+            self.excluded
+                .extend(blocks.iter().map(|block| excluded.entries(block)));
+        }
         self.spans.push(Span {
             first_half: first_half as u32,
             second_half: second_half as u32,
@@ -200,7 +244,9 @@ impl ClusterChunk {
 
     /// Number of bytes held beyond the structure itself.
     pub(super) fn bytes(&self) -> usize {
-        self.spans.capacity() * size_of::<Span>() + self.blocks.capacity() * size_of::<Block>()
+        self.spans.capacity() * size_of::<Span>()
+            + self.blocks.capacity() * size_of::<Block>()
+            + self.excluded.capacity() * size_of::<ExcludedEntries>()
     }
 
     /// Whether spans ascend to the last block, and every entry numbers a slot below `n`.
@@ -220,6 +266,9 @@ impl ClusterChunk {
             end = span.end;
         }
         let in_range = |block: &Block| block.highest_slot() < n as u64;
-        end as usize + 1 == self.blocks.len() && self.blocks.iter().all(in_range)
+        let masked: usize = self.spans.iter().map(Span::masked_blocks).sum();
+        (self.excluded.is_empty() || self.excluded.len() == masked)
+            && end as usize + 1 == self.blocks.len()
+            && self.blocks.iter().all(in_range)
     }
 }

@@ -2,9 +2,13 @@
 
 use std::ops::Range;
 
+use super::excluded::Excluded;
 use super::format::{BLOCK, BLOCK_REACH, CLUSTER};
 use super::group::GroupCandidates;
 use crate::sort::PADDING;
+
+/// The most excluded slots of a cluster: two for each member.
+pub(super) const MOST_EXCLUDED: usize = 2 * CLUSTER;
 
 /// Index in [`ClusterNeighbors`]: near to a member of the first half and to a member of the second half.
 pub const ALL_MEMBERS: usize = 0;
@@ -27,7 +31,7 @@ pub struct ClusterNeighbors {
 impl ClusterNeighbors {
     /// Makes room for all candidates, and begins with the members themselves.
     pub(super) fn begin(&mut self, members: Range<u32>, candidates: &GroupCandidates) {
-        let room = CLUSTER + candidates.len + PADDING;
+        let room = CLUSTER + MOST_EXCLUDED + candidates.len + PADDING;
         for slots in &mut self.slots {
             if slots.len() < room {
                 slots.resize(room, 0);
@@ -95,6 +99,51 @@ impl ClusterNeighbors {
         self.far.sort_unstable();
         slots[near..].copy_from_slice(&self.far);
         (near, base)
+    }
+
+    /// Moves the excluded slots that are no members right behind the members, among the neighbors of all members.
+    ///
+    /// A slot that was not near is added: the loop then knows of each excluded pair.
+    pub(super) fn bring_forward(&mut self, members: usize, excluded: &Excluded) {
+        for (to, slot) in (members..).zip(excluded.slots()) {
+            for kind in [FIRST_HALF, SECOND_HALF] {
+                let len = self.len[kind];
+                let slots = &mut self.slots[kind];
+                if let Some(at) = slots[..len].iter().position(|near| *near == *slot) {
+                    slots.copy_within(at + 1..len, at);
+                    self.len[kind] -= 1;
+                }
+            }
+            let slots = &mut self.slots[ALL_MEMBERS];
+            let len = self.len[ALL_MEMBERS];
+            let at = match slots[..len].iter().position(|near| *near == *slot) {
+                Some(at) => at,
+                None => {
+                    slots[len] = *slot;
+                    self.len[ALL_MEMBERS] += 1;
+                    len
+                }
+            };
+            slots[to..=at].rotate_right(1);
+        }
+    }
+
+    /// Takes excluded slots off the neighbors of all members, from an element on, and returns them.
+    pub(super) fn take_excluded(&mut self, from: usize, excluded: &Excluded) -> Vec<u32> {
+        let len = self.len[ALL_MEMBERS];
+        let slots = &mut self.slots[ALL_MEMBERS];
+        let (mut kept, mut taken) = (from, Vec::new());
+        for at in from..len {
+            let slot = slots[at];
+            if excluded.slots().contains(&slot) {
+                taken.push(slot);
+            } else {
+                slots[kept] = slot;
+                kept += 1;
+            }
+        }
+        self.len[ALL_MEMBERS] = kept;
+        taken
     }
 
     /// Appends the neighbors of one half, from an element on, to the neighbors of all members.

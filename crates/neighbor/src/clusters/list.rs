@@ -11,9 +11,9 @@
 //!
 //! The loop reads a block of sixteen neighbors once and computes it with all members: *cluster × single*.
 
-use lennard_core::PeriodicBox;
 use lennard_core::parallel::part;
 use lennard_core::tasks::for_each_item;
+use lennard_core::{Exclusions, PeriodicBox};
 
 use super::block::Block;
 use super::chunk::{ClusterBlocks, ClusterChunk};
@@ -32,9 +32,18 @@ pub struct ClusterList {
     table: ColumnTable,
     chunks: Vec<ClusterChunk>,
     slots_ahead: usize,
+    exclusions: Exclusions,
+    /// The slot of each particle, `[N]`, where pairs are excluded.
+    slot_of: Vec<u32>,
 }
 
 impl ClusterList {
+    /// The same list, in which each build leaves these pairs out.
+    #[must_use]
+    pub fn excluding(self, exclusions: Exclusions) -> Self {
+        Self { exclusions, ..self }
+    }
+
     /// The sorted particles.
     #[must_use]
     pub fn table(&self) -> &ColumnTable {
@@ -71,15 +80,20 @@ impl ClusterList {
                 .map(|block| u64::from(block.valid.count_ones()))
                 .sum()
         };
-        // Members are entries of their own lists.
-        (lists.map(of_cluster).sum::<u64>() - n as u64) / 2
+        // Members are entries of their own lists, and so are the particles that they do not interact with.
+        let excluded = (0..n as u32).map(|i| self.exclusions.of(i).count());
+        let not_pairs = n + excluded.sum::<usize>();
+        (lists.map(of_cluster).sum::<u64>() - not_pairs as u64) / 2
     }
 
     /// Number of bytes held.
     #[must_use]
     pub fn bytes(&self) -> usize {
         let chunks: usize = self.chunks.iter().map(ClusterChunk::bytes).sum();
-        self.table.bytes() + chunks + self.chunks.capacity() * size_of::<ClusterChunk>()
+        self.table.bytes()
+            + 4 * self.slot_of.capacity()
+            + chunks
+            + self.chunks.capacity() * size_of::<ClusterChunk>()
     }
 
     /// Builds the lists for positions in a box: a pure function of the arguments.
@@ -100,7 +114,14 @@ impl ClusterList {
         self.slots_ahead = self.table.grid.slots_ahead(cell.lengths(), reach.r_list, n);
         self.chunks
             .resize_with(n.div_ceil(ATOMS_PER_CHUNK), ClusterChunk::default);
-        let search = Search::new(&self.table, cell, reach, scanner);
+        if !self.exclusions.are_none() {
+            self.slot_of.resize(n, 0);
+            for (slot, particle) in (0..).zip(&self.table.particle) {
+                self.slot_of[*particle as usize] = slot;
+            }
+        }
+        let exclusions = (self.exclusions, &self.slot_of[..]);
+        let search = Search::new(&self.table, cell, reach, scanner, exclusions);
         let chunks = self.chunks.iter_mut();
         for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
             let slots = part(c, ATOMS_PER_CHUNK, n);
@@ -143,7 +164,11 @@ impl ClusterList {
                 for own in first..(first + CLUSTER).min(particle.len()) {
                     let neighbors = &mut all[particle[own] as usize];
                     let slots = list.for_member(own - first).flat_map(Block::slots);
-                    let others = slots.filter(|slot| *slot as usize != own);
+                    let others = slots.filter(|slot| {
+                        let (own, other) =
+                            (particle[own] as usize, particle[*slot as usize] as usize);
+                        own != other && !self.exclusions.exclude(own, other)
+                    });
                     neighbors.extend(others.map(|slot| particle[slot as usize]));
                     neighbors.sort_unstable();
                 }

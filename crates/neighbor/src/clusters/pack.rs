@@ -29,12 +29,14 @@ pub(super) fn worthwhile([for_all, of_first, of_second]: [usize; 3]) -> [usize; 
 }
 
 /// Writes slots that a base reaches into blocks, masked blocks before full ones; returns the end of the masked blocks.
-pub(super) fn pack(list: &[u32], base: u32, blocks: &mut Vec<Block>) -> usize {
-    // The first block takes the slots that do not fill whole blocks. It must at least hold the members.
+///
+/// The masked blocks hold at least the first `head` slots: the members, and what they do not interact with.
+pub(super) fn pack(list: &[u32], base: u32, head: usize, blocks: &mut Vec<Block>) -> usize {
+    // The first block takes the slots that do not fill whole blocks.
     let rest = list.len() % BLOCK;
     let lead = match rest {
         0 => BLOCK,
-        1..CLUSTER => (BLOCK + rest).min(list.len()),
+        rest if rest < head => (BLOCK + rest).min(list.len()),
         _ => rest,
     };
     let (lead, full) = list.split_at(lead);
@@ -140,7 +142,7 @@ mod tests {
             // One base for all blocks, and a base of its own for each block.
             for base in [Some(0), None] {
                 let mut chunk = ClusterChunk::default();
-                chunk.push(&mut found(len), false, base);
+                chunk.push(&mut found(len), false, base, None);
                 chunk.finish();
                 let total = len.iter().sum();
                 assert!(chunk.is_valid(total) && !chunk.is_valid(total - 1));

@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use lennard_core::PeriodicBox;
+use lennard_core::{Exclusions, PeriodicBox};
 
 use super::chunk::ClusterChunk;
+use super::excluded::Excluded;
 use super::format::{BLOCK_REACH, CLUSTER, Reach, cluster_center};
 use super::found::ClusterNeighbors;
 use super::group::{GroupBounds, GroupCandidates};
@@ -33,6 +34,7 @@ pub(super) struct Scratch {
     runs: Vec<Range<u32>>,
     candidates: GroupCandidates,
     found: ClusterNeighbors,
+    excluded: Excluded,
 }
 
 /// The number of a column along an axis, and its distance from the bounds of a group.
@@ -54,6 +56,8 @@ pub(super) struct Search<'a> {
     radius: f64,
     /// The largest distance at the build of two particles that come within the cutoff while the list is in use, σ.
     farthest: f64,
+    /// Pairs that do not interact, and the slot of each particle where there are any.
+    exclusions: (Exclusions, &'a [u32]),
 }
 
 impl<'a> Search<'a> {
@@ -63,6 +67,7 @@ impl<'a> Search<'a> {
         cell: &PeriodicBox,
         reach: Reach,
         scanner: &'a dyn ClusterScanner,
+        exclusions: (Exclusions, &'a [u32]),
     ) -> Self {
         let lengths = cell.lengths();
         let rounding = 4.0 * lengths.max_element() / FIXED_UNITS;
@@ -74,6 +79,7 @@ impl<'a> Search<'a> {
             scale: (lengths / FIXED_UNITS).to_array(),
             radius: reach.r_list + rounding,
             farthest: reach.r_cut + skins * (reach.r_list - reach.r_cut) + rounding,
+            exclusions,
         }
     }
 
@@ -90,6 +96,7 @@ impl<'a> Search<'a> {
                 runs,
                 candidates,
                 found,
+                excluded,
                 ..
             } = scratch;
             self.scanner.gather(self.table, &bounds, runs, candidates);
@@ -102,10 +109,30 @@ impl<'a> Search<'a> {
                 let own = members.map(|at| bounds.relative(at));
                 self.scanner
                     .near(candidates, &bounds, own, first as u32, found);
-                chunk.push(found, self.is_compact(&members), base);
+                let members_range = first as u32..end as u32;
+                let excluded = self.exclude(members_range, found, excluded);
+                chunk.push(found, self.is_compact(&members), base, excluded);
             }
         }
         chunk.finish();
+    }
+
+    /// Finds the pairs of a cluster that do not interact and brings them forward, where there are any.
+    #[inline]
+    fn exclude<'e>(
+        &self,
+        members: Range<u32>,
+        found: &mut ClusterNeighbors,
+        excluded: &'e mut Excluded,
+    ) -> Option<&'e Excluded> {
+        let (exclusions, slot_of) = self.exclusions;
+        if exclusions.are_none() {
+            return None;
+        }
+        let count = members.len();
+        excluded.find(exclusions, members, &self.table.particle, slot_of);
+        found.bring_forward(count, excluded);
+        Some(excluded)
     }
 
     /// Whether a loop may take all coordinates relative to the cluster center; see [`crate::Span::compact`].

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use lennard_core::Exclusions;
+
 use super::chunk::{Entries, Images, ListChunk};
 use super::scan::{Candidates, Center, Numbering, RowScanner};
 use crate::room::give_back;
@@ -17,6 +19,7 @@ pub struct Scratch {
 /// An entry of either width.
 trait Offset: Copy + Default {
     fn of(number: u32) -> Self;
+    fn number(self) -> u32;
     fn near(
         scanner: &dyn RowScanner,
         candidates: &Candidates,
@@ -29,6 +32,9 @@ trait Offset: Copy + Default {
 impl Offset for u16 {
     fn of(number: u32) -> Self {
         number as u16
+    }
+    fn number(self) -> u32 {
+        u32::from(self)
     }
     fn near(
         scanner: &dyn RowScanner,
@@ -44,6 +50,9 @@ impl Offset for u16 {
 impl Offset for u32 {
     fn of(number: u32) -> Self {
         number
+    }
+    fn number(self) -> u32 {
+        self
     }
     fn near(
         scanner: &dyn RowScanner,
@@ -65,6 +74,8 @@ pub struct Filler<'a> {
     /// Entries of a slot are padded to a multiple of this number.
     pub lanes: usize,
     pub scanner: &'a dyn RowScanner,
+    /// Pairs that are left out.
+    pub exclusions: Exclusions,
 }
 
 impl Filler<'_> {
@@ -92,6 +103,28 @@ impl Filler<'_> {
             }
             (_, false) => Entries::Wide(self.write(slots, chunk.base, scratch, counts, Vec::new())),
         };
+    }
+
+    /// Closes up entries over the particles that the particle at `slot` does not interact with; returns the count left.
+    fn leave_out<E: Offset>(&self, slot: usize, base: u32, found: &mut [E]) -> usize {
+        let particle = &self.table.particle;
+        let own = particle[slot] as usize;
+        let mut kept = 0;
+        for at in 0..found.len() {
+            let entry = found[at];
+            let other = match self.images {
+                Images::Ghosts => self.table.slots()[(base + entry.number()) as usize],
+                Images::Folded => entry.number(),
+            };
+            if !self
+                .exclusions
+                .exclude(own, particle[other as usize] as usize)
+            {
+                found[kept] = entry;
+                kept += 1;
+            }
+        }
+        kept
     }
 
     /// Writes the entries of `slots` over the entries of an earlier build.
@@ -129,7 +162,10 @@ impl Filler<'_> {
                     entries.resize(room, E::default());
                 }
                 let found = &mut entries[written..];
-                let count = E::near(self.scanner, candidates, center, self.radius2, found);
+                let mut count = E::near(self.scanner, candidates, center, self.radius2, found);
+                if !self.exclusions.are_none() {
+                    count = self.leave_out(slot, base, &mut found[..count]);
+                }
                 let padded = count.next_multiple_of(self.lanes);
                 found[count..padded].fill(E::of(center.number));
                 counts.push(count as u32);

@@ -1,8 +1,8 @@
 //! Full Verlet lists in chunks of constant size.
 
-use lennard_core::PeriodicBox;
 use lennard_core::parallel::part;
 use lennard_core::tasks::for_each_item;
+use lennard_core::{Exclusions, PeriodicBox};
 
 use super::chunk::{ATOMS_PER_CHUNK, Images, ListChunk};
 use super::fill::{Filler, Scratch};
@@ -17,6 +17,7 @@ use crate::sort::{GridError, Positions, RowTable};
 pub struct NeighborList {
     images: Images,
     lanes: usize,
+    exclusions: Exclusions,
     table: RowTable,
     chunks: Vec<ListChunk>,
 }
@@ -28,9 +29,16 @@ impl NeighborList {
         Self {
             images,
             lanes: lanes.max(1),
+            exclusions: Exclusions::NONE,
             table: RowTable::default(),
             chunks: Vec::new(),
         }
+    }
+
+    /// The same list, from which each build leaves these pairs out.
+    #[must_use]
+    pub fn excluding(self, exclusions: Exclusions) -> Self {
+        Self { exclusions, ..self }
     }
 
     /// The sorted rows.
@@ -94,6 +102,7 @@ impl NeighborList {
             images: self.images,
             lanes: self.lanes,
             scanner,
+            exclusions: self.exclusions,
         };
         let chunks = self.chunks.iter_mut();
         for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {

@@ -4,6 +4,7 @@ mod agreement;
 mod all_pairs;
 mod bad_numbers;
 mod bits;
+mod exclusions;
 mod missing_pairs;
 mod restarts;
 mod shapes;
