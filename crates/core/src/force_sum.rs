@@ -32,6 +32,11 @@ impl<B: Backend> ForceSum<B> {
         self
     }
 
+    /// Adds one term more.
+    pub fn push(&mut self, term: Box<dyn ForceTerm>) {
+        self.others.push(term);
+    }
+
     /// The first term.
     #[must_use]
     pub fn first(&self) -> &B {

@@ -121,10 +121,7 @@ pub fn project_velocities(system: &System, positions: &[DVec3], velocities: &mut
     }
     let sites = molecules.sites();
     let size = sites * MOLECULES_PER_TASK;
-    let tasks = velocities
-        .chunks_mut(size)
-        .zip(positions.chunks(size))
-        .map(|(v, x)| (v, x));
+    let tasks = velocities.chunks_mut(size).zip(positions.chunks(size));
     for_each_item(tasks, |(), task, (velocities, positions)| {
         let chains = velocities
             .chunks_exact_mut(sites)

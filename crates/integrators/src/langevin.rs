@@ -3,7 +3,8 @@
 use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
 use lennard_core::{
-    DVec3, Integrator, IntegratorSpec, Method, Parts, Step, StepError, ThermostatSpec,
+    DVec3, ForceProperties, Integrator, IntegratorSpec, Method, Parts, Step, StepError, System,
+    ThermostatSpec, rigid, rigid_bonds_alone,
 };
 use rand_distr::{Distribution, StandardNormal};
 
@@ -91,6 +92,8 @@ impl Langevin {
     /// The O part, exact over the step; counts the kinetic energy gained as heat.
     fn friction_and_noise(&self, s: &mut Step<'_>) {
         let dt = s.dt();
+        // The heat is then what friction and noise put in, without the part that the bonds take off before them.
+        s.project_velocities();
         let Parts { system, state, .. } = s.parts();
         let before = system.kinetic_energy(&state.velocities);
         let c = (-self.friction * dt).exp();
@@ -108,6 +111,7 @@ impl Langevin {
                 *v = c * *v + (variance / system.masses.of(particle)).sqrt() * r;
             }
         });
+        rigid::project_velocities(system, &state.positions, &mut state.velocities);
         let after = system.kinetic_energy(&state.velocities);
         s.add_heat(after - before);
     }
@@ -118,6 +122,11 @@ remembers_nothing!(Langevin);
 impl Method for Langevin {
     fn spec(&self) -> &'static IntegratorSpec {
         &SPEC
+    }
+
+    /// Kicks and drifts hold rigid bonds: with them B A O A B is the projected splitting of g-BAOAB.
+    fn suits(&self, system: &System, _forces: ForceProperties) -> Result<(), String> {
+        rigid_bonds_alone(system)
     }
 
     fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {

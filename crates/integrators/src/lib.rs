@@ -8,6 +8,7 @@
 //!
 //! Everything is in reduced units: times in τ = σ√(m/ε), lengths in σ, energies in ε.
 
+pub mod bonds;
 mod common;
 mod composition;
 pub mod fire;
@@ -37,6 +38,7 @@ pub mod bussi;
 pub mod langevin;
 pub mod rescale;
 
+pub use bonds::{BondHolder, BondOptions, BondSpec, bond_methods};
 pub use common::OscillatorModel;
 pub use list::{
     IntegratorEntry, IntegratorOptions, ThermostatOptions, build, integrators, thermostats,

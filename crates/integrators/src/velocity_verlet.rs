@@ -1,7 +1,9 @@
 //! Velocity Verlet in its four-step form: half kick, drift, force, half kick.
 
 use glam::DMat2;
-use lennard_core::{Integrator, IntegratorSpec, Method, Step, StepError};
+use lennard_core::{
+    ForceProperties, Integrator, IntegratorSpec, Method, Step, StepError, System, rigid_bonds_alone,
+};
 
 use crate::common::{MethodOptions, remembers_nothing};
 
@@ -59,6 +61,11 @@ remembers_nothing!(VelocityVerlet);
 impl Method for VelocityVerlet {
     fn spec(&self) -> &'static IntegratorSpec {
         &SPEC
+    }
+
+    /// Kicks and drifts hold rigid bonds: with them this is RATTLE.
+    fn suits(&self, system: &System, _forces: ForceProperties) -> Result<(), String> {
+        rigid_bonds_alone(system)
     }
 
     fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {

@@ -1,0 +1,160 @@
+//! What rigid ways share: the bonds before a drift, and the loop over molecules.
+
+use std::sync::Mutex;
+
+use lennard_core::rigid::MOLECULES_PER_TASK;
+use lennard_core::tasks::for_each_item;
+use lennard_core::{BondsSolved, DVec3, Masses, StepError, System};
+
+/// One chain after a drift.
+pub struct Chain<'a> {
+    /// Masses of all particles.
+    pub masses: &'a Masses,
+    /// The particle that is its first site.
+    pub first: usize,
+    /// Length r of each bond, σ.
+    pub length: f64,
+    /// Bond vectors before the drift, σ.
+    pub before: &'a [DVec3],
+    /// Positions of the sites, σ.
+    pub sites: &'a mut [DVec3],
+}
+
+/// Why a chain has no solution.
+pub enum ChainError {
+    /// A bond turned too far: its number, and the part of it across its old direction, σ.
+    Turned(usize, f64),
+    /// Too many iterations: their number, the residual reached and the residual wanted.
+    NotConverged(u32, f64, f64),
+}
+
+impl Chain<'_> {
+    /// The largest | |d|/r − 1 |.
+    pub fn residual(&self) -> f64 {
+        let off = |pair: &[DVec3]| ((pair[1] - pair[0]).length() / self.length - 1.0).abs();
+        // A residual that is no number must not look small.
+        self.sites
+            .windows(2)
+            .map(off)
+            .fold(0.0, |a, b| if b.is_nan() || b > a { b } else { a })
+    }
+
+    /// The error for bond `c`, which has the vector `s` after the drift.
+    pub fn turned(&self, c: usize, s: DVec3) -> ChainError {
+        let along = self.before[c].normalize_or_zero();
+        ChainError::Turned(c, (s - s.dot(along) * along).length())
+    }
+}
+
+/// The bond vectors of all molecules before a drift, and the sites after it.
+#[derive(Debug, Default, Clone)]
+pub struct BondsBefore {
+    before: Vec<DVec3>,
+}
+
+impl BondsBefore {
+    /// Takes the bonds at some positions.
+    pub fn take(&mut self, system: &System, positions: &[DVec3]) {
+        let molecules = &system.molecules;
+        let (sites, bonds) = (molecules.sites(), molecules.bonds());
+        self.before
+            .resize(system.n_molecules() * bonds, DVec3::ZERO);
+        let tasks = self
+            .before
+            .chunks_mut(bonds * MOLECULES_PER_TASK)
+            .zip(positions.chunks(sites * MOLECULES_PER_TASK));
+        for_each_item(tasks, |(), _, (before, positions)| {
+            let chains = before
+                .chunks_exact_mut(bonds)
+                .zip(positions.chunks_exact(sites));
+            for (before, x) in chains {
+                for (d, pair) in before.iter_mut().zip(x.windows(2)) {
+                    *d = pair[1] - pair[0];
+                }
+            }
+        });
+    }
+
+    /// Solves each chain after a drift of `h`, and corrects velocities by the displacements over `h`.
+    ///
+    /// # Errors
+    /// [`StepError`] for the first molecule without a solution.
+    pub fn solve(
+        &self,
+        system: &System,
+        positions: &mut [DVec3],
+        velocities: &mut [DVec3],
+        h: f64,
+        solve: impl Fn(&mut Chain<'_>) -> Result<u32, ChainError> + Sync,
+    ) -> Result<BondsSolved, StepError> {
+        let molecules = &system.molecules;
+        let (sites, bonds) = (molecules.sites(), molecules.bonds());
+        let total = Mutex::new((BondsSolved::default(), None::<(usize, ChainError)>));
+        let size = sites * MOLECULES_PER_TASK;
+        let tasks = positions
+            .chunks_mut(size)
+            .zip(velocities.chunks_mut(size))
+            .zip(self.before.chunks(bonds * MOLECULES_PER_TASK));
+        for_each_item(tasks, |(), task, ((positions, velocities), before)| {
+            let mut solved = BondsSolved::default();
+            let mut failed = None;
+            let chains = positions
+                .chunks_exact_mut(sites)
+                .zip(velocities.chunks_exact_mut(sites))
+                .zip(before.chunks_exact(bonds));
+            for (m, ((x, v), before)) in chains.enumerate() {
+                let m = task * MOLECULES_PER_TASK + m;
+                let mut drifted = [DVec3::ZERO; lennard_core::MOST_SITES];
+                drifted[..sites].copy_from_slice(x);
+                let mut chain = Chain {
+                    masses: &system.masses,
+                    first: m * sites,
+                    length: molecules.bond_length(),
+                    before,
+                    sites: x,
+                };
+                match solve(&mut chain) {
+                    Ok(iterations) => {
+                        solved.iterations = solved.iterations.max(iterations);
+                        solved.residual = solved.residual.max(chain.residual());
+                        for ((v, x), drifted) in v.iter_mut().zip(x.iter()).zip(&drifted) {
+                            *v += (*x - *drifted) / h;
+                        }
+                    }
+                    Err(e) => {
+                        failed = failed.or(Some((m, e)));
+                    }
+                }
+            }
+            let mut total = total.lock().expect("no thread panics while it holds this");
+            total.0.iterations = total.0.iterations.max(solved.iterations);
+            total.0.residual = total.0.residual.max(solved.residual);
+            // The molecule with the lowest number, whichever thread is first.
+            if let Some((m, e)) = failed
+                && total.1.as_ref().is_none_or(|(first, _)| m < *first)
+            {
+                total.1 = Some((m, e));
+            }
+        });
+        let (solved, failed) = total
+            .into_inner()
+            .expect("no thread panicked while it held this");
+        match failed {
+            None => Ok(solved),
+            Some((m, ChainError::Turned(bond, found))) => Err(StepError::BondTurned {
+                molecule: m + 1,
+                bond: bond + 1,
+                found,
+                length: molecules.bond_length(),
+            }),
+            Some((m, ChainError::NotConverged(iterations, residual, wanted))) => {
+                Err(StepError::BondsNotConverged {
+                    molecule: m + 1,
+                    iterations,
+                    residual,
+                    wanted,
+                })
+            }
+        }
+    }
+}

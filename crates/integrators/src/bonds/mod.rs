@@ -1,0 +1,152 @@
+//! Ways to hold the bonds of molecules, one file each.
+//!
+//! A *rigid* way is a [`BondSolver`]: the position stage after each drift. The velocity stage is the same for all
+//! ([`lennard_core::rigid::project_velocities`]). A *spring* is a force term, and takes no degree of freedom away.
+
+mod chains;
+pub mod direct;
+pub mod relaxation;
+pub mod spring;
+
+use lennard_core::options::{Keys, OptionError, Options};
+use lennard_core::{BondSolver, Bonds, ForceTerm, Molecules};
+use serde::{Deserialize, Serialize};
+
+/// What a way to hold bonds declares about itself.
+#[derive(Debug, Clone, Copy)]
+pub struct BondSpec {
+    /// Name in scene files.
+    pub name: &'static str,
+    /// One sentence.
+    pub summary: &'static str,
+    /// The equations, in plain text.
+    pub equations: &'static str,
+    /// Whether bonds are constraints or springs.
+    pub bonds: Bonds,
+    /// Author, title, equation.
+    pub source: &'static str,
+}
+
+/// How bonds are held, ready for use.
+pub enum BondHolder {
+    /// By constraints.
+    Rigid(Box<dyn BondSolver>),
+    /// By a force.
+    Spring(Box<dyn ForceTerm>),
+}
+
+/// What the options type of each way provides for the list.
+pub(crate) trait BondMethod: Options {
+    /// What the way declares about itself.
+    const SPEC: BondSpec;
+    /// The way with these options, for such molecules.
+    fn build(&self, molecules: &Molecules) -> BondHolder;
+    /// Checks options that must go together.
+    ///
+    /// # Errors
+    /// [`OptionError`] for the first that does not.
+    fn check_together(&self) -> Result<(), OptionError> {
+        Ok(())
+    }
+    /// The angular frequency ω of a bond between two unit masses, τ⁻¹; zero for rigid bonds.
+    fn frequency(&self) -> f64 {
+        0.0
+    }
+}
+
+/// Makes the options enum and the list from lines `Variant: module,`.
+macro_rules! list_of_bond_methods {
+    ($($(#[$doc:meta])* $variant:ident: $module:ident,)*) => {
+        /// A way to hold bonds, with its options: the scene's table `[bonds]`.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(tag = "method", rename_all = "kebab-case")]
+        pub enum BondOptions {
+            $($(#[$doc])* $variant($module::Options),)*
+        }
+
+        static BOND_METHODS: &[BondSpec] = &[$(<$module::Options as BondMethod>::SPEC,)*];
+
+        impl BondOptions {
+            /// What the chosen way declares about itself.
+            #[must_use]
+            pub fn spec(&self) -> BondSpec {
+                match self {
+                    $(Self::$variant(_) => <$module::Options as BondMethod>::SPEC,)*
+                }
+            }
+
+            /// The scene keys of every entry of the list, by its name.
+            #[must_use]
+            pub fn keys() -> Vec<(&'static str, Keys)> {
+                vec![$((
+                    <$module::Options as BondMethod>::SPEC.name,
+                    <$module::Options as Options>::KEYS,
+                ),)*]
+            }
+
+            /// Whether every option has a possible value, and all of them go together.
+            ///
+            /// # Errors
+            /// [`OptionError`], which names the key, what was found and what is allowed.
+            pub fn check(&self) -> Result<(), OptionError> {
+                match self {
+                    $(Self::$variant(options) => {
+                        options.check()?;
+                        options.check_together()
+                    })*
+                }
+            }
+
+            /// The way with these options, for such molecules.
+            #[must_use]
+            pub fn build(&self, molecules: &Molecules) -> BondHolder {
+                match self {
+                    $(Self::$variant(options) => BondMethod::build(options, molecules),)*
+                }
+            }
+
+            /// The angular frequency ω of a bond between two unit masses, τ⁻¹; zero for rigid bonds.
+            #[must_use]
+            pub fn frequency(&self) -> f64 {
+                match self {
+                    $(Self::$variant(options) => BondMethod::frequency(options),)*
+                }
+            }
+
+            /// Every way with its default options.
+            #[must_use]
+            pub fn examples() -> Vec<Self> {
+                vec![$(Self::$variant(Default::default()),)*]
+            }
+        }
+    };
+}
+
+list_of_bond_methods! {
+    /// The exact solution for each molecule.
+    Direct: direct,
+    /// One bond after another, again and again.
+    Relaxation: relaxation,
+    /// Stiff springs.
+    Spring: spring,
+}
+
+impl BondOptions {
+    /// The name in scene files.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.spec().name
+    }
+}
+
+impl Default for BondOptions {
+    fn default() -> Self {
+        Self::Direct(Default::default())
+    }
+}
+
+/// Every way to hold bonds, in the order of `lennard list`.
+#[must_use]
+pub fn bond_methods() -> &'static [BondSpec] {
+    BOND_METHODS
+}

@@ -1,0 +1,137 @@
+//! Relaxation: one bond after another is brought to its length, in sweeps over the molecule.
+
+use lennard_core::options::OptionError;
+use lennard_core::{BondSolver, Bonds, BondsSolved, DVec3, Molecules, StepError, System};
+
+use super::chains::{BondsBefore, Chain, ChainError};
+use super::{BondHolder, BondMethod, BondSpec};
+
+lennard_core::choices! {
+    /// The direction of the correction of a bond.
+    pub enum Direction {
+        /// Along the bond before the drift, as SHAKE does: time-reversible where it has converged.
+        #[default]
+        Old = "old",
+        /// Along the bond as it is now: a projection, which loses or gains energy in proportion to the step.
+        New = "new",
+    }
+}
+
+lennard_core::options! {
+    /// Options of relaxation.
+    pub struct Options {
+        /// Largest | |d|/r − 1 | at which sweeps end.
+        tolerance: Option<f64> = None, else "`1e-10`, unless `sweeps` is given", Between(4e-15, 1e-2);
+        /// Number of sweeps, in place of a tolerance; 0 sweeps until the tolerance.
+        sweeps: u32 = 0, Whole(0, 100_000);
+        /// Direction of the corrections: the bond before the drift (SHAKE), or the bond as it is now (dissipative).
+        direction: Direction = Direction::Old, Names(Direction::names);
+        /// Factor of each correction.
+        over_relaxation: f64 = 1.0, Between(0.01, 1.99);
+    }
+}
+
+const DEFAULT_TOLERANCE: f64 = 1e-10;
+/// A straight chain of 64 sites takes some 10⁴ sweeps to 10⁻¹².
+const MOST_SWEEPS: u32 = 100_000;
+
+impl BondMethod for Options {
+    const SPEC: BondSpec = BondSpec {
+        name: "relaxation",
+        summary: "Rigid bonds by relaxation: each bond is corrected in turn until all have their length (SHAKE), or for a number of sweeps.",
+        equations: "direction old: eta = w (r^2 - |s|^2)/(2 s.d_n), x_i -= eta d_n/(m_i k), x_j += eta d_n/(m_j k); direction new: f = w (|s| - r)/(|s| k), x_i += f s/m_i, x_j -= f s/m_j; k = 1/m_i + 1/m_j",
+        bonds: Bonds::Rigid,
+        source: "Ryckaert, Ciccotti and Berendsen, \"Numerical integration of the cartesian equations of motion of a system with constraints\", J. Comput. Phys. 23, 327 (1977)",
+    };
+
+    fn build(&self, _molecules: &Molecules) -> BondHolder {
+        BondHolder::Rigid(Box::new(Relaxation {
+            options: self.clone(),
+            bonds: BondsBefore::default(),
+        }))
+    }
+
+    fn check_together(&self) -> Result<(), OptionError> {
+        match self.tolerance {
+            Some(tolerance) if self.sweeps > 0 => Err(OptionError {
+                key: "sweeps",
+                found: format!("{} with tolerance = {tolerance:e}", self.sweeps),
+                allowed: "sweeps or a tolerance, not both".to_owned(),
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Relaxation: Gauss–Seidel sweeps over the bonds of each molecule, in their order.
+///
+/// Its asymptotic rate is the spectral radius of Gauss–Seidel on G·M⁻¹·Gᵀ: cos²(π/(n + 1)) for a straight chain of n bonds.
+#[derive(Debug, Clone)]
+struct Relaxation {
+    options: Options,
+    bonds: BondsBefore,
+}
+
+impl BondSolver for Relaxation {
+    fn before_drift(&mut self, system: &System, positions: &[DVec3]) {
+        self.bonds.take(system, positions);
+    }
+
+    fn after_drift(
+        &mut self,
+        system: &System,
+        positions: &mut [DVec3],
+        velocities: &mut [DVec3],
+        h: f64,
+    ) -> Result<BondsSolved, StepError> {
+        let options = &self.options;
+        self.bonds.solve(system, positions, velocities, h, |chain| {
+            relax(chain, options)
+        })
+    }
+}
+
+fn relax(chain: &mut Chain<'_>, options: &Options) -> Result<u32, ChainError> {
+    if options.sweeps > 0 {
+        for _ in 0..options.sweeps {
+            sweep(chain, options)?;
+        }
+        return Ok(options.sweeps);
+    }
+    let tolerance = options.tolerance.unwrap_or(DEFAULT_TOLERANCE);
+    for sweeps in 0..=MOST_SWEEPS {
+        if chain.residual() <= tolerance {
+            return Ok(sweeps);
+        }
+        sweep(chain, options)?;
+    }
+    let residual = chain.residual();
+    Err(ChainError::NotConverged(MOST_SWEEPS, residual, tolerance))
+}
+
+/// One sweep over the bonds.
+fn sweep(chain: &mut Chain<'_>, options: &Options) -> Result<(), ChainError> {
+    for c in 0..chain.before.len() {
+        let s = chain.sites[c + 1] - chain.sites[c];
+        let [i, j] = [
+            1.0 / chain.masses.of(chain.first + c),
+            1.0 / chain.masses.of(chain.first + c + 1),
+        ];
+        let correction = match options.direction {
+            Direction::Old => {
+                let d = chain.before[c];
+                let along = s.dot(d);
+                if along.is_nan() || along <= 0.0 {
+                    return Err(chain.turned(c, s));
+                }
+                let off = chain.length * chain.length - s.length_squared();
+                (off / (2.0 * along)) * d
+            }
+            Direction::New => (chain.length / s.length() - 1.0) * s,
+        };
+        let share = (options.over_relaxation / (i + j)) * correction;
+        chain.sites[c] -= i * share;
+        chain.sites[c + 1] += j * share;
+    }
+    Ok(())
+}
