@@ -4,10 +4,11 @@ use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
 use lennard_core::{
     DVec3, Integrator, IntegratorSpec, Method, Parts, Step, StepError, ThermostatSpec,
+    remembers_nothing,
 };
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::common::{BathOptions, remembers_nothing};
+use crate::common::BathOptions;
 
 lennard_core::options! {
     /// Options of Langevin dynamics: velocities are forgotten within the inverse of the friction.

@@ -1,9 +1,9 @@
 //! Velocity Verlet in its four-step form: half kick, drift, force, half kick.
 
 use glam::DMat2;
-use lennard_core::{Integrator, IntegratorSpec, Method, Step, StepError};
+use lennard_core::{Integrator, IntegratorSpec, Method, Step, StepError, remembers_nothing};
 
-use crate::common::{MethodOptions, remembers_nothing};
+use crate::common::MethodOptions;
 
 lennard_core::options! {
     /// Options of velocity Verlet: there are none.
