@@ -1,4 +1,4 @@
-//! Energy drift of a case: `drift CASE [STEPS] [from=STEP] [precision=double,mixed] [seed=1967] [truncation=shift]`, in ε an atom
+//! Energy drift of a case: `drift CASE [STEPS] [from=STEP] [precision=double,mixed] [seed=1967] [truncation=shift]`, in ε per atom
 //! and τ, from a straight line through the conserved energy from a step on, or else without the first fifth, with the standard
 //! error of ten block slopes.
 
@@ -71,7 +71,7 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
         let s = run.provider.statistics();
         writeln!(
             stdout(),
-            "{} {name} {truncation:?}, steps {from} to {steps}: drift {:+.2e} ± {:.1e} ε/atom/τ, RMS {:.1e}, momentum {momentum:.1e} an atom, {} builds",
+            "{} {name} {truncation:?}, steps {from} to {steps}: drift {:+.2e} ± {:.1e} ε/atom/τ, RMS {:.1e}, momentum {momentum:.1e} per atom, {} builds",
             case.name,
             line.slope,
             line.standard_error,

@@ -16,7 +16,7 @@ use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{CellAlignment, ContentArrangement};
 use lennard_core::{Cell, Table};
 use lennard_engine::{EnergyReport, Plan, Simulation};
-use lennard_io::RunRecord;
+use lennard_io::{Conservation, RunRecord};
 use lennard_report::{ErrorStyle, cell_text, heading, is_numeric};
 use lennard_studies::claims;
 use lennard_studies::compare::ComparedRun;
@@ -90,15 +90,11 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
 pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, all: bool) {
     println!("\n{}", literature::quantities(compared, all));
     literature::below_quantities(compared, all);
-    let c = &record.conservation;
-    println!(
-        "\n  conserved energy: drift {:+.2e} ± {:.1e} ε per particle per τ, fluctuation {:.2e} ε per particle (RMS)",
-        c.energy_drift_per_atom_per_tau, c.energy_drift_standard_error, c.energy_rms_per_atom
-    );
+    println!("\n  {}", conserved_energy(&record.conservation));
     if all {
         println!(
             "  largest momentum: {:.1e} σ/τ per particle",
-            c.momentum_per_atom
+            record.conservation.momentum_per_atom
         );
         for remark in &record.remarks {
             println!("  note: {remark}");
@@ -131,6 +127,24 @@ pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, all: b
         record.neighbor.forces_checked()
     );
     println!("  files in {}", folder.display());
+}
+
+/// How well the energy was conserved, in words.
+fn conserved_energy(c: &Conservation) -> String {
+    let (drift, error) = (
+        c.energy_drift_per_atom_per_tau,
+        c.energy_drift_standard_error,
+    );
+    let unit = "ε per particle per τ";
+    let drift = match (drift.is_finite(), error.is_finite()) {
+        (true, true) => format!("drift {drift:+.2e} ± {error:.1e} {unit}"),
+        (true, false) => format!("drift {drift:+.2e} {unit} (too few samples for an error)"),
+        (false, _) => "too few samples for a drift".to_owned(),
+    };
+    format!(
+        "conserved energy: {drift}, fluctuation {:.2e} ε per particle (RMS)",
+        c.energy_rms_per_atom
+    )
 }
 
 /// One evaluation.
@@ -185,7 +199,7 @@ pub fn plan(plan: &Plan) {
         plan.bytes as f64 / plan.atoms as f64
     );
     println!(
-        "  time: about {} on {} ({} a step with everything off, median of {} measured steps; shares are those of this measurement, and the start may differ from the rest)",
+        "  time: about {} on {} ({} per step with everything off, median of {} measured steps; shares are those of this measurement, and the start may differ from the rest)",
         duration(plan.estimated_seconds),
         lennard_report::counted(plan.threads, "thread"),
         duration(plan.seconds_per_step),
@@ -224,6 +238,37 @@ pub fn list(entries: &[Entry]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_drift_without_an_error_says_why() {
+        let said = |drift, error| {
+            conserved_energy(&Conservation {
+                energy_drift_per_atom_per_tau: drift,
+                energy_drift_standard_error: error,
+                energy_rms_per_atom: 5.4e-5,
+                momentum_per_atom: 0.0,
+            })
+        };
+        let end = ", fluctuation 5.40e-5 ε per particle (RMS)";
+        for (drift, error, words) in [
+            (
+                -1.04e-7,
+                4.5e-7,
+                "drift -1.04e-7 ± 4.5e-7 ε per particle per τ",
+            ),
+            (
+                2e-3,
+                f64::NAN,
+                "drift +2.00e-3 ε per particle per τ (too few samples for an error)",
+            ),
+            (f64::NAN, f64::NAN, "too few samples for a drift"),
+        ] {
+            assert_eq!(
+                said(drift, error),
+                format!("conserved energy: {words}{end}")
+            );
+        }
+    }
 
     #[test]
     fn numbers_stand_on_the_right_and_errors_beside_them() {

@@ -13,10 +13,15 @@ pub struct BondsSolved {
 
 /// A way to hold rigid bonds: the position stage after each drift.
 ///
-/// The velocity stage, v ← v − M⁻¹Gᵀ·A⁻¹·Gv, is the same for all: [`crate::rigid::project_velocities`].
+/// The velocity stage after each kick, v ← v − M⁻¹Gᵀ·A⁻¹·Gv, is [`crate::rigid::project_velocities`].
 pub trait BondSolver: Send {
     /// Remembers the bonds before a drift.
     fn before_drift(&mut self, system: &System, positions: &[DVec3]);
+
+    /// Whether velocities lose their part along the bonds after each kick, as RATTLE demands.
+    fn has_velocity_stage(&self) -> bool {
+        true
+    }
 
     /// Brings the bonds back to their length after a drift of `h` τ, and corrects each velocity by the displacement of its
     /// site over `h`.

@@ -3,10 +3,7 @@
 use glam::DVec3;
 
 use crate::parallel::for_each_piece;
-use crate::{
-    Configuration, Energetics, Masses, Part, PeriodicBox, Persist, RestoreError, StateReader,
-    StateWriter, Want,
-};
+use crate::{Configuration, Energetics, Masses, Part, PeriodicBox, Persist, Want};
 
 /// Why forces cannot be given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -210,12 +207,7 @@ pub trait Backend: ForceTerm {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoForces;
 
-impl Persist for NoForces {
-    fn save(&self, _to: &mut StateWriter<'_>) {}
-    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
-        Ok(())
-    }
-}
+crate::remembers_nothing!(NoForces);
 
 impl ForceTerm for NoForces {
     fn evaluate(

@@ -67,6 +67,27 @@ pub trait Persist {
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError>;
 }
 
+/// Implements [`Persist`] for a type that remembers nothing between steps.
+///
+/// ```
+/// struct Still;
+/// lennard_core::remembers_nothing!(Still);
+/// ```
+#[macro_export]
+macro_rules! remembers_nothing {
+    ($type:ty) => {
+        impl $crate::Persist for $type {
+            fn save(&self, _to: &mut $crate::StateWriter<'_>) {}
+            fn restore(
+                &mut self,
+                _from: &$crate::StateReader<'_>,
+            ) -> Result<(), $crate::RestoreError> {
+                Ok(())
+            }
+        }
+    };
+}
+
 /// Writes arrays under a prefix.
 pub struct StateWriter<'a> {
     archive: &'a mut StateArchive,

@@ -94,17 +94,16 @@ pub fn bond_vectors<'a>(sites: &[DVec3], to: &'a mut [DVec3; MOST_BONDS]) -> &'a
     &to[..bonds]
 }
 
-/// Adds Gᵀ·`multipliers` times the inverse masses, times `factor`, to one vector per site of a chain.
+/// Adds M⁻¹·Gᵀ·`multipliers` to one vector per site of a chain.
 pub fn add_along_bonds(
     to: &mut [DVec3],
     masses: &Masses,
     first: usize,
     bonds: &[DVec3],
     multipliers: &[f64],
-    factor: f64,
 ) {
     for (c, (d, multiplier)) in bonds.iter().zip(multipliers).enumerate() {
-        let along = (factor * multiplier) * *d;
+        let along = *multiplier * *d;
         to[c] -= along / masses.of(first + c);
         to[c + 1] += along / masses.of(first + c + 1);
     }
@@ -155,12 +154,12 @@ fn project_chain(masses: &Masses, first: usize, x: &[DVec3], v: &mut [DVec3]) {
     }
     // The matrix is positive definite for any chain whose bonds have a length.
     if equations.solve(bonds.len()).is_ok() {
-        add_along_bonds(v, masses, first, bonds, &equations.right, 1.0);
+        add_along_bonds(v, masses, first, bonds, &equations.right);
     }
 }
 
 /// What the constraint forces of rigid bonds add up to at one instant.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConstraintSums {
     /// The virial tensor Σ λ·d⊗d, ε.
     pub virial: DMat3,
@@ -168,6 +167,15 @@ pub struct ConstraintSums {
     pub squared_forces: f64,
     /// The largest | |d|/r − 1 |.
     pub largest_residual: f64,
+}
+
+impl ConstraintSums {
+    /// The sums of no bonds.
+    pub const NOTHING: Self = Self {
+        virial: DMat3::ZERO,
+        squared_forces: 0.0,
+        largest_residual: 0.0,
+    };
 }
 
 impl Add for ConstraintSums {
@@ -183,7 +191,7 @@ impl Add for ConstraintSums {
 
 impl std::iter::Sum for ConstraintSums {
     fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
-        all.fold(Self::default(), Add::add)
+        all.fold(Self::NOTHING, Add::add)
     }
 }
 
@@ -195,7 +203,7 @@ impl std::iter::Sum for ConstraintSums {
 pub fn constraint_sums(system: &System, state: &State) -> ConstraintSums {
     let molecules = &system.molecules;
     if !molecules.are_rigid() {
-        return ConstraintSums::default();
+        return ConstraintSums::NOTHING;
     }
     ordered_sum(state.len() / molecules.sites(), |range| {
         range
@@ -226,11 +234,11 @@ fn sums_of(system: &System, state: &State, sites: std::ops::Range<usize>) -> Con
     if equations.solve(bonds.len()).is_err() {
         return ConstraintSums {
             squared_forces: f64::NAN,
-            ..ConstraintSums::default()
+            ..ConstraintSums::NOTHING
         };
     }
-    add_along_bonds(total, masses, first, bonds, &equations.right, 1.0);
-    let mut sums = ConstraintSums::default();
+    add_along_bonds(total, masses, first, bonds, &equations.right);
+    let mut sums = ConstraintSums::NOTHING;
     for (d, multiplier) in bonds.iter().zip(&equations.right) {
         let scaled = *multiplier * *d;
         sums.virial += DMat3::from_cols(scaled * d.x, scaled * d.y, scaled * d.z);

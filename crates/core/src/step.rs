@@ -266,7 +266,9 @@ impl<'a> Step<'a> {
                 &self.system.masses,
                 kick * self.dt,
             );
-            rigid::project_velocities(self.system, &state.positions, &mut state.velocities);
+            if self.bonds.as_ref().is_some_and(|b| b.has_velocity_stage()) {
+                rigid::project_velocities(self.system, &state.positions, &mut state.velocities);
+            }
         }
     }
 

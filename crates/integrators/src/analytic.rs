@@ -3,11 +3,11 @@
 use glam::DMat2;
 use lennard_core::{
     ExactSolution, ForceProperties, Integrator, IntegratorSpec, Method, Parts, Step, StepError,
-    System,
+    System, remembers_nothing,
 };
 
 use crate::OscillatorModel;
-use crate::common::{MethodOptions, remembers_nothing};
+use crate::common::MethodOptions;
 use crate::oscillator::ExactOscillator;
 
 lennard_core::options! {

@@ -1,10 +1,10 @@
 //! Stochastic velocity rescaling: the kinetic energy follows its own canonical dynamics.
 
 use lennard_core::random::NoiseStream;
-use lennard_core::{Integrator, Parts, Step, Thermostat, ThermostatSpec};
+use lennard_core::{Integrator, Parts, Step, Thermostat, ThermostatSpec, remembers_nothing};
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
-use crate::common::{BathOptions, remembers_nothing, scale_velocities};
+use crate::common::{BathOptions, scale_velocities};
 
 lennard_core::options! {
     /// Options of stochastic velocity rescaling.

@@ -34,22 +34,6 @@ pub(crate) trait BathOptions: Options {
     fn relaxation(&self) -> f64;
 }
 
-/// Implements [`lennard_core::Persist`] for a type that remembers nothing between steps.
-macro_rules! remembers_nothing {
-    ($type:ty) => {
-        impl lennard_core::Persist for $type {
-            fn save(&self, _to: &mut lennard_core::StateWriter<'_>) {}
-            fn restore(
-                &mut self,
-                _from: &lennard_core::StateReader<'_>,
-            ) -> Result<(), lennard_core::RestoreError> {
-                Ok(())
-            }
-        }
-    };
-}
-pub(crate) use remembers_nothing;
-
 /// Multiplies every velocity by `factor` and counts the kinetic energy gained as heat: the difference of the two sums, so
 /// that the books balance to the last rounding.
 pub(crate) fn scale_velocities(s: &mut Step<'_>, kinetic_before: f64, factor: f64) {

@@ -1,9 +1,7 @@
 //! Methods that are a sequence of kicks and drifts, as a table of coefficients.
 
 use glam::DMat2;
-use lennard_core::{
-    IntegratorSpec, Method, Persist, RestoreError, StateReader, StateWriter, Step, StepError,
-};
+use lennard_core::{IntegratorSpec, Method, Step, StepError};
 
 /// Stages of kick and drift, each a fraction of the step, and a last kick.
 ///
@@ -30,12 +28,7 @@ impl Composition {
     }
 }
 
-impl Persist for &'static Composition {
-    fn save(&self, _to: &mut StateWriter<'_>) {}
-    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
-        Ok(())
-    }
-}
+lennard_core::remembers_nothing!(&'static Composition);
 
 impl Method for &'static Composition {
     fn spec(&self) -> &'static IntegratorSpec {

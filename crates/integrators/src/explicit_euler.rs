@@ -1,9 +1,9 @@
 //! Explicit Euler: position and velocity both advance with what was known at the start of the step.
 
 use glam::DMat2;
-use lennard_core::{Integrator, IntegratorSpec, Method, Step, StepError};
+use lennard_core::{Integrator, IntegratorSpec, Method, Step, StepError, remembers_nothing};
 
-use crate::common::{MethodOptions, remembers_nothing};
+use crate::common::MethodOptions;
 
 lennard_core::options! {
     /// Options of explicit Euler: there are none.

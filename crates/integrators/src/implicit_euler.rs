@@ -4,10 +4,11 @@ use glam::DMat2;
 use lennard_core::parallel::ordered_sum;
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, Integrator, IntegratorSpec, Masses,
-    Method, Part, Parts, PeriodicBox, State, Step, StepError, Want, check_finite, sweeps,
+    Method, Part, Parts, PeriodicBox, State, Step, StepError, Want, check_finite,
+    remembers_nothing, sweeps,
 };
 
-use crate::common::{MethodOptions, remembers_nothing};
+use crate::common::MethodOptions;
 use crate::krylov::{conjugate_gradients, dot};
 
 lennard_core::options! {

@@ -4,11 +4,11 @@ use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
 use lennard_core::{
     DVec3, ForceProperties, Integrator, IntegratorSpec, Method, Parts, Step, StepError, System,
-    ThermostatSpec, rigid, rigid_bonds_alone,
+    ThermostatSpec, remembers_nothing, rigid, rigid_bonds_alone,
 };
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::common::{BathOptions, remembers_nothing};
+use crate::common::BathOptions;
 
 lennard_core::options! {
     /// Options of Langevin dynamics: velocities are forgotten within the inverse of the friction.

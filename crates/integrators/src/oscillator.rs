@@ -4,7 +4,7 @@
 use glam::DMat2;
 use lennard_core::{
     Backend, Configuration, Constraint, DVec3, Energetics, ExactSolution, ForceError,
-    ForceProperties, ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, Want,
+    ForceProperties, ForceTerm, Part, Want,
 };
 
 /// The force F = −k·x − c·v on every particle, towards the origin, in all three directions.
@@ -38,12 +38,7 @@ impl HarmonicForces {
     }
 }
 
-impl Persist for HarmonicForces {
-    fn save(&self, _to: &mut StateWriter<'_>) {}
-    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
-        Ok(())
-    }
-}
+lennard_core::remembers_nothing!(HarmonicForces);
 
 impl ForceTerm for HarmonicForces {
     fn evaluate(

@@ -1,9 +1,9 @@
 //! Velocity rescaling to exactly the wanted temperature, as Verlet did.
 
 use lennard_core::random::NoiseStream;
-use lennard_core::{Integrator, Parts, Step, Thermostat, ThermostatSpec};
+use lennard_core::{Integrator, Parts, Step, Thermostat, ThermostatSpec, remembers_nothing};
 
-use crate::common::{BathOptions, remembers_nothing, scale_velocities};
+use crate::common::{BathOptions, scale_velocities};
 
 lennard_core::options! {
     /// Options of velocity rescaling. Kinetic and potential energy exchange something within the default of ten steps.

@@ -1,9 +1,9 @@
 //! Symplectic Euler, also called semi-implicit: the velocity first, then the position with the new velocity.
 
 use glam::DMat2;
-use lennard_core::{Integrator, IntegratorSpec, Method, Step, StepError};
+use lennard_core::{Integrator, IntegratorSpec, Method, Step, StepError, remembers_nothing};
 
-use crate::common::{MethodOptions, remembers_nothing};
+use crate::common::MethodOptions;
 
 lennard_core::options! {
     /// Options of symplectic Euler: there are none.

@@ -2,10 +2,11 @@
 
 use glam::DMat2;
 use lennard_core::{
-    ForceProperties, Integrator, IntegratorSpec, Method, Step, StepError, System, rigid_bonds_alone,
+    ForceProperties, Integrator, IntegratorSpec, Method, Step, StepError, System,
+    remembers_nothing, rigid_bonds_alone,
 };
 
-use crate::common::{MethodOptions, remembers_nothing};
+use crate::common::MethodOptions;
 
 lennard_core::options! {
     /// Options of velocity Verlet: there are none.

@@ -1,9 +1,9 @@
 //! Velocity Verlet in its short form, with both forces in one velocity update.
 
 use lennard_core::parallel::for_each_piece;
-use lennard_core::{DVec3, Integrator, IntegratorSpec, Method, Step, StepError};
+use lennard_core::{DVec3, Integrator, IntegratorSpec, Method, Step, StepError, remembers_nothing};
 
-use crate::common::{MethodOptions, remembers_nothing};
+use crate::common::MethodOptions;
 use crate::velocity_verlet::oscillator_map;
 
 lennard_core::options! {

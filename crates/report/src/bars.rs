@@ -210,7 +210,7 @@ mod tests {
         BarFigure {
             name: "cost".into(),
             title: "Cost".into(),
-            axis: Axis::linear("ns an atom and step"),
+            axis: Axis::linear("ns per atom and step"),
             groups: vec!["velocity-verlet".into(), "implicit-euler".into()],
             series: vec![BarSeries {
                 name: "double".into(),
@@ -224,7 +224,7 @@ mod tests {
     fn bars_carry_their_values_and_failures_are_named() {
         let svg = example().to_svg().unwrap();
         assert_eq!(svg, example().to_svg().unwrap());
-        for word in ["40.0", "failed", "implicit-euler", "ns an atom and step"] {
+        for word in ["40.0", "failed", "implicit-euler", "ns per atom and step"] {
             assert!(svg.contains(word), "{word}");
         }
     }

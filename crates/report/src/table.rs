@@ -30,10 +30,15 @@ pub fn heading(column: &Column) -> String {
 /// A cell as a reader sees it.
 #[must_use]
 pub fn cell_text(cell: &Cell, errors: ErrorStyle) -> String {
+    let of_figures = |text: &str| match errors {
+        ErrorStyle::Brackets => true_minus(text),
+        ErrorStyle::PlusMinus => text.to_owned(),
+    };
     match &cell.value {
         Value::Missing => "–".into(),
-        Value::Words(text) | Value::Figures(text) => text.clone(),
-        Value::Whole(value) => value.to_string(),
+        Value::Words(text) => text.clone(),
+        Value::Figures(text) => of_figures(text),
+        Value::Whole(value) => of_figures(&value.to_string()),
         Value::Number { value, digits } => match digits {
             Some(digits) => significant(*value, *digits),
             None => plain_or_scientific(*value),
@@ -43,6 +48,19 @@ pub fn cell_text(cell: &Cell, errors: ErrorStyle) -> String {
             ErrorStyle::PlusMinus => plus_minus(*value, *error),
         },
     }
+}
+
+/// Figures with a minus sign before each negative number, in place of a hyphen.
+fn true_minus(text: &str) -> String {
+    let mut written = String::with_capacity(text.len());
+    let mut rest = text.chars().peekable();
+    while let Some(c) = rest.next() {
+        let begins_number = c == '-'
+            && !written.ends_with(char::is_alphanumeric)
+            && rest.peek().is_some_and(char::is_ascii_digit);
+        written.push(if begins_number { '−' } else { c });
+    }
+    written
 }
 
 /// Whether a column stands on the right: any of its cells is numeric, or all are missing.
@@ -126,6 +144,11 @@ mod tests {
         assert_eq!(
             texts(Cell::measured(-5.481_23, 0.001_27)),
             ["−5.4812(13)", "-5.4812 ± 0.0013"]
+        );
+        assert_eq!(texts(Cell::figures("-4.3")), ["−4.3", "-4.3"]);
+        assert_eq!(
+            texts(Cell::figures("3-5 at -1e-7")).first().unwrap(),
+            "3-5 at −1e-7"
         );
     }
 

@@ -30,18 +30,10 @@ const FORMAT: Tier = Tier {
 const LINTS: Tier = Tier {
     name: "lints",
     run: |w| {
-        by_status(cargo_command(
-            w,
-            &[
-                "clippy",
-                "--quiet",
-                "--workspace",
-                "--all-targets",
-                "--",
-                "-D",
-                "warnings",
-            ],
-        ))
+        let mut command = cargo_command(w, &["clippy", "--quiet", "--all-targets"]);
+        command.args(w.package_arguments());
+        command.args(["--", "-D", "warnings"]);
+        by_status(command)
     },
 };
 const DOCUMENTATION: Tier = Tier {
@@ -55,13 +47,10 @@ const DOCUMENTATION: Tier = Tier {
 const RUST_TESTS: Tier = Tier {
     name: "Rust tests",
     run: |w| {
-        by_counts(
-            cargo_command(
-                w,
-                &["test", "--workspace", "--no-fail-fast", "--", "--quiet"],
-            ),
-            Format::CargoTest,
-        )
+        let mut command = cargo_command(w, &["test", "--no-fail-fast"]);
+        command.args(w.package_arguments());
+        command.args(["--", "--quiet"]);
+        by_counts(command, Format::CargoTest)
     },
 };
 const LONG_RUST_TESTS: Tier = Tier {
@@ -154,50 +143,9 @@ pub fn test() -> Vec<Tier> {
     ]
 }
 
-/// What `cargo xtask check CRATE …` runs: lints and tests of these crates alone, named with or without prefix.
-pub fn check(workspace: &Workspace, crates: &[&str]) -> Result<ExitCode, Box<dyn Error>> {
-    let mut packages = Vec::new();
-    for name in crates {
-        let package = workspace
-            .packages
-            .iter()
-            .find(|p| p.name == *name || p.name.strip_prefix("lennard-") == Some(name))
-            .ok_or_else(|| format!("no crate `{name}` in this workspace"))?;
-        packages.extend(["--package", &package.name]);
-    }
-    let lints = [
-        &["clippy", "--all-targets"][..],
-        &packages,
-        &["--", "-D", "warnings"],
-    ]
-    .concat();
-    let tests = [
-        &["test", "--no-fail-fast"][..],
-        &packages,
-        &["--", "--quiet"],
-    ]
-    .concat();
-    let mut results = Vec::new();
-    for (name, arguments, counts) in [
-        ("lints", lints, None),
-        ("tests", tests, Some(Format::CargoTest)),
-    ] {
-        println!("\n── {name} ──");
-        let start = Instant::now();
-        let command = cargo_command(workspace, &arguments);
-        let counts = match counts {
-            Some(format) => by_counts(command, format)?,
-            None => by_status(command)?,
-        };
-        results.push((name, counts, start.elapsed()));
-    }
-    let (text, failed) = summary(&results, &["everything else (cargo xtask test)"]);
-    println!("\n{text}");
-    Ok(if failed {
-        ExitCode::FAILURE
-    } else {
-        ExitCode::SUCCESS
-    })
+/// What `cargo xtask check CRATE …` runs, on a workspace [with these crates](Workspace::with_crates).
+pub fn check() -> Vec<Tier> {
+    vec![LINTS, RUST_TESTS]
 }
 
 /// What `cargo xtask physics` runs.

@@ -28,6 +28,8 @@ pub struct Workspace {
     pub packages: Vec<Package>,
     /// The folder in `target` of the binary that is looked at.
     folder: &'static str,
+    /// Names of the packages that lints and tests look at; empty for all.
+    selection: Vec<String>,
 }
 
 impl Workspace {
@@ -117,7 +119,40 @@ impl Workspace {
             target: text(metadata, "target_directory")?.into(),
             packages,
             folder: "release",
+            selection: Vec::new(),
         })
+    }
+
+    /// The same, with lints and tests of these crates alone, named with or without prefix.
+    ///
+    /// # Errors
+    /// Where no crate is named, or a name is no crate; the message lists the crates.
+    pub fn with_crates(self, names: &[&str]) -> Result<Self, String> {
+        let known = || -> String {
+            let short = self.packages.iter().map(|p| short_name(&p.name));
+            format!("the crates are {}", short.collect::<Vec<_>>().join(", "))
+        };
+        if names.is_empty() {
+            return Err(format!("a crate is missing: {}", known()));
+        }
+        let mut selection = Vec::new();
+        for name in names {
+            let is_named = |p: &&Package| p.name == *name || short_name(&p.name) == *name;
+            let package = self.packages.iter().find(is_named);
+            let package = package.ok_or_else(|| format!("no crate `{name}`: {}", known()))?;
+            selection.push(package.name.clone());
+        }
+        Ok(Self { selection, ..self })
+    }
+
+    /// How cargo is told which packages lints and tests look at.
+    #[must_use]
+    pub fn package_arguments(&self) -> Vec<&str> {
+        if self.selection.is_empty() {
+            return vec!["--workspace"];
+        }
+        let named = self.selection.iter();
+        named.flat_map(|name| ["--package", name]).collect()
     }
 
     /// The same, looking at the binary that `cargo test` has built: optimised too, with assertions, and already there.
@@ -160,6 +195,11 @@ impl Workspace {
     }
 }
 
+/// The name of a package without the prefix of this workspace.
+fn short_name(package: &str) -> &str {
+    package.strip_prefix("lennard-").unwrap_or(package)
+}
+
 /// The cargo that runs us.
 #[must_use]
 pub fn cargo() -> String {
@@ -184,5 +224,34 @@ mod tests {
         let workspace = Workspace::from_metadata(&metadata).unwrap();
         assert_eq!(workspace.packages[0].needs, ["b"]);
         assert_eq!(workspace.packages[0].test_binaries, ["all"]);
+    }
+
+    #[test]
+    fn crates_are_selected_by_name_and_messages_list_them() {
+        let workspace = || {
+            let metadata = serde_json::json!({
+                "workspace_root": "root", "target_directory": "target",
+                "packages": [
+                    {"name": "lennard-core", "targets": [], "dependencies": []},
+                    {"name": "xtask", "targets": [], "dependencies": []},
+                ]
+            });
+            Workspace::from_metadata(&metadata).unwrap()
+        };
+        assert_eq!(workspace().package_arguments(), ["--workspace"]);
+        let both = workspace().with_crates(&["core", "xtask"]).unwrap();
+        assert_eq!(
+            both.package_arguments(),
+            ["--package", "lennard-core", "--package", "xtask"]
+        );
+        assert!(workspace().with_crates(&["lennard-core"]).is_ok());
+        assert_eq!(
+            workspace().with_crates(&[]).unwrap_err(),
+            "a crate is missing: the crates are core, xtask"
+        );
+        assert_eq!(
+            workspace().with_crates(&["cor"]).unwrap_err(),
+            "no crate `cor`: the crates are core, xtask"
+        );
     }
 }

@@ -13,7 +13,7 @@ use super::table;
 pub fn bench(study: &BenchStudy, folder: &Path) {
     println!("{}", console::style(&study.scene).bold());
     println!(
-        "  {} particles, density {:.4}, {}, {:.1} pairs an atom within the cutoff",
+        "  {} particles, density {:.4}, {}, {:.1} pairs per atom within the cutoff",
         study.atoms, study.density, study.model, study.pairs_per_atom
     );
     println!(
@@ -41,7 +41,7 @@ pub fn bench(study: &BenchStudy, folder: &Path) {
 fn kernels(study: &BenchStudy) {
     println!("{}", table(&kernel_table(study, false)));
     println!(
-        "  ns an atom: medians of whole steps, in brackets the range; best times of forces alone (the list given) and of one build, which is\n  \
+        "  ns per atom: medians of whole steps, in brackets the range; best times of forces alone (the list given) and of one build, which is\n  \
          paid once in many steps; processor time is that of a step on one thread, steadier than the clock where others are at work"
     );
     let limits: Vec<String> = study
@@ -52,7 +52,7 @@ fn kernels(study: &BenchStudy) {
         .collect();
     if !limits.is_empty() {
         println!(
-            "  the limit is the same arithmetic with everything in registers, measured here, million pairs/s a thread: {}",
+            "  the limit is the same arithmetic with everything in registers, measured here, million pairs/s per thread: {}",
             limits.join(", ")
         );
     }

@@ -57,7 +57,7 @@ pub fn tuning(tuning: &Tuning) {
         .collect();
     let costs = Table::rows_of("costs", &costs)
         .column("settings", |(name, _)| *name)
-        .column("an atom and τ", |(_, c)| {
+        .column("per atom and τ", |(_, c)| {
             Cell::figures(duration(c.wall.median))
         })
         .column("range", |(_, c)| {

@@ -1,6 +1,6 @@
 //! Bad input is refused before anything is written, with exit code 2 and a message that helps.
 
-use crate::common::{lennard, root, stderr, stdout};
+use crate::common::{lennard, root, run_small, stderr, stdout};
 
 #[test]
 fn every_bad_scene_ends_with_exit_code_2_and_its_message_and_writes_nothing() {
@@ -39,19 +39,10 @@ fn every_bad_scene_ends_with_exit_code_2_and_its_message_and_writes_nothing() {
 #[test]
 fn an_existing_folder_is_refused_unless_forced() {
     let temporary = tempfile::tempdir().unwrap();
-    let out = temporary.path().to_str().unwrap();
     std::fs::write(temporary.path().join("precious.txt"), "keep me").unwrap();
     let run = |more: &[&str]| {
-        let mut args = vec![
-            "run",
-            "inputs/verlet-1967/triple-point.toml",
-            "--out",
-            out,
-            "--quiet",
-        ];
-        args.extend(crate::common::SMALL);
-        args.extend(more);
-        lennard(&args).output().unwrap()
+        let mut command = run_small(temporary.path());
+        command.arg("--quiet").args(more).output().unwrap()
     };
     let refused = run(&[]);
     assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));

@@ -1,6 +1,6 @@
 //! Each command as a user types it.
 
-use crate::common::{lennard, root, stderr, stdout, succeed};
+use crate::common::{lennard, root, run_small, stderr, stdout, succeed, success};
 
 fn json(text: &str) -> serde_json::Value {
     serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}\n{text}"))
@@ -10,15 +10,7 @@ fn json(text: &str) -> serde_json::Value {
 fn a_run_writes_its_folder_and_prints_the_same_record_as_json() {
     let temporary = tempfile::tempdir().unwrap();
     let out = temporary.path().join("out");
-    let mut args = vec![
-        "run",
-        "inputs/verlet-1967/triple-point.toml",
-        "--json",
-        "--out",
-        out.to_str().unwrap(),
-    ];
-    args.extend(crate::common::SMALL);
-    let record = json(&succeed(&args));
+    let record = json(&success(run_small(&out).arg("--json")));
     assert_eq!(record["finished"], true);
     assert_eq!(record["steps"], 600);
     assert_eq!(record["atoms"], 256);
@@ -92,15 +84,7 @@ fn the_resolved_scene_runs_again_to_the_same_bits() {
         temporary.path().join("first"),
         temporary.path().join("second"),
     );
-    let mut args = vec![
-        "run",
-        "inputs/verlet-1967/triple-point.toml",
-        "--quiet",
-        "--out",
-        first.to_str().unwrap(),
-    ];
-    args.extend(crate::common::SMALL);
-    succeed(&args);
+    success(run_small(&first).arg("--quiet"));
     let resolved = first.join("scene.toml");
     succeed(&[
         "run",
@@ -130,15 +114,7 @@ fn final_xyz_starts_a_new_run() {
         temporary.path().join("first"),
         temporary.path().join("second"),
     );
-    let mut args = vec![
-        "run",
-        "inputs/verlet-1967/triple-point.toml",
-        "--quiet",
-        "--out",
-        first.to_str().unwrap(),
-    ];
-    args.extend(crate::common::SMALL);
-    succeed(&args);
+    success(run_small(&first).arg("--quiet"));
     let scene = temporary.path().join("next.toml");
     std::fs::write(
         &scene,
@@ -295,16 +271,8 @@ fn the_default_folder_is_the_first_free_one() {
 fn progress_comes_as_plain_lines_where_there_is_no_terminal_and_not_at_all_when_quiet() {
     let temporary = tempfile::tempdir().unwrap();
     let run = |name: &str, more: &[&str]| {
-        let out = temporary.path().join(name);
-        let mut args = vec![
-            "run",
-            "inputs/verlet-1967/triple-point.toml",
-            "--out",
-            out.to_str().unwrap(),
-        ];
-        args.extend(crate::common::SMALL);
-        args.extend(more);
-        lennard(&args).output().unwrap()
+        let mut command = run_small(&temporary.path().join(name));
+        command.args(more).output().unwrap()
     };
     let plain = run("plain", &[]);
     assert!(
@@ -331,17 +299,10 @@ fn progress_comes_as_plain_lines_where_there_is_no_terminal_and_not_at_all_when_
 fn a_run_that_physics_stops_ends_with_exit_code_3_and_the_cause() {
     let temporary = tempfile::tempdir().unwrap();
     let out = temporary.path().join("out");
-    let mut args = vec![
-        "run",
-        "inputs/verlet-1967/triple-point.toml",
-        "--out",
-        out.to_str().unwrap(),
-        "--quiet",
-        "--set",
-        "integrator.dt=0.08",
-    ];
-    args.extend(crate::common::SMALL);
-    let output = lennard(&args).output().unwrap();
+    let output = run_small(&out)
+        .args(["--quiet", "--set", "integrator.dt=0.08"])
+        .output()
+        .unwrap();
     let message = stderr(&output);
     assert_eq!(output.status.code(), Some(3), "{message}");
     assert!(

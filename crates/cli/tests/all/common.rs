@@ -49,17 +49,29 @@ pub fn stderr(output: &Output) -> String {
 
 /// Runs it, wants success, and returns standard output.
 pub fn succeed(args: &[&str]) -> String {
-    let output = lennard(args).output().unwrap();
+    success(&mut lennard(args))
+}
+
+/// Runs a command, wants success, and returns standard output.
+pub fn success(command: &mut Command) -> String {
+    let output = command.output().unwrap();
     assert!(
         output.status.success(),
-        "lennard {args:?}\n{}{}",
+        "{command:?}\n{}{}",
         stdout(&output),
         stderr(&output)
     );
     stdout(&output)
 }
 
-/// A short run of a small liquid: arguments for `run`, 108 particles, a few hundred steps.
+/// A short run of a small liquid into a folder.
+pub fn run_small(out: &Path) -> Command {
+    let mut command = lennard(&["run", "inputs/verlet-1967/triple-point.toml", "--out"]);
+    command.arg(out).args(SMALL);
+    command
+}
+
+/// A short run of a small liquid: arguments for `run`, 256 particles, a few hundred steps.
 pub const SMALL: &[&str] = &[
     "--set",
     "system.n_atoms=256",
@@ -96,6 +108,18 @@ impl Place {
     /// A path in it.
     pub fn path(&self, name: &str) -> PathBuf {
         self.root.path().join(name)
+    }
+
+    /// `lennard` with arguments, standing in it.
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = lennard(arguments);
+        command.current_dir(self.root());
+        command
+    }
+
+    /// What `lennard` does with arguments, standing in it.
+    pub fn output(&self, arguments: &[&str]) -> Output {
+        lennard_in(self.root(), arguments)
     }
 
     /// Writes a file in it, and the folders on the way.

@@ -2,10 +2,10 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::{Place, lennard, stderr, stdout};
+use crate::common::{Place, stderr, stdout};
 
 const SCENE: &str = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.2\n[truncation]\nr_cut = 2.2\n\
                      [[stage]]\nname = \"production\"\nsteps = 200\n";
@@ -14,51 +14,22 @@ const SCENE: &str = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.2\n
 const ENDLESS: &str = "stage.production.steps=1000000000";
 
 /// A folder with a scene and a sweep of it.
-struct Bench(Place);
-
-impl std::ops::Deref for Bench {
-    type Target = Place;
-
-    fn deref(&self) -> &Place {
-        &self.0
-    }
+fn bench() -> Place {
+    let sweep = "base = \"liquid.toml\"\n[grid]\ntemperature = [1.1, 1.3]\n";
+    Place::with(&[("liquid.toml", SCENE), ("sweep.toml", sweep)])
 }
 
-impl Bench {
-    fn new() -> Self {
-        let sweep = "base = \"liquid.toml\"\n[grid]\ntemperature = [1.1, 1.3]\n";
-        Self(Place::with(&[
-            ("liquid.toml", SCENE),
-            ("sweep.toml", sweep),
-        ]))
+/// A command without end, once `files` are there.
+fn at_work(bench: &Place, arguments: &[&str], files: &[&str]) -> AtWork {
+    let mut command = bench.command(arguments);
+    let command = command.stdout(Stdio::null()).stderr(Stdio::null());
+    let child = AtWork(command.spawn().unwrap());
+    let start = Instant::now();
+    while !files.iter().all(|file| bench.path(file).exists()) {
+        assert!(start.elapsed() < Duration::from_secs(60), "no {files:?}");
+        std::thread::sleep(Duration::from_millis(2));
     }
-
-    fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = lennard(arguments);
-        command.current_dir(self.root());
-        command
-    }
-
-    fn output(&self, arguments: &[&str]) -> Output {
-        self.command(arguments).output().unwrap()
-    }
-
-    /// A command without end, once `files` are there.
-    fn at_work(&self, arguments: &[&str], files: &[&str]) -> AtWork {
-        let child = self
-            .command(arguments)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        let child = AtWork(child);
-        let start = Instant::now();
-        while !files.iter().all(|file| self.path(file).exists()) {
-            assert!(start.elapsed() < Duration::from_secs(60), "no {files:?}");
-            std::thread::sleep(Duration::from_millis(2));
-        }
-        child
-    }
+    child
 }
 
 /// A process that is killed when the test is done with it.
@@ -102,10 +73,14 @@ fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 
 #[test]
 fn a_second_sweep_of_a_folder_is_refused_with_the_process_at_work_and_touches_nothing() {
-    let bench = Bench::new();
+    let bench = bench();
     let sweep = ["sweep", "sweep.toml", "--out", "out", "--quiet"];
     let endless = [&sweep[..], &["--threads", "2", "--set", ENDLESS]].concat();
-    let mut first = bench.at_work(&endless, &["out/T1.1/run.json", "out/T1.3/run.json"]);
+    let mut first = at_work(
+        &bench,
+        &endless,
+        &["out/T1.1/run.json", "out/T1.3/run.json"],
+    );
     let before = contents(&bench.path("out"));
     let process = format!("process {} is at work there", first.0.id());
     for more in [&[][..], &["--force"], &["--set", "system.density=0.7"]] {
@@ -136,7 +111,7 @@ fn a_second_sweep_of_a_folder_is_refused_with_the_process_at_work_and_touches_no
         ENDLESS,
     ];
     fs::remove_file(bench.path("out/T1.3/run.json")).unwrap();
-    let one = bench.at_work(&run, &["out/T1.3/run.json"]);
+    let one = at_work(&bench, &run, &["out/T1.3/run.json"]);
     let second = bench.output(&[&sweep[..], &["--force"]].concat());
     refused(
         &second,
@@ -149,7 +124,7 @@ fn a_second_sweep_of_a_folder_is_refused_with_the_process_at_work_and_touches_no
 
 #[test]
 fn of_runs_started_at_once_in_a_new_folder_one_goes_on_and_the_others_are_told() {
-    let bench = Bench::new();
+    let bench = bench();
     for round in 0..5 {
         let folder = format!("out-{round}");
         let run = ["run", "liquid.toml", "--quiet", "--out", &folder];
@@ -184,9 +159,9 @@ fn of_runs_started_at_once_in_a_new_folder_one_goes_on_and_the_others_are_told()
 
 #[test]
 fn a_second_chart_of_a_folder_is_refused() {
-    let bench = Bench::new();
+    let bench = bench();
     let chart = ["chart", "liquid.toml", "--out", "out", "--quiet"];
-    let first = bench.at_work(&chart, &["out/plan.toml"]);
+    let first = at_work(&bench, &chart, &["out/plan.toml"]);
     let process = format!("process {} is at work there", first.0.id());
     for more in [&[][..], &["--force"]] {
         refused(&bench.output(&[&chart[..], more].concat()), &[&process]);
@@ -198,7 +173,7 @@ fn a_second_chart_of_a_folder_is_refused() {
 #[cfg(unix)]
 #[test]
 fn an_input_in_the_output_folder_is_never_replaced() {
-    let bench = Bench::new();
+    let bench = bench();
     ok(&bench.output(&["run", "liquid.toml", "--quiet", "--out", "start"]));
     let start = fs::read(bench.path("start/final.xyz")).unwrap();
     bench.write("study/scene.toml", SCENE);
@@ -248,7 +223,7 @@ fn an_input_in_the_output_folder_is_never_replaced() {
 
 #[test]
 fn a_sweep_keeps_its_base_and_its_own_file() {
-    let bench = Bench::new();
+    let bench = bench();
     bench.write("out/T1.1/scene.toml", SCENE);
     bench.write("out/T1.1/run.json", "{}");
     let sweep = "base = \"out/T1.1/scene.toml\"\n[grid]\ntemperature = [1.1]\n";
@@ -273,7 +248,7 @@ fn a_sweep_keeps_its_base_and_its_own_file() {
 
 #[test]
 fn energy_and_tune_write_over_no_input() {
-    let bench = Bench::new();
+    let bench = bench();
     ok(&bench.output(&["run", "liquid.toml", "--quiet", "--out", "start"]));
     let from_file = SCENE.replace(
         "n_atoms = 108\ndensity = 0.8",

@@ -18,45 +18,33 @@ const SMALL: &str = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.2\n
 /// The signals that may come while a run starts, as `kill` and as numbers.
 const SIGNALS: [(&str, u32); 3] = [("INT", 2), ("TERM", 15), ("HUP", 1)];
 
-struct Bench(Place);
-
-impl std::ops::Deref for Bench {
-    type Target = Place;
-
-    fn deref(&self) -> &Place {
-        &self.0
-    }
+fn bench() -> Place {
+    Place::with(&[("slow.toml", SLOW), ("small.toml", SMALL)])
 }
 
-impl Bench {
-    fn new() -> Self {
-        Self(Place::with(&[("slow.toml", SLOW), ("small.toml", SMALL)]))
-    }
+/// Starts it with SIGHUP as a terminal leaves it: tests that run under `nohup` hand it on as ignored, and a run would
+/// rightly ignore it too.
+fn start(bench: &Place, arguments: &[&str]) -> Child {
+    let mut command = Command::new("env");
+    command
+        .args(["--default-signal=HUP", env!("CARGO_BIN_EXE_lennard")])
+        .args(arguments);
+    spawn(bench, &mut command)
+}
 
-    /// Starts it with SIGHUP as a terminal leaves it: tests that run under `nohup` hand it on as ignored, and a run would
-    /// rightly ignore it too.
-    fn start(&self, arguments: &[&str]) -> Child {
-        let mut command = Command::new("env");
-        command
-            .args(["--default-signal=HUP", env!("CARGO_BIN_EXE_lennard")])
-            .args(arguments);
-        self.spawn(&mut command)
-    }
+fn spawn(bench: &Place, command: &mut Command) -> Child {
+    command
+        .current_dir(bench.root())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
 
-    fn spawn(&self, command: &mut Command) -> Child {
-        command
-            .current_dir(self.root())
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap()
-    }
-
-    fn checkpoints(&self, folder: &str) -> Vec<(u64, PathBuf)> {
-        lennard_io::CheckpointFolder::new(&self.path(folder))
-            .list()
-            .unwrap_or_default()
-    }
+fn checkpoints(bench: &Place, folder: &str) -> Vec<(u64, PathBuf)> {
+    lennard_io::CheckpointFolder::new(&bench.path(folder))
+        .list()
+        .unwrap_or_default()
 }
 
 /// Waits for what must come; one that ended first is shown.
@@ -99,9 +87,9 @@ fn ended(child: Child, code: i32, words: &[&str]) -> Output {
 
 #[test]
 fn a_run_that_starts_ends_at_once_and_nothing_was_written() {
-    let bench = Bench::new();
+    let bench = bench();
     for (signal, number) in SIGNALS {
-        let mut child = bench.start(&["run", "slow.toml", "--quiet", "--out", "new/out"]);
+        let mut child = start(&bench, &["run", "slow.toml", "--quiet", "--out", "new/out"]);
         wait_until_it_listens(&mut child, number);
         kill(&child, signal);
         ended(
@@ -116,13 +104,13 @@ fn a_run_that_starts_ends_at_once_and_nothing_was_written() {
 /// Proves that the first files of a run go with it where no step of it can be kept, and nothing else in the folder does.
 #[test]
 fn a_run_whose_first_step_is_under_way_takes_its_files_with_it() {
-    let bench = Bench::new();
+    let bench = bench();
     // A lattice starts fast; its first step takes longest.
     let scene = SLOW
         .replace("lattice = \"random\"\n", "")
         .replace("100_000", "2_048_000");
     bench.write("large.toml", &scene);
-    let mut child = bench.start(&["run", "large.toml", "--quiet", "--out", "out"]);
+    let mut child = start(&bench, &["run", "large.toml", "--quiet", "--out", "out"]);
     wait_for(&mut child, "the record", |_| {
         bench.path("out/run.json").exists()
     });
@@ -137,11 +125,11 @@ fn a_run_whose_first_step_is_under_way_takes_its_files_with_it() {
 
 #[test]
 fn a_run_under_way_keeps_its_steps_when_the_terminal_goes_unless_it_was_told_not_to_mind() {
-    let bench = Bench::new();
+    let bench = bench();
     let run = ["run", "small.toml", "--quiet", "--out", "out"];
-    let mut child = bench.start(&run);
+    let mut child = start(&bench, &run);
     wait_for(&mut child, "a checkpoint", |_| {
-        !bench.checkpoints("out").is_empty()
+        !checkpoints(&bench, "out").is_empty()
     });
     kill(&child, "HUP");
     ended(
@@ -157,17 +145,15 @@ fn a_run_under_way_keeps_its_steps_when_the_terminal_goes_unless_it_was_told_not
         "trap '' HUP; exec '{}' run small.toml --quiet --out other",
         env!("CARGO_BIN_EXE_lennard")
     );
-    let mut child = bench.spawn(Command::new("sh").args(["-c", &script]));
+    let mut child = spawn(&bench, Command::new("sh").args(["-c", &script]));
     wait_for(&mut child, "a checkpoint", |_| {
-        !bench.checkpoints("other").is_empty()
+        !checkpoints(&bench, "other").is_empty()
     });
     kill(&child, "HUP");
-    let (step, _) = bench.checkpoints("other")[0];
+    let (step, _) = checkpoints(&bench, "other")[0];
     wait_for(&mut child, "two checkpoints more", |_| {
-        bench
-            .checkpoints("other")
-            .first()
-            .is_some_and(|(now, _)| *now >= step + 200)
+        let last = checkpoints(&bench, "other");
+        last.first().is_some_and(|(now, _)| *now >= step + 200)
     });
     kill(&child, "TERM");
     ended(child, 4, &["to go on: lennard resume other"]);
@@ -175,7 +161,7 @@ fn a_run_under_way_keeps_its_steps_when_the_terminal_goes_unless_it_was_told_not
 
 #[test]
 fn a_resume_that_loads_leaves_the_checkpoint_and_says_how_to_go_on() {
-    let bench = Bench::new();
+    let bench = bench();
     bench.write(
         "large.toml",
         &SMALL.replace("n_atoms = 108\n", "n_atoms = 256_000\n"),
@@ -186,10 +172,10 @@ fn a_resume_that_loads_leaves_the_checkpoint_and_says_how_to_go_on() {
         .output()
         .unwrap();
     assert!(made.status.success(), "{}", stderr(&made));
-    let before = bench.checkpoints("out");
+    let before = checkpoints(&bench, "out");
     let bytes = fs::read(&before[0].1).unwrap();
     for (signal, number) in SIGNALS {
-        let mut child = bench.start(&["resume", "out", "--quiet", "--steps", "1000000"]);
+        let mut child = start(&bench, &["resume", "out", "--quiet", "--steps", "1000000"]);
         wait_until_it_listens(&mut child, number);
         kill(&child, signal);
         let words = [
@@ -197,7 +183,7 @@ fn a_resume_that_loads_leaves_the_checkpoint_and_says_how_to_go_on() {
             "to go on: lennard resume out --steps 1000000",
         ];
         ended(child, 4, &words);
-        assert_eq!(bench.checkpoints("out"), before, "{signal}");
+        assert_eq!(checkpoints(&bench, "out"), before, "{signal}");
         assert!(fs::read(&before[0].1).unwrap() == bytes, "{signal}");
         assert!(!bench.path("out/.lennard-claim").exists(), "{signal}");
     }
@@ -205,12 +191,15 @@ fn a_resume_that_loads_leaves_the_checkpoint_and_says_how_to_go_on() {
 
 #[test]
 fn a_sweep_gives_up_points_that_start_and_keeps_the_others() {
-    let bench = Bench::new();
+    let bench = bench();
     bench.write(
         "slow-sweep.toml",
         "base = \"slow.toml\"\n[grid]\ntemperature = [1.1, 1.2]\n",
     );
-    let mut child = bench.start(&["sweep", "slow-sweep.toml", "--quiet", "--out", "out"]);
+    let mut child = start(
+        &bench,
+        &["sweep", "slow-sweep.toml", "--quiet", "--out", "out"],
+    );
     wait_for(&mut child, "the folder", |_| bench.path("out").exists());
     kill(&child, "TERM");
     ended(
@@ -231,9 +220,9 @@ fn a_sweep_gives_up_points_that_start_and_keeps_the_others() {
         "--out",
         "out",
     ];
-    let mut child = bench.start(&sweep);
+    let mut child = start(&bench, &sweep);
     wait_for(&mut child, "a checkpoint", |_| {
-        !bench.checkpoints("out/N108-rc2.2").is_empty()
+        !checkpoints(&bench, "out/N108-rc2.2").is_empty()
     });
     kill(&child, "TERM");
     let words = [
@@ -246,7 +235,7 @@ fn a_sweep_gives_up_points_that_start_and_keeps_the_others() {
 
 #[test]
 fn studies_that_keep_nothing_say_so_and_leave_no_folder() {
-    let bench = Bench::new();
+    let bench = bench();
     bench.write(
         "accuracy.toml",
         &SLOW.replace("[truncation]\nr_cut = 2.5", "[accuracy]\ndrift = 1e-5"),
@@ -263,7 +252,7 @@ fn studies_that_keep_nothing_say_so_and_leave_no_folder() {
             "no point was measured",
         ),
     ] {
-        let mut child = bench.start(&[arguments, &["--quiet"]].concat());
+        let mut child = start(&bench, &[arguments, &["--quiet"]].concat());
         if arguments.contains(&"out") && arguments[0] != "bench" {
             wait_for(&mut child, "the folder", |_| bench.path("out").exists());
         } else {

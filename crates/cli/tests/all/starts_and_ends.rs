@@ -1,50 +1,28 @@
 //! What a run says of the state that it starts from and of the one that it ends with.
 
 use std::fs;
-use std::process::Output;
 
-use crate::common::{Place, lennard_in, stderr, stdout};
+use crate::common::{Place, stderr, success};
 
 const SCENE: &str = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.2\n[truncation]\nr_cut = 2.2\n\
                      [[stage]]\nname = \"production\"\nsteps = 20\n";
 
-struct Bench(Place);
-
-impl std::ops::Deref for Bench {
-    type Target = Place;
-
-    fn deref(&self) -> &Place {
-        &self.0
-    }
+fn bench() -> Place {
+    let from_file = SCENE.replace(
+        "n_atoms = 108\ndensity = 0.8",
+        "configuration = \"start.xyz\"",
+    );
+    Place::with(&[("liquid.toml", SCENE), ("from-file.toml", &from_file)])
 }
 
-impl Bench {
-    fn new() -> Self {
-        let from_file = SCENE.replace(
-            "n_atoms = 108\ndensity = 0.8",
-            "configuration = \"start.xyz\"",
-        );
-        Self(Place::with(&[
-            ("liquid.toml", SCENE),
-            ("from-file.toml", &from_file),
-        ]))
-    }
+fn succeed_in(bench: &Place, arguments: &[&str]) -> String {
+    success(&mut bench.command(arguments))
+}
 
-    fn lennard(&self, arguments: &[&str]) -> Output {
-        lennard_in(self.root(), arguments)
-    }
-
-    fn succeed(&self, arguments: &[&str]) -> String {
-        let output = self.lennard(arguments);
-        assert!(output.status.success(), "{}", stderr(&output));
-        stdout(&output)
-    }
-
-    fn remarks(&self, folder: &str) -> String {
-        let record: serde_json::Value =
-            serde_json::from_str(&self.read(&format!("{folder}/run.json"))).unwrap();
-        record["remarks"].to_string()
-    }
+fn remarks_in(bench: &Place, folder: &str) -> String {
+    let record: serde_json::Value =
+        serde_json::from_str(&bench.read(&format!("{folder}/run.json"))).unwrap();
+    record["remarks"].to_string()
 }
 
 /// A frame with `drift` added to the velocities along x.
@@ -73,12 +51,12 @@ const VX: usize = 4;
 /// begins with. It does not judge whether a drift should be taken off.
 #[test]
 fn the_drift_of_a_file_is_named_and_run_and_energy_agree_on_the_temperature() {
-    let bench = Bench::new();
-    bench.succeed(&["run", "liquid.toml", "--quiet", "--out", "made"]);
+    let bench = bench();
+    succeed_in(&bench, &["run", "liquid.toml", "--quiet", "--out", "made"]);
     let frame = bench.read("made/final.xyz");
     bench.write("start.xyz", &frame);
-    let json = |bench: &Bench| -> serde_json::Value {
-        let text = bench.succeed(&["energy", "from-file.toml", "--json"]);
+    let json = |bench: &Place| -> serde_json::Value {
+        let text = succeed_in(bench, &["energy", "from-file.toml", "--json"]);
         serde_json::from_str(&text).unwrap()
     };
     let plain = json(&bench);
@@ -96,23 +74,23 @@ fn the_drift_of_a_file_is_named_and_run_and_energy_agree_on_the_temperature() {
     let words = format!(
         "start.xyz had a total momentum of (0.500000, 0.000000, 0.000000) per particle: removed, T changed from {before:.6} to {temperature:.6}"
     );
-    let said = bench.succeed(&["energy", "from-file.toml"]);
+    let said = succeed_in(&bench, &["energy", "from-file.toml"]);
     let said = said.replace("-0.000000", "0.000000");
     assert!(said.contains(&words), "wanted {words} in\n{said}");
-    let said = bench.succeed(&["run", "from-file.toml", "--out", "out"]);
+    let said = succeed_in(&bench, &["run", "from-file.toml", "--out", "out"]);
     let said = said.replace("-0.000000", "0.000000");
     assert!(said.contains(&words), "wanted {words} in\n{said}");
-    let remarks = bench.remarks("out").replace("-0.000000", "0.000000");
+    let remarks = remarks_in(&bench, "out").replace("-0.000000", "0.000000");
     assert!(remarks.contains(&words), "wanted {words} in\n{remarks}");
     // It stays with the run that goes on.
-    bench.succeed(&["resume", "out", "--steps", "10", "--quiet"]);
-    let remarks = bench.remarks("out").replace("-0.000000", "0.000000");
+    succeed_in(&bench, &["resume", "out", "--steps", "10", "--quiet"]);
+    let remarks = remarks_in(&bench, "out").replace("-0.000000", "0.000000");
     assert!(remarks.contains(&words), "wanted {words} in\n{remarks}");
 }
 
 #[test]
 fn the_frame_of_a_file_with_many_is_named() {
-    let bench = Bench::new();
+    let bench = bench();
     let made = [
         "run",
         "liquid.toml",
@@ -122,18 +100,18 @@ fn the_frame_of_a_file_with_many_is_named() {
         "--set",
         "output.trajectory_every=5",
     ];
-    bench.succeed(&made);
+    succeed_in(&bench, &made);
     bench.write("start.xyz", &bench.read("made/trajectory.xyz"));
     let words = "the start is frame 4 of 4 of ";
-    let said = bench.succeed(&["run", "from-file.toml", "--out", "out"]);
+    let said = succeed_in(&bench, &["run", "from-file.toml", "--out", "out"]);
     assert!(said.contains(words) && said.contains("start.xyz"), "{said}");
     assert!(
-        bench.remarks("out").contains(words),
+        remarks_in(&bench, "out").contains(words),
         "{}",
-        bench.remarks("out")
+        remarks_in(&bench, "out")
     );
     bench.write("start.xyz", &bench.read("made/final.xyz"));
-    let said = bench.succeed(&["run", "from-file.toml", "--out", "other"]);
+    let said = succeed_in(&bench, &["run", "from-file.toml", "--out", "other"]);
     assert!(!said.contains("the start is frame"), "{said}");
 }
 
@@ -141,7 +119,7 @@ fn the_frame_of_a_file_with_many_is_named() {
 /// to the bit as where they fall on the last step.
 #[test]
 fn the_last_state_has_its_energies_whenever_samples_are_taken() {
-    let bench = Bench::new();
+    let bench = bench();
     let header = |text: &str, key: &str| -> f64 {
         let line = text.lines().nth(1).unwrap();
         let at = line
@@ -165,7 +143,10 @@ fn the_last_state_has_its_energies_whenever_samples_are_taken() {
                 "--set",
                 &every,
             ];
-            bench.succeed(&[&run[..], more, &["--set", "stage.0.steps=40"]].concat());
+            succeed_in(
+                &bench,
+                &[&run[..], more, &["--set", "stage.0.steps=40"]].concat(),
+            );
             let text = bench.read(&format!("{out}/final.xyz"));
             fs::remove_dir_all(bench.path(out)).unwrap();
             text
@@ -181,14 +162,14 @@ fn the_last_state_has_its_energies_whenever_samples_are_taken() {
 
 #[test]
 fn going_on_is_advised_only_where_there_is_a_checkpoint() {
-    let bench = Bench::new();
-    bench.succeed(&["run", "liquid.toml", "--quiet", "--out", "out"]);
+    let bench = bench();
+    succeed_in(&bench, &["run", "liquid.toml", "--quiet", "--out", "out"]);
     let record = bench.read("out/run.json");
     bench.write(
         "out/run.json",
         &record.replace("\"finished\": true", "\"finished\": false"),
     );
-    let said = stderr(&bench.lennard(&["compare", "out"]));
+    let said = stderr(&bench.output(&["compare", "out"]));
     assert!(said.contains("to go on: lennard resume out"), "{said}");
     for (_, path) in lennard_io::CheckpointFolder::new(&bench.path("out"))
         .list()
@@ -196,7 +177,7 @@ fn going_on_is_advised_only_where_there_is_a_checkpoint() {
     {
         fs::remove_file(path).unwrap();
     }
-    let said = stderr(&bench.lennard(&["compare", "out"]));
+    let said = stderr(&bench.output(&["compare", "out"]));
     assert!(!said.contains("lennard resume"), "{said}");
     let again = "it has no checkpoint to go on from; to start again: lennard run out/scene.toml --out FOLDER";
     assert!(said.contains(again), "{said}");

@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use lennard_core::rigid::MOLECULES_PER_TASK;
 use lennard_core::tasks::for_each_item;
-use lennard_core::{BondsSolved, DVec3, Masses, StepError, System};
+use lennard_core::{BondsSolved, DVec3, MOST_SITES, Masses, StepError, System};
 
 /// One chain after a drift.
 pub struct Chain<'a> {
@@ -18,6 +18,8 @@ pub struct Chain<'a> {
     pub before: &'a [DVec3],
     /// Positions of the sites, σ.
     pub sites: &'a mut [DVec3],
+    /// The corrections of the sites so far, σ. A difference of positions would lose digits far from the origin.
+    pub moved: &'a mut [DVec3],
 }
 
 /// Why a chain has no solution.
@@ -37,6 +39,12 @@ impl Chain<'_> {
             .windows(2)
             .map(off)
             .fold(0.0, |a, b| if b.is_nan() || b > a { b } else { a })
+    }
+
+    /// Moves a site.
+    pub fn displace(&mut self, site: usize, by: DVec3) {
+        self.sites[site] += by;
+        self.moved[site] += by;
     }
 
     /// The error for bond `c`, which has the vector `s` after the drift.
@@ -104,21 +112,21 @@ impl BondsBefore {
                 .zip(before.chunks_exact(bonds));
             for (m, ((x, v), before)) in chains.enumerate() {
                 let m = task * MOLECULES_PER_TASK + m;
-                let mut drifted = [DVec3::ZERO; lennard_core::MOST_SITES];
-                drifted[..sites].copy_from_slice(x);
+                let mut moved = [DVec3::ZERO; MOST_SITES];
                 let mut chain = Chain {
                     masses: &system.masses,
                     first: m * sites,
                     length: molecules.bond_length(),
                     before,
                     sites: x,
+                    moved: &mut moved[..sites],
                 };
                 match solve(&mut chain) {
                     Ok(iterations) => {
                         solved.iterations = solved.iterations.max(iterations);
                         solved.residual = solved.residual.max(chain.residual());
-                        for ((v, x), drifted) in v.iter_mut().zip(x.iter()).zip(&drifted) {
-                            *v += (*x - *drifted) / h;
+                        for (v, moved) in v.iter_mut().zip(&moved) {
+                            *v += *moved / h;
                         }
                     }
                     Err(e) => {

@@ -2,7 +2,7 @@
 
 use lennard_core::rigid::{Tridiagonal, add_along_bonds, bond_vectors};
 use lennard_core::{
-    BondSolver, Bonds, BondsSolved, DVec3, MOST_BONDS, Molecules, StepError, System,
+    BondSolver, Bonds, BondsSolved, DVec3, MOST_BONDS, MOST_SITES, Molecules, StepError, System,
 };
 
 use super::chains::{BondsBefore, Chain, ChainError};
@@ -83,8 +83,8 @@ pub(super) fn one_bond(chain: &mut Chain<'_>) -> Result<u32, ChainError> {
         1.0 / chain.masses.of(chain.first + 1),
     ];
     let share = eta / (i + j);
-    chain.sites[0] -= (share * i) * d;
-    chain.sites[1] += (share * j) * d;
+    chain.displace(0, -(share * i) * d);
+    chain.displace(1, (share * j) * d);
     Ok(1)
 }
 
@@ -106,14 +106,17 @@ fn newton(chain: &mut Chain<'_>, tolerance: f64) -> Result<u32, ChainError> {
             return Err(chain.turned(c, bonds[c]));
         }
         let multipliers = equations.right;
+        let mut by = [DVec3::ZERO; MOST_SITES];
         add_along_bonds(
-            chain.sites,
+            &mut by,
             chain.masses,
             chain.first,
             chain.before,
             &multipliers,
-            1.0,
         );
+        for (site, by) in by.iter().enumerate().take(chain.sites.len()) {
+            chain.displace(site, *by);
+        }
     }
     Err(ChainError::NotConverged(
         MOST_ITERATIONS,

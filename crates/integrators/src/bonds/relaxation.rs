@@ -12,7 +12,7 @@ lennard_core::choices! {
         /// Along the bond before the drift, as SHAKE does: time-reversible where it has converged.
         #[default]
         Old = "old",
-        /// Along the bond as it is now: a projection, which loses or gains energy in proportion to the step.
+        /// Along the bond as it is now, without a velocity stage: energy drifts in proportion to the step.
         New = "new",
     }
 }
@@ -73,6 +73,11 @@ struct Relaxation {
 }
 
 impl BondSolver for Relaxation {
+    /// The rule along the new bond stands alone, on positions: velocities are displacements over the step.
+    fn has_velocity_stage(&self) -> bool {
+        self.options.direction == Direction::Old
+    }
+
     fn before_drift(&mut self, system: &System, positions: &[DVec3]) {
         self.bonds.take(system, positions);
     }
@@ -130,8 +135,8 @@ fn sweep(chain: &mut Chain<'_>, options: &Options) -> Result<(), ChainError> {
             Direction::New => (chain.length / s.length() - 1.0) * s,
         };
         let share = (options.over_relaxation / (i + j)) * correction;
-        chain.sites[c] -= i * share;
-        chain.sites[c + 1] += j * share;
+        chain.displace(c, -i * share);
+        chain.displace(c + 1, j * share);
     }
     Ok(())
 }

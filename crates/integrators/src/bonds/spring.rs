@@ -9,7 +9,6 @@ use lennard_core::{
 };
 
 use super::{BondHolder, BondMethod, BondSpec};
-use crate::common::remembers_nothing;
 
 lennard_core::options! {
     /// Options of springs.
@@ -47,19 +46,27 @@ pub struct Springs {
     molecules: Molecules,
 }
 
-remembers_nothing!(Springs);
+lennard_core::remembers_nothing!(Springs);
 
 /// Totals of a part of the bonds.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Sums {
     energy: f64,
     virial: DMat3,
     laplacian: f64,
 }
 
+impl Sums {
+    const NOTHING: Self = Self {
+        energy: 0.0,
+        virial: DMat3::ZERO,
+        laplacian: 0.0,
+    };
+}
+
 impl std::iter::Sum for Sums {
     fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
-        all.fold(Self::default(), |a, b| a + b)
+        all.fold(Self::NOTHING, |a, b| a + b)
     }
 }
 
@@ -85,7 +92,7 @@ impl Springs {
 
     fn totals(&self, positions: &[DVec3]) -> Sums {
         ordered_sum(positions.len() / self.molecules.sites(), |range| {
-            let mut sums = Sums::default();
+            let mut sums = Sums::NOTHING;
             for m in range {
                 for pair in positions[self.molecules.sites_of(m)].windows(2) {
                     let d = pair[1] - pair[0];
@@ -124,7 +131,7 @@ impl ForceTerm for Springs {
     ) -> Result<Energetics, ForceError> {
         // Springs are the fastest motion: they belong to the near part.
         let sums = if part == Part::Far {
-            Sums::default()
+            Sums::NOTHING
         } else {
             let sites = self.molecules.sites();
             let size = sites * MOLECULES_PER_TASK;
@@ -142,7 +149,7 @@ impl ForceTerm for Springs {
                 }
             });
             if want.is_nothing() {
-                Sums::default()
+                Sums::NOTHING
             } else {
                 self.totals(at.positions)
             }

@@ -2,7 +2,7 @@
 
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
-    PeriodicBox, Persist, RestoreError, State, StateReader, StateWriter, Want,
+    PeriodicBox, State, Want,
 };
 
 /// The attraction F = −r/|r|³ of a fixed centre at the origin on a unit mass, U = −1/|r|.
@@ -12,12 +12,7 @@ use lennard_core::{
 #[derive(Debug, Clone, Copy, Default)]
 pub struct KeplerForces;
 
-impl Persist for KeplerForces {
-    fn save(&self, _to: &mut StateWriter<'_>) {}
-    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
-        Ok(())
-    }
-}
+lennard_core::remembers_nothing!(KeplerForces);
 
 impl ForceTerm for KeplerForces {
     fn evaluate(

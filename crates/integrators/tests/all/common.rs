@@ -3,7 +3,7 @@
 use lennard_core::random::Streams;
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, FusedSteps,
-    Part, Persist, RestoreError, StateReader, StateWriter, Want, sweeps,
+    Part, Want, sweeps,
 };
 use rand::RngExt;
 
@@ -12,12 +12,7 @@ use rand::RngExt;
 /// Split for RESPA by the potential's own two terms: near r⁻¹², far −r⁻⁶. Takes up to two steps in one go.
 pub struct Cluster;
 
-impl Persist for Cluster {
-    fn save(&self, _to: &mut StateWriter<'_>) {}
-    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
-        Ok(())
-    }
-}
+lennard_core::remembers_nothing!(Cluster);
 
 impl ForceTerm for Cluster {
     fn evaluate(

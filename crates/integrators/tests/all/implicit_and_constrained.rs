@@ -337,15 +337,7 @@ fn systems_that_do_not_suit_are_refused_by_name() {
 /// Forces that hide that they split.
 struct Unsplit<'a>(&'a mut HarmonicForces);
 
-impl lennard_core::Persist for Unsplit<'_> {
-    fn save(&self, _to: &mut lennard_core::StateWriter<'_>) {}
-    fn restore(
-        &mut self,
-        _from: &lennard_core::StateReader<'_>,
-    ) -> Result<(), lennard_core::RestoreError> {
-        Ok(())
-    }
-}
+lennard_core::remembers_nothing!(Unsplit<'_>);
 
 impl ForceTerm for Unsplit<'_> {
     fn evaluate(

@@ -1,6 +1,7 @@
 //! Tests of integrators and thermostats from outside, on an oscillator and on a small cluster.
 
 mod bit_reversible;
+mod bonds;
 mod common;
 mod conformance;
 mod fire;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
-    Persist, RestoreError, State, StateReader, StateWriter, StepError, System, Want,
+    Persist, State, StepError, System, Want,
 };
 use lennard_integrators::fire::FireError;
 use lennard_integrators::measure::KeplerForces;
@@ -34,12 +34,7 @@ fn refusal(method: &str, constraints: usize) -> String {
 /// Forces that come in one piece.
 struct Unsplit;
 
-impl Persist for Unsplit {
-    fn save(&self, _to: &mut StateWriter<'_>) {}
-    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
-        Ok(())
-    }
-}
+lennard_core::remembers_nothing!(Unsplit);
 
 impl ForceTerm for Unsplit {
     fn evaluate(

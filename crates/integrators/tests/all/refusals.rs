@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use lennard_core::{
-    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
-    Persist, RestoreError, State, StateReader, StateWriter, StepError, System, Want,
+    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part, State,
+    StepError, System, Want,
 };
 use lennard_integrators::measure::{Kepler, KeplerForces, run};
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces};
@@ -23,12 +23,7 @@ struct Failing {
     silently: bool,
 }
 
-impl Persist for Failing {
-    fn save(&self, _to: &mut StateWriter<'_>) {}
-    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
-        Ok(())
-    }
-}
+lennard_core::remembers_nothing!(Failing);
 
 impl ForceTerm for Failing {
     fn evaluate(

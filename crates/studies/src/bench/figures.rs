@@ -136,7 +136,7 @@ fn parts(study: &BenchStudy) -> Picture {
             "Parts of a step, {}",
             lennard_report::counted(fewest, "thread")
         ),
-        axis: Axis::linear("ns an atom"),
+        axis: Axis::linear("ns per atom"),
         series: series
             .map(|(color, (name, values))| BarSeries {
                 name: name.into(),

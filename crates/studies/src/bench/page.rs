@@ -87,7 +87,7 @@ pub(super) fn page(study: &BenchStudy) -> Page {
     }
     if let Some(found) = &study.features {
         let section = Section::new("Features").text(format!(
-            "Force provider and integrator called by hand take {} ns an atom and step, the engine with every feature off {} ns: {} more \
+            "Force provider and integrator called by hand take {} ns per atom and step, the engine with every feature off {} ns: {} more \
              (from {} to {}).",
             with_range(found.bare_ns),
             with_range(found.off_ns),
@@ -100,7 +100,7 @@ pub(super) fn page(study: &BenchStudy) -> Page {
     Page {
         title: format!("{}: how fast", study.scene),
         lead: format!(
-            "{} atoms at ρ = {:.4}, {}, {:.1} pairs an atom within the cutoff, T = {:.3}. Every block of {} steps starts from the same \
+            "{} atoms at ρ = {:.4}, {}, {:.1} pairs per atom within the cutoff, T = {:.3}. Every block of {} steps starts from the same \
              state; the order of the blocks is shuffled in each of {} repeats. Times are those of this machine at that hour: only \
              ratios carry over.",
             study.atoms,

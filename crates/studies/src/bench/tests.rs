@@ -64,7 +64,7 @@ fn each_variant_is_measured_once_and_its_numbers_agree_with_one_another() {
 
 #[test]
 fn the_model_decides_how_many_pairs_count() {
-    // (2π/3)·ρ·r_cut³ pairs an atom in a structureless fluid: near it in a dense one.
+    // (2π/3)·ρ·r_cut³ pairs per atom in a structureless fluid: near it in a dense one.
     let study = run(&options(&[]), &mut Silent).unwrap();
     let expected = 2.0 / 3.0 * std::f64::consts::PI * study.density * study.r_cut.powi(3);
     assert!(

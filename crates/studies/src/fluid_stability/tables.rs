@@ -18,7 +18,7 @@ pub(crate) fn in_words(outcome: &Outcome) -> String {
             )
         }
         Outcome::RanAway { step, time, change } => format!(
-            "ran away: {} ε an atom by step {step} (t = {})",
+            "ran away: {} ε per atom by step {step} (t = {})",
             significant(*change, 2),
             significant(*time, 3)
         ),
@@ -72,7 +72,7 @@ pub(crate) fn csv(study: &FluidStudy) -> Vec<Table> {
 fn failure_in_words(limit: &FluidLimit) -> String {
     match (&limit.failure, limit.failure_change) {
         (Some(Outcome::Completed), Some(change)) => {
-            format!("energy changed by {} ε an atom", significant(change, 2))
+            format!("energy changed by {} ε per atom", significant(change, 2))
         }
         (Some(outcome), _) => in_words(outcome),
         (None, _) => String::new(),
@@ -153,7 +153,7 @@ pub(crate) fn past_on_page(study: &FluidStudy) -> Table {
         .column("What happens", |(_, r)| match (&r.outcome, r.change) {
             (Outcome::Completed, Some(change)) => {
                 let change = significant(change, 2);
-                format!("completed, energy changed by {change} ε an atom")
+                format!("completed, energy changed by {change} ε per atom")
             }
             (outcome, _) => in_words(outcome),
         })

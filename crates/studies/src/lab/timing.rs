@@ -210,7 +210,7 @@ mod tests {
         assert!(verlet.seconds_per_atom_tau > 0.0);
         let respa = base.with_integrator(IntegratorOptions::Respa(Default::default()));
         assert!((run(&respa).evaluations_per_tau - 1250.0).abs() < 1e-6);
-        // ρ = 0.8442: (2π/3)·ρ·2.5³ = 27.6 pairs an atom; the near force sees fewer.
+        // ρ = 0.8442: (2π/3)·ρ·2.5³ = 27.6 pairs per atom; the near force sees fewer.
         let all = bench.pair_forces(&base, 1.0).unwrap();
         assert!((25.0..30.0).contains(&all), "{all}");
         let split = bench.pair_forces(&respa, 5.0).unwrap();

@@ -158,7 +158,7 @@ pub(crate) fn on_the_fluid(study: &FluidStudy) -> Vec<Claim> {
             Claim::judge(
                 ARTICLE,
                 format!("A7: `{name}` conserves linear momentum"),
-                "largest |Σ m·v| an atom over all runs of the fluid",
+                "largest |Σ m·v| per atom over all runs of the fluid",
                 Demand::Below(MOMENTUM_TOLERANCE),
                 momentum,
             )

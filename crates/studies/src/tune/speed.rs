@@ -63,7 +63,7 @@ impl Speed {
             missed => format!("the usual ones miss the target of {}", missed.join(" and ")),
         };
         self.remarks.push(format!(
-            "the chosen settings are {told} than the usual ones on this machine now: {ratio:.2} × their time, {} beside {} µs an atom and τ; {usual_errs}",
+            "the chosen settings are {told} than the usual ones on this machine now: {ratio:.2} × their time, {} beside {} µs per atom and τ; {usual_errs}",
             range(chosen),
             range(usual)
         ));
@@ -113,7 +113,7 @@ mod tests {
         assert_eq!(alike.is_faster, Some(false));
         assert!(
             alike.remarks[0].contains("not told to be faster")
-                && alike.remarks[0].contains("1.90 to 2.05 beside 2.00 to 2.20 µs an atom and τ"),
+                && alike.remarks[0].contains("1.90 to 2.05 beside 2.00 to 2.20 µs per atom and τ"),
             "{alike:?}"
         );
         assert!(alike.remarks[0].contains("predicted to keep the targets"));

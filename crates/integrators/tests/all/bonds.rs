@@ -1,0 +1,530 @@
+//! Rigid bonds and springs, against answers that are known.
+
+use lennard_core::{Backend, Momentum};
+use lennard_core::{
+    Bonds, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceSum, ForceTerm,
+    Integrator, Masses, Molecules, NoForces, Part, PeriodicBox, State, System, Want, rigid,
+};
+use lennard_integrators::bonds::{direct, relaxation, spring};
+use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build};
+
+fn direct() -> BondOptions {
+    BondOptions::Direct(direct::Options { tolerance: 1e-14 })
+}
+
+fn shake(tolerance: f64) -> BondOptions {
+    BondOptions::Relaxation(relaxation::Options {
+        tolerance: Some(tolerance),
+        ..Default::default()
+    })
+}
+
+fn projection() -> BondOptions {
+    BondOptions::Relaxation(relaxation::Options {
+        tolerance: Some(1e-13),
+        direction: relaxation::Direction::New,
+        ..Default::default()
+    })
+}
+
+fn velocity_verlet(bonds: &BondOptions, molecules: Molecules) -> Integrator {
+    let method = build(&IntegratorOptions::default());
+    match bonds.build(&molecules) {
+        BondHolder::Rigid(solver) => method.with_bonds(solver),
+        BondHolder::Spring(_) => method,
+    }
+}
+
+/// A system and a state of rigid chains in a box so wide that nothing folds.
+fn start(molecules: Molecules, x: Vec<DVec3>, v: Vec<DVec3>) -> (System, State) {
+    let system = System::of_molecules(x.len(), molecules);
+    let cell = PeriodicBox::new(DVec3::splat(1e3)).unwrap();
+    let mut state = State::new(cell, x, v);
+    rigid::project_velocities(&system, &state.positions, &mut state.velocities);
+    (system, state)
+}
+
+fn run(
+    system: &System,
+    state: &mut State,
+    forces: &mut dyn Backend,
+    bonds: &BondOptions,
+    dt: f64,
+    steps: u64,
+) {
+    let mut integrator = velocity_verlet(bonds, system.molecules);
+    integrator
+        .start(system, state, forces, dt, Want::ENERGY)
+        .unwrap();
+    for _ in 0..steps {
+        integrator
+            .step(system, state, forces, dt, Want::ENERGY)
+            .unwrap();
+    }
+}
+
+/// Lennard-Jones forces between the sites of different molecules, without a cutoff, or a field.
+#[derive(Clone)]
+struct Simple {
+    molecules: Molecules,
+    pairs: bool,
+    gravity: f64,
+}
+
+lennard_core::remembers_nothing!(Simple);
+
+impl ForceTerm for Simple {
+    fn evaluate(
+        &mut self,
+        at: Configuration<'_>,
+        _part: Part,
+        _want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        forces.fill(DVec3::new(0.0, 0.0, -self.gravity));
+        let mut energy: f64 = at.positions.iter().map(|x| self.gravity * x.z).sum();
+        let sites = self.molecules.sites();
+        for i in 0..forces.len() {
+            for j in 0..i {
+                if !self.pairs || i / sites == j / sites {
+                    continue;
+                }
+                let d = at.positions[i] - at.positions[j];
+                let r2 = d.length_squared();
+                let s6 = r2.powi(-3);
+                energy += 4.0 * (s6 * s6 - s6);
+                let f = (48.0 * s6 * s6 - 24.0 * s6) / r2 * d;
+                forces[i] += f;
+                forces[j] -= f;
+            }
+        }
+        Ok(Energetics {
+            potential_energy: Some(energy),
+            conserved_potential: Some(energy),
+            ..Energetics::default()
+        })
+    }
+
+    fn properties(&self) -> ForceProperties {
+        ForceProperties::default()
+    }
+}
+
+impl Backend for Simple {}
+
+/// A dumbbell of length 1 that turns by α = asin(Ωh) per step about the origin.
+fn rotor(omega: f64) -> (System, State) {
+    let molecules = Molecules::chains(2, 1.0, Bonds::Rigid);
+    let x = vec![DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.5, 0.0, 0.0)];
+    let v = vec![
+        DVec3::new(0.0, -0.5 * omega, 0.0),
+        DVec3::new(0.0, 0.5 * omega, 0.0),
+    ];
+    start(molecules, x, v)
+}
+
+fn angle(state: &State) -> f64 {
+    let d = state.positions[1] - state.positions[0];
+    d.y.atan2(d.x)
+}
+
+#[test]
+fn a_free_rotor_turns_by_the_arc_sine_of_its_speed_and_keeps_its_energy() {
+    for bonds in [direct(), shake(1e-14)] {
+        let (system, mut state) = rotor(2.0);
+        let kinetic = system.kinetic_energy(&state.velocities);
+        let (dt, steps) = (0.05, 12);
+        run(&system, &mut state, &mut NoForces, &bonds, dt, steps);
+        let wanted = steps as f64 * (2.0_f64 * dt).asin();
+        assert!((angle(&state) - wanted).abs() < 1e-12, "{}", angle(&state));
+        let after = system.kinetic_energy(&state.velocities);
+        assert!((after / kinetic - 1.0).abs() < 1e-12);
+    }
+}
+
+/// Projection along the new bond is dissipative: α_n = α₀/√(1 + 2α₀²n).
+#[test]
+fn projection_along_the_new_bond_slows_a_rotor_by_its_law() {
+    let (dt, alpha) = (0.05, 0.1_f64);
+    let (system, mut state) = rotor(alpha.sin() / dt);
+    run(&system, &mut state, &mut NoForces, &projection(), dt, 100);
+    let before = angle(&state);
+    run(&system, &mut state, &mut NoForces, &projection(), dt, 1);
+    let turned = (angle(&state) - before).rem_euclid(std::f64::consts::TAU);
+    let law = alpha / (1.0 + 2.0 * alpha * alpha * 100.0).sqrt();
+    assert!((turned / law - 1.0).abs() < 0.02, "{turned} against {law}");
+}
+
+#[test]
+fn a_bond_that_turns_too_far_stops_the_step() {
+    for bonds in [direct(), shake(1e-12)] {
+        let (system, mut state) = rotor(21.0);
+        let mut integrator = velocity_verlet(&bonds, system.molecules);
+        integrator
+            .start(&system, &mut state, &mut NoForces, 0.05, Want::NOTHING)
+            .unwrap();
+        let failed = (0..50).find_map(|_| {
+            integrator
+                .step(&system, &mut state, &mut NoForces, 0.05, Want::NOTHING)
+                .err()
+        });
+        let text = failed.expect("a bond turned too far").to_string();
+        assert!(text.contains("molecule 1"), "{text}");
+    }
+}
+
+fn two_dumbbells() -> (System, State, Simple) {
+    let half = 0.335;
+    let molecules = Molecules::chains(2, 2.0 * half, Bonds::Rigid);
+    let x = vec![
+        DVec3::new(-1.5, 0.1, -half),
+        DVec3::new(-1.5, 0.1, half),
+        DVec3::new(1.5, -0.1 - half, 0.0),
+        DVec3::new(1.5, -0.1 + half, 0.0),
+    ];
+    let v = [1.0, 1.0, -1.0, -1.0].map(|v| DVec3::new(v, 0.0, 0.0));
+    let (system, state) = start(molecules, x, v.to_vec());
+    let forces = Simple {
+        molecules,
+        pairs: true,
+        gravity: 0.0,
+    };
+    (system, state, forces)
+}
+
+/// Final positions at t = 2.5 by a Runge–Kutta method of order 8 with a tolerance of 2.3e-14.
+fn two_dumbbells_later() -> [DVec3; 4] {
+    [
+        DVec3::new(-1.641155205379, 0.029260398615, -0.335),
+        DVec3::new(-1.641155205379, 0.029260398615, 0.335),
+        DVec3::new(1.941570057551, -0.177503160982, 0.0),
+        DVec3::new(1.340740353207, 0.118982363753, 0.0),
+    ]
+}
+
+fn error_after(bonds: &BondOptions, steps: u64) -> f64 {
+    let (system, mut state, mut forces) = two_dumbbells();
+    run(
+        &system,
+        &mut state,
+        &mut forces,
+        bonds,
+        2.5 / steps as f64,
+        steps,
+    );
+    let off = state.positions.iter().zip(two_dumbbells_later());
+    off.map(|(x, y)| (*x - y).length()).fold(0.0, f64::max)
+}
+
+#[test]
+fn two_dumbbells_meet_their_high_precision_solution_with_order_two() {
+    for bonds in [direct(), shake(1e-13)] {
+        let errors: Vec<f64> = [1000, 2000, 4000, 8000]
+            .map(|steps| error_after(&bonds, steps))
+            .to_vec();
+        assert!(errors[3] < 8e-6, "{errors:?}");
+        let order = (errors[1] / errors[3]).log2() / 2.0;
+        assert!((order - 2.0).abs() < 0.05, "{order}: {errors:?}");
+    }
+}
+
+#[test]
+fn projection_along_the_new_bond_is_of_order_one() {
+    let errors = [2000, 8000].map(|steps| error_after(&projection(), steps));
+    let order = (errors[0] / errors[1]).log2() / 2.0;
+    assert!((order - 1.0).abs() < 0.1, "{order}: {errors:?}");
+}
+
+#[test]
+fn energy_and_momenta_of_two_dumbbells_are_kept() {
+    let (system, mut state, mut forces) = two_dumbbells();
+    let momentum = system.momentum(&state.velocities);
+    let angular = |state: &State| -> DVec3 {
+        let both = state.positions.iter().zip(&state.velocities);
+        both.map(|(x, v)| x.cross(*v)).sum()
+    };
+    let before = angular(&state);
+    run(
+        &system,
+        &mut state,
+        &mut forces,
+        &direct(),
+        2.5 / 8000.0,
+        8000,
+    );
+    let energy =
+        system.kinetic_energy(&state.velocities) + state.energetics.potential_energy.unwrap();
+    assert!((energy - 1.979878613169).abs() < 1e-5, "{energy}");
+    assert!((system.momentum(&state.velocities) - momentum).length() < 1e-13);
+    assert!((angular(&state) - before).length() < 1e-12);
+}
+
+#[test]
+fn reversed_velocities_lead_back_but_not_with_projection() {
+    let back = |bonds: &BondOptions| {
+        let (system, mut state, mut forces) = two_dumbbells();
+        let first = state.positions.clone();
+        run(&system, &mut state, &mut forces, bonds, 5e-4, 10_000);
+        for v in &mut state.velocities {
+            *v = -*v;
+        }
+        run(&system, &mut state, &mut forces, bonds, 5e-4, 10_000);
+        let off = state.positions.iter().zip(&first);
+        off.map(|(x, y)| (*x - *y).length()).fold(0.0, f64::max)
+    };
+    for bonds in [direct(), shake(1e-14)] {
+        let off = back(&bonds);
+        assert!(off < 1e-9, "{off:e}");
+    }
+    assert!(back(&projection()) > 1e-3);
+}
+
+/// A chain at rest and horizontal in gravity, whose first bead is so heavy that it hardly moves.
+fn hanging_chain(sites: usize) -> (System, State, Simple) {
+    let molecules = Molecules::chains(sites, 0.2, Bonds::Rigid);
+    let x = (0..sites)
+        .map(|k| DVec3::new(0.2 * k as f64, 0.0, 0.0))
+        .collect();
+    let (system, state) = start(molecules, x, vec![DVec3::ZERO; sites]);
+    let forces = Simple {
+        molecules,
+        pairs: false,
+        gravity: 9.81,
+    };
+    (system, state, forces)
+}
+
+/// Gravity, and a force that holds the first bead: it has the weight of nothing and a mass beyond all others.
+#[derive(Clone)]
+struct HeldAtOneEnd(f64);
+
+lennard_core::remembers_nothing!(HeldAtOneEnd);
+
+impl ForceTerm for HeldAtOneEnd {
+    fn evaluate(
+        &mut self,
+        _at: Configuration<'_>,
+        _part: Part,
+        _want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        forces.fill(DVec3::new(0.0, 0.0, -self.0));
+        forces[0] = DVec3::ZERO;
+        Ok(Energetics::default())
+    }
+
+    fn properties(&self) -> ForceProperties {
+        ForceProperties::default()
+    }
+}
+
+impl Backend for HeldAtOneEnd {}
+
+#[test]
+fn a_chain_held_at_one_end_falls_as_its_high_precision_solution() {
+    let (mut system, mut state, _) = hanging_chain(6);
+    system.masses = Masses::Each(vec![1e15, 1.0, 1.0, 1.0, 1.0, 1.0]);
+    run(
+        &system,
+        &mut state,
+        &mut HeldAtOneEnd(9.81),
+        &direct(),
+        5e-5,
+        10_000,
+    );
+    let end = state.positions[5];
+    let wanted = DVec3::new(-0.056664541268, 0.0, -0.975802326581);
+    assert!((end - wanted).length() < 2e-6, "{end} against {wanted}");
+}
+
+#[test]
+fn relaxation_and_the_direct_solution_agree_on_a_chain() {
+    let after = |bonds: &BondOptions| {
+        let (system, mut state, mut forces) = hanging_chain(11);
+        state.velocities[10] = DVec3::new(0.3, 0.5, 1.0);
+        rigid::project_velocities(&system, &state.positions, &mut state.velocities);
+        run(&system, &mut state, &mut forces, bonds, 1e-3, 200);
+        state.positions
+    };
+    let one = after(&direct());
+    let other = after(&shake(1e-13));
+    let off = one.iter().zip(&other).map(|(a, b)| (*a - *b).length());
+    let off = off.fold(0.0, f64::max);
+    assert!(off < 1e-9, "{off:e}");
+}
+
+/// The rate of Gauss–Seidel on a straight chain of n bonds is cos²(π/(n + 1)).
+#[test]
+fn sweeps_over_a_straight_chain_converge_by_the_cosine_law() {
+    for (bonds, sweeps, more) in [(2_usize, 4, 4), (5, 24, 8), (10, 60, 10)] {
+        let molecules = Molecules::chains(bonds + 1, 1.0, Bonds::Rigid);
+        let residual = |sweeps: u32| {
+            // All sites on a line: drifted so that each bond is a little too long.
+            let x = (0..=bonds).map(|k| DVec3::new(k as f64, 0.0, 0.0));
+            let v = (0..=bonds).map(|k| DVec3::new(k as f64, 0.0, 0.0));
+            let system = System::of_molecules(bonds + 1, molecules);
+            let cell = PeriodicBox::new(DVec3::splat(1e3)).unwrap();
+            let mut state = State::new(cell, x.collect(), v.collect());
+            let options = BondOptions::Relaxation(relaxation::Options {
+                sweeps,
+                ..Default::default()
+            });
+            let mut integrator = velocity_verlet(&options, molecules);
+            integrator
+                .start(&system, &mut state, &mut NoForces, 1e-4, Want::NOTHING)
+                .unwrap();
+            let report = integrator
+                .step(&system, &mut state, &mut NoForces, 1e-4, Want::NOTHING)
+                .unwrap();
+            report.residual
+        };
+        let fraction = 1.0 / f64::from(more);
+        let rate = (residual(sweeps + more) / residual(sweeps)).powf(fraction);
+        let law = (std::f64::consts::PI / (bonds as f64 + 1.0)).cos().powi(2);
+        assert!(
+            (rate / law - 1.0).abs() < 0.01,
+            "{bonds}: {rate} against {law}"
+        );
+    }
+}
+
+#[test]
+fn multipliers_are_the_tension_of_a_turning_chain() {
+    // A straight chain turning at Ω about its middle: T_j = Ω²·Σ radii of the outer beads.
+    let omega = 1.7;
+    let molecules = Molecules::chains(4, 1.0, Bonds::Rigid);
+    let x: Vec<DVec3> = [-1.5, -0.5, 0.5, 1.5]
+        .map(|x| DVec3::new(x, 0.0, 0.0))
+        .to_vec();
+    let v = x
+        .iter()
+        .map(|x| DVec3::new(0.0, omega * x.x, 0.0))
+        .collect();
+    let (system, state) = start(molecules, x, v);
+    let sums = rigid::constraint_sums(&system, &state);
+    let tensions = [1.5, 2.0, 1.5].map(|radii| omega * omega * radii);
+    // The force on the site at the end of d is λ·d, and the tension −λ|d|.
+    let wanted = -tensions.iter().sum::<f64>();
+    assert!((sums.virial.x_axis.x - wanted).abs() < 1e-12, "{sums:?}");
+    assert!(sums.largest_residual < 1e-15);
+    let squares: f64 = [1.5_f64, 0.5, 0.5, 1.5]
+        .map(|r| (omega * omega * r).powi(2))
+        .iter()
+        .sum();
+    assert!((sums.squared_forces - squares).abs() < 1e-12);
+}
+
+#[test]
+fn bonds_of_many_dumbbells_keep_their_length_to_the_last_place() {
+    let molecules = Molecules::chains(2, 0.67, Bonds::Rigid);
+    let n = 500;
+    let x = (0..2 * n)
+        .map(|i| {
+            let (bond, m) = (0.67 * (i % 2) as f64, i / 2);
+            DVec3::new((m % 8) as f64 + bond, (m / 8 % 8) as f64, (m / 64) as f64)
+        })
+        .collect();
+    let v = (0..2 * n)
+        .map(|i| {
+            let k = f64::from(i as u32);
+            0.3 * DVec3::new((k * 0.7).sin(), (k * 1.3).cos(), (k * 0.3).sin())
+        })
+        .collect();
+    let (system, mut state) = start(molecules, x, v);
+    let kinetic = system.kinetic_energy(&state.velocities);
+    run(&system, &mut state, &mut NoForces, &direct(), 0.01, 2000);
+    assert!(rigid::constraint_sums(&system, &state).largest_residual < 1e-14);
+    let after = system.kinetic_energy(&state.velocities);
+    assert!((after / kinetic - 1.0).abs() < 1e-11);
+    assert_eq!(
+        system.n_dof(Momentum::Conserved),
+        3.0 * 1000.0 - 500.0 - 3.0
+    );
+}
+
+#[test]
+fn a_stiff_spring_swings_at_its_frequency_and_its_virial_is_its_force() {
+    let stiffness = 900.0;
+    let molecules = Molecules::chains(2, 1.0, Bonds::Springs);
+    let options = BondOptions::Spring(spring::Options { stiffness });
+    let omega = options.frequency();
+    assert!((omega - (2.0 * stiffness).sqrt()).abs() < 1e-12);
+    let x = vec![DVec3::new(-0.51, 0.0, 0.0), DVec3::new(0.51, 0.0, 0.0)];
+    let (system, mut state) = start(molecules, x, vec![DVec3::ZERO; 2]);
+    let BondHolder::Spring(term) = options.build(&molecules) else {
+        panic!("springs are forces")
+    };
+    let mut forces = ForceSum::new(NoForces);
+    forces.push(term);
+    let steps = 1000;
+    let dt = std::f64::consts::TAU / omega / f64::from(steps);
+    let mut integrator = velocity_verlet(&options, molecules);
+    integrator
+        .start(&system, &mut state, &mut forces, dt, Want::TOTALS)
+        .unwrap();
+    let first = state.clone();
+    let virial = first.energetics.scalar_virial().unwrap();
+    let wanted: f64 = first
+        .positions
+        .iter()
+        .zip(&first.forces)
+        .map(|(x, f)| x.dot(*f))
+        .sum();
+    assert!((virial - wanted).abs() < 1e-12, "{virial} {wanted}");
+    assert!(
+        (first.energetics.potential_energy.unwrap() - 0.5 * stiffness * 0.02_f64.powi(2)).abs()
+            < 1e-12
+    );
+    for _ in 0..steps {
+        integrator
+            .step(&system, &mut state, &mut forces, dt, Want::TOTALS)
+            .unwrap();
+    }
+    assert!((state.positions[1] - first.positions[1]).length() < 1e-6);
+}
+
+/// The Laplacian of springs is the divergence of their forces.
+#[test]
+fn the_laplacian_of_springs_is_the_divergence_of_their_forces() {
+    let molecules = Molecules::chains(3, 1.0, Bonds::Springs);
+    let options = BondOptions::Spring(spring::Options { stiffness: 50.0 });
+    let BondHolder::Spring(mut term) = options.build(&molecules) else {
+        panic!("springs are forces")
+    };
+    let x = vec![
+        DVec3::new(0.0, 0.1, 0.2),
+        DVec3::new(0.9, 0.3, -0.1),
+        DVec3::new(1.2, 1.3, 0.4),
+    ];
+    let cell = PeriodicBox::new(DVec3::splat(1e3)).unwrap();
+    let mut at = |x: &[DVec3]| {
+        let mut forces = vec![DVec3::ZERO; 3];
+        let found = term
+            .evaluate(
+                Configuration::at_rest(&cell, x),
+                Part::All,
+                Want::TOTALS,
+                &mut forces,
+            )
+            .unwrap();
+        (forces, found.laplacian.unwrap())
+    };
+    let (_, laplacian) = at(&x);
+    let mut divergence = 0.0;
+    for site in 0..3 {
+        for axis in 0..3 {
+            let moved = |by: f64| {
+                let mut x = x.clone();
+                x[site][axis] += by;
+                x
+            };
+            let eta = 1e-5;
+            divergence +=
+                (at(&moved(eta)).0[site][axis] - at(&moved(-eta)).0[site][axis]) / (2.0 * eta);
+        }
+    }
+    assert!(
+        (laplacian + divergence).abs() < 1e-6 * laplacian,
+        "{laplacian} {divergence}"
+    );
+}
