@@ -67,11 +67,16 @@ fn bytes(n: u64) -> String {
 pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
     let scene = &simulation.scene;
     let n = simulation.state.len();
-    let density = n as f64 / simulation.state.cell.volume();
+    let molecules = simulation.system.n_molecules();
+    let density = molecules as f64 / simulation.state.cell.volume();
     let [x, y, z] = simulation.state.cell.lengths().to_array();
     println!("{}", console::style(&scene.name).bold());
-    println!("  {n} particles, density {density:.4}, box {x:.4} × {y:.4} × {z:.4} σ");
-    println!("  {}", lennard_forcefield::model_name(&scene.force_field()));
+    let particles = match molecules == n {
+        true => format!("{n} particles"),
+        false => format!("{n} sites in {molecules} molecules"),
+    };
+    println!("  {particles}, density {density:.4}, box {x:.4} × {y:.4} × {z:.4} σ");
+    println!("  {}", scene.model_name());
     println!(
         "  {}, dt = {} τ, {} steps in {} stages",
         scene.integrator.method.name(),

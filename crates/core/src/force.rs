@@ -122,6 +122,13 @@ pub trait ForceTerm: Persist + Send {
         Ok(found)
     }
 
+    /// Adds its forces alone, and changes nothing of itself. The watchdog takes them off before it checks the forces of pairs.
+    ///
+    /// The default adds nothing, as suits the first term of a sum.
+    fn add_forces(&self, at: Configuration<'_>, forces: &mut [DVec3]) {
+        let _ = (at, forces);
+    }
+
     /// What kind of force this is.
     fn properties(&self) -> ForceProperties;
 
@@ -200,6 +207,12 @@ pub trait Backend: ForceTerm {
     fn advance(&mut self, steps: FusedSteps<'_>) -> u64 {
         let _ = steps;
         0
+    }
+
+    /// Adds the forces of all terms but the first to `forces`, and returns whether there are such terms.
+    fn add_other_forces(&self, at: Configuration<'_>, forces: &mut [DVec3]) -> bool {
+        let _ = (at, forces);
+        false
     }
 }
 

@@ -99,6 +99,13 @@ impl<B: Backend> Backend for ForceSum<B> {
             0
         }
     }
+
+    fn add_other_forces(&self, at: Configuration<'_>, forces: &mut [DVec3]) -> bool {
+        for term in &self.others {
+            term.add_forces(at, forces);
+        }
+        !self.others.is_empty()
+    }
 }
 
 impl<B: Backend> Persist for ForceSum<B> {

@@ -19,6 +19,8 @@ pub struct ObservableSpec {
     pub source: &'static str,
     /// Whether it follows the motion through time, which a bath that kicks particles changes.
     pub dynamic: bool,
+    /// Whether it is right for molecules as well as for atoms.
+    pub suits_molecules: bool,
 }
 
 /// The tail correction of a homogeneous fluid beyond the cutoff (g(r) = 1 there).
@@ -77,6 +79,13 @@ impl<'a> View<'a> {
     #[must_use]
     pub fn kinetic_energy(&self) -> f64 {
         self.system.kinetic_energy(&self.state.velocities)
+    }
+
+    /// Σ (r_i − R)·F_i over the sites of molecules, in ε; zero for atoms. The virial less this number is the molecular one,
+    /// Σ R_ab·F_ab, to which forces inside molecules contribute nothing ([`crate::rigid::intramolecular_virial`]).
+    #[must_use]
+    pub fn intramolecular_virial(&self) -> f64 {
+        crate::rigid::intramolecular_virial(self.system, &self.state.positions, &self.state.forces)
     }
 
     /// The kinetic temperature 2K/n_dof in ε/k_B.

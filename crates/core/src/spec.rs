@@ -33,6 +33,8 @@ pub struct IntegratorSpec {
     /// Whether a step is half a kick, a drift, the forces and half a kick, and nothing else: a backend may then take several
     /// steps at once.
     pub is_kick_drift_kick: bool,
+    /// Whether its kicks and drifts hold rigid bonds.
+    pub holds_rigid_bonds: bool,
     /// Force evaluations per step; 0 where their number varies or none is made.
     pub force_evaluations: u32,
     /// The largest stable ω·dt on the oscillator, if there is a finite one.

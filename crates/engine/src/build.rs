@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, ForceSum, PeriodicBox, State, System};
+use lennard_core::{Backend, DVec3, ForceSum, PeriodicBox, State, System, rigid};
 use lennard_forcefield::{AllPairs, Conditions, ForceFieldOptions, Model, PairForces, Precision};
+use lennard_integrators::BondHolder;
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
 use lennard_observables::{BuildContext, ObservableOptions, Thermodynamics};
@@ -75,8 +76,16 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
                 return Ok((beginning, Vec::new()));
             }
             let cells = placement.cells.expect("a lattice has cells");
-            let positions =
+            let centers =
                 initial::lattice_sites(placement.corner, placement.filled, cells, lattice.basis());
+            let molecules = scene.molecules();
+            let positions = match molecules.are_atoms() {
+                true => centers,
+                false => {
+                    initial::straight_chains(&centers, molecules.sites(), molecules.bond_length())
+                }
+            };
+            refuse_overlap_of_molecules(scene, &cell, &positions)?;
             let beginning = Beginning {
                 cell,
                 positions,
@@ -113,7 +122,9 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
 /// [`EngineError`] where the start cannot be made.
 pub fn size_and_density(scene: &Scene) -> Result<(usize, f64), EngineError> {
     let (n, cell) = match (&scene.system.start, scene.placement()?) {
-        (Start::Lattice { n_atoms, .. }, Some(placement)) => (*n_atoms, placement.cell),
+        (Start::Lattice { n_atoms, .. }, Some(placement)) => {
+            (*n_atoms * scene.molecules().sites(), placement.cell)
+        }
         _ => {
             let beginning = begin(scene)?;
             (beginning.positions.len(), beginning.cell)
@@ -158,7 +169,15 @@ fn from_configuration(
             )
             .into());
     }
-    if let Some(pair) = closest_pair(&read.cell, &read.positions, SMALLEST_START_DISTANCE) {
+    let mut read = read;
+    take_molecules(scene, path, &mut read)?;
+    let exclusions = scene.molecules().exclusions();
+    if let Some(pair) = closest_pair(
+        &read.cell,
+        &read.positions,
+        exclusions,
+        SMALLEST_START_DISTANCE,
+    ) {
         let found = format!(
             "particles {} and {} of {} at a distance of {:.4} σ (counted from 1)",
             pair.i + 1,
@@ -178,6 +197,82 @@ fn from_configuration(
         velocities: read.velocities,
         relax: false,
     })
+}
+
+/// Checks that a file has whole molecules with bonds of the right length, and moves the sites of each together.
+fn take_molecules(
+    scene: &Scene,
+    path: &Path,
+    read: &mut StartConfiguration,
+) -> Result<(), EngineError> {
+    let molecules = scene.molecules();
+    if molecules.are_atoms() {
+        return Ok(());
+    }
+    let (n, sites) = (read.positions.len(), molecules.sites());
+    let refuse = |found: String, allowed: String| -> EngineError {
+        let key = "system.configuration";
+        scene.source.invalid(key, found, allowed).into()
+    };
+    if !n.is_multiple_of(sites) {
+        return Err(refuse(
+            format!("{n} particles in {}", path.display()),
+            format!("a multiple of molecule.sites = {sites}"),
+        ));
+    }
+    initial::unfold_molecules(&read.cell, sites, &mut read.positions);
+    if !molecules.are_rigid() {
+        return Ok(());
+    }
+    /// Bonds of a file may be off by this share: the first step brings them to their length.
+    const LARGEST_STRAIN: f64 = 1e-3;
+    let wanted = molecules.bond_length();
+    for (m, molecule) in read.positions.chunks(sites).enumerate() {
+        for (k, pair) in molecule.windows(2).enumerate() {
+            let length = (pair[1] - pair[0]).length();
+            if (length / wanted - 1.0).abs() > LARGEST_STRAIN {
+                let first = m * sites + k + 1;
+                return Err(refuse(
+                    format!(
+                        "a bond of {length:.6} σ between particles {first} and {} of {} (counted from 1)",
+                        first + 1,
+                        path.display()
+                    ),
+                    format!("molecule.bond_length = {wanted} σ, within 0.1 %"),
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a lattice of molecules whose sites overlap.
+fn refuse_overlap_of_molecules(
+    scene: &Scene,
+    cell: &PeriodicBox,
+    positions: &[DVec3],
+) -> Result<(), EngineError> {
+    let molecules = scene.molecules();
+    if molecules.are_atoms() {
+        return Ok(());
+    }
+    let within = SMALLEST_START_DISTANCE;
+    match closest_pair(cell, positions, molecules.exclusions(), within) {
+        None => Ok(()),
+        Some(pair) => Err(scene
+            .source
+            .invalid(
+                "molecule.bond_length",
+                format!(
+                    "sites {} and {} of the lattice at a distance of {:.4} σ (counted from 1)",
+                    pair.i + 1,
+                    pair.j + 1,
+                    pair.distance
+                ),
+                format!("no pair nearer than {within} σ: a lower density or shorter bonds"),
+            )
+            .into()),
+    }
 }
 
 /// The temperature and step for which the list is laid out: the hottest of all stages and the largest
@@ -240,23 +335,30 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
     if beginning.relax {
         relax(&scene, cell, &mut beginning.positions)?;
     }
-    let system = System::atoms(n);
+    let system = System::of_molecules(n, scene.molecules());
     let streams = Streams::new(scene.system.seed);
     let velocities = match beginning.velocities {
         Some(mut given) => {
+            rigid::project_velocities(&system, &beginning.positions, &mut given);
             initial::remove_drift(&system, &mut given);
             given
         }
-        None => initial::thermal_velocities(&system, n, scene.system.temperature, streams),
+        None => initial::thermal_velocities(
+            &system,
+            &beginning.positions,
+            scene.system.temperature,
+            streams,
+        ),
     };
     let observers = observers(&scene, cell, n)?;
     let isa = provider.plan().isa.to_string();
     let all_pairs = AllPairs::new(&options).map_err(|e| misfit(&scene.source, &e))?;
+    let forces = with_springs(&scene, ForceSum::new(provider));
     Ok(Simulation {
         state: State::new(cell, beginning.positions, velocities),
         scene,
         system,
-        forces: Box::new(ForceSum::new(provider)),
+        forces: Box::new(forces),
         force_check: ForceCheck::new(all_pairs),
         force_field: options,
         streams,
@@ -267,6 +369,16 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
         timers: Timers::default(),
         isa,
     })
+}
+
+/// Adds the springs that hold bonds, where the scene has some.
+pub(crate) fn with_springs<B: Backend>(scene: &Scene, mut forces: ForceSum<B>) -> ForceSum<B> {
+    if let Some(molecule) = &scene.molecule
+        && let BondHolder::Spring(term) = molecule.bonds.build(&molecule.molecules())
+    {
+        forces.push(term);
+    }
+    forces
 }
 
 /// Relaxes a random start until nothing overlaps, in double precision whatever the scene runs in: of two that lie nearly on top of
@@ -304,15 +416,20 @@ fn observers(
         dt,
         every,
         r_cut: scene.truncation.r_cut,
+        molecules: scene.molecules(),
     };
     let of_thermodynamics = |table: &ObservableTable| match &table.options {
         ObservableOptions::Thermodynamics(options) => Some(options.clone()),
         _ => None,
     };
     let options = scene.observables.iter().find_map(of_thermodynamics);
+    let mut options = options.unwrap_or_default();
+    if scene.molecules().are_rigid() {
+        // Constraint forces are no gradient of a potential: ⟨|∇U|²⟩/⟨∇²U⟩ is no temperature.
+        options.configurational_temperature = false;
+    }
     let every = scene.output.thermo_every;
-    let mut thermodynamics =
-        Thermodynamics::with_options(&options.unwrap_or_default(), &context(every));
+    let mut thermodynamics = Thermodynamics::with_options(&options, &context(every));
     thermodynamics.set_force_jump(force_jump(scene)?);
     thermodynamics.set_ensemble(measured.and_then(|stage| ensemble(scene, stage)));
     thermodynamics.set_bath(held_temperature(scene));

@@ -21,6 +21,11 @@ pub struct Comparison {
 /// The model that a scene simulates, as far as the choice of a reference goes.
 #[must_use]
 pub fn model_kind(scene: &Scene) -> ModelKind {
+    if scene.molecule.is_some() {
+        return ModelKind::Other {
+            potential: "a fluid of molecules",
+        };
+    }
     let r_cut = scene.truncation.r_cut;
     let spec = scene.potential.spec();
     if !spec.is_lennard_jones {

@@ -1,6 +1,8 @@
 //! One evaluation of energy, virial and pressure, for checks against reference configurations.
 
-use lennard_core::{Configuration, DVec3, ForceTerm, Momentum, Part, State, System, Want};
+use lennard_core::{
+    Configuration, DVec3, ForceSum, ForceTerm, Momentum, Part, State, System, Want, rigid,
+};
 use lennard_scene::Scene;
 use serde::Serialize;
 
@@ -36,7 +38,7 @@ pub struct EnergyReport {
     pub virial: f64,
     /// Tail correction of W, ε; zero where it is off.
     pub tail_virial: f64,
-    /// Pressure ρT + (W + W_tail)/(3V), ε/σ³.
+    /// Pressure ρT + (W + W_tail)/(3V), ε/σ³; over molecules where there are some.
     pub pressure: f64,
     /// Temperature of the kinetic part, ε/k_B.
     pub temperature: f64,
@@ -65,15 +67,16 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
     let (beginning, remarks) = build::begin_with_remarks(scene)?;
     let n = beginning.positions.len();
     let cell = beginning.cell;
-    let (options, mut provider) = build::forces(scene, cell, n)?;
+    let (options, provider) = build::forces(scene, cell, n)?;
+    let mut forces = build::with_springs(scene, ForceSum::new(provider));
     let has_velocities = beginning.velocities.is_some();
-    let system = System::atoms(n);
+    let system = System::of_molecules(n, scene.molecules());
     let mut velocities = beginning.velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]);
     // The velocities that a run starts with.
     initial::remove_drift(&system, &mut velocities);
     let mut state = State::new(cell, beginning.positions, velocities);
     let at = Configuration::at_rest(&cell, &state.positions);
-    let energetics = provider
+    let energetics = forces
         .evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut state.forces)
         .map_err(|e| {
             scene
@@ -92,16 +95,18 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
     let (tail_energy, tail_virial) = tail.map_or((0.0, 0.0), |t| (t.energy, t.virial));
     let virial = energetics.scalar_virial().unwrap_or(f64::NAN);
     let volume = cell.volume();
+    let inside = rigid::intramolecular_virial(&system, &state.positions, &state.forces);
     let report = EnergyReport {
         schema: "lennard-energy-1",
-        model: lennard_forcefield::model_name(&options),
+        model: scene.model_name(),
         atoms: n,
         lengths: cell.lengths().to_array(),
         potential_energy: energetics.potential_energy.unwrap_or(f64::NAN),
         tail_energy,
         virial,
         tail_virial,
-        pressure: n as f64 / volume * temperature + (virial + tail_virial) / (3.0 * volume),
+        pressure: system.n_molecules() as f64 / volume * temperature
+            + (virial - inside + tail_virial) / (3.0 * volume),
         temperature,
         temperature_from,
         pairs: energetics.pairs.unwrap_or(0),

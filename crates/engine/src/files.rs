@@ -24,17 +24,30 @@ use lennard_io::{
 use crate::names::{RECORD, SCENE, THERMO, TOPOLOGY, TRAJECTORY};
 use crate::{EngineError, Simulation};
 
+const PER_PARTICLE: &str = "ε per particle";
+
 const THERMO_COLUMNS: &[(&str, &str)] = &[
     ("step", ""),
     ("time", "τ"),
     ("stage", ""),
     ("temperature", "ε/k_B"),
     ("temperature_half_steps", "ε/k_B"),
-    ("potential_energy", "ε per particle"),
+    ("potential_energy", PER_PARTICLE),
     ("pressure", "ε/σ³"),
-    ("conserved_energy", "ε per particle"),
-    ("heat", "ε per particle"),
+    ("conserved_energy", PER_PARTICLE),
+    ("heat", PER_PARTICLE),
 ];
+
+/// The columns of `thermo.csv`, whose energies are per molecule where there are molecules.
+fn thermo_columns(simulation: &Simulation) -> Vec<(&'static str, &'static str)> {
+    let is_molecular = !simulation.system.molecules.are_atoms();
+    let unit = |unit: &'static str| match unit {
+        PER_PARTICLE if is_molecular => "ε per molecule",
+        unit => unit,
+    };
+    let columns = THERMO_COLUMNS.iter();
+    columns.map(|(name, of)| (*name, unit(of))).collect()
+}
 
 /// The growing and the final files of a run.
 pub struct RunFiles {
@@ -61,6 +74,7 @@ pub(crate) fn style(simulation: &Simulation) -> FrameStyle {
         forces: output.forces,
         wrapped: !output.unwrapped,
         length_scale: output.length_scale,
+        sites_per_molecule: simulation.system.molecules.sites(),
     }
 }
 
@@ -73,7 +87,7 @@ impl RunFiles {
         remove_half_written(folder);
         write_descriptions(folder, simulation)?;
         let style = style(simulation);
-        let thermo = TableWriter::create(&folder.join(THERMO), THERMO_COLUMNS)?;
+        let thermo = TableWriter::create(&folder.join(THERMO), &thermo_columns(simulation))?;
         let trajectory = simulation
             .scene
             .output
@@ -98,7 +112,8 @@ impl RunFiles {
         marks: Marks,
     ) -> Result<Self, EngineError> {
         let style = style(simulation);
-        let thermo = TableWriter::resume_at(&folder.join(THERMO), THERMO_COLUMNS, marks.thermo)?;
+        let columns = thermo_columns(simulation);
+        let thermo = TableWriter::resume_at(&folder.join(THERMO), &columns, marks.thermo)?;
         let trajectory = marks
             .trajectory
             .map(|mark| TrajectoryWriter::resume_at(&folder.join(TRAJECTORY), &style, mark))
@@ -152,7 +167,7 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where the row cannot be written.
     pub fn write_thermo(&mut self, simulation: &Simulation) -> Result<(), WriteError> {
-        let n = simulation.state.len() as f64;
+        let n = simulation.system.n_molecules() as f64;
         let temperature = simulation.view().temperature();
         let potential = simulation
             .potential_energy_per_particle()

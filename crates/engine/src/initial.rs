@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, Momentum, PeriodicBox, System};
+use lennard_core::{DVec3, Exclusions, Momentum, PeriodicBox, System, rigid};
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -39,6 +39,36 @@ pub fn lattice_sites(
     sites
 }
 
+/// Sites of molecules about their centres: straight chains, with axes along the four body diagonals in turn.
+///
+/// The four molecules of a cell of an fcc lattice then point into four directions, as in solid nitrogen.
+#[must_use]
+pub fn straight_chains(centers: &[DVec3], sites: usize, bond_length: f64) -> Vec<DVec3> {
+    const DIAGONALS: [DVec3; 4] = [
+        DVec3::new(1.0, 1.0, 1.0),
+        DVec3::new(1.0, -1.0, -1.0),
+        DVec3::new(-1.0, 1.0, -1.0),
+        DVec3::new(-1.0, -1.0, 1.0),
+    ];
+    let middle = 0.5 * (sites as f64 - 1.0);
+    let chains = centers.iter().zip(DIAGONALS.iter().cycle());
+    chains
+        .flat_map(|(center, diagonal)| {
+            let axis = diagonal.normalize() * bond_length;
+            (0..sites).map(move |k| *center + (k as f64 - middle) * axis)
+        })
+        .collect()
+}
+
+/// Moves each site of a molecule to the image nearest to the site before it: a file may have folded it into the box.
+pub fn unfold_molecules(cell: &PeriodicBox, sites: usize, positions: &mut [DVec3]) {
+    for molecule in positions.chunks_mut(sites) {
+        for k in 1..molecule.len() {
+            molecule[k] = molecule[k - 1] + cell.minimum_image(molecule[k] - molecule[k - 1]);
+        }
+    }
+}
+
 /// Random points with no two closer than 0.7·ρ^{-1/3} (at most 0.9 σ), by random sequential addition.
 ///
 /// Returns `None` where the points cannot be placed, which does not happen at this spacing.
@@ -52,7 +82,7 @@ pub fn random_points(cell: &PeriodicBox, n: usize, streams: Streams) -> Option<V
     for _ in 0..n {
         let point = (0..TRIALS_PER_PARTICLE).find_map(|_| {
             let r = cell.lengths() * DVec3::new(rng.random(), rng.random(), rng.random());
-            bins.nearest(&points, r)
+            bins.nearest(&points, r, |_| true)
                 .is_none_or(|(_, d)| d >= spacing)
                 .then_some(r)
         })?;
@@ -62,17 +92,17 @@ pub fn random_points(cell: &PeriodicBox, n: usize, streams: Streams) -> Option<V
     Some(points)
 }
 
-/// Velocities from the Maxwell–Boltzmann distribution, with zero total momentum (more than one
+/// Velocities from the Maxwell–Boltzmann distribution at some positions, without a part along rigid bonds, with zero total momentum (more than one
 /// particle) and scaled to 2K/n_dof = `temperature` exactly.
 #[must_use]
 pub fn thermal_velocities(
     system: &System,
-    n: usize,
+    positions: &[DVec3],
     temperature: f64,
     streams: Streams,
 ) -> Vec<DVec3> {
     let mut rng = streams.sequential("velocities");
-    let mut velocities: Vec<DVec3> = (0..n)
+    let mut velocities: Vec<DVec3> = (0..positions.len())
         .map(|i| {
             let width = (temperature / system.masses.of(i)).sqrt();
             width
@@ -83,6 +113,7 @@ pub fn thermal_velocities(
                 )
         })
         .collect();
+    rigid::project_velocities(system, positions, &mut velocities);
     remove_drift(system, &mut velocities);
     scale_to_temperature(system, &mut velocities, temperature);
     velocities
@@ -167,13 +198,18 @@ pub struct ClosePair {
 
 /// The closest pair nearer than `within` (σ), or `None`: O(N) through bins of that size.
 ///
-/// Positions that are not finite are left out.
+/// Positions that are not finite are left out, and so are excluded pairs.
 #[must_use]
-pub fn closest_pair(cell: &PeriodicBox, positions: &[DVec3], within: f64) -> Option<ClosePair> {
+pub fn closest_pair(
+    cell: &PeriodicBox,
+    positions: &[DVec3],
+    exclusions: Exclusions,
+    within: f64,
+) -> Option<ClosePair> {
     let mut bins = Bins::new(cell, within);
     let mut best: Option<ClosePair> = None;
     for (j, r) in positions.iter().enumerate().filter(|(_, r)| r.is_finite()) {
-        if let Some((i, distance)) = bins.nearest(positions, *r)
+        if let Some((i, distance)) = bins.nearest(positions, *r, |i| !exclusions.exclude(i, j))
             && distance < best.map_or(within, |b| b.distance)
         {
             best = Some(ClosePair { i, j, distance });
@@ -214,8 +250,13 @@ impl<'a> Bins<'a> {
         self.members.entry(self.bin_of(r)).or_default().push(index);
     }
 
-    /// The nearest of the points in the bins around `r`.
-    fn nearest(&self, points: &[DVec3], r: DVec3) -> Option<(usize, f64)> {
+    /// The nearest of the points in the bins around `r`, among the points that count.
+    fn nearest(
+        &self,
+        points: &[DVec3],
+        r: DVec3,
+        counts: impl Fn(usize) -> bool,
+    ) -> Option<(usize, f64)> {
         let home = self.bin_of(r);
         let mut best: Option<(usize, f64)> = None;
         let around = |axis: usize| -> Vec<i32> {
@@ -232,6 +273,9 @@ impl<'a> Bins<'a> {
             for &y in &ys {
                 for &z in &zs {
                     for &k in self.members.get(&[x, y, z]).into_iter().flatten() {
+                        if !counts(k as usize) {
+                            continue;
+                        }
                         let d = self.cell.minimum_image(r - points[k as usize]).length();
                         if best.is_none_or(|b| d < b.1) {
                             best = Some((k as usize, d));
@@ -271,7 +315,7 @@ mod tests {
     #[test]
     fn velocities_have_the_temperature_and_no_momentum() {
         let system = System::atoms(500);
-        let v = thermal_velocities(&system, 500, 0.722, Streams::new(1));
+        let v = thermal_velocities(&system, &[DVec3::ZERO; 500], 0.722, Streams::new(1));
         assert!((system.temperature(&v, Momentum::Conserved) - 0.722).abs() < 1e-14);
         assert!(system.momentum(&v).length() < 1e-12);
     }
@@ -281,7 +325,7 @@ mod tests {
         let cell = PeriodicBox::cubic_for_density(400, 0.8442).unwrap();
         let points = random_points(&cell, 400, Streams::new(5)).unwrap();
         let spacing = RANDOM_SPACING / 0.8442_f64.cbrt();
-        let closest = closest_pair(&cell, &points, 1.5).unwrap();
+        let closest = closest_pair(&cell, &points, Exclusions::NONE, 1.5).unwrap();
         assert!(closest.distance >= spacing, "{closest:?}");
         // The O(N²) answer agrees.
         let mut brute = f64::INFINITY;
@@ -301,9 +345,9 @@ mod tests {
             DVec3::new(9.8, 5.0, 5.0),
             DVec3::new(5.0, 5.0, f64::NAN),
         ];
-        let pair = closest_pair(&cell, &points, 0.5).unwrap();
+        let pair = closest_pair(&cell, &points, Exclusions::NONE, 0.5).unwrap();
         assert_eq!((pair.i, pair.j), (0, 1));
         assert!((pair.distance - 0.3).abs() < 1e-12);
-        assert_eq!(closest_pair(&cell, &points, 0.2), None);
+        assert_eq!(closest_pair(&cell, &points, Exclusions::NONE, 0.2), None);
     }
 }

@@ -25,22 +25,22 @@ pub(crate) fn view<'a>(
 }
 
 impl Simulation {
-    /// (K + U_conserved − Σ heat)/N in ε, where the energy was asked for on this step.
+    /// (K + U_conserved − Σ heat)/N in ε, with the number N of molecules where there are some, where the energy was asked for on this step.
     #[must_use]
     pub fn conserved_energy_per_particle(&self) -> Option<f64> {
         let potential = self.state.energetics.conserved_potential?;
         let heat = self.stage.as_ref().map_or(0.0, |s| s.heat);
         Some(
             (self.system.kinetic_energy(&self.state.velocities) + potential - heat)
-                / self.state.len() as f64,
+                / self.system.n_molecules() as f64,
         )
     }
 
-    /// Potential energy per particle in ε, with the tail where the scene has one, if asked for on this step.
+    /// Potential energy per particle (or molecule) in ε, with the tail where the scene has one, if asked for on this step.
     #[must_use]
     pub fn potential_energy_per_particle(&self) -> Option<f64> {
         let tail = self.tail().map_or(0.0, |t| t.energy_per_particle);
-        Some(self.state.energetics.potential_energy? / self.state.len() as f64 + tail)
+        Some(self.state.energetics.potential_energy? / self.system.n_molecules() as f64 + tail)
     }
 
     /// The tail correction at the present volume, if the scene has one.
@@ -53,7 +53,7 @@ impl Simulation {
             state.cell.volume(),
         );
         tail.map(|t| TailCorrection {
-            energy_per_particle: t.energy_per_particle,
+            energy_per_particle: t.energy_per_particle * self.system.molecules.sites() as f64,
             pressure: t.pressure,
         })
     }
@@ -69,9 +69,10 @@ impl Simulation {
     #[must_use]
     pub fn pressure(&self) -> Option<f64> {
         let volume = self.state.cell.volume();
-        let density = self.state.len() as f64 / volume;
-        let virial = self.state.energetics.scalar_virial()?;
+        let density = self.system.n_molecules() as f64 / volume;
+        let view = self.view();
+        let virial = self.state.energetics.scalar_virial()? - view.intramolecular_virial();
         let tail = self.tail().map_or(0.0, |t| t.pressure);
-        Some(density * self.view().temperature_of_positions() + virial / (3.0 * volume) + tail)
+        Some(density * view.temperature_of_positions() + virial / (3.0 * volume) + tail)
     }
 }

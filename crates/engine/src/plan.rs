@@ -68,7 +68,7 @@ const STATE_BYTES: usize = 3 * size_of::<DVec3>();
 /// [`EngineError`] for everything that is wrong with the scene.
 pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineError> {
     let scene = simulation.scene.clone();
-    let (options, provider) = build::forces(&scene, simulation.state.cell, simulation.state.len())?;
+    let (_, provider) = build::forces(&scene, simulation.state.cell, simulation.state.len())?;
     let mut items = items(&scene, simulation, provider.plan(), threads);
     let costs = Costs::measure(simulation)?;
     let seconds = costs.of_run(&scene);
@@ -85,7 +85,7 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
     Ok(Plan {
         schema: "lennard-plan-2",
         scene: scene.name.clone(),
-        model: lennard_forcefield::model_name(&options),
+        model: scene.model_name(),
         atoms: n,
         density: n as f64 / simulation.state.cell.volume(),
         steps: scene.total_steps(),
@@ -147,6 +147,11 @@ fn items(
     threads: usize,
 ) -> Vec<PlanItem> {
     let mut items = Vec::from(of_steps(scene, simulation, forces));
+    if let Some(molecule) = &scene.molecule {
+        let bonds = molecule.molecules().bonds() * simulation.system.n_molecules();
+        let words = format!("{bonds} bonds, {}", molecule.bonds.spec().name);
+        items.push(item("bonds", How::On(words)));
+    }
     for stage in &scene.stages {
         items.extend(of_stage(stage));
     }
@@ -175,7 +180,8 @@ fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [Plan
     let tail = match simulation.tail() {
         Some(tail) => How::On(format!(
             "computed once: {:.4} ε per particle, {:.4} ε/σ³",
-            tail.energy_per_particle, tail.pressure
+            tail.energy_per_particle / simulation.system.molecules.sites() as f64,
+            tail.pressure
         )),
         None if scene.truncation.tail_correction => How::Off("the potential has none"),
         None => How::Off("not asked for, or not a plain cutoff"),

@@ -95,7 +95,7 @@ fn bare(simulation: &Simulation, threads: usize) -> RunRecord {
         // The resolved text is ours: where it did not parse, the record would still hold it as text.
         scene: toml::from_str(&scene.resolved_toml())
             .unwrap_or_else(|_| serde_json::Value::String(scene.resolved_toml())),
-        model: lennard_forcefield::model_name(&scene.force_field()),
+        model: scene.model_name(),
         seed: scene.system.seed,
         version: env!("CARGO_PKG_VERSION").to_owned(),
         host: Host {

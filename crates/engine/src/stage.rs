@@ -1,6 +1,7 @@
 //! The stage under way, and the way into the next one.
 
 use lennard_core::{Momentum, Want};
+use lennard_integrators::BondHolder;
 
 use crate::simulation::StageRun;
 use crate::{EngineError, Simulation, initial};
@@ -40,10 +41,15 @@ impl Simulation {
         let plan = &self.scene.stages[index];
         let noise = self.streams.noise("thermostat");
         let method = lennard_integrators::build(&self.scene.integrator.method);
-        let integrator = match &plan.thermostat {
+        let mut integrator = match &plan.thermostat {
             None => method,
             Some(bath) => bath.couple(method, plan.temperature, noise),
         };
+        if let Some(molecule) = &self.scene.molecule
+            && let BondHolder::Rigid(solver) = molecule.bonds.build(&self.system.molecules)
+        {
+            integrator = integrator.with_bonds(solver);
+        }
         StageRun {
             index,
             steps_done: 0,

@@ -5,7 +5,7 @@
 //! steps at the conserved energy, and at every [`LISTS_EVERY`]th step at forces of a few particles
 //! ([`crate::ForceCheck`]). A box too small for its cutoff is refused before the first step, and by the forces where it shrinks.
 
-use lennard_core::{DVec3, State, parallel};
+use lennard_core::{DVec3, Exclusions, State, parallel};
 
 use crate::failure::{LARGEST_ENERGY_CHANGE, LARGEST_MOVE, PhysicsFailure, Symptom};
 use crate::initial::closest_pair;
@@ -43,6 +43,8 @@ pub struct Circumstances<'a> {
     pub temperature: f64,
     /// Number density, σ⁻³.
     pub density: f64,
+    /// Pairs that do not interact, and that may be close.
+    pub exclusions: Exclusions,
 }
 
 /// The largest squared speed, (σ/τ)², the same for any number of threads; NaN counts as infinite.
@@ -123,7 +125,7 @@ pub fn diagnose(state: &State, at: Circumstances<'_>, symptom: Symptom) -> Physi
         dt: at.dt,
         dt_limit: at.dt_limit,
         symptom,
-        closest: closest_pair(&state.cell, &state.positions, 0.9),
+        closest: closest_pair(&state.cell, &state.positions, at.exclusions, 0.9),
         non_finite: state.positions.iter().filter(|r| !r.is_finite()).count(),
         fastest: fastest(state),
         steps_into_stage: at.steps_into_stage,
@@ -183,6 +185,7 @@ mod tests {
             steps_into_stage: 3,
             temperature: 0.7,
             density: 0.8,
+            exclusions: Exclusions::NONE,
         };
         let symptom = Symptom::TooFast {
             particle: 1,

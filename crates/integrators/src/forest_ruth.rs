@@ -25,6 +25,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     conserves_momentum: true,
     half_kicks: false,
     is_kick_drift_kick: false,
+    holds_rigid_bonds: false,
     force_evaluations: 3,
     stability_limit: Some(1.573_402),
     oscillator_map: Some(oscillator_map),

@@ -35,6 +35,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     conserves_momentum: true,
     half_kicks: false,
     is_kick_drift_kick: false,
+    holds_rigid_bonds: false,
     force_evaluations: 0,
     stability_limit: None,
     oscillator_map: Some(oscillator_map),

@@ -59,6 +59,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     conserves_momentum: false,
     half_kicks: true,
     is_kick_drift_kick: false,
+    holds_rigid_bonds: true,
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: None,

@@ -36,6 +36,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     conserves_momentum: true,
     half_kicks: false,
     is_kick_drift_kick: false,
+    holds_rigid_bonds: false,
     force_evaluations: DEFAULT_INNER_STEPS + 1,
     stability_limit: Some(2.695_592),
     oscillator_map: Some(oscillator_map),

@@ -48,6 +48,9 @@ pub struct FrameStyle {
     /// header then says `length_scale=3.405`. Positions, box and velocities (length/τ) are multiplied by
     /// it, forces (ε/length) divided; our own reader takes it out again, to within rounding.
     pub length_scale: f64,
+    /// Consecutive particles that make up a molecule. Above 1, each line ends with the number of its molecule, from 1
+    /// (`molecule:I:1`).
+    pub sites_per_molecule: usize,
 }
 
 impl Default for FrameStyle {
@@ -58,6 +61,7 @@ impl Default for FrameStyle {
             forces: false,
             wrapped: true,
             length_scale: 1.0,
+            sites_per_molecule: 1,
         }
     }
 }
@@ -230,6 +234,9 @@ fn push_header(
     if style.wrapped {
         to.extend_from_slice(b":map_shift:I:3");
     }
+    if style.sites_per_molecule > 1 {
+        to.extend_from_slice(b":molecule:I:1");
+    }
     to.extend_from_slice(b" pbc=\"T T T\"");
     let number = |to: &mut Vec<u8>, key: &str, value: f64| {
         if !value.is_finite() {
@@ -323,6 +330,10 @@ fn push_particle(
             to.push(b' ');
             push_integer(to, flag);
         }
+    }
+    if style.sites_per_molecule > 1 {
+        to.push(b' ');
+        push_integer(to, i / style.sites_per_molecule + 1);
     }
     to.push(b'\n');
     Ok(())

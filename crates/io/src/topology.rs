@@ -14,7 +14,7 @@ const ANGSTROM_A_NANOMETER: f64 = 10.0;
 /// Residue and atom numbers have five columns and start over from 0 there.
 const NUMBERS_START_OVER: usize = 100_000;
 
-/// Writes `topology.gro` for `n` particles, one residue each, named by the element of `style`.
+/// Writes `topology.gro` for `n` particles, named by the element of `style`; each molecule is a residue.
 ///
 /// Lengths in a .gro file are nm. The box is written as `length_scale·L/10`, the value that mdtraj gives
 /// the lengths of the trajectory beside it, with all digits. The positions are zeros: they are in the
@@ -37,8 +37,9 @@ pub fn write_topology_gro(
     text.push(b'\n');
     for i in 1..=n {
         let number = i % NUMBERS_START_OVER;
+        let residue = ((i - 1) / style.sites_per_molecule.max(1) + 1) % NUMBERS_START_OVER;
         let line =
-            format!("{number:5}{element:<5}{element:>5}{number:5}   0.000   0.000   0.000\n");
+            format!("{residue:5}{element:<5}{element:>5}{number:5}   0.000   0.000   0.000\n");
         text.extend_from_slice(line.as_bytes());
     }
     let sides = cell.lengths() * style.length_scale / ANGSTROM_A_NANOMETER;
@@ -71,6 +72,23 @@ mod tests {
              \x20   1Ar      Ar    1   0.000   0.000   0.000\n\
              \x20   2Ar      Ar    2   0.000   0.000   0.000\n 2.0 4.0 6.0\n"
         );
+    }
+
+    #[test]
+    fn the_sites_of_a_molecule_are_one_residue() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("topology.gro");
+        let cell = PeriodicBox::new(DVec3::splat(10.0)).unwrap();
+        let style = FrameStyle {
+            sites_per_molecule: 2,
+            ..FrameStyle::default()
+        };
+        write_topology_gro(&path, 4, &cell, &style).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let rows: Vec<&str> = text.lines().skip(2).take(4).collect();
+        let residues: Vec<&str> = rows.iter().map(|row| row[..5].trim()).collect();
+        assert_eq!(residues, ["1", "1", "2", "2"]);
+        assert_eq!(rows[3][15..20].trim(), "4");
     }
 
     #[test]

@@ -71,6 +71,8 @@ catalog! {
     PressureTensor => crate::PressureTensorOptions,
     /// Total momentum.
     Momentum => crate::MomentumOptions,
+    /// Temperatures, bonds and pressure of molecules.
+    Molecules => crate::MolecularMotionOptions,
     /// The radial distribution function g(r).
     Rdf => crate::RdfOptions,
     /// The mean-square displacement and the diffusion coefficient.

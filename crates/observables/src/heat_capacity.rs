@@ -1,10 +1,10 @@
 //! The heat capacity from fluctuations, in the ensemble that the run samples.
 
-use lennard_core::{Average, Estimate};
+use lennard_core::{Average, Estimate, Momentum, System};
 
-use crate::ThermoSeries;
 use crate::averages::{FEWEST_FLUCTUATIONS, of_fluctuations};
 use crate::statistics::{estimate_after, mean};
+use crate::{BuildContext, ThermoSeries};
 
 /// The ensemble that a run samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,16 +17,23 @@ pub enum Ensemble {
 
 impl Ensemble {
     /// Which formula was used, with the degrees of freedom.
-    pub(crate) fn remark(self, n_dof: f64) -> String {
+    pub(crate) fn remark(self, context: &BuildContext, n_dof: f64) -> String {
+        let kinetic = kinetic_part(context);
         match self {
             Self::Microcanonical => format!(
                 "heat_capacity: from the fluctuations of the kinetic energy at constant energy (Lebowitz, Percus and Verlet 1967), n_dof = {n_dof}"
             ),
             Self::Canonical => format!(
-                "heat_capacity: 3/2 and the fluctuations of the potential energy at constant temperature, n_dof = {n_dof}"
+                "heat_capacity: {kinetic} and the fluctuations of the potential energy at constant temperature, n_dof = {n_dof}"
             ),
         }
     }
+}
+
+/// The kinetic part of c_v in the thermodynamic limit: half the degrees of freedom of a molecule, 3/2 for atoms.
+fn kinetic_part(context: &BuildContext) -> f64 {
+    let molecule = System::of_molecules(context.molecules.sites(), context.molecules);
+    0.5 * molecule.n_dof(Momentum::Free)
 }
 
 /// The isochoric heat capacity c_v per particle in k_B, with the kinetic part of the thermodynamic limit, 3/2.
@@ -41,7 +48,8 @@ impl Ensemble {
 ///   plain cutoff the shifted one, since the cut energy jumps where pairs cross the cutoff, and no force knows of it. T is
 ///   the temperature of the positions.
 ///
-/// C_V has the kinetic part f/2 of the system; c_v = (C_V − f/2)/N + 3/2 replaces it by 3/2 per particle.
+/// C_V has the kinetic part f/2 of the system; c_v = (C_V − f/2)/N + 3/2 replaces it by 3/2 per particle. For molecules, N
+/// is their number and 3/2 half the degrees of freedom of one.
 ///
 /// The variance about the mean of the same samples is too small by one part in the independent samples, for which it
 /// is corrected. The error is that of the mean of the linearised formula, correlation included, and is widened by its own
@@ -50,10 +58,10 @@ pub(crate) fn average(
     ensemble: Ensemble,
     rows: &ThermoSeries,
     cut: usize,
-    n_atoms: usize,
+    context: &BuildContext,
     n_dof: f64,
 ) -> Average {
-    let n = n_atoms as f64;
+    let n = context.n_molecules() as f64;
     let from = cut.min(rows.time.len());
     let (value, influence): (f64, Vec<f64>) = match ensemble {
         Ensemble::Microcanonical => {
@@ -96,7 +104,7 @@ pub(crate) fn average(
     // A variance that is too small by chance has an error that is too small by the same part.
     let widened = error.standard_error * (1.0 + error.standard_error / value.abs());
     let estimate = Estimate {
-        mean: value / n + 1.5,
+        mean: value / n + kinetic_part(context),
         standard_error: if value == 0.0 {
             error.standard_error
         } else {

@@ -21,12 +21,7 @@ pub fn count_distances(
     r_max: f64,
     bins: usize,
 ) -> Vec<u64> {
-    let histogram = Histogram {
-        sides: cell.lengths(),
-        r_max,
-        per_length: bins as f64 / r_max,
-        bins,
-    };
+    let histogram = Histogram::new(cell, r_max, bins);
     let wrapped = positions.iter().map(|r| cell.wrap(*r));
     let cells = (cell.lengths() / r_max).floor().as_usizevec3();
     if cells.min_element() < FEWEST_CELLS {
@@ -37,6 +32,28 @@ pub fn count_distances(
     let most = most.max(FEWEST_CELLS);
     let cells = [cells.x.min(most), cells.y.min(most), cells.z.min(most)];
     histogram.pairs_in_cells(wrapped, cells)
+}
+
+/// The same counts over the pairs inside molecules of `sites` consecutive sites: the same bits decide about each pair.
+#[must_use]
+pub(crate) fn count_distances_inside(
+    sites: usize,
+    positions: &[DVec3],
+    cell: &PeriodicBox,
+    r_max: f64,
+    bins: usize,
+) -> Vec<u64> {
+    let histogram = Histogram::new(cell, r_max, bins);
+    let molecules = positions.len() / sites;
+    histogram.over(molecules.div_ceil(ROWS_A_TASK), |task, counts| {
+        for m in task * ROWS_A_TASK..((task + 1) * ROWS_A_TASK).min(molecules) {
+            let sites = &positions[m * sites..(m + 1) * sites];
+            let points: Points = sites.iter().map(|r| cell.wrap(*r)).collect();
+            for i in 0..points.len() {
+                histogram.count(counts, points.get(i), &points, i + 1);
+            }
+        }
+    })
 }
 
 /// Coordinates by axis.
@@ -79,6 +96,15 @@ struct Histogram {
 }
 
 impl Histogram {
+    fn new(cell: &PeriodicBox, r_max: f64, bins: usize) -> Self {
+        Self {
+            sides: cell.lengths(),
+            r_max,
+            per_length: bins as f64 / r_max,
+            bins,
+        }
+    }
+
     /// Counts the distances from one point to those from `first` on; what lies beyond r_max goes to a bin of
     /// its own behind the last.
     fn count(&self, counts: &mut [u64], from: DVec3, to: &Points, first: usize) {
@@ -192,6 +218,23 @@ mod tests {
             }
         }
         counts
+    }
+
+    #[test]
+    fn pairs_inside_molecules_are_counted_among_all_pairs() {
+        let cell = PeriodicBox::new(DVec3::new(9.0, 11.0, 10.0)).unwrap();
+        let positions = random_positions(300, 10.0, 3);
+        let (r_max, bins, sites) = (4.5, 37, 3);
+        let inside = count_distances_inside(sites, &positions, &cell, r_max, bins);
+        let mut expected = vec![0; bins];
+        for molecule in positions.chunks(sites) {
+            let counts = brute_force(molecule, &cell, r_max, bins);
+            expected.iter_mut().zip(counts).for_each(|(a, b)| *a += b);
+        }
+        assert_eq!(inside, expected);
+        let all = count_distances(&positions, &cell, r_max, bins);
+        assert!(all.iter().zip(&inside).all(|(all, inside)| all >= inside));
+        assert!(inside.iter().sum::<u64>() > 50);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::extrema::{Extremum, extrema, fitted_extremum, smoothed};
-use crate::pairs::count_distances;
+use crate::pairs::{count_distances, count_distances_inside};
 use crate::seen_box::SeenBox;
 use crate::{BuildContext, ObservableError, Recipe};
 
@@ -19,6 +19,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "g(r) = V/(N(N−1)) · ⟨Σ_{i≠j} δ(r − r_ij)⟩/(4πr²); n(r) = (N−1)/V ∫₀^r g 4πs² ds",
     source: "J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equations 2.5.8 and 2.5.13",
     dynamic: false,
+    suits_molecules: true,
 };
 
 /// Largest distance where the scene gives none, in σ: liquid structure is gone there.
@@ -79,7 +80,8 @@ impl Recipe for RdfOptions {
 /// g_k = 2·⟨pairs in the bin·V⟩ / (N(N − 1)·(4π/3)(r_{k+1}³ − r_k³)),
 ///
 /// normalised by the number of *other* particles, N − 1: for an ideal gas of any N it is exactly 1. (With N in
-/// place of N − 1, as some programs have it, it would be smaller by 1/N.) The error of each bin comes from
+/// place of N − 1, as some programs have it, it would be smaller by 1/N.) Of molecules, g is between sites of different
+/// molecules, and N − 1 is the number of sites of the others. The error of each bin comes from
 /// the scatter over successive blocks of the run.
 ///
 /// The coordination number is n(r) at the first minimum of g after its first peak. Both are extrema of cubics fitted
@@ -88,6 +90,8 @@ impl Recipe for RdfOptions {
 pub struct RadialDistribution {
     seen: SeenBox,
     n_atoms: usize,
+    /// Sites of each molecule; 1 for atoms.
+    sites: usize,
     r_max: f64,
     bins: usize,
     counts: BlockedSums,
@@ -113,6 +117,7 @@ impl RadialDistribution {
         Ok(Self {
             seen: SeenBox::new(&context.cell),
             n_atoms: context.n_atoms,
+            sites: context.molecules.sites(),
             r_max,
             bins: options.bins,
             counts: BlockedSums::new(options.bins, BLOCKS),
@@ -136,7 +141,7 @@ impl RadialDistribution {
         let n = self.n_atoms as f64;
         let (inner, outer) = (k as f64 * self.width(), (k + 1) as f64 * self.width());
         let shell = 4.0 / 3.0 * std::f64::consts::PI * (outer.powi(3) - inner.powi(3));
-        2.0 * self.seen.first_volume() / (n * (n - 1.0) * shell)
+        2.0 * self.seen.first_volume() / (n * (n - self.sites as f64) * shell)
     }
 
     /// g(r) in each bin with its standard error.
@@ -307,7 +312,14 @@ impl Observable for RadialDistribution {
         let cell = view.cell();
         self.seen.see(cell);
         let weight = cell.volume() / self.seen.first_volume();
-        let found = count_distances(&view.state.positions, cell, self.r_max, self.bins);
+        let positions = &view.state.positions;
+        let mut found = count_distances(positions, cell, self.r_max, self.bins);
+        if self.sites > 1 {
+            let inside = count_distances_inside(self.sites, positions, cell, self.r_max, self.bins);
+            for (all, inside) in found.iter_mut().zip(inside) {
+                *all -= inside;
+            }
+        }
         self.counts.begin_sample();
         let (sums, counts) = self.counts.current();
         for ((sum, count), pairs) in sums.iter_mut().zip(counts).zip(found) {

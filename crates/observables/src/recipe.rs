@@ -1,7 +1,7 @@
 //! What the file of an observable provides, and what it may know.
 
 use lennard_core::options::Options;
-use lennard_core::{Observable, ObservableSpec, PeriodicBox};
+use lennard_core::{Molecules, Observable, ObservableSpec, PeriodicBox};
 
 use crate::ObservableError;
 
@@ -18,9 +18,27 @@ pub struct BuildContext {
     pub every: u64,
     /// Cutoff of the forces in σ.
     pub r_cut: f64,
+    /// How particles are bonded to molecules.
+    pub molecules: Molecules,
 }
 
 impl BuildContext {
+    /// Number of molecules; the number of particles where they are not bonded.
+    #[must_use]
+    pub fn n_molecules(&self) -> usize {
+        self.n_atoms / self.molecules.sites()
+    }
+
+    /// The unit of energies that are divided by the number of molecules.
+    #[must_use]
+    pub fn energy_unit(&self) -> &'static str {
+        if self.molecules.are_atoms() {
+            "ε per particle"
+        } else {
+            "ε per molecule"
+        }
+    }
+
     /// The time between two samples, every·dt, in τ.
     #[must_use]
     pub fn sample_interval(&self) -> f64 {

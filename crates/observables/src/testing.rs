@@ -13,6 +13,7 @@ pub(crate) fn context(side: f64, n_atoms: usize) -> BuildContext {
         dt: 0.01,
         every: 1,
         r_cut: 2.5,
+        molecules: lennard_core::Molecules::ATOMS,
     }
 }
 

@@ -66,11 +66,10 @@ impl_columns!(ThermoSeries {
 });
 
 impl ThermoSeries {
-    /// The series as a table, `measured`; each row is the mean of `stride` samples. The temperature of the positions has a
+    /// The series as a table, `measured`, with energies in the unit `per_particle`; each row is the mean of `stride` samples. The temperature of the positions has a
     /// column of its own, `temperature_half_steps`, where the method has half steps.
     #[must_use]
-    pub fn table(&self, stride: u64, half_steps: bool) -> Table {
-        let per_particle = "ε per particle";
+    pub fn table(&self, stride: u64, half_steps: bool, per_particle: &str) -> Table {
         let caption =
             format!("thermodynamics against time; each row is the mean of {stride} samples");
         let mut table = Table::new("measured", caption)

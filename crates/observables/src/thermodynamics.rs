@@ -24,10 +24,11 @@ pub use equilibrium::{Equilibrium, HeldTemperature};
 const SPEC: ObservableSpec = ObservableSpec {
     name: "thermodynamics",
     summary: "temperature, energies, pressure, configurational temperature, conserved energy and momentum",
-    equation: "T = 2K/n_dof on whole and on half steps; U = Σ U(r_ij)/N + u_tail; P = ρT + W/(3V) + p_tail; T_conf = ⟨|∇U|²⟩/⟨∇²U⟩",
+    equation: "T = 2K/n_dof on whole and on half steps; U = Σ U(r_ij)/N + u_tail; P = ρT + W/(3V) + p_tail, over molecules where there are some; T_conf = ⟨|∇U|²⟩/⟨∇²U⟩",
     source: "M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), equations 2.61 and 2.68; \
              B. D. Butler, G. Ayton, O. G. Jepps and D. J. Evans, Configurational temperature, J. Chem. Phys. 109, 6519 (1998), equation 6",
     dynamic: false,
+    suits_molecules: true,
 };
 
 /// Rows kept before neighbors are averaged in pairs.
@@ -207,8 +208,10 @@ impl Thermodynamics {
 
     /// Mean Laplacian of the jump of the force, per particle, for g(r_cut) = 1 in this volume (σ³).
     fn jump_laplacian(&self, volume: f64) -> f64 {
-        let density = self.context.n_atoms as f64 / volume;
-        -4.0 * PI * density * self.context.r_cut.powi(2) * self.force_jump
+        let context = &self.context;
+        let density = context.n_atoms as f64 / volume;
+        let sites = context.molecules.sites() as f64;
+        -4.0 * PI * sites * density * context.r_cut.powi(2) * self.force_jump
     }
 }
 
@@ -230,7 +233,7 @@ impl Observable for Thermodynamics {
         let state = view.state;
         let energetics = &state.energetics;
         let asked = "the force evaluation gives what the observable wants";
-        let n = state.len() as f64;
+        let n = view.system.n_molecules() as f64;
         self.seen.see(view.cell());
         let volume = view.cell().volume();
         let kinetic = view.system.kinetic_energy(&state.velocities) / n;
@@ -240,7 +243,7 @@ impl Observable for Thermodynamics {
             .conserved_potential
             .or(energetics.potential_energy)
             .expect(asked);
-        let virial = energetics.scalar_virial().expect(asked);
+        let virial = energetics.scalar_virial().expect(asked) - view.intramolecular_virial();
         let of_positions = view.temperature_of_positions();
         let pressure = n / volume * of_positions + virial / (3.0 * volume);
         let tail = view.tail.unwrap_or_default();
@@ -291,7 +294,7 @@ impl Observable for Thermodynamics {
             .zip(&rows.potential_energy)
             .map(|(k, u)| k + u)
             .collect();
-        let energy = "ε per particle";
+        let energy = self.context.energy_unit();
         let mut averages = vec![of_series("temperature", "ε/k_B", &rows.temperature, cut)];
         if self.half_steps {
             averages.push(of_series(
@@ -335,7 +338,7 @@ impl Observable for Thermodynamics {
                 ensemble,
                 rows,
                 cut,
-                self.context.n_atoms,
+                &self.context,
                 self.n_dof,
             ));
         }
@@ -349,10 +352,10 @@ impl Observable for Thermodynamics {
         findings.remarks = self.remarks();
         findings
             .remarks
-            .extend(self.ensemble.map(|e| e.remark(self.n_dof)));
+            .extend(self.ensemble.map(|e| e.remark(&self.context, self.n_dof)));
         findings
             .tables
-            .push(rows.table(self.series.stride(), self.half_steps));
+            .push(rows.table(self.series.stride(), self.half_steps, energy));
         for (name, column) in [
             ("potential_energy", &rows.potential_energy),
             ("pressure", &rows.pressure),

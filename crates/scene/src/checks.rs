@@ -4,7 +4,7 @@ use lennard_core::{DVec3, PeriodicBox};
 
 use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
-use crate::{Geometry, Placement, Scene, SceneError, Start, accuracy};
+use crate::{Geometry, Placement, Scene, SceneError, Start, accuracy, molecule};
 
 impl Scene {
     /// Whether all tables go together, for a scene that was changed after it was read: stages, tail correction, and
@@ -75,7 +75,13 @@ impl Scene {
             (None, None) => "none near; lattice = \"random\" takes any number".to_owned(),
         };
         self.source
-            .refuse("system.n_atoms", "makes no whole lattice")
+            .refuse(
+                match self.molecule {
+                    None => "system.n_atoms",
+                    Some(_) => "system.n_molecules",
+                },
+                "makes no whole lattice",
+            )
             .found(found)
             .allowed(&none.rule)
             .suggestion(Some(nearest))
@@ -85,6 +91,7 @@ impl Scene {
 /// Everything that can be said before a configuration file is read.
 pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     stages(scene)?;
+    molecule::check(scene)?;
     accuracy::check(scene)?;
     if let Some(placement) = scene.placement()? {
         let Start::Lattice {
@@ -94,7 +101,7 @@ pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
             return Ok(());
         };
         homogeneous(scene, vacuum)?;
-        fits(scene, placement.cell, n_atoms)?;
+        fits(scene, placement.cell, n_atoms * scene.molecules().sites())?;
     }
     Ok(())
 }
@@ -198,6 +205,7 @@ fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneErr
             dt,
             every: table.every,
             r_cut: scene.truncation.r_cut,
+            molecules: scene.molecules(),
         };
         lennard_observables::build(&table.options, &context).map_err(|e| {
             scene

@@ -11,6 +11,7 @@ mod de;
 mod error;
 mod lattice;
 mod lock;
+mod molecule;
 mod names;
 mod overrides;
 mod read;
@@ -25,6 +26,7 @@ mod typed;
 pub use accuracy::Accuracy;
 pub use error::{Place, SceneError, Source};
 pub use lock::{Chosen, Judged, Lock};
+pub use molecule::{Molecule, MoleculeKind, MoleculeOptions};
 pub use scene::{
     Checkpoint, Geometry, IntegratorTable, Lattice, ObservableTable, Output, Placement, Scene,
     Stage, Start, System,

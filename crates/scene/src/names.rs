@@ -53,11 +53,7 @@ const PLANNED: &[Planned] = &[
     },
     Planned {
         words: &["constraint", "constraints"],
-        feature: "constraints are",
-    },
-    Planned {
-        words: &["bond", "bonds", "dumbbell"],
-        feature: "bonds are",
+        feature: "constraints other than the bonds of `[molecule]` are",
     },
     Planned {
         words: &["wall", "walls"],

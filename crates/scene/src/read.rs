@@ -114,6 +114,7 @@ fn read(
         kernel: reader.plain("kernel")?,
         integrator: reader.integrator()?,
         stages: reader.stages(system.temperature)?,
+        molecule: reader.molecule()?,
         observables,
         output,
         checkpoint: reader.checkpoint()?,
@@ -126,8 +127,10 @@ fn read(
 }
 
 /// The tables of a scene file that are written once.
-const TABLES: [&str; 9] = [
+const TABLES: [&str; 11] = [
     "system",
+    "molecule",
+    "bonds",
     "accuracy",
     "potential",
     "truncation",
@@ -299,15 +302,20 @@ impl<'a> Reader<'a> {
 
 /// A table with a `kind` where it has none.
 pub(crate) fn with_kind(node: &Node, kind: &str) -> Node {
+    with_tag(node, "kind", kind)
+}
+
+/// A table with a key that names its method, where it has none.
+pub(crate) fn with_tag(node: &Node, key: &str, name: &str) -> Node {
     let mut node = node.clone();
     if let Value::Table(table) = &mut node.value
-        && table.get("kind").is_none()
+        && table.get(key).is_none()
     {
-        let kind = Node {
-            value: Value::Text(kind.to_owned()),
+        let name = Node {
+            value: Value::Text(name.to_owned()),
             place: node.place.clone(),
         };
-        table.set("kind", kind);
+        table.set(key, name);
     }
     node
 }

@@ -5,8 +5,10 @@ use std::fmt::Write as _;
 use std::sync::OnceLock;
 
 pub use lennard_core::options::Allowed;
-use lennard_core::options::{KeySpec, Keys};
+use lennard_core::options::{KeySpec, Keys, Options};
 pub(crate) use lennard_core::options::{MOST_STEPS, quoted};
+
+use crate::MoleculeOptions;
 
 /// The most particles that a scene may ask for; their numbers must fit in 32 bits with room to spare.
 pub(crate) const MOST_ATOMS: i64 = 1_000_000_000;
@@ -84,6 +86,17 @@ static TABLES: &[TableDoc] = &[
                   or as a `configuration` file says.",
     },
     TableDoc {
+        table: "molecule",
+        heading: "`[molecule]`",
+        meaning: "What molecules the particles are bonded to. Without it they are atoms. Densities then count molecules, and \
+                  energies are per molecule.",
+    },
+    TableDoc {
+        table: "bonds",
+        heading: "`[bonds]`",
+        meaning: "How the bonds of molecules are held.",
+    },
+    TableDoc {
         table: "accuracy",
         heading: "`[accuracy]`",
         meaning: "How wrong the results may be. What is not written of `truncation.kind`, `truncation.r_cut`, \
@@ -151,12 +164,17 @@ static SHARED: &[(&str, Keys)] = keys! {
     "system" {
         "lattice": Names(|| vec!["fcc", "sc", "bcc", "random"]), "`\"fcc\"`", "", "Arrangement at the start. In a cube, fcc takes 4m³ particles, bcc 2m³, sc m³; in another box, 4abc, 2abc or abc with nearly cubic cells (edges within 10 % of each other). `random` takes any number, relaxed until nothing overlaps.";
         "n_atoms": Whole(1, MOST_ATOMS), "needed", "", "Number of particles.";
+        "n_molecules": Whole(1, MOST_ATOMS), "needed with `[molecule]`", "", "Number of molecules, in place of `n_atoms`: their centres stand on the lattice, their axes along its body diagonals.";
         "density": Between(THINNEST, DENSEST), "this or `box`", "σ⁻³", "Number density of the start; the box is a cube.";
         "box": Words("one side, or three sides [Lx, Ly, Lz], each a finite number above 0"), "this or `density`", "σ", "Box sides. With a `configuration`, the box of a file that names none.";
         "vacuum": NotNegative, "`0.0`", "σ", "Empty length added to the box along z, with the particles in the middle: a slab between two surfaces. `density` and `box` then describe the filled part.";
         "configuration": Words("the path of a file that can be read"), "none", "", "Start from this file (extended XYZ or the NIST columns), relative to the scene file. Takes the place of `lattice`, `n_atoms` and `density`.";
         "temperature": ZeroOrBetween(COLDEST, HOTTEST), "needed", "ε/k_B", "Temperature of the first velocities (where no file gives them) and of every thermostat that names no other.";
         "seed": Whole(0, i64::MAX), "`1`", "", "Seed of every random stream.";
+    }
+    "molecule" {}
+    "bonds" {
+        "method": Names(|| lennard_integrators::bond_methods().iter().map(|m| m.name).collect()), "`\"direct\"`", "", "How bonds are held.";
     }
     "accuracy" {
         "potential_energy": Positive, "not asked for", "ε per particle", "Largest error of the mean potential energy, at equal temperature: of the full potential, or, where `truncation.kind` and `truncation.r_cut` are both written, of that model.";
@@ -237,6 +255,7 @@ static SPLIT: Keys = &[
 fn of_methods(table: &str) -> Vec<(&'static str, Keys)> {
     match table {
         "potential" => lennard_forcefield::PotentialOptions::keys(),
+        "bonds" => lennard_integrators::BondOptions::keys(),
         "integrator" => {
             let mut all = lennard_integrators::IntegratorOptions::keys();
             all.push((lennard_integrators::respa::SPEC.name, SPLIT));
@@ -264,7 +283,16 @@ pub fn keys() -> &'static [KeyDoc] {
         };
         let mut all = Vec::new();
         for (table, shared) in SHARED {
-            all.extend(shared.iter().map(|key| document(table, None, key)));
+            let own: Keys = match *table {
+                "molecule" => <MoleculeOptions as Options>::KEYS,
+                _ => &[],
+            };
+            all.extend(
+                shared
+                    .iter()
+                    .chain(own)
+                    .map(|key| document(table, None, key)),
+            );
             for (method, own) in of_methods(table) {
                 all.extend(own.iter().map(|key| document(table, Some(method), key)));
             }

@@ -3,16 +3,21 @@
 use std::path::Path;
 
 use lennard_forcefield::{KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions};
-use lennard_integrators::{IntegratorOptions, ThermostatOptions};
+use lennard_integrators::{BondOptions, IntegratorOptions, ThermostatOptions};
 use lennard_observables::ObservableOptions;
 use serde::Serialize;
 
+use crate::molecule::MoleculeOptions;
 use crate::{Accuracy, Geometry, Scene, Start};
 
 #[derive(Serialize)]
 struct Resolved<'a> {
     name: &'a str,
     system: System,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    molecule: Option<&'a MoleculeOptions>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bonds: Option<&'a BondOptions>,
     #[serde(skip_serializing_if = "Option::is_none")]
     accuracy: Option<&'a Accuracy>,
     potential: &'a PotentialOptions,
@@ -35,6 +40,8 @@ struct System {
     lattice: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     n_atoms: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    n_molecules: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     density: Option<f64>,
     #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
@@ -137,6 +144,8 @@ impl Scene {
         Resolved {
             name: &self.name,
             system: self.resolved_system(),
+            molecule: self.molecule.as_ref().map(|m| &m.options),
+            bonds: self.molecule.as_ref().map(|m| &m.bonds),
             accuracy: self.accuracy.as_ref(),
             potential: &self.potential,
             truncation: &self.truncation,
@@ -192,7 +201,10 @@ impl Scene {
             } => {
                 place(geometry);
                 system.lattice = Some(lattice.name());
-                system.n_atoms = Some(*n_atoms);
+                match &self.molecule {
+                    None => system.n_atoms = Some(*n_atoms),
+                    Some(_) => system.n_molecules = Some(*n_atoms),
+                }
                 system.vacuum = Some(*vacuum);
             }
             Start::Configuration { path, geometry } => {

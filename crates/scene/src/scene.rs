@@ -11,7 +11,7 @@ use lennard_integrators::{IntegratorOptions, ThermostatOptions};
 use lennard_observables::ObservableOptions;
 use serde::{Deserialize, Serialize};
 
-use crate::{Accuracy, Source};
+use crate::{Accuracy, Molecule, Source};
 
 /// A scene: everything that a run depends on but the machine. Reduced units throughout.
 #[derive(Debug, Clone)]
@@ -20,6 +20,8 @@ pub struct Scene {
     pub name: String,
     /// Where the particles start.
     pub system: System,
+    /// What molecules the particles are bonded to; `None` for atoms.
+    pub molecule: Option<Molecule>,
     /// The errors that are accepted, where the scene asks for an accuracy.
     pub accuracy: Option<Accuracy>,
     /// The settings that the accuracy leaves to be chosen and that no lock file has brought; where there are
@@ -53,6 +55,7 @@ impl PartialEq for Scene {
         let Self {
             name,
             system,
+            molecule,
             accuracy,
             free,
             potential,
@@ -68,6 +71,7 @@ impl PartialEq for Scene {
         } = self;
         *name == other.name
             && *system == other.system
+            && *molecule == other.molecule
             && *accuracy == other.accuracy
             && *free == other.free
             && *potential == other.potential
@@ -97,6 +101,7 @@ impl Scene {
             truncation: self.truncation,
             neighbor: self.neighbor,
             kernel: self.kernel,
+            exclusions: self.molecules().exclusions(),
         }
     }
 
@@ -132,9 +137,9 @@ pub enum Start {
     Lattice {
         /// Which one.
         lattice: Lattice,
-        /// Number of particles.
+        /// Number of particles, or of molecules where particles are bonded.
         n_atoms: usize,
-        /// Size of the region that they fill.
+        /// Size of the region that they fill; a density is of molecules where particles are bonded.
         geometry: Geometry,
         /// Empty length in σ added along z, the filled region in the middle: a slab between two vacuums;
         /// 0 for a homogeneous fluid.

@@ -17,6 +17,7 @@ const DEFAULT_SEED: u64 = 1;
 struct SystemTable {
     lattice: Option<Lattice>,
     n_atoms: Option<usize>,
+    n_molecules: Option<usize>,
     density: Option<f64>,
     #[serde(rename = "box")]
     sides: Option<Sides>,
@@ -89,7 +90,7 @@ impl Reader<'_> {
         };
         let start = match table.configuration {
             Some(path) => {
-                for key in ["lattice", "n_atoms", "density", "vacuum"] {
+                for key in ["lattice", "n_atoms", "n_molecules", "density", "vacuum"] {
                     if given(key) {
                         return Err(self
                             .source
@@ -103,7 +104,7 @@ impl Reader<'_> {
             }
             None => Start::Lattice {
                 lattice: table.lattice.unwrap_or_default(),
-                n_atoms: table.n_atoms.ok_or_else(|| self.needed("n_atoms"))?,
+                n_atoms: self.count(table.n_atoms, table.n_molecules)?,
                 geometry: geometry.ok_or_else(|| self.needed("density"))?,
                 vacuum: table.vacuum.unwrap_or(0.0),
             },
@@ -117,11 +118,33 @@ impl Reader<'_> {
         })
     }
 
+    /// The number of particles, or of molecules where the scene has some.
+    fn count(&self, atoms: Option<usize>, molecules: Option<usize>) -> Result<usize, SceneError> {
+        let bonded = self.source.wrote("molecule");
+        let (own, other) = match bonded {
+            true => ("n_molecules", ("n_atoms", atoms)),
+            false => ("n_atoms", ("n_molecules", molecules)),
+        };
+        if let (key, Some(found)) = other {
+            let message = match bonded {
+                true => "does not go with `[molecule]`",
+                false => "has no `[molecule]` beside it",
+            };
+            return Err(self
+                .source
+                .refuse(&format!("system.{key}"), message)
+                .found(found)
+                .allowed(format!("`{own}`")));
+        }
+        let count = if bonded { molecules } else { atoms };
+        count.ok_or_else(|| self.needed(own))
+    }
+
     fn needed(&self, key: &str) -> SceneError {
         let allowed = reference::find("system", None, key).map(|doc| doc.allowed.text());
         let or = match key {
             "density" => ", or `box` with three sides",
-            "n_atoms" => ", or `configuration` with a file",
+            "n_atoms" | "n_molecules" => ", or `configuration` with a file",
             _ => "",
         };
         self.source

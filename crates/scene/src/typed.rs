@@ -52,7 +52,7 @@ impl<'a> Section<'a> {
                 .found(node)
                 .allowed(format!("a table, `[{}]`", self.path)));
         };
-        let method = table.get("kind").and_then(Node::text);
+        let method = table.get(tag(table)).and_then(Node::text);
         self.check_numbers(table, method)?;
         let probe = |node: &Node| T::deserialize(node).err().map(|fault| fault.trouble);
         T::deserialize(node).map_err(|fault| self.explain(&fault, table, method, &probe))
@@ -147,7 +147,7 @@ impl<'a> Section<'a> {
             Trouble::Missing { key } => self.missing(key, table, method),
             Trouble::UnknownName { found, known } => {
                 let key = culprit(fault, table, probe);
-                self.unknown_name(key.as_deref().unwrap_or("kind"), found, known)
+                self.unknown_name(key.as_deref().unwrap_or(tag(table)), found, known)
             }
             Trouble::WrongType { expected } => {
                 let key = culprit(fault, table, probe);
@@ -233,6 +233,14 @@ impl<'a> Section<'a> {
     }
 }
 
+/// The key that names the method of a table: `kind`, or `method` in `[bonds]`.
+fn tag(table: &Table) -> &'static str {
+    match table.get("kind") {
+        None if table.get("method").is_some() => "method",
+        _ => "kind",
+    }
+}
+
 /// The key of a table that a fault is about.
 ///
 /// An internally tagged enum copies its table before it looks at it and so forgets the way; then each
@@ -249,7 +257,7 @@ fn culprit(
         let named = table.0.iter().find(|e| e.node.text() == Some(found));
         return named.map(|entry| entry.key.clone());
     }
-    let kind = table.entry("kind")?;
+    let kind = table.entry(tag(table))?;
     let probed = |entries: Vec<Entry>| {
         let trouble = probe(&Node {
             value: Value::Table(Table(entries)),
@@ -260,7 +268,7 @@ fn culprit(
     if probed(vec![kind.clone()]) {
         return Some(kind.key.clone());
     }
-    let others = table.0.iter().filter(|entry| entry.key != "kind");
+    let others = table.0.iter().filter(|entry| entry.key != kind.key);
     let guilty = others
         .into_iter()
         .find(|entry| probed(vec![kind.clone(), (*entry).clone()]));

@@ -24,6 +24,7 @@ pub fn energy(args: &EnergyArgs) -> Result<ExitCode, Failure> {
             forces: true,
             wrapped: false,
             element: scene.output.element.clone(),
+            sites_per_molecule: scene.molecules().sites(),
             ..Default::default()
         };
         let extra = [("total_potential_energy", report.potential_energy)];

@@ -133,21 +133,7 @@ impl ForceTerm for Springs {
         let sums = if part == Part::Far {
             Sums::NOTHING
         } else {
-            let sites = self.molecules.sites();
-            let size = sites * MOLECULES_PER_TASK;
-            let tasks = forces.chunks_mut(size).zip(at.positions.chunks(size));
-            for_each_item(tasks, |(), _, (forces, positions)| {
-                let chains = forces
-                    .chunks_exact_mut(sites)
-                    .zip(positions.chunks_exact(sites));
-                for (forces, x) in chains {
-                    for (c, pair) in x.windows(2).enumerate() {
-                        let (f, _) = self.bond(pair[1] - pair[0]);
-                        forces[c] -= f;
-                        forces[c + 1] += f;
-                    }
-                }
-            });
+            self.add_forces(at, forces);
             if want.is_nothing() {
                 Sums::NOTHING
             } else {
@@ -161,6 +147,24 @@ impl ForceTerm for Springs {
             laplacian: want.laplacian.then_some(sums.laplacian),
             ..Energetics::default()
         })
+    }
+
+    fn add_forces(&self, at: Configuration<'_>, forces: &mut [DVec3]) {
+        let sites = self.molecules.sites();
+        let size = sites * MOLECULES_PER_TASK;
+        let tasks = forces.chunks_mut(size).zip(at.positions.chunks(size));
+        for_each_item(tasks, |(), _, (forces, positions)| {
+            let chains = forces
+                .chunks_exact_mut(sites)
+                .zip(positions.chunks_exact(sites));
+            for (forces, x) in chains {
+                for (c, pair) in x.windows(2).enumerate() {
+                    let (f, _) = self.bond(pair[1] - pair[0]);
+                    forces[c] -= f;
+                    forces[c + 1] += f;
+                }
+            }
+        });
     }
 
     fn properties(&self) -> ForceProperties {

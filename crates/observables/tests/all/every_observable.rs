@@ -21,6 +21,7 @@ fn context_of(n_atoms: usize) -> BuildContext {
         dt: 0.005,
         every: 10,
         r_cut: 2.5,
+        molecules: lennard_core::Molecules::ATOMS,
     }
 }
 

@@ -117,6 +117,7 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
         dt: DT,
         every: EVERY,
         r_cut: R_CUT,
+        molecules: lennard_core::Molecules::ATOMS,
     };
     let mut thermodynamics = Thermodynamics::new(&context);
     thermodynamics.set_force_jump(derivatives(R_CUT * R_CUT).0);

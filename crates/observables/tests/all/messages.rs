@@ -11,6 +11,7 @@ fn an_option_that_does_not_suit_the_run_is_named_with_what_is_allowed() {
         dt: 0.004,
         every: 10,
         r_cut: 2.5,
+        molecules: lennard_core::Molecules::ATOMS,
     };
     for (options, wanted) in [
         (

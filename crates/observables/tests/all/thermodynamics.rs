@@ -15,6 +15,7 @@ fn context(n_atoms: usize, side: f64) -> BuildContext {
         dt: 0.005,
         every: 10,
         r_cut: 2.5,
+        molecules: lennard_core::Molecules::ATOMS,
     }
 }
 

@@ -197,7 +197,7 @@ pub fn run(options: &BenchOptions, progress: &mut dyn Progress) -> Result<BenchS
     let mut study = BenchStudy {
         schema: "lennard-bench/1",
         scene: plan[0].scene.name.clone(),
-        model: lennard_forcefield::model_name(&plan[0].scene.force_field()),
+        model: plan[0].scene.model_name(),
         atoms: blocks.start.len(),
         density: blocks.start.density(),
         r_cut: plan[0].scene.truncation.r_cut,

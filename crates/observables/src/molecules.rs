@@ -1,0 +1,274 @@
+//! What molecules do: temperatures of their parts, strain of bonds, and the pressure by two routes.
+
+use lennard_core::{
+    DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
+    Table, View, Want, parallel, rigid,
+};
+
+use crate::averages::of_series;
+use crate::series::{Series, impl_columns};
+use crate::{BuildContext, ObservableError, Recipe};
+
+const SPEC: ObservableSpec = ObservableSpec {
+    name: "molecules",
+    summary: "temperatures of the centres of mass and of the motion inside molecules, bond lengths, end-to-end distance, and the pressure over sites",
+    equation: "T_centres = Σ M V²/(3M − 3); T_inside = 2(K − K_centres)/(n_dof − 3M + 3); P_sites = (2K + W_pairs + Σ λ|d|²)/(3V) + T/V",
+    source: "Allen and Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), sections 2.7.2 and 3.4",
+    dynamic: false,
+    suits_molecules: true,
+};
+
+/// Rows kept before neighbors are averaged in pairs.
+const MOST_ROWS: usize = 1 << 14;
+
+lennard_core::options! {
+    /// Options of [`MolecularMotion`]: there are none.
+    pub struct MolecularMotionOptions {}
+}
+
+impl Recipe for MolecularMotionOptions {
+    const SPEC: &'static ObservableSpec = &SPEC;
+
+    fn default_every(&self) -> u64 {
+        10
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
+        if context.molecules.are_atoms() {
+            return Err(ObservableError::new(
+                "kind",
+                "\"molecules\" in a scene of atoms",
+                "a table `[molecule]` in the scene",
+            ));
+        }
+        Ok(Box::new(MolecularMotion::new(context)))
+    }
+}
+
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Rows {
+    time: Vec<f64>,
+    temperature_of_centers: Vec<f64>,
+    temperature_inside: Vec<f64>,
+    bond_length: Vec<f64>,
+    bond_strain_squared: Vec<f64>,
+    end_to_end_squared: Vec<f64>,
+    pressure_of_sites: Vec<f64>,
+}
+
+impl_columns!(Rows {
+    time,
+    temperature_of_centers,
+    temperature_inside,
+    bond_length,
+    bond_strain_squared,
+    end_to_end_squared,
+    pressure_of_sites,
+});
+
+/// Temperatures of the parts of molecules, their bonds and their extension, and the pressure by forces on sites.
+///
+/// - `temperature_of_centers`: Σ M V²/(3M − 3) over the M centres of mass.
+/// - `temperature_inside`: twice the kinetic energy about the centres over its degrees of freedom: rotation of a rigid
+///   dumbbell; rotation and vibration of others. Equipartition makes both temperatures equal.
+/// - `bond_length` and `bond_strain`: the mean |d| and the root mean square of |d|/r − 1.
+/// - `end_to_end`: the root mean square distance of the first and the last site.
+/// - `pressure_of_sites`: (2K + W)/(3V) with the virial over pairs, springs and constraints, and T/V for the conserved
+///   momentum. For rigid dumbbells it equals the pressure over molecules, (Σ M V² + Σ R_ab·F_ab)/(3V) + T/V, at each
+///   instant. Without the tail.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MolecularMotion {
+    series: Series<Rows>,
+    context: BuildContext,
+    largest_residual: f64,
+}
+
+impl MolecularMotion {
+    /// Nothing seen yet.
+    #[must_use]
+    pub fn new(context: &BuildContext) -> Self {
+        Self {
+            series: Series::new(Rows::default(), MOST_ROWS),
+            context: *context,
+            largest_residual: 0.0,
+        }
+    }
+}
+
+/// Sums over molecules.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    /// Σ ½ M V² of the centres, ε.
+    kinetic_of_centers: f64,
+    length: f64,
+    strain_squared: f64,
+    end_to_end_squared: f64,
+}
+
+impl std::iter::Sum for Sums {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), |a, b| a + b)
+    }
+}
+
+impl std::ops::Add for Sums {
+    type Output = Self;
+    fn add(self, b: Self) -> Self {
+        Self {
+            kinetic_of_centers: self.kinetic_of_centers + b.kinetic_of_centers,
+            length: self.length + b.length,
+            strain_squared: self.strain_squared + b.strain_squared,
+            end_to_end_squared: self.end_to_end_squared + b.end_to_end_squared,
+        }
+    }
+}
+
+fn sums(view: &View<'_>) -> Sums {
+    let (system, state) = (view.system, view.state);
+    let molecules = &system.molecules;
+    let of_molecule = |m: usize| {
+        let sites = molecules.sites_of(m);
+        let (x, v) = (
+            &state.positions[sites.clone()],
+            &state.velocities[sites.clone()],
+        );
+        let mass: f64 = sites.clone().map(|i| system.masses.of(i)).sum();
+        let momentum: DVec3 = sites.zip(v).map(|(i, v)| system.masses.of(i) * *v).sum();
+        let mut sums = Sums {
+            kinetic_of_centers: 0.5 * momentum.length_squared() / mass,
+            end_to_end_squared: (x[x.len() - 1] - x[0]).length_squared(),
+            ..Sums::default()
+        };
+        for pair in x.windows(2) {
+            let length = (pair[1] - pair[0]).length();
+            sums.length += length;
+            sums.strain_squared += (length / molecules.bond_length() - 1.0).powi(2);
+        }
+        sums
+    };
+    parallel::ordered_sum(system.n_molecules(), |range| range.map(of_molecule).sum())
+}
+
+impl Observable for MolecularMotion {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want {
+            virial: true,
+            ..Want::NOTHING
+        }
+    }
+
+    /// # Panics
+    /// Where the state lacks what [`Observable::want`] asks for: that is a bug of the caller.
+    fn sample(&mut self, view: &View<'_>) {
+        let molecules = view.system.n_molecules() as f64;
+        let bonds = molecules * view.system.molecules.bonds() as f64;
+        let found = sums(view);
+        let kinetic = view.kinetic_energy();
+        let n_dof = view.n_dof();
+        let kept = 3.0 * view.state.len() as f64
+            - if view.system.molecules.are_rigid() {
+                bonds
+            } else {
+                0.0
+            }
+            - n_dof;
+        let of_centers = 3.0 * molecules - kept;
+        let constraints = rigid::constraint_sums(view.system, view.state);
+        self.largest_residual = self.largest_residual.max(constraints.largest_residual);
+        let virial = view.state.energetics.scalar_virial();
+        let virial = virial.expect("the force evaluation gives what the observable wants");
+        let w = constraints.virial;
+        let virial = virial + w.x_axis.x + w.y_axis.y + w.z_axis.z;
+        let volume = view.cell().volume();
+        let momentum_part = kept / 3.0 * view.temperature() / volume;
+        self.series.push(&[
+            view.state.time,
+            2.0 * found.kinetic_of_centers / of_centers,
+            2.0 * (kinetic - found.kinetic_of_centers) / (n_dof - of_centers),
+            found.length / bonds,
+            found.strain_squared / bonds,
+            found.end_to_end_squared / molecules,
+            (2.0 * kinetic + virial) / (3.0 * volume) + momentum_part,
+        ]);
+    }
+
+    fn finish(&self, discarded: f64) -> Findings {
+        let rows = self.series.rows();
+        let cut = (discarded * rows.time.len() as f64).round() as usize;
+        let squares = |column: &[f64]| column.iter().map(|x| x.sqrt()).collect::<Vec<_>>();
+        let strain = squares(&rows.bond_strain_squared);
+        let end_to_end = squares(&rows.end_to_end_squared);
+        let is_rigid = self.context.molecules.are_rigid();
+        let mut averages = vec![
+            of_series(
+                "temperature_of_centers",
+                "ε/k_B",
+                &rows.temperature_of_centers,
+                cut,
+            ),
+            of_series(
+                "temperature_inside_molecules",
+                "ε/k_B",
+                &rows.temperature_inside,
+                cut,
+            ),
+            of_series("pressure_of_sites", "ε/σ³", &rows.pressure_of_sites, cut),
+        ];
+        if !is_rigid {
+            averages.push(of_series("bond_length", "σ", &rows.bond_length, cut));
+            averages.push(of_series("bond_strain", "", &strain, cut));
+        }
+        if self.context.molecules.bonds() > 1 {
+            averages.push(of_series("end_to_end_distance", "σ", &end_to_end, cut));
+        }
+        let mut remarks = vec![
+            "pressure_of_sites is by forces on sites, constraints included, and without the tail"
+                .to_owned(),
+        ];
+        if is_rigid {
+            remarks.push(format!(
+                "largest | |d|/r − 1 | of a bond: {:.2e}",
+                self.largest_residual
+            ));
+        }
+        Findings {
+            averages,
+            tables: vec![
+                Table::new("molecules", "molecules against time")
+                    .with("time", "τ", rows.time.clone())
+                    .with(
+                        "temperature_of_centers",
+                        "ε/k_B",
+                        rows.temperature_of_centers.clone(),
+                    )
+                    .with(
+                        "temperature_inside_molecules",
+                        "ε/k_B",
+                        rows.temperature_inside.clone(),
+                    )
+                    .with("bond_length", "σ", rows.bond_length.clone())
+                    .with("bond_strain", "", strain)
+                    .with("end_to_end_distance", "σ", end_to_end)
+                    .with("pressure_of_sites", "ε/σ³", rows.pressure_of_sites.clone()),
+            ],
+            remarks,
+        }
+    }
+}
+
+impl Persist for MolecularMotion {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.series.save(&mut to.section("series"));
+        to.put_f64("largest_residual", &[self.largest_residual]);
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.series.restore(&from.section("series"))?;
+        [self.largest_residual] = from.f64s("largest_residual")?;
+        Ok(())
+    }
+}
