@@ -33,11 +33,12 @@ pub fn finished(
     trajectory_frames: Option<u64>,
     finished: bool,
 ) -> RunRecord {
-    let density = simulation.state.len() as f64 / simulation.state.cell.volume();
+    let molecules = simulation.system.n_molecules();
+    let density = molecules as f64 / simulation.state.cell.volume();
     let compared = compare::with_equation_of_state(
         &simulation.scene,
         density,
-        simulation.state.len(),
+        molecules,
         simulation.thermodynamics(),
     );
     let conservation = simulation.thermodynamics().conservation();

@@ -114,6 +114,16 @@ pub trait EquationOfState: Send + Sync + std::fmt::Debug {
     /// called with β as the first and ρ as the second variable of the jet.
     fn residual(&self, beta: Jet, rho: Jet) -> Jet;
 
+    /// The kinetic part of c_v in k_B: half the degrees of freedom of a particle.
+    fn kinetic_heat_capacity(&self) -> f64 {
+        1.5
+    }
+
+    /// Mass of a particle.
+    fn mass(&self) -> f64 {
+        1.0
+    }
+
     /// The density in σ⁻³ at which the liquid freezes at this temperature; `None` where the freezing
     /// line of the model is not known or the temperature lies below the triple point.
     fn freezing_density(&self, temperature: f64) -> Option<f64>;
@@ -128,7 +138,7 @@ pub trait EquationOfState: Send + Sync + std::fmt::Debug {
         let dp_drho = temperature * (1.0 + rho * (2.0 * a.y + rho * a.yy));
         let dp_dt = rho * (1.0 + rho * (a.y - beta * a.xy));
         let du_dt = -beta * beta * a.xx;
-        let heat_capacity_volume = 1.5 + du_dt;
+        let heat_capacity_volume = self.kinetic_heat_capacity() + du_dt;
         let expansion = temperature * (dp_dt / rho).powi(2);
         FluidState {
             rho,
@@ -138,7 +148,7 @@ pub trait EquationOfState: Send + Sync + std::fmt::Debug {
             potential_energy: a.x,
             heat_capacity_volume,
             heat_capacity_pressure: heat_capacity_volume + expansion / dp_drho,
-            speed_of_sound: (dp_drho + expansion / heat_capacity_volume).sqrt(),
+            speed_of_sound: ((dp_drho + expansion / heat_capacity_volume) / self.mass()).sqrt(),
             du_dt,
             dp_dt,
             du_drho: a.xy,

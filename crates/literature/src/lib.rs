@@ -28,6 +28,7 @@ mod saturation;
 mod tables;
 mod thol;
 mod transport;
+mod two_center;
 
 pub use equation::{EquationOfState, EquationSpec, OutsideRange, OwnUncertainty, Range};
 pub use finite_size::{FiniteSize, Kept};
@@ -47,3 +48,4 @@ pub use transport::{
     NEAR_DENSITY, NEAR_TEMPERATURE, SAME_DENSITY, SAME_LINE, TransportProperty, TransportValue,
     self_diffusion_near, transport_near, viscosity_near,
 };
+pub use two_center::{BOND_LENGTHS, TwoCenter, two_center};

@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use crate::equation::EquationOfState;
 use crate::kolafa_nezbeda::KolafaNezbeda;
 use crate::thol::Thol;
+use crate::two_center::two_center;
 
 /// The model that a run simulates, as far as the choice of a reference goes. Lengths in σ.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +32,13 @@ pub enum ModelKind {
     },
     /// Lennard-Jones, switched off smoothly.
     Switched {
+        /// The cutoff.
+        r_cut: f64,
+    },
+    /// Rigid dumbbells of two Lennard-Jones sites, plain cutoff, with tail corrections.
+    TwoCenter {
+        /// Length of the bond.
+        bond_length: f64,
         /// The cutoff.
         r_cut: f64,
     },
@@ -101,6 +109,7 @@ pub const GOOD_TAIL_CUTOFF: f64 = 4.0;
 /// |---|---|
 /// | plain cutoff with tail corrections, any r_cut | Thol 2016 |
 /// | truncated and shifted at exactly 2.5 σ | Thol 2015 |
+/// | rigid dumbbells, plain cutoff with tail corrections, bonds of 0.1 to 1 σ | Lísal 2004 |
 /// | anything else | none |
 ///
 /// # Errors
@@ -133,6 +142,13 @@ pub fn equation_of_state_for(
             format!("Lennard-Jones switched off at {r_cut} σ"),
             "its thermodynamics depends on the switch, and none was published for it",
         ),
+        ModelKind::TwoCenter { bond_length, .. } => match two_center(bond_length) {
+            Some([lisal, _]) => Ok(lisal),
+            None => none(
+                format!("dumbbells with bonds of {bond_length} σ"),
+                "the equations for two-center fluids are for bonds of 0.1 to 1 σ",
+            ),
+        },
         ModelKind::Other { potential } => none(
             potential.to_owned(),
             "the equations of state here are for Lennard-Jones",
@@ -144,10 +160,14 @@ pub fn equation_of_state_for(
 #[must_use]
 pub fn remark_for(model: ModelKind) -> Option<String> {
     match model {
-        ModelKind::CutWithTail { r_cut } if r_cut < GOOD_TAIL_CUTOFF => Some(format!(
-            "the tail correction takes g(r) = 1 beyond {r_cut} σ; in a dense liquid that biases P, \
+        ModelKind::CutWithTail { r_cut } | ModelKind::TwoCenter { r_cut, .. }
+            if r_cut < GOOD_TAIL_CUTOFF =>
+        {
+            Some(format!(
+                "the tail correction takes g(r) = 1 beyond {r_cut} σ; in a dense liquid that biases P, \
              by about −0.03 at 2.5 σ: judge P at r_cut ≥ {GOOD_TAIL_CUTOFF} σ"
-        )),
+            ))
+        }
         _ => None,
     }
 }

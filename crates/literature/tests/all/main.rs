@@ -3,3 +3,4 @@
 mod coexistence;
 mod equations;
 mod tables;
+mod two_center;
