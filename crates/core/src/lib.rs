@@ -40,7 +40,7 @@ pub use integrator::Integrator;
 pub use method::{Method, rigid_bonds_alone, without_constraints};
 pub use molecules::{Bonds, Exclusions, MOST_BONDS, MOST_SITES, Molecules};
 pub use observable::{
-    Average, Doubt, Estimate, Findings, Observable, ObservableSpec, TailCorrection, View,
+    Average, Doubt, Estimate, Findings, Observable, ObservableSpec, Suits, TailCorrection, View,
 };
 pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, StateWriter};
 pub use spec::{IntegratorSpec, StepError, StepReport};

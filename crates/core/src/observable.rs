@@ -19,8 +19,31 @@ pub struct ObservableSpec {
     pub source: &'static str,
     /// Whether it follows the motion through time, which a bath that kicks particles changes.
     pub dynamic: bool,
-    /// Whether it is right for molecules as well as for atoms.
-    pub suits_molecules: bool,
+    /// The particles that it is right for.
+    pub suits: Suits,
+}
+
+/// The particles that an observable is right for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Suits {
+    /// Atoms and molecules.
+    All,
+    /// Atoms alone.
+    Atoms,
+    /// Molecules alone.
+    Molecules,
+}
+
+impl Suits {
+    /// Whether it is right for atoms, or for molecules.
+    #[must_use]
+    pub fn includes(self, molecules: bool) -> bool {
+        match self {
+            Self::All => true,
+            Self::Atoms => !molecules,
+            Self::Molecules => molecules,
+        }
+    }
 }
 
 /// The tail correction of a homogeneous fluid beyond the cutoff (g(r) = 1 there).

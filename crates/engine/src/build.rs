@@ -82,7 +82,7 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
             let positions = match molecules.are_atoms() {
                 true => centers,
                 false => {
-                    initial::straight_chains(&centers, molecules.sites(), molecules.bond_length())
+                    initial::molecules_about(&centers, molecules.sites(), molecules.bond_length())
                 }
             };
             refuse_overlap_of_molecules(scene, &cell, &positions)?;
@@ -256,7 +256,9 @@ fn refuse_overlap_of_molecules(
     if molecules.are_atoms() {
         return Ok(());
     }
-    let within = SMALLEST_START_DISTANCE;
+    /// U(0.8 σ) is 43 ε: nearer sites of a lattice would heat the fluid beyond use.
+    const SMALLEST_ON_A_LATTICE: f64 = 0.8;
+    let within = SMALLEST_ON_A_LATTICE;
     match closest_pair(cell, positions, molecules.exclusions(), within) {
         None => Ok(()),
         Some(pair) => Err(scene
@@ -269,7 +271,9 @@ fn refuse_overlap_of_molecules(
                     pair.j + 1,
                     pair.distance
                 ),
-                format!("no pair nearer than {within} σ: a lower density or shorter bonds"),
+                format!(
+                    "no pair nearer than {within} σ: a lower density, shorter bonds, or lattice = \"sc\" for chains"
+                ),
             )
             .into()),
     }

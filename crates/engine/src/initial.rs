@@ -39,23 +39,50 @@ pub fn lattice_sites(
     sites
 }
 
-/// Sites of molecules about their centres: straight chains, with axes along the four body diagonals in turn.
+/// Bonds shorter than this, σ, leave no room for a fold: the rows of a folded chain lie a bond apart.
+const SHORTEST_TO_FOLD: f64 = 0.8;
+
+/// Sites of molecules about their centres, σ.
 ///
-/// The four molecules of a cell of an fcc lattice then point into four directions, as in solid nitrogen.
+/// Dumbbells, and chains of short bonds, are straight. Their axes lie along the four body diagonals in turn, so that the four
+/// molecules of an fcc cell point into four directions, as in solid nitrogen. Other chains are folded to and fro into a cube.
 #[must_use]
-pub fn straight_chains(centers: &[DVec3], sites: usize, bond_length: f64) -> Vec<DVec3> {
+pub fn molecules_about(centers: &[DVec3], sites: usize, bond_length: f64) -> Vec<DVec3> {
     const DIAGONALS: [DVec3; 4] = [
         DVec3::new(1.0, 1.0, 1.0),
         DVec3::new(1.0, -1.0, -1.0),
         DVec3::new(-1.0, 1.0, -1.0),
         DVec3::new(-1.0, -1.0, 1.0),
     ];
-    let middle = 0.5 * (sites as f64 - 1.0);
-    let chains = centers.iter().zip(DIAGONALS.iter().cycle());
-    chains
-        .flat_map(|(center, diagonal)| {
-            let axis = diagonal.normalize() * bond_length;
-            (0..sites).map(move |k| *center + (k as f64 - middle) * axis)
+    let straight = sites == 2 || bond_length < SHORTEST_TO_FOLD;
+    let shapes: Vec<Vec<DVec3>> = match straight {
+        true => DIAGONALS
+            .iter()
+            .map(|axis| (0..sites).map(|k| k as f64 * axis.normalize()).collect())
+            .collect(),
+        false => vec![folded(sites)],
+    };
+    let molecules = centers.iter().zip(shapes.iter().cycle());
+    molecules
+        .flat_map(|(center, shape)| {
+            let middle = shape.iter().sum::<DVec3>() / sites as f64;
+            shape
+                .iter()
+                .map(move |r| *center + bond_length * (*r - middle))
+        })
+        .collect()
+}
+
+/// A walk of unit steps over the points of a cube, row by row and layer by layer, to and fro.
+fn folded(sites: usize) -> Vec<DVec3> {
+    let side = (1..).find(|k| k * k * k >= sites).unwrap_or(1);
+    let to_and_fro = |k: usize, turn: usize| if turn % 2 == 0 { k } else { side - 1 - k };
+    (0..sites)
+        .map(|k| {
+            let (row, layer) = (k / side, k / (side * side));
+            let x = to_and_fro(k % side, row);
+            let y = to_and_fro(row % side, layer);
+            DVec3::new(x as f64, y as f64, layer as f64)
         })
         .collect()
 }
@@ -309,6 +336,24 @@ mod tests {
                 *j != i && (cell.minimum_image(*a - **b).length() - nearest).abs() < 1e-12
             });
             assert_eq!(shell.count(), 12);
+        }
+    }
+
+    #[test]
+    fn chains_of_any_number_of_sites_have_bonds_of_one_length_and_no_overlap() {
+        for sites in 2..=64 {
+            for bond_length in [0.5, 1.0] {
+                let chain = molecules_about(&[DVec3::splat(3.0)], sites, bond_length);
+                assert_eq!(chain.len(), sites);
+                for pair in chain.windows(2) {
+                    assert!(((pair[1] - pair[0]).length() - bond_length).abs() < 1e-12);
+                }
+                for (i, a) in chain.iter().enumerate() {
+                    for b in &chain[..i] {
+                        assert!((*a - *b).length() > 0.99 * bond_length, "{sites}");
+                    }
+                }
+            }
         }
     }
 

@@ -173,7 +173,13 @@ mod tests {
         n_atoms: usize,
         n_dof: f64,
     ) -> Estimate {
-        let found = average(ensemble, rows, cut, n_atoms, n_dof);
+        let found = average(
+            ensemble,
+            rows,
+            cut,
+            &crate::testing::context(10.0, n_atoms),
+            n_dof,
+        );
         assert_eq!(found.doubt, None);
         found.estimate
     }
@@ -230,7 +236,13 @@ mod tests {
             ] {
                 column.truncate(60);
             }
-            let found = average(Ensemble::Canonical, &rows, 0, 100, 297.0);
+            let found = average(
+                Ensemble::Canonical,
+                &rows,
+                0,
+                &crate::testing::context(10.0, 100),
+                297.0,
+            );
             assert!(found.estimate.mean >= 1.5);
             assert!(found.doubt.is_some(), "seed {seed}: {found:?}");
         }

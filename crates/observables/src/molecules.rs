@@ -15,7 +15,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "T_centres = Σ M V²/(3M − 3); T_inside = 2(K − K_centres)/(n_dof − 3M + 3); P_sites = (2K + W_pairs + Σ λ|d|²)/(3V) + T/V",
     source: "Allen and Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), sections 2.7.2 and 3.4",
     dynamic: false,
-    suits_molecules: true,
+    suits: lennard_core::Suits::Molecules,
 };
 
 /// Rows kept before neighbors are averaged in pairs.
@@ -34,13 +34,6 @@ impl Recipe for MolecularMotionOptions {
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        if context.molecules.are_atoms() {
-            return Err(ObservableError::new(
-                "kind",
-                "\"molecules\" in a scene of atoms",
-                "a table `[molecule]` in the scene",
-            ));
-        }
         Ok(Box::new(MolecularMotion::new(context)))
     }
 }

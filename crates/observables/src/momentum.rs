@@ -14,7 +14,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "p = Σ m v / N",
     source: "H. Goldstein, Classical Mechanics, 2nd ed. (1980), equation 1-20: conserved where internal forces obey Newton's third law",
     dynamic: false,
-    suits_molecules: true,
+    suits: lennard_core::Suits::All,
 };
 
 /// Rows kept before neighbors are averaged in pairs.

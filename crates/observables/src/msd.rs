@@ -23,7 +23,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "D. Frenkel and B. Smit, Understanding Molecular Simulation, 2nd ed. (2002), section 4.4; \
              I.-C. Yeh and G. Hummer, J. Phys. Chem. B 108, 15873 (2004), equation 12",
     dynamic: true,
-    suits_molecules: true,
+    suits: lennard_core::Suits::All,
 };
 
 /// ξ of the periodic cube's Ewald sum, in the correction of Yeh and Hummer.

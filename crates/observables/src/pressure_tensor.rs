@@ -18,7 +18,7 @@ const SPEC: ObservableSpec = ObservableSpec {
              J. Chem. Phys. 18, 817 (1950); surface tension: J. P. R. B. Walton, D. J. Tildesley, J. S. Rowlinson \
              and J. R. Henderson, Mol. Phys. 48, 1357 (1983), equation 2",
     dynamic: false,
-    suits_molecules: false,
+    suits: lennard_core::Suits::Atoms,
 };
 
 /// Rows kept before neighbors are averaged in pairs.

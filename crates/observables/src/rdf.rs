@@ -19,7 +19,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "g(r) = V/(N(N−1)) · ⟨Σ_{i≠j} δ(r − r_ij)⟩/(4πr²); n(r) = (N−1)/V ∫₀^r g 4πs² ds",
     source: "J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equations 2.5.8 and 2.5.13",
     dynamic: false,
-    suits_molecules: true,
+    suits: lennard_core::Suits::All,
 };
 
 /// Largest distance where the scene gives none, in σ: liquid structure is gone there.

@@ -22,7 +22,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equation 4.1.2; \
              freezing where the peak reaches 2.85: J.-P. Hansen and L. Verlet, Phys. Rev. 184, 151 (1969)",
     dynamic: false,
-    suits_molecules: true,
+    suits: lennard_core::Suits::All,
 };
 
 /// Blocks of the run from which the errors come.

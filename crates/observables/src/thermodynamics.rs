@@ -28,7 +28,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), equations 2.61 and 2.68; \
              B. D. Butler, G. Ayton, O. G. Jepps and D. J. Evans, Configurational temperature, J. Chem. Phys. 109, 6519 (1998), equation 6",
     dynamic: false,
-    suits_molecules: true,
+    suits: lennard_core::Suits::All,
 };
 
 /// Rows kept before neighbors are averaged in pairs.

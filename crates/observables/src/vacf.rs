@@ -20,7 +20,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "A. Rahman, Correlations in the motion of atoms in liquid argon, Phys. Rev. 136, A405 (1964); \
              J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equation 7.2.10",
     dynamic: true,
-    suits_molecules: true,
+    suits: lennard_core::Suits::All,
 };
 
 /// Blocks of the run from which the errors come.

@@ -128,6 +128,7 @@ impl Reader<'_> {
 
 /// Whether molecules fit the rest of the scene.
 pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
+    suited_observables(scene)?;
     let Some(molecule) = &scene.molecule else {
         return Ok(());
     };
@@ -154,25 +155,33 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
             .found("`[accuracy]` and `[molecule]`")
             .allowed("settings of your own: the predictions of errors are for atoms"));
     }
-    for (i, table) in scene.observables.iter().enumerate() {
-        let spec = table.options.spec();
-        if !spec.suits_molecules {
-            return Err(source
-                .refuse(&format!("observable.{i}.kind"), "is for atoms alone")
-                .found(format!("{:?} with `[molecule]`", spec.name))
-                .allowed(names_for_molecules()));
-        }
-    }
     rigid_method(scene, molecule)?;
     stable_springs(scene, molecule)
 }
 
-fn names_for_molecules() -> String {
-    let names = lennard_observables::observables()
-        .iter()
-        .filter(|spec| spec.suits_molecules)
-        .map(|spec| format!("{:?}", spec.name));
-    names.collect::<Vec<_>>().join(", ")
+/// Refuses observables for atoms in a scene of molecules, and the other way round.
+fn suited_observables(scene: &Scene) -> Result<(), SceneError> {
+    let is_molecular = scene.molecule.is_some();
+    for (i, table) in scene.observables.iter().enumerate() {
+        let spec = table.options.spec();
+        if spec.suits.includes(is_molecular) {
+            continue;
+        }
+        let (message, beside) = match is_molecular {
+            true => ("is for atoms alone", "with `[molecule]`"),
+            false => ("is for molecules alone", "without `[molecule]`"),
+        };
+        let names = lennard_observables::observables()
+            .iter()
+            .filter(|spec| spec.suits.includes(is_molecular))
+            .map(|spec| format!("{:?}", spec.name));
+        return Err(scene
+            .source
+            .refuse(&format!("observable.{i}.kind"), message)
+            .found(format!("{:?} {beside}", spec.name))
+            .allowed(names.collect::<Vec<_>>().join(", ")));
+    }
+    Ok(())
 }
 
 /// Refuses rigid bonds under a method that has no form that holds them.

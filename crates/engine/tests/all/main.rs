@@ -3,5 +3,6 @@
 mod hostile;
 mod invariants;
 mod messages;
+mod molecules;
 mod restart;
 mod watching;

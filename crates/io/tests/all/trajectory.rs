@@ -57,6 +57,7 @@ fn the_dialect_is_written_byte_for_byte() {
         forces: true,
         wrapped: false,
         length_scale: 2.0,
+        sites_per_molecule: 1,
     };
     assert_eq!(
         text_of(&other, &self::frame(&state)),
@@ -309,4 +310,23 @@ fn time_for_frames_of_a_million_atoms() {
         1_000_000
     );
     println!("last of two frames read in {:?}", start.elapsed());
+}
+
+#[test]
+fn sites_of_molecules_carry_the_number_of_their_molecule() {
+    let cell = PeriodicBox::new(DVec3::splat(9.0)).unwrap();
+    let state = State::new(cell, vec![DVec3::ONE; 5], vec![DVec3::ZERO; 5]);
+    let style = FrameStyle {
+        sites_per_molecule: 2,
+        ..style()
+    };
+    let text = text_of(&style, &frame(&state));
+    let header = text.lines().nth(1).unwrap();
+    assert!(header.contains("map_shift:I:3:molecule:I:1 "), "{header}");
+    let numbers: Vec<&str> = text
+        .lines()
+        .skip(2)
+        .map(|l| l.rsplit(' ').next().unwrap())
+        .collect();
+    assert_eq!(numbers, ["1", "1", "2", "2", "3"]);
 }

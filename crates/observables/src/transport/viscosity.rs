@@ -18,7 +18,7 @@ const SPEC: ObservableSpec = ObservableSpec {
              sheared model decane, J. Chem. Phys. 100, 541 (1994), equation 11; \
              E. Helfand, Phys. Rev. 119, 1 (1960)",
     dynamic: true,
-    suits_molecules: false,
+    suits: lennard_core::Suits::Atoms,
 };
 
 const WORDS: Words = Words {

@@ -38,10 +38,26 @@ fn with_method(table: &str, kind: &str) -> Scene {
     let extra = match table {
         "stage.thermostat" => return with(&[("stage.heat.thermostat", kind)]).unwrap(),
         "observable" => format!("[[observable]]\nkind = \"{kind}\"\n"),
+        "bonds" => return molecular(kind),
         _ => format!("[{table}]\nkind = \"{kind}\"\n"),
     };
-    let text = SMALL.replace("[[observable]]\nkind = \"rdf\"\n", &extra);
+    let mut text = SMALL.replace("[[observable]]\nkind = \"rdf\"\n", &extra);
+    if kind == "molecules" {
+        text = text
+            .replace("n_atoms", "n_molecules")
+            .replace("density = 0.8", "density = 0.4");
+        text.push_str("\n[molecule]\nbond_length = 1.0\n");
+    }
     parse(&text).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+/// The small scene as dumbbells, with bonds held this way.
+fn molecular(method: &str) -> Scene {
+    let text = SMALL
+        .replace("n_atoms", "n_molecules")
+        .replace("density = 0.8", "density = 0.4");
+    let tables = format!("[molecule]\nbond_length = 1.0\n[bonds]\nmethod = \"{method}\"\n");
+    parse(&format!("{text}\n{tables}")).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// The kinds that a table may have, from the code's own list.
@@ -343,6 +359,7 @@ fn the_reference_states_the_defaults_that_the_code_takes() {
                 assert_eq!(scene.stages[1].thermostat, None);
                 continue;
             }
+            (None, "molecule" | "bonds", _) => molecular("direct"),
             _ => parse(SMALL).unwrap(),
         };
         let taken = value_in(&scene, doc.table, doc.key);

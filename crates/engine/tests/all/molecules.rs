@@ -1,0 +1,317 @@
+//! Fluids of molecules: bits, restarts, identities of the pressure, and files that bring them back.
+
+use lennard_core::{
+    Configuration, DVec3, Part, PeriodicBox, Persist, StateArchive, Want, parallel, rigid,
+};
+use lennard_engine::{EngineError, Simulation, StopAt, Unfollowed, prepare};
+use lennard_scene::Scene;
+
+/// A dense fluid of dumbbells, the force shifted to zero at the cutoff.
+const DUMBBELLS: &str = r#"
+    [system]
+    lattice = "fcc"
+    n_molecules = 108
+    density = 0.4
+    temperature = 2.0
+    seed = 5
+    [molecule]
+    bond_length = 0.67
+    [truncation]
+    kind = "force-shift"
+    r_cut = 2.5
+    [integrator]
+    dt = 0.002
+    [[stage]]
+    name = "production"
+    steps = 100
+    [output]
+    thermo_every = 10
+    [[observable]]
+    kind = "molecules"
+    [[observable]]
+    kind = "rdf"
+    every = 10
+"#;
+
+/// Ways to hold bonds, and chains of each kind, as overrides.
+const WAYS: &[&[(&str, &str)]] = &[
+    &[("bonds.method", "direct")],
+    &[("bonds.method", "relaxation")],
+    &[("bonds.method", "relaxation"), ("bonds.direction", "new")],
+    &[("bonds.method", "relaxation"), ("bonds.sweeps", "3")],
+    &[("bonds.method", "spring")],
+    &[("bonds.method", "direct"), ("kernel.precision", "mixed")],
+    &[
+        ("molecule.kind", "chain"),
+        ("molecule.sites", "4"),
+        ("molecule.bond_length", "1.0"),
+        ("system.density", "0.1"),
+    ],
+    &[
+        ("molecule.kind", "chain"),
+        ("molecule.sites", "3"),
+        ("molecule.bond_length", "1.0"),
+        ("system.density", "0.1"),
+        ("bonds.method", "relaxation"),
+    ],
+];
+
+fn scene(overrides: &[(&str, &str)]) -> Scene {
+    let owned = overrides
+        .iter()
+        .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()));
+    Scene::parse(DUMBBELLS, "dumbbells.toml", &owned.collect::<Vec<_>>())
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn build(overrides: &[(&str, &str)]) -> Simulation {
+    prepare(scene(overrides)).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn bits(simulation: &Simulation) -> Vec<[u64; 3]> {
+    let s = &simulation.state;
+    let all = s.positions.iter().chain(&s.velocities).chain(&s.forces);
+    all.map(|v| v.to_array().map(f64::to_bits)).collect()
+}
+
+fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    pool.build().unwrap().install(work)
+}
+
+#[test]
+fn every_way_has_the_same_bits_on_any_number_of_threads() {
+    for way in WAYS {
+        // Several tasks of molecules.
+        let mut overrides = vec![("system.n_molecules", "864"), ("stage.0.steps", "40")];
+        overrides.extend_from_slice(way);
+        let run = |threads| {
+            on_threads(threads, || {
+                let mut s = build(&overrides);
+                s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+                bits(&s)
+            })
+        };
+        let one = run(1);
+        for threads in [2, 3] {
+            assert!(run(threads) == one, "{way:?} on {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn forty_steps_and_sixty_are_a_hundred_to_the_bit() {
+    for way in WAYS {
+        for bath in ["none", "bussi", "langevin"] {
+            let mut overrides = vec![("stage.0.thermostat", bath)];
+            overrides.extend_from_slice(way);
+            let mut whole = build(&overrides);
+            whole.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+            let mut begun = build(&overrides);
+            begun
+                .run(&mut StopAt::new(40))
+                .unwrap_or_else(|e| panic!("{e}"));
+            let mut archive = StateArchive::default();
+            begun.save(&mut archive.writer());
+            let mut resumed = build(&overrides);
+            resumed.restore(&archive.reader()).unwrap();
+            resumed
+                .run(&mut Unfollowed)
+                .unwrap_or_else(|e| panic!("{e}"));
+            assert!(bits(&resumed) == bits(&whole), "{way:?} {bath}");
+        }
+    }
+}
+
+#[test]
+fn bonds_keep_their_length_and_velocities_have_no_part_along_them() {
+    for (way, tolerance) in [("direct", 1e-14), ("relaxation", 1.1e-10)] {
+        let mut s = build(&[("bonds.method", way), ("stage.0.steps", "2000")]);
+        s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        let sums = rigid::constraint_sums(&s.system, &s.state);
+        assert!(sums.largest_residual <= tolerance, "{way}: {sums:?}");
+        for (x, v) in s
+            .state
+            .positions
+            .chunks(2)
+            .zip(s.state.velocities.chunks(2))
+        {
+            let along = (x[1] - x[0]).dot(v[1] - v[0]).abs();
+            assert!(along < 1e-9, "{way}: {along:e}");
+        }
+        let n_dof = s.view().n_dof();
+        assert_eq!(n_dof, 6.0 * 108.0 - 108.0 - 3.0);
+    }
+}
+
+/// At constant energy, velocity Verlet with rigid bonds keeps the energy as it does for atoms.
+#[test]
+fn energy_is_kept_with_an_error_of_second_order() {
+    let rms = |dt: &str, steps: &str| {
+        let mut s = build(&[
+            ("integrator.dt", dt),
+            ("stage.0.steps", steps),
+            ("output.thermo_every", "1"),
+        ]);
+        s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        let found = s.thermodynamics().conservation();
+        assert!(
+            found.energy_drift_per_atom_per_tau.abs() < 1e-3,
+            "{found:?}"
+        );
+        found.energy_rms_per_atom
+    };
+    let (coarse, fine) = (rms("0.004", "500"), rms("0.002", "1000"));
+    let ratio = coarse / fine;
+    assert!((3.0..5.5).contains(&ratio), "{ratio}: {coarse:e} {fine:e}");
+    assert!(fine < 1e-3, "{fine:e}");
+}
+
+/// For rigid dumbbells 2K + W_pairs + W_constraints = Σ M V² + Σ R_ab·F_ab at each instant.
+#[test]
+fn the_virials_of_sites_and_of_molecules_agree_at_each_instant() {
+    let mut s = build(&[("stage.0.thermostat", "bussi"), ("stage.0.steps", "1000")]);
+    for stop in [10, 200, 500, 1000] {
+        s.run(&mut StopAt::new(stop))
+            .unwrap_or_else(|e| panic!("{e}"));
+        let view = s.view();
+        let pairs = s.state.energetics.scalar_virial().expect("a sampled step");
+        let w = rigid::constraint_sums(&s.system, &s.state).virial;
+        let of_sites = 2.0 * view.kinetic_energy() + pairs + w.x_axis.x + w.y_axis.y + w.z_axis.z;
+        let centers: f64 = parallel::ordered_sum(s.system.n_molecules(), |range| {
+            range
+                .map(|m| {
+                    let v = &s.state.velocities[s.system.molecules.sites_of(m)];
+                    0.5 * (v[0] + v[1]).length_squared()
+                })
+                .sum()
+        });
+        let of_molecules = centers + pairs - view.intramolecular_virial();
+        let scale = 2.0 * view.kinetic_energy();
+        assert!(
+            (of_sites - of_molecules).abs() <= 1e-12 * scale,
+            "step {stop}: {of_sites} {of_molecules}"
+        );
+    }
+}
+
+/// The molecular virial is −3V·∂U/∂V under a scaling of the centres of mass alone.
+#[test]
+fn the_molecular_virial_is_the_derivative_of_the_energy() {
+    let mut s = build(&[("stage.0.steps", "500"), ("stage.0.thermostat", "bussi")]);
+    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    let lengths = s.state.cell.lengths();
+    let mut energy_at = |stretch: f64| {
+        let cell = PeriodicBox::new(lengths * stretch).unwrap();
+        let molecules = s.system.molecules;
+        let mut positions = s.state.positions.clone();
+        for (m, sites) in positions.chunks_mut(molecules.sites()).enumerate() {
+            let center = molecules.center(&s.system.masses, m * molecules.sites(), sites);
+            for r in sites {
+                *r += (stretch - 1.0) * center;
+            }
+        }
+        let mut forces = vec![DVec3::ZERO; positions.len()];
+        let at = Configuration::at_rest(&cell, &positions);
+        let found = s.forces.evaluate(at, Part::All, Want::ENERGY, &mut forces);
+        found.unwrap().potential_energy.unwrap()
+    };
+    let h = 1e-5;
+    let slope = (energy_at(1.0 + h) - energy_at(1.0 - h)) / (2.0 * h);
+    let view = s.view();
+    let molecular = s.state.energetics.scalar_virial().unwrap() - view.intramolecular_virial();
+    // dU/dλ at λ = 1 is 3V·∂U/∂V = −W.
+    assert!(
+        (slope + molecular).abs() < 1e-6 * molecular.abs().max(100.0),
+        "{slope} {molecular}"
+    );
+}
+
+#[test]
+fn a_run_goes_on_from_a_file_of_molecules_folded_into_the_box() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("start.xyz");
+    let mut first = build(&[("stage.0.steps", "300"), ("stage.0.thermostat", "bussi")]);
+    first.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    let style = lennard_io::FrameStyle {
+        sites_per_molecule: 2,
+        ..lennard_io::FrameStyle::default()
+    };
+    let write = |state: &lennard_core::State, path: &std::path::Path| {
+        lennard_io::write_frame(path, &style, &lennard_io::Frame { state, extra: &[] }).unwrap();
+    };
+    // Image flags forgotten: some molecules are cut by a face of the box.
+    let mut folded = first.state.clone();
+    for r in &mut folded.positions {
+        *r = first.state.cell.wrap(*r);
+    }
+    write(&folded, &path);
+    let text = DUMBBELLS.replace(
+        "lattice = \"fcc\"\n    n_molecules = 108\n    density = 0.4\n",
+        "configuration = \"start.xyz\"\n",
+    );
+    let load = |path: &std::path::Path, text: &str| {
+        let scene = path.with_extension("toml");
+        std::fs::write(
+            &scene,
+            text.replace("start.xyz", path.file_name().unwrap().to_str().unwrap()),
+        )
+        .unwrap();
+        prepare(Scene::load(&scene, &[]).unwrap_or_else(|e| panic!("{e}")))
+    };
+    let mut again = load(&path, &text).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(again.system.n_molecules(), 108);
+    assert!(rigid::constraint_sums(&again.system, &again.state).largest_residual < 1e-8);
+    again.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    // A bond that is too long, and a file that holds half a molecule.
+    let refused = |result: Result<Simulation, EngineError>| match result {
+        Ok(_) => panic!("accepted"),
+        Err(e) => e.to_string(),
+    };
+    let mut broken = folded.clone();
+    let bond = broken.positions[1] - broken.positions[0];
+    broken.positions[1] += 0.01 * bond;
+    let path = folder.path().join("broken.xyz");
+    write(&broken, &path);
+    let message = refused(load(&path, &text));
+    assert!(message.contains("between particles 1 and 2"), "{message}");
+    assert!(message.contains("molecule.bond_length = 0.67"), "{message}");
+    let mut odd = folded;
+    for array in [&mut odd.positions, &mut odd.velocities, &mut odd.forces] {
+        array.pop();
+    }
+    let path = folder.path().join("odd.xyz");
+    write(&odd, &path);
+    let message = refused(load(&path, &text));
+    assert!(
+        message.contains("a multiple of molecule.sites = 2"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_lattice_on_which_molecules_overlap_is_refused() {
+    let scene = scene(&[("system.density", "0.8"), ("molecule.bond_length", "1.4")]);
+    let message = match prepare(scene) {
+        Ok(_) => panic!("accepted"),
+        Err(e) => e.to_string(),
+    };
+    assert!(message.contains("molecule.bond_length"), "{message}");
+    assert!(message.contains("no pair nearer than"), "{message}");
+}
+
+/// A step far too long turns a bond by more than a right angle: physics stops the run, and says which bond.
+#[test]
+fn a_bond_that_turns_too_far_stops_the_run() {
+    let mut s = build(&[
+        ("integrator.dt", "0.2"),
+        ("system.temperature", "10.0"),
+        ("system.density", "0.01"),
+    ]);
+    let failed = s.run(&mut Unfollowed).expect_err("a step of 0.2 τ");
+    let EngineError::Physics(failure) = failed else {
+        panic!("{failed}")
+    };
+    let text = failure.to_string();
+    assert!(text.contains("turned too far in one step"), "{text}");
+}
