@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use crate::{
-    Backend, Configuration, Energetics, ForceError, ForceProperties, ForceStatistics, ForceTerm,
-    FusedSteps, Part, Persist, RestoreError, StateReader, StateWriter, Want,
+    Backend, Boundary, Configuration, Energetics, ForceError, ForceProperties, ForceStatistics,
+    ForceTerm, FusedSteps, Part, Persist, RestoreError, StateReader, StateWriter, WallReading,
+    Want,
 };
 
 /// Forces that add, in a fixed order: the first may be a backend of its own, which alone takes several steps at once.
@@ -65,6 +66,16 @@ impl<B: Backend> ForceTerm for ForceSum<B> {
 
     fn statistics(&self) -> ForceStatistics {
         self.first.statistics()
+    }
+
+    /// One term holds all walls.
+    fn walls(&self) -> &[WallReading] {
+        let walls = self.others.iter().map(|term| term.walls());
+        walls.max_by_key(|walls| walls.len()).unwrap_or_default()
+    }
+
+    fn boundary(&mut self) -> Option<&mut dyn Boundary> {
+        self.others.iter_mut().find_map(|term| term.boundary())
     }
 
     fn hessian_vector(

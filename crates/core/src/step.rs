@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use crate::parallel::all_pieces;
 use crate::{
-    Backend, Configuration, DVec3, Energetics, ForceError, FusedSteps, IntegratorSpec, Momentum,
-    Part, State, StepError, StepReport, System, Want, sweeps,
+    Backend, Configuration, DVec3, Energetics, Flight, ForceError, FusedSteps, IntegratorSpec,
+    Momentum, Part, State, StepError, StepReport, System, Want, sweeps,
 };
 
 /// A step of a method: what its kicks, drifts and force evaluations act on.
@@ -101,6 +101,9 @@ impl<'a> Step<'a> {
 
     /// The drift A: x ← x + fraction·h·v.
     pub fn drift(&mut self, fraction: f64) {
+        if self.backend.boundary().is_some() {
+            return self.fly(fraction);
+        }
         let (state, h) = (&mut *self.state, fraction * self.dt);
         match self.waiting_kick.take() {
             Some(kick) => sweeps::kick_and_drift(
@@ -112,6 +115,23 @@ impl<'a> Step<'a> {
                 h,
             ),
             None => sweeps::drift(&mut state.positions, &state.velocities, h),
+        }
+        self.drifted += fraction;
+    }
+
+    /// The drift between walls: flight from hit to hit.
+    fn fly(&mut self, fraction: f64) {
+        self.give_waiting_kick();
+        let state = &mut *self.state;
+        if let Some(boundary) = self.backend.boundary() {
+            self.report.heat += boundary.fly(Flight {
+                positions: &mut state.positions,
+                velocities: &mut state.velocities,
+                masses: &self.system.masses,
+                h: fraction * self.dt,
+                step: state.step,
+                is_later: self.drifted > 0.0,
+            });
         }
         self.drifted += fraction;
     }

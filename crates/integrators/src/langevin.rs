@@ -121,6 +121,10 @@ impl Method for Langevin {
         &SPEC
     }
 
+    fn takes_hard_walls(&self) -> bool {
+        true
+    }
+
     fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
         s.kick(0.5);
         s.drift(0.5);
