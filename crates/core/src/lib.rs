@@ -6,6 +6,7 @@
 //! lengths in σ, times in τ = σ√(m/ε), energies in ε, forces in ε/σ, pressures in ε/σ³.
 //! Pair vectors are `r_ij = r_i − r_j`; the pair virial is `W = Σ r_ij·F_ij` without a factor 1/3.
 
+mod axis;
 mod boundary;
 mod cell;
 mod force;
@@ -27,6 +28,7 @@ mod table;
 pub mod tasks;
 mod thermostat;
 
+pub use axis::Axis;
 pub use boundary::{Boundary, Flight, WallReading};
 pub use cell::{BoxError, PeriodicBox};
 pub use force::{

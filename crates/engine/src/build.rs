@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, ForceSum, PeriodicBox, State, System};
+use lennard_core::{DVec3, PeriodicBox, State, System};
 use lennard_forcefield::{AllPairs, Conditions, ForceFieldOptions, Model, PairForces, Precision};
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
-use lennard_observables::{BuildContext, ObservableOptions, Thermodynamics};
+use lennard_observables::{BuildContext, Confined, ObservableOptions, Thermodynamics};
 use lennard_scene::{Geometry, Lattice, ObservableTable, Scene, Stage, Start};
 
 use crate::baths::{ensemble, held_temperature, measured_baths};
+use crate::confinement::{Confinement, place_between_walls};
 use crate::error::misfit;
 use crate::force_check::ForceCheck;
 use crate::initial::{self, closest_pair};
@@ -102,7 +103,9 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
                 read => read?,
             };
             let remarks = remarks(path, &read);
-            Ok((from_configuration(scene, path, read, given)?, remarks))
+            let mut beginning = from_configuration(scene, path, read, given)?;
+            place_between_walls(scene, &beginning.cell, &mut beginning.positions)?;
+            Ok((beginning, remarks))
         }
     }
 }
@@ -241,6 +244,8 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
         relax(&scene, cell, &mut beginning.positions)?;
     }
     let system = System::atoms(n);
+    let confinement = Confinement::of(&scene, &cell, &system.masses);
+    let system = system.pushed_along(confinement.properties().breaks_momentum);
     let streams = Streams::new(scene.system.seed);
     let velocities = match beginning.velocities {
         Some(mut given) => {
@@ -249,15 +254,15 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
         }
         None => initial::thermal_velocities(&system, n, scene.system.temperature, streams),
     };
-    let observers = observers(&scene, cell, n)?;
+    let observers = observers(&scene, &confinement, cell, n)?;
     let isa = provider.plan().isa.to_string();
     let all_pairs = AllPairs::new(&options).map_err(|e| misfit(&scene.source, &e))?;
     Ok(Simulation {
         state: State::new(cell, beginning.positions, velocities),
         scene,
         system,
-        forces: Box::new(ForceSum::new(provider)),
-        force_check: ForceCheck::new(all_pairs),
+        force_check: ForceCheck::new(all_pairs, confinement.clone()),
+        forces: Box::new(confinement.beside(provider)),
         force_field: options,
         streams,
         stage: None,
@@ -292,6 +297,7 @@ fn relax(scene: &Scene, cell: PeriodicBox, positions: &mut [DVec3]) -> Result<()
 /// The observables of a scene: thermodynamics, which every run has, and then the others that it names.
 fn observers(
     scene: &Scene,
+    confinement: &Confinement,
     cell: PeriodicBox,
     n_atoms: usize,
 ) -> Result<Vec<Observer>, EngineError> {
@@ -316,6 +322,9 @@ fn observers(
     thermodynamics.set_force_jump(force_jump(scene)?);
     thermodynamics.set_ensemble(measured.and_then(|stage| ensemble(scene, stage)));
     thermodynamics.set_bath(held_temperature(scene));
+    thermodynamics.set_confined(scene.confined_by().map(|_| Confined {
+        by_hits: confinement.properties().bounds_flight,
+    }));
     let mut observers = vec![Observer {
         every,
         observable: Box::new(thermodynamics),

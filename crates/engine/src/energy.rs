@@ -4,6 +4,7 @@ use lennard_core::{Configuration, DVec3, ForceTerm, Momentum, Part, State, Syste
 use lennard_scene::Scene;
 use serde::Serialize;
 
+use crate::confinement::Confinement;
 use crate::{EngineError, build, initial};
 
 /// Where the kinetic part of the pressure comes from.
@@ -65,15 +66,18 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
     let (beginning, remarks) = build::begin_with_remarks(scene)?;
     let n = beginning.positions.len();
     let cell = beginning.cell;
-    let (options, mut provider) = build::forces(scene, cell, n)?;
+    let (options, provider) = build::forces(scene, cell, n)?;
     let has_velocities = beginning.velocities.is_some();
     let system = System::atoms(n);
+    let confinement = Confinement::of(scene, &cell, &system.masses);
+    let system = system.pushed_along(confinement.properties().breaks_momentum);
+    let mut forces = confinement.beside(provider);
     let mut velocities = beginning.velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]);
     // The velocities that a run starts with.
     initial::remove_drift(&system, &mut velocities);
     let mut state = State::new(cell, beginning.positions, velocities);
     let at = Configuration::at_rest(&cell, &state.positions);
-    let energetics = provider
+    let energetics = forces
         .evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut state.forces)
         .map_err(|e| {
             scene

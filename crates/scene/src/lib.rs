@@ -21,6 +21,7 @@ mod system;
 mod tables;
 mod tree;
 mod typed;
+mod walls;
 
 pub use accuracy::Accuracy;
 pub use error::{Place, SceneError, Source};
@@ -30,3 +31,4 @@ pub use scene::{
     Stage, Start, System,
 };
 pub use tables::DEFAULT_SPLIT;
+pub use walls::WallTable;

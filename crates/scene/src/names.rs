@@ -60,10 +60,6 @@ const PLANNED: &[Planned] = &[
         feature: "bonds are",
     },
     Planned {
-        words: &["wall", "walls"],
-        feature: "walls are",
-    },
-    Planned {
         words: &["charge", "charges", "coulomb", "ewald", "pme"],
         feature: "electric charges are",
     },

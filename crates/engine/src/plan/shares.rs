@@ -14,7 +14,6 @@ use crate::bare::bare;
 use crate::build::{Beginning, prepare_from};
 use crate::files::{header, style};
 use crate::follower::{Follower, StopAt, Verdict};
-use crate::instant::view;
 use crate::run::{aside, set_aside};
 use crate::schedule::{Action, Observer, Operation, Schedule, Trigger};
 use crate::simulation::Simulation;
@@ -106,7 +105,7 @@ impl Costs {
         } else {
             0.0
         };
-        let view = view(&bare.state, &bare.system, bare.tail(), bare.stage.as_ref());
+        let view = bare.view();
         let observers = simulation.observers.iter_mut();
         let sampled = |o: &mut Observer| median(|| o.observable.sample(&view));
         let mut observers = observers.map(|o| (o.observable.want(), sampled(o)));

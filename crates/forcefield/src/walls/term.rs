@@ -6,7 +6,7 @@ use std::ops::Add;
 use lennard_core::parallel::{for_each_piece, ordered_sum};
 use lennard_core::random::NoiseStream;
 use lennard_core::{
-    Boundary, Configuration, DMat3, DVec3, Energetics, Flight, ForceError, ForceProperties,
+    Axis, Boundary, Configuration, DMat3, DVec3, Energetics, Flight, ForceError, ForceProperties,
     ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, WallReading, Want,
 };
 
@@ -14,9 +14,6 @@ use super::{Hit, SlitPlanes, Surface, WallContext, WallOptions};
 
 /// Hits of one particle in one flight, after which it rests at the plane.
 const MOST_HITS: usize = 16;
-
-/// The names of the axes.
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Two walls, at both ends of an axis.
 #[derive(Debug, Clone)]
@@ -270,7 +267,7 @@ impl ForceTerm for Walls {
             if let Some((particle, pair, end, depth)) = felt.beyond {
                 return Err(ForceError::BeyondWall {
                     particle,
-                    axis: AXES[self.pairs[pair].planes.axis],
+                    axis: Axis::ALL[self.pairs[pair].planes.axis].name(),
                     end: ["lower", "upper"][end],
                     depth,
                 });

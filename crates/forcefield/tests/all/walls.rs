@@ -1,11 +1,11 @@
 //! Walls and the constant field: formulas, hits, and what walls feel.
 
 use lennard_core::random::Streams;
-use lennard_core::{Persist, Step};
 use lennard_core::{
     Configuration, DMat3, DVec3, ForceSum, ForceTerm, Masses, NoForces, Part, PeriodicBox, State,
     StateArchive, System, WallReading, Want,
 };
+use lennard_core::{Persist, Step};
 use lennard_forcefield::{
     ConstantField, SlitPlanes, Surface, WallContext, WallOptions, WallPair, WallPoint, Walls, walls,
 };
