@@ -3,7 +3,9 @@
 use glam::DVec3;
 
 use crate::parallel::for_each_piece;
-use crate::{Configuration, Energetics, Masses, Part, PeriodicBox, Persist, Want};
+use crate::{
+    Boundary, Configuration, Energetics, Masses, Part, PeriodicBox, Persist, WallReading, Want,
+};
 
 /// Why forces cannot be given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -31,6 +33,18 @@ pub enum ForceError {
         /// Half the shortest side, σ.
         largest: f64,
     },
+    /// A particle is beyond a wall, where the wall exerts no force that could bring it back.
+    #[error("particle {particle} is {depth:.4} σ beyond the wall at the {end} end of {axis}")]
+    BeyondWall {
+        /// Index of the particle, from 0.
+        particle: usize,
+        /// The axis of the wall.
+        axis: &'static str,
+        /// `lower` or `upper`.
+        end: &'static str,
+        /// Distance beyond the plane, σ.
+        depth: f64,
+    },
     /// The forces have no near and far part.
     #[error("these forces cannot be split into a near and a far part")]
     NotSplit,
@@ -48,6 +62,10 @@ pub struct ForceProperties {
     pub linear: bool,
     /// [`Part::Near`] and [`Part::Far`] are available.
     pub splits: bool,
+    /// Axes x, y, z along which the force changes the total momentum: walls and fields do, pairs do not.
+    pub breaks_momentum: [bool; 3],
+    /// Particles hit walls in flight ([`ForceTerm::boundary`]).
+    pub bounds_flight: bool,
 }
 
 impl ForceProperties {
@@ -58,6 +76,10 @@ impl ForceProperties {
             velocity_dependent: self.velocity_dependent || other.velocity_dependent,
             linear: self.linear && other.linear,
             splits: self.splits && other.splits,
+            breaks_momentum: std::array::from_fn(|axis| {
+                self.breaks_momentum[axis] || other.breaks_momentum[axis]
+            }),
+            bounds_flight: self.bounds_flight || other.bounds_flight,
         }
     }
 }
@@ -122,11 +144,12 @@ pub trait ForceTerm: Persist + Send {
         Ok(found)
     }
 
-    /// Adds its forces alone, and changes nothing of itself. The watchdog takes them off before it checks the forces of pairs.
+    /// Its force on one particle, ε/σ: what the watchdog adds to the sum over pairs that it checks a force by.
     ///
-    /// The default adds nothing, as suits the first term of a sum.
-    fn add_forces(&self, at: Configuration<'_>, forces: &mut [DVec3]) {
-        let _ = (at, forces);
+    /// The default is none, as suits the first term of a sum.
+    fn force_on(&self, particle: usize, at: Configuration<'_>) -> DVec3 {
+        let _ = (particle, at);
+        DVec3::ZERO
     }
 
     /// What kind of force this is.
@@ -135,6 +158,16 @@ pub trait ForceTerm: Persist + Send {
     /// What was done so far.
     fn statistics(&self) -> ForceStatistics {
         ForceStatistics::default()
+    }
+
+    /// The walls of this term with what they have felt; none as a rule.
+    fn walls(&self) -> &[WallReading] {
+        &[]
+    }
+
+    /// The walls that particles hit in flight; none as a rule.
+    fn boundary(&mut self) -> Option<&mut dyn Boundary> {
+        None
     }
 
     /// Applies the Hessian to a direction, `out = ∂²U/∂x² · d`, as implicit methods need it.
@@ -208,12 +241,6 @@ pub trait Backend: ForceTerm {
         let _ = steps;
         0
     }
-
-    /// Adds the forces of all terms but the first to `forces`, and returns whether there are such terms.
-    fn add_other_forces(&self, at: Configuration<'_>, forces: &mut [DVec3]) -> bool {
-        let _ = (at, forces);
-        false
-    }
 }
 
 /// No force at all: free flight.
@@ -244,7 +271,7 @@ impl ForceTerm for NoForces {
         ForceProperties {
             linear: true,
             splits: true,
-            velocity_dependent: false,
+            ..ForceProperties::default()
         }
     }
 }

@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use crate::{
-    Backend, Configuration, Energetics, ForceError, ForceProperties, ForceStatistics, ForceTerm,
-    FusedSteps, Part, Persist, RestoreError, StateReader, StateWriter, Want,
+    Backend, Boundary, Configuration, Energetics, ForceError, ForceProperties, ForceStatistics,
+    ForceTerm, FusedSteps, Part, Persist, RestoreError, StateReader, StateWriter, WallReading,
+    Want,
 };
 
 /// Forces that add, in a fixed order: the first may be a backend of its own, which alone takes several steps at once.
@@ -60,6 +61,12 @@ impl<B: Backend> ForceTerm for ForceSum<B> {
         Ok(all)
     }
 
+    /// The force of all terms but the first, which is checked.
+    fn force_on(&self, particle: usize, at: Configuration<'_>) -> DVec3 {
+        let others = self.others.iter();
+        others.map(|term| term.force_on(particle, at)).sum()
+    }
+
     fn properties(&self) -> ForceProperties {
         self.others
             .iter()
@@ -70,6 +77,16 @@ impl<B: Backend> ForceTerm for ForceSum<B> {
 
     fn statistics(&self) -> ForceStatistics {
         self.first.statistics()
+    }
+
+    /// One term holds all walls.
+    fn walls(&self) -> &[WallReading] {
+        let walls = self.others.iter().map(|term| term.walls());
+        walls.max_by_key(|walls| walls.len()).unwrap_or_default()
+    }
+
+    fn boundary(&mut self) -> Option<&mut dyn Boundary> {
+        self.others.iter_mut().find_map(|term| term.boundary())
     }
 
     fn hessian_vector(
@@ -98,13 +115,6 @@ impl<B: Backend> Backend for ForceSum<B> {
         } else {
             0
         }
-    }
-
-    fn add_other_forces(&self, at: Configuration<'_>, forces: &mut [DVec3]) -> bool {
-        for term in &self.others {
-            term.add_forces(at, forces);
-        }
-        !self.others.is_empty()
     }
 }
 

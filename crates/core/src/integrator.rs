@@ -57,6 +57,12 @@ impl Integrator {
         self.spec().momentum()
     }
 
+    /// Whether particles may hit hard walls under this method.
+    #[must_use]
+    pub fn takes_hard_walls(&self) -> bool {
+        self.method.takes_hard_walls()
+    }
+
     /// Evaluates the forces at the start and prepares any memory; called again where something outside has changed the
     /// state.
     ///
@@ -72,6 +78,12 @@ impl Integrator {
     ) -> Result<(), StepError> {
         let spec = self.spec();
         check_suited(spec, forces, dt)?;
+        if forces.properties().bounds_flight && !self.takes_hard_walls() {
+            return Err(StepError::Unsuited {
+                method: spec.name,
+                reason: "particles would pass its hard walls, which act in drifts".to_owned(),
+            });
+        }
         self.method
             .suits(system, forces.properties())
             .map_err(|reason| StepError::Unsuited {

@@ -6,7 +6,9 @@
 //! lengths in σ, times in τ = σ√(m/ε), energies in ε, forces in ε/σ, pressures in ε/σ³.
 //! Pair vectors are `r_ij = r_i − r_j`; the pair virial is `W = Σ r_ij·F_ij` without a factor 1/3.
 
+mod axis;
 mod bonds;
+mod boundary;
 mod cell;
 mod force;
 mod force_sum;
@@ -29,7 +31,9 @@ mod table;
 pub mod tasks;
 mod thermostat;
 
+pub use axis::Axis;
 pub use bonds::{BondSolver, BondsSolved};
+pub use boundary::{Boundary, Flight, WallReading};
 pub use cell::{BoxError, PeriodicBox};
 pub use force::{
     Backend, ForceError, ForceProperties, ForceStatistics, ForceTerm, FusedSteps, NoForces,

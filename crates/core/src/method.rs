@@ -21,6 +21,13 @@ pub trait Method: Persist + Send {
         without_constraints(system)
     }
 
+    /// Whether particles move by forward [`Step::drift`] alone: hard walls act there and nowhere else.
+    ///
+    /// The default is that they do not.
+    fn takes_hard_walls(&self) -> bool {
+        false
+    }
+
     /// Evaluates the forces at the start and remembers what the steps need.
     ///
     /// # Errors

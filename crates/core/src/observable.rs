@@ -4,7 +4,7 @@ use std::any::Any;
 
 use serde::Serialize;
 
-use crate::{Momentum, PeriodicBox, Persist, State, System, Table, Want};
+use crate::{Momentum, PeriodicBox, Persist, State, System, Table, WallReading, Want};
 
 /// What an observable declares about itself.
 #[derive(Debug, Clone, Copy)]
@@ -70,6 +70,8 @@ pub struct View<'a> {
     pub heat: f64,
     /// The step h in τ of a method that kicks by halves ([`crate::IntegratorSpec::half_kicks`]); `None` for others.
     pub half_kick_step: Option<f64>,
+    /// The walls with what they have felt; empty where there are none.
+    pub walls: &'a [WallReading],
 }
 
 impl<'a> View<'a> {
@@ -83,6 +85,7 @@ impl<'a> View<'a> {
             tail: None,
             heat: 0.0,
             half_kick_step: None,
+            walls: &[],
         }
     }
 

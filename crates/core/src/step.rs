@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use crate::parallel::all_pieces;
 use crate::{
-    Backend, BondSolver, Configuration, DVec3, Energetics, ForceError, FusedSteps, IntegratorSpec,
-    Momentum, Part, State, StepError, StepReport, System, Want, rigid, sweeps,
+    Backend, BondSolver, Configuration, DVec3, Energetics, Flight, ForceError, FusedSteps,
+    IntegratorSpec, Momentum, Part, State, StepError, StepReport, System, Want, rigid, sweeps,
 };
 
 /// A step of a method: what its kicks, drifts and force evaluations act on.
@@ -112,6 +112,9 @@ impl<'a> Step<'a> {
 
     /// The drift A: x ← x + fraction·h·v. Rigid bonds have their length afterwards.
     pub fn drift(&mut self, fraction: f64) {
+        if self.backend.boundary().is_some() {
+            return self.fly(fraction);
+        }
         let (state, h) = (&mut *self.state, fraction * self.dt);
         if let Some(bonds) = &mut self.bonds {
             bonds.before_drift(self.system, &state.positions);
@@ -155,6 +158,23 @@ impl<'a> Step<'a> {
         self.give_waiting_kick();
         let state = &mut *self.state;
         rigid::project_velocities(self.system, &state.positions, &mut state.velocities);
+    }
+
+    /// The drift between walls: flight from hit to hit.
+    fn fly(&mut self, fraction: f64) {
+        self.give_waiting_kick();
+        let state = &mut *self.state;
+        if let Some(boundary) = self.backend.boundary() {
+            self.report.heat += boundary.fly(Flight {
+                positions: &mut state.positions,
+                velocities: &mut state.velocities,
+                masses: &self.system.masses,
+                h: fraction * self.dt,
+                step: state.step,
+                is_later: self.drifted > 0.0,
+            });
+        }
+        self.drifted += fraction;
     }
 
     /// Arrives at the end of the step and evaluates the forces there, with what is wanted besides.

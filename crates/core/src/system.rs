@@ -68,6 +68,8 @@ pub struct System {
     pub constraints: Vec<Arc<dyn Constraint>>,
     /// The exact solution, if one is known.
     pub exact: Option<Arc<dyn ExactSolution>>,
+    /// Axes x, y, z along which the forces keep the total momentum.
+    keeps_momentum: [bool; 3],
 }
 
 impl System {
@@ -80,7 +82,31 @@ impl System {
             molecules: Molecules::ATOMS,
             constraints: Vec::new(),
             exact: None,
+            keeps_momentum: [true; 3],
         }
+    }
+
+    /// The same system under forces that change the total momentum along these axes
+    /// ([`crate::ForceProperties::breaks_momentum`]).
+    #[must_use]
+    pub fn pushed_along(self, axes: [bool; 3]) -> Self {
+        Self {
+            keeps_momentum: axes.map(|pushed| !pushed),
+            ..self
+        }
+    }
+
+    /// A velocity without its components along the axes on which the forces change the total momentum.
+    #[must_use]
+    pub fn kept_part(&self, v: DVec3) -> DVec3 {
+        let kept = |axis: usize| {
+            if self.keeps_momentum[axis] {
+                v[axis]
+            } else {
+                0.0
+            }
+        };
+        DVec3::new(kept(0), kept(1), kept(2))
     }
 
     /// The same system with other masses.
@@ -120,9 +146,9 @@ impl System {
         self.n == 0
     }
 
-    /// Degrees of freedom n_dof in T = 2K/n_dof: three per particle, less one for each rigid constraint, less three where
-    /// the total momentum is conserved (and zero). A single particle keeps its three: it has nothing to share its momentum
-    /// with. A constraint of compliance ε > 0 is a spring, which takes no degree of freedom away.
+    /// Degrees of freedom n_dof in T = 2K/n_dof: three per particle, less one for each rigid constraint, less one for
+    /// each component of the total momentum that method and forces conserve (and that is zero). A single particle keeps its
+    /// three: it has nothing to share its momentum with. A constraint of compliance ε > 0 is a spring, which takes no degree of freedom away.
     #[must_use]
     pub fn n_dof(&self, momentum: Momentum) -> f64 {
         let mut rigid = self
@@ -134,7 +160,9 @@ impl System {
             rigid += self.molecules.bonds() * self.n_molecules();
         }
         let kept = match momentum {
-            Momentum::Conserved if self.n > 1 => 3,
+            Momentum::Conserved if self.n > 1 => {
+                self.keeps_momentum.iter().filter(|kept| **kept).count()
+            }
             _ => 0,
         };
         3.0 * self.n as f64 - (rigid + kept) as f64
@@ -202,5 +230,9 @@ mod tests {
         assert_eq!(chains(Bonds::Rigid).n_dof(Momentum::Conserved), 67.0);
         assert_eq!(chains(Bonds::Springs).n_dof(Momentum::Conserved), 87.0);
         assert_eq!(chains(Bonds::Rigid).n_molecules(), 10);
+        let slit = System::atoms(10).pushed_along([false, false, true]);
+        assert_eq!(slit.n_dof(Momentum::Conserved), 28.0);
+        assert_eq!(slit.n_dof(Momentum::Free), 30.0);
+        assert_eq!(slit.kept_part(DVec3::ONE), DVec3::new(1.0, 1.0, 0.0));
     }
 }

@@ -8,10 +8,11 @@ use lennard_forcefield::{AllPairs, Conditions, ForceFieldOptions, Model, PairFor
 use lennard_integrators::BondHolder;
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
-use lennard_observables::{BuildContext, ObservableOptions, Thermodynamics};
+use lennard_observables::{BuildContext, Confined, ObservableOptions, Thermodynamics};
 use lennard_scene::{Geometry, Lattice, ObservableTable, Scene, Stage, Start};
 
 use crate::baths::{ensemble, held_temperature, measured_baths};
+use crate::confinement::{Confinement, place_between_walls};
 use crate::error::misfit;
 use crate::force_check::ForceCheck;
 use crate::initial::{self, closest_pair};
@@ -111,7 +112,9 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
                 read => read?,
             };
             let remarks = remarks(path, &read);
-            Ok((from_configuration(scene, path, read, given)?, remarks))
+            let mut beginning = from_configuration(scene, path, read, given)?;
+            place_between_walls(scene, &beginning.cell, &mut beginning.positions)?;
+            Ok((beginning, remarks))
         }
     }
 }
@@ -340,6 +343,8 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
         relax(&scene, cell, &mut beginning.positions)?;
     }
     let system = System::of_molecules(n, scene.molecules());
+    let confinement = Confinement::of(&scene, &cell, &system.masses);
+    let system = system.pushed_along(confinement.properties().breaks_momentum);
     let streams = Streams::new(scene.system.seed);
     let velocities = match beginning.velocities {
         Some(mut given) => {
@@ -354,10 +359,10 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
             streams,
         ),
     };
-    let observers = observers(&scene, cell, n)?;
+    let observers = observers(&scene, &confinement, cell, n)?;
     let isa = provider.plan().isa.to_string();
     let all_pairs = AllPairs::new(&options).map_err(|e| misfit(&scene.source, &e))?;
-    let forces = with_springs(&scene, ForceSum::new(provider));
+    let forces = with_springs(&scene, confinement.beside(provider));
     Ok(Simulation {
         state: State::new(cell, beginning.positions, velocities),
         scene,
@@ -408,6 +413,7 @@ fn relax(scene: &Scene, cell: PeriodicBox, positions: &mut [DVec3]) -> Result<()
 /// The observables of a scene: thermodynamics, which every run has, and then the others that it names.
 fn observers(
     scene: &Scene,
+    confinement: &Confinement,
     cell: PeriodicBox,
     n_atoms: usize,
 ) -> Result<Vec<Observer>, EngineError> {
@@ -437,6 +443,9 @@ fn observers(
     thermodynamics.set_force_jump(force_jump(scene)?);
     thermodynamics.set_ensemble(measured.and_then(|stage| ensemble(scene, stage)));
     thermodynamics.set_bath(held_temperature(scene));
+    thermodynamics.set_confined(scene.confined_by().map(|_| Confined {
+        by_hits: confinement.properties().bounds_flight,
+    }));
     let mut observers = vec![Observer {
         every,
         observable: Box::new(thermodynamics),

@@ -62,10 +62,11 @@ pub fn model_kind(scene: &Scene) -> ModelKind {
 /// `None` where the model is not Lennard-Jones or none is near.
 #[must_use]
 pub fn viscosity_for(scene: &Scene, density: f64) -> Option<f64> {
-    if matches!(
+    let is_another_fluid = matches!(
         model_kind(scene),
         ModelKind::Other { .. } | ModelKind::TwoCenter { .. }
-    ) {
+    );
+    if is_another_fluid || scene.confined_by().is_some() {
         return None;
     }
     let temperature = scene.stages.iter().rev().find(|s| s.measure)?.temperature;
@@ -128,6 +129,11 @@ pub fn beside_equation_of_state(
 ) -> Comparison {
     let results = what == Compared::Results;
     let mut comparison = Comparison::default();
+    if let Some(confined) = scene.confined_by() {
+        let remark = format!("not compared with any equation of state: the fluid has {confined}");
+        comparison.remarks.push(remark);
+        return comparison;
+    }
     let model = model_kind(scene);
     let equation = match lennard_literature::equation_of_state_for(model) {
         Ok(equation) => equation,

@@ -1,11 +1,10 @@
 //! One evaluation of energy, virial and pressure, for checks against reference configurations.
 
-use lennard_core::{
-    Configuration, DVec3, ForceSum, ForceTerm, Momentum, Part, State, System, Want, rigid,
-};
+use lennard_core::{Configuration, DVec3, ForceTerm, Momentum, Part, State, System, Want, rigid};
 use lennard_scene::Scene;
 use serde::Serialize;
 
+use crate::confinement::Confinement;
 use crate::{EngineError, build, initial};
 
 /// Where the kinetic part of the pressure comes from.
@@ -68,9 +67,11 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
     let n = beginning.positions.len();
     let cell = beginning.cell;
     let (options, provider) = build::forces(scene, cell, n)?;
-    let mut forces = build::with_springs(scene, ForceSum::new(provider));
     let has_velocities = beginning.velocities.is_some();
     let system = System::of_molecules(n, scene.molecules());
+    let confinement = Confinement::of(scene, &cell, &system.masses);
+    let system = system.pushed_along(confinement.properties().breaks_momentum);
+    let mut forces = build::with_springs(scene, confinement.beside(provider));
     let mut velocities = beginning.velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]);
     // The velocities that a run starts with.
     initial::remove_drift(&system, &mut velocities);

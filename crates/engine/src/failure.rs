@@ -174,6 +174,12 @@ impl PhysicsFailure {
                     `neighbor.mode = \"direct\"` does without lists"
                 .into();
         }
+        if let Symptom::NonFinite(ForceError::BeyondWall { .. }) = self.symptom {
+            return format!(
+                "the wall is too weak for a particle so fast, or dt = {} τ is too large: take a stiffer wall or a smaller dt",
+                self.dt
+            );
+        }
         if self.density > HIGHEST_USUAL_DENSITY {
             return format!(
                 "the density is ρ = {:.4} σ⁻³, where no fluid is known: check `system.density` or `system.box`",

@@ -65,26 +65,31 @@ impl ForceCheck {
         self.seen = self.seen.and(seen);
     }
 
-    /// Checks the particles whose turn it is. `others` are forces in the state that are not between pairs, `[N]`, ε/σ; empty
-    /// where there are none.
+    /// Checks the particles whose turn it is. `other` is the force in the state on a particle that is not by pairs, ε/σ.
     ///
     /// # Errors
     /// [`Symptom::WrongForce`] for the first one whose force differs by more than rounding explains.
-    pub fn look(&self, state: &State, others: &[DVec3]) -> Result<Seen, Symptom> {
+    pub fn look(&self, state: &State, other: impl Fn(usize) -> DVec3) -> Result<Seen, Symptom> {
         turns(state.step / LISTS_EVERY, state.len())
-            .map(|particle| self.check(particle, state, others))
+            .map(|particle| self.check(particle, state, &other))
             .try_fold(Seen::default(), |seen, one| Ok(seen.and(one?)))
     }
 
-    fn check(&self, particle: usize, state: &State, others: &[DVec3]) -> Result<Seen, Symptom> {
+    fn check(
+        &self,
+        particle: usize,
+        state: &State,
+        other: &dyn Fn(usize) -> DVec3,
+    ) -> Result<Seen, Symptom> {
         let wanted = self
             .all_pairs
             .force_on(particle, &state.cell, &state.positions);
-        let other = others.get(particle).copied().unwrap_or_default();
-        let found = state.forces[particle] - other;
-        // The sum was rounded to the last place of its larger part.
+        // The same formula on the same position gives the same bits: its rounding is that of the sum.
+        let other = other(particle);
         let tolerance = wanted.tolerance + 4.0 * f64::EPSILON * other.length();
-        let deviation = (found - wanted.force).length() / tolerance;
+        let wanted = wanted.force + other;
+        let found = state.forces[particle];
+        let deviation = (found - wanted).length() / tolerance;
         if deviation <= 1.0 {
             return Ok(Seen {
                 forces: 1,
@@ -94,7 +99,7 @@ impl ForceCheck {
         Err(Symptom::WrongForce {
             particle,
             found,
-            wanted: wanted.force,
+            wanted,
             tolerance,
         })
     }

@@ -1,6 +1,6 @@
 //! The state of a simulation as observers see it, and its values of the moment.
 
-use lennard_core::{Momentum, State, System, TailCorrection, View};
+use lennard_core::{Momentum, State, System, TailCorrection, View, WallReading};
 
 use crate::Simulation;
 use crate::simulation::StageRun;
@@ -11,6 +11,7 @@ pub(crate) fn view<'a>(
     system: &'a System,
     tail: Option<TailCorrection>,
     stage: Option<&StageRun>,
+    walls: &'a [WallReading],
 ) -> View<'a> {
     View {
         state,
@@ -21,6 +22,7 @@ pub(crate) fn view<'a>(
         half_kick_step: stage
             .filter(|s| s.integrator.spec().half_kicks)
             .map(|s| s.dt),
+        walls,
     }
 }
 
@@ -61,7 +63,9 @@ impl Simulation {
     /// What observers see of the state as it is.
     #[must_use]
     pub fn view(&self) -> View<'_> {
-        view(&self.state, &self.system, self.tail(), self.stage.as_ref())
+        let walls = self.forces.walls();
+        let (tail, stage) = (self.tail(), self.stage.as_ref());
+        view(&self.state, &self.system, tail, stage, walls)
     }
 
     /// Pressure P = ρT + W/(3V) + tail in ε/σ³, if the virial was asked for on this step; T is that of half steps

@@ -5,6 +5,7 @@ mod baths;
 mod build;
 mod checkpointing;
 mod compare;
+mod confinement;
 mod energy;
 mod error;
 mod failure;
@@ -38,6 +39,7 @@ pub use checkpointing::{Past, capture};
 pub use compare::{
     Compared, Comparison, beside_equation_of_state, finite_size, model_kind, with_equation_of_state,
 };
+pub use confinement::Confinement;
 pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
 pub use error::{EngineError, ResumeError};
 pub use failure::{PhysicsFailure, Symptom};

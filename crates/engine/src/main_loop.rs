@@ -116,7 +116,8 @@ impl Simulation {
         let (step, measured) = (self.state.step, self.current_stage().measure);
         let clock = Instant::now();
         let (tail, stage) = (self.tail(), self.stage.as_ref());
-        let view = view(&self.state, &self.system, tail, stage);
+        let walls = self.forces.walls();
+        let view = view(&self.state, &self.system, tail, stage, walls);
         for observer in &mut self.observers {
             if observer.trigger().is_due(step, measured) {
                 observer.observable.sample(&view);

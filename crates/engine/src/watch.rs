@@ -1,6 +1,6 @@
 //! Where the watchdog looks during a run, and what its findings become.
 
-use lennard_core::{Configuration, DVec3, StepError};
+use lennard_core::{Configuration, StepError};
 
 use crate::failure::{PhysicsFailure, Symptom};
 use crate::force_check::Seen;
@@ -38,24 +38,15 @@ impl Simulation {
     /// depend on where checkpoints are.
     pub(crate) fn watch_closely(&self) -> Result<Seen, EngineError> {
         watchdog::check_speeds(&self.state, self.stage_run().dt).map_err(|s| self.diagnosed(s))?;
-        let others = self.forces_besides_pairs();
-        let seen = self.force_check.look(&self.state, &others);
-        seen.map_err(|s| self.diagnosed(s))
-    }
-
-    /// Forces of the state that are not between pairs, `[N]`, ε/σ; empty where there are none.
-    fn forces_besides_pairs(&self) -> Vec<DVec3> {
         let state = &self.state;
         let at = Configuration {
             velocities: Some(&state.velocities),
             time: state.time,
             ..Configuration::at_rest(&state.cell, &state.positions)
         };
-        let mut others = vec![DVec3::ZERO; state.len()];
-        if !self.forces.add_other_forces(at, &mut others) {
-            others.clear();
-        }
-        others
+        let other = |particle| self.forces.force_on(particle, at);
+        let seen = self.force_check.look(state, other);
+        seen.map_err(|s| self.diagnosed(s))
     }
 
     pub(crate) fn failed(&self, error: StepError) -> EngineError {

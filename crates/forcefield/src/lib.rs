@@ -7,6 +7,7 @@ mod all_pairs;
 mod canonical;
 mod clock;
 mod error;
+mod field;
 mod fused;
 mod listed;
 pub mod measure;
@@ -20,9 +21,11 @@ mod reference;
 mod simd;
 mod sums;
 mod validity;
+mod walls;
 
 pub use all_pairs::{AllPairs, CheckedForce};
 pub use error::{ForceFieldError, LARGEST_N};
+pub use field::ConstantField;
 pub use options::{
     ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions, Precision,
     SplitOptions, TruncationOptions,
@@ -35,6 +38,10 @@ pub use pair::{
 pub use plan::{Conditions, ForcePlan, Search, recommended_threads};
 pub use provider::{PairForces, build};
 pub use real::Real;
+pub use walls::{
+    Hit, Rebound, SHALLOWEST_ROOM, SlitPlanes, Surface, WallContext, WallForce, WallOptions,
+    WallPair, WallPoint, WallSpec, Walls, walls,
+};
 
 /// Whether a force field can be built for these conditions; nothing is built.
 ///

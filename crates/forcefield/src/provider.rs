@@ -224,6 +224,7 @@ impl ForceTerm for PairForces {
             velocity_dependent: false,
             linear: false,
             splits: self.split.is_some(),
+            ..ForceProperties::default()
         }
     }
 

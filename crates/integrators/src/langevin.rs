@@ -130,6 +130,10 @@ impl Method for Langevin {
         rigid_bonds_alone(system)
     }
 
+    fn takes_hard_walls(&self) -> bool {
+        true
+    }
+
     fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
         s.kick(0.5);
         s.drift(0.5);

@@ -85,6 +85,7 @@ impl ForceTerm for HarmonicForces {
             velocity_dependent: self.damping != 0.0,
             linear: true,
             splits: self.damping == 0.0,
+            ..ForceProperties::default()
         }
     }
 

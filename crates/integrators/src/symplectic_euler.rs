@@ -55,6 +55,10 @@ impl Method for SymplecticEuler {
         &SPEC
     }
 
+    fn takes_hard_walls(&self) -> bool {
+        true
+    }
+
     fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
         s.kick(1.0);
         s.drift(1.0);

@@ -5,7 +5,7 @@ use lennard_core::{Observable, ObservableSpec};
 use serde::{Deserialize, Serialize};
 
 use crate::ObservableError;
-use crate::recipe::{BuildContext, Recipe};
+use crate::recipe::{BuildContext, Recipe, Surroundings};
 
 macro_rules! catalog {
     ($($(#[$doc:meta])* $variant:ident => $options:ty,)*) => {
@@ -31,6 +31,14 @@ macro_rules! catalog {
             pub fn default_every(&self) -> u64 {
                 match self {
                     $(Self::$variant(o) => o.default_every(),)*
+                }
+            }
+
+            /// The surroundings in which the observable means what its equation says.
+            #[must_use]
+            pub fn surroundings(&self) -> Surroundings {
+                match self {
+                    $(Self::$variant(o) => o.surroundings(),)*
                 }
             }
 
@@ -69,6 +77,10 @@ catalog! {
     Thermodynamics => crate::ThermodynamicsOptions,
     /// The nine components of the pressure tensor.
     PressureTensor => crate::PressureTensorOptions,
+    /// The pressure on each wall.
+    WallPressure => crate::WallPressureOptions,
+    /// The density along one axis.
+    DensityProfile => crate::DensityProfileOptions,
     /// Total momentum.
     Momentum => crate::MomentumOptions,
     /// Temperatures, bonds and pressure of molecules.

@@ -12,6 +12,7 @@ mod averages;
 mod blocks;
 mod catalog;
 mod correlator;
+mod density_profile;
 mod error;
 mod extrema;
 mod heat_capacity;
@@ -34,10 +35,12 @@ mod thermodynamics;
 mod tracked;
 mod transport;
 mod vacf;
+mod wall_pressure;
 
 pub use blocks::BlockedSums;
 pub use catalog::{ObservableOptions, build, observables};
 pub use correlator::{Correlation, Correlator};
+pub use density_profile::{DensityProfile, DensityProfileOptions};
 pub use error::ObservableError;
 pub use heat_capacity::Ensemble;
 pub use molecules::{MolecularMotion, MolecularMotionOptions};
@@ -46,14 +49,15 @@ pub use msd::{MeanSquareDisplacement, MsdOptions, YEH_HUMMER_XI};
 pub use pairs::count_distances;
 pub use pressure_tensor::{PressureTensor, PressureTensorOptions};
 pub use rdf::{RadialDistribution, RdfOptions};
-pub use recipe::{BuildContext, Recipe};
+pub use recipe::{BuildContext, Recipe, Surroundings};
 pub use series::{Columns, Series};
 pub use structure_factor::{StructureFactor, StructureFactorOptions};
 pub use thermo_series::ThermoSeries;
 pub use thermodynamics::{
-    Conservation, Equilibrium, HeldTemperature, Thermodynamics, ThermodynamicsOptions,
+    Confined, Conservation, Equilibrium, HeldTemperature, Thermodynamics, ThermodynamicsOptions,
 };
 pub use transport::{
     ShearViscosity, ShearViscosityOptions, ThermalConductivity, ThermalConductivityOptions,
 };
 pub use vacf::{VacfOptions, VelocityAutocorrelation};
+pub use wall_pressure::{WallPressure, WallPressureOptions};

@@ -11,7 +11,7 @@ use crate::error::{positive, within};
 use crate::extrema::{Extremum, extrema, fitted_extremum, smoothed};
 use crate::pairs::{count_distances, count_distances_inside};
 use crate::seen_box::SeenBox;
-use crate::{BuildContext, ObservableError, Recipe};
+use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "rdf",
@@ -66,6 +66,10 @@ impl Recipe for RdfOptions {
 
     fn default_every(&self) -> u64 {
         100
+    }
+
+    fn surroundings(&self) -> Surroundings {
+        Surroundings::Periodic
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {

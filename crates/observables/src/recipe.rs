@@ -46,6 +46,17 @@ impl BuildContext {
     }
 }
 
+/// The surroundings in which an observable means what its equation says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Surroundings {
+    /// It holds in any.
+    Any,
+    /// The fluid is periodic along all axes, without walls and fields.
+    Periodic,
+    /// The fluid is between walls.
+    Walls,
+}
+
 /// What the options type of an observable provides: the list is made of these.
 pub trait Recipe: Options {
     /// What the observable declares about itself.
@@ -53,6 +64,11 @@ pub trait Recipe: Options {
 
     /// Steps between two samples where the scene names none.
     fn default_every(&self) -> u64;
+
+    /// The surroundings in which the observable means what its equation says.
+    fn surroundings(&self) -> Surroundings {
+        Surroundings::Any
+    }
 
     /// Builds the observable.
     ///

@@ -13,7 +13,7 @@ use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::extrema::{extrema, fitted_extremum};
 use crate::seen_box::SeenBox;
-use crate::{BuildContext, ObservableError, Recipe};
+use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "structure-factor",
@@ -60,6 +60,10 @@ impl Recipe for StructureFactorOptions {
 
     fn default_every(&self) -> u64 {
         100
+    }
+
+    fn surroundings(&self) -> Surroundings {
+        Surroundings::Periodic
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {

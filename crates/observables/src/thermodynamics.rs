@@ -20,6 +20,7 @@ use crate::thermo_series::ThermoSeries;
 use crate::{BuildContext, Ensemble, ObservableError, Recipe, heat_capacity};
 
 pub use equilibrium::{Equilibrium, HeldTemperature};
+pub use remarks::Confined;
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "thermodynamics",
@@ -104,6 +105,7 @@ pub struct Thermodynamics {
     bath: Option<HeldTemperature>,
     n_dof: f64,
     half_steps: bool,
+    confined: Option<Confined>,
 }
 
 impl Thermodynamics {
@@ -128,6 +130,7 @@ impl Thermodynamics {
             bath: None,
             n_dof: f64::NAN,
             half_steps: false,
+            confined: None,
         }
     }
 
@@ -345,6 +348,7 @@ impl Observable for Thermodynamics {
         for average in &mut averages {
             average.estimate = self.in_samples(average.estimate);
         }
+        self.doubt_of_confined(&mut averages);
         let mut findings = Findings {
             averages,
             ..Findings::default()

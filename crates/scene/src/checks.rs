@@ -4,7 +4,7 @@ use lennard_core::{DVec3, PeriodicBox};
 
 use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
-use crate::{Geometry, Placement, Scene, SceneError, Start, accuracy, molecule};
+use crate::{Geometry, Placement, Scene, SceneError, Start, accuracy, molecule, walls};
 
 impl Scene {
     /// Whether all tables go together, for a scene that was changed after it was read: stages, tail correction, and
@@ -41,6 +41,8 @@ impl Scene {
         };
         let mut lengths = filled;
         lengths.z += vacuum;
+        let (room, clear) = self.room_of_walls();
+        lengths += room;
         let refuse = |found: f64| {
             let key = if filled.max_element() > LONGEST_SIDE || *vacuum == 0.0 {
                 key
@@ -62,7 +64,7 @@ impl Scene {
             cells(*lattice, *n_atoms, filled).map_err(|none| self.no_lattice(*n_atoms, &none))?;
         Ok(Some(Placement {
             cell,
-            corner: DVec3::new(0.0, 0.0, 0.5 * vacuum),
+            corner: clear + DVec3::new(0.0, 0.0, 0.5 * vacuum),
             filled,
             cells,
         }))
@@ -93,6 +95,7 @@ pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     stages(scene)?;
     molecule::check(scene)?;
     accuracy::check(scene)?;
+    walls::check(scene)?;
     if let Some(placement) = scene.placement()? {
         let Start::Lattice {
             n_atoms, vacuum, ..

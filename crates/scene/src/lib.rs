@@ -22,6 +22,7 @@ mod system;
 mod tables;
 mod tree;
 mod typed;
+mod walls;
 
 pub use accuracy::Accuracy;
 pub use error::{Place, SceneError, Source};
@@ -32,3 +33,4 @@ pub use scene::{
     Stage, Start, System,
 };
 pub use tables::DEFAULT_SPLIT;
+pub use walls::WallTable;

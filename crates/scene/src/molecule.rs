@@ -149,6 +149,12 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
             .found("\"random\"")
             .allowed("\"fcc\", \"sc\" or \"bcc\", or `configuration` with a file"));
     }
+    if !scene.walls.is_empty() {
+        return Err(source
+            .refuse("wall", "does not go with molecules")
+            .found("`[[wall]]` and `[molecule]`")
+            .allowed("atoms between walls, or molecules in a periodic box"));
+    }
     if scene.accuracy.is_some() {
         return Err(source
             .refuse("accuracy", "does not go with molecules")

@@ -56,10 +56,6 @@ const PLANNED: &[Planned] = &[
         feature: "constraints other than the bonds of `[molecule]` are",
     },
     Planned {
-        words: &["wall", "walls"],
-        feature: "walls are",
-    },
-    Planned {
         words: &["charge", "charges", "coulomb", "ewald", "pme"],
         feature: "electric charges are",
     },

@@ -113,6 +113,8 @@ fn read(
         neighbor: reader.plain("neighbor")?,
         kernel: reader.plain("kernel")?,
         integrator: reader.integrator()?,
+        walls: Vec::new(),
+        acceleration: reader.field()?,
         stages: reader.stages(system.temperature)?,
         molecule: reader.molecule()?,
         observables,
@@ -121,13 +123,14 @@ fn read(
         system,
         source: source.clone(),
     };
+    scene.walls = reader.walls(scene.end_of_pairs())?;
     scene.free = accuracy::left_free(&scene);
     checks::whole_scene(&scene)?;
     Ok(scene)
 }
 
 /// The tables of a scene file that are written once.
-const TABLES: [&str; 11] = [
+const TABLES: [&str; 12] = [
     "system",
     "molecule",
     "bonds",
@@ -137,12 +140,13 @@ const TABLES: [&str; 11] = [
     "neighbor",
     "kernel",
     "integrator",
+    "field",
     "output",
     "checkpoint",
 ];
 
 /// Those that may be written many times.
-const LISTS: [&str; 2] = ["stage", "observable"];
+const LISTS: [&str; 3] = ["wall", "stage", "observable"];
 
 pub(crate) struct Reader<'a> {
     root: &'a Table,

@@ -129,6 +129,17 @@ static TABLES: &[TableDoc] = &[
         meaning: "The method that advances time.",
     },
     TableDoc {
+        table: "wall",
+        heading: "`[[wall]]`",
+        meaning: "Walls at both ends of an axis, at most one pair per axis. The fluid is not periodic along this axis: \
+                  `density` and `box` describe the filled part, and the box is longer by the thickness of the walls.",
+    },
+    TableDoc {
+        table: "field",
+        heading: "`[field]`",
+        meaning: "A constant field, such as gravity.",
+    },
+    TableDoc {
         table: "stage",
         heading: "`[[stage]]`",
         meaning: "What happens one after the other; at least one. Without a thermostat a stage runs at constant energy.",
@@ -203,6 +214,14 @@ static SHARED: &[(&str, Keys)] = keys! {
         "kind": Names(|| lennard_integrators::integrators().iter().map(|i| i.spec.name).collect()), "`\"velocity-verlet\"`", "", "The method.";
         "dt": Between(SHORTEST_STEP, LONGEST_STEP), "`0.004`", "τ", "Time step.";
     }
+    "wall" {
+        "kind": Names(|| lennard_forcefield::walls().iter().map(|w| w.name).collect()), "needed", "", "What the walls do to particles.";
+        "axis": Names(lennard_core::Axis::names), "`\"z\"`", "", "The axis across which the walls stand.";
+        "thickness": Positive, "`r_cut` + 1.0", "σ", "Length of the box behind the planes, which keeps the fluid out of reach of its images; at least `r_cut` + 0.1.";
+    }
+    "field" {
+        "acceleration": Words("three finite numbers [gx, gy, gz]; 0 along an axis without walls"), "`[0.0, 0.0, 0.0]`", "σ/τ²", "Acceleration of every particle.";
+    }
     "stage" {
         "name": Words("letters, digits, `-` and `_`, not digits alone, and unlike any other stage's"), "needed", "", "Its name, by which `--set stage.NAME.steps=…` finds it.";
         "steps": Whole(1, MOST_STEPS), "needed", "", "Number of steps.";
@@ -261,6 +280,7 @@ fn of_methods(table: &str) -> Vec<(&'static str, Keys)> {
             all.push((lennard_integrators::respa::SPEC.name, SPLIT));
             all
         }
+        "wall" => lennard_forcefield::WallOptions::keys(),
         "stage.thermostat" => lennard_integrators::ThermostatOptions::keys(),
         "observable" => lennard_observables::ObservableOptions::keys(),
         _ => Vec::new(),

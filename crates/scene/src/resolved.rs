@@ -2,13 +2,16 @@
 
 use std::path::Path;
 
-use lennard_forcefield::{KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions};
+use lennard_core::DVec3;
+use lennard_forcefield::{
+    KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions, WallOptions,
+};
 use lennard_integrators::{BondOptions, IntegratorOptions, ThermostatOptions};
 use lennard_observables::ObservableOptions;
 use serde::Serialize;
 
 use crate::molecule::MoleculeOptions;
-use crate::{Accuracy, Geometry, Scene, Start};
+use crate::{Accuracy, Geometry, Scene, Start, WallTable};
 
 #[derive(Serialize)]
 struct Resolved<'a> {
@@ -25,6 +28,10 @@ struct Resolved<'a> {
     neighbor: &'a NeighborOptions,
     kernel: &'a KernelOptions,
     integrator: Integrator<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    field: Option<Field>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    wall: Vec<Wall<'a>>,
     stage: Vec<Stage<'a>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     observable: Vec<Observable<'a>>,
@@ -61,6 +68,19 @@ struct Integrator<'a> {
     r_split: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     split_width: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Field {
+    acceleration: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct Wall<'a> {
+    #[serde(flatten)]
+    options: &'a WallOptions,
+    axis: &'static str,
+    thickness: f64,
 }
 
 #[derive(Serialize)]
@@ -157,6 +177,8 @@ impl Scene {
                 r_split: self.integrator.split.map(|split| split.r_split),
                 split_width: self.integrator.split.map(|split| split.width),
             },
+            field: self.confining_field(),
+            wall: self.walls.iter().map(resolved_wall).collect(),
             stage: self.stages.iter().map(resolved_stage).collect(),
             observable: self
                 .observables
@@ -180,6 +202,12 @@ impl Scene {
                 every_seconds: self.checkpoint.every_seconds.unwrap_or(0.0),
             },
         }
+    }
+
+    fn confining_field(&self) -> Option<Field> {
+        (self.acceleration != DVec3::ZERO).then(|| Field {
+            acceleration: self.acceleration.to_array(),
+        })
     }
 
     fn resolved_system(&self) -> System {
@@ -220,6 +248,14 @@ impl Scene {
 
 fn text(path: &Path) -> String {
     path.to_string_lossy().into_owned()
+}
+
+fn resolved_wall(table: &WallTable) -> Wall<'_> {
+    Wall {
+        options: &table.options,
+        axis: table.axis.name(),
+        thickness: table.thickness,
+    }
 }
 
 fn resolved_stage(stage: &crate::Stage) -> Stage<'_> {

@@ -11,7 +11,7 @@ use lennard_integrators::{IntegratorOptions, ThermostatOptions};
 use lennard_observables::ObservableOptions;
 use serde::{Deserialize, Serialize};
 
-use crate::{Accuracy, Molecule, Source};
+use crate::{Accuracy, Molecule, Source, WallTable};
 
 /// A scene: everything that a run depends on but the machine. Reduced units throughout.
 #[derive(Debug, Clone)]
@@ -37,6 +37,10 @@ pub struct Scene {
     pub kernel: KernelOptions,
     /// The method that advances time.
     pub integrator: IntegratorTable,
+    /// Walls, one pair per axis at most; empty for a periodic fluid.
+    pub walls: Vec<WallTable>,
+    /// Acceleration by a constant field, σ/τ²; zero without one.
+    pub acceleration: DVec3,
     /// What happens one after the other; at least one.
     pub stages: Vec<Stage>,
     /// What is measured besides thermodynamics.
@@ -63,6 +67,8 @@ impl PartialEq for Scene {
             neighbor,
             kernel,
             integrator,
+            walls,
+            acceleration,
             stages,
             observables,
             output,
@@ -79,6 +85,8 @@ impl PartialEq for Scene {
             && *neighbor == other.neighbor
             && *kernel == other.kernel
             && *integrator == other.integrator
+            && *walls == other.walls
+            && *acceleration == other.acceleration
             && *stages == other.stages
             && *observables == other.observables
             && *output == other.output

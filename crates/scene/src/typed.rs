@@ -162,7 +162,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    fn unknown_key(&self, found: &str, known: &[&str]) -> SceneError {
+    pub fn unknown_key(&self, found: &str, known: &[&str]) -> SceneError {
         let name = self.name(found);
         let known: Vec<&str> = known.iter().chain(self.also).copied().collect();
         if let Some(message) = not_yet(found) {

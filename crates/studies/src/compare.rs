@@ -63,6 +63,9 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
     let state = state_of(run, equation.as_ref().ok().copied());
     let mut remarks = Vec::new();
     let no_reference = match &equation {
+        _ if let Some(confined) = run.scene.confined_by() => {
+            Some(format!("the fluid has {confined}"))
+        }
         _ if run.has_vacuum() => Some("vapor and liquid side by side".to_owned()),
         Err(none) => {
             remarks.push(format!("not compared with any equation of state: {none}"));

@@ -209,6 +209,8 @@ pub enum Listed {
     Truncations,
     /// What can be measured.
     Observables,
+    /// Walls at both ends of an axis.
+    Walls,
     /// What results are compared with.
     EquationsOfState,
     /// Tables of reference values that come along.

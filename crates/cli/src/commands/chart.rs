@@ -19,6 +19,7 @@ pub fn chart(args: &ChartArgs) -> Result<ExitCode, Failure> {
     let nothing = || StartUp::of_nothing("stopped before the first point: no point was measured");
     let signals = Signals::listen(nothing())?;
     let (scene, lock) = load_file(&args.scene, &args.set, args.lock.as_deref())?;
+    scene.homogeneous_for("lennard chart")?;
     if let Some(folder) = &args.out {
         let lock = lock.as_ref().map(|l| l.path.as_path());
         let inputs = Inputs::of_scene(&args.scene, lock, &scene);

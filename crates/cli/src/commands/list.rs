@@ -21,6 +21,10 @@ pub fn list(args: &ListArgs) -> Result<ExitCode, Failure> {
             .iter()
             .map(|s| plain(s.name, s.summary, s.equation, s.source))
             .collect(),
+        Listed::Walls => lennard_forcefield::walls()
+            .iter()
+            .map(|s| plain(s.name, s.summary, s.equation, s.source))
+            .collect(),
         Listed::Observables => lennard_observables::observables()
             .iter()
             .map(|s| plain(s.name, s.summary, s.equation, s.source))

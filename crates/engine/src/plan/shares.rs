@@ -14,7 +14,6 @@ use crate::bare::bare;
 use crate::build::{Beginning, prepare_from};
 use crate::files::{header, style};
 use crate::follower::{Follower, StopAt, Verdict};
-use crate::instant::view;
 use crate::run::{aside, set_aside};
 use crate::schedule::{Action, Observer, Operation, Schedule, Trigger};
 use crate::simulation::Simulation;
@@ -106,7 +105,7 @@ impl Costs {
         } else {
             0.0
         };
-        let view = view(&bare.state, &bare.system, bare.tail(), bare.stage.as_ref());
+        let view = bare.view();
         let observers = simulation.observers.iter_mut();
         let sampled = |o: &mut Observer| median(|| o.observable.sample(&view));
         let mut observers = observers.map(|o| (o.observable.want(), sampled(o)));
@@ -230,8 +229,13 @@ pub fn watching_seconds(simulation: &Simulation) -> f64 {
     let dt = simulation.stage_run().dt;
     let mut before = aside(state);
     per_call(&mut || drop(watchdog::check_speeds(state, dt))) / watchdog::EVERY as f64
-        + per_call(&mut || drop(simulation.force_check.look(state, &[])))
-            / watchdog::LISTS_EVERY as f64
+        + per_call(&mut || {
+            drop(
+                simulation
+                    .force_check
+                    .look(state, |_| lennard_core::DVec3::ZERO),
+            )
+        }) / watchdog::LISTS_EVERY as f64
         + per_call(&mut || set_aside(state, &mut before)) / SET_ASIDE_EVERY as f64
 }
 

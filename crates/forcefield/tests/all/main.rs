@@ -6,3 +6,4 @@ mod formulas;
 mod kernels;
 mod nist;
 mod strides;
+mod walls;

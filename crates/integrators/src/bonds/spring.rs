@@ -90,6 +90,24 @@ impl Springs {
         (force, 0.5 * self.stiffness * strain * strain)
     }
 
+    fn add_forces(&self, positions: &[DVec3], forces: &mut [DVec3]) {
+        let sites = self.molecules.sites();
+        let size = sites * MOLECULES_PER_TASK;
+        let tasks = forces.chunks_mut(size).zip(positions.chunks(size));
+        for_each_item(tasks, |(), _, (forces, positions)| {
+            let chains = forces
+                .chunks_exact_mut(sites)
+                .zip(positions.chunks_exact(sites));
+            for (forces, x) in chains {
+                for (c, pair) in x.windows(2).enumerate() {
+                    let (f, _) = self.bond(pair[1] - pair[0]);
+                    forces[c] -= f;
+                    forces[c + 1] += f;
+                }
+            }
+        });
+    }
+
     fn totals(&self, positions: &[DVec3]) -> Sums {
         ordered_sum(positions.len() / self.molecules.sites(), |range| {
             let mut sums = Sums::NOTHING;
@@ -133,7 +151,7 @@ impl ForceTerm for Springs {
         let sums = if part == Part::Far {
             Sums::NOTHING
         } else {
-            self.add_forces(at, forces);
+            self.add_forces(at.positions, forces);
             if want.is_nothing() {
                 Sums::NOTHING
             } else {
@@ -149,22 +167,17 @@ impl ForceTerm for Springs {
         })
     }
 
-    fn add_forces(&self, at: Configuration<'_>, forces: &mut [DVec3]) {
-        let sites = self.molecules.sites();
-        let size = sites * MOLECULES_PER_TASK;
-        let tasks = forces.chunks_mut(size).zip(at.positions.chunks(size));
-        for_each_item(tasks, |(), _, (forces, positions)| {
-            let chains = forces
-                .chunks_exact_mut(sites)
-                .zip(positions.chunks_exact(sites));
-            for (forces, x) in chains {
-                for (c, pair) in x.windows(2).enumerate() {
-                    let (f, _) = self.bond(pair[1] - pair[0]);
-                    forces[c] -= f;
-                    forces[c + 1] += f;
-                }
-            }
-        });
+    fn force_on(&self, particle: usize, at: Configuration<'_>) -> DVec3 {
+        let x = at.positions;
+        let site = particle % self.molecules.sites();
+        let mut force = DVec3::ZERO;
+        if site > 0 {
+            force += self.bond(x[particle] - x[particle - 1]).0;
+        }
+        if site + 1 < self.molecules.sites() {
+            force -= self.bond(x[particle + 1] - x[particle]).0;
+        }
+        force
     }
 
     fn properties(&self) -> ForceProperties {

@@ -1,8 +1,22 @@
-//! What belongs beside the thermodynamic averages.
+//! What belongs beside the thermodynamic averages, and what speaks against them.
+
+use lennard_core::{Average, Doubt};
 
 use super::Thermodynamics;
 
+/// What takes the fluid's homogeneity away.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Confined {
+    /// Whether particles hit walls: their momentum at the planes is in no force.
+    pub by_hits: bool,
+}
+
 impl Thermodynamics {
+    /// Tells that walls or a field confine the fluid: it then has no one pressure. `None` is the default.
+    pub fn set_confined(&mut self, confined: Option<Confined>) {
+        self.confined = confined;
+    }
+
     /// What was assumed.
     pub(super) fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
@@ -13,5 +27,27 @@ impl Thermodynamics {
             ));
         }
         remarks
+    }
+
+    /// Says of averages that mean nothing between walls or in a field why they do not.
+    pub(super) fn doubt_of_confined(&self, averages: &mut [Average]) {
+        let Some(confined) = self.confined else {
+            return;
+        };
+        for average in averages {
+            let why = match average.name.as_str() {
+                "pressure" | "pressure_without_tail" => {
+                    "a fluid with walls or in a field has no one pressure: see `wall-pressure`"
+                }
+                "configurational_temperature" if confined.by_hits => {
+                    "the momentum of hits is in no force: terms of the planes are missing"
+                }
+                "configurational_temperature" if self.force_jump != 0.0 => {
+                    "the jump of the force at the cutoff is counted for a homogeneous fluid"
+                }
+                _ => continue,
+            };
+            average.doubt = Some(Doubt::Incomplete(why.to_owned()));
+        }
     }
 }

@@ -8,7 +8,7 @@ use lennard_core::{
 use super::green_kubo::{GreenKubo, Words};
 use super::{DEFAULT_WINDOW, checked_interval};
 use crate::seen_box::SeenBox;
-use crate::{BuildContext, ObservableError, Recipe};
+use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "thermal-conductivity",
@@ -40,6 +40,10 @@ impl Recipe for ThermalConductivityOptions {
 
     fn default_every(&self) -> u64 {
         4
+    }
+
+    fn surroundings(&self) -> Surroundings {
+        Surroundings::Periodic
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {

@@ -8,7 +8,7 @@ use lennard_core::{
 use super::green_kubo::{GreenKubo, Words};
 use super::{DEFAULT_WINDOW, checked_interval};
 use crate::seen_box::SeenBox;
-use crate::{BuildContext, ObservableError, PressureTensor, Recipe};
+use crate::{BuildContext, ObservableError, PressureTensor, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "shear-viscosity",
@@ -41,6 +41,10 @@ impl Recipe for ShearViscosityOptions {
 
     fn default_every(&self) -> u64 {
         4
+    }
+
+    fn surroundings(&self) -> Surroundings {
+        Surroundings::Periodic
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {

@@ -37,6 +37,11 @@ fn with(overrides: &[(&str, &str)]) -> Result<Scene, SceneError> {
 fn with_method(table: &str, kind: &str) -> Scene {
     let extra = match table {
         "stage.thermostat" => return with(&[("stage.heat.thermostat", kind)]).unwrap(),
+        "wall" => format!("[[wall]]\nkind = \"{kind}\"\n[truncation]\nkind = \"shift\"\n"),
+        "observable" if kind == "wall-pressure" => {
+            let wall = "[[wall]]\nkind = \"wca\"\n[truncation]\nkind = \"shift\"\n";
+            format!("[[observable]]\nkind = \"{kind}\"\n{wall}")
+        }
         "observable" => format!("[[observable]]\nkind = \"{kind}\"\n"),
         "bonds" => return molecular(kind),
         _ => format!("[{table}]\nkind = \"{kind}\"\n"),
@@ -73,7 +78,13 @@ fn kinds(table: &str) -> Vec<&'static str> {
 const OSCILLATOR_ONLY: [&str; 2] = ["analytic", "spook"];
 
 fn methods() -> Vec<(&'static str, &'static str)> {
-    let tables = ["potential", "integrator", "stage.thermostat", "observable"];
+    let tables = [
+        "potential",
+        "integrator",
+        "wall",
+        "stage.thermostat",
+        "observable",
+    ];
     tables
         .into_iter()
         .flat_map(|table| kinds(table).into_iter().map(move |kind| (table, kind)))
@@ -316,6 +327,7 @@ fn the_reference_lists_exactly_the_keys_that_the_code_reads() {
                 &format!("thermostat = {{ kind = \"{kind}\", zzz = 1 }}"),
             ),
             "observable" => SMALL.replace("kind = \"rdf\"", &format!("kind = \"{kind}\"\nzzz = 1")),
+            "wall" => format!("{SMALL}\n[[wall]]\nkind = \"{kind}\"\nzzz = 1\n"),
             _ => format!("{SMALL}\n[{table}]\nkind = \"{kind}\"\nzzz = 1\n"),
         };
         assert_eq!(
@@ -354,6 +366,9 @@ fn the_reference_states_the_defaults_that_the_code_takes() {
         // The first stage of the small scene states its thermostat; the others their defaults.
         let scene = match (doc.method, doc.table, doc.key) {
             (Some(kind), table, _) => with_method(table, kind),
+            (None, "wall", _) => with_method("wall", "wca"),
+            // A field of zero is none.
+            (None, "field", _) => continue,
             (None, "stage", "thermostat") => {
                 let scene = parse(SMALL).unwrap();
                 assert_eq!(scene.stages[1].thermostat, None);

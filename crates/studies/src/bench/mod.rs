@@ -63,7 +63,11 @@ impl Subject {
                 let (name, text) = if *quick { FLUID } else { MELT };
                 Scene::parse(text, &format!("{name}.toml"), overrides)
             }
-            Self::File(path) => Scene::load(path, overrides),
+            Self::File(path) => {
+                let scene = Scene::load(path, overrides)?;
+                scene.homogeneous_for("lennard bench")?;
+                Ok(scene)
+            }
         }
     }
 }

@@ -1,0 +1,70 @@
+//! Walls: what bounds the flight of particles, and what walls have felt.
+
+use glam::DVec3;
+
+use crate::Masses;
+
+/// One plane of a pair of walls, with what particles have done to it.
+///
+/// Momentum and force count along the outward normal: positive where particles push the wall away from them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WallReading {
+    /// The axis of the normal: 0, 1, 2 for x, y, z.
+    pub axis: usize,
+    /// Whether the wall stands at the upper end of the axis.
+    pub is_upper: bool,
+    /// Coordinate of the plane along the axis, σ.
+    pub position: f64,
+    /// Σ F of all particles on the wall at the last force evaluation, ε/σ; 0 for a wall that is only hit.
+    pub force: f64,
+    /// Σ m·Δv handed to the wall by hits since the start of the run, m·σ/τ.
+    pub impulse: f64,
+    /// Hits since the start of the run.
+    pub hits: u64,
+}
+
+impl WallReading {
+    /// A wall that has felt nothing.
+    #[must_use]
+    pub fn new(axis: usize, is_upper: bool, position: f64) -> Self {
+        Self {
+            axis,
+            is_upper,
+            position,
+            force: 0.0,
+            impulse: 0.0,
+            hits: 0,
+        }
+    }
+
+    /// The outward direction along the axis: −1 at the lower end, +1 at the upper.
+    #[must_use]
+    pub fn outward(&self) -> f64 {
+        if self.is_upper { 1.0 } else { -1.0 }
+    }
+}
+
+/// Particles in free flight over a time h.
+#[derive(Debug)]
+pub struct Flight<'a> {
+    /// Unwrapped positions, `[N]`, σ.
+    pub positions: &'a mut [DVec3],
+    /// Velocities, `[N]`, σ/τ.
+    pub velocities: &'a mut [DVec3],
+    /// The masses.
+    pub masses: &'a Masses,
+    /// The time h of the flight, τ; above 0.
+    pub h: f64,
+    /// Steps done before this one: the counter of random numbers.
+    pub step: u64,
+    /// Whether particles have flown in this step before: a second flight draws other random numbers.
+    pub is_later: bool,
+}
+
+/// What bounds the flight of particles: walls that particles hit.
+pub trait Boundary {
+    /// Moves particles by h·v along straight lines from hit to hit, and changes velocities at hits.
+    ///
+    /// Returns the kinetic energy in ε that hits put in: E minus its sum is conserved.
+    fn fly(&mut self, flight: Flight<'_>) -> f64;
+}

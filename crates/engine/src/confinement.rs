@@ -1,0 +1,85 @@
+//! Walls and fields of a scene: force terms beside the pairs, and what must hold of the start.
+
+use lennard_core::{DVec3, ForceProperties, ForceSum, ForceTerm, Masses, PeriodicBox};
+use lennard_forcefield::{ConstantField, PairForces, Walls};
+use lennard_scene::Scene;
+
+use crate::EngineError;
+
+/// The forces on single particles: walls and field.
+#[derive(Debug, Clone, Default)]
+pub struct Confinement {
+    walls: Option<Walls>,
+    field: Option<ConstantField>,
+}
+
+impl Confinement {
+    /// Walls and field of a scene in a box.
+    #[must_use]
+    pub fn of(scene: &Scene, cell: &PeriodicBox, masses: &Masses) -> Self {
+        Self {
+            walls: scene.walls_in(cell),
+            field: scene.field_on(masses),
+        }
+    }
+
+    /// What kind of forces these are.
+    #[must_use]
+    pub fn properties(&self) -> ForceProperties {
+        let walls = self.walls.as_ref().map(ForceTerm::properties);
+        let field = self.field.as_ref().map(ForceTerm::properties);
+        let terms = walls.into_iter().chain(field);
+        terms.fold(ForceProperties::default(), ForceProperties::with_term)
+    }
+
+    /// Pair forces with these forces after them.
+    #[must_use]
+    pub fn beside(self, pairs: PairForces) -> ForceSum<PairForces> {
+        let mut sum = ForceSum::new(pairs);
+        if let Some(walls) = self.walls {
+            sum = sum.with(walls);
+        }
+        match self.field {
+            Some(field) => sum.with(field),
+            None => sum,
+        }
+    }
+}
+
+/// Puts positions of a file into the box along walled axes, and refuses those outside the walls.
+///
+/// # Errors
+/// [`EngineError::Scene`] with the number of particles outside and the first of them.
+pub(crate) fn place_between_walls(
+    scene: &Scene,
+    cell: &PeriodicBox,
+    positions: &mut [DVec3],
+) -> Result<(), EngineError> {
+    for (i, slit) in scene.slits(cell).into_iter().enumerate() {
+        for r in &mut *positions {
+            r[slit.axis] = cell.wrap(*r)[slit.axis];
+        }
+        let is_outside = |r: &DVec3| !(slit.lower..=slit.upper).contains(&r[slit.axis]);
+        let outside = positions.iter().filter(|r| is_outside(r)).count();
+        let Some(first) = positions.iter().position(is_outside) else {
+            continue;
+        };
+        let axis = scene.walls[i].axis.name();
+        return Err(scene
+            .source
+            .invalid(
+                &format!("wall.{i}.thickness"),
+                format!(
+                    "{outside} particles outside the walls across {axis}, the first is particle {} at {:.4} σ (counted from 1)",
+                    first + 1,
+                    positions[first][slit.axis]
+                ),
+                format!(
+                    "positions from {:.4} to {:.4} σ: half the thickness from the ends of the box",
+                    slit.lower, slit.upper
+                ),
+            )
+            .into());
+    }
+    Ok(())
+}

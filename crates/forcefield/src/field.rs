@@ -1,0 +1,103 @@
+//! A constant field: the same acceleration for every particle.
+
+use lennard_core::parallel::{for_each_piece, ordered_sum};
+use lennard_core::{
+    Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Masses, Part,
+    Want, remembers_nothing,
+};
+
+/// A constant field, F_i = m_i·g with U = −Σ m_i·g·r_i, zero at the origin of the box; g in σ/τ² (ε/(m·σ)).
+///
+/// U is no function of the position in a periodic box: along an axis with g ≠ 0 walls must bound the particles. The field
+/// changes the total momentum along its axes. Its virial is 0 here, since Σ r·F depends on the origin.
+///
+/// Source: L. D. Landau and E. M. Lifshitz, Mechanics, 3rd ed. (1976), section 5.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ConstantField {
+    acceleration: DVec3,
+    masses: Masses,
+}
+
+remembers_nothing!(ConstantField);
+
+impl ConstantField {
+    /// The field that accelerates particles of these masses by g, σ/τ².
+    #[must_use]
+    pub fn new(acceleration: DVec3, masses: Masses) -> Self {
+        Self {
+            acceleration,
+            masses,
+        }
+    }
+
+    /// Force on particle `i`, ε/σ.
+    #[must_use]
+    fn weight(&self, i: usize) -> DVec3 {
+        self.masses.of(i) * self.acceleration
+    }
+
+    fn energy_of(&self, i: usize, r: DVec3) -> f64 {
+        -self.weight(i).dot(r)
+    }
+}
+
+impl ForceTerm for ConstantField {
+    fn evaluate(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        forces.fill(DVec3::ZERO);
+        self.add(at, part, want, &mut Vec::new(), forces)
+    }
+
+    /// The field belongs to the near part.
+    fn add(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        _scratch: &mut Vec<DVec3>,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        let (field, acts) = (&*self, part != Part::Far);
+        if acts {
+            for_each_piece(forces, |first, chunk| {
+                for (i, f) in (first..).zip(chunk) {
+                    *f += field.weight(i);
+                }
+            });
+        }
+        let energy_of = |i: usize| match acts {
+            true => field.energy_of(i, at.positions[i]),
+            false => 0.0,
+        };
+        let n = at.positions.len();
+        let energy = want
+            .energy
+            .then(|| -> f64 { ordered_sum(n, |range| range.map(energy_of).sum::<f64>()) });
+        let each = || (0..n).map(|i| (energy_of(i), DMat3::ZERO)).collect();
+        Ok(Energetics {
+            potential_energy: energy,
+            conserved_potential: energy,
+            virial: want.virial.then_some(DMat3::ZERO),
+            laplacian: want.laplacian.then_some(0.0),
+            pairs: None,
+            per_particle: want.per_particle.then(each),
+        })
+    }
+
+    fn force_on(&self, particle: usize, _at: Configuration<'_>) -> DVec3 {
+        self.weight(particle)
+    }
+
+    fn properties(&self) -> ForceProperties {
+        ForceProperties {
+            splits: true,
+            breaks_momentum: self.acceleration.to_array().map(|g| g != 0.0),
+            ..ForceProperties::default()
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! The wall of one layer of Lennard-Jones sites.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use super::{Surface, Wall, WallContext, WallForce, WallPoint, WallSpec};
+
+lennard_core::options! {
+    /// U = 2π·n_w·[(2/5)·z⁻¹⁰ − z⁻⁴] − U(cutoff) up to the cutoff, in ε with z in σ: Lennard-Jones sites spread over the
+    /// plane with n_w per σ². Before the shift the minimum is −(6π/5)·n_w at z = 1.
+    #[derive(Copy)]
+    pub struct LennardJones104 {
+        /// Sites per area, n_w.
+        surface_density: f64 = 1.0, Positive, in "σ⁻²";
+        /// Distance at which the force ends; U is shifted to 0 there.
+        cutoff: f64 = 2.5, Between(1.0, 1e3), in "σ";
+    }
+}
+
+impl LennardJones104 {
+    fn unshifted(z: f64) -> WallPoint {
+        let inverse = 1.0 / z;
+        let square = inverse * inverse;
+        let fourth = square * square;
+        let tenth = fourth * fourth * square;
+        WallPoint {
+            energy: TAU * (0.4 * tenth - fourth),
+            force: TAU * (4.0 * tenth - 4.0 * fourth) * inverse,
+            curvature: TAU * (44.0 * tenth - 20.0 * fourth) * square,
+        }
+    }
+}
+
+impl Wall for LennardJones104 {
+    const SPEC: WallSpec = WallSpec {
+        name: "lennard-jones-10-4",
+        summary: "A layer of Lennard-Jones sites, cut and shifted.",
+        equation: "U = 2 pi n_w [(2/5) z^-10 - z^-4] - U(cutoff)",
+        source: "derived here: the integral of 4 (r^-12 - r^-6) over a plane",
+    };
+
+    fn surface(&self, _context: &WallContext, _is_upper: bool) -> Surface {
+        Surface::Exerts(Arc::new(*self))
+    }
+}
+
+impl WallForce for LennardJones104 {
+    fn at(&self, z: f64) -> WallPoint {
+        let (here, end) = (Self::unshifted(z), Self::unshifted(self.cutoff));
+        WallPoint {
+            energy: self.surface_density * (here.energy - end.energy),
+            force: self.surface_density * here.force,
+            curvature: self.surface_density * here.curvature,
+        }
+    }
+
+    fn reach(&self) -> f64 {
+        self.cutoff
+    }
+
+    fn clearance(&self) -> f64 {
+        1.0
+    }
+}

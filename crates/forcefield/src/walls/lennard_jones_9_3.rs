@@ -1,0 +1,65 @@
+//! The wall of a half space of Lennard-Jones sites.
+
+use std::sync::Arc;
+
+use super::{Surface, Wall, WallContext, WallForce, WallPoint, WallSpec};
+
+lennard_core::options! {
+    /// U = ε_w·[(2/15)·z⁻⁹ − z⁻³] − U(cutoff) up to the cutoff, with z in σ: Lennard-Jones sites of density ρ_w that fill the
+    /// half space behind the plane have ε_w = (2π/3)·ρ_w. Before the shift the minimum is −(√10/3)·ε_w at z = (2/5)^{1/6}.
+    #[derive(Copy)]
+    pub struct LennardJones93 {
+        /// Strength ε_w.
+        strength: f64 = 1.0, Positive, in "ε";
+        /// Distance at which the force ends; U is shifted to 0 there.
+        cutoff: f64 = 2.5, Between(0.9, 1e3), in "σ";
+    }
+}
+
+/// (2/5)^{1/6}, the distance of the minimum, σ.
+const MINIMUM: f64 = 0.858_374_218_932_559_2;
+
+impl LennardJones93 {
+    fn unshifted(z: f64) -> WallPoint {
+        let inverse = 1.0 / z;
+        let third = inverse * inverse * inverse;
+        let ninth = third * third * third;
+        WallPoint {
+            energy: 2.0 / 15.0 * ninth - third,
+            force: (1.2 * ninth - 3.0 * third) * inverse,
+            curvature: (12.0 * ninth - 12.0 * third) * inverse * inverse,
+        }
+    }
+}
+
+impl Wall for LennardJones93 {
+    const SPEC: WallSpec = WallSpec {
+        name: "lennard-jones-9-3",
+        summary: "A half space of Lennard-Jones sites, cut and shifted.",
+        equation: "U = e_w [(2/15) z^-9 - z^-3] - U(cutoff)",
+        source: "derived here: the integral of 4 (r^-12 - r^-6) over a half space",
+    };
+
+    fn surface(&self, _context: &WallContext, _is_upper: bool) -> Surface {
+        Surface::Exerts(Arc::new(*self))
+    }
+}
+
+impl WallForce for LennardJones93 {
+    fn at(&self, z: f64) -> WallPoint {
+        let (here, end) = (Self::unshifted(z), Self::unshifted(self.cutoff));
+        WallPoint {
+            energy: self.strength * (here.energy - end.energy),
+            force: self.strength * here.force,
+            curvature: self.strength * here.curvature,
+        }
+    }
+
+    fn reach(&self) -> f64 {
+        self.cutoff
+    }
+
+    fn clearance(&self) -> f64 {
+        MINIMUM
+    }
+}

@@ -1,0 +1,375 @@
+//! All walls of a slit as one force term, and as the boundary of free flight.
+
+use std::iter::Sum;
+use std::ops::Add;
+
+use lennard_core::parallel::{for_each_piece, ordered_sum};
+use lennard_core::random::NoiseStream;
+use lennard_core::{
+    Axis, Boundary, Configuration, DMat3, DVec3, Energetics, Flight, ForceError, ForceProperties,
+    ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, WallReading, Want,
+};
+
+use super::{Hit, SlitPlanes, Surface, WallContext, WallOptions};
+
+/// Hits of one particle in one flight, after which it rests at the plane.
+const MOST_HITS: usize = 16;
+
+/// Two walls, at both ends of an axis.
+#[derive(Debug, Clone)]
+pub struct WallPair {
+    planes: SlitPlanes,
+    /// What the walls at the lower and at the upper end do.
+    surfaces: [Surface; 2],
+}
+
+impl WallPair {
+    /// Walls of a kind at these planes.
+    #[must_use]
+    pub fn new(options: &WallOptions, planes: SlitPlanes, context: &WallContext) -> Self {
+        Self {
+            planes,
+            surfaces: [false, true].map(|is_upper| options.surface(context, is_upper)),
+        }
+    }
+
+    /// Distance of a coordinate from the planes, σ: positive between them.
+    fn distances(&self, r: DVec3) -> [f64; 2] {
+        let x = r[self.planes.axis];
+        [x - self.planes.lower, self.planes.upper - x]
+    }
+
+    fn is_hit(&self) -> bool {
+        self.surfaces.iter().any(|s| matches!(s, Surface::Hit(_)))
+    }
+}
+
+/// The walls of a slit, a duct or a closed box: one pair of walls per axis at most.
+///
+/// Walls that exert forces add F_z(z) of both planes to each particle. Walls that are hit bound the drift: each particle
+/// flies along a straight line to the plane, takes the velocity of [`super::Rebound`], and flies on.
+///
+/// The virial of walls is 0 here: Σ z·F of a wall depends on the origin. The virial of a walled fluid is the virial of its
+/// pairs alone.
+#[derive(Debug, Clone)]
+pub struct Walls {
+    pairs: Vec<WallPair>,
+    /// Lower and upper wall of each pair, in the order of the pairs.
+    readings: Vec<WallReading>,
+    noise: NoiseStream,
+}
+
+/// What all walls felt of some particles, and what those felt.
+#[derive(Debug, Clone, Copy, Default)]
+struct Felt {
+    energy: f64,
+    laplacian: f64,
+    /// Force on each wall along its outward normal, by pair and end.
+    forces: [[f64; 2]; 3],
+    /// The first particle beyond a wall: index, pair, end, depth.
+    beyond: Option<(usize, usize, usize, f64)>,
+}
+
+impl Add for Felt {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        let both = |p: usize, end: usize| self.forces[p][end] + other.forces[p][end];
+        Self {
+            energy: self.energy + other.energy,
+            laplacian: self.laplacian + other.laplacian,
+            forces: std::array::from_fn(|p| [both(p, 0), both(p, 1)]),
+            beyond: self.beyond.or(other.beyond),
+        }
+    }
+}
+
+impl Sum for Felt {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), Add::add)
+    }
+}
+
+impl Walls {
+    /// Walls that have felt nothing; walls at a temperature draw from `noise`.
+    ///
+    /// # Panics
+    /// Where two pairs have the same axis: that is a bug of the caller.
+    #[must_use]
+    pub fn new(pairs: Vec<WallPair>, noise: NoiseStream) -> Self {
+        for (i, pair) in pairs.iter().enumerate() {
+            let same_axis = |other: &WallPair| other.planes.axis == pair.planes.axis;
+            assert!(
+                !pairs[..i].iter().any(same_axis),
+                "one pair of walls per axis"
+            );
+        }
+        let readings = pairs.iter().flat_map(|pair| {
+            let SlitPlanes {
+                axis, lower, upper, ..
+            } = pair.planes;
+            [
+                WallReading::new(axis, false, lower),
+                WallReading::new(axis, true, upper),
+            ]
+        });
+        Self {
+            readings: readings.collect(),
+            pairs,
+            noise,
+        }
+    }
+
+    /// Force of all walls on a particle at `r`, ε/σ.
+    #[must_use]
+    fn force_of_all(&self, r: DVec3) -> DVec3 {
+        let mut force = DVec3::ZERO;
+        for pair in &self.pairs {
+            let [lower, upper] = pair.distances(r);
+            force[pair.planes.axis] += force_at(&pair.surfaces[0], lower);
+            force[pair.planes.axis] -= force_at(&pair.surfaces[1], upper);
+        }
+        force
+    }
+
+    fn felt_of(&self, particles: std::ops::Range<usize>, positions: &[DVec3]) -> Felt {
+        let mut felt = Felt::default();
+        for i in particles {
+            for (p, pair) in self.pairs.iter().enumerate() {
+                for (end, z) in pair.distances(positions[i]).into_iter().enumerate() {
+                    let Surface::Exerts(wall) = &pair.surfaces[end] else {
+                        continue;
+                    };
+                    let deepest = match wall.acts_behind_plane() {
+                        true => -pair.planes.room,
+                        false => 0.0,
+                    };
+                    if z <= deepest {
+                        felt.beyond = felt.beyond.or(Some((i, p, end, -z)));
+                    } else if z < wall.reach() {
+                        let point = wall.at(z);
+                        felt.energy += point.energy;
+                        felt.laplacian += point.curvature;
+                        felt.forces[p][end] += point.force;
+                    }
+                }
+            }
+        }
+        felt
+    }
+
+    /// Flies one particle over `h` τ; returns the kinetic energy that hits put in.
+    fn fly_one(&mut self, x: &mut DVec3, v: &mut DVec3, mass: f64, h: f64, noise: [u64; 2]) -> f64 {
+        let end = *x + h * *v;
+        let stays =
+            |pair: &WallPair| !pair.is_hit() || pair.distances(end).iter().all(|z| *z > 0.0);
+        if self.pairs.iter().all(stays) || !end.is_finite() {
+            *x = end;
+            return 0.0;
+        }
+        let before = v.length_squared();
+        let mut random = self.noise.at(noise[0], noise[1] as u32);
+        let mut left = h;
+        for _ in 0..MOST_HITS {
+            let Some((time, index)) = self.next_hit(*x, *v, left) else {
+                break;
+            };
+            let (pair, reading) = (&self.pairs[index / 2], &mut self.readings[index]);
+            let axis = reading.axis;
+            *x += time * *v;
+            x[axis] = reading.position;
+            left -= time;
+            let Surface::Hit(wall) = &pair.surfaces[index % 2] else {
+                break;
+            };
+            let outward = reading.outward();
+            let after = wall.leave(Hit {
+                axis,
+                outward,
+                velocity: *v,
+                mass,
+                random: &mut random,
+            });
+            reading.impulse += outward * mass * (v[axis] - after[axis]);
+            reading.hits += 1;
+            *v = after;
+        }
+        if let Some((_, index)) = self.next_hit(*x, *v, left) {
+            // Too many hits: the particle rests at the plane.
+            let reading = &mut self.readings[index];
+            reading.impulse += reading.outward() * mass * v[reading.axis];
+            v[reading.axis] = 0.0;
+        }
+        *x += left * *v;
+        for pair in self.pairs.iter().filter(|pair| pair.is_hit()) {
+            // Rounding of the last flight.
+            let SlitPlanes {
+                axis, lower, upper, ..
+            } = pair.planes;
+            x[axis] = x[axis].clamp(lower, upper);
+        }
+        0.5 * mass * (v.length_squared() - before)
+    }
+
+    /// The time of the next hit within `left` τ, with the index of the wall.
+    fn next_hit(&self, x: DVec3, v: DVec3, left: f64) -> Option<(f64, usize)> {
+        let mut first: Option<(f64, usize)> = None;
+        for (p, pair) in self.pairs.iter().enumerate() {
+            let speed = v[pair.planes.axis];
+            for (end, z) in pair.distances(x).into_iter().enumerate() {
+                let towards = if end == 0 { -speed } else { speed };
+                if !matches!(pair.surfaces[end], Surface::Hit(_)) || towards <= 0.0 {
+                    continue;
+                }
+                let time = (z / towards).max(0.0);
+                if time <= left && first.is_none_or(|(earlier, _)| time < earlier) {
+                    first = Some((time, 2 * p + end));
+                }
+            }
+        }
+        first
+    }
+}
+
+/// Force of a wall on a particle at distance z, ε/σ.
+fn force_at(surface: &Surface, z: f64) -> f64 {
+    match surface {
+        Surface::Exerts(wall) if z < wall.reach() => wall.at(z).force,
+        Surface::Exerts(_) | Surface::Hit(_) => 0.0,
+    }
+}
+
+impl ForceTerm for Walls {
+    fn evaluate(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        forces.fill(DVec3::ZERO);
+        self.add(at, part, want, &mut Vec::new(), forces)
+    }
+
+    /// Walls change quickly in space: their force belongs to the near part.
+    fn add(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        _scratch: &mut Vec<DVec3>,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        let positions = at.positions;
+        let mut felt = Felt::default();
+        if part != Part::Far {
+            felt = ordered_sum(positions.len(), |range| self.felt_of(range, positions));
+            if let Some((particle, pair, end, depth)) = felt.beyond {
+                return Err(ForceError::BeyondWall {
+                    particle,
+                    axis: Axis::ALL[self.pairs[pair].planes.axis].name(),
+                    end: ["lower", "upper"][end],
+                    depth,
+                });
+            }
+            let walls = &*self;
+            for_each_piece(forces, |first, chunk| {
+                for (f, r) in chunk.iter_mut().zip(&positions[first..]) {
+                    *f += walls.force_of_all(*r);
+                }
+            });
+            let pairs = felt.forces.iter().flatten();
+            for (reading, force) in self.readings.iter_mut().zip(pairs) {
+                reading.force = *force;
+            }
+        }
+        let per_particle = |r: &DVec3| -> (f64, DMat3) {
+            let alone = self.felt_of(0..1, std::slice::from_ref(r));
+            (alone.energy, DMat3::ZERO)
+        };
+        let each = match part {
+            Part::Far => vec![(0.0, DMat3::ZERO); positions.len()],
+            Part::All | Part::Near if want.per_particle => {
+                positions.iter().map(per_particle).collect()
+            }
+            Part::All | Part::Near => Vec::new(),
+        };
+        Ok(Energetics {
+            potential_energy: want.energy.then_some(felt.energy),
+            conserved_potential: want.energy.then_some(felt.energy),
+            virial: want.virial.then_some(DMat3::ZERO),
+            laplacian: want.laplacian.then_some(felt.laplacian),
+            pairs: None,
+            per_particle: want.per_particle.then_some(each),
+        })
+    }
+
+    fn force_on(&self, particle: usize, at: Configuration<'_>) -> DVec3 {
+        self.force_of_all(at.positions[particle])
+    }
+
+    fn properties(&self) -> ForceProperties {
+        let mut breaks_momentum = [false; 3];
+        for pair in &self.pairs {
+            breaks_momentum[pair.planes.axis] = true;
+            let drags = |s: &Surface| matches!(s, Surface::Hit(wall) if wall.drags());
+            if pair.surfaces.iter().any(drags) {
+                breaks_momentum = [true; 3];
+            }
+        }
+        ForceProperties {
+            splits: true,
+            breaks_momentum,
+            bounds_flight: self.pairs.iter().any(WallPair::is_hit),
+            ..ForceProperties::default()
+        }
+    }
+
+    fn walls(&self) -> &[WallReading] {
+        &self.readings
+    }
+
+    fn boundary(&mut self) -> Option<&mut dyn Boundary> {
+        if self.pairs.iter().any(WallPair::is_hit) {
+            Some(self)
+        } else {
+            None
+        }
+    }
+}
+
+impl Boundary for Walls {
+    fn fly(&mut self, flight: Flight<'_>) -> f64 {
+        let counter = 2 * flight.step + u64::from(flight.is_later);
+        let particles = flight.positions.iter_mut().zip(flight.velocities);
+        let mut heat = 0.0;
+        for (i, (x, v)) in particles.enumerate() {
+            heat += self.fly_one(x, v, flight.masses.of(i), flight.h, [counter, i as u64]);
+        }
+        heat
+    }
+}
+
+impl Persist for Walls {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        let all = |of: fn(&WallReading) -> f64| self.readings.iter().map(of).collect::<Vec<_>>();
+        to.put_f64("impulse", &all(|r| r.impulse));
+        to.put_f64("force", &all(|r| r.force));
+        let hits: Vec<u64> = self.readings.iter().map(|r| r.hits).collect();
+        to.put_u64("hits", &hits);
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        let (impulses, forces, hits) =
+            (from.f64("impulse")?, from.f64("force")?, from.u64("hits")?);
+        if [impulses.len(), forces.len(), hits.len()] != [self.readings.len(); 3] {
+            return Err(from.misfit("impulse", "another number of walls"));
+        }
+        for (i, reading) in self.readings.iter_mut().enumerate() {
+            reading.impulse = impulses[i];
+            reading.force = forces[i];
+            reading.hits = hits[i];
+        }
+        Ok(())
+    }
+}

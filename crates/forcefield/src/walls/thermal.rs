@@ -1,0 +1,62 @@
+//! Walls at a temperature.
+
+use std::sync::Arc;
+
+use lennard_core::DVec3;
+use rand::RngExt;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::{Hit, Rebound, Surface, Wall, WallContext, WallSpec};
+
+lennard_core::options! {
+    /// Hard planes at a temperature T: a particle leaves with a new velocity. Its normal speed is √(−2T·ln u/m), which has
+    /// the density of the flux, v·e^{−mv²/2T}; its tangential velocity is Gaussian of variance T/m.
+    ///
+    /// The kinetic energy that hits put in counts as heat.
+    #[derive(Copy)]
+    pub struct Thermal {
+        /// Temperature of the walls.
+        temperature: Option<f64> = None, else "`system.temperature`", Positive, in "ε/k_B";
+        /// Temperature of the wall at the upper end.
+        upper_temperature: Option<f64> = None, else "`temperature` of the same wall", Positive, in "ε/k_B";
+    }
+}
+
+impl Wall for Thermal {
+    const SPEC: WallSpec = WallSpec {
+        name: "thermal",
+        summary: "Hard planes that give each particle that hits them a new velocity from their temperature.",
+        equation: "v_n = sqrt(-2 T ln(u)/m), v_t Gaussian of variance T/m",
+        source: "derived here: particles of a gas at T cross a plane with the density v exp(-m v^2/2T) of their normal speed",
+    };
+
+    fn surface(&self, context: &WallContext, is_upper: bool) -> Surface {
+        let upper = self.upper_temperature.filter(|_| is_upper);
+        let temperature = upper.or(self.temperature);
+        Surface::Hit(Arc::new(Heated {
+            temperature: temperature.unwrap_or(context.temperature),
+        }))
+    }
+}
+
+/// One plane at a temperature, ε/k_B.
+#[derive(Debug, Clone, Copy)]
+struct Heated {
+    temperature: f64,
+}
+
+impl Rebound for Heated {
+    fn leave(&self, hit: Hit<'_>) -> DVec3 {
+        let spread = (self.temperature / hit.mass).sqrt();
+        // 1 − u lies in (0, 1]: the logarithm is finite.
+        let u: f64 = 1.0 - hit.random.random::<f64>();
+        let mut normal = || -> f64 { StandardNormal.sample(&mut *hit.random) };
+        let mut v = DVec3::new(normal(), normal(), normal()) * spread;
+        v[hit.axis] = -hit.outward * spread * (-2.0 * u.ln()).sqrt();
+        v
+    }
+
+    fn drags(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,52 @@
+//! A wall that repels as Lennard-Jones does.
+
+use std::sync::Arc;
+
+use super::{Surface, Wall, WallContext, WallForce, WallPoint, WallSpec};
+
+lennard_core::options! {
+    /// U = ε_w·[4·(z⁻¹² − z⁻⁶) + 1] up to z = 2^{1/6} σ, where U and force end at 0.
+    #[derive(Copy)]
+    pub struct WcaWall {
+        /// Strength ε_w.
+        strength: f64 = 1.0, Positive, in "ε";
+    }
+}
+
+/// 2^{1/6}, where the wall ends, σ.
+const END: f64 = 1.122_462_048_309_373;
+
+impl Wall for WcaWall {
+    const SPEC: WallSpec = WallSpec {
+        name: "wca",
+        summary: "The repulsive part of 12-6 in the distance from the plane, ending smoothly.",
+        equation: "U = e_w [4 (z^-12 - z^-6) + 1] for z <= 2^(1/6), else 0",
+        source: "J. D. Weeks, D. Chandler and H. C. Andersen, Role of repulsive forces in determining the equilibrium structure of simple liquids, J. Chem. Phys. 54 (1971) 5237, eq. 4, with z in place of r",
+    };
+
+    fn surface(&self, _context: &WallContext, _is_upper: bool) -> Surface {
+        Surface::Exerts(Arc::new(*self))
+    }
+}
+
+impl WallForce for WcaWall {
+    fn at(&self, z: f64) -> WallPoint {
+        let inverse = 1.0 / z;
+        let square = inverse * inverse;
+        let sixth = square * square * square;
+        let twelfth = sixth * sixth;
+        WallPoint {
+            energy: self.strength * (4.0 * (twelfth - sixth) + 1.0),
+            force: self.strength * (48.0 * twelfth - 24.0 * sixth) * inverse,
+            curvature: self.strength * (624.0 * twelfth - 168.0 * sixth) * square,
+        }
+    }
+
+    fn reach(&self) -> f64 {
+        END
+    }
+
+    fn clearance(&self) -> f64 {
+        1.0
+    }
+}

@@ -1,0 +1,132 @@
+//! The density along one axis.
+
+use lennard_core::{
+    Axis, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
+    Table, View, Want,
+};
+
+use crate::averages::tell_discarded;
+use crate::blocks::BlockedSums;
+use crate::seen_box::SeenBox;
+use crate::{BuildContext, ObservableError, Recipe};
+
+const SPEC: ObservableSpec = ObservableSpec {
+    name: "density-profile",
+    summary: "number density in layers across one axis: of a slit, a slab or any other fluid",
+    equation: "rho(z) = <N(z, z + dz)>/(A dz)",
+    source: "the definition of a density: particles of a layer over its volume",
+    dynamic: false,
+    suits: lennard_core::Suits::All,
+};
+
+/// Blocks kept for the errors.
+const MOST_BLOCKS: usize = 64;
+
+lennard_core::options! {
+    /// Options of [`DensityProfile`].
+    pub struct DensityProfileOptions {
+        /// Axis of the profile.
+        axis: Axis = Axis::Z, Names(Axis::names);
+        /// Number of layers of equal width over the whole box.
+        bins: usize = 200, Whole(1, 100_000);
+    }
+}
+
+impl Recipe for DensityProfileOptions {
+    const SPEC: &'static ObservableSpec = &SPEC;
+
+    fn default_every(&self) -> u64 {
+        20
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
+        Ok(Box::new(DensityProfile::new(self, context)))
+    }
+}
+
+/// The number density in layers across one axis, ρ(z) in σ⁻³, with its standard error from blocks of the run.
+///
+/// Layers divide the whole box. Between walls, those behind the planes are empty. In a box that changes, layers keep
+/// their part of the side, and the density is that of the mean box.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DensityProfile {
+    axis: Axis,
+    seen: SeenBox,
+    counts: BlockedSums,
+}
+
+impl DensityProfile {
+    /// Nothing seen yet.
+    #[must_use]
+    pub fn new(options: &DensityProfileOptions, context: &BuildContext) -> Self {
+        Self {
+            axis: options.axis,
+            seen: SeenBox::new(&context.cell),
+            counts: BlockedSums::new(options.bins, MOST_BLOCKS),
+        }
+    }
+}
+
+impl Observable for DensityProfile {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want::NOTHING
+    }
+
+    fn sample(&mut self, view: &View<'_>) {
+        let cell = view.cell();
+        self.seen.see(cell);
+        let bins = self.counts.width();
+        let layers = bins as f64 / cell.lengths()[self.axis.index()];
+        self.counts.begin_sample();
+        let (sums, samples) = self.counts.current();
+        for r in &view.state.positions {
+            let layer = (cell.wrap(*r)[self.axis.index()] * layers) as usize;
+            sums[layer.min(bins - 1)] += 1.0;
+        }
+        for samples in samples {
+            *samples += 1;
+        }
+    }
+
+    fn finish(&self, discarded: f64) -> Findings {
+        let counts = self.counts.after(discarded);
+        let (bins, sides) = (counts.width(), self.seen.sides());
+        let width = sides[self.axis.index()] / bins as f64;
+        let per_count = bins as f64 / self.seen.volume();
+        let layers = 0..bins;
+        let middle = |k: usize| (k as f64 + 0.5) * width;
+        let density = |k: usize| counts.mean(k).unwrap_or(f64::NAN) * per_count;
+        let error = |k: usize| counts.standard_error(k) * per_count;
+        let name = self.axis.name();
+        let table = Table::new(
+            "density_profile",
+            format!("number density in layers across {name}, with standard errors from blocks of the run"),
+        )
+        .with(name, "σ", layers.clone().map(middle).collect::<Vec<f64>>())
+        .with("density", "σ⁻³", layers.clone().map(density).collect::<Vec<f64>>())
+        .with("standard error", "σ⁻³", layers.map(error).collect::<Vec<f64>>());
+        let mut findings = Findings {
+            tables: vec![table],
+            ..Findings::default()
+        };
+        let skipped = self.counts.samples() - counts.samples();
+        tell_discarded(&mut findings, skipped);
+        findings
+    }
+}
+
+impl Persist for DensityProfile {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.counts.save(&mut to.section("counts"));
+        self.seen.save(&mut to.section("box"));
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.counts.restore(&from.section("counts"))?;
+        self.seen.restore(&from.section("box"))
+    }
+}

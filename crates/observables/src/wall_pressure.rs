@@ -1,0 +1,179 @@
+//! The pressure on each wall.
+
+use lennard_core::{
+    Axis, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
+    Table, View, WallReading, Want,
+};
+
+use crate::averages::of_series;
+use crate::series::{Series, impl_columns};
+use crate::{BuildContext, ObservableError, Recipe, Surroundings};
+
+const SPEC: ObservableSpec = ObservableSpec {
+    name: "wall-pressure",
+    summary: "normal force per area on each wall: from forces, and from the momentum of hits",
+    equation: "P = sum F_z/A, or P = sum 2 m |v_z|/(A t) over the hits of a time t",
+    source: "Newton's second law for the wall, averaged over the time between samples (docs/walls.md)",
+    dynamic: false,
+    suits: lennard_core::Suits::Atoms,
+};
+
+/// Rows kept before neighbors are averaged in pairs.
+const MOST_ROWS: usize = 1 << 16;
+
+lennard_core::options! {
+    /// Options of [`WallPressure`]: there are none.
+    pub struct WallPressureOptions {}
+}
+
+impl Recipe for WallPressureOptions {
+    const SPEC: &'static ObservableSpec = &SPEC;
+
+    fn default_every(&self) -> u64 {
+        10
+    }
+
+    fn surroundings(&self) -> Surroundings {
+        Surroundings::Walls
+    }
+
+    fn build(&self, _context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
+        Ok(Box::new(WallPressure::default()))
+    }
+}
+
+/// Pressure on the lower and upper wall of each axis, ε/σ³; zero where there is no wall.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Rows {
+    time: Vec<f64>,
+    x_lower: Vec<f64>,
+    x_upper: Vec<f64>,
+    y_lower: Vec<f64>,
+    y_upper: Vec<f64>,
+    z_lower: Vec<f64>,
+    z_upper: Vec<f64>,
+}
+
+impl_columns!(Rows {
+    time,
+    x_lower,
+    x_upper,
+    y_lower,
+    y_upper,
+    z_lower,
+    z_upper
+});
+
+/// The normal force per area on each wall, in ε/σ³, positive where particles push the wall outward.
+///
+/// A wall that exerts forces feels Σ F_z/A at the sampled step. A wall that is hit feels the momentum of all hits since
+/// the sample before, over area and time. The two walls of an axis feel the same pressure on average, unless a field acts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WallPressure {
+    series: Series<Rows>,
+    /// Which walls there are, in the order of the columns.
+    has_wall: [bool; 6],
+    /// Time of the sample before, τ; NaN before the first.
+    last_time: f64,
+    /// Impulse of each wall at the sample before.
+    last_impulse: [f64; 6],
+}
+
+impl Default for WallPressure {
+    fn default() -> Self {
+        Self {
+            series: Series::new(Rows::default(), MOST_ROWS),
+            has_wall: [false; 6],
+            last_time: f64::NAN,
+            last_impulse: [0.0; 6],
+        }
+    }
+}
+
+/// The column of a wall among those of all axes.
+fn column(wall: &WallReading) -> usize {
+    2 * wall.axis + usize::from(wall.is_upper)
+}
+
+impl Observable for WallPressure {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want::NOTHING
+    }
+
+    fn sample(&mut self, view: &View<'_>) {
+        let time = view.state.time;
+        let elapsed = time - self.last_time;
+        let mut row = [0.0; 7];
+        row[0] = time;
+        for wall in view.walls {
+            let k = column(wall);
+            self.has_wall[k] = true;
+            let lengths = view.cell().lengths();
+            let area = view.cell().volume() / lengths[wall.axis];
+            let from_hits = (wall.impulse - self.last_impulse[k]) / elapsed;
+            self.last_impulse[k] = wall.impulse;
+            row[k + 1] = (wall.force + from_hits) / area;
+        }
+        // The first sample has no time before it over which hits could be counted.
+        if self.last_time.is_finite() {
+            self.series.push(&row);
+        }
+        self.last_time = time;
+    }
+
+    fn finish(&self, discarded: f64) -> Findings {
+        let rows = self.series.rows();
+        let cut = (discarded * rows.time.len() as f64).ceil() as usize;
+        let columns = [
+            &rows.x_lower,
+            &rows.x_upper,
+            &rows.y_lower,
+            &rows.y_upper,
+            &rows.z_lower,
+            &rows.z_upper,
+        ];
+        let pressure = "ε/σ³";
+        let mut findings = Findings::default();
+        let mut table = Table::new(
+            "wall_pressure",
+            format!(
+                "normal force per area on each wall against time; each row is the mean of {} samples",
+                self.series.stride()
+            ),
+        )
+        .with("time", "τ", rows.time.clone());
+        for (k, values) in columns.into_iter().enumerate() {
+            if !self.has_wall[k] {
+                continue;
+            }
+            let name = format!("{}_{}", Axis::ALL[k / 2].name(), ["lower", "upper"][k % 2]);
+            let mut average = of_series(&format!("wall_pressure_{name}"), pressure, values, cut);
+            average.estimate.equilibration_cut *= self.series.stride();
+            findings.averages.push(average);
+            table = table.with(&name, pressure, values.clone());
+        }
+        findings.tables.push(table);
+        findings
+    }
+}
+
+impl Persist for WallPressure {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.series.save(&mut to.section("series"));
+        to.put_f64("last_time", &[self.last_time]);
+        to.put_f64("last_impulse", &self.last_impulse);
+        to.put_u64("has_wall", &self.has_wall.map(u64::from));
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.series.restore(&from.section("series"))?;
+        [self.last_time] = from.f64s("last_time")?;
+        self.last_impulse = from.f64s("last_impulse")?;
+        self.has_wall = from.u64s("has_wall")?.map(|has| has == 1);
+        Ok(())
+    }
+}

@@ -1,0 +1,329 @@
+//! The tables `[[wall]]` and `[field]`: what confines a fluid, and what must hold of it.
+
+use lennard_core::random::Streams;
+use lennard_core::{Axis, DVec3, Masses, PeriodicBox};
+use lennard_forcefield::{
+    ConstantField, SHALLOWEST_ROOM, SlitPlanes, Surface, WallContext, WallOptions, WallPair, Walls,
+};
+use lennard_integrators::integrators;
+use lennard_observables::Surroundings;
+
+use crate::error::SceneError;
+use crate::read::{Reader, take};
+use crate::reference::quoted;
+use crate::tree::{Node, Value};
+use crate::typed::Section;
+use crate::{Lattice, Scene, Start};
+
+/// What the walls take of the box along their axis beyond the cutoff, σ, where the scene does not say.
+const DEFAULT_ROOM: f64 = 1.0;
+
+/// A table `[[wall]]`: walls at both ends of an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WallTable {
+    /// The axis of the normal.
+    pub axis: Axis,
+    /// Length of the box along the axis behind the planes, σ: the distance between the images of the fluid.
+    pub thickness: f64,
+    /// The walls with their own keys.
+    pub options: WallOptions,
+}
+
+impl Reader<'_> {
+    /// The walls, for forces that end at `r_cut`.
+    pub fn walls(&self, r_cut: f64) -> Result<Vec<WallTable>, SceneError> {
+        let mut walls: Vec<WallTable> = Vec::new();
+        for (i, node) in self.list("wall")?.iter().enumerate() {
+            let path = format!("wall.{i}");
+            let section =
+                Section::new(self.source, &path, "wall").with(&["kind", "axis", "thickness"]);
+            let mut node = node.clone();
+            let axis = match take(&mut node, "axis") {
+                None => Axis::default(),
+                Some(entry) => {
+                    let named = |axis: &Axis| entry.node.text() == Some(axis.name());
+                    Axis::ALL.into_iter().find(named).ok_or_else(|| {
+                        let axis = section.name("axis");
+                        self.refuse_value("wall", "axis", &axis, &entry.node)
+                    })?
+                }
+            };
+            let thickness = match take(&mut node, "thickness") {
+                Some(entry) => section.number(&entry, None)?,
+                None => r_cut + DEFAULT_ROOM,
+            };
+            let options: WallOptions = section.read(&node)?;
+            options
+                .check()
+                .map_err(|e| section.impossible(e.key, &e.found, &e.allowed))?;
+            if let Some(first) = walls.iter().position(|other| other.axis == axis) {
+                let first = format!("wall.{first}.axis");
+                let twice = self
+                    .source
+                    .twice(&section.name("axis"), axis.name(), &first);
+                return Err(twice);
+            }
+            walls.push(WallTable {
+                axis,
+                thickness,
+                options,
+            });
+        }
+        Ok(walls)
+    }
+
+    /// The acceleration of the constant field, σ/τ²; zero without one.
+    pub fn field(&self) -> Result<DVec3, SceneError> {
+        let node = self.node("field");
+        let Some(table) = node.table() else {
+            return Ok(DVec3::ZERO);
+        };
+        const KEY: &str = "acceleration";
+        if let Some(other) = table.0.iter().find(|entry| entry.key != KEY) {
+            let section = self.section("field");
+            return Err(section.unknown_key(&other.key, &[KEY]));
+        }
+        let Some(written) = table.get(KEY) else {
+            return Ok(DVec3::ZERO);
+        };
+        let number = |node: &Node| match node.value {
+            Value::Number(x) if x.is_finite() => Some(x),
+            Value::Whole(x) => Some(x as f64),
+            _ => None,
+        };
+        let numbers: Option<Vec<f64>> = match &written.value {
+            Value::Array(items) => items.iter().map(number).collect(),
+            _ => None,
+        };
+        match numbers.as_deref() {
+            Some([x, y, z]) => Ok(DVec3::new(*x, *y, *z)),
+            _ => Err(self.refuse_value("field", KEY, "field.acceleration", written)),
+        }
+    }
+}
+
+impl Scene {
+    /// Where the pair force ends, σ: its own end, or the cutoff.
+    pub(crate) fn end_of_pairs(&self) -> f64 {
+        let own = self.potential.own_end();
+        own.map_or(self.truncation.r_cut, |end| end.r)
+    }
+
+    /// What takes the fluid's homogeneity away, in words; `None` where it is periodic along all axes and in no field.
+    #[must_use]
+    pub fn confined_by(&self) -> Option<&'static str> {
+        match (self.walls.is_empty(), self.acceleration == DVec3::ZERO) {
+            (true, true) => None,
+            (false, true) => Some("walls"),
+            (true, false) => Some("a field"),
+            (false, false) => Some("walls and a field"),
+        }
+    }
+
+    /// Refuses a fluid between walls or in a field, for a study of a homogeneous one.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the table that confines the fluid.
+    pub fn homogeneous_for(&self, study: &str) -> Result<(), SceneError> {
+        let Some(confined) = self.confined_by() else {
+            return Ok(());
+        };
+        let key = if self.walls.is_empty() {
+            "field"
+        } else {
+            "wall"
+        };
+        Err(self
+            .source
+            .refuse(key, format!("does not go with `{study}`"))
+            .found(format!("a fluid with {confined}"))
+            .allowed(format!("`{study}` of a scene without walls and field")))
+    }
+
+    /// The walls of this scene in a box; `None` where it has none.
+    #[must_use]
+    pub fn walls_in(&self, cell: &PeriodicBox) -> Option<Walls> {
+        let context = WallContext {
+            temperature: self.system.temperature,
+        };
+        let pairs = self
+            .walls
+            .iter()
+            .map(|table| WallPair::new(&table.options, self.planes(table, cell), &context));
+        let noise = Streams::new(self.system.seed).noise("walls");
+        (!self.walls.is_empty()).then(|| Walls::new(pairs.collect(), noise))
+    }
+
+    /// The planes of each pair of walls in a box.
+    #[must_use]
+    pub fn slits(&self, cell: &PeriodicBox) -> Vec<SlitPlanes> {
+        let tables = self.walls.iter();
+        tables.map(|table| self.planes(table, cell)).collect()
+    }
+
+    fn planes(&self, table: &WallTable, cell: &PeriodicBox) -> SlitPlanes {
+        let r_cut = self.end_of_pairs();
+        SlitPlanes::new(cell, table.axis.index(), table.thickness, r_cut)
+    }
+
+    /// The field of this scene for particles of these masses; `None` where it has none.
+    #[must_use]
+    pub fn field_on(&self, masses: &Masses) -> Option<ConstantField> {
+        let g = self.acceleration;
+        (g != DVec3::ZERO).then(|| ConstantField::new(g, masses.clone()))
+    }
+
+    /// What the walls add to the box and to the lower corner of the filled part, σ.
+    pub(crate) fn room_of_walls(&self) -> (DVec3, DVec3) {
+        let (mut sides, mut corner) = (DVec3::ZERO, DVec3::ZERO);
+        for table in &self.walls {
+            let axis = table.axis.index();
+            let context = WallContext {
+                temperature: self.system.temperature,
+            };
+            let clearance = table.options.surface(&context, false).clearance();
+            sides[axis] += table.thickness + 2.0 * clearance;
+            corner[axis] += 0.5 * table.thickness + clearance;
+        }
+        (sides, corner)
+    }
+}
+
+/// Refuses observables that mean nothing in these surroundings.
+fn observables_suit(scene: &Scene) -> Result<(), SceneError> {
+    for (i, table) in scene.observables.iter().enumerate() {
+        let (message, allowed) = match (table.options.surroundings(), scene.confined_by()) {
+            (Surroundings::Walls, _) if scene.walls.is_empty() => (
+                "measures walls, and the scene has none",
+                "a scene with `[[wall]]`",
+            ),
+            (Surroundings::Periodic, Some(_)) => (
+                "assumes a homogeneous fluid",
+                "a scene without walls and field",
+            ),
+            _ => continue,
+        };
+        return Err(scene
+            .source
+            .refuse(&format!("observable.{i}.kind"), message)
+            .found(format!("{:?}", table.options.name()))
+            .allowed(allowed));
+    }
+    Ok(())
+}
+
+/// What must hold of walls and field beside the other tables.
+pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
+    observables_suit(scene)?;
+    let Some(confined) = scene.confined_by() else {
+        return Ok(());
+    };
+    let source = &scene.source;
+    if scene.accuracy.is_some() {
+        return Err(source
+            .refuse("accuracy", "is judged in a homogeneous fluid")
+            .found(format!("a fluid with {confined}"))
+            .allowed("a scene without walls and field, or settings written by hand"));
+    }
+    if scene.truncation.tail_correction {
+        let key = "truncation.tail_correction";
+        let (found, place) = match (source.wrote(key), scene.walls.is_empty()) {
+            (true, _) => ("true", key),
+            (false, true) => ("true, the default with kind \"cut\"", "field"),
+            (false, false) => ("true, the default with kind \"cut\"", "wall"),
+        };
+        return Err(source
+            .refuse(key, "assumes a homogeneous fluid")
+            .at(source.place(place).cloned())
+            .found(format!("{found}, with {confined}"))
+            .allowed("false with walls or a field"));
+    }
+    if let Start::Lattice {
+        lattice, vacuum, ..
+    } = &scene.system.start
+        && !scene.walls.is_empty()
+    {
+        if *vacuum > 0.0 {
+            return Err(source
+                .refuse("system.vacuum", "does not go with walls")
+                .found(vacuum)
+                .allowed("0: the walls make the box longer by their `thickness`"));
+        }
+        if *lattice == Lattice::Random {
+            return Err(source
+                .refuse("system.lattice", "does not go with walls")
+                .found("\"random\", whose relaxation knows no walls")
+                .allowed("\"fcc\", \"sc\" or \"bcc\""));
+        }
+    }
+    for (i, table) in scene.walls.iter().enumerate() {
+        let smallest = scene.end_of_pairs() + SHALLOWEST_ROOM;
+        if table.thickness < smallest {
+            return Err(source
+                .refuse(
+                    &format!("wall.{i}.thickness"),
+                    "brings the fluid in reach of its image across the wall",
+                )
+                .found(table.thickness)
+                .allowed(format!(
+                    "{smallest} σ or more: the cutoff and {SHALLOWEST_ROOM} σ"
+                )));
+        }
+        hard_walls_suit(scene, i, table)?;
+    }
+    for axis in Axis::ALL {
+        let g = scene.acceleration[axis.index()];
+        let bounded = scene.walls.iter().any(|table| table.axis == axis);
+        let axis = axis.name();
+        if g != 0.0 && !bounded {
+            return Err(source
+                .refuse(
+                    "field.acceleration",
+                    format!("has no potential along {axis}, where the box is periodic"),
+                )
+                .found(format!("{g} along {axis}"))
+                .allowed(format!("0 along {axis}, or walls across {axis}")));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses hard walls under a method that does not move particles by drifts.
+fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), SceneError> {
+    let context = WallContext {
+        temperature: scene.system.temperature,
+    };
+    if !matches!(table.options.surface(&context, false), Surface::Hit(_)) {
+        return Ok(());
+    }
+    for stage in &scene.stages {
+        let method = lennard_integrators::build(&scene.integrator.method);
+        let noise = Streams::new(0).noise("check");
+        let integrator = match &stage.thermostat {
+            Some(bath) => bath.couple(method, stage.temperature, noise),
+            None => method,
+        };
+        if !integrator.takes_hard_walls() {
+            let fit = integrators()
+                .iter()
+                .filter(|e| e.build().takes_hard_walls());
+            let names: Vec<&str> = fit.map(|entry| entry.spec.name).collect();
+            return Err(scene
+                .source
+                .refuse(
+                    &format!("wall.{i}.kind"),
+                    "is hit in drifts, which the method does not make",
+                )
+                .found(format!(
+                    "{:?} with {:?}",
+                    table.options.spec().name,
+                    integrator.spec().name
+                ))
+                .allowed(format!(
+                    "the integrators {}, or a wall that exerts a force",
+                    quoted(&names)
+                )));
+        }
+    }
+    Ok(())
+}
