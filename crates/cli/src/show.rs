@@ -95,7 +95,10 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
 pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, all: bool) {
     println!("\n{}", literature::quantities(compared, all));
     literature::below_quantities(compared, all);
-    println!("\n  {}", conserved_energy(&record.conservation));
+    println!(
+        "\n  {}",
+        conserved_energy(&record.conservation, energy_unit(record))
+    );
     if all {
         println!(
             "  largest momentum: {:.1e} σ/τ per particle",
@@ -134,20 +137,26 @@ pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, all: b
     println!("  files in {}", folder.display());
 }
 
+/// The unit of energies: per particle, or per molecule.
+fn energy_unit(record: &RunRecord) -> &str {
+    let average = record.averages.get("conserved_energy");
+    average.map_or("ε per particle", |average| &average.unit)
+}
+
 /// How well the energy was conserved, in words.
-fn conserved_energy(c: &Conservation) -> String {
+fn conserved_energy(c: &Conservation, energy: &str) -> String {
     let (drift, error) = (
         c.energy_drift_per_atom_per_tau,
         c.energy_drift_standard_error,
     );
-    let unit = "ε per particle per τ";
+    let unit = format!("{energy} per τ");
     let drift = match (drift.is_finite(), error.is_finite()) {
         (true, true) => format!("drift {drift:+.2e} ± {error:.1e} {unit}"),
         (true, false) => format!("drift {drift:+.2e} {unit} (too few samples for an error)"),
         (false, _) => "too few samples for a drift".to_owned(),
     };
     format!(
-        "conserved energy: {drift}, fluctuation {:.2e} ε per particle (RMS)",
+        "conserved energy: {drift}, fluctuation {:.2e} {energy} (RMS)",
         c.energy_rms_per_atom
     )
 }
@@ -247,12 +256,15 @@ mod tests {
     #[test]
     fn a_drift_without_an_error_says_why() {
         let said = |drift, error| {
-            conserved_energy(&Conservation {
-                energy_drift_per_atom_per_tau: drift,
-                energy_drift_standard_error: error,
-                energy_rms_per_atom: 5.4e-5,
-                momentum_per_atom: 0.0,
-            })
+            conserved_energy(
+                &Conservation {
+                    energy_drift_per_atom_per_tau: drift,
+                    energy_drift_standard_error: error,
+                    energy_rms_per_atom: 5.4e-5,
+                    momentum_per_atom: 0.0,
+                },
+                "ε per particle",
+            )
         };
         let end = ", fluctuation 5.40e-5 ε per particle (RMS)";
         for (drift, error, words) in [

@@ -115,7 +115,7 @@ pub(crate) fn average(
     };
     of_fluctuations(
         "heat_capacity",
-        "k_B per particle",
+        context.heat_capacity_unit(),
         estimate,
         &influence,
         FEWEST_FLUCTUATIONS,

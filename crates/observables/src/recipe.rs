@@ -39,6 +39,16 @@ impl BuildContext {
         }
     }
 
+    /// The unit of heat capacities that are divided by the number of molecules.
+    #[must_use]
+    pub fn heat_capacity_unit(&self) -> &'static str {
+        if self.molecules.are_atoms() {
+            "k_B per particle"
+        } else {
+            "k_B per molecule"
+        }
+    }
+
     /// The time between two samples, every·dt, in τ.
     #[must_use]
     pub fn sample_interval(&self) -> f64 {

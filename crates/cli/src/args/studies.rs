@@ -209,6 +209,8 @@ pub enum Listed {
     Truncations,
     /// What can be measured.
     Observables,
+    /// Ways to hold the bonds of molecules.
+    Bonds,
     /// Walls at both ends of an axis.
     Walls,
     /// What results are compared with.

@@ -2,6 +2,8 @@
 
 use std::process::ExitCode;
 
+use lennard_literature::EquationOfState;
+
 use crate::args::{ListArgs, Listed};
 use crate::commands::print_json;
 use crate::failure::Failure;
@@ -20,6 +22,10 @@ pub fn list(args: &ListArgs) -> Result<ExitCode, Failure> {
         Listed::Truncations => lennard_forcefield::truncations()
             .iter()
             .map(|s| plain(s.name, s.summary, s.equation, s.source))
+            .collect(),
+        Listed::Bonds => lennard_integrators::bond_methods()
+            .iter()
+            .map(|s| plain(s.name, s.summary, s.equations, s.source))
             .collect(),
         Listed::Walls => lennard_forcefield::walls()
             .iter()
@@ -113,9 +119,18 @@ fn thermostats() -> Vec<Entry> {
         .collect()
 }
 
+/// The bond length for which two-center equations are listed, σ; scenes may have any from 0.1 to 1 σ.
+const EXAMPLE_BOND: f64 = 0.67;
+
 fn equations_of_state() -> Vec<Entry> {
+    // Two-center equations depend on the length of the bond: one length stands for all.
+    let two_center = lennard_literature::two_center(EXAMPLE_BOND)
+        .into_iter()
+        .flatten();
+    let two_center = two_center.map(|equation| equation as &dyn EquationOfState);
     lennard_literature::list()
-        .iter()
+        .into_iter()
+        .chain(two_center)
         .map(|equation| {
             let s = equation.spec();
             Entry {
