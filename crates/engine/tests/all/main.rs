@@ -4,4 +4,5 @@ mod hostile;
 mod invariants;
 mod messages;
 mod restart;
+mod walls;
 mod watching;
