@@ -68,6 +68,10 @@ pub const TARGETS: &[Target] = &[
 const SCENE_WORDS: &[&str] = &[
     "[[stage]]\n",
     "[system]\n",
+    "[[wall]]\nkind = \"hard\"\n",
+    "[field]\nacceleration = [0.0, 0.0, -1e308]\n",
+    "axis = \"x\"",
+    "thickness = 1e300",
     "[[",
     "]]",
     "steps = 18446744073709551615",

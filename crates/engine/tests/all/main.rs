@@ -5,4 +5,5 @@ mod invariants;
 mod messages;
 mod molecules;
 mod restart;
+mod walls;
 mod watching;

@@ -221,6 +221,24 @@ fn every_observable_list_state_and_precision_goes_on_to_the_bit() {
 }
 
 #[test]
+fn every_wall_goes_on_to_the_bit() {
+    let more = [
+        (
+            "observable",
+            r#"[{kind="wall-pressure"}, {kind="density-profile"}]"#,
+        ),
+        ("field.acceleration", "[0.0, 0.0, -0.1]"),
+    ];
+    for wall in lennard_forcefield::walls() {
+        let one = format!("[{{kind=\"{}\"}}]", wall.name);
+        for bath in ["bussi", "langevin"] {
+            let scene = [("wall", &one[..]), ("stage.production.thermostat", bath)];
+            assert!(in_parts(&[&scene[..], &more].concat()), "{}", wall.name);
+        }
+    }
+}
+
+#[test]
 fn checkpoints_on_the_way_change_no_bit() {
     let root = tempfile::tempdir().unwrap();
     let mut folders = Vec::new();

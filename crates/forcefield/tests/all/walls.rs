@@ -9,6 +9,7 @@ use lennard_core::{Persist, Step};
 use lennard_forcefield::{
     ConstantField, SlitPlanes, Surface, WallContext, WallOptions, WallPair, WallPoint, Walls, walls,
 };
+use rand::RngExt;
 
 const CONTEXT: WallContext = WallContext { temperature: 1.5 };
 
@@ -318,6 +319,54 @@ fn thermal_walls_give_the_speeds_of_the_flux() {
     assert!((tangential - 0.5).abs() < error * 0.8);
     let kinetic = 0.5 * (square + 2.0 * tangential) - 5.0;
     assert!((heat / n as f64 - kinetic).abs() < 4.0 * error);
+}
+
+#[test]
+fn a_gas_without_collisions_between_two_temperatures_conducts_as_theory_says() {
+    let (lower, upper) = (2.0_f64, 0.5_f64);
+    let mut walls = slit(&format!(
+        "kind = \"thermal\"\ntemperature = {lower:?}\nupper_temperature = {upper:?}"
+    ));
+    const N: usize = 2000;
+    let mut random = Streams::new(5).sequential("gas");
+    let mut positions: Vec<DVec3> = (0..N)
+        .map(|_| DVec3::new(0.0, 0.0, 2.0 + 6.0 * random.random::<f64>()))
+        .collect();
+    let mut velocities = vec![DVec3::new(0.3, -0.2, 1.0); N];
+    let (mut temperature, mut flux, mut lower_half, mut samples) = (0.0, 0.0, 0.0, 0.0);
+    for step in 0..3000 {
+        walls.boundary().unwrap().fly(lennard_core::Flight {
+            positions: &mut positions,
+            velocities: &mut velocities,
+            masses: &Masses::Uniform(1.0),
+            h: 1.0,
+            step,
+            is_later: false,
+        });
+        if step < 200 {
+            continue;
+        }
+        samples += N as f64;
+        for (x, v) in positions.iter().zip(&velocities) {
+            temperature += v.length_squared() / 3.0;
+            flux += 0.5 * v.length_squared() * v.z;
+            lower_half += f64::from(x.z < 5.0);
+        }
+    }
+    let wanted = (lower * upper).sqrt();
+    assert!(
+        (temperature / samples / wanted - 1.0).abs() < 0.01,
+        "{temperature}"
+    );
+    // Of n = 1: q = 2n·√(2·T₁·T₂/π)·(√T₁ − √T₂).
+    let heat =
+        2.0 * (2.0 * lower * upper / std::f64::consts::PI).sqrt() * (lower.sqrt() - upper.sqrt());
+    assert!(
+        (flux / samples / heat - 1.0).abs() < 0.02,
+        "{} {heat}",
+        flux / samples
+    );
+    assert!((lower_half / samples - 0.5).abs() < 0.005, "{lower_half}");
 }
 
 #[test]

@@ -76,6 +76,17 @@ const PRIMARY_OF_A_SLAB: [&str; 4] = [
     "configurational_temperature",
 ];
 
+/// The quantities that readers look for between walls.
+const PRIMARY_BETWEEN_WALLS: [&str; 7] = [
+    "potential_energy",
+    "wall_pressure_x_lower",
+    "wall_pressure_x_upper",
+    "wall_pressure_y_lower",
+    "wall_pressure_y_upper",
+    "wall_pressure_z_lower",
+    "wall_pressure_z_upper",
+];
+
 /// A crystal or a glass has a coefficient below this part of √T; the liquid at its triple point has 0.04.
 const FROZEN_DIFFUSION: f64 = 1e-3;
 
@@ -96,6 +107,8 @@ pub(super) fn all(compared: &Compared<'_>) -> Vec<Row> {
     let mut primary = vec![of_positions];
     if is_slab {
         primary.extend(PRIMARY_OF_A_SLAB);
+    } else if !run.scene.walls.is_empty() {
+        primary.extend(PRIMARY_BETWEEN_WALLS);
     } else {
         primary.extend(PRIMARY);
     }

@@ -12,6 +12,7 @@ const LISTS: &[(&str, &str)] = &[
     ("crates/integrators/src/", "ThermostatOptions"),
     ("crates/forcefield/src/pair/potentials/", "PotentialOptions"),
     ("crates/forcefield/src/pair/truncations/", "TruncationKind"),
+    ("crates/forcefield/src/walls/", "WallOptions"),
     ("crates/observables/src/", "ObservableOptions"),
 ];
 

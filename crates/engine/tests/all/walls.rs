@@ -1,0 +1,270 @@
+//! Fluids between walls and in fields: what is conserved, what walls feel, and how runs fail.
+
+use lennard_core::random::Streams;
+use lennard_core::{
+    Axis, DVec3, ForceSum, ForceTerm, Masses, Momentum, NoForces, PeriodicBox, Persist, State,
+    StateArchive, System, WallReading, Want,
+};
+use lennard_engine::{Simulation, Unfollowed, prepare};
+use lennard_forcefield::{ConstantField, SlitPlanes, WallContext, WallPair, Walls, walls};
+use lennard_scene::Scene;
+
+const SLIT: &str = r#"
+    [system]
+    n_atoms = 108
+    density = 0.6
+    temperature = 1.5
+    seed = 3
+    [truncation]
+    kind = "shift"
+    r_cut = 2.2
+    [integrator]
+    dt = 0.004
+    [[stage]]
+    name = "production"
+    steps = 2000
+"#;
+
+fn build(overrides: &[(&str, &str)]) -> Simulation {
+    let owned = |(key, value): &(&str, &str)| (key.to_string(), value.to_string());
+    let overrides: Vec<_> = overrides.iter().map(owned).collect();
+    let scene = Scene::parse(SLIT, "slit.toml", &overrides).unwrap_or_else(|e| panic!("{e}"));
+    prepare(scene).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn method() -> lennard_core::Integrator {
+    lennard_integrators::build(&lennard_integrators::IntegratorOptions::default())
+}
+
+/// The largest difference of the virial theorem in discrete time along z, as a part of its largest term:
+/// h·Σ m·v²_{n+½} + h·Σ′ z·F + Σ_hits z_wall·Δp = [Σ m·z·v], with half-step speeds and trapezoid weights.
+fn virial_balance(mut simulation: Simulation, steps: u32) -> f64 {
+    let (system, state) = (&simulation.system, &mut simulation.state);
+    let (forces, h, mut method) = (simulation.forces.as_mut(), 0.004, method());
+    method
+        .start(system, state, forces, h, Want::NOTHING)
+        .unwrap();
+    let sum = |state: &State, of: &dyn Fn(DVec3, DVec3, DVec3) -> f64| -> f64 {
+        let each = state
+            .positions
+            .iter()
+            .zip(&state.velocities)
+            .zip(&state.forces);
+        each.map(|((r, v), f)| of(*r, *v, *f)).sum()
+    };
+    let moment = |state: &State| sum(state, &|r, v, _| r.z * v.z);
+    let virial = |state: &State| sum(state, &|r, _, f| r.z * f.z);
+    let before = moment(state);
+    let (mut kinetic, mut forced) = (0.0, 0.5 * virial(state));
+    for _ in 0..steps {
+        kinetic += sum(state, &|_, v, f| (v.z + 0.5 * h * f.z).powi(2));
+        method
+            .step(system, state, forces, h, Want::NOTHING)
+            .unwrap();
+        forced += virial(state);
+    }
+    forced -= 0.5 * virial(state);
+    // The walls take outward momentum: the particles get the opposite.
+    let of_wall = |wall: &WallReading| -wall.position * wall.outward() * wall.impulse;
+    let hits: f64 = forces.walls().iter().map(of_wall).sum();
+    let after = moment(state) - before;
+    (h * kinetic + h * forced + hits - after).abs() / (h * kinetic)
+}
+
+#[test]
+fn momentum_of_hits_and_virial_obey_their_identity_in_discrete_time() {
+    let hard = build(&[("wall", "[{kind=\"hard\"}]")]);
+    assert!(hard.forces.walls().iter().all(|wall| wall.hits == 0));
+    let hit = virial_balance(hard, 2000);
+    assert!(hit < 1e-11, "{hit:e}");
+    // Forces of walls are forces: the identity holds without any hit.
+    let exerted = virial_balance(build(&[("wall", "[{kind=\"wca\"}]")]), 2000);
+    assert!(exerted < 1e-11, "{exerted:e}");
+}
+
+#[test]
+fn momentum_across_the_walls_is_thermal_and_along_them_it_is_conserved() {
+    for (wall, field, n_dof) in [
+        ("[{kind=\"hard\"}]", "[0.0, 0.0, 0.0]", 322.0),
+        ("[{kind=\"soft\", axis=\"x\"}]", "[0.1, 0.0, 0.0]", 322.0),
+        (
+            "[{kind=\"wca\"}, {kind=\"hard\", axis=\"y\"}]",
+            "[0.0, 0.0, 0.0]",
+            323.0,
+        ),
+        ("[{kind=\"thermal\"}]", "[0.0, 0.0, 0.0]", 324.0),
+    ] {
+        let mut simulation = build(&[("wall", wall), ("field.acceleration", field)]);
+        let system = simulation.system.clone();
+        assert_eq!(system.n_dof(Momentum::Conserved), n_dof, "{wall}");
+        let temperature = system.temperature(&simulation.state.velocities, Momentum::Conserved);
+        assert!((temperature - 1.5).abs() < 1e-12, "{wall}");
+        simulation.run(&mut Unfollowed).unwrap();
+        let momentum = system.momentum(&simulation.state.velocities);
+        assert!(
+            system.kept_part(momentum).length() < 1e-11,
+            "{wall}: {momentum}"
+        );
+        assert!(
+            n_dof == 324.0 || momentum.length() > 0.1,
+            "{wall}: {momentum}"
+        );
+    }
+}
+
+#[test]
+fn every_wall_keeps_its_particles_and_its_energy() {
+    for wall in walls() {
+        for precision in ["double", "mixed"] {
+            let tables = format!("[{{kind=\"{}\"}}]", wall.name);
+            let mut simulation = build(&[("wall", &tables), ("kernel.precision", precision)]);
+            simulation.run(&mut Unfollowed).unwrap();
+            let slit = simulation.scene.slits(&simulation.state.cell)[0];
+            assert!(slit.width() > 5.0 && slit.room > 0.0);
+            for r in &simulation.state.positions {
+                let inside = (slit.lower - slit.room)..=(slit.upper + slit.room);
+                assert!(inside.contains(&r.z), "{}: {r}", wall.name);
+            }
+            let kept = simulation.thermodynamics().conservation();
+            assert!(kept.energy_rms_per_atom < 0.02, "{}: {kept:?}", wall.name);
+            let felt = |w: &WallReading| w.hits > 20 || w.force != 0.0;
+            let exerts_now = simulation.forces.walls().iter().any(felt);
+            assert!(exerts_now || wall.name == "soft", "{}", wall.name);
+            assert!(simulation.force_check.seen().forces > 0);
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_bits_of_one() {
+    let bits = |threads: usize, kind: &str| -> StateArchive {
+        let tables = format!("[{{kind=\"{kind}\"}}]");
+        let mut simulation = build(&[("wall", &tables), ("stage.production.steps", "200")]);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.unwrap()
+            .install(|| simulation.run(&mut Unfollowed))
+            .unwrap();
+        let mut archive = StateArchive::default();
+        simulation.save(&mut archive.writer());
+        archive.arrays.remove("forces/seconds");
+        archive
+    };
+    for wall in walls() {
+        // As text: NaN equals itself.
+        let [one, three] = [1, 3].map(|threads| format!("{:?}", bits(threads, wall.name)));
+        assert!(one == three, "{}", wall.name);
+    }
+}
+
+#[test]
+fn the_walls_carry_the_weight_of_a_gas_and_both_feel_a_fluid_alike() {
+    let pressures = |overrides: &[(&str, &str)]| -> [(f64, f64); 2] {
+        let observable = ("observable", "[{kind=\"wall-pressure\"}]");
+        let mut simulation = build(&[&[observable], overrides].concat());
+        simulation.run(&mut Unfollowed).unwrap();
+        let averages = simulation.observers[1].observable.finish(0.2).averages;
+        let names = ["wall_pressure_z_lower", "wall_pressure_z_upper"];
+        names.map(|name| {
+            let found = averages.iter().find(|a| a.name == name).unwrap();
+            (found.estimate.mean, found.estimate.standard_error)
+        })
+    };
+    for kind in ["hard", "lennard-jones-9-3", "wca", "soft"] {
+        let wall = format!("[{{kind=\"{kind}\"}}]");
+        let found = pressures(&[("wall", &wall), ("stage.production.steps", "20000")]);
+        let [(lower, error), (upper, other)] = found;
+        assert!(lower > 0.3, "{kind}: {found:?}");
+        assert!(
+            (lower - upper).abs() < 4.0 * error.hypot(other),
+            "{kind}: {found:?}"
+        );
+    }
+    let found = pressures(&[
+        ("wall", "[{kind=\"hard\"}]"),
+        ("system.density", "0.02"),
+        ("field.acceleration", "[0.0, 0.0, -0.4]"),
+        ("stage.production.thermostat", "langevin"),
+        ("stage.production.steps", "60000"),
+    ]);
+    let [(lower, error), (upper, other)] = found;
+    // N·g/A, with N = 108 in a cube of density 0.02.
+    let weight = 108.0 * 0.4 / (108.0_f64 / 0.02).powf(2.0 / 3.0);
+    let difference = lower - upper - weight;
+    assert!(
+        difference.abs() < 4.0 * error.hypot(other),
+        "{found:?} {weight}"
+    );
+    assert!(error < 0.1 * weight, "{found:?}");
+}
+
+/// One ball in gravity between hard planes, dropped from the middle.
+fn ball(restitution: f64, h: f64) -> (State, ForceSum<NoForces>, System) {
+    let cell = PeriodicBox::new(DVec3::splat(10.0)).unwrap();
+    let options = format!("kind = \"hard\"\nrestitution = {restitution:?}");
+    let planes = SlitPlanes::new(&cell, Axis::Z.index(), 4.0, 0.0);
+    let context = WallContext { temperature: 1.0 };
+    let pair = WallPair::new(&toml::from_str(&options).unwrap(), planes, &context);
+    let field = ConstantField::new(DVec3::new(0.0, 0.0, -1.0), Masses::Uniform(1.0));
+    let mut forces = ForceSum::new(NoForces)
+        .with(Walls::new(vec![pair], Streams::new(1).noise("walls")))
+        .with(field);
+    let system = System::atoms(1).pushed_along(forces.properties().breaks_momentum);
+    let mut state = State::new(cell, vec![DVec3::new(5.0, 5.0, 3.0)], vec![DVec3::ZERO]);
+    let mut method = method();
+    method
+        .start(&system, &mut state, &mut forces, h, Want::ENERGY)
+        .unwrap();
+    (state, forces, system)
+}
+
+#[test]
+fn a_ball_on_a_billiard_wall_keeps_its_energy_without_trend_over_2000_bounces() {
+    let h = 0.01;
+    let (mut state, mut forces, system) = ball(1.0, h);
+    let mut method = method();
+    method
+        .start(&system, &mut state, &mut forces, h, Want::ENERGY)
+        .unwrap();
+    // Height above the lower plane at 2 σ: E = 1, and v at the plane is √2.
+    let (mut worst, mut halves) = (0.0_f64, [0.0, 0.0]);
+    let mut counts = [0.0, 0.0];
+    while forces.walls()[0].hits < 2000 {
+        method
+            .step(&system, &mut state, &mut forces, h, Want::ENERGY)
+            .unwrap();
+        let energy = 0.5 * state.velocities[0].z.powi(2) + state.positions[0].z - 2.0;
+        worst = worst.max((energy - 1.0).abs());
+        let half = usize::from(forces.walls()[0].hits >= 1000);
+        halves[half] += energy;
+        counts[half] += 1.0;
+    }
+    assert!(worst < 2.0_f64.sqrt() * h, "{worst}");
+    let trend = halves[1] / counts[1] - halves[0] / counts[0];
+    assert!(trend.abs() < 1e-3, "{trend}");
+}
+
+#[test]
+fn a_particle_through_a_soft_wall_fails_with_the_wall_and_the_cause() {
+    let mut simulation = build(&[("wall", "[{kind=\"soft\", stiffness=5.0}]")]);
+    let error = simulation.run(&mut Unfollowed).unwrap_err().to_string();
+    assert!(error.contains("σ beyond the wall at the"), "{error}");
+    assert!(
+        error.contains("likely cause: the wall is too weak for a particle so fast"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_study_of_a_homogeneous_fluid_refuses_walls_and_fields() {
+    let scene = build(&[("wall", "[{kind=\"hard\"}]")]).scene;
+    let error = scene
+        .homogeneous_for("lennard bench")
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("`wall` does not go with `lennard bench`"),
+        "{error}"
+    );
+    assert!(error.contains("a fluid with walls"), "{error}");
+    assert!(build(&[]).scene.homogeneous_for("lennard bench").is_ok());
+}
