@@ -6,6 +6,7 @@
 //! lengths in σ, times in τ = σ√(m/ε), energies in ε, forces in ε/σ, pressures in ε/σ³.
 //! Pair vectors are `r_ij = r_i − r_j`; the pair virial is `W = Σ r_ij·F_ij` without a factor 1/3.
 
+mod barostat;
 mod cell;
 mod force;
 mod force_sum;
@@ -15,6 +16,7 @@ mod observable;
 pub mod options;
 pub mod parallel;
 mod persist;
+mod ramp;
 pub mod random;
 mod spec;
 mod state;
@@ -26,6 +28,7 @@ mod table;
 pub mod tasks;
 mod thermostat;
 
+pub use barostat::{Barostat, BarostatSpec, BoxMoves, PressureBath};
 pub use cell::{BoxError, PeriodicBox};
 pub use force::{
     Backend, ForceError, ForceProperties, ForceStatistics, ForceTerm, FusedSteps, NoForces,
@@ -38,6 +41,7 @@ pub use observable::{
     Average, Doubt, Estimate, Findings, Observable, ObservableSpec, TailCorrection, View,
 };
 pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, StateWriter};
+pub use ramp::Ramp;
 pub use spec::{IntegratorSpec, StepError, StepReport};
 pub use state::{Configuration, Energetics, Part, State, Want};
 pub use step::{Parts, Step, check_finite};

@@ -40,6 +40,14 @@ pub trait Method: Persist + Send {
         Ok(())
     }
 
+    /// Whether the box may change between steps; else the reason. The default lets it change.
+    ///
+    /// # Errors
+    /// The reason in words, for a method that keeps forces or positions of other times.
+    fn lets_box_change(&self) -> Result<(), &'static str> {
+        Ok(())
+    }
+
     /// One step.
     ///
     /// # Errors

@@ -8,6 +8,7 @@
 //!
 //! Everything is in reduced units: times in τ = σ√(m/ε), lengths in σ, energies in ε.
 
+mod chain;
 mod common;
 mod composition;
 pub mod fire;
@@ -33,10 +34,14 @@ pub mod symplectic_euler;
 pub mod velocity_verlet;
 pub mod velocity_verlet_short;
 
+pub mod barostats;
+
 pub mod bussi;
 pub mod langevin;
+pub mod nose_hoover;
 pub mod rescale;
 
+pub use barostats::{BarostatOptions, Coupling, barostats};
 pub use common::OscillatorModel;
 pub use list::{
     IntegratorEntry, IntegratorOptions, ThermostatOptions, build, integrators, thermostats,
