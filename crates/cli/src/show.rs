@@ -95,6 +95,20 @@ pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, all: b
         "\n  conserved energy: drift {:+.2e} ± {:.1e} ε per particle per τ, fluctuation {:.2e} ε per particle (RMS)",
         c.energy_drift_per_atom_per_tau, c.energy_drift_standard_error, c.energy_rms_per_atom
     );
+    if let Some(words) = record
+        .barostat
+        .as_ref()
+        .and_then(|b| b.acceptance_in_words())
+    {
+        println!("  {words}");
+    }
+    for remark in record
+        .remarks
+        .iter()
+        .filter(|r| r.starts_with("barostat: ") && !all)
+    {
+        println!("  note: {remark}");
+    }
     if all {
         println!(
             "  largest momentum: {:.1e} σ/τ per particle",

@@ -7,17 +7,17 @@ use lennard_core::{DVec3, ForceSum, PeriodicBox, State, System};
 use lennard_forcefield::{AllPairs, Conditions, ForceFieldOptions, Model, PairForces, Precision};
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
-use lennard_observables::{BuildContext, ObservableOptions, Thermodynamics};
+use lennard_observables::{BuildContext, ChangingBox, ObservableOptions, Thermodynamics};
 use lennard_scene::{Geometry, Lattice, ObservableTable, Scene, Stage, Start};
 
-use crate::baths::{ensemble, held_temperature, measured_baths};
+use crate::baths::{ensemble, held_temperature, measured_baths, measured_pressure};
 use crate::error::misfit;
 use crate::force_check::ForceCheck;
 use crate::initial::{self, closest_pair};
 use crate::schedule::Observer;
 use crate::simulation::Simulation;
 use crate::timers::Timers;
-use crate::{EngineError, compare};
+use crate::{EngineError, compare, pressure};
 
 /// Start positions nearer than this (σ) are refused: U(0.5 σ) = 16,128 ε would blow any step up.
 pub const SMALLEST_START_DISTANCE: f64 = 0.5;
@@ -225,7 +225,7 @@ pub fn forces(
 pub fn prepare(scene: Scene) -> Result<Simulation, EngineError> {
     let (beginning, remarks) = begin_with_remarks(&scene)?;
     let mut simulation = prepare_from(scene, beginning)?;
-    simulation.remarks = remarks;
+    simulation.remarks.splice(0..0, remarks);
     Ok(simulation)
 }
 
@@ -237,6 +237,7 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
     let n = beginning.positions.len();
     let cell = beginning.cell;
     let (options, provider) = forces(&scene, cell, n)?;
+    let remarks = pressure::foresee(&scene, &cell, n, provider.plan().skin)?;
     if beginning.relax {
         relax(&scene, cell, &mut beginning.positions)?;
     }
@@ -256,6 +257,7 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
         state: State::new(cell, beginning.positions, velocities),
         scene,
         system,
+        start_cell: cell,
         forces: Box::new(ForceSum::new(provider)),
         force_check: ForceCheck::new(all_pairs),
         force_field: options,
@@ -263,7 +265,7 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
         stage: None,
         observers,
         measured_steps: 0,
-        remarks: Vec::new(),
+        remarks,
         timers: Timers::default(),
         isa,
     })
@@ -342,6 +344,13 @@ fn observers(
         observers.push(Observer {
             every: table.every,
             observable,
+        });
+    }
+    // The last, so that the others stand as in the scene.
+    if let Some(pressure) = measured_pressure(scene) {
+        observers.push(Observer {
+            every,
+            observable: Box::new(ChangingBox::new(pressure)),
         });
     }
     Ok(observers)

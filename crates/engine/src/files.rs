@@ -36,6 +36,24 @@ const THERMO_COLUMNS: &[(&str, &str)] = &[
     ("heat", "ε per particle"),
 ];
 
+/// Columns that follow in a scene with a barostat.
+const BOX_COLUMNS: &[(&str, &str)] = &[
+    ("density", "σ⁻³"),
+    ("box_x", "σ"),
+    ("box_y", "σ"),
+    ("box_z", "σ"),
+];
+
+/// The columns of `thermo.csv`.
+fn thermo_columns(simulation: &Simulation) -> Vec<(&'static str, &'static str)> {
+    let more = if simulation.box_changes() {
+        BOX_COLUMNS
+    } else {
+        &[]
+    };
+    [THERMO_COLUMNS, more].concat()
+}
+
 /// The growing and the final files of a run.
 pub struct RunFiles {
     folder: PathBuf,
@@ -73,7 +91,7 @@ impl RunFiles {
         remove_half_written(folder);
         write_descriptions(folder, simulation)?;
         let style = style(simulation);
-        let thermo = TableWriter::create(&folder.join(THERMO), THERMO_COLUMNS)?;
+        let thermo = TableWriter::create(&folder.join(THERMO), &thermo_columns(simulation))?;
         let trajectory = simulation
             .scene
             .output
@@ -98,7 +116,11 @@ impl RunFiles {
         marks: Marks,
     ) -> Result<Self, EngineError> {
         let style = style(simulation);
-        let thermo = TableWriter::resume_at(&folder.join(THERMO), THERMO_COLUMNS, marks.thermo)?;
+        let thermo = TableWriter::resume_at(
+            &folder.join(THERMO),
+            &thermo_columns(simulation),
+            marks.thermo,
+        )?;
         let trajectory = marks
             .trajectory
             .map(|mark| TrajectoryWriter::resume_at(&folder.join(TRAJECTORY), &style, mark))
@@ -162,7 +184,7 @@ impl RunFiles {
             .conserved_energy_per_particle()
             .unwrap_or(f64::NAN);
         let heat = simulation.stage_run().heat / n;
-        self.thermo.write(&[
+        let mut row = vec![
             simulation.state.step.into(),
             simulation.state.time.into(),
             simulation.stage_run().index.into(),
@@ -172,7 +194,13 @@ impl RunFiles {
             pressure.into(),
             conserved.into(),
             heat.into(),
-        ])
+        ];
+        if simulation.box_changes() {
+            let cell = &simulation.state.cell;
+            row.push((n / cell.volume()).into());
+            row.extend(cell.lengths().to_array().map(Into::into));
+        }
+        self.thermo.write(&row)
     }
 
     /// Writes a frame to the trajectory.

@@ -5,6 +5,7 @@ mod baths;
 mod build;
 mod checkpointing;
 mod compare;
+mod compare_at_pressure;
 mod energy;
 mod error;
 mod failure;
@@ -17,6 +18,7 @@ mod instant;
 mod main_loop;
 mod names;
 mod plan;
+mod pressure;
 mod record;
 mod resume;
 mod run;
@@ -38,6 +40,7 @@ pub use checkpointing::{Past, capture};
 pub use compare::{
     Compared, Comparison, beside_equation_of_state, finite_size, model_kind, with_equation_of_state,
 };
+pub use compare_at_pressure::at_constant_pressure;
 pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
 pub use error::{EngineError, ResumeError};
 pub use failure::{PhysicsFailure, Symptom};

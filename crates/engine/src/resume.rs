@@ -231,7 +231,7 @@ fn is_about_isa(error: &EngineError) -> bool {
     matches!(error, EngineError::Scene(e) if e.to_string().contains("isa"))
 }
 
-/// A simulation for the scene and the box of a checkpoint, its particles not yet in place: neither a start
+/// A simulation for the scene and the start box of a checkpoint, its particles not yet in place: neither a start
 /// configuration nor a relaxation is needed for what comes from the checkpoint.
 fn build_for(
     checkpoint: &Checkpoint,
@@ -244,7 +244,7 @@ fn build_for(
     };
     let scene = Scene::parse(&checkpoint.scene, &path.display().to_string(), overrides)?;
     let sides =
-        checkpointing::saved_cell(&checkpoint.archive).map_err(|e| misfit(e.to_string()))?;
+        checkpointing::saved_start_cell(&checkpoint.archive).map_err(|e| misfit(e.to_string()))?;
     let cell = PeriodicBox::new(sides).map_err(|e| misfit(e.to_string()))?;
     let state = checkpoint.archive.reader().section("state");
     let n = state

@@ -11,6 +11,7 @@
 mod averages;
 mod blocks;
 mod catalog;
+mod changing_box;
 mod correlator;
 mod error;
 mod extrema;
@@ -36,6 +37,7 @@ mod vacf;
 
 pub use blocks::BlockedSums;
 pub use catalog::{ObservableOptions, build, observables};
+pub use changing_box::ChangingBox;
 pub use correlator::{Correlation, Correlator};
 pub use error::ObservableError;
 pub use heat_capacity::Ensemble;

@@ -4,7 +4,7 @@ use lennard_core::{DVec3, PeriodicBox};
 
 use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
-use crate::{Geometry, Placement, Scene, SceneError, Start, accuracy};
+use crate::{Geometry, Placement, Scene, SceneError, Start, accuracy, bath_checks};
 
 impl Scene {
     /// Whether all tables go together, for a scene that was changed after it was read: stages, tail correction, and
@@ -85,6 +85,7 @@ impl Scene {
 /// Everything that can be said before a configuration file is read.
 pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     stages(scene)?;
+    bath_checks::barostats_fit(scene)?;
     accuracy::check(scene)?;
     if let Some(placement) = scene.placement()? {
         let Start::Lattice {
@@ -134,16 +135,18 @@ fn stages(scene: &Scene) -> Result<(), SceneError> {
     for (i, stage) in measured {
         let alike = scene.stage_dt(stage) == scene.stage_dt(first)
             && stage.thermostat == first.thermostat
+            && stage.barostat == first.barostat
+            && stage.temperature_from == first.temperature_from
             && (stage.thermostat.is_none() || stage.temperature == first.temperature);
         if !alike {
             return Err(scene
                 .source
                 .refuse(&format!("stage.{i}.measure"), "pools unlike samples")
                 .found(format!(
-                    "stages {:?} and {:?}, both measured, that differ in dt, thermostat or temperature",
+                    "stages {:?} and {:?}, both measured, that differ in dt, thermostat, barostat or temperature",
                     first.name, stage.name
                 ))
-                .allowed("measured stages that are alike in dt, thermostat and temperature"));
+                .allowed("measured stages that are alike in dt, thermostat, barostat and temperature"));
         }
     }
     Ok(())

@@ -15,12 +15,12 @@ use crate::ThermostatOptions;
 lennard_core::options! {
     /// Options of stochastic cell rescaling.
     ///
-    /// The default time is half a sound crossing of a box of 10 σ. At the default interval a change costs 7 % of a step.
+    /// The default time is half a sound crossing of a box of 10 σ. At the default interval changes cost about a sixth of the time.
     pub struct Options {
         /// Relaxation time of the volume, where the compressibility is the fluid's own.
         tau: f64 = 1.0, Positive, in "τ";
         /// Steps between two changes of the box; the ensemble is exact at each interval.
-        interval: u64 = 25, Whole(1, lennard_core::options::MOST_STEPS), in "steps";
+        interval: u64 = 10, Whole(1, lennard_core::options::MOST_STEPS), in "steps";
         /// Which sides change together: "isotropic" for fluids, "z" for slabs across z, "xy-z" for crystals.
         coupling: Coupling = Coupling::Isotropic, Names(Coupling::names);
         /// Estimate of the isothermal compressibility κ, which sets the pace alone.
