@@ -90,6 +90,7 @@ impl Integrator {
             allowed.map_err(|reason| unsuited(reason.to_owned()))?;
         }
         self.started_dt = dt;
+        let want = want | self.method.wants();
         let mut step = Step::new(system, state, forces, spec, dt, want);
         self.method.start(&mut step)
     }
@@ -145,6 +146,7 @@ impl Integrator {
         } else {
             Want::NOTHING
         };
+        want |= self.method.wants();
         if self.presses_after(first + at_once) {
             want |= Want::ENERGY_AND_VIRIAL;
         }

@@ -1,6 +1,6 @@
 //! What every integrator's file provides: its declaration and one step, written as kicks, drifts and force evaluations.
 
-use crate::{ForceProperties, IntegratorSpec, Persist, Step, StepError, System};
+use crate::{ForceProperties, IntegratorSpec, Persist, Step, StepError, System, Want};
 
 /// One method of integration: its step as a sequence of operators.
 ///
@@ -38,6 +38,11 @@ pub trait Method: Persist + Send {
     fn remember(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
         let _ = s;
         Ok(())
+    }
+
+    /// What the method itself wants of the forces at the end of each step. The default wants forces alone.
+    fn wants(&self) -> Want {
+        Want::NOTHING
     }
 
     /// Whether the box may change between steps; else the reason. The default lets it change.

@@ -5,9 +5,7 @@
 
 use std::time::{Duration, Instant};
 
-use lennard_core::{
-    Array, DMat3, DVec3, Energetics, PeriodicBox, Persist, StateArchive, StateReader,
-};
+use lennard_core::{Array, DMat3, DVec3, Energetics, Persist, StateArchive, StateReader};
 use lennard_io::{Checkpoint, CheckpointFolder, CheckpointMetadata, WriteError};
 
 use crate::files::Marks;
@@ -34,10 +32,7 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
     let mut writer = archive.writer();
     simulation.save(&mut writer);
     let mut run = writer.section("run");
-    run.put_vec3("cell", &[simulation.state.cell.lengths()]);
-    if simulation.start_cell != simulation.state.cell {
-        run.put_vec3("start_cell", &[simulation.start_cell.lengths()]);
-    }
+    run.put_vec3("cell", &[simulation.start_cell.lengths()]);
     save_energetics(&simulation.state.energetics, &mut run);
     let Timers {
         step,
@@ -77,9 +72,6 @@ pub(crate) fn reinstate(
     let reader = archive.reader();
     simulation.restore(&reader)?;
     let run = reader.section("run");
-    let sides = saved_sides(&run, "cell")?;
-    simulation.state.cell =
-        PeriodicBox::new(sides).map_err(|e| run.misfit("cell", e.to_string()))?;
     simulation.state.energetics = restored_energetics(&run)?;
     let seconds = run.f64s::<4>("seconds")?;
     let [wall, step, observe, write] =
@@ -153,22 +145,14 @@ pub(crate) fn check_particles(
     Ok(())
 }
 
-/// The box that the lists of a saved run were laid out for: that of its start.
+/// The box of the start of a saved run, for which its lists were laid out.
 pub(crate) fn saved_start_cell(
     archive: &StateArchive,
 ) -> Result<DVec3, lennard_core::RestoreError> {
     let reader = archive.reader().section("run");
-    match saved_sides(&reader, "start_cell") {
-        // The box has not changed.
-        Err(lennard_core::RestoreError::Missing(_)) => saved_sides(&reader, "cell"),
-        found => found,
-    }
-}
-
-fn saved_sides(run: &StateReader<'_>, name: &str) -> Result<DVec3, lennard_core::RestoreError> {
-    match run.vec3(name)? {
+    match reader.vec3("cell")? {
         [sides] => Ok(*sides),
-        others => Err(run.misfit(name, format!("{} boxes, wanted 1", others.len()))),
+        others => Err(reader.misfit("cell", format!("{} boxes, wanted 1", others.len()))),
     }
 }
 

@@ -87,6 +87,13 @@ pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineE
     let mut overrides = Vec::new();
     if options.more_steps > 0 {
         let last = scene.stages.len() - 1;
+        if scene.stages[last].is_ramp() {
+            let key = format!("stage.{last}.steps");
+            let found = format!("{} more steps of a ramp", options.more_steps);
+            let allowed =
+                "no more steps: a longer ramp is another one; start a new run from final.xyz";
+            return Err(scene.source.invalid(&key, found, allowed).into());
+        }
         let steps = scene.stages[last].steps.saturating_add(options.more_steps);
         overrides.push((format!("stage.{last}.steps"), steps.to_string()));
     }

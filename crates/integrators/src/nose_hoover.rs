@@ -61,12 +61,6 @@ impl NoseHoover {
             chain: Chain::new(options.chain, options.tau),
         }
     }
-
-    /// The energy of the chain in ε, Σ ½Q_jξ_j² + n_dof·T·η₁ + T·Σ_{j≥2} η_j: 0 at the start.
-    #[must_use]
-    pub fn energy(&self) -> f64 {
-        self.chain.energy()
-    }
 }
 
 impl Persist for NoseHoover {

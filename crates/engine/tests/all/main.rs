@@ -3,5 +3,6 @@
 mod hostile;
 mod invariants;
 mod messages;
+mod pressure;
 mod restart;
 mod watching;

@@ -135,6 +135,8 @@ macro_rules! list_of_barostats {
 list_of_barostats! {
     /// Stochastic cell rescaling of Bernetti and Bussi, accepted by Metropolis.
     StochasticCellRescaling: stochastic_cell_rescaling,
+    /// The barostat of Martyna, Tobias and Klein, in place of the scene's integrator.
+    Mtk: mtk,
 }
 
 impl BarostatOptions {

@@ -2,6 +2,7 @@
 
 mod list;
 
+pub mod mtk;
 pub mod stochastic_cell_rescaling;
 
 pub use list::{BarostatOptions, Coupling, barostats};

@@ -133,6 +133,16 @@ fn the_volume_of_an_ideal_gas_is_gamma_distributed_at_each_interval_and_coupling
 }
 
 #[test]
+fn the_deterministic_barostat_gives_the_ideal_gas_the_same_volumes() {
+    let n_dof = System::atoms(N).n_dof(Momentum::Conserved);
+    let barostat = "kind = \"mtk\"\ntau = 0.5\nchain = 5";
+    let thermostat = "kind = \"nose-hoover\"\ntau = 0.5\nchain = 5";
+    let mut method = integrator(thermostat, barostat, 5);
+    let volumes = volumes(&mut method, 0.02, 200, 8000);
+    is_canonical(&volumes, n_dof, barostat);
+}
+
+#[test]
 fn with_langevin_no_momentum_is_kept_and_the_shape_is_one_larger() {
     let barostat = "kind = \"stochastic-cell-rescaling\"\ntau = 0.5\ninterval = 10";
     let mut method = integrator("kind = \"langevin\"", barostat, 6);
@@ -141,14 +151,16 @@ fn with_langevin_no_momentum_is_kept_and_the_shape_is_one_larger() {
 }
 
 #[test]
-#[ignore = "long: run with `cargo test -- --ignored`"]
+#[ignore = "a minute: run by `cargo xtask physics`"]
 fn the_volume_of_an_ideal_gas_is_gamma_distributed_for_ten_seeds() {
     let n_dof = System::atoms(N).n_dof(Momentum::Conserved);
     for seed in 10..20 {
-        let barostat = "kind = \"stochastic-cell-rescaling\"\ntau = 0.5\ninterval = 10";
-        let mut method = integrator("kind = \"bussi\"", barostat, seed);
-        let volumes = volumes(&mut method, 0.02, 100, 80_000);
-        is_canonical(&volumes, n_dof, &format!("seed {seed}"));
+        for barostat in ["stochastic-cell-rescaling\"\ninterval = 10", "mtk\""] {
+            let barostat = format!("kind = \"{barostat}\ntau = 0.5");
+            let mut method = integrator("kind = \"nose-hoover\"\nchain = 5", &barostat, seed);
+            let volumes = volumes(&mut method, 0.02, 300, 40_000);
+            is_canonical(&volumes, n_dof, &format!("seed {seed}, {barostat}"));
+        }
     }
 }
 
