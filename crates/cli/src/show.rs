@@ -99,6 +99,20 @@ pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, all: b
         "\n  {}",
         conserved_energy(&record.conservation, energy_unit(record))
     );
+    if let Some(words) = record
+        .barostat
+        .as_ref()
+        .and_then(|b| b.acceptance_in_words())
+    {
+        println!("  {words}");
+    }
+    for remark in record
+        .remarks
+        .iter()
+        .filter(|r| r.starts_with("barostat: ") && !all)
+    {
+        println!("  note: {remark}");
+    }
     if all {
         println!(
             "  largest momentum: {:.1e} σ/τ per particle",

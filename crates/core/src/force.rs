@@ -24,8 +24,9 @@ pub enum ForceError {
     },
     /// The box changed, and the cutoff exceeds half of its shortest side.
     #[error(
-        "the cutoff of {r_cut} σ exceeds half the shortest side of the box, {largest} σ; \
-         take more particles, a shorter cutoff or a higher pressure"
+        "the box has shrunk to {:.3} σ, below twice the cutoff of {r_cut} σ; \
+         take more particles, a shorter cutoff or a lower pressure",
+        2.0 * .largest
     )]
     CutoffOverHalfBox {
         /// The cutoff, σ.

@@ -1,17 +1,19 @@
-//! An integrator at work: a method, the bath that acts after its steps, and the checks before them.
+//! An integrator at work: a method, the bath and the barostat that act after its steps, and the checks before them.
 
 use crate::{
-    Backend, BondSolver, IntegratorSpec, Method, Momentum, Persist, RestoreError, State,
-    StateReader, StateWriter, Step, StepError, StepReport, System, Thermostat, Want,
+    Backend, Barostat, BondSolver, BoxMoves, IntegratorSpec, Method, Momentum, Persist,
+    RestoreError, State, StateReader, StateWriter, Step, StepError, StepReport, System, Thermostat,
+    Want,
 };
 
-/// Advances a state in time by the steps of a method, with or without a heat bath after each step.
+/// Advances a state in time by the steps of a method, with or without a heat bath and a barostat after its steps.
 ///
 /// After `start` and after each `step`, positions, velocities, forces and energetics in the state all belong to its time.
 pub struct Integrator {
     method: Box<dyn Method>,
     bath: Option<Box<dyn Thermostat>>,
     bonds: Option<Box<dyn BondSolver>>,
+    barostat: Option<Box<dyn Barostat>>,
     started_dt: f64,
 }
 
@@ -23,6 +25,7 @@ impl Integrator {
             method: Box::new(method),
             bath: None,
             bonds: None,
+            barostat: None,
             started_dt: 0.0,
         }
     }
@@ -43,6 +46,21 @@ impl Integrator {
             bonds: Some(bonds),
             ..self
         }
+    }
+
+    /// The same method and bath with a barostat after its steps.
+    #[must_use]
+    pub fn with_barostat(self, barostat: impl Barostat + 'static) -> Self {
+        Self {
+            barostat: Some(Box::new(barostat)),
+            ..self
+        }
+    }
+
+    /// What became of the changes of the box that a barostat proposed; `None` without one that proposes.
+    #[must_use]
+    pub fn box_moves(&self) -> Option<BoxMoves> {
+        self.barostat.as_ref().map(|barostat| barostat.moves())
     }
 
     /// What the method declares about itself.
@@ -78,19 +96,24 @@ impl Integrator {
     ) -> Result<(), StepError> {
         let spec = self.spec();
         check_suited(spec, forces, dt)?;
+        let unsuited = |reason| StepError::Unsuited {
+            method: spec.name,
+            reason,
+        };
         if forces.properties().bounds_flight && !self.takes_hard_walls() {
-            return Err(StepError::Unsuited {
-                method: spec.name,
-                reason: "particles would pass its hard walls, which act in drifts".to_owned(),
-            });
+            return Err(unsuited(
+                "particles would pass its hard walls, which act in drifts".to_owned(),
+            ));
         }
         self.method
             .suits(system, forces.properties())
-            .map_err(|reason| StepError::Unsuited {
-                method: spec.name,
-                reason,
-            })?;
+            .map_err(unsuited)?;
+        if self.barostat.is_some() {
+            let allowed = self.method.lets_box_change();
+            allowed.map_err(|reason| unsuited(reason.to_owned()))?;
+        }
         self.started_dt = dt;
+        let want = want | self.method.wants();
         let mut step = Step::new(system, state, forces, spec, dt, want);
         self.method.start(&mut step)
     }
@@ -141,11 +164,15 @@ impl Integrator {
         } else {
             1
         };
-        let want = if at_once == steps {
+        let mut want = if at_once == steps {
             want
         } else {
             Want::NOTHING
         };
+        want |= self.method.wants();
+        if self.presses_after(first + at_once) {
+            want |= Want::ENERGY_AND_VIRIAL;
+        }
         let bonds = self.bonds.as_deref_mut();
         let mut step = Step::new(system, state, forces, spec, dt, want)
             .with_steps_ahead(at_once - 1)
@@ -153,18 +180,28 @@ impl Integrator {
         self.method.step(&mut step)?;
         step.bonds_hold()?;
         couple(self.method.as_mut(), self.bath.as_deref_mut(), &mut step)?;
+        press(
+            self.method.as_mut(),
+            self.barostat.as_deref_mut(),
+            &mut step,
+        )?;
         let report = step.finish();
         Ok((state.step - first, report))
     }
 
-    /// Steps from `step` to the next after which the bath acts, at most `most`.
+    /// Steps from `step` to the next after which bath or barostat act, at most `most`.
     fn steps_to_bath(&self, step: u64, most: u64) -> u64 {
-        match &self.bath {
-            None => most,
-            Some(bath) => (1..most)
-                .find(|ahead| bath.acts_after(step + ahead))
-                .unwrap_or(most),
+        if self.bath.is_none() && self.barostat.is_none() {
+            return most;
         }
+        let heats_after = |step| self.bath.as_ref().is_some_and(|b| b.acts_after(step));
+        (1..most)
+            .find(|ahead| heats_after(step + ahead) || self.presses_after(step + ahead))
+            .unwrap_or(most)
+    }
+
+    fn presses_after(&self, step: u64) -> bool {
+        self.barostat.as_ref().is_some_and(|b| b.acts_after(step))
     }
 }
 
@@ -175,13 +212,19 @@ impl Persist for Integrator {
         if let Some(bath) = &self.bath {
             bath.save(&mut to.section("bath"));
         }
+        if let Some(barostat) = &self.barostat {
+            barostat.save(&mut to.section("barostat"));
+        }
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         [self.started_dt] = from.f64s("started_dt")?;
         self.method.restore(from)?;
-        match &mut self.bath {
-            Some(bath) => bath.restore(&from.section("bath")),
+        if let Some(bath) = &mut self.bath {
+            bath.restore(&from.section("bath"))?;
+        }
+        match &mut self.barostat {
+            Some(barostat) => barostat.restore(&from.section("barostat")),
             None => Ok(()),
         }
     }
@@ -198,6 +241,22 @@ fn couple(
     };
     let now = step.parts().state.step;
     if bath.acts_after(now) && bath.apply(step) {
+        method.remember(step)?;
+    }
+    Ok(())
+}
+
+/// Lets the barostat act, and the method remember the positions in the new box.
+fn press(
+    method: &mut dyn Method,
+    barostat: Option<&mut (dyn Barostat + 'static)>,
+    step: &mut Step<'_>,
+) -> Result<(), StepError> {
+    let Some(barostat) = barostat else {
+        return Ok(());
+    };
+    let now = step.parts().state.step;
+    if barostat.acts_after(now) && barostat.apply(step)? {
         method.remember(step)?;
     }
     Ok(())

@@ -7,6 +7,7 @@
 //! Pair vectors are `r_ij = r_i − r_j`; the pair virial is `W = Σ r_ij·F_ij` without a factor 1/3.
 
 mod axis;
+mod barostat;
 mod bonds;
 mod boundary;
 mod cell;
@@ -19,6 +20,7 @@ mod observable;
 pub mod options;
 pub mod parallel;
 mod persist;
+mod ramp;
 pub mod random;
 pub mod rigid;
 mod spec;
@@ -32,6 +34,7 @@ pub mod tasks;
 mod thermostat;
 
 pub use axis::Axis;
+pub use barostat::{Barostat, BarostatSpec, BoxMoves, PressureBath};
 pub use bonds::{BondSolver, BondsSolved};
 pub use boundary::{Boundary, Flight, WallReading};
 pub use cell::{BoxError, PeriodicBox};
@@ -47,6 +50,7 @@ pub use observable::{
     Average, Doubt, Estimate, Findings, Observable, ObservableSpec, Suits, TailCorrection, View,
 };
 pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, StateWriter};
+pub use ramp::Ramp;
 pub use spec::{IntegratorSpec, StepError, StepReport};
 pub use state::{Configuration, Energetics, Part, State, Want};
 pub use step::{Parts, Step, check_finite};

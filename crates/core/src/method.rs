@@ -1,6 +1,6 @@
 //! What every integrator's file provides: its declaration and one step, written as kicks, drifts and force evaluations.
 
-use crate::{ForceProperties, IntegratorSpec, Persist, Step, StepError, System};
+use crate::{ForceProperties, IntegratorSpec, Persist, Step, StepError, System, Want};
 
 /// One method of integration: its step as a sequence of operators.
 ///
@@ -44,6 +44,19 @@ pub trait Method: Persist + Send {
     /// [`StepError`] where the state does not suit the method.
     fn remember(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
         let _ = s;
+        Ok(())
+    }
+
+    /// What the method itself wants of the forces at the end of each step. The default wants forces alone.
+    fn wants(&self) -> Want {
+        Want::NOTHING
+    }
+
+    /// Whether the box may change between steps; else the reason. The default lets it change.
+    ///
+    /// # Errors
+    /// The reason in words, for a method that keeps forces or positions of other times.
+    fn lets_box_change(&self) -> Result<(), &'static str> {
         Ok(())
     }
 

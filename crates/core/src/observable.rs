@@ -68,6 +68,9 @@ pub struct View<'a> {
     pub tail: Option<TailCorrection>,
     /// Σ heat that thermostats have put in since the stage began, in ε: E − heat is conserved.
     pub heat: f64,
+    /// V·P_tail in ε where a barostat changes the box, else 0: the energy of the tail that the motion of the box feels.
+    /// E + V·P_tail − heat is then conserved.
+    pub tail_work: f64,
     /// The step h in τ of a method that kicks by halves ([`crate::IntegratorSpec::half_kicks`]); `None` for others.
     pub half_kick_step: Option<f64>,
     /// The walls with what they have felt; empty where there are none.
@@ -84,6 +87,7 @@ impl<'a> View<'a> {
             momentum: Momentum::Conserved,
             tail: None,
             heat: 0.0,
+            tail_work: 0.0,
             half_kick_step: None,
             walls: &[],
         }

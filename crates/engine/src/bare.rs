@@ -30,6 +30,7 @@ pub fn bare(scene: &Scene) -> Scene {
     bare.stages = vec![Stage {
         steps: ENDLESS,
         thermostat: None,
+        barostat: None,
         measure: false,
         ..measured_stage(scene).clone()
     }];

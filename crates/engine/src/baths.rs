@@ -1,6 +1,6 @@
 //! The heat baths of the measured stages, and what they make of the run.
 
-use lennard_core::ThermostatSpec;
+use lennard_core::{Ramp, ThermostatSpec};
 use lennard_observables::{Ensemble, HeldTemperature};
 use lennard_scene::{Scene, Stage};
 
@@ -14,6 +14,9 @@ pub(crate) fn measured_baths(scene: &Scene) -> Vec<&'static ThermostatSpec> {
 
 /// The ensemble that a stage samples; `None` where its dynamics sample none that is known.
 pub(crate) fn ensemble(scene: &Scene, stage: &Stage) -> Option<Ensemble> {
+    if stage.barostat.is_some() || stage.is_ramp() {
+        return None;
+    }
     match &stage.thermostat {
         Some(bath) => bath.spec().canonical.then_some(Ensemble::Canonical),
         // A method that loses energy stays at no energy.
@@ -32,9 +35,16 @@ pub fn held_temperature(scene: &Scene) -> Option<HeldTemperature> {
     let options = first.thermostat.as_ref()?;
     let bath = options.spec();
     let same = |s: &Stage| s.thermostat == first.thermostat && s.temperature == first.temperature;
-    (bath.canonical && measured.all(same)).then_some(HeldTemperature {
+    (bath.canonical && !first.is_ramp() && measured.all(same)).then_some(HeldTemperature {
         temperature: first.temperature,
         half_steps: bath.holds_half_steps,
         relaxation: options.relaxation(),
     })
+}
+
+/// The pressure that the barostat of the measured stages holds at each step; `None` without one.
+pub(crate) fn measured_pressure(scene: &Scene) -> Option<Ramp> {
+    let index = scene.stages.iter().position(|s| s.measure)?;
+    let first = scene.stages[..index].iter().map(|s| s.steps).sum();
+    scene.stages[index].pressure_ramp(first)
 }

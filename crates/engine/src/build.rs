@@ -8,10 +8,10 @@ use lennard_forcefield::{AllPairs, Conditions, ForceFieldOptions, Model, PairFor
 use lennard_integrators::BondHolder;
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
-use lennard_observables::{BuildContext, Confined, ObservableOptions, Thermodynamics};
+use lennard_observables::{BuildContext, ChangingBox, Confined, ObservableOptions, Thermodynamics};
 use lennard_scene::{Geometry, Lattice, ObservableTable, Scene, Stage, Start};
 
-use crate::baths::{ensemble, held_temperature, measured_baths};
+use crate::baths::{ensemble, held_temperature, measured_baths, measured_pressure};
 use crate::confinement::{Confinement, place_between_walls};
 use crate::error::misfit;
 use crate::force_check::ForceCheck;
@@ -19,7 +19,7 @@ use crate::initial::{self, closest_pair};
 use crate::schedule::Observer;
 use crate::simulation::Simulation;
 use crate::timers::Timers;
-use crate::{EngineError, compare};
+use crate::{EngineError, compare, pressure};
 
 /// Start positions nearer than this (σ) are refused: U(0.5 σ) = 16,128 ε would blow any step up.
 pub const SMALLEST_START_DISTANCE: f64 = 0.5;
@@ -327,7 +327,7 @@ pub fn forces(
 pub fn prepare(scene: Scene) -> Result<Simulation, EngineError> {
     let (beginning, remarks) = begin_with_remarks(&scene)?;
     let mut simulation = prepare_from(scene, beginning)?;
-    simulation.remarks = remarks;
+    simulation.remarks.splice(0..0, remarks);
     Ok(simulation)
 }
 
@@ -339,6 +339,7 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
     let n = beginning.positions.len();
     let cell = beginning.cell;
     let (options, provider) = forces(&scene, cell, n)?;
+    let remarks = pressure::foresee(&scene, &cell, n, provider.plan().skin)?;
     if beginning.relax {
         relax(&scene, cell, &mut beginning.positions)?;
     }
@@ -367,6 +368,7 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
         state: State::new(cell, beginning.positions, velocities),
         scene,
         system,
+        start_cell: cell,
         forces: Box::new(forces),
         force_check: ForceCheck::new(all_pairs),
         force_field: options,
@@ -374,7 +376,7 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
         stage: None,
         observers,
         measured_steps: 0,
-        remarks: Vec::new(),
+        remarks,
         timers: Timers::default(),
         isa,
     })
@@ -472,6 +474,13 @@ fn observers(
         observers.push(Observer {
             every: table.every,
             observable,
+        });
+    }
+    // The last, so that the others stand as in the scene.
+    if let Some(pressure) = measured_pressure(scene) {
+        observers.push(Observer {
+            every,
+            observable: Box::new(ChangingBox::new(pressure)),
         });
     }
     Ok(observers)

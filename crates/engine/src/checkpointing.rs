@@ -32,7 +32,7 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
     let mut writer = archive.writer();
     simulation.save(&mut writer);
     let mut run = writer.section("run");
-    run.put_vec3("cell", &[simulation.state.cell.lengths()]);
+    run.put_vec3("cell", &[simulation.start_cell.lengths()]);
     save_energetics(&simulation.state.energetics, &mut run);
     let Timers {
         step,
@@ -145,8 +145,10 @@ pub(crate) fn check_particles(
     Ok(())
 }
 
-/// The box of a saved run.
-pub(crate) fn saved_cell(archive: &StateArchive) -> Result<DVec3, lennard_core::RestoreError> {
+/// The box of the start of a saved run, for which its lists were laid out.
+pub(crate) fn saved_start_cell(
+    archive: &StateArchive,
+) -> Result<DVec3, lennard_core::RestoreError> {
     let reader = archive.reader().section("run");
     match reader.vec3("cell")? {
         [sides] => Ok(*sides),

@@ -73,7 +73,8 @@ pub fn viscosity_for(scene: &Scene, density: f64) -> Option<f64> {
     lennard_literature::viscosity_near(density, temperature).map(|v| v.value)
 }
 
-/// By how much U and P of `atoms` particles differ from the equation's, which is for an infinite system.
+/// By how much U and P of `atoms` particles differ from the equation's, which is for an infinite system; `None` at
+/// constant pressure.
 #[must_use]
 pub fn finite_size(
     scene: &Scene,
@@ -82,6 +83,13 @@ pub fn finite_size(
     temperature: f64,
     atoms: usize,
 ) -> Option<FiniteSize> {
+    if scene
+        .stages
+        .iter()
+        .any(|s| s.measure && s.barostat.is_some())
+    {
+        return None;
+    }
     let with_bath = scene
         .stages
         .iter()
@@ -143,7 +151,8 @@ pub fn beside_equation_of_state(
         }
     };
     let equilibrium = thermodynamics.equilibrium();
-    let scaled = measured_baths(scene).iter().any(|bath| !bath.canonical);
+    let ramp = scene.stages.iter().any(|s| s.measure && s.is_ramp());
+    let scaled = ramp || measured_baths(scene).iter().any(|bath| !bath.canonical);
     if results && (equilibrium.doubt.is_some() || scaled) {
         // The averages say why.
         return comparison;

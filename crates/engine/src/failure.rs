@@ -180,6 +180,12 @@ impl PhysicsFailure {
                 self.dt
             );
         }
+        if let Symptom::NonFinite(ForceError::CutoffOverHalfBox { r_cut, .. }) = self.symptom {
+            return format!(
+                "the barostat compresses the fluid: at this pressure so few particles do not fill a box of {} σ",
+                2.0 * r_cut
+            );
+        }
         if self.density > HIGHEST_USUAL_DENSITY {
             return format!(
                 "the density is ρ = {:.4} σ⁻³, where no fluid is known: check `system.density` or `system.box`",

@@ -38,6 +38,14 @@ const THERMO_COLUMNS: &[(&str, &str)] = &[
     ("heat", PER_PARTICLE),
 ];
 
+/// Columns that follow in a scene with a barostat.
+const BOX_COLUMNS: &[(&str, &str)] = &[
+    ("density", "σ⁻³"),
+    ("box_x", "σ"),
+    ("box_y", "σ"),
+    ("box_z", "σ"),
+];
+
 /// The columns of `thermo.csv`, whose energies are per molecule where there are molecules.
 fn thermo_columns(simulation: &Simulation) -> Vec<(&'static str, &'static str)> {
     let is_molecular = !simulation.system.molecules.are_atoms();
@@ -45,7 +53,12 @@ fn thermo_columns(simulation: &Simulation) -> Vec<(&'static str, &'static str)> 
         PER_PARTICLE if is_molecular => "ε per molecule",
         unit => unit,
     };
-    let columns = THERMO_COLUMNS.iter();
+    let more = if simulation.box_changes() {
+        BOX_COLUMNS
+    } else {
+        &[]
+    };
+    let columns = THERMO_COLUMNS.iter().chain(more);
     columns.map(|(name, of)| (*name, unit(of))).collect()
 }
 
@@ -177,7 +190,7 @@ impl RunFiles {
             .conserved_energy_per_particle()
             .unwrap_or(f64::NAN);
         let heat = simulation.stage_run().heat / n;
-        self.thermo.write(&[
+        let mut row = vec![
             simulation.state.step.into(),
             simulation.state.time.into(),
             simulation.stage_run().index.into(),
@@ -187,7 +200,13 @@ impl RunFiles {
             pressure.into(),
             conserved.into(),
             heat.into(),
-        ])
+        ];
+        if simulation.box_changes() {
+            let cell = &simulation.state.cell;
+            row.push((n / cell.volume()).into());
+            row.extend(cell.lengths().to_array().map(Into::into));
+        }
+        self.thermo.write(&row)
     }
 
     /// Writes a frame to the trajectory.

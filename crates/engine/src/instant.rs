@@ -19,6 +19,7 @@ pub(crate) fn view<'a>(
         momentum: stage.map_or(Momentum::Conserved, |s| s.integrator.momentum()),
         tail,
         heat: stage.map_or(0.0, |s| s.heat),
+        tail_work: tail_work(state, stage),
         half_kick_step: stage
             .filter(|s| s.integrator.spec().half_kicks)
             .map(|s| s.dt),
@@ -26,12 +27,23 @@ pub(crate) fn view<'a>(
     }
 }
 
+/// V·P_tail in ε of a stage whose box changes, else 0.
+fn tail_work(state: &State, stage: Option<&StageRun>) -> f64 {
+    match stage {
+        Some(stage) if stage.tail_work != 0.0 => stage.tail_work / state.cell.volume(),
+        _ => 0.0,
+    }
+}
+
 impl Simulation {
-    /// (K + U_conserved − Σ heat)/N in ε, with the number N of molecules where there are some, where the energy was asked for on this step.
+    /// (K + U_conserved + V·P_tail − Σ heat)/N in ε, where the energy was asked for on this step.
+    ///
+    /// The tail is there with a barostat alone, and N is the number of molecules where there are some.
     #[must_use]
     pub fn conserved_energy_per_particle(&self) -> Option<f64> {
         let potential = self.state.energetics.conserved_potential?;
-        let heat = self.stage.as_ref().map_or(0.0, |s| s.heat);
+        let stage = self.stage.as_ref();
+        let heat = stage.map_or(0.0, |s| s.heat) - tail_work(&self.state, stage);
         Some(
             (self.system.kinetic_energy(&self.state.velocities) + potential - heat)
                 / self.system.n_molecules() as f64,

@@ -5,6 +5,7 @@ mod baths;
 mod build;
 mod checkpointing;
 mod compare;
+mod compare_at_pressure;
 mod confinement;
 mod energy;
 mod error;
@@ -18,6 +19,7 @@ mod instant;
 mod main_loop;
 mod names;
 mod plan;
+mod pressure;
 mod record;
 mod resume;
 mod run;
@@ -39,6 +41,7 @@ pub use checkpointing::{Past, capture};
 pub use compare::{
     Compared, Comparison, beside_equation_of_state, finite_size, model_kind, with_equation_of_state,
 };
+pub use compare_at_pressure::at_constant_pressure;
 pub use confinement::Confinement;
 pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
 pub use error::{EngineError, ResumeError};

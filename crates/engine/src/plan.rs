@@ -11,7 +11,7 @@ use crate::run::SET_ASIDE_BYTES;
 use crate::simulation::Simulation;
 use crate::watchdog;
 use crate::{EngineError, build};
-use shares::{Costs, bath_name};
+use shares::{Costs, barostat_name, bath_name};
 
 pub use shares::watching_seconds;
 
@@ -179,7 +179,12 @@ fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [Plan
     let laplacian = format!("Laplacian on every {rows}th step of measured stages");
     let tail = match simulation.tail() {
         Some(tail) => How::On(format!(
-            "computed once: {:.4} ε per particle, {:.4} ε/σ³",
+            "computed {}: {:.4} ε per particle, {:.4} ε/σ³",
+            if simulation.box_changes() {
+                "from the volume of each sample; at the start"
+            } else {
+                "once"
+            },
             tail.energy_per_particle / simulation.system.molecules.sites() as f64,
             tail.pressure
         )),
@@ -228,7 +233,15 @@ fn of_stage(stage: &Stage) -> impl Iterator<Item = PlanItem> {
         let how = "once a step, or as often as its table says; one that is an integrator costs what the integrator does";
         item(&bath_name(stage, thermostat.name()), How::On(how.into()))
     });
-    [itself].into_iter().chain(bath)
+    let barostat = stage.barostat.as_ref().map(|control| {
+        let how = format!(
+            "P = {}, every {} steps: one evaluation with energy and virial",
+            control.pressure,
+            control.options.interval()
+        );
+        item(&barostat_name(stage, control.options.name()), How::On(how))
+    });
+    [itself].into_iter().chain(bath).chain(barostat)
 }
 
 fn of_observables(scene: &Scene) -> Vec<PlanItem> {

@@ -5,11 +5,12 @@ use std::time::Duration;
 
 use lennard_core::Findings;
 use lennard_io::{
-    AverageRecord, Conservation, Host, NeighborRecord, Performance, RUN_SCHEMA, RunRecord,
-    StageSeconds, ThermostatRecord,
+    AverageRecord, BarostatRecord, Conservation, Host, NeighborRecord, Performance, RUN_SCHEMA,
+    RunRecord, StageSeconds, ThermostatRecord,
 };
+use lennard_observables::ChangingBox;
 
-use crate::{Simulation, compare};
+use crate::{Simulation, at_constant_pressure, compare};
 
 /// The record of a run that has not ended, or not well; `remarks` say how it failed.
 #[must_use]
@@ -33,14 +34,18 @@ pub fn finished(
     trajectory_frames: Option<u64>,
     finished: bool,
 ) -> RunRecord {
-    let molecules = simulation.system.n_molecules();
-    let density = molecules as f64 / simulation.state.cell.volume();
-    let compared = compare::with_equation_of_state(
-        &simulation.scene,
-        density,
-        molecules,
-        simulation.thermodynamics(),
-    );
+    let (scene, molecules) = (&simulation.scene, simulation.system.n_molecules());
+    let thermodynamics = simulation.thermodynamics();
+    let compared = match simulation.observable::<ChangingBox>() {
+        Some(changing) => {
+            let n_dof = simulation.view().n_dof();
+            at_constant_pressure(scene, molecules, n_dof, thermodynamics, changing)
+        }
+        None => {
+            let density = molecules as f64 / simulation.state.cell.volume();
+            compare::with_equation_of_state(scene, density, molecules, thermodynamics)
+        }
+    };
     let conservation = simulation.thermodynamics().conservation();
     let wall_s = wall.as_secs_f64();
     let atom_steps = simulation.state.len() as f64 * simulation.state.step as f64;
@@ -72,6 +77,7 @@ pub fn finished(
             .iter()
             .flat_map(|f| f.remarks.iter().cloned())
             .chain(compared.remarks)
+            .chain(few_accepted(simulation))
             .collect(),
         trajectory_frames,
         ..bare(simulation, threads)
@@ -125,12 +131,62 @@ fn bare(simulation: &Simulation, threads: usize) -> RunRecord {
         thermostat: bath.map(|(options, heat)| ThermostatRecord {
             name: options.name().to_owned(),
             heat,
-            conserved_quantity: "total energy − heat that the thermostat has put in".to_owned(),
+            conserved_quantity: conserved(simulation).to_owned(),
         }),
+        barostat: barostat(simulation),
         comparison: Vec::new(),
         remarks: Vec::new(),
         trajectory_frames: None,
     }
+}
+
+fn conserved(simulation: &Simulation) -> &'static str {
+    let stage = simulation.stage.as_ref().map(|s| s.index);
+    let changes = stage.is_some_and(|i| simulation.scene.stages[i].barostat.is_some());
+    if changes {
+        "total energy + V·P_tail − heat and work that thermostat and barostat have put in"
+    } else {
+        "total energy − heat that the thermostat has put in"
+    }
+}
+
+/// What the barostat of the last stage did.
+fn barostat(simulation: &Simulation) -> Option<BarostatRecord> {
+    let stage = simulation.stage.as_ref()?;
+    let control = simulation.scene.stages[stage.index].barostat.as_ref()?;
+    let moves = stage.integrator.box_moves();
+    Some(BarostatRecord {
+        name: control.options.name().to_owned(),
+        pressure: control.pressure,
+        proposed: moves.map(|m| m.tried),
+        accepted: moves.map(|m| m.accepted),
+        lengths: simulation.state.cell.lengths().to_array(),
+    })
+}
+
+/// An acceptance below this says that the box changes too seldom for its relaxation time.
+const LOWEST_ACCEPTANCE: f64 = 0.7;
+/// The acceptance that a changed interval aims at; the refused part grows as the interval to the power 3/2.
+const GOOD_ACCEPTANCE: f64 = 0.9;
+
+/// What to change where too few changes of the box are accepted.
+fn few_accepted(simulation: &Simulation) -> Option<String> {
+    let stage = simulation.stage.as_ref()?;
+    let control = simulation.scene.stages[stage.index].barostat.as_ref()?;
+    let moves = stage.integrator.box_moves().filter(|m| m.tried > 0)?;
+    let accepted = moves.acceptance();
+    if accepted >= LOWEST_ACCEPTANCE {
+        return None;
+    }
+    let factor = ((1.0 - accepted) / (1.0 - GOOD_ACCEPTANCE)).powf(2.0 / 3.0);
+    let (interval, tau) = (control.options.interval(), control.options.tau());
+    let fewer = (interval as f64 / factor).floor().max(1.0);
+    Some(format!(
+        "barostat: {:.0} % of the changes of the box were accepted; the ensemble is right, and the box moves slowly: \
+         take interval = {fewer} or tau = {:.2}",
+        100.0 * accepted,
+        tau * factor
+    ))
 }
 
 /// Where the time went, in seconds.

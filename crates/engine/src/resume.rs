@@ -87,6 +87,13 @@ pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineE
     let mut overrides = Vec::new();
     if options.more_steps > 0 {
         let last = scene.stages.len() - 1;
+        if scene.stages[last].is_ramp() {
+            let key = format!("stage.{last}.steps");
+            let found = format!("{} more steps of a ramp", options.more_steps);
+            let allowed =
+                "no more steps: a longer ramp is another one; start a new run from final.xyz";
+            return Err(scene.source.invalid(&key, found, allowed).into());
+        }
         let steps = scene.stages[last].steps.saturating_add(options.more_steps);
         overrides.push((format!("stage.{last}.steps"), steps.to_string()));
     }
@@ -231,7 +238,7 @@ fn is_about_isa(error: &EngineError) -> bool {
     matches!(error, EngineError::Scene(e) if e.to_string().contains("isa"))
 }
 
-/// A simulation for the scene and the box of a checkpoint, its particles not yet in place: neither a start
+/// A simulation for the scene and the start box of a checkpoint, its particles not yet in place: neither a start
 /// configuration nor a relaxation is needed for what comes from the checkpoint.
 fn build_for(
     checkpoint: &Checkpoint,
@@ -244,7 +251,7 @@ fn build_for(
     };
     let scene = Scene::parse(&checkpoint.scene, &path.display().to_string(), overrides)?;
     let sides =
-        checkpointing::saved_cell(&checkpoint.archive).map_err(|e| misfit(e.to_string()))?;
+        checkpointing::saved_start_cell(&checkpoint.archive).map_err(|e| misfit(e.to_string()))?;
     let cell = PeriodicBox::new(sides).map_err(|e| misfit(e.to_string()))?;
     let state = checkpoint.archive.reader().section("state");
     let n = state

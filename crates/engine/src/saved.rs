@@ -1,6 +1,6 @@
 //! A simulation as a checkpoint keeps it.
 
-use lennard_core::{Persist, RestoreError, StateReader, StateWriter};
+use lennard_core::{PeriodicBox, Persist, RestoreError, StateReader, StateWriter};
 
 use crate::Simulation;
 use crate::schedule::Observer;
@@ -8,6 +8,9 @@ use crate::schedule::Observer;
 impl Persist for Simulation {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.state.save(&mut to.section("state"));
+        if self.state.cell != self.start_cell {
+            to.put_vec3("box", &[self.state.cell.lengths()]);
+        }
         self.forces.save(&mut to.section("forces"));
         let mut observables = to.section("observables");
         for Observer { observable, .. } in &self.observers {
@@ -24,6 +27,7 @@ impl Persist for Simulation {
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         self.state.restore(&from.section("state"))?;
+        self.state.cell = saved_box(from)?.unwrap_or(self.start_cell);
         self.forces.restore(&from.section("forces"))?;
         let observables = from.section("observables");
         for Observer { observable, .. } in &mut self.observers {
@@ -66,4 +70,18 @@ impl Persist for Simulation {
         self.stage = Some(stage);
         Ok(())
     }
+}
+
+/// The box of a saved run; `None` where it is that of the start.
+fn saved_box(from: &StateReader<'_>) -> Result<Option<PeriodicBox>, RestoreError> {
+    let sides = match from.vec3("box") {
+        Err(RestoreError::Missing(_)) => return Ok(None),
+        Ok([sides]) => *sides,
+        Ok(others) => {
+            return Err(from.misfit("box", format!("{} boxes, wanted 1", others.len())));
+        }
+        Err(error) => return Err(error),
+    };
+    let cell = PeriodicBox::new(sides).map_err(|e| from.misfit("box", e.to_string()))?;
+    Ok(Some(cell))
 }

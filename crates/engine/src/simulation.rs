@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use lennard_core::random::Streams;
-use lennard_core::{Backend, Integrator, Observable, State, System};
+use lennard_core::{Backend, Integrator, Observable, PeriodicBox, State, System};
 use lennard_forcefield::ForceFieldOptions;
 use lennard_observables::Thermodynamics;
 use lennard_scene::{Scene, Stage};
@@ -20,6 +20,8 @@ pub struct Simulation {
     pub system: System,
     /// Box, positions, velocities, forces.
     pub state: State,
+    /// The box that lists and observables were laid out for: that of the start.
+    pub start_cell: PeriodicBox,
     /// The forces.
     pub forces: Box<dyn Backend>,
     /// Forces of a few particles at a time against sums over all pairs.
@@ -56,6 +58,8 @@ pub struct StageRun {
     pub heat: f64,
     /// Conserved energy per particle at the start, ε.
     pub start_energy: f64,
+    /// c_P = V²·P_tail in ε·σ³ where a barostat changes the box; 0 else.
+    pub tail_work: f64,
 }
 
 impl Simulation {
@@ -76,6 +80,12 @@ impl Simulation {
     pub fn thermodynamics(&self) -> &Thermodynamics {
         self.observable()
             .expect("every run measures thermodynamics")
+    }
+
+    /// Whether any stage has a barostat.
+    #[must_use]
+    pub fn box_changes(&self) -> bool {
+        self.scene.stages.iter().any(|s| s.barostat.is_some())
     }
 
     /// The stage under way.

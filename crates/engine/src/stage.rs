@@ -1,10 +1,10 @@
 //! The stage under way, and the way into the next one.
 
-use lennard_core::{Momentum, Want};
+use lennard_core::{Momentum, PressureBath, Want};
 use lennard_integrators::BondHolder;
 
 use crate::simulation::StageRun;
-use crate::{EngineError, Simulation, initial};
+use crate::{EngineError, Simulation, initial, pressure};
 
 impl Simulation {
     /// Moves on to the next stage where the current one is done; `false` at the end of the scene.
@@ -41,14 +41,30 @@ impl Simulation {
         let plan = &self.scene.stages[index];
         let noise = self.streams.noise("thermostat");
         let method = lennard_integrators::build(&self.scene.integrator.method);
+        let first = self.scene.stages[..index].iter().map(|s| s.steps).sum();
+        let temperature = plan.temperature_ramp(first);
         let mut integrator = match &plan.thermostat {
             None => method,
-            Some(bath) => bath.couple(method, plan.temperature, noise),
+            Some(bath) => bath.couple(method, temperature, noise),
         };
         if let Some(molecule) = &self.scene.molecule
             && let BondHolder::Rigid(solver) = molecule.bonds.build(&self.system.molecules)
         {
             integrator = integrator.with_bonds(solver);
+        }
+        let mut tail_work = 0.0;
+        if let (Some(control), Some(thermostat), Some(pressure)) =
+            (&plan.barostat, &plan.thermostat, plan.pressure_ramp(first))
+        {
+            tail_work = self.tail_work();
+            let bath = PressureBath {
+                pressure,
+                temperature,
+                tail: tail_work,
+                compressibility: pressure::compressibility(&self.scene, plan, self.start_density()),
+            };
+            let noise = self.streams.noise("barostat");
+            integrator = control.options.couple(integrator, thermostat, bath, noise);
         }
         StageRun {
             index,
@@ -57,7 +73,21 @@ impl Simulation {
             integrator,
             heat: 0.0,
             start_energy: f64::NAN,
+            tail_work,
         }
+    }
+
+    /// c_P = V²·P_tail in ε·σ³, which does not depend on the volume; 0 without tail.
+    fn tail_work(&self) -> f64 {
+        let volume = self.start_cell.volume();
+        let n = self.state.len();
+        let tail = lennard_forcefield::tail_correction(&self.force_field, n, volume);
+        tail.map_or(0.0, |tail| tail.pressure * volume * volume)
+    }
+
+    /// Number density of the start, σ⁻³.
+    fn start_density(&self) -> f64 {
+        self.state.len() as f64 / self.start_cell.volume()
     }
 
     /// Starts the method anew from the state as it is.

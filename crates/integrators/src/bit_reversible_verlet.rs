@@ -178,6 +178,12 @@ impl Method for BitReversibleVerlet {
         &SPEC
     }
 
+    fn lets_box_change(&self) -> Result<(), &'static str> {
+        Err(
+            "it keeps positions on a grid of the box as it was; take \"velocity-verlet\" with a barostat",
+        )
+    }
+
     fn start(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
         self.started_dt = s.dt();
         self.round_positions(s.parts().state)?;

@@ -1,7 +1,7 @@
 //! Stochastic velocity rescaling: the kinetic energy follows its own canonical dynamics.
 
 use lennard_core::random::NoiseStream;
-use lennard_core::{Integrator, Parts, Step, Thermostat, ThermostatSpec, remembers_nothing};
+use lennard_core::{Integrator, Parts, Ramp, Step, Thermostat, ThermostatSpec, remembers_nothing};
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
 use crate::common::{BathOptions, scale_velocities};
@@ -17,7 +17,7 @@ lennard_core::options! {
 }
 
 impl BathOptions for Options {
-    fn couple(&self, method: Integrator, temperature: f64, noise: NoiseStream) -> Integrator {
+    fn couple(&self, method: Integrator, temperature: Ramp, noise: NoiseStream) -> Integrator {
         method.with_bath(Bussi::new(self, temperature, noise))
     }
 
@@ -48,17 +48,17 @@ pub const BATH: ThermostatSpec = ThermostatSpec {
 #[derive(Debug, Clone)]
 pub struct Bussi {
     tau: f64,
-    temperature: f64,
+    temperature: Ramp,
     noise: NoiseStream,
 }
 
 impl Bussi {
     /// A bath at `temperature` (ε/k_B) that draws from `noise`, keyed by the step.
     #[must_use]
-    pub fn new(options: &Options, temperature: f64, noise: NoiseStream) -> Self {
+    pub fn new(options: &Options, temperature: impl Into<Ramp>, noise: NoiseStream) -> Self {
         Self {
             tau: options.tau,
-            temperature,
+            temperature: temperature.into(),
             noise,
         }
     }
@@ -89,7 +89,7 @@ impl Thermostat for Bussi {
             Err(_) => 0.0,
         };
         let c = (-dt / self.tau).exp();
-        let g = (1.0 - c) * 0.5 * self.temperature / kinetic;
+        let g = (1.0 - c) * 0.5 * self.temperature.at(state.step) / kinetic;
         let squared = c + g * (normal * normal + others) + 2.0 * normal * (c * g).sqrt();
         // Rounding may bring a sum of squares a hair below zero.
         let magnitude = squared.max(0.0).sqrt();

@@ -3,7 +3,7 @@
 use lennard_core::options::Options;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
-use lennard_core::{Integrator, Parts, Step};
+use lennard_core::{Integrator, Parts, Ramp, Step};
 
 /// How a method is given the harmonic oscillator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,7 +28,7 @@ pub(crate) trait MethodOptions: Options {
 /// What the options type of each bath provides for the list.
 pub(crate) trait BathOptions: Options {
     /// Couples a method to the bath at `temperature` (ε/k_B), whose random numbers come from `noise`.
-    fn couple(&self, method: Integrator, temperature: f64, noise: NoiseStream) -> Integrator;
+    fn couple(&self, method: Integrator, temperature: Ramp, noise: NoiseStream) -> Integrator;
     /// The time in τ in which the bath brings a kinetic energy that is off back to its mean, by a factor of e; 0 for a bath
     /// that sets it.
     fn relaxation(&self) -> f64;

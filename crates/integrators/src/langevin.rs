@@ -3,8 +3,8 @@
 use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
 use lennard_core::{
-    DVec3, ForceProperties, Integrator, IntegratorSpec, Method, Parts, Step, StepError, System,
-    ThermostatSpec, remembers_nothing, rigid, rigid_bonds_alone,
+    DVec3, ForceProperties, Integrator, IntegratorSpec, Method, Parts, Ramp, Step, StepError,
+    System, ThermostatSpec, remembers_nothing, rigid, rigid_bonds_alone,
 };
 use rand_distr::{Distribution, StandardNormal};
 
@@ -20,7 +20,7 @@ lennard_core::options! {
 
 impl BathOptions for Options {
     /// Friction and noise stand inside the step: BAOAB takes the place of the method.
-    fn couple(&self, _method: Integrator, temperature: f64, noise: NoiseStream) -> Integrator {
+    fn couple(&self, _method: Integrator, temperature: Ramp, noise: NoiseStream) -> Integrator {
         Integrator::new(Langevin::new(self, temperature, noise))
     }
 
@@ -75,17 +75,17 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
 #[derive(Debug, Clone)]
 pub struct Langevin {
     friction: f64,
-    temperature: f64,
+    temperature: Ramp,
     noise: NoiseStream,
 }
 
 impl Langevin {
     /// A bath at `temperature` (ε/k_B) that draws from `noise`, keyed by step and particle.
     #[must_use]
-    pub fn new(options: &Options, temperature: f64, noise: NoiseStream) -> Self {
+    pub fn new(options: &Options, temperature: impl Into<Ramp>, noise: NoiseStream) -> Self {
         Self {
             friction: options.friction,
-            temperature,
+            temperature: temperature.into(),
             noise,
         }
     }
@@ -99,7 +99,7 @@ impl Langevin {
         let before = system.kinetic_energy(&state.velocities);
         let c = (-self.friction * dt).exp();
         // 1 − c² without cancellation where the friction is small.
-        let variance = -(-2.0 * self.friction * dt).exp_m1() * self.temperature;
+        let variance = -(-2.0 * self.friction * dt).exp_m1() * self.temperature.at(state.step);
         let step = state.step;
         for_each_piece(&mut state.velocities, |first, chunk| {
             for (particle, v) in (first..).zip(chunk) {

@@ -9,6 +9,7 @@
 //! Everything is in reduced units: times in τ = σ√(m/ε), lengths in σ, energies in ε.
 
 pub mod bonds;
+mod chain;
 mod common;
 mod composition;
 pub mod fire;
@@ -34,10 +35,14 @@ pub mod symplectic_euler;
 pub mod velocity_verlet;
 pub mod velocity_verlet_short;
 
+pub mod barostats;
+
 pub mod bussi;
 pub mod langevin;
+pub mod nose_hoover;
 pub mod rescale;
 
+pub use barostats::{BarostatOptions, Coupling, barostats};
 pub use bonds::{BondHolder, BondOptions, BondSpec, bond_methods};
 pub use common::OscillatorModel;
 pub use list::{

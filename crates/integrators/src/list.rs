@@ -2,7 +2,7 @@
 
 use lennard_core::options::{Keys, OptionError, Options};
 use lennard_core::random::NoiseStream;
-use lennard_core::{Integrator, IntegratorSpec, ThermostatSpec};
+use lennard_core::{Integrator, IntegratorSpec, Ramp, ThermostatSpec};
 use serde::{Deserialize, Serialize};
 
 use crate::common::{BathOptions, MethodOptions, OscillatorModel};
@@ -189,7 +189,7 @@ macro_rules! list_of_thermostats {
             pub fn couple(
                 &self,
                 method: Integrator,
-                temperature: f64,
+                temperature: Ramp,
                 noise: NoiseStream,
             ) -> Integrator {
                 match self {
@@ -205,6 +205,8 @@ list_of_thermostats! {
     Rescale: rescale,
     /// Stochastic velocity rescaling of Bussi, Donadio and Parrinello.
     Bussi: bussi,
+    /// Nosé–Hoover chains.
+    NoseHoover: nose_hoover,
     /// Langevin dynamics by the BAOAB splitting, in place of the scene's integrator.
     Langevin: langevin,
 }

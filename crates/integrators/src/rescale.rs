@@ -1,7 +1,7 @@
 //! Velocity rescaling to exactly the wanted temperature, as Verlet did.
 
 use lennard_core::random::NoiseStream;
-use lennard_core::{Integrator, Parts, Step, Thermostat, ThermostatSpec, remembers_nothing};
+use lennard_core::{Integrator, Parts, Ramp, Step, Thermostat, ThermostatSpec, remembers_nothing};
 
 use crate::common::{BathOptions, scale_velocities};
 
@@ -14,7 +14,7 @@ lennard_core::options! {
 }
 
 impl BathOptions for Options {
-    fn couple(&self, method: Integrator, temperature: f64, _noise: NoiseStream) -> Integrator {
+    fn couple(&self, method: Integrator, temperature: Ramp, _noise: NoiseStream) -> Integrator {
         method.with_bath(Rescale::new(self, temperature))
     }
 
@@ -40,16 +40,16 @@ pub const BATH: ThermostatSpec = ThermostatSpec {
 #[derive(Debug, Clone)]
 pub struct Rescale {
     every: u64,
-    temperature: f64,
+    temperature: Ramp,
 }
 
 impl Rescale {
     /// Rescaling to `temperature` (ε/k_B).
     #[must_use]
-    pub fn new(options: &Options, temperature: f64) -> Self {
+    pub fn new(options: &Options, temperature: impl Into<Ramp>) -> Self {
         Self {
             every: options.every,
-            temperature,
+            temperature: temperature.into(),
         }
     }
 }
@@ -67,8 +67,9 @@ impl Thermostat for Rescale {
     }
 
     fn apply(&mut self, s: &mut Step<'_>) -> bool {
-        let wanted = 0.5 * s.n_dof() * self.temperature;
+        let n_dof = s.n_dof();
         let Parts { system, state, .. } = s.parts();
+        let wanted = 0.5 * n_dof * self.temperature.at(state.step);
         let kinetic = system.kinetic_energy(&state.velocities);
         if kinetic <= 0.0 {
             return false;

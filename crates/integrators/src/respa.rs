@@ -140,6 +140,10 @@ impl Method for Respa {
         }
     }
 
+    fn lets_box_change(&self) -> Result<(), &'static str> {
+        Err("it keeps forces of the box as it was; take \"velocity-verlet\" with a barostat")
+    }
+
     fn start(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
         let n = s.system().len();
         self.near.resize(n, DVec3::ZERO);

@@ -50,8 +50,8 @@ pub use found::{StartConfiguration, TrajectoryFrame};
 pub use frame_text::{Frame, FrameStyle, is_element_symbol};
 pub use host::cpu_name;
 pub use record::{
-    AverageRecord, Comparison, Conservation, Host, NeighborRecord, Performance, RUN_SCHEMA,
-    RunRecord, SOUND, StageSeconds, StatePoint, ThermostatRecord, read_run_record,
+    AverageRecord, BarostatRecord, Comparison, Conservation, Host, NeighborRecord, Performance,
+    RUN_SCHEMA, RunRecord, SOUND, StageSeconds, StatePoint, ThermostatRecord, read_run_record,
     read_run_record_bytes,
 };
 pub use sink::{FileMark, Sink};

@@ -52,6 +52,9 @@ pub struct RunRecord {
     pub conservation: Conservation,
     /// What thermostats did in the measured stages; `null` where none was on.
     pub thermostat: Option<ThermostatRecord>,
+    /// What the barostat of the last stage did; absent where none was on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub barostat: Option<BarostatRecord>,
     /// Measured values beside those of the literature.
     pub comparison: Vec<Comparison>,
     /// Remarks that belong beside the numbers.
@@ -226,6 +229,35 @@ pub struct ThermostatRecord {
     pub heat: f64,
     /// The conserved quantity in words (`total energy − heat of the thermostat`).
     pub conserved_quantity: String,
+}
+
+/// What a barostat did.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BarostatRecord {
+    /// Name in the scene (`stochastic-cell-rescaling`).
+    pub name: String,
+    /// Pressure P₀ at the end of the stage, ε/σ³.
+    #[serde(with = "number")]
+    pub pressure: f64,
+    /// Changes of the box proposed in the stage; `null` for a barostat without a test.
+    pub proposed: Option<u64>,
+    /// Changes accepted.
+    pub accepted: Option<u64>,
+    /// Box sides at the end, σ.
+    pub lengths: [f64; 3],
+}
+
+impl BarostatRecord {
+    /// What became of the proposed changes, in words; `None` for a barostat without a test.
+    #[must_use]
+    pub fn acceptance_in_words(&self) -> Option<String> {
+        let (proposed, accepted) = (self.proposed?, self.accepted?);
+        let percent = 100.0 * accepted as f64 / proposed.max(1) as f64;
+        Some(format!(
+            "{}: {accepted} of {proposed} changes of the box accepted ({percent:.1} %)",
+            self.name
+        ))
+    }
 }
 
 /// A measured value beside one of the literature, at the measured temperature and density.

@@ -182,6 +182,17 @@ pub trait EquationOfState: Send + Sync + std::fmt::Debug {
         saturation::solve(&|rho, t| self.at(rho, t), self.spec().critical, temperature)
     }
 
+    /// The density in σ⁻³ of the stable fluid at a pressure (ε/σ³) and a temperature (ε/k_B).
+    ///
+    /// Below the critical temperature that is the gas up to the vapor pressure, and the liquid above it. `None` where the
+    /// equation covers no such state.
+    fn density(&self, pressure: f64, temperature: f64) -> Option<f64> {
+        let saturation = self.saturation(temperature);
+        let state_at = |rho| self.at(rho, temperature);
+        let density = saturation::density_at(&state_at, saturation, pressure, temperature)?;
+        self.check(density, temperature).ok().map(|()| density)
+    }
+
     /// Which phase the state is in.
     fn phase(&self, rho: f64, temperature: f64) -> Phase {
         if self.check(rho, temperature).is_err() {

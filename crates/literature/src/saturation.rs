@@ -161,3 +161,39 @@ fn newton(
         liquid_density: liquid,
     })
 }
+
+/// The largest density that is looked at, σ⁻³: beyond any fluid.
+const DENSEST: f64 = 3.0;
+
+/// The density of the stable fluid at a pressure, by bisection on the branch where p rises with ρ.
+pub(crate) fn density_at(
+    state_at: &dyn Fn(f64) -> FluidState,
+    saturation: Option<Saturation>,
+    pressure: f64,
+    temperature: f64,
+) -> Option<f64> {
+    let is_above = |rho: f64| state_at(rho).pressure > pressure;
+    let (mut below, mut above) = match saturation {
+        Some(s) if pressure <= s.pressure => (0.0, s.vapor_density),
+        Some(s) => (s.liquid_density, 1.02 * s.liquid_density),
+        None => (0.0, 0.5 * (pressure / temperature).min(1.0)),
+    };
+    while !is_above(above) && above < DENSEST {
+        if saturation.is_some_and(|s| above <= s.vapor_density) {
+            break;
+        }
+        below = above;
+        above = 1.02 * above + f64::MIN_POSITIVE;
+    }
+    for _ in 0..2 * ITERATIONS {
+        let middle = 0.5 * (below + above);
+        if is_above(middle) {
+            above = middle;
+        } else {
+            below = middle;
+        }
+    }
+    let density = 0.5 * (below + above);
+    let reached = (state_at(density).pressure - pressure).abs() <= 1e-6 * pressure.abs().max(1e-6);
+    (density > 0.0 && reached).then_some(density)
+}

@@ -11,6 +11,7 @@
 mod averages;
 mod blocks;
 mod catalog;
+mod changing_box;
 mod correlator;
 mod density_profile;
 mod error;
@@ -39,6 +40,7 @@ mod wall_pressure;
 
 pub use blocks::BlockedSums;
 pub use catalog::{ObservableOptions, build, observables};
+pub use changing_box::ChangingBox;
 pub use correlator::{Correlation, Correlator};
 pub use density_profile::{DensityProfile, DensityProfileOptions};
 pub use error::ObservableError;

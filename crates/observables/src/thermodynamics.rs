@@ -86,7 +86,8 @@ pub struct Conservation {
 ///   on relative positions alone, so ρT + W/(3V) is the canonical pressure, and the two differ by T/V. T is here the
 ///   temperature of half steps where there is one: that which W belongs to.
 /// - **Conserved energy** (K + U_conserved − Σ heat)/N, with the potential of which the forces are the
-///   gradient (for a plain cutoff the shifted one).
+///   gradient (for a plain cutoff the shifted one). In a box that changes V·P_tail is added, the energy of the tail
+///   that the motion of the box feels.
 /// - **Configurational temperature** T_conf = ⟨|∇U|²⟩/⟨∇²U⟩. A force that jumps at the cutoff adds a
 ///   delta function to ∇²U that no pair loop can see; its mean, −4πρ r_cut² U′(r_cut) per particle for
 ///   g(r_cut) = 1, is added where [`Thermodynamics::set_force_jump`] has told the jump.
@@ -250,7 +251,7 @@ impl Observable for Thermodynamics {
         let of_positions = view.temperature_of_positions();
         let pressure = n / volume * of_positions + virial / (3.0 * volume);
         let tail = view.tail.unwrap_or_default();
-        let conserved_energy = kinetic + (conserved - view.heat) / n;
+        let conserved_energy = kinetic + (conserved + view.tail_work - view.heat) / n;
         let sampled = conserved / n;
         let (squared_force, laplacian) = if self.options.configurational_temperature {
             let squares: f64 = parallel::ordered_sum(state.len(), |range| {

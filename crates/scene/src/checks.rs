@@ -4,7 +4,9 @@ use lennard_core::{DVec3, PeriodicBox};
 
 use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
-use crate::{Geometry, Placement, Scene, SceneError, Start, accuracy, molecule, walls};
+use crate::{
+    Geometry, Placement, Scene, SceneError, Start, accuracy, bath_checks, molecule, walls,
+};
 
 impl Scene {
     /// Whether all tables go together, for a scene that was changed after it was read: stages, tail correction, and
@@ -94,6 +96,7 @@ impl Scene {
 pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     stages(scene)?;
     molecule::check(scene)?;
+    bath_checks::barostats_fit(scene)?;
     accuracy::check(scene)?;
     walls::check(scene)?;
     if let Some(placement) = scene.placement()? {
@@ -144,16 +147,18 @@ fn stages(scene: &Scene) -> Result<(), SceneError> {
     for (i, stage) in measured {
         let alike = scene.stage_dt(stage) == scene.stage_dt(first)
             && stage.thermostat == first.thermostat
+            && stage.barostat == first.barostat
+            && stage.temperature_from == first.temperature_from
             && (stage.thermostat.is_none() || stage.temperature == first.temperature);
         if !alike {
             return Err(scene
                 .source
                 .refuse(&format!("stage.{i}.measure"), "pools unlike samples")
                 .found(format!(
-                    "stages {:?} and {:?}, both measured, that differ in dt, thermostat or temperature",
+                    "stages {:?} and {:?}, both measured, that differ in dt, thermostat, barostat or temperature",
                     first.name, stage.name
                 ))
-                .allowed("measured stages that are alike in dt, thermostat and temperature"));
+                .allowed("measured stages that are alike in dt, thermostat, barostat and temperature"));
         }
     }
     Ok(())

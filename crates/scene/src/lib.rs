@@ -6,6 +6,8 @@
 //! key with default, unit and what is allowed; messages and `inputs/README.md` are made from it.
 
 mod accuracy;
+mod bath_checks;
+mod baths;
 mod checks;
 mod de;
 mod error;
@@ -29,8 +31,8 @@ pub use error::{Place, SceneError, Source};
 pub use lock::{Chosen, Judged, Lock};
 pub use molecule::{Molecule, MoleculeKind, MoleculeOptions};
 pub use scene::{
-    Checkpoint, Geometry, IntegratorTable, Lattice, ObservableTable, Output, Placement, Scene,
-    Stage, Start, System,
+    Checkpoint, Geometry, IntegratorTable, Lattice, ObservableTable, Output, Placement,
+    PressureControl, Scene, Stage, Start, System,
 };
 pub use tables::DEFAULT_SPLIT;
 pub use walls::WallTable;

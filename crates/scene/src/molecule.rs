@@ -155,6 +155,14 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
             .found("`[[wall]]` and `[molecule]`")
             .allowed("atoms between walls, or molecules in a periodic box"));
     }
+    for (i, stage) in scene.stages.iter().enumerate() {
+        if stage.barostat.is_some() {
+            return Err(source
+                .refuse(&format!("stage.{i}.barostat"), "does not go with molecules")
+                .found("a barostat and `[molecule]`")
+                .allowed("a fixed box: barostats here scale sites, which would stretch bonds"));
+        }
+    }
     if scene.accuracy.is_some() {
         return Err(source
             .refuse("accuracy", "does not go with molecules")

@@ -28,16 +28,6 @@ struct Planned {
 const PLANNED: &[Planned] = &[
     Planned {
         words: &[
-            "barostat",
-            "pressure_control",
-            "npt",
-            "parrinello_rahman",
-            "berendsen_barostat",
-        ],
-        feature: "barostats are",
-    },
-    Planned {
-        words: &[
             "species",
             "mixture",
             "mixing",
@@ -61,13 +51,93 @@ const PLANNED: &[Planned] = &[
     },
 ];
 
-/// What a name stands for that is not there yet: "barostats are not available yet".
+/// Names that belong elsewhere.
+const PRESSURE_WORDS: [&str; 4] = ["barostat", "pressure_control", "pressure_coupling", "npt"];
+
+/// What a name stands for that is not there, or not there yet: "triclinic boxes are not available yet".
 pub(crate) fn not_yet(name: &str) -> Option<String> {
     let name = name.to_lowercase().replace('-', "_");
+    if PRESSURE_WORDS.contains(&name.as_str()) {
+        return Some(
+            "a barostat belongs to a stage, as `barostat = { kind, pressure }`".to_owned(),
+        );
+    }
     PLANNED
         .iter()
         .find(|planned| planned.words.contains(&name.as_str()))
         .map(|planned| format!("{} not available yet", planned.feature))
+}
+
+/// A method that others have and this program leaves out: its names, why, and what to take.
+struct LeftOut {
+    words: &'static [&'static str],
+    why: &'static str,
+}
+
+const THERMOSTATS_LEFT_OUT: &[LeftOut] = &[
+    LeftOut {
+        words: &["andersen"],
+        why: "it samples as `langevin` does, and disturbs the motion alike: take `langevin`",
+    },
+    LeftOut {
+        words: &["berendsen", "weak_coupling"],
+        why: "it samples no known ensemble: take `bussi`, which is as quick and canonical",
+    },
+    LeftOut {
+        words: &["isokinetic", "gaussian", "velocity_scaling"],
+        why: "it fixes the kinetic energy: take `bussi` to sample, `rescale` to equilibrate",
+    },
+    LeftOut {
+        words: &["csvr", "v_rescale", "stochastic_velocity_rescaling"],
+        why: "its name here is `bussi`",
+    },
+    LeftOut {
+        words: &["nhc", "nose", "nose_hoover_chain", "nose_hoover_chains"],
+        why: "its name here is `nose-hoover`",
+    },
+];
+
+const BAROSTATS_LEFT_OUT: &[LeftOut] = &[
+    LeftOut {
+        words: &["berendsen", "weak_coupling"],
+        why: "it samples no known ensemble: take `stochastic-cell-rescaling`, which is as quick and exact",
+    },
+    LeftOut {
+        words: &["parrinello_rahman"],
+        why: "boxes here stay orthorhombic: take `stochastic-cell-rescaling` with `coupling = \"xy-z\"`",
+    },
+    LeftOut {
+        words: &["monte_carlo", "mc"],
+        why: "it is blind to the virial: take `stochastic-cell-rescaling`, whose moves have a Metropolis test too",
+    },
+    LeftOut {
+        words: &[
+            "langevin_piston",
+            "andersen",
+            "nose_hoover",
+            "mttk",
+            "martyna_tobias_klein",
+        ],
+        why: "take `mtk`, or `stochastic-cell-rescaling`",
+    },
+    LeftOut {
+        words: &["c_rescale", "crescale", "scr", "bernetti_bussi"],
+        why: "its name here is `stochastic-cell-rescaling`",
+    },
+];
+
+/// Why a method that others have is not here, and what to take: `key` says what kind of method it is.
+pub(crate) fn left_out(key: &str, name: &str) -> Option<&'static str> {
+    let list = if key.contains("thermostat") {
+        THERMOSTATS_LEFT_OUT
+    } else if key.contains("barostat") {
+        BAROSTATS_LEFT_OUT
+    } else {
+        return None;
+    };
+    let name = name.to_lowercase().replace(['-', ' '], "_");
+    let found = list.iter().find(|one| one.words.contains(&name.as_str()));
+    found.map(|one| one.why)
 }
 
 #[cfg(test)]

@@ -20,6 +20,9 @@ pub(crate) const HOTTEST: f64 = 1e6;
 /// The lowest and the highest number density, σ⁻³: one particle in the longest box, and far beyond any solid.
 pub(crate) const THINNEST: f64 = 1e-18;
 pub(crate) const DENSEST: f64 = 1e3;
+/// The lowest and the highest pressure of a barostat, ε/σ³: far outside, numbers vanish or overflow on the way.
+pub(crate) const LEAST_PRESSURE: f64 = 1e-12;
+pub(crate) const LARGEST_PRESSURE: f64 = 1e6;
 /// The shortest and the longest time step, τ: far below, the time of a run no longer moves.
 pub(crate) const SHORTEST_STEP: f64 = 1e-9;
 pub(crate) const LONGEST_STEP: f64 = 1e3;
@@ -150,6 +153,21 @@ static TABLES: &[TableDoc] = &[
         meaning: "The heat bath with its own keys; a name alone (`thermostat = \"bussi\"`) takes their defaults.",
     },
     TableDoc {
+        table: "stage.barostat",
+        heading: "`barostat = { … }` of a stage",
+        meaning: "The pressure bath with its own keys. It needs a thermostat that samples the canonical ensemble.",
+    },
+    TableDoc {
+        table: "stage.temperature",
+        heading: "`temperature = { from, to }` of a stage",
+        meaning: "A ramp: the temperature of the thermostat changes linearly with the steps.",
+    },
+    TableDoc {
+        table: "stage.barostat.pressure",
+        heading: "`pressure = { from, to }` of a barostat",
+        meaning: "A ramp: the pressure changes linearly with the steps.",
+    },
+    TableDoc {
         table: "observable",
         heading: "`[[observable]]`",
         meaning: "What is measured in the measured stages, besides the thermodynamics that every run measures. \
@@ -226,12 +244,25 @@ static SHARED: &[(&str, Keys)] = keys! {
         "name": Words("letters, digits, `-` and `_`, not digits alone, and unlike any other stage's"), "needed", "", "Its name, by which `--set stage.NAME.steps=…` finds it.";
         "steps": Whole(1, MOST_STEPS), "needed", "", "Number of steps.";
         "thermostat": Words("\"none\", the name of a thermostat, or a table with `kind` and its keys"), "`\"none\"`", "", "The heat bath; none is constant energy.";
-        "temperature": Between(COLDEST, HOTTEST), "`system.temperature`", "ε/k_B", "Temperature of the thermostat.";
+        "barostat": Words("\"none\", or a table with `kind`, `pressure` and its keys"), "`\"none\"`", "", "The pressure bath; none is constant volume.";
+        "temperature": Between(COLDEST, HOTTEST), "`system.temperature`", "ε/k_B", "Temperature of the thermostat, or a ramp `{ from, to }`.";
         "dt": Between(SHORTEST_STEP, LONGEST_STEP), "`integrator.dt`", "τ", "Time step of this stage.";
-        "measure": Flag, "`true` for the last stage, else `false`", "", "Whether observables and the trajectory look at this stage. Measured stages must be alike in dt, thermostat and temperature, since their samples are pooled.";
+        "measure": Flag, "`true` for the last stage, else `false`", "", "Whether observables and the trajectory look at this stage. Measured stages must be alike in dt, thermostat, barostat and temperature, since their samples are pooled.";
     }
     "stage.thermostat" {
         "kind": Names(|| lennard_integrators::thermostats().iter().map(|t| t.name).collect()), "needed", "", "The thermostat.";
+    }
+    "stage.barostat" {
+        "kind": Names(|| lennard_integrators::barostats().iter().map(|b| b.name).collect()), "needed", "", "The barostat.";
+        "pressure": ZeroOrBetween(LEAST_PRESSURE, LARGEST_PRESSURE), "needed", "ε/σ³", "Pressure to hold, or a ramp `{ from, to }`.";
+    }
+    "stage.temperature" {
+        "from": Between(COLDEST, HOTTEST), "needed", "ε/k_B", "Temperature at the start of the stage.";
+        "to": Between(COLDEST, HOTTEST), "needed", "ε/k_B", "Temperature at its end.";
+    }
+    "stage.barostat.pressure" {
+        "from": ZeroOrBetween(LEAST_PRESSURE, LARGEST_PRESSURE), "needed", "ε/σ³", "Pressure at the start of the stage.";
+        "to": ZeroOrBetween(LEAST_PRESSURE, LARGEST_PRESSURE), "needed", "ε/σ³", "Pressure at its end.";
     }
     "observable" {
         "kind": Names(|| lennard_observables::observables().iter().map(|o| o.name).collect()), "needed", "", "The observable.";
@@ -281,6 +312,7 @@ fn of_methods(table: &str) -> Vec<(&'static str, Keys)> {
             all
         }
         "wall" => lennard_forcefield::WallOptions::keys(),
+        "stage.barostat" => lennard_integrators::BarostatOptions::keys(),
         "stage.thermostat" => lennard_integrators::ThermostatOptions::keys(),
         "observable" => lennard_observables::ObservableOptions::keys(),
         _ => Vec::new(),

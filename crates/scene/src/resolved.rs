@@ -6,7 +6,7 @@ use lennard_core::DVec3;
 use lennard_forcefield::{
     KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions, WallOptions,
 };
-use lennard_integrators::{BondOptions, IntegratorOptions, ThermostatOptions};
+use lennard_integrators::{BarostatOptions, BondOptions, IntegratorOptions, ThermostatOptions};
 use lennard_observables::ObservableOptions;
 use serde::Serialize;
 
@@ -88,11 +88,33 @@ struct Stage<'a> {
     name: &'a str,
     steps: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
-    temperature: Option<f64>,
+    temperature: Option<Ramp>,
     #[serde(skip_serializing_if = "Option::is_none")]
     dt: Option<f64>,
     measure: bool,
     thermostat: Thermostat<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    barostat: Option<Barostat<'a>>,
+}
+
+#[derive(Serialize)]
+struct Barostat<'a> {
+    pressure: Ramp,
+    #[serde(flatten)]
+    options: &'a BarostatOptions,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Ramp {
+    Constant(f64),
+    Linear { from: f64, to: f64 },
+}
+
+impl Ramp {
+    fn new(from: Option<f64>, to: f64) -> Self {
+        from.map_or(Self::Constant(to), |from| Self::Linear { from, to })
+    }
 }
 
 #[derive(Serialize)]
@@ -266,9 +288,16 @@ fn resolved_stage(stage: &crate::Stage) -> Stage<'_> {
     Stage {
         name: &stage.name,
         steps: stage.steps,
-        temperature: stage.thermostat.as_ref().map(|_| stage.temperature),
+        temperature: stage
+            .thermostat
+            .as_ref()
+            .map(|_| Ramp::new(stage.temperature_from, stage.temperature)),
         dt: stage.dt,
         measure: stage.measure,
         thermostat,
+        barostat: stage.barostat.as_ref().map(|control| Barostat {
+            pressure: Ramp::new(control.pressure_from, control.pressure),
+            options: &control.options,
+        }),
     }
 }

@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use lennard_core::{DVec3, PeriodicBox};
+use lennard_core::{DVec3, PeriodicBox, Ramp};
 use lennard_forcefield::{
     ForceFieldOptions, KernelOptions, NeighborOptions, PotentialOptions, SplitOptions,
     TruncationOptions,
 };
-use lennard_integrators::{IntegratorOptions, ThermostatOptions};
+use lennard_integrators::{BarostatOptions, IntegratorOptions, ThermostatOptions};
 use lennard_observables::ObservableOptions;
 use serde::{Deserialize, Serialize};
 
@@ -217,14 +217,53 @@ pub struct Stage {
     pub name: String,
     /// Number of steps.
     pub steps: u64,
-    /// Temperature of its thermostat in ε/k_B; that of the system where none is given.
+    /// Temperature of its thermostat in ε/k_B, at the end of a ramp; that of the system where none is given.
     pub temperature: f64,
+    /// Temperature at the start of a ramp in ε/k_B; `None` for a constant temperature.
+    pub temperature_from: Option<f64>,
     /// Its own time step in τ.
     pub dt: Option<f64>,
     /// The heat bath; `None` is constant energy.
     pub thermostat: Option<ThermostatOptions>,
+    /// The pressure bath; `None` is constant volume.
+    pub barostat: Option<PressureControl>,
     /// Whether observables look at it.
     pub measure: bool,
+}
+
+/// The `barostat` of a stage.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PressureControl {
+    /// Pressure in ε/σ³, at the end of a ramp.
+    pub pressure: f64,
+    /// Pressure at the start of a ramp in ε/σ³; `None` for a constant pressure.
+    pub pressure_from: Option<f64>,
+    /// The barostat with its own keys.
+    pub options: BarostatOptions,
+}
+
+impl Stage {
+    /// The temperature of the bath at each step, for a stage that begins at step `first`.
+    #[must_use]
+    pub fn temperature_ramp(&self, first: u64) -> Ramp {
+        let from = self.temperature_from.unwrap_or(self.temperature);
+        Ramp::linear(from, self.temperature, first, self.steps)
+    }
+
+    /// The pressure at each step, for a stage that begins at step `first`; `None` without a barostat.
+    #[must_use]
+    pub fn pressure_ramp(&self, first: u64) -> Option<Ramp> {
+        let control = self.barostat.as_ref()?;
+        let from = control.pressure_from.unwrap_or(control.pressure);
+        Some(Ramp::linear(from, control.pressure, first, self.steps))
+    }
+
+    /// Whether temperature or pressure change on the way.
+    #[must_use]
+    pub fn is_ramp(&self) -> bool {
+        let pressure = self.barostat.as_ref().and_then(|b| b.pressure_from);
+        self.temperature_from.is_some() || pressure.is_some()
+    }
 }
 
 /// A table `[[observable]]`.

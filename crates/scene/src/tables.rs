@@ -129,9 +129,11 @@ impl Reader<'_> {
         temperature: f64,
         last: bool,
     ) -> Result<Stage, SceneError> {
-        let section = Section::new(self.source, path, "stage").with(&["thermostat"]);
+        let section = Section::new(self.source, path, "stage").with(&["thermostat", "barostat"]);
         let mut node = node.clone();
         let thermostat = take(&mut node, "thermostat");
+        let barostat = take(&mut node, "barostat");
+        let ramp = self.take_ramp(&mut node, "temperature", &section, "stage.temperature")?;
         let table: StageTable = section.read(&node)?;
         let good_name = |name: &str| {
             name.chars()
@@ -147,7 +149,13 @@ impl Reader<'_> {
             Some(entry) => self.thermostat(path, &entry.node)?,
             None => None,
         };
-        if let (None, Some(written)) = (&thermostat, table.temperature) {
+        let barostat = match &barostat {
+            Some(entry) => self.barostat(path, &entry.node)?,
+            None => None,
+        };
+        let written = ramp.map(|[from, to]| format!("from {from} to {to}"));
+        let written = written.or(table.temperature.map(|t| t.to_string()));
+        if let (None, Some(written)) = (&thermostat, written) {
             return Err(self
                 .source
                 .refuse(&section.name("temperature"), "has nothing to act on")
@@ -157,9 +165,14 @@ impl Reader<'_> {
         Ok(Stage {
             name: table.name,
             steps: table.steps,
-            temperature: table.temperature.unwrap_or(temperature),
+            temperature: match ramp {
+                Some([_, to]) => to,
+                None => table.temperature.unwrap_or(temperature),
+            },
+            temperature_from: ramp.map(|[from, _]| from),
             dt: table.dt,
             thermostat,
+            barostat,
             measure: table.measure.unwrap_or(last),
         })
     }

@@ -5,7 +5,7 @@ use serde::de::DeserializeOwned;
 use crate::Source;
 use crate::de::{Fault, Trouble};
 use crate::error::SceneError;
-use crate::names::{nearest, not_yet};
+use crate::names::{left_out, nearest, not_yet};
 use crate::reference::{self, Allowed, quoted};
 use crate::tree::{Entry, Node, Table, Value};
 
@@ -194,9 +194,11 @@ impl<'a> Section<'a> {
 
     /// The error for a name that nothing is called by.
     pub fn unknown_name(&self, key: &str, found: &str, known: &[&str]) -> SceneError {
+        let name = self.name(key);
+        let why = left_out(&name, found).map(str::to_owned);
         let error = self.source.refuse(
-            &self.name(key),
-            match not_yet(found) {
+            &name,
+            match why.or_else(|| not_yet(found)) {
                 Some(message) => format!("cannot be \"{found}\": {message}"),
                 None => "is not a known name".to_owned(),
             },

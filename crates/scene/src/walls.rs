@@ -120,24 +120,24 @@ impl Scene {
         }
     }
 
-    /// Refuses a fluid between walls or in a field, for a study of a homogeneous one.
+    /// Refuses molecules, and a fluid between walls or in a field, for a study of homogeneous fluids of atoms.
     ///
     /// # Errors
     /// [`SceneError`] with the table that confines the fluid.
     pub fn homogeneous_for(&self, study: &str) -> Result<(), SceneError> {
-        let Some(confined) = self.confined_by() else {
-            return Ok(());
-        };
-        let key = if self.walls.is_empty() {
-            "field"
-        } else {
-            "wall"
+        let (key, found) = match (self.confined_by(), &self.molecule) {
+            (Some(confined), _) if self.walls.is_empty() => ("field", confined),
+            (Some(confined), _) => ("wall", confined),
+            (None, Some(_)) => ("molecule", "molecules"),
+            (None, None) => return Ok(()),
         };
         Err(self
             .source
             .refuse(key, format!("does not go with `{study}`"))
-            .found(format!("a fluid with {confined}"))
-            .allowed(format!("`{study}` of a scene without walls and field")))
+            .found(format!("a fluid with {found}"))
+            .allowed(format!(
+                "`{study}` of a scene of atoms without walls and field"
+            )))
     }
 
     /// The walls of this scene in a box; `None` where it has none.
@@ -219,6 +219,14 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
         return Ok(());
     };
     let source = &scene.source;
+    for (i, stage) in scene.stages.iter().enumerate() {
+        if stage.barostat.is_some() {
+            return Err(source
+                .refuse(&format!("stage.{i}.barostat"), "needs a homogeneous fluid")
+                .found(format!("a barostat with {confined}"))
+                .allowed("a scene without walls and field, or a fixed box"));
+        }
+    }
     if scene.accuracy.is_some() {
         return Err(source
             .refuse("accuracy", "is judged in a homogeneous fluid")
@@ -300,7 +308,7 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
         let method = lennard_integrators::build(&scene.integrator.method);
         let noise = Streams::new(0).noise("check");
         let integrator = match &stage.thermostat {
-            Some(bath) => bath.couple(method, stage.temperature, noise),
+            Some(bath) => bath.couple(method, stage.temperature_ramp(0), noise),
             None => method,
         };
         if !integrator.takes_hard_walls() {

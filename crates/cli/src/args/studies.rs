@@ -203,6 +203,8 @@ pub enum Listed {
     Integrators,
     /// Heat baths.
     Thermostats,
+    /// Barostats.
+    Barostats,
     /// Pair potentials.
     Potentials,
     /// Ways to end a potential.

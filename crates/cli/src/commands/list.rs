@@ -10,11 +10,27 @@ use crate::failure::Failure;
 use crate::list_entry::Entry;
 use crate::show;
 
+/// A JSON object of properties.
+macro_rules! properties {
+    ($($key:literal: $value:expr),* $(,)?) => {
+        [$(($key.to_owned(), serde_json::json!($value))),*].into_iter().collect()
+    };
+}
+
 /// Prints a list.
 pub fn list(args: &ListArgs) -> Result<ExitCode, Failure> {
     let entries = match args.what {
         Listed::Integrators => integrators(),
         Listed::Thermostats => thermostats(),
+        Listed::Barostats => lennard_integrators::barostats()
+            .iter()
+            .map(|s| Entry {
+                properties: properties! {
+                    "thermostat beside it": s.thermostat.unwrap_or("any that is canonical"),
+                },
+                ..plain(s.name, s.summary, s.equation, s.source)
+            })
+            .collect(),
         Listed::Potentials => lennard_forcefield::potentials()
             .iter()
             .map(|s| plain(s.name, s.summary, s.equation, s.source))
@@ -54,13 +70,6 @@ fn plain(name: &str, summary: &str, equation: &str, source: &str) -> Entry {
         properties: serde_json::Map::new(),
         source: source.into(),
     }
-}
-
-/// A JSON object of properties.
-macro_rules! properties {
-    ($($key:literal: $value:expr),* $(,)?) => {
-        [$(($key.to_owned(), serde_json::json!($value))),*].into_iter().collect()
-    };
 }
 
 fn integrators() -> Vec<Entry> {

@@ -44,6 +44,8 @@ pub(super) struct Costs {
     pub(super) force_bytes: u64,
     /// Bytes of what a checkpoint is put together in.
     pub(super) checkpoint_bytes: usize,
+    /// An evaluation with energy and virial.
+    evaluation: f64,
     /// What energy and virial add to an evaluation.
     totals: f64,
     /// What the Laplacian adds to that.
@@ -124,6 +126,7 @@ impl Costs {
             neighbor: statistics.neighbor_seconds / all,
             force_bytes: bare.forces.statistics().bytes,
             checkpoint_bytes: checkpoint_bytes(&bare),
+            evaluation: energies,
             totals: energies - forces,
             laplacian: laplacian - energies,
             per_particle,
@@ -155,6 +158,12 @@ impl Costs {
             add("energy and virial", steps / rows as f64 * self.totals);
             if let Some(thermostat) = &stage.thermostat {
                 add(&bath_name(stage, thermostat.name()), steps * bath);
+            }
+            if let Some(control) = &stage.barostat {
+                let changes = steps / control.options.interval() as f64;
+                let name = barostat_name(stage, control.options.name());
+                // The step before it asks for energy and virial too.
+                add(&name, changes * (self.evaluation + self.totals));
             }
             if !stage.measure {
                 continue;
@@ -205,6 +214,11 @@ fn alone(every: u64, rows: u64) -> f64 {
 /// The name of a stage's heat bath in the plan.
 pub(super) fn bath_name(stage: &Stage, thermostat: &str) -> String {
     format!("thermostat {thermostat} of {}", stage.name)
+}
+
+/// The name of a stage's barostat in the plan.
+pub(super) fn barostat_name(stage: &Stage, barostat: &str) -> String {
+    format!("barostat {barostat} of {}", stage.name)
 }
 
 fn gcd(a: u64, b: u64) -> u64 {
@@ -292,7 +306,7 @@ fn bath(bare: &Simulation, stage: &Stage) -> f64 {
         let (seconds, failed) = timed(|| started.is_err() || (0..STEPS).any(|_| step().is_err()));
         if failed { 0.0 } else { seconds / STEPS as f64 }
     };
-    time(options.couple(method(), stage.temperature, noise)) - time(method())
+    time(options.couple(method(), stage.temperature_ramp(0), noise)) - time(method())
 }
 
 /// Formatting one frame, without the disk.

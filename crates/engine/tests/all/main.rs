@@ -4,6 +4,7 @@ mod hostile;
 mod invariants;
 mod messages;
 mod molecules;
+mod pressure;
 mod restart;
 mod walls;
 mod watching;

@@ -132,8 +132,8 @@ fn forces_and_steps_that_fail_say_which_particle_and_which_method() {
             largest: 2.4
         }
         .to_string(),
-        "the cutoff of 2.5 σ exceeds half the shortest side of the box, 2.4 σ; take more particles, a shorter cutoff or \
-         a higher pressure"
+        "the box has shrunk to 4.800 σ, below twice the cutoff of 2.5 σ; take more particles, a shorter cutoff or \
+         a lower pressure"
     );
     assert_eq!(
         lennard_neighbor::GridError::BadPosition { particle: 7 }.to_string(),

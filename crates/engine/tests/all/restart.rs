@@ -197,6 +197,49 @@ fn every_integrator_with_every_bath_goes_on_to_the_bit() {
 }
 
 #[test]
+fn every_barostat_with_every_bath_and_ramps_go_on_to_the_bit() {
+    for spec in lennard_integrators::barostats() {
+        let barostat = format!(
+            "{{ kind = \"{}\", pressure = 3.0, tau = 0.2, interval = 5 }}",
+            spec.name
+        );
+        let barostat = if spec.thermostat.is_some() {
+            barostat.replace(", interval = 5", "")
+        } else {
+            barostat
+        };
+        let suits = |name: &str| spec.thermostat.is_none_or(|wanted| wanted == name);
+        let mut ran = 0;
+        for bath in lennard_integrators::thermostats() {
+            if bath.canonical && suits(bath.name) {
+                ran += 1;
+                assert!(in_parts(&[
+                    ("stage.melt.thermostat", bath.name),
+                    ("stage.melt.barostat", &barostat),
+                    ("stage.melt.temperature", "{ from = 2.0, to = 1.2 }"),
+                    ("stage.production.thermostat", bath.name),
+                    ("stage.production.barostat", &barostat),
+                    (
+                        "observable",
+                        r#"[{kind="rdf", every=10}, {kind="pressure-tensor", every=2}]"#
+                    ),
+                ]));
+            }
+        }
+        assert!(ran > 0, "{} ran with no bath", spec.name);
+    }
+    let ramp = "{ kind = \"stochastic-cell-rescaling\", pressure = { from = 2.0, to = 5.0 }, tau = 0.2, interval = 5, coupling = \"z\" }";
+    for method in ["leapfrog", "stormer-verlet", "pefrl"] {
+        assert!(in_parts(&[
+            ("integrator.kind", method),
+            ("stage.production.thermostat", "bussi"),
+            ("stage.production.temperature", "{ from = 1.2, to = 1.5 }"),
+            ("stage.production.barostat", ramp),
+        ]));
+    }
+}
+
+#[test]
 fn every_observable_list_state_and_precision_goes_on_to_the_bit() {
     assert!(in_parts(&[("observable", ALL_OBSERVABLES)]));
     assert!(in_parts(&[("neighbor.mode", "direct")]));

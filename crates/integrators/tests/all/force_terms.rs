@@ -161,7 +161,7 @@ fn steps_between_two_actions_of_a_bath_are_taken_at_once_with_the_same_bits() {
     for (options, longest) in [(rescale, 3), (bussi, 1)] {
         let integrator = || {
             let noise = Streams::new(7).noise("bath");
-            options.couple(build(&IntegratorOptions::default()), 0.4, noise)
+            options.couple(build(&IntegratorOptions::default()), 0.4.into(), noise)
         };
         let (mut one, mut all) = (start(), start());
         let (mut single, mut strides) = (integrator(), integrator());

@@ -7,6 +7,7 @@ use lennard_core::{
 };
 use lennard_integrators::bussi::{self, Bussi};
 use lennard_integrators::langevin::{self, Langevin};
+use lennard_integrators::nose_hoover::{self, NoseHoover};
 use lennard_integrators::oscillator::{HarmonicForces, OscillatorConstraint};
 use lennard_integrators::rescale::{self, Rescale};
 use lennard_integrators::{
@@ -51,9 +52,14 @@ fn bussi_bath(tau: f64, seed: u64) -> Bussi {
 }
 
 /// The baths that scale all velocities by one factor.
-fn rescaling_baths() -> [Box<dyn Thermostat>; 2] {
+fn rescaling_baths() -> [Box<dyn Thermostat>; 3] {
+    let chain = NoseHoover::new(&nose_hoover::Options::default(), TEMPERATURE);
     let rescale = Rescale::new(&rescale::Options { every: 1 }, TEMPERATURE);
-    [Box::new(rescale), Box::new(bussi_bath(0.5, 1))]
+    [
+        Box::new(rescale),
+        Box::new(bussi_bath(0.5, 1)),
+        Box::new(chain),
+    ]
 }
 
 /// Lets a bath act once, and returns the heat, or nothing where it did not act.
@@ -260,11 +266,12 @@ fn energy_minus_heat_is_conserved_under_rescaling_and_stochastic_rescaling() {
     for options in [
         ThermostatOptions::Rescale(rescale::Options { every: 7 }),
         ThermostatOptions::Bussi(bussi::Options { tau: 0.3 }),
+        ThermostatOptions::NoseHoover(nose_hoover::Options { tau: 0.3, chain: 3 }),
     ] {
         let system = System::atoms(n);
         let method = build(&IntegratorOptions::default());
         let noise = Streams::new(3).noise("heat");
-        let mut integrator = options.couple(method, TEMPERATURE, noise);
+        let mut integrator = options.couple(method, TEMPERATURE.into(), noise);
         let mut forces = HarmonicForces::new(omega * omega);
         let mut state = canonical_start(n, 4, 3.0 * TEMPERATURE);
         let energy = |s: &State| system.kinetic_energy(&s.velocities) + potential(s, 1.0);

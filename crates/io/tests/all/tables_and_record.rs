@@ -197,6 +197,7 @@ fn record() -> RunRecord {
             energy_rms_per_atom: 1e-4,
             momentum_per_atom: 1e-17,
         },
+        barostat: None,
         thermostat: Some(ThermostatRecord {
             name: "bussi".into(),
             heat: -3.5,

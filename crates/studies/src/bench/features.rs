@@ -8,9 +8,9 @@ use lennard_engine::{
     Action, ENDLESS, EngineError, Follower, Operation, Past, RunFiles, Schedule, Simulation,
     Trigger, Verdict, capture, take, watchdog, watching_seconds,
 };
-use lennard_integrators::ThermostatOptions;
+use lennard_integrators::{BarostatOptions, ThermostatOptions};
 use lennard_observables::ObservableOptions;
-use lennard_scene::{ObservableTable, Scene};
+use lennard_scene::{ObservableTable, PressureControl, Scene};
 use serde::Serialize;
 
 use super::blocks::{Blocks, SETTLING, in_turns, spread};
@@ -143,9 +143,39 @@ pub(super) fn measure(
     })
 }
 
+/// The thermostat beside a barostat that takes any.
+const BATH_OF_BAROSTATS: &str = "bussi";
+
 fn item(name: impl Into<String>, how: impl Into<String>, on: On) -> Item {
     let (name, how) = (name.into(), how.into());
     Item { name, how, on }
+}
+
+/// Makes the scene that a change leaves.
+type Changed<'a> = dyn Fn(&dyn Fn(&mut Scene)) -> Box<Scene> + 'a;
+
+/// Each barostat with the thermostat that it goes with, so slow that the box hardly changes.
+fn barostats(scene: &Scene, with: &Changed<'_>) -> Vec<Item> {
+    const SLOWEST: &str = "tau = 1e6";
+    let specs = lennard_integrators::barostats().iter();
+    let items = specs.filter_map(|spec| {
+        let bath = spec.thermostat.unwrap_or(BATH_OF_BAROSTATS);
+        let thermostat: ThermostatOptions = toml::from_str(&format!("kind = \"{bath}\"")).ok()?;
+        let text = format!("kind = \"{}\"\n{SLOWEST}", spec.name);
+        let options: BarostatOptions = toml::from_str(&text).ok()?;
+        let control = PressureControl {
+            pressure: scene.system.temperature,
+            pressure_from: None,
+            options,
+        };
+        let how = format!("every {} steps, with {bath}", control.options.interval());
+        let on = with(&|s| {
+            s.stages[0].thermostat = Some(thermostat.clone());
+            s.stages[0].barostat = Some(control.clone());
+        });
+        Some(item(format!("barostat {}", spec.name), how, On::More(on)))
+    });
+    items.collect()
 }
 
 /// Everything that can be measured over a block; and what cannot, with the reason.
@@ -175,6 +205,7 @@ fn items(scene: &Scene, blocks: &Blocks) -> (Vec<Item>, Vec<String>) {
             items.push(item(name, EVERY_STEP, On::More(scene)));
         }
     }
+    items.extend(barostats(scene, &with));
     let mut left_out = Vec::new();
     for options in ObservableOptions::all() {
         let is_thermo = matches!(options, ObservableOptions::Thermodynamics(_));

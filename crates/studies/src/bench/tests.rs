@@ -107,6 +107,7 @@ fn features_are_all_measured_and_the_engine_is_measured_against_the_bare_loop() 
         "thermo.csv",
         "checkpoints",
         "thermostat bussi",
+        "barostat stochastic-cell-rescaling",
         "watchdog (always on)",
     ] {
         assert!(found.features.iter().any(|f| f.name == name), "{name}");

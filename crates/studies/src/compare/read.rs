@@ -93,9 +93,10 @@ impl RunFolder {
         }
         let record = lennard_io::read_run_record(&path)?;
         let scene = Scene::load(&folder.join("scene.toml"), &[])?;
+        let box_changes = scene.stages.iter().any(|s| s.barostat.is_some());
         let cell = match scene.placement()? {
-            Some(placement) => placement.cell,
-            None => {
+            Some(placement) if !box_changes => placement.cell,
+            _ => {
                 let last = folder.join("final.xyz");
                 lennard_io::read_configuration(&last)
                     .map_err(|e| ReadError::Box {
@@ -107,7 +108,10 @@ impl RunFolder {
         };
         Ok(Self {
             folder: folder.to_owned(),
-            density: record.atoms as f64 / cell.volume(),
+            density: record
+                .averages
+                .get("density")
+                .map_or(record.atoms as f64 / cell.volume(), |density| density.mean),
             shortest_side: cell.lengths().min_element(),
             scene,
             record,

@@ -2,6 +2,7 @@
 
 use lennard_literature::{EquationOfState, ModelKind, TransportProperty, equation_of_state_for};
 use lennard_observables::HeldTemperature;
+use lennard_scene::PressureControl;
 
 use super::read::HALF_STEPS;
 use super::tail_bias::tail_bias;
@@ -11,6 +12,10 @@ use super::{Row, RunFolder, StateOfMatter, Verdict};
 /// Energy and pressure: the equation of state may itself be off by so much.
 const ENERGY: Tolerance = Tolerance::new(4.0, 0.003, 0.0);
 const PRESSURE: Tolerance = Tolerance::new(4.0, 0.005, 0.0);
+/// The density at constant pressure: the equation of state may itself be off by so much.
+const DENSITY: Tolerance = Tolerance::new(4.0, 0.0, 0.003);
+/// The pressure beside the pressure of the barostat, which the mean meets exactly.
+const HELD_PRESSURE: Tolerance = Tolerance::new(4.0, 0.003, 0.0);
 /// Vapor pressure beside the normal pressure of a slab: the equation of state may itself be off by so much.
 const VAPOR_PRESSURE: Tolerance = Tolerance::new(4.0, 0.002, 0.0);
 /// The kinetic temperature beside the temperature of its bath. A run that is off by more says so of all its means.
@@ -24,11 +29,14 @@ const TEMPERATURES: Tolerance = Tolerance::new(4.0, 0.0, 0.005);
 type Beside = fn(&Compared<'_>, Row) -> Row;
 
 /// Every quantity that has a reference, with the way in which it is held against it.
-const REFERENCES: [(&str, Beside); 13] = [
+const REFERENCES: [(&str, Beside); 14] = [
     ("temperature", |c, row| c.beside_bath(row, false)),
     (HALF_STEPS, |c, row| c.beside_bath(row, true)),
-    ("potential_energy", |c, row| c.beside_equation(row, ENERGY)),
-    ("pressure", |c, row| c.beside_equation(row, PRESSURE)),
+    ("potential_energy", |c, row| c.potential_energy(row)),
+    ("pressure", |c, row| c.pressure(row)),
+    ("density", |c, row| {
+        c.beside_equation_at_pressure(row, DENSITY)
+    }),
     ("heat_capacity", |c, row| c.heat_capacity(row)),
     ("configurational_temperature", |c, row| {
         c.configurational_temperature(row)
@@ -56,9 +64,11 @@ const HANSEN_VERLET_SOURCE: &str =
     "J.-P. Hansen and L. Verlet, Phys. Rev. 184, 151 (1969), doi:10.1103/PhysRev.184.151";
 
 /// The quantities that readers look for first, in the order of a table.
-const PRIMARY: [&str; 9] = [
+const PRIMARY: [&str; 11] = [
     "potential_energy",
     "pressure",
+    "density",
+    "enthalpy",
     "heat_capacity",
     "configurational_temperature",
     "diffusion_coefficient",
@@ -204,6 +214,61 @@ impl Compared<'_> {
             };
             row = row.biased_by(bias, &format!("the tail beyond a cutoff of {r_cut} σ"));
         }
+        self.unless_frozen(row)
+    }
+
+    /// The barostat of the measured stages.
+    fn barostat(&self) -> Option<&PressureControl> {
+        let measured = self.run.scene.stages.iter().find(|s| s.measure)?;
+        measured.barostat.as_ref()
+    }
+
+    fn potential_energy(&self, row: Row) -> Row {
+        if self.barostat().is_some() {
+            self.beside_equation_at_pressure(row, ENERGY)
+        } else {
+            self.beside_equation(row, ENERGY)
+        }
+    }
+
+    /// P beside the equation of state, or beside the pressure of the barostat.
+    fn pressure(&self, row: Row) -> Row {
+        let Some(control) = self.barostat() else {
+            return self.beside_equation(row, PRESSURE);
+        };
+        if control.pressure_from.is_some() {
+            return row;
+        }
+        // With N_f/3 = N − 1 the mean of ρT + W/(3V) + P_tail is above P₀ by T/V.
+        let missing = self.run.record.atoms as f64 - self.run.record.n_dof as f64 / 3.0;
+        let volume = self.run.average("volume").map_or(f64::INFINITY, |v| v.mean);
+        let shift = missing * self.state.temperature / volume;
+        row.against(
+            control.pressure + shift,
+            None,
+            HELD_PRESSURE,
+            "the pressure of the barostat",
+        )
+        .noted(format!(
+            "for {} particles without total momentum: {shift:+.5} beside an infinite system",
+            self.run.record.atoms
+        ))
+    }
+
+    /// Density or U beside the equation of state at the pressure of the barostat, as the run itself has compared it.
+    fn beside_equation_at_pressure(&self, row: Row, tolerance: Tolerance) -> Row {
+        let of = |c: &&lennard_io::Comparison| c.quantity == row.quantity;
+        let Some(compared) = self.run.record.comparison.iter().find(of) else {
+            return self.or_why_none(row);
+        };
+        let row = row
+            .against_with_error(
+                compared.reference,
+                compared.standard_error,
+                tolerance,
+                &compared.source,
+            )
+            .noted("at the pressure of the barostat and the measured temperature");
         self.unless_frozen(row)
     }
 

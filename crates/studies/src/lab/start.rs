@@ -49,6 +49,8 @@ impl Start {
                 name: "equilibrate".into(),
                 steps: (EQUILIBRATION_TIME / scene.integrator.dt).ceil() as u64,
                 temperature: measured_stage(scene).temperature,
+                temperature_from: None,
+                barostat: None,
                 dt: None,
                 thermostat: Some(ThermostatOptions::Bussi(bussi::Options {
                     tau: RELAXATION_TIME,

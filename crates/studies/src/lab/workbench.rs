@@ -146,6 +146,9 @@ impl Workbench {
             name: format!("part-{}", i + 1),
             steps: stage.steps,
             measure: stage.measure,
+            // Settings are judged at the density of the scene.
+            temperature_from: None,
+            barostat: None,
             ..measured.clone()
         };
         scene.stages = stages.iter().enumerate().map(stage).collect();

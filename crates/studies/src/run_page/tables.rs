@@ -50,6 +50,13 @@ pub(super) fn stages(run: &RunFolder) -> Table {
                     format!("{} at T = {}", t.name(), s.temperature)
                 })
         })
+        .column("Barostat", |s| {
+            s.barostat
+                .as_ref()
+                .map_or("none: constant volume".into(), |b| {
+                    format!("{} at P = {}", b.options.name(), b.pressure)
+                })
+        })
         .column("Measured", |s| if s.measure { "yes" } else { "no" })
         .table()
 }

@@ -51,6 +51,7 @@ impl Stability {
         scene.stages = sample.canonical.stages.clone();
         for stage in &mut scene.stages {
             stage.thermostat = None;
+            stage.barostat = None;
         }
         let bench = Workbench::with_start(&scene, survey.ends[0].clone());
         let limit = sample.own.integrator.method.spec().stability_limit;

@@ -165,6 +165,8 @@ fn canonical_stage(temperature: f64, steps: u64, measure: bool) -> Stage {
         name: "canonical".into(),
         steps,
         temperature,
+        temperature_from: None,
+        barostat: None,
         dt: None,
         thermostat: Some(ThermostatOptions::Bussi(bussi::Options {
             tau: RELAXATION_TIME,

@@ -17,6 +17,7 @@ fn costs(observers: Vec<(Want, f64)>, baths: Vec<f64>) -> Costs {
         neighbor: 2.0,
         force_bytes: 0,
         checkpoint_bytes: 0,
+        evaluation: 0.0,
         totals: 5.0,
         laplacian: -1.0,
         per_particle: 7.0,

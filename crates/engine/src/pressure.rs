@@ -1,0 +1,174 @@
+//! What the equation of state foresees of a stage with a barostat, before its first step.
+
+use lennard_core::PeriodicBox;
+use lennard_integrators::Coupling;
+use lennard_literature::{EquationOfState, Phase};
+use lennard_scene::{PressureControl, Scene, Stage, Start};
+
+use crate::{EngineError, compare};
+
+/// Densities (σ⁻³) below this are called a gas where no equation of state tells.
+const GAS_BELOW: f64 = 0.3;
+/// The compressibility (σ³/ε) of a liquid that no equation of state describes.
+const OF_A_LIQUID: f64 = 0.1;
+/// Standard deviations of the volume by which the box must stay above its smallest size.
+const DEVIATIONS: f64 = 4.0;
+
+/// The equilibrium state at the pressure and the temperature of a stage.
+struct Foreseen {
+    equation: &'static dyn EquationOfState,
+    density: f64,
+    /// κ = 1/(ρ·∂p/∂ρ), σ³/ε.
+    compressibility: f64,
+    phase: Phase,
+}
+
+fn foreseen(scene: &Scene, stage: &Stage) -> Option<Foreseen> {
+    let control = stage.barostat.as_ref()?;
+    let equation = lennard_literature::equation_of_state_for(compare::model_kind(scene)).ok()?;
+    let density = equation.density(control.pressure, stage.temperature)?;
+    let state = equation.at(density, stage.temperature);
+    Some(Foreseen {
+        equation,
+        density,
+        compressibility: 1.0 / (density * state.dp_drho),
+        phase: equation.phase(density, stage.temperature),
+    })
+}
+
+/// The compressibility that sets the pace of a barostat, σ³/ε.
+///
+/// The scene's own comes first, then the equation of state at (T₀, P₀). Else a gas has 1/P₀ and a liquid 0.1.
+pub(crate) fn compressibility(scene: &Scene, stage: &Stage, start_density: f64) -> f64 {
+    let control = stage.barostat.as_ref();
+    let given = control.and_then(|c| c.options.compressibility());
+    let of_equation = || foreseen(scene, stage).map(|f| f.compressibility);
+    let pressure = control.map_or(0.0, |c| c.pressure);
+    let guessed = || {
+        if start_density >= GAS_BELOW {
+            OF_A_LIQUID
+        } else if pressure > 0.0 {
+            1.0 / pressure
+        } else {
+            1.0 / (start_density * stage.temperature)
+        }
+    };
+    given.or_else(of_equation).unwrap_or_else(guessed)
+}
+
+/// Refuses barostats that cannot work in this scene, and returns what is to be known of the others.
+///
+/// # Errors
+/// [`EngineError::Scene`] for a box that would be too small for its cutoff, and for a fluid whose sides change apart.
+pub(crate) fn foresee(
+    scene: &Scene,
+    cell: &PeriodicBox,
+    n_atoms: usize,
+    skin: f64,
+) -> Result<Vec<String>, EngineError> {
+    let mut remarks = Vec::new();
+    for (index, stage) in scene.stages.iter().enumerate() {
+        let (Some(control), Some(foreseen)) = (&stage.barostat, foreseen(scene, stage)) else {
+            continue;
+        };
+        keeps_its_shape(scene, index, control, &foreseen)?;
+        let of_box = box_fits(scene, index, cell, n_atoms, skin, &foreseen)?;
+        remarks.extend(of_box);
+        remarks.extend(changes_phase(stage, control, cell, n_atoms, &foreseen));
+    }
+    Ok(remarks)
+}
+
+/// A fluid has no shape modulus: sides that change apart wander until one is too short.
+fn keeps_its_shape(
+    scene: &Scene,
+    index: usize,
+    control: &PressureControl,
+    foreseen: &Foreseen,
+) -> Result<(), EngineError> {
+    let is_slab = matches!(scene.system.start, Start::Lattice { vacuum, .. } if vacuum > 0.0);
+    if control.options.coupling() != Coupling::XyZ || is_slab || !foreseen.phase.is_stable() {
+        return Ok(());
+    }
+    Err(scene
+        .source
+        .invalid(
+            &format!("stage.{index}.barostat.coupling"),
+            format!(
+                "\"xy-z\" for a {}, which has no stiffness of shape: its sides wander freely",
+                foreseen.phase.describe()
+            ),
+            "\"isotropic\" for a fluid, \"z\" for a slab across z",
+        )
+        .into())
+}
+
+/// The box that the equation of state predicts, against the smallest that the cutoff allows.
+fn box_fits(
+    scene: &Scene,
+    index: usize,
+    cell: &PeriodicBox,
+    n_atoms: usize,
+    skin: f64,
+    foreseen: &Foreseen,
+) -> Result<Option<String>, EngineError> {
+    let stage = &scene.stages[index];
+    let volume = n_atoms as f64 / foreseen.density;
+    let ratio = volume / cell.volume();
+    let coupling = stage.barostat.as_ref().map(|b| b.options.coupling());
+    let shortest = match coupling {
+        Some(Coupling::Z) => cell.shortest().min(cell.lengths().z * ratio),
+        _ => cell.shortest() * ratio.cbrt(),
+    };
+    let r_cut = scene.truncation.r_cut;
+    let deviation = (volume * stage.temperature * foreseen.compressibility).sqrt();
+    let room = 1.0 + DEVIATIONS * deviation / (3.0 * volume);
+    let name = &foreseen.equation.spec().name;
+    if shortest < 2.0 * r_cut {
+        return Err(scene
+            .source
+            .invalid(
+                &format!("stage.{index}.barostat.pressure"),
+                format!(
+                    "a box of {shortest:.3} σ at ρ = {:.4} by {name}, below twice the cutoff of {r_cut} σ",
+                    foreseen.density
+                ),
+                "more particles, a shorter cutoff or another pressure",
+            )
+            .into());
+    }
+    let wanted = 2.0 * (r_cut + skin) * room;
+    Ok((shortest < wanted).then(|| {
+        format!(
+            "stage `{}`: the box shrinks to about {shortest:.2} σ by {name}, and its fluctuations want {wanted:.2} σ for the cutoff of {r_cut} σ with its list",
+            stage.name
+        )
+    }))
+}
+
+/// Boiling or condensation that the equation of state foresees.
+fn changes_phase(
+    stage: &Stage,
+    control: &PressureControl,
+    cell: &PeriodicBox,
+    n_atoms: usize,
+    foreseen: &Foreseen,
+) -> Option<String> {
+    let saturation = foreseen.equation.saturation(stage.temperature)?;
+    let critical = foreseen.equation.spec().critical.density;
+    let starts_liquid = n_atoms as f64 / cell.volume() > critical;
+    let ends_liquid = foreseen.density > critical;
+    let what = match (starts_liquid, ends_liquid) {
+        (true, false) => "below it a liquid boils in the end, and the box grows without warning",
+        (false, true) => "above it a gas condenses in the end, and the box shrinks without warning",
+        _ => return None,
+    };
+    Some(format!(
+        "stage `{}`: the vapor pressure at T = {} is {:.5} ε/σ³ by {}, and P = {}: {what}",
+        stage.name,
+        stage.temperature,
+        saturation.pressure,
+        foreseen.equation.spec().name,
+        control.pressure
+    ))
+}

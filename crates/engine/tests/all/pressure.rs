@@ -1,0 +1,251 @@
+//! Runs at constant pressure: bits, conservation, the right pressure and density, and what is refused.
+
+use lennard_engine::{EngineError, Simulation, Unfollowed, prepare};
+use lennard_observables::ChangingBox;
+use lennard_scene::Scene;
+
+/// A liquid at T = 1.2 and P = 1.19, where the density is 0.75.
+const LIQUID: &str = r#"
+    [system]
+    n_atoms = 256
+    density = 0.72
+    temperature = 1.2
+    seed = 31
+    [truncation]
+    r_cut = 3.0
+    [integrator]
+    dt = 0.004
+    [[stage]]
+    name = "equilibrate"
+    steps = 400
+    thermostat = { kind = "bussi", tau = 0.1 }
+    barostat = { kind = "stochastic-cell-rescaling", pressure = 1.19 }
+    [[stage]]
+    name = "production"
+    steps = 400
+    thermostat = "bussi"
+    barostat = { kind = "stochastic-cell-rescaling", pressure = 1.19 }
+"#;
+
+fn scene(overrides: &[(&str, &str)]) -> Scene {
+    let overrides: Vec<_> = overrides
+        .iter()
+        .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
+        .collect();
+    Scene::parse(LIQUID, "liquid.toml", &overrides).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn ran(overrides: &[(&str, &str)]) -> Simulation {
+    let mut simulation = prepare(scene(overrides)).unwrap_or_else(|e| panic!("{e}"));
+    simulation
+        .run(&mut Unfollowed)
+        .unwrap_or_else(|e| panic!("{e}"));
+    simulation
+}
+
+/// Both stages with this barostat, and the bath that it goes with.
+fn with_barostat<'a>(barostat: &'a str, bath: &'a str) -> Vec<(&'a str, &'a str)> {
+    vec![
+        ("stage.equilibrate.barostat", barostat),
+        ("stage.equilibrate.thermostat", bath),
+        ("stage.production.barostat", barostat),
+        ("stage.production.thermostat", bath),
+    ]
+}
+
+/// Every barostat by its scene words, with a bath.
+fn barostats() -> Vec<(String, &'static str)> {
+    let specs = lennard_integrators::barostats().iter();
+    let words = |kind: &str| format!("{{ kind = \"{kind}\", pressure = 1.19 }}");
+    specs
+        .map(|s| (words(s.name), s.thermostat.unwrap_or("bussi")))
+        .collect()
+}
+
+#[test]
+fn the_bits_and_the_box_are_the_same_for_any_number_of_threads() {
+    for (barostat, bath) in barostats() {
+        let run = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.unwrap().install(|| {
+                let state = ran(&with_barostat(&barostat, bath)).state;
+                (state.cell, state.positions, state.velocities, state.forces)
+            })
+        };
+        let one = run(1);
+        assert_ne!(one.0.volume(), 256.0 / 0.72, "{barostat}");
+        for threads in [2, 3] {
+            assert!(run(threads) == one, "{barostat} on {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn the_conserved_quantity_has_the_tail_of_the_box_as_it_is() {
+    for (barostat, bath) in barostats() {
+        let mut overrides = with_barostat(&barostat, bath);
+        overrides.extend([
+            ("stage.equilibrate.steps", "4000"),
+            ("stage.production.steps", "4000"),
+            ("output.thermo_every", "10"),
+        ]);
+        let kept = ran(&overrides).thermodynamics().conservation();
+        // 2·10⁻⁴ ε per particle is the energy error of the steps; U_tail in place of V·P_tail makes it 19 times as much.
+        assert!(
+            kept.energy_rms_per_atom < 4e-4,
+            "{barostat}: {}",
+            kept.energy_rms_per_atom
+        );
+        // Sixteen τ of a drift of 10⁻⁵ ε/τ would be as large as the fluctuation.
+        let drift = kept.energy_drift_per_atom_per_tau;
+        assert!(drift.abs() < 3e-5, "{barostat}: {drift:e}");
+    }
+}
+
+#[test]
+fn nose_hoover_chains_conserve_their_energy_at_constant_volume() {
+    let overrides = [
+        ("stage.equilibrate.barostat", "none"),
+        ("stage.production.barostat", "none"),
+        ("stage.production.thermostat", "nose-hoover"),
+        ("stage.equilibrate.steps", "2000"),
+        ("stage.production.steps", "10000"),
+    ];
+    let simulation = ran(&overrides);
+    let kept = simulation.thermodynamics().conservation();
+    assert!(kept.energy_rms_per_atom < 3e-4, "{kept:?}");
+    let drift = kept.energy_drift_per_atom_per_tau;
+    assert!(
+        drift.abs() < 1e-6 + 4.0 * kept.energy_drift_standard_error,
+        "{kept:?}"
+    );
+    let series = &simulation.thermodynamics().series().temperature;
+    let mean = series.iter().sum::<f64>() / series.len() as f64;
+    assert!((mean - 1.2).abs() < 0.02, "{mean}");
+}
+
+#[test]
+fn a_ramp_takes_the_fluid_from_one_temperature_to_the_other() {
+    for bath in ["bussi", "langevin", "nose-hoover", "rescale"] {
+        let simulation = ran(&[
+            ("stage.equilibrate.barostat", "none"),
+            ("stage.production.barostat", "none"),
+            ("stage.production.thermostat", bath),
+            ("stage.production.temperature", "{ from = 1.2, to = 2.4 }"),
+            ("stage.equilibrate.steps", "1000"),
+            ("stage.production.steps", "5000"),
+        ]);
+        let series = &simulation.thermodynamics().series().temperature;
+        let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+        // The middle fifth and the last tenth of the way.
+        let n = series.len();
+        let (middle, end) = (
+            mean(&series[2 * n / 5..3 * n / 5]),
+            mean(&series[9 * n / 10..]),
+        );
+        assert!((middle - 1.8).abs() < 0.1, "{bath}: {middle}");
+        assert!((end - 2.34).abs() < 0.12, "{bath}: {end}");
+    }
+}
+
+fn refused(overrides: &[(&str, &str)]) -> String {
+    match prepare(scene(overrides)) {
+        Err(error @ EngineError::Scene(_)) => error.to_string(),
+        Err(other) => panic!("{other}"),
+        Ok(_) => panic!("accepted"),
+    }
+}
+
+#[test]
+fn a_box_that_the_equation_of_state_makes_too_small_is_refused_before_the_first_step() {
+    let small = [("system.n_atoms", "108"), ("truncation.r_cut", "2.64")];
+    let dense = "{ kind = \"stochastic-cell-rescaling\", pressure = 1.19 }";
+    let mut overrides = small.to_vec();
+    overrides.push(("stage.equilibrate.barostat", dense));
+    let message = refused(&overrides);
+    for part in [
+        "stage.0.barostat.pressure",
+        "a box of 5.24",
+        "below twice the cutoff of 2.64 σ",
+        "more particles, a shorter cutoff",
+    ] {
+        assert!(message.contains(part), "wanted `{part}` in {message}");
+    }
+}
+
+#[test]
+fn boiling_is_foreseen_and_sides_of_a_fluid_change_together() {
+    let boiling =
+        "{ kind = \"stochastic-cell-rescaling\", pressure = 0.01, compressibility = 0.1 }";
+    let simulation = prepare(scene(&[
+        ("system.temperature", "1.0"),
+        ("stage.production.barostat", boiling),
+        ("stage.production.temperature", "1.0"),
+    ]))
+    .unwrap_or_else(|e| panic!("{e}"));
+    let said = simulation.remarks.join("\n");
+    assert!(said.contains("a liquid boils in the end"), "{said}");
+    let apart = "{ kind = \"stochastic-cell-rescaling\", pressure = 1.19, coupling = \"xy-z\" }";
+    let message = refused(&[("stage.production.barostat", apart)]);
+    assert!(message.contains("no stiffness of shape"), "{message}");
+}
+
+#[test]
+fn a_box_that_shrinks_below_twice_the_cutoff_stops_the_run_by_name() {
+    // No equation of state describes the shifted force, so that nothing is foreseen.
+    let pressed =
+        "{ kind = \"stochastic-cell-rescaling\", pressure = 60.0, interval = 1, tau = 0.2 }";
+    let mut simulation = prepare(scene(&[
+        ("system.n_atoms", "108"),
+        ("truncation.kind", "force-shift"),
+        ("truncation.r_cut", "2.5"),
+        ("stage.equilibrate.barostat", pressed),
+        ("stage.equilibrate.steps", "5000"),
+    ]))
+    .unwrap_or_else(|e| panic!("{e}"));
+    let message = simulation.run(&mut Unfollowed).unwrap_err().to_string();
+    for part in [
+        "the box has shrunk to ",
+        "below twice the cutoff of 2.5 σ",
+        "take more particles, a shorter cutoff or a lower pressure",
+    ] {
+        assert!(message.contains(part), "wanted `{part}` in {message}");
+    }
+}
+
+#[test]
+#[ignore = "minutes: run by `cargo xtask physics`"]
+fn the_mean_pressure_is_that_of_the_barostat_and_the_density_that_of_the_equation() {
+    for (barostat, bath) in barostats() {
+        let mut overrides = with_barostat(&barostat, bath);
+        overrides.extend([
+            ("system.n_atoms", "864"),
+            ("truncation.r_cut", "4.0"),
+            ("stage.equilibrate.steps", "10000"),
+            ("stage.production.steps", "100000"),
+        ]);
+        let simulation = ran(&overrides);
+        let findings = simulation.findings();
+        let average = |name: &str| {
+            let all = findings.iter().flat_map(|f| &f.averages);
+            let found = all.into_iter().find(|a| a.name == name).unwrap();
+            (found.estimate.mean, found.estimate.standard_error)
+        };
+        let (volume, _) = average("volume");
+        let (pressure, error) = average("pressure");
+        // Without total momentum the mean of ρT + W/3V + P_tail is P₀ + T/V.
+        let wanted = 1.19 + 1.2 / volume;
+        assert!(
+            (pressure - wanted).abs() < 3.0 * error + 1e-3,
+            "{barostat}: {pressure} ± {error}"
+        );
+        let (density, error) = average("density");
+        let equation = lennard_literature::thol_2016();
+        let reference = equation.density(wanted, 1.2).unwrap();
+        assert!(
+            (density - reference).abs() < 3.0 * error + 0.001 * reference,
+            "{barostat}: {density} ± {error} where {reference}"
+        );
+        assert!(simulation.observable::<ChangingBox>().is_some());
+    }
+}

@@ -1,0 +1,288 @@
+//! The barostat of Martyna, Tobias and Klein with Nosé–Hoover chains: deterministic, inside the step.
+
+use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
+use lennard_core::random::NoiseStream;
+use lennard_core::{
+    BarostatSpec, DVec3, ForceError, Integrator, IntegratorSpec, Method, Parts, Persist,
+    PressureBath, RestoreError, StateReader, StateWriter, Step, StepError, Want,
+};
+
+use super::list::BarostatParts;
+use crate::chain::Chain;
+use crate::{ThermostatOptions, nose_hoover};
+
+lennard_core::options! {
+    /// Options of the barostat of Martyna, Tobias and Klein. The thermostat beside it gives the chain of the particles.
+    pub struct Options {
+        /// Period of the box; its mass is (n_dof + 3)·T·τ².
+        tau: f64 = 1.0, Positive, in "τ";
+        /// Thermostats in the chain of the box.
+        chain: u32 = 3, Whole(1, 10), in "thermostats";
+    }
+}
+
+impl BarostatParts for Options {
+    /// Box and chains stand inside the step: they take the place of the method.
+    fn couple(
+        &self,
+        method: Integrator,
+        thermostat: &ThermostatOptions,
+        bath: PressureBath,
+        _noise: NoiseStream,
+    ) -> Integrator {
+        match thermostat {
+            ThermostatOptions::NoseHoover(chain) => Integrator::new(Mtk::new(self, chain, bath)),
+            // A scene with another thermostat is refused by the spec.
+            _ => method,
+        }
+    }
+
+    fn tau(&self) -> f64 {
+        self.tau
+    }
+
+    fn interval(&self) -> u64 {
+        1
+    }
+}
+
+const NAME: &str = "mtk";
+const SUMMARY: &str = "Martyna, Tobias and Klein: the box as a particle with a mass, chains on box and fluid; isotropic.";
+const EQUATION: &str = "W dv/dt = (1 + 3/n_dof) 2K + W_pairs + 3 V P_tail - 3 V P0 - W v xi_b, dV/dt = 3 V v, W = (n_dof + 3) T tau^2";
+const SOURCE: &str = "Martyna, Tobias and Klein, \"Constant pressure molecular dynamics algorithms\", J. Chem. Phys. 101, 4177 (1994), in the splitting of Tuckerman, Alejandre, López-Rendón, Jochim and Martyna, J. Phys. A 39, 5629 (2006)";
+
+/// What the barostat declares about itself.
+pub const SPEC: BarostatSpec = BarostatSpec {
+    name: NAME,
+    summary: SUMMARY,
+    equation: EQUATION,
+    thermostat: Some(nose_hoover::BATH.name),
+    source: SOURCE,
+};
+
+/// What its step declares about itself as an integrator.
+static STEP: IntegratorSpec = IntegratorSpec {
+    name: NAME,
+    summary: SUMMARY,
+    equations: EQUATION,
+    position_order: 2,
+    velocity_order: 2,
+    symplectic: false,
+    reversible: true,
+    fixed_step_only: false,
+    velocity_dependent_forces: false,
+    conserves_momentum: true,
+    half_kicks: true,
+    is_kick_drift_kick: false,
+    holds_rigid_bonds: false,
+    force_evaluations: 1,
+    stability_limit: Some(2.0),
+    oscillator_map: None,
+    source: SOURCE,
+};
+
+/// The box as a particle: with v_ε = V̇/(3V) and α = 1 + 3/n_dof,
+///
+/// ẋ = v + v_ε·x, v̇ = F/m − α·v_ε·v, W·v̇_ε = α·2K + W_pairs + 3V·P_tail − 3V·P₀,
+///
+/// with one chain on the velocities and another on v_ε. The conserved quantity is
+/// K + U_s + V·P_tail + P₀V + ½W·v_ε² + the energies of both chains; all but the first three count as heat.
+#[derive(Debug, Clone)]
+pub struct Mtk {
+    tau: f64,
+    bath: PressureBath,
+    /// v_ε in 1/τ.
+    expansion: f64,
+    of_particles: Chain,
+    of_box: Chain,
+    /// W_pairs at the positions, ε.
+    virial: f64,
+}
+
+/// What a step takes from the baths, and what follows from them.
+struct Held {
+    n_dof: f64,
+    temperature: f64,
+    pressure: f64,
+    /// Mass W of the box, ε·τ².
+    mass: f64,
+}
+
+impl Mtk {
+    /// A box at rest, with the chain of the thermostat on the particles.
+    #[must_use]
+    pub fn new(options: &Options, chain: &nose_hoover::Options, bath: PressureBath) -> Self {
+        Self {
+            tau: options.tau,
+            bath,
+            expansion: 0.0,
+            of_particles: Chain::new(chain.chain, chain.tau),
+            of_box: Chain::new(options.chain, options.tau),
+            virial: 0.0,
+        }
+    }
+
+    /// The baths as they are at the end of a step, which they are taken at throughout it.
+    fn held(&self, s: &mut Step<'_>) -> Held {
+        let n_dof = s.n_dof();
+        let end = s.parts().state.step + 1;
+        let temperature = self.bath.temperature.at(end);
+        Held {
+            n_dof,
+            temperature,
+            pressure: self.bath.pressure.at(end),
+            mass: (n_dof + 3.0) * temperature * self.tau * self.tau,
+        }
+    }
+
+    /// P₀V + ½W·v_ε² + the energies of the chains, ε.
+    fn energy(&self, held: &Held, volume: f64) -> f64 {
+        held.pressure * volume
+            + 0.5 * held.mass * self.expansion.powi(2)
+            + self.of_particles.energy(held.n_dof, held.temperature)
+            + self.of_box.energy(1.0, held.temperature)
+    }
+
+    /// Half a step of the chain of the box.
+    fn advance_chain_of_box(&mut self, held: &Held, half: f64) {
+        let kinetic = 0.5 * held.mass * self.expansion.powi(2);
+        self.expansion *= self.of_box.advance(kinetic, 1.0, held.temperature, half);
+    }
+
+    /// Half a step of the chain of the particles.
+    fn advance_chain_of_particles(&mut self, s: &mut Step<'_>, held: &Held, half: f64) {
+        let Parts { system, state, .. } = s.parts();
+        let kinetic = system.kinetic_energy(&state.velocities);
+        if kinetic <= 0.0 {
+            return;
+        }
+        let chain = &mut self.of_particles;
+        let factor = chain.advance(kinetic, held.n_dof, held.temperature, half);
+        for_each_piece(&mut state.velocities, |_, chunk| {
+            for v in chunk {
+                *v *= factor;
+            }
+        });
+    }
+
+    /// Half a kick of the box.
+    fn kick_box(&mut self, s: &mut Step<'_>, held: &Held, half: f64) {
+        let Parts { system, state, .. } = s.parts();
+        let volume = state.cell.volume();
+        let twice_kinetic = 2.0 * system.kinetic_energy(&state.velocities);
+        let force =
+            (1.0 + 3.0 / held.n_dof) * twice_kinetic + self.virial + 3.0 * self.bath.tail / volume
+                - 3.0 * volume * held.pressure;
+        self.expansion += half * force / held.mass;
+    }
+
+    /// Half a kick of the particles: v ← v·e^{−2y} + (h/2m)·F·e^{−y}·sinhc(y) with y = α·v_ε·h/4.
+    fn kick_particles(&self, s: &mut Step<'_>, held: &Held, half: f64) {
+        let y = 0.5 * half * (1.0 + 3.0 / held.n_dof) * self.expansion;
+        let (damping, push) = ((-2.0 * y).exp(), half * (-y).exp() * sinhc(y));
+        let Parts { system, state, .. } = s.parts();
+        let forces = &state.forces;
+        for_each_piece(&mut state.velocities, |first, chunk| {
+            for (i, v) in (first..).zip(chunk) {
+                *v = damping * *v + (push / system.masses.of(i)) * forces[i];
+            }
+        });
+    }
+
+    /// The drift of particles and box: x ← x·e^{2y} + h·v·e^y·sinhc(y) with y = v_ε·h/2, L ← L·e^{2y}.
+    fn drift(&self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let h = s.dt();
+        let y = 0.5 * h * self.expansion;
+        let (stretch, way) = ((2.0 * y).exp(), h * y.exp() * sinhc(y));
+        let state = s.parts().state;
+        let scaled = state.cell.scaled(DVec3::splat(stretch));
+        // A box without volume, or beyond all numbers: positions there are none.
+        let outside = |_| ForceError::NonFinitePosition { particle: 0 };
+        state.cell = scaled.map_err(outside)?;
+        for_each_piece_pair(&mut state.positions, &mut state.velocities, |_, xs, vs| {
+            for (x, v) in xs.iter_mut().zip(vs) {
+                *x = stretch * *x + way * *v;
+            }
+        });
+        Ok(())
+    }
+
+    fn keep_virial(&mut self, s: &mut Step<'_>) {
+        let virial = s.parts().state.energetics.scalar_virial();
+        self.virial = virial.unwrap_or(f64::NAN);
+    }
+}
+
+/// sinh(y)/y; by its series where y is small.
+fn sinhc(y: f64) -> f64 {
+    if y.abs() > 0.1 {
+        return y.sinh() / y;
+    }
+    let y2 = y * y;
+    1.0 + y2 / 6.0 * (1.0 + y2 / 20.0 * (1.0 + y2 / 42.0 * (1.0 + y2 / 72.0)))
+}
+
+impl Persist for Mtk {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        to.put_f64("box", &[self.expansion, self.virial]);
+        self.of_particles
+            .save(&mut to.section("chain_of_particles"));
+        self.of_box.save(&mut to.section("chain_of_box"));
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        [self.expansion, self.virial] = from.f64s("box")?;
+        self.of_particles
+            .restore(&from.section("chain_of_particles"))?;
+        self.of_box.restore(&from.section("chain_of_box"))
+    }
+}
+
+impl Method for Mtk {
+    fn spec(&self) -> &'static IntegratorSpec {
+        &STEP
+    }
+
+    fn wants(&self) -> Want {
+        Want::ENERGY_AND_VIRIAL
+    }
+
+    fn start(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        s.forces_at_start()?;
+        self.keep_virial(s);
+        Ok(())
+    }
+
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let (held, half) = (self.held(s), 0.5 * s.dt());
+        let before = self.energy(&held, s.parts().state.cell.volume());
+        self.advance_chain_of_box(&held, half);
+        self.advance_chain_of_particles(s, &held, half);
+        self.kick_box(s, &held, half);
+        self.kick_particles(s, &held, half);
+        self.drift(s)?;
+        s.forces()?;
+        self.keep_virial(s);
+        self.kick_particles(s, &held, half);
+        self.kick_box(s, &held, half);
+        self.advance_chain_of_particles(s, &held, half);
+        self.advance_chain_of_box(&held, half);
+        let after = self.energy(&held, s.parts().state.cell.volume());
+        s.add_heat(before - after);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sinhc;
+
+    #[test]
+    fn the_series_meets_the_quotient() {
+        for y in [1e-9_f64, 0.05, -0.0999, 0.1001, 0.7] {
+            let exact = y.sinh() / y;
+            assert!((sinhc(y) - exact).abs() < 1e-14, "{y}");
+        }
+        assert_eq!(sinhc(0.0), 1.0);
+    }
+}

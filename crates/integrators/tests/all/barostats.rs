@@ -1,0 +1,207 @@
+//! Each barostat against the exact distribution of the volume of an ideal gas.
+
+use lennard_core::Persist;
+use lennard_core::random::Streams;
+use lennard_core::{
+    DVec3, Integrator, Momentum, NoForces, PeriodicBox, PressureBath, State, StateArchive, System,
+    Want,
+};
+use lennard_integrators::{
+    BarostatOptions, IntegratorOptions, ThermostatOptions, barostats, build,
+};
+
+const N: usize = 32;
+const TEMPERATURE: f64 = 1.0;
+const PRESSURE: f64 = 0.1;
+
+/// The ideal gas of the distribution: N particles in a box of about its mean volume.
+fn gas() -> State {
+    let side = 7.0;
+    let mut rng = Streams::new(3).sequential("gas");
+    let mut draw = || -> Vec<DVec3> {
+        use rand_distr::{Distribution, StandardNormal};
+        (0..N)
+            .map(|_| DVec3::from_array([0; 3].map(|_: i32| StandardNormal.sample(&mut rng))))
+            .collect()
+    };
+    let mut velocities = draw();
+    let mean = velocities.iter().sum::<DVec3>() / N as f64;
+    velocities.iter_mut().for_each(|v| *v -= mean);
+    State::new(
+        PeriodicBox::new(DVec3::splat(side)).unwrap(),
+        draw(),
+        velocities,
+    )
+}
+
+fn bath() -> PressureBath {
+    PressureBath {
+        pressure: PRESSURE.into(),
+        temperature: TEMPERATURE.into(),
+        tail: 0.0,
+        compressibility: 1.0 / PRESSURE,
+    }
+}
+
+/// A method with its baths, by the words of a scene.
+fn integrator(thermostat: &str, barostat: &str, seed: u64) -> Integrator {
+    let thermostat: ThermostatOptions = toml::from_str(thermostat).unwrap();
+    let barostat: BarostatOptions = toml::from_str(barostat).unwrap();
+    assert_eq!(barostat.check(), Ok(()));
+    let streams = Streams::new(seed);
+    let method = build(&IntegratorOptions::default());
+    let method = thermostat.couple(method, TEMPERATURE.into(), streams.noise("thermostat"));
+    barostat.couple(method, &thermostat, bath(), streams.noise("barostat"))
+}
+
+/// Volumes every `every` steps, after a start that is left out.
+fn volumes(method: &mut Integrator, dt: f64, every: u64, samples: usize) -> Vec<f64> {
+    let system = System::atoms(N);
+    let mut state = gas();
+    let mut forces = NoForces;
+    method
+        .start(&system, &mut state, &mut forces, dt, Want::NOTHING)
+        .unwrap();
+    let mut sample = || {
+        let end = state.step + every;
+        while state.step < end {
+            let left = end - state.step;
+            method
+                .stride(&system, &mut state, &mut forces, dt, left, Want::NOTHING)
+                .unwrap();
+        }
+        state.cell.volume()
+    };
+    (0..samples / 20).for_each(|_| {
+        sample();
+    });
+    (0..samples).map(|_| sample()).collect()
+}
+
+/// P(V ≤ v) of the Gamma distribution of whole shape: 1 − e^{−y}·Σ_{i<shape} yⁱ/i! with y = P₀v/T.
+fn gamma_cdf(volume: f64, shape: u32) -> f64 {
+    let y = PRESSURE * volume / TEMPERATURE;
+    let (mut term, mut sum) = (1.0, 0.0);
+    for i in 0..shape {
+        sum += term;
+        term *= y / f64::from(i + 1);
+    }
+    1.0 - (-y).exp() * sum
+}
+
+/// The Kolmogorov–Smirnov distance from the Gamma distribution, times √n.
+fn distance(volumes: &[f64], shape: u32) -> f64 {
+    let mut sorted = volumes.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let n = sorted.len() as f64;
+    let off = |(i, v): (usize, &f64)| {
+        let f = gamma_cdf(*v, shape);
+        (f - i as f64 / n).abs().max(((i + 1) as f64 / n - f).abs())
+    };
+    sorted.iter().enumerate().map(off).fold(0.0, f64::max) * n.sqrt()
+}
+
+/// √n·D exceeds this with probability 0.001 for independent samples; the seeds are fixed.
+const KS_LIMIT: f64 = 1.95;
+
+/// Whether the samples are of Gamma(N_f/3 + 1) and not of its neighbors.
+fn is_canonical(volumes: &[f64], n_dof: f64, what: &str) {
+    let shape = (n_dof / 3.0).round() as u32 + 1;
+    let right = distance(volumes, shape);
+    assert!(right < KS_LIMIT, "{what}: {right}");
+    for wrong in [shape - 1, shape + 1] {
+        let found = distance(volumes, wrong);
+        assert!(found > KS_LIMIT, "{what}, shape {wrong}: {found}");
+    }
+}
+
+#[test]
+fn the_volume_of_an_ideal_gas_is_gamma_distributed_at_each_interval_and_coupling() {
+    let n_dof = System::atoms(N).n_dof(Momentum::Conserved);
+    for coupling in ["isotropic", "z", "xy-z"] {
+        for interval in [1, 50] {
+            let barostat = format!(
+                "kind = \"stochastic-cell-rescaling\"\ntau = 0.5\ninterval = {interval}\ncoupling = \"{coupling}\""
+            );
+            let mut method = integrator("kind = \"bussi\"", &barostat, 5);
+            let volumes = volumes(&mut method, 0.02, 100, 8000);
+            is_canonical(&volumes, n_dof, &barostat);
+            let moves = method.box_moves().unwrap();
+            assert!(0 < moves.accepted && moves.accepted < moves.tried);
+        }
+    }
+}
+
+#[test]
+fn the_deterministic_barostat_gives_the_ideal_gas_the_same_volumes() {
+    let n_dof = System::atoms(N).n_dof(Momentum::Conserved);
+    let barostat = "kind = \"mtk\"\ntau = 0.5\nchain = 5";
+    let thermostat = "kind = \"nose-hoover\"\ntau = 0.5\nchain = 5";
+    let mut method = integrator(thermostat, barostat, 5);
+    let volumes = volumes(&mut method, 0.02, 200, 8000);
+    is_canonical(&volumes, n_dof, barostat);
+}
+
+#[test]
+fn with_langevin_no_momentum_is_kept_and_the_shape_is_one_larger() {
+    let barostat = "kind = \"stochastic-cell-rescaling\"\ntau = 0.5\ninterval = 10";
+    let mut method = integrator("kind = \"langevin\"", barostat, 6);
+    let volumes = volumes(&mut method, 0.02, 100, 8000);
+    is_canonical(&volumes, 3.0 * N as f64, barostat);
+}
+
+#[test]
+#[ignore = "a minute: run by `cargo xtask physics`"]
+fn the_volume_of_an_ideal_gas_is_gamma_distributed_for_ten_seeds() {
+    let n_dof = System::atoms(N).n_dof(Momentum::Conserved);
+    for seed in 10..20 {
+        for barostat in ["stochastic-cell-rescaling\"\ninterval = 10", "mtk\""] {
+            let barostat = format!("kind = \"{barostat}\ntau = 0.5");
+            let mut method = integrator("kind = \"nose-hoover\"\nchain = 5", &barostat, seed);
+            let volumes = volumes(&mut method, 0.02, 300, 40_000);
+            is_canonical(&volumes, n_dof, &format!("seed {seed}, {barostat}"));
+        }
+    }
+}
+
+#[test]
+fn every_barostat_has_a_name_that_its_options_go_by() {
+    for spec in barostats() {
+        let options: BarostatOptions = toml::from_str(&format!("kind = \"{}\"", spec.name))
+            .unwrap_or_else(|e| panic!("{}: {e}", spec.name));
+        assert_eq!((options.name(), options.check()), (spec.name, Ok(())));
+    }
+    assert!(toml::from_str::<BarostatOptions>("kind = \"berendsen\"").is_err());
+}
+
+#[test]
+fn a_run_in_parts_through_a_saved_state_has_the_bits_of_one_run() {
+    let system = System::atoms(N);
+    for spec in barostats() {
+        let thermostat = format!("kind = \"{}\"", spec.thermostat.unwrap_or("nose-hoover"));
+        let barostat = format!("kind = \"{}\"", spec.name);
+        let make = || integrator(&thermostat, &barostat, 9);
+        let advance = |method: &mut Integrator, state: &mut State, to: u64| {
+            while state.step < to {
+                let left = to - state.step;
+                method
+                    .stride(&system, state, &mut NoForces, 0.02, left, Want::NOTHING)
+                    .unwrap();
+            }
+        };
+        let (mut whole, mut state) = (make(), gas());
+        whole
+            .start(&system, &mut state, &mut NoForces, 0.02, Want::NOTHING)
+            .unwrap();
+        let start = state.cell;
+        advance(&mut whole, &mut state, 40);
+        let mut archive = StateArchive::default();
+        whole.save(&mut archive.writer());
+        let (mut parts, mut resumed) = (make(), state.clone());
+        parts.restore(&archive.reader()).unwrap();
+        advance(&mut whole, &mut state, 100);
+        advance(&mut parts, &mut resumed, 100);
+        assert_ne!(state.cell, start);
+        assert_eq!((state, whole.box_moves()), (resumed, parts.box_moves()));
+    }
+}

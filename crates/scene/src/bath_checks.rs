@@ -1,0 +1,103 @@
+//! What must hold between the baths of a stage, its step and what is measured.
+
+use lennard_integrators::thermostats;
+
+use crate::reference::quoted;
+use crate::{PressureControl, Scene, SceneError, Stage};
+
+/// The fewest relaxation times of the volume's proposals: below, the box jumps by more than it fluctuates.
+const FEWEST_INTERVALS: f64 = 20.0;
+
+/// Whether each barostat has the bath, the interval and the observables that it needs.
+pub(crate) fn barostats_fit(scene: &Scene) -> Result<(), SceneError> {
+    for (i, stage) in scene.stages.iter().enumerate() {
+        let Some(control) = &stage.barostat else {
+            continue;
+        };
+        has_its_thermostat(scene, i, stage, control)?;
+        is_slow_enough(scene, i, stage, control)?;
+        if stage.measure {
+            measures_no_motion(scene, i)?;
+        }
+    }
+    Ok(())
+}
+
+fn has_its_thermostat(
+    scene: &Scene,
+    index: usize,
+    stage: &Stage,
+    control: &PressureControl,
+) -> Result<(), SceneError> {
+    let spec = control.options.spec();
+    let suits =
+        |name: &str, canonical: bool| canonical && spec.thermostat.is_none_or(|t| t == name);
+    let bath = stage.thermostat.as_ref().map(|t| t.spec());
+    if bath.is_some_and(|bath| suits(bath.name, bath.canonical)) {
+        return Ok(());
+    }
+    let all = thermostats().iter();
+    let fit: Vec<&str> = all
+        .filter(|t| suits(t.name, t.canonical))
+        .map(|t| t.name)
+        .collect();
+    Err(scene
+        .source
+        .refuse(
+            &format!("stage.{index}.barostat"),
+            "needs a thermostat that samples the canonical ensemble beside it",
+        )
+        .found(bath.map_or_else(
+            || format!("`{}` in a stage without thermostat", spec.name),
+            |bath| format!("`{}` with thermostat `{}`", spec.name, bath.name),
+        ))
+        .allowed(format!("thermostat = one of {}", quoted(&fit))))
+}
+
+fn is_slow_enough(
+    scene: &Scene,
+    index: usize,
+    stage: &Stage,
+    control: &PressureControl,
+) -> Result<(), SceneError> {
+    let (tau, interval) = (control.options.tau(), control.options.interval());
+    let shortest = FEWEST_INTERVALS * interval as f64 * scene.stage_dt(stage);
+    if tau >= shortest * (1.0 - 1e-12) {
+        return Ok(());
+    }
+    Err(scene
+        .source
+        .refuse(
+            &format!("stage.{index}.barostat.tau"),
+            "is too short for the steps between two changes of the box",
+        )
+        .found(format!(
+            "tau = {tau} τ with {interval} steps of {} τ",
+            scene.stage_dt(stage)
+        ))
+        .allowed(format!(
+            "at least {FEWEST_INTERVALS}·interval·dt = {shortest} τ, or a smaller `interval`"
+        )))
+}
+
+/// Refuses observables that follow particles through time.
+fn measures_no_motion(scene: &Scene, index: usize) -> Result<(), SceneError> {
+    let specs = lennard_observables::observables();
+    for (i, table) in scene.observables.iter().enumerate() {
+        let name = table.options.name();
+        if specs.iter().any(|spec| spec.name == name && spec.dynamic) {
+            return Err(scene
+                .source
+                .refuse(
+                    &format!("observable.{i}.kind"),
+                    "follows the motion, which a changing box rescales",
+                )
+                .found(format!(
+                    "{name:?} with a barostat in the measured stage {:?}",
+                    scene.stages[index].name
+                ))
+                .allowed("a stage with barostat and `measure = false`, then a measured one without barostat"));
+        }
+    }
+    Ok(())
+}
