@@ -1,6 +1,6 @@
 //! The stage under way, and the way into the next one.
 
-use lennard_core::{Momentum, PressureBath, Want};
+use lennard_core::{Integrator, Momentum, PressureBath, Want};
 use lennard_integrators::BondHolder;
 
 use crate::simulation::StageRun;
@@ -40,16 +40,20 @@ impl Simulation {
     pub(crate) fn stage_run_for(&self, index: usize) -> StageRun {
         let plan = &self.scene.stages[index];
         let noise = self.streams.noise("thermostat");
-        let method = lennard_integrators::build(&self.scene.integrator.method);
+        let molecule = self.scene.molecule.as_ref();
+        let holder = molecule.map(|m| m.bonds.build(&self.system.molecules));
+        let (method, solver) = match holder {
+            Some(BondHolder::Spook(bonds)) => (lennard_integrators::spook::with_bonds(bonds), None),
+            Some(BondHolder::Rigid(solver)) => (self.method(), Some(solver)),
+            Some(BondHolder::Spring(_)) | None => (self.method(), None),
+        };
         let first = self.scene.stages[..index].iter().map(|s| s.steps).sum();
         let temperature = plan.temperature_ramp(first);
         let mut integrator = match &plan.thermostat {
             None => method,
             Some(bath) => bath.couple(method, temperature, noise),
         };
-        if let Some(molecule) = &self.scene.molecule
-            && let BondHolder::Rigid(solver) = molecule.bonds.build(&self.system.molecules)
-        {
+        if let Some(solver) = solver {
             integrator = integrator.with_bonds(solver);
         }
         let mut tail_work = 0.0;
@@ -75,6 +79,10 @@ impl Simulation {
             start_energy: f64::NAN,
             tail_work,
         }
+    }
+
+    fn method(&self) -> Integrator {
+        lennard_integrators::build(&self.scene.integrator.method)
     }
 
     /// c_P = V²·P_tail in ε·σ³, which does not depend on the volume; 0 without tail.

@@ -7,6 +7,7 @@ use lennard_core::{
 };
 
 use crate::OscillatorModel;
+use crate::bonds::spook::SpookBonds;
 use crate::common::MethodOptions;
 
 lennard_core::options! {
@@ -17,7 +18,7 @@ lennard_core::options! {
 /// What SPOOK declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {
     name: "spook",
-    summary: "Symplectic Euler with a regularised, damped constraint solved for in each step; for one constraint so far.",
+    summary: "Symplectic Euler with a regularised, damped constraint solved for in each step: one constraint, or the bonds of molecules.",
     equations: "M v' - G^T L = M v + h f; G v' + S L = -(4/h) y g + y G v; x' = x + h v'; S = (4/h^2) eps/(1 + 4 tau/h), y = 1/(1 + 4 tau/h)",
     position_order: 1,
     velocity_order: 1,
@@ -77,7 +78,7 @@ pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
     damped_oscillator_map((omega * omega).recip(), 0.0, 1.0, dt)
 }
 
-/// SPOOK for at most one constraint; without any it is symplectic Euler.
+/// SPOOK for at most one constraint, or for the bonds of molecules; without any it is symplectic Euler.
 ///
 /// With one constraint the linear system has a single unknown multiplier λ,
 /// (G·M⁻¹·Gᵀ + Σ)·λ = −(4/h)·γ·g + γ·G·v − G·(v + h·M⁻¹·f), and v′ = v + h·M⁻¹·f + M⁻¹·Gᵀ·λ.
@@ -87,6 +88,8 @@ pub struct Spook {
     multiplier: f64,
     /// Working space for the entries of G inside a step.
     gradient: Vec<(usize, DVec3)>,
+    /// The bonds of molecules.
+    bonds: Option<SpookBonds>,
 }
 
 impl Spook {
@@ -130,6 +133,15 @@ fn rate(gradient: &[(usize, DVec3)], velocities: &[DVec3]) -> f64 {
     gradient.iter().map(|(i, g)| g.dot(velocities[*i])).sum()
 }
 
+/// SPOOK for the bonds of molecules.
+#[must_use]
+pub fn with_bonds(bonds: SpookBonds) -> Integrator {
+    Integrator::new(Spook {
+        bonds: Some(bonds),
+        ..Spook::default()
+    })
+}
+
 impl MethodOptions for Options {
     const OSCILLATOR: OscillatorModel = OscillatorModel::Constraint;
     fn build(&self) -> Integrator {
@@ -154,6 +166,9 @@ impl Method for Spook {
     }
 
     fn suits(&self, system: &System, _forces: ForceProperties) -> Result<(), String> {
+        if system.molecules.are_rigid() && self.bonds.is_none() {
+            return Err("it has rigid bonds, and the method was told of none".to_owned());
+        }
         match system.constraints.len() {
             0 | 1 => Ok(()),
             more => Err(format!(
@@ -169,7 +184,13 @@ impl Method for Spook {
 
     fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
         let (system, dt) = (s.system(), s.dt());
-        if let Some(constraint) = system.constraints.first() {
+        if let Some(bonds) = &mut self.bonds {
+            let state = s.parts().state;
+            bonds.before_kick(system, &state.positions, &state.velocities);
+            s.kick(1.0);
+            let state = s.parts().state;
+            bonds.after_kick(system, &state.positions, &mut state.velocities, dt);
+        } else if let Some(constraint) = system.constraints.first() {
             let state = s.parts().state;
             self.gradient.clear();
             constraint.gradient(&state.positions, &mut self.gradient);

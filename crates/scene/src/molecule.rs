@@ -1,7 +1,8 @@
 //! The tables `[molecule]` and `[bonds]`: what the molecules are, and how their bonds are held.
 
-use lennard_core::{Bonds, MOST_SITES, Molecules};
-use lennard_integrators::BondOptions;
+use lennard_core::random::Streams;
+use lennard_core::{Bonds, IntegratorSpec, MOST_SITES, Molecules};
+use lennard_integrators::{BondOptions, spook};
 
 use crate::error::SceneError;
 use crate::read::{Reader, with_tag};
@@ -44,7 +45,7 @@ impl Molecule {
     #[must_use]
     pub fn molecules(&self) -> Molecules {
         let sites = self.options.sites as usize;
-        Molecules::chains(sites, self.options.bond_length, self.bonds.spec().bonds)
+        Molecules::chains(sites, self.options.bond_length, self.bonds.bonds())
     }
 }
 
@@ -61,9 +62,9 @@ impl Scene {
             MoleculeKind::Dumbbell => "dumbbells".to_owned(),
             MoleculeKind::Chain => format!("chains of {sites} sites"),
         };
-        let held = match bonds.spec().bonds {
+        let held = match bonds.bonds() {
             Bonds::Rigid => format!("rigid bonds of {length} σ, {}", bonds.name()),
-            Bonds::Springs => format!("springs of {length} σ"),
+            Bonds::Springs => format!("bonds of {length} σ, {}", bonds.name()),
         };
         format!("{pairs}; {kind} with {held}")
     }
@@ -169,7 +170,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
             .found("`[accuracy]` and `[molecule]`")
             .allowed("settings of your own: the predictions of errors are for atoms"));
     }
-    rigid_method(scene, molecule)?;
+    suited_methods(scene, molecule)?;
     stable_springs(scene, molecule)
 }
 
@@ -198,31 +199,56 @@ fn suited_observables(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Refuses rigid bonds under a method that has no form that holds them.
-fn rigid_method(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> {
-    if molecule.bonds.spec().bonds != Bonds::Rigid {
-        return Ok(());
+/// Refuses ways to hold bonds under a method that does not hold them, in any stage.
+fn suited_methods(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> {
+    let by_spook = matches!(molecule.bonds, BondOptions::Spook(_));
+    let suits = |spec: &IntegratorSpec| match by_spook {
+        true => spec.name == spook::SPEC.name,
+        false => spec.holds_rigid_bonds || molecule.bonds.bonds() == Bonds::Springs,
+    };
+    for (i, stage) in scene.stages.iter().enumerate() {
+        let method = lennard_integrators::build(&scene.integrator.method);
+        // A bath that stands inside the step takes the place of the method.
+        let spec = match &stage.thermostat {
+            Some(bath) => {
+                let noise = Streams::new(0).noise("check");
+                bath.couple(method, stage.temperature_ramp(0), noise).spec()
+            }
+            None => method.spec(),
+        };
+        if suits(spec) {
+            continue;
+        }
+        let key = match spec.name == scene.integrator.method.spec().name {
+            true => "integrator.kind".to_owned(),
+            false => format!("stage.{i}.thermostat"),
+        };
+        let names = lennard_integrators::integrators()
+            .iter()
+            .filter(|entry| suits(entry.spec))
+            .map(|entry| format!("{:?}", entry.spec.name));
+        let names = names.collect::<Vec<_>>().join(", ");
+        let (message, or) = match by_spook {
+            true => (
+                "does not go with the bonds of SPOOK",
+                "another way to hold bonds",
+            ),
+            false => (
+                "has no form that holds rigid bonds",
+                "[bonds] method = \"spring\"",
+            ),
+        };
+        return Err(scene
+            .source
+            .refuse(&key, message)
+            .found(format!(
+                "{:?} with [bonds] method = {:?}",
+                spec.name,
+                molecule.bonds.name()
+            ))
+            .allowed(format!("[integrator] kind = {names}; or {or}")));
     }
-    let spec = scene.integrator.method.spec();
-    if spec.holds_rigid_bonds {
-        return Ok(());
-    }
-    let names = lennard_integrators::integrators()
-        .iter()
-        .filter(|entry| entry.spec.holds_rigid_bonds)
-        .map(|entry| format!("{:?}", entry.spec.name));
-    Err(scene
-        .source
-        .refuse("integrator.kind", "has no form that holds rigid bonds")
-        .found(format!(
-            "{:?} with [bonds] method = {:?}",
-            spec.name,
-            molecule.bonds.name()
-        ))
-        .allowed(format!(
-            "{}; or [bonds] method = \"spring\"",
-            names.collect::<Vec<_>>().join(", ")
-        )))
+    Ok(())
 }
 
 /// Refuses steps that a stiff spring does not bear: ω·h must stay below the limit of the method.

@@ -91,7 +91,10 @@ impl Reader<'_> {
             .iter()
             .filter(moves_fluids);
         let names: Vec<&str> = fit.map(|entry| entry.spec.name).collect();
-        if names.contains(&method.name()) {
+        // The bonds of molecules give SPOOK something to solve for; they are checked with it later.
+        let has_molecules = self.source.wrote("molecule");
+        let by_spook = has_molecules && method.name() == lennard_integrators::spook::SPEC.name;
+        if by_spook || names.contains(&method.name()) {
             return Ok(());
         }
         Err(self

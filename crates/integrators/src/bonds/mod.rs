@@ -6,6 +6,7 @@
 mod chains;
 pub mod direct;
 pub mod relaxation;
+pub mod spook;
 pub mod spring;
 
 use lennard_core::options::{Keys, OptionError, Options};
@@ -21,7 +22,7 @@ pub struct BondSpec {
     pub summary: &'static str,
     /// The equations, in plain text.
     pub equations: &'static str,
-    /// Whether bonds are constraints or springs.
+    /// Whether bonds are constraints or springs, with default options.
     pub bonds: Bonds,
     /// Author, title, equation.
     pub source: &'static str,
@@ -33,6 +34,8 @@ pub enum BondHolder {
     Rigid(Box<dyn BondSolver>),
     /// By a force.
     Spring(Box<dyn ForceTerm>),
+    /// By the method `spook`, which solves for them in its step.
+    Spook(spook::SpookBonds),
 }
 
 /// What the options type of each way provides for the list.
@@ -41,6 +44,10 @@ pub(crate) trait BondMethod: Options {
     const SPEC: BondSpec;
     /// The way with these options, for such molecules.
     fn build(&self, molecules: &Molecules) -> BondHolder;
+    /// Whether bonds are constraints or springs with these options.
+    fn bonds(&self) -> Bonds {
+        Self::SPEC.bonds
+    }
     /// Checks options that must go together.
     ///
     /// # Errors
@@ -105,6 +112,14 @@ macro_rules! list_of_bond_methods {
                 }
             }
 
+            /// Whether bonds are constraints or springs.
+            #[must_use]
+            pub fn bonds(&self) -> Bonds {
+                match self {
+                    $(Self::$variant(options) => BondMethod::bonds(options),)*
+                }
+            }
+
             /// The angular frequency ω of a bond between two unit masses, τ⁻¹; zero for rigid bonds.
             #[must_use]
             pub fn frequency(&self) -> f64 {
@@ -127,6 +142,8 @@ list_of_bond_methods! {
     Direct: direct,
     /// One bond after another, again and again.
     Relaxation: relaxation,
+    /// The constraints of SPOOK.
+    Spook: spook,
     /// Stiff springs.
     Spring: spring,
 }

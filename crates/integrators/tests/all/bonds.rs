@@ -19,6 +19,10 @@ fn shake(tolerance: f64) -> BondOptions {
     })
 }
 
+fn spook(options: lennard_integrators::bonds::spook::Options) -> BondOptions {
+    BondOptions::Spook(options)
+}
+
 fn projection() -> BondOptions {
     BondOptions::Relaxation(relaxation::Options {
         tolerance: Some(1e-13),
@@ -31,6 +35,7 @@ fn velocity_verlet(bonds: &BondOptions, molecules: Molecules) -> Integrator {
     let method = build(&IntegratorOptions::default());
     match bonds.build(&molecules) {
         BondHolder::Rigid(solver) => method.with_bonds(solver),
+        BondHolder::Spook(bonds) => lennard_integrators::spook::with_bonds(bonds),
         BondHolder::Spring(_) => method,
     }
 }
@@ -527,4 +532,104 @@ fn the_laplacian_of_springs_is_the_divergence_of_their_forces() {
         (laplacian + divergence).abs() < 1e-6 * laplacian,
         "{laplacian} {divergence}"
     );
+}
+
+/// A free dumbbell that turns by α per step is an exact fixed motion of SPOOK, at
+/// |d| = r/(1 − (1 − cos α)·((1 + γ)/(4γ) + 2εμ/h²)).
+#[test]
+fn a_rotor_under_spook_keeps_turning_at_its_stretched_length() {
+    let (alpha, dt) = (0.05_f64, 0.01);
+    for (compliance, damping_steps) in [(0.0, 2.0), (0.0, 0.5), (1e-6, 4.0)] {
+        let gamma = 1.0 / (1.0 + 4.0 * damping_steps);
+        let mu = 0.5;
+        let spring = 2.0 * compliance * mu / (dt * dt);
+        let stretched =
+            1.0 / (1.0 - (1.0 - alpha.cos()) * ((1.0 + gamma) / (4.0 * gamma) + spring));
+        if compliance == 0.0 && damping_steps == 2.0 {
+            assert!((stretched - 1.0031341411634336).abs() < 1e-15);
+        }
+        let molecules = Molecules::chains(2, 1.0, Bonds::Rigid);
+        let half = 0.5 * stretched;
+        let x = vec![DVec3::new(-half, 0.0, 0.0), DVec3::new(half, 0.0, 0.0)];
+        // x(h) = x(0) + h·v(h): the velocity that led here from the position one angle before.
+        let before = DVec3::new(half * alpha.cos(), -half * alpha.sin(), 0.0);
+        let v = (x[1] - before) / dt;
+        let (system, mut state) = start(molecules, x, vec![DVec3::ZERO; 2]);
+        state.velocities = vec![-v, v];
+        let options = lennard_integrators::bonds::spook::Options {
+            compliance,
+            damping_steps,
+            damping_time: None,
+        };
+        run(
+            &system,
+            &mut state,
+            &mut NoForces,
+            &spook(options),
+            dt,
+            1000,
+        );
+        let length = (state.positions[1] - state.positions[0]).length();
+        assert!(
+            (length - stretched).abs() < 1e-12,
+            "{length} against {stretched}"
+        );
+        let turned = (angle(&state) - 1000.0 * alpha).rem_euclid(std::f64::consts::TAU);
+        assert!(
+            turned.min(std::f64::consts::TAU - turned) < 1e-9,
+            "{turned}"
+        );
+    }
+}
+
+#[test]
+fn spook_is_of_order_one_at_a_fixed_damping_time()
+ {
+    let order = |options: lennard_integrators::bonds::spook::Options| {
+        let errors = [2000, 8000].map(|steps| error_after(&spook(options.clone()), steps));
+        (errors[0] / errors[1]).log2() / 2.0
+    };
+    let fixed = lennard_integrators::bonds::spook::Options {
+        damping_time: Some(0.01),
+        ..Default::default()
+    };
+    let fixed = order(fixed);
+    assert!((fixed - 1.0).abs() < 0.15, "{fixed}");
+    let steps = order(Default::default());
+    assert!(steps > 1.7, "{steps}");
+}
+
+#[test]
+fn spook_without_compliance_and_damping_is_refused() {
+    let options = spook(lennard_integrators::bonds::spook::Options {
+        damping_steps: 0.0,
+        ..Default::default()
+    });
+    let error = options.check().unwrap_err();
+    assert_eq!(error.key, "compliance");
+    assert!(error.found.contains("unstable"), "{error}");
+}
+
+/// A chain under SPOOK: momentum is kept, and impulses hold the bonds near their length.
+#[test]
+fn spook_holds_a_chain_and_keeps_its_momentum() {
+    let (system, mut state, mut forces) = hanging_chain(8);
+    forces.gravity = 0.0;
+    for (k, v) in state.velocities.iter_mut().enumerate() {
+        let k = k as f64;
+        *v = DVec3::new((0.9 * k).sin(), (1.7 * k).cos(), (0.4 * k).sin());
+    }
+    rigid::project_velocities(&system, &state.positions, &mut state.velocities);
+    let momentum = system.momentum(&state.velocities);
+    run(
+        &system,
+        &mut state,
+        &mut forces,
+        &spook(Default::default()),
+        1e-3,
+        2000,
+    );
+    assert!((system.momentum(&state.velocities) - momentum).length() < 1e-12);
+    let strain = rigid::constraint_sums(&system, &state).largest_residual;
+    assert!((1e-9..0.02).contains(&strain), "{strain}");
 }
