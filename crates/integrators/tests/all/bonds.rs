@@ -583,8 +583,7 @@ fn a_rotor_under_spook_keeps_turning_at_its_stretched_length() {
 }
 
 #[test]
-fn spook_is_of_order_one_at_a_fixed_damping_time()
- {
+fn spook_is_of_order_one_at_a_fixed_damping_time() {
     let order = |options: lennard_integrators::bonds::spook::Options| {
         let errors = [2000, 8000].map(|steps| error_after(&spook(options.clone()), steps));
         (errors[0] / errors[1]).log2() / 2.0
