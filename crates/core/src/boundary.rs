@@ -51,6 +51,8 @@ pub struct Flight<'a> {
     pub positions: &'a mut [DVec3],
     /// Velocities, `[N]`, σ/τ.
     pub velocities: &'a mut [DVec3],
+    /// Forces at the positions, `[N]`, ε/σ.
+    pub forces: &'a [DVec3],
     /// The masses.
     pub masses: &'a Masses,
     /// The time h of the flight, τ; above 0.

@@ -168,6 +168,7 @@ impl<'a> Step<'a> {
             self.report.heat += boundary.fly(Flight {
                 positions: &mut state.positions,
                 velocities: &mut state.velocities,
+                forces: &state.forces,
                 masses: &self.system.masses,
                 h: fraction * self.dt,
                 step: state.step,

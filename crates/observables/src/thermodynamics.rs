@@ -64,7 +64,7 @@ pub struct Conservation {
     pub energy_drift_standard_error: f64,
     /// Root mean square of the conserved energy per particle about that line, over single samples.
     pub energy_rms_per_atom: f64,
-    /// The largest |Σ m v|/N seen, in σ/τ.
+    /// The largest |Σ m v|/N seen, in σ/τ, of the components that the forces keep.
     pub momentum_per_atom: f64,
 }
 
@@ -266,7 +266,8 @@ impl Observable for Thermodynamics {
         self.n_dof = view.n_dof();
         self.half_steps = view.half_kick_step.is_some();
         self.energy_line.push(state.time, conserved_energy);
-        self.largest_momentum = self.largest_momentum.max(momentum.length());
+        let kept = view.system.kept_part(momentum);
+        self.largest_momentum = self.largest_momentum.max(kept.length());
         self.series.push(&[
             state.time,
             temperature,

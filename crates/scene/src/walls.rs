@@ -1,7 +1,7 @@
 //! The tables `[[wall]]` and `[field]`: what confines a fluid, and what must hold of it.
 
 use lennard_core::random::Streams;
-use lennard_core::{Axis, DVec3, Masses, PeriodicBox};
+use lennard_core::{Axis, DVec3, Integrator, Masses, PeriodicBox};
 use lennard_forcefield::{
     ConstantField, SHALLOWEST_ROOM, SlitPlanes, Surface, WallContext, WallOptions, WallPair, Walls,
 };
@@ -296,14 +296,18 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Refuses hard walls under a method that does not move particles by drifts.
+/// Refuses walls that are hit under a method or a start that does not suit their flight.
 fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), SceneError> {
     let context = WallContext {
         temperature: scene.system.temperature,
     };
-    if !matches!(table.options.surface(&context, false), Surface::Hit(_)) {
+    let Surface::Hit(wall) = table.options.surface(&context, false) else {
         return Ok(());
-    }
+    };
+    let suits = |integrator: &Integrator| {
+        let kicks = integrator.spec().is_kick_drift_kick || !wall.follows_parabolas();
+        integrator.takes_hard_walls() && kicks
+    };
     for stage in &scene.stages {
         let method = lennard_integrators::build(&scene.integrator.method);
         let noise = Streams::new(0).noise("check");
@@ -311,10 +315,8 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
             Some(bath) => bath.couple(method, stage.temperature_ramp(0), noise),
             None => method,
         };
-        if !integrator.takes_hard_walls() {
-            let fit = integrators()
-                .iter()
-                .filter(|e| e.build().takes_hard_walls());
+        if !suits(&integrator) {
+            let fit = integrators().iter().filter(|entry| suits(&entry.build()));
             let names: Vec<&str> = fit.map(|entry| entry.spec.name).collect();
             return Err(scene
                 .source
@@ -332,6 +334,17 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
                     quoted(&names)
                 )));
         }
+    }
+    let is_single = matches!(scene.system.start, Start::Lattice { n_atoms: 1, .. });
+    if wall.follows_parabolas() && !is_single {
+        return Err(scene
+            .source
+            .refuse(
+                &format!("wall.{i}.response"),
+                "is exact for one particle in a constant field alone",
+            )
+            .found("\"event\" with other particles")
+            .allowed("\"billiard\", or `system.n_atoms` = 1"));
     }
     Ok(())
 }

@@ -1,5 +1,7 @@
 //! The list of walls: one file and one line each.
 
+mod flight;
+mod parabola;
 mod planes;
 mod surface;
 mod term;

@@ -56,6 +56,11 @@ pub trait Rebound: Debug + Send + Sync {
 
     /// Whether a hit changes velocities along the plane too.
     fn drags(&self) -> bool;
+
+    /// Whether particles fly to this wall along parabolas, as under a constant acceleration.
+    fn follows_parabolas(&self) -> bool {
+        false
+    }
 }
 
 /// What a wall does to particles.

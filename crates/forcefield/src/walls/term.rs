@@ -6,21 +6,18 @@ use std::ops::Add;
 use lennard_core::parallel::{for_each_piece, ordered_sum};
 use lennard_core::random::NoiseStream;
 use lennard_core::{
-    Axis, Boundary, Configuration, DMat3, DVec3, Energetics, Flight, ForceError, ForceProperties,
+    Axis, Boundary, Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties,
     ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, WallReading, Want,
 };
 
-use super::{Hit, SlitPlanes, Surface, WallContext, WallOptions};
-
-/// Hits of one particle in one flight, after which it rests at the plane.
-const MOST_HITS: usize = 16;
+use super::{SlitPlanes, Surface, WallContext, WallOptions};
 
 /// Two walls, at both ends of an axis.
 #[derive(Debug, Clone)]
 pub struct WallPair {
-    planes: SlitPlanes,
+    pub(super) planes: SlitPlanes,
     /// What the walls at the lower and at the upper end do.
-    surfaces: [Surface; 2],
+    pub(super) surfaces: [Surface; 2],
 }
 
 impl WallPair {
@@ -34,12 +31,12 @@ impl WallPair {
     }
 
     /// Distance of a coordinate from the planes, σ: positive between them.
-    fn distances(&self, r: DVec3) -> [f64; 2] {
+    pub(super) fn distances(&self, r: DVec3) -> [f64; 2] {
         let x = r[self.planes.axis];
         [x - self.planes.lower, self.planes.upper - x]
     }
 
-    fn is_hit(&self) -> bool {
+    pub(super) fn is_hit(&self) -> bool {
         self.surfaces.iter().any(|s| matches!(s, Surface::Hit(_)))
     }
 }
@@ -53,10 +50,10 @@ impl WallPair {
 /// pairs alone.
 #[derive(Debug, Clone)]
 pub struct Walls {
-    pairs: Vec<WallPair>,
+    pub(super) pairs: Vec<WallPair>,
     /// Lower and upper wall of each pair, in the order of the pairs.
-    readings: Vec<WallReading>,
-    noise: NoiseStream,
+    pub(super) readings: Vec<WallReading>,
+    pub(super) noise: NoiseStream,
 }
 
 /// What all walls felt of some particles, and what those felt.
@@ -156,78 +153,6 @@ impl Walls {
             }
         }
         felt
-    }
-
-    /// Flies one particle over `h` τ; returns the kinetic energy that hits put in.
-    fn fly_one(&mut self, x: &mut DVec3, v: &mut DVec3, mass: f64, h: f64, noise: [u64; 2]) -> f64 {
-        let end = *x + h * *v;
-        let stays =
-            |pair: &WallPair| !pair.is_hit() || pair.distances(end).iter().all(|z| *z > 0.0);
-        if self.pairs.iter().all(stays) || !end.is_finite() {
-            *x = end;
-            return 0.0;
-        }
-        let before = v.length_squared();
-        let mut random = self.noise.at(noise[0], noise[1] as u32);
-        let mut left = h;
-        for _ in 0..MOST_HITS {
-            let Some((time, index)) = self.next_hit(*x, *v, left) else {
-                break;
-            };
-            let (pair, reading) = (&self.pairs[index / 2], &mut self.readings[index]);
-            let axis = reading.axis;
-            *x += time * *v;
-            x[axis] = reading.position;
-            left -= time;
-            let Surface::Hit(wall) = &pair.surfaces[index % 2] else {
-                break;
-            };
-            let outward = reading.outward();
-            let after = wall.leave(Hit {
-                axis,
-                outward,
-                velocity: *v,
-                mass,
-                random: &mut random,
-            });
-            reading.impulse += outward * mass * (v[axis] - after[axis]);
-            reading.hits += 1;
-            *v = after;
-        }
-        if let Some((_, index)) = self.next_hit(*x, *v, left) {
-            // Too many hits: the particle rests at the plane.
-            let reading = &mut self.readings[index];
-            reading.impulse += reading.outward() * mass * v[reading.axis];
-            v[reading.axis] = 0.0;
-        }
-        *x += left * *v;
-        for pair in self.pairs.iter().filter(|pair| pair.is_hit()) {
-            // Rounding of the last flight.
-            let SlitPlanes {
-                axis, lower, upper, ..
-            } = pair.planes;
-            x[axis] = x[axis].clamp(lower, upper);
-        }
-        0.5 * mass * (v.length_squared() - before)
-    }
-
-    /// The time of the next hit within `left` τ, with the index of the wall.
-    fn next_hit(&self, x: DVec3, v: DVec3, left: f64) -> Option<(f64, usize)> {
-        let mut first: Option<(f64, usize)> = None;
-        for (p, pair) in self.pairs.iter().enumerate() {
-            let speed = v[pair.planes.axis];
-            for (end, z) in pair.distances(x).into_iter().enumerate() {
-                let towards = if end == 0 { -speed } else { speed };
-                if !matches!(pair.surfaces[end], Surface::Hit(_)) || towards <= 0.0 {
-                    continue;
-                }
-                let time = (z / towards).max(0.0);
-                if time <= left && first.is_none_or(|(earlier, _)| time < earlier) {
-                    first = Some((time, 2 * p + end));
-                }
-            }
-        }
-        first
     }
 }
 
@@ -335,18 +260,6 @@ impl ForceTerm for Walls {
         } else {
             None
         }
-    }
-}
-
-impl Boundary for Walls {
-    fn fly(&mut self, flight: Flight<'_>) -> f64 {
-        let counter = 2 * flight.step + u64::from(flight.is_later);
-        let particles = flight.positions.iter_mut().zip(flight.velocities);
-        let mut heat = 0.0;
-        for (i, (x, v)) in particles.enumerate() {
-            heat += self.fly_one(x, v, flight.masses.of(i), flight.h, [counter, i as u64]);
-        }
-        heat
     }
 }
 

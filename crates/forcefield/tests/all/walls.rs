@@ -301,6 +301,7 @@ fn thermal_walls_give_the_speeds_of_the_flux() {
         heat += walls.boundary().unwrap().fly(lennard_core::Flight {
             positions: &mut positions,
             velocities: &mut velocities,
+            forces: &[DVec3::ZERO],
             masses: &system.masses,
             h: 0.0011,
             step,
@@ -338,6 +339,7 @@ fn a_gas_without_collisions_between_two_temperatures_conducts_as_theory_says() {
         walls.boundary().unwrap().fly(lennard_core::Flight {
             positions: &mut positions,
             velocities: &mut velocities,
+            forces: &[DVec3::ZERO; N],
             masses: &Masses::Uniform(1.0),
             h: 1.0,
             step,
@@ -380,6 +382,7 @@ fn what_walls_felt_is_saved_and_a_state_of_other_walls_is_refused() {
     saved.boundary().unwrap().fly(lennard_core::Flight {
         positions: &mut positions,
         velocities: &mut velocities,
+        forces: &[DVec3::ZERO],
         masses: &Masses::Uniform(1.0),
         h: 1.0,
         step: 0,

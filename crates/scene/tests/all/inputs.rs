@@ -29,6 +29,7 @@ fn good_scenes() -> Vec<PathBuf> {
         "inputs/bench",
         "inputs/fluid",
         "inputs/walls",
+        "inputs/mechanics",
     ]
     .into_iter()
     .flat_map(scenes_in)

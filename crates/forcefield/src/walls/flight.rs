@@ -1,0 +1,122 @@
+//! The flight of particles between walls that are hit: along straight lines, the billiard rule.
+
+use lennard_core::random::CounterRng;
+use lennard_core::{Boundary, DVec3, Flight};
+
+use super::{Hit, SlitPlanes, Surface, WallPair, Walls};
+
+/// Hits of one particle in one flight, after which it rests at the plane.
+pub(super) const MOST_HITS: usize = 16;
+
+impl Walls {
+    /// Flies one particle over `h` τ; returns the kinetic energy that hits put in.
+    fn fly_one(
+        &mut self,
+        x: &mut DVec3,
+        v: &mut DVec3,
+        mass: f64,
+        h: f64,
+        random: &mut CounterRng,
+    ) -> f64 {
+        let end = *x + h * *v;
+        let stays =
+            |pair: &WallPair| !pair.is_hit() || pair.distances(end).iter().all(|z| *z > 0.0);
+        if self.pairs.iter().all(stays) || !end.is_finite() {
+            *x = end;
+            return 0.0;
+        }
+        let before = v.length_squared();
+        let mut left = h;
+        for _ in 0..MOST_HITS {
+            let Some((time, index)) = self.next_hit(*x, *v, left) else {
+                break;
+            };
+            *x += time * *v;
+            x[self.readings[index].axis] = self.readings[index].position;
+            left -= time;
+            self.strike(index, v, mass, random);
+        }
+        if let Some((_, index)) = self.next_hit(*x, *v, left) {
+            // Too many hits: the particle rests at the plane.
+            let reading = &mut self.readings[index];
+            reading.impulse += reading.outward() * mass * v[reading.axis];
+            v[reading.axis] = 0.0;
+        }
+        *x += left * *v;
+        self.clamp_between_planes(x);
+        0.5 * mass * (v.length_squared() - before)
+    }
+
+    /// Gives a particle at a plane the velocity after the hit, and the wall the momentum.
+    pub(super) fn strike(
+        &mut self,
+        index: usize,
+        v: &mut DVec3,
+        mass: f64,
+        random: &mut CounterRng,
+    ) {
+        let Surface::Hit(wall) = &self.pairs[index / 2].surfaces[index % 2] else {
+            return;
+        };
+        let reading = &mut self.readings[index];
+        let (axis, outward) = (reading.axis, reading.outward());
+        let after = wall.leave(Hit {
+            axis,
+            outward,
+            velocity: *v,
+            mass,
+            random,
+        });
+        reading.impulse += outward * mass * (v[axis] - after[axis]);
+        reading.hits += 1;
+        *v = after;
+    }
+
+    /// Takes off what rounding put behind a plane.
+    pub(super) fn clamp_between_planes(&self, x: &mut DVec3) {
+        for pair in self.pairs.iter().filter(|pair| pair.is_hit()) {
+            let SlitPlanes {
+                axis, lower, upper, ..
+            } = pair.planes;
+            x[axis] = x[axis].clamp(lower, upper);
+        }
+    }
+
+    /// The time of the next hit within `left` τ, with the index of the wall.
+    fn next_hit(&self, x: DVec3, v: DVec3, left: f64) -> Option<(f64, usize)> {
+        let mut first: Option<(f64, usize)> = None;
+        for (p, pair) in self.pairs.iter().enumerate() {
+            let speed = v[pair.planes.axis];
+            for (end, z) in pair.distances(x).into_iter().enumerate() {
+                let towards = if end == 0 { -speed } else { speed };
+                if !matches!(pair.surfaces[end], Surface::Hit(_)) || towards <= 0.0 {
+                    continue;
+                }
+                let time = (z / towards).max(0.0);
+                if time <= left && first.is_none_or(|(earlier, _)| time < earlier) {
+                    first = Some((time, 2 * p + end));
+                }
+            }
+        }
+        first
+    }
+}
+
+impl Boundary for Walls {
+    fn fly(&mut self, flight: Flight<'_>) -> f64 {
+        let counter = 2 * flight.step + u64::from(flight.is_later);
+        let (noise, along_parabolas) = (self.noise, self.follows_parabolas());
+        let particles = flight.positions.iter_mut().zip(flight.velocities);
+        let mut heat = 0.0;
+        for (i, ((x, v), force)) in particles.zip(flight.forces).enumerate() {
+            let (mass, h) = (flight.masses.of(i), flight.h);
+            let mut random = noise.at(counter, i as u32);
+            heat += if along_parabolas {
+                self.fall_one(x, v, mass, *force / mass, h, &mut random)
+            } else {
+                self.fly_one(x, v, mass, h, &mut random)
+            };
+        }
+        heat
+    }
+}
