@@ -33,10 +33,26 @@ fn with(overrides: &[(&str, &str)]) -> Result<Scene, SceneError> {
     Scene::parse(SMALL, "scene.toml", &overrides)
 }
 
+/// The thermostat that a barostat goes with.
+fn bath_of(barostat: &str) -> &'static str {
+    let mut specs = lennard_integrators::barostats().iter();
+    let spec = specs.find(|spec| spec.name == barostat);
+    spec.and_then(|spec| spec.thermostat).unwrap_or("bussi")
+}
+
 /// A scene with one method's table, at its defaults.
 fn with_method(table: &str, kind: &str) -> Scene {
     let extra = match table {
         "stage.thermostat" => return with(&[("stage.heat.thermostat", kind)]).unwrap(),
+        "stage.barostat" => {
+            let barostat = format!("{{ kind = {kind:?}, pressure = 1.0 }}");
+            let thermostat = bath_of(kind);
+            let baths = [
+                ("stage.heat.barostat", barostat.as_str()),
+                ("stage.heat.thermostat", thermostat),
+            ];
+            return with(&baths).unwrap();
+        }
         "observable" => format!("[[observable]]\nkind = \"{kind}\"\n"),
         _ => format!("[{table}]\nkind = \"{kind}\"\n"),
     };
@@ -57,7 +73,13 @@ fn kinds(table: &str) -> Vec<&'static str> {
 const OSCILLATOR_ONLY: [&str; 2] = ["analytic", "spook"];
 
 fn methods() -> Vec<(&'static str, &'static str)> {
-    let tables = ["potential", "integrator", "stage.thermostat", "observable"];
+    let tables = [
+        "potential",
+        "integrator",
+        "stage.thermostat",
+        "stage.barostat",
+        "observable",
+    ];
     tables
         .into_iter()
         .flat_map(|table| kinds(table).into_iter().map(move |kind| (table, kind)))
@@ -153,8 +175,8 @@ fn errors_of_overrides_name_the_override() {
         ),
         (
             "stage.heat.thermostat",
-            "nose",
-            "scene.toml, override `stage.heat.thermostat=nose`: `stage.0.thermostat` is not a known name",
+            "bussy",
+            "scene.toml, override `stage.heat.thermostat=bussy`: `stage.0.thermostat` is not a known name",
         ),
         (
             "truncation.r_cut",
@@ -295,6 +317,12 @@ fn the_reference_lists_exactly_the_keys_that_the_code_reads() {
     assert_eq!(known_keys(&stage), documented_keys("stage", None));
     for (table, kind) in methods() {
         let text = match table {
+            "stage.barostat" => SMALL.replace(
+                "thermostat = \"bussi\"",
+                &format!(
+                    "thermostat = \"bussi\"\nbarostat = {{ kind = \"{kind}\", pressure = 1.0, zzz = 1 }}"
+                ),
+            ),
             "stage.thermostat" => SMALL.replace(
                 "thermostat = \"bussi\"",
                 &format!("thermostat = {{ kind = \"{kind}\", zzz = 1 }}"),
@@ -338,9 +366,10 @@ fn the_reference_states_the_defaults_that_the_code_takes() {
         // The first stage of the small scene states its thermostat; the others their defaults.
         let scene = match (doc.method, doc.table, doc.key) {
             (Some(kind), table, _) => with_method(table, kind),
-            (None, "stage", "thermostat") => {
+            (None, "stage", "thermostat" | "barostat") => {
                 let scene = parse(SMALL).unwrap();
                 assert_eq!(scene.stages[1].thermostat, None);
+                assert_eq!(scene.stages[1].barostat, None);
                 continue;
             }
             _ => parse(SMALL).unwrap(),
