@@ -330,7 +330,7 @@ fn write_descriptions(folder: &Path, simulation: &Simulation) -> Result<(), Writ
         lennard_io::write_topology_gro(
             &folder.join(TOPOLOGY),
             n,
-            &simulation.state.cell,
+            &simulation.start_cell,
             &style(simulation),
         )?;
     }

@@ -238,9 +238,12 @@ fn suited_methods(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> 
                 "[bonds] method = \"spring\"",
             ),
         };
+        let places = [key.as_str(), "bonds", "molecule"];
+        let place = places.iter().find_map(|key| scene.source.place(key));
         return Err(scene
             .source
             .refuse(&key, message)
+            .at(place.cloned())
             .found(format!(
                 "{:?} with [bonds] method = {:?}",
                 spec.name,

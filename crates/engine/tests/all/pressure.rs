@@ -89,7 +89,11 @@ fn the_conserved_quantity_has_the_tail_of_the_box_as_it_is() {
             ("stage.production.steps", "4000"),
             ("output.thermo_every", "10"),
         ]);
-        let kept = ran(&overrides).thermodynamics().conservation();
+        let simulation = ran(&overrides);
+        let volume = simulation.state.cell.volume();
+        let tail = simulation.tail().unwrap().pressure * volume * volume;
+        assert!((simulation.stage_run().tail_work / tail - 1.0).abs() < 1e-12);
+        let kept = simulation.thermodynamics().conservation();
         // 2·10⁻⁴ ε per particle is the energy error of the steps; U_tail in place of V·P_tail makes it 19 times as much.
         assert!(
             kept.energy_rms_per_atom < 4e-4,

@@ -53,7 +53,7 @@ fn mistakes_that_need_many_lines_or_an_override_are_said_clearly() {
         (
             SMALL.into(),
             "stage.0.thermostat",
-            "nose-hoover",
+            "nosehoover",
             "is not a known name",
         ),
         (SMALL.into(), "system.box", "[1, 2]", "`system.box`"),

@@ -33,10 +33,26 @@ fn with(overrides: &[(&str, &str)]) -> Result<Scene, SceneError> {
     Scene::parse(SMALL, "scene.toml", &overrides)
 }
 
+/// The thermostat that a barostat goes with.
+fn bath_of(barostat: &str) -> &'static str {
+    let mut specs = lennard_integrators::barostats().iter();
+    let spec = specs.find(|spec| spec.name == barostat);
+    spec.and_then(|spec| spec.thermostat).unwrap_or("bussi")
+}
+
 /// A scene with one method's table, at its defaults.
 fn with_method(table: &str, kind: &str) -> Scene {
     let extra = match table {
         "stage.thermostat" => return with(&[("stage.heat.thermostat", kind)]).unwrap(),
+        "stage.barostat" => {
+            let barostat = format!("{{ kind = {kind:?}, pressure = 1.0 }}");
+            let thermostat = bath_of(kind);
+            let baths = [
+                ("stage.heat.barostat", barostat.as_str()),
+                ("stage.heat.thermostat", thermostat),
+            ];
+            return with(&baths).unwrap();
+        }
         "wall" => format!("[[wall]]\nkind = \"{kind}\"\n[truncation]\nkind = \"shift\"\n"),
         "observable" if kind == "wall-pressure" => {
             let wall = "[[wall]]\nkind = \"wca\"\n[truncation]\nkind = \"shift\"\n";
@@ -61,7 +77,12 @@ fn molecular(method: &str) -> Scene {
     let text = SMALL
         .replace("n_atoms", "n_molecules")
         .replace("density = 0.8", "density = 0.4");
-    let tables = format!("[molecule]\nbond_length = 1.0\n[bonds]\nmethod = \"{method}\"\n");
+    let integrator = match method {
+        "spook" => "[integrator]\nkind = \"spook\"\n",
+        _ => "",
+    };
+    let tables =
+        format!("{integrator}[molecule]\nbond_length = 1.0\n[bonds]\nmethod = \"{method}\"\n");
     parse(&format!("{text}\n{tables}")).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -83,6 +104,7 @@ fn methods() -> Vec<(&'static str, &'static str)> {
         "integrator",
         "wall",
         "stage.thermostat",
+        "stage.barostat",
         "observable",
     ];
     tables
@@ -180,8 +202,8 @@ fn errors_of_overrides_name_the_override() {
         ),
         (
             "stage.heat.thermostat",
-            "nose",
-            "scene.toml, override `stage.heat.thermostat=nose`: `stage.0.thermostat` is not a known name",
+            "bussy",
+            "scene.toml, override `stage.heat.thermostat=bussy`: `stage.0.thermostat` is not a known name",
         ),
         (
             "truncation.r_cut",
@@ -322,6 +344,12 @@ fn the_reference_lists_exactly_the_keys_that_the_code_reads() {
     assert_eq!(known_keys(&stage), documented_keys("stage", None));
     for (table, kind) in methods() {
         let text = match table {
+            "stage.barostat" => SMALL.replace(
+                "thermostat = \"bussi\"",
+                &format!(
+                    "thermostat = \"bussi\"\nbarostat = {{ kind = \"{kind}\", pressure = 1.0, zzz = 1 }}"
+                ),
+            ),
             "stage.thermostat" => SMALL.replace(
                 "thermostat = \"bussi\"",
                 &format!("thermostat = {{ kind = \"{kind}\", zzz = 1 }}"),
@@ -369,9 +397,10 @@ fn the_reference_states_the_defaults_that_the_code_takes() {
             (None, "wall", _) => with_method("wall", "wca"),
             // A field of zero is none.
             (None, "field", _) => continue,
-            (None, "stage", "thermostat") => {
+            (None, "stage", "thermostat" | "barostat") => {
                 let scene = parse(SMALL).unwrap();
                 assert_eq!(scene.stages[1].thermostat, None);
+                assert_eq!(scene.stages[1].barostat, None);
                 continue;
             }
             (None, "molecule" | "bonds", _) => molecular("direct"),

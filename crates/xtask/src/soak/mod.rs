@@ -12,6 +12,9 @@ use std::time::{Duration, Instant};
 use crate::workspace::{Workspace, cargo};
 use rig::{Rig, Tally};
 
+/// Observables that a changing box allows.
+const RADIAL_DISTRIBUTION: &str = "observable=[{ kind = \"rdf\", every = 20 }]";
+
 /// What is run: name and overrides of the scene in [`rig`].
 const VARIANTS: &[(&str, &[&str])] = &[
     ("velocity Verlet", &[]),
@@ -48,6 +51,24 @@ const VARIANTS: &[(&str, &[&str])] = &[
         &["integrator.kind=bit-reversible-verlet"],
     ),
     ("random start", &["system.lattice=random"]),
+    (
+        "constant pressure, stochastic cell rescaling",
+        &[
+            "stage.melt.barostat={ kind = \"stochastic-cell-rescaling\", pressure = 4.0 }",
+            "stage.production.thermostat=bussi",
+            "stage.production.barostat={ kind = \"stochastic-cell-rescaling\", pressure = 4.0 }",
+            RADIAL_DISTRIBUTION,
+        ],
+    ),
+    (
+        "constant pressure, chains and a ramp",
+        &[
+            "stage.melt.temperature={ from = 2.0, to = 1.4 }",
+            "stage.production.thermostat=nose-hoover",
+            "stage.production.barostat={ kind = \"mtk\", pressure = 4.0 }",
+            RADIAL_DISTRIBUTION,
+        ],
+    ),
     (
         "PEFRL, forces in the trajectory",
         &["integrator.kind=pefrl", "output.forces=true"],

@@ -10,6 +10,7 @@ use crate::workspace::Workspace;
 const LISTS: &[(&str, &str)] = &[
     ("crates/integrators/src/", "IntegratorOptions"),
     ("crates/integrators/src/", "ThermostatOptions"),
+    ("crates/integrators/src/", "BarostatOptions"),
     ("crates/forcefield/src/pair/potentials/", "PotentialOptions"),
     ("crates/forcefield/src/pair/truncations/", "TruncationKind"),
     ("crates/forcefield/src/walls/", "WallOptions"),
