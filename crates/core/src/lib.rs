@@ -14,6 +14,7 @@ mod cell;
 mod force;
 mod force_sum;
 mod integrator;
+mod masses;
 mod method;
 mod molecules;
 mod observable;
@@ -44,6 +45,7 @@ pub use force::{
 pub use force_sum::ForceSum;
 pub use glam::{DMat3, DVec3};
 pub use integrator::Integrator;
+pub use masses::Masses;
 pub use method::{Method, rigid_bonds_alone, without_constraints};
 pub use molecules::{Bonds, Exclusions, MOST_BONDS, MOST_SITES, Molecules};
 pub use observable::{
@@ -54,6 +56,6 @@ pub use ramp::Ramp;
 pub use spec::{IntegratorSpec, StepError, StepReport};
 pub use state::{Configuration, Energetics, Part, State, Want};
 pub use step::{Parts, Step, check_finite};
-pub use system::{Constraint, ExactSolution, Masses, Momentum, System};
+pub use system::{Constraint, ExactSolution, Momentum, System};
 pub use table::{Cell, Column, RowsOf, Table, Tone, Value};
 pub use thermostat::{Thermostat, ThermostatSpec};

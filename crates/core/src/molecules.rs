@@ -8,7 +8,9 @@
 
 use std::ops::Range;
 
-use crate::{DVec3, Masses};
+use glam::DVec3;
+
+use crate::masses::Masses;
 
 /// The most sites of a molecule.
 pub const MOST_SITES: usize = 64;

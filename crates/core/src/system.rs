@@ -5,28 +5,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::Molecules;
-
-/// The masses of the particles.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Masses {
-    /// All particles have this mass.
-    Uniform(f64),
-    /// One mass per particle, `[N]`.
-    Each(Vec<f64>),
-}
-
-impl Masses {
-    /// The mass of particle `i`.
-    #[inline]
-    #[must_use]
-    pub fn of(&self, i: usize) -> f64 {
-        match self {
-            Self::Uniform(m) => *m,
-            Self::Each(m) => m[i],
-        }
-    }
-}
+use crate::masses::Masses;
+use crate::molecules::Molecules;
 
 /// A known solution of the equations of motion, against which methods are measured.
 pub trait ExactSolution: Send + Sync + std::fmt::Debug {

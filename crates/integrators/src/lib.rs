@@ -17,6 +17,7 @@ mod krylov;
 mod list;
 pub mod measure;
 pub mod oscillator;
+mod regularisation;
 
 pub mod analytic;
 pub mod bit_reversible_verlet;

@@ -7,8 +7,9 @@ use lennard_core::{
 };
 
 use crate::OscillatorModel;
-use crate::bonds::spook::SpookBonds;
+use crate::bonds::SpookBonds;
 use crate::common::MethodOptions;
+pub use crate::regularisation::Regularisation;
 
 lennard_core::options! {
     /// Options of SPOOK: there are none; compliance and damping belong to the constraint.
@@ -35,27 +36,6 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     oscillator_map: Some(oscillator_map),
     source: "Lacoursière, \"Ghosts and Machines: Regularized Variational Methods for Interactive Simulations of Multibodies with Dry Frictional Contacts\", PhD thesis, Umeå University (2007), the SPOOK stepper",
 };
-
-/// What compliance and damping become for a step h: Σ = (4/h²)·ε/(1 + 4τ/h) and γ = 1/(1 + 4τ/h).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Regularisation {
-    /// Σ, in units of an inverse mass.
-    pub sigma: f64,
-    /// γ, between 0 and 1.
-    pub gamma: f64,
-}
-
-impl Regularisation {
-    /// For compliance ε, damping time τ and step h.
-    #[must_use]
-    pub fn new(compliance: f64, damping_time: f64, dt: f64) -> Self {
-        let gamma = 1.0 / (1.0 + 4.0 * damping_time / dt);
-        Self {
-            sigma: 4.0 / (dt * dt) * compliance * gamma,
-            gamma,
-        }
-    }
-}
 
 /// One step on the damped oscillator as the constraint g(x) = x on a mass m, in closed form:
 /// v′ = (−(4/h)·γ·x + γ·v + m·Σ·v)/(1 + m·Σ), x′ = x + h·v′.

@@ -5,6 +5,7 @@
 
 mod chains;
 pub mod direct;
+mod impulses;
 pub mod relaxation;
 pub mod spook;
 pub mod spring;
@@ -12,6 +13,8 @@ pub mod spring;
 use lennard_core::options::{Keys, OptionError, Options};
 use lennard_core::{BondSolver, Bonds, ForceTerm, Molecules};
 use serde::{Deserialize, Serialize};
+
+pub use impulses::SpookBonds;
 
 /// What a way to hold bonds declares about itself.
 #[derive(Debug, Clone, Copy)]
@@ -35,7 +38,7 @@ pub enum BondHolder {
     /// By a force.
     Spring(Box<dyn ForceTerm>),
     /// By the method `spook`, which solves for them in its step.
-    Spook(spook::SpookBonds),
+    Spook(SpookBonds),
 }
 
 /// What the options type of each way provides for the list.
