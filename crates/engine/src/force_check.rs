@@ -82,7 +82,7 @@ impl ForceCheck {
         let wanted = self
             .all_pairs
             .force_on(particle, &state.cell, &state.positions);
-        // The same formula on the same position gives the same bits: its rounding is that of the sum.
+        // The same formula on the same position gives the same bits: the sum alone rounds.
         let single = self.confinement.force_on(particle, state);
         let tolerance = wanted.tolerance + 4.0 * f64::EPSILON * single.length();
         let wanted = wanted.force + single;

@@ -137,7 +137,7 @@ impl Scene {
             .source
             .refuse(key, format!("does not go with `{study}`"))
             .found(format!("a fluid with {confined}"))
-            .allowed(format!("`{study}` of a scene without walls and field")))
+            .allowed("a scene without walls and field"))
     }
 
     /// The walls of this scene in a box; `None` where it has none.
