@@ -126,9 +126,9 @@ impl System {
         self.n == 0
     }
 
-    /// Degrees of freedom n_dof in T = 2K/n_dof: three per particle, less one for each rigid constraint, less one for
-    /// each component of the total momentum that method and forces conserve (and that is zero). A single particle keeps its
-    /// three: it has nothing to share its momentum with. A constraint of compliance ε > 0 is a spring, which takes no degree of freedom away.
+    /// Degrees of freedom n_dof in T = 2K/n_dof: three per particle, less one for each rigid constraint. One less too for each
+    /// component of the total momentum that method and forces conserve, which is zero. A single particle keeps its three: it
+    /// has nothing to share its momentum with. A constraint of compliance ε > 0 is a spring, which takes no degree of freedom away.
     #[must_use]
     pub fn n_dof(&self, momentum: Momentum) -> f64 {
         let mut rigid = self

@@ -84,7 +84,7 @@ impl ForceCheck {
         let wanted = self
             .all_pairs
             .force_on(particle, &state.cell, &state.positions);
-        // The same formula on the same position gives the same bits: its rounding is that of the sum.
+        // The same formula on the same position gives the same bits: the sum alone rounds.
         let other = other(particle);
         let tolerance = wanted.tolerance + 4.0 * f64::EPSILON * other.length();
         let wanted = wanted.force + other;

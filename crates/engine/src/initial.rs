@@ -146,8 +146,8 @@ pub fn thermal_velocities(
     velocities
 }
 
-/// Takes the velocity of the centre of mass off every particle, along the axes along which the forces keep the momentum;
-/// nothing is done for a single particle.
+/// Takes the velocity of the centre of mass off every particle, along axes where the forces keep the momentum.
+/// A single particle keeps its velocity.
 pub fn remove_drift(system: &System, velocities: &mut [DVec3]) {
     if velocities.len() > 1 {
         let mass: f64 = (0..velocities.len()).map(|i| system.masses.of(i)).sum();

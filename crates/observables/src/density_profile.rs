@@ -47,7 +47,7 @@ impl Recipe for DensityProfileOptions {
 /// The number density in layers across one axis, ρ(z) in σ⁻³, with its standard error from blocks of the run.
 ///
 /// Layers divide the whole box. Between walls, those behind the planes are empty. In a box that changes, layers keep
-/// their part of the side, and the density is that of the mean box.
+/// their part of the side, and the density is taken in the mean box.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DensityProfile {
     axis: Axis,

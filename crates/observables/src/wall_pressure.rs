@@ -90,7 +90,7 @@ impl Default for WallPressure {
     }
 }
 
-/// The column of a wall among those of all axes.
+/// The column of a wall, counted from the lower wall of x.
 fn column(wall: &WallReading) -> usize {
     2 * wall.axis + usize::from(wall.is_upper)
 }

@@ -135,9 +135,7 @@ impl Scene {
             .source
             .refuse(key, format!("does not go with `{study}`"))
             .found(format!("a fluid with {found}"))
-            .allowed(format!(
-                "`{study}` of a scene of atoms without walls and field"
-            )))
+            .allowed("a scene of atoms without walls and field"))
     }
 
     /// The walls of this scene in a box; `None` where it has none.

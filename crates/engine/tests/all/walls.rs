@@ -36,7 +36,7 @@ fn method() -> lennard_core::Integrator {
     lennard_integrators::build(&lennard_integrators::IntegratorOptions::default())
 }
 
-/// The largest difference of the virial theorem in discrete time along z, as a part of its largest term:
+/// How far the virial theorem in discrete time along z is off, as a part of its largest term. It says
 /// h·Σ m·v²_{n+½} + h·Σ′ z·F + Σ_hits z_wall·Δp = [Σ m·z·v], with half-step speeds and trapezoid weights.
 fn virial_balance(mut simulation: Simulation, steps: u32) -> f64 {
     let (system, state) = (&simulation.system, &mut simulation.state);

@@ -21,8 +21,8 @@ lennard_core::options! {
     /// Hard planes for the centres of particles: v_z ← −e·v_z at each hit.
     ///
     /// With `billiard` the drift flies to the plane, changes the velocity and flies on. For e = 1, drift and kicks are exact
-    /// flows: the step stays symplectic and reversible. With `event` the flight is the parabola of a constant acceleration,
-    /// so that hits have their exact times; a particle comes to rest where the next flight would be shorter than two steps.
+    /// flows: the step stays symplectic and reversible. With `event` the flight is the parabola of a constant acceleration.
+    /// Hits then have their exact times. A particle comes to rest where the next flight would be shorter than two steps.
     #[derive(Copy)]
     pub struct Hard {
         /// Flight between hits; `event` for one particle under velocity Verlet alone.

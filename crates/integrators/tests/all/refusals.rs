@@ -211,3 +211,56 @@ fn impossible_options_are_named() {
         assert_eq!(options.check().unwrap_err().key, key);
     }
 }
+
+/// Forces between hard walls, as far as a method can know before its first drift.
+struct BetweenHardWalls(HarmonicForces);
+
+lennard_core::remembers_nothing!(BetweenHardWalls);
+
+impl ForceTerm for BetweenHardWalls {
+    fn evaluate(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        self.0.evaluate(at, part, want, forces)
+    }
+    fn properties(&self) -> ForceProperties {
+        ForceProperties {
+            bounds_flight: true,
+            ..self.0.properties()
+        }
+    }
+}
+
+impl Backend for BetweenHardWalls {}
+
+#[test]
+fn methods_whose_particles_would_pass_hard_walls_refuse_them() {
+    for entry in general_methods() {
+        let mut method = entry.build();
+        let mut state = State::new(
+            lennard_core::PeriodicBox::boundless(),
+            vec![DVec3::X],
+            vec![DVec3::ZERO],
+        );
+        let mut forces = BetweenHardWalls(HarmonicForces::new(1.0));
+        let mut system = System::atoms(1);
+        if entry.oscillator == OscillatorModel::Constraint {
+            let spring = lennard_integrators::oscillator::OscillatorConstraint::new(1.0, 0.0);
+            system.constraints = vec![std::sync::Arc::new(spring)];
+        }
+        let started = method.start(&system, &mut state, &mut forces, 0.1, Want::NOTHING);
+        if method.takes_hard_walls() {
+            assert!(started.is_ok(), "{}", entry.spec.name);
+            continue;
+        }
+        let words = started.unwrap_err().to_string();
+        assert!(
+            words.contains("particles would pass its hard walls, which act in drifts"),
+            "{words}"
+        );
+    }
+}

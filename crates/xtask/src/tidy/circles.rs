@@ -26,6 +26,10 @@ const EXPLAINED: &[(&str, &str)] = &[
         "options of the table hold the truncation, and its check needs the potential's own end",
     ),
     (
+        "forcefield/walls",
+        "a file of a wall implements the trait that the list dispatches to",
+    ),
+    (
         "scene/accuracy",
         "an accuracy is read from, written into and checked with the scene that it belongs to",
     ),
