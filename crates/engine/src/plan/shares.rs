@@ -164,7 +164,11 @@ impl Costs {
                 let changes = steps / control.options.interval() as f64;
                 let name = barostat_name(stage, control.options.name());
                 // The step before it asks for energy and virial too.
-                add(&name, changes * (self.evaluation + self.totals));
+                let evaluations = control.options.evaluations() as f64;
+                add(
+                    &name,
+                    changes * (evaluations * self.evaluation + self.totals),
+                );
             }
             if !stage.measure {
                 continue;
