@@ -238,8 +238,9 @@ fn is_about_isa(error: &EngineError) -> bool {
     matches!(error, EngineError::Scene(e) if e.to_string().contains("isa"))
 }
 
-/// A simulation for the scene and the start box of a checkpoint, its particles not yet in place: neither a start
-/// configuration nor a relaxation is needed for what comes from the checkpoint.
+/// A simulation for the scene and the start box of a checkpoint, its particles not yet in place.
+///
+/// Neither a start configuration nor a relaxation is needed: positions come from the checkpoint.
 fn build_for(
     checkpoint: &Checkpoint,
     overrides: &[(String, String)],

@@ -34,7 +34,7 @@ pub(crate) trait BarostatParts: Options {
     fn tau(&self) -> f64;
     /// Steps between two changes of the box.
     fn interval(&self) -> u64;
-    /// Force evaluations that each change adds to those of the steps.
+    /// Force evaluations of each change, besides the evaluations of the steps.
     fn evaluations(&self) -> u64;
     /// The sides that change together.
     fn coupling(&self) -> Coupling {
@@ -83,7 +83,7 @@ macro_rules! list_of_barostats {
                 }
             }
 
-            /// Force evaluations that each change of the box adds to those of the steps.
+            /// Force evaluations of each change of the box, besides the evaluations of the steps.
             #[must_use]
             pub fn evaluations(&self) -> u64 {
                 match self {
