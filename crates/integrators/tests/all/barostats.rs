@@ -151,7 +151,7 @@ fn with_langevin_no_momentum_is_kept_and_the_shape_is_one_larger() {
 }
 
 #[test]
-#[ignore = "a minute: run by `cargo xtask physics`"]
+#[ignore = "five minutes: run by `cargo xtask physics`"]
 fn the_volume_of_an_ideal_gas_is_gamma_distributed_for_ten_seeds() {
     let n_dof = System::atoms(N).n_dof(Momentum::Conserved);
     for seed in 10..20 {
