@@ -63,7 +63,7 @@ pub struct Evaluated {
 /// # Errors
 /// [`EngineError`] for everything that is wrong with the scene.
 pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
-    let (beginning, remarks) = build::begin_with_remarks(scene)?;
+    let (beginning, remarks) = crate::beginning::begin_with_remarks(scene)?;
     let n = beginning.positions.len();
     let cell = beginning.cell;
     let (options, provider) = build::forces(scene, cell, n)?;

@@ -2,6 +2,7 @@
 
 mod bare;
 mod baths;
+mod beginning;
 mod build;
 mod checkpointing;
 mod compare;
@@ -33,10 +34,8 @@ pub mod watchdog;
 
 pub use bare::{ENDLESS, bare, measured_stage, take};
 pub use baths::held_temperature;
-pub use build::{
-    Beginning, SMALLEST_START_DISTANCE, begin, conditions, forces, prepare, prepare_from,
-    recommended_threads, size_and_density,
-};
+pub use beginning::{Beginning, SMALLEST_START_DISTANCE, begin, size_and_density};
+pub use build::{conditions, forces, prepare, prepare_from, recommended_threads};
 pub use checkpointing::{Past, capture};
 pub use compare::{
     Compared, Comparison, beside_equation_of_state, finite_size, model_kind, with_equation_of_state,

@@ -217,7 +217,7 @@ fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [Plan
 
 fn of_stage(stage: &Stage) -> impl Iterator<Item = PlanItem> {
     let bath = match &stage.thermostat {
-        Some(t) => format!("{} at T = {}", t.name(), stage.temperature),
+        Some(t) => format!("{} at {}", t.name(), stage.temperature_in_words()),
         None => "constant energy, no thermostat".into(),
     };
     let measured = if stage.measure {
@@ -234,11 +234,14 @@ fn of_stage(stage: &Stage) -> impl Iterator<Item = PlanItem> {
         item(&bath_name(stage, thermostat.name()), How::On(how.into()))
     });
     let barostat = stage.barostat.as_ref().map(|control| {
-        let how = format!(
-            "P = {}, every {} steps: one evaluation with energy and virial",
-            control.pressure,
-            control.options.interval()
-        );
+        let how = match control.options.evaluations() {
+            0 => "at each step, which asks the forces for energy and virial".to_owned(),
+            _ => format!(
+                "every {} steps, with one evaluation of forces, energy and virial",
+                control.options.interval()
+            ),
+        };
+        let how = format!("{}, {how}", control.pressure_in_words());
         item(&barostat_name(stage, control.options.name()), How::On(how))
     });
     [itself].into_iter().chain(bath).chain(barostat)

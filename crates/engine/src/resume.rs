@@ -7,7 +7,8 @@ use lennard_core::{DVec3, PeriodicBox};
 use lennard_io::{Checkpoint, CheckpointFolder, CheckpointProblem};
 use lennard_scene::Scene;
 
-use crate::build::{self, Beginning};
+use crate::beginning::Beginning;
+use crate::build;
 use crate::checkpointing::{self, Past};
 use crate::error::{ResumeError, again};
 use crate::files::Marks;
@@ -238,8 +239,9 @@ fn is_about_isa(error: &EngineError) -> bool {
     matches!(error, EngineError::Scene(e) if e.to_string().contains("isa"))
 }
 
-/// A simulation for the scene and the start box of a checkpoint, its particles not yet in place: neither a start
-/// configuration nor a relaxation is needed for what comes from the checkpoint.
+/// A simulation for the scene and the start box of a checkpoint, its particles not yet in place.
+///
+/// Neither a start configuration nor a relaxation is needed: positions come from the checkpoint.
 fn build_for(
     checkpoint: &Checkpoint,
     overrides: &[(String, String)],

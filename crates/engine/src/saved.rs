@@ -72,7 +72,7 @@ impl Persist for Simulation {
     }
 }
 
-/// The box of a saved run; `None` where it is that of the start.
+/// The box of a saved run; `None` where the box is still the box of the start.
 fn saved_box(from: &StateReader<'_>) -> Result<Option<PeriodicBox>, RestoreError> {
     let sides = match from.vec3("box") {
         Err(RestoreError::Missing(_)) => return Ok(None),

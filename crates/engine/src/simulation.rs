@@ -20,7 +20,7 @@ pub struct Simulation {
     pub system: System,
     /// Box, positions, velocities, forces.
     pub state: State,
-    /// The box that lists and observables were laid out for: that of the start.
+    /// The box of the start, which lists and observables were laid out for.
     pub start_cell: PeriodicBox,
     /// The forces.
     pub forces: Box<dyn Backend>,

@@ -242,7 +242,28 @@ pub struct PressureControl {
     pub options: BarostatOptions,
 }
 
+impl PressureControl {
+    /// "P = 1.2", or "P from 0.5 to 1.2" for a ramp.
+    #[must_use]
+    pub fn pressure_in_words(&self) -> String {
+        in_words("P", self.pressure_from, self.pressure)
+    }
+}
+
+fn in_words(symbol: &str, from: Option<f64>, to: f64) -> String {
+    match from {
+        Some(from) => format!("{symbol} from {from} to {to}"),
+        None => format!("{symbol} = {to}"),
+    }
+}
+
 impl Stage {
+    /// "T = 1.2", or "T from 2 to 1.2" for a ramp.
+    #[must_use]
+    pub fn temperature_in_words(&self) -> String {
+        in_words("T", self.temperature_from, self.temperature)
+    }
+
     /// The temperature of the bath at each step, for a stage that begins at step `first`.
     #[must_use]
     pub fn temperature_ramp(&self, first: u64) -> Ramp {

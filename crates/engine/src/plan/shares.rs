@@ -11,7 +11,8 @@ use lennard_io::{Frame, Sink, TrajectoryWriter};
 use lennard_scene::{Scene, Stage};
 
 use crate::bare::bare;
-use crate::build::{Beginning, prepare_from};
+use crate::beginning::Beginning;
+use crate::build::prepare_from;
 use crate::files::{header, style};
 use crate::follower::{Follower, StopAt, Verdict};
 use crate::run::{aside, set_aside};
@@ -163,7 +164,11 @@ impl Costs {
                 let changes = steps / control.options.interval() as f64;
                 let name = barostat_name(stage, control.options.name());
                 // The step before it asks for energy and virial too.
-                add(&name, changes * (self.evaluation + self.totals));
+                let evaluations = control.options.evaluations() as f64;
+                add(
+                    &name,
+                    changes * (evaluations * self.evaluation + self.totals),
+                );
             }
             if !stage.measure {
                 continue;

@@ -34,6 +34,8 @@ pub(crate) trait BarostatParts: Options {
     fn tau(&self) -> f64;
     /// Steps between two changes of the box.
     fn interval(&self) -> u64;
+    /// Force evaluations of each change, besides the evaluations of the steps.
+    fn evaluations(&self) -> u64;
     /// The sides that change together.
     fn coupling(&self) -> Coupling {
         Coupling::Isotropic
@@ -78,6 +80,14 @@ macro_rules! list_of_barostats {
             pub fn interval(&self) -> u64 {
                 match self {
                     $(Self::$variant(options) => options.interval(),)*
+                }
+            }
+
+            /// Force evaluations of each change of the box, besides the evaluations of the steps.
+            #[must_use]
+            pub fn evaluations(&self) -> u64 {
+                match self {
+                    $(Self::$variant(options) => options.evaluations(),)*
                 }
             }
 

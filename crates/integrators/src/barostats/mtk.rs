@@ -44,6 +44,10 @@ impl BarostatParts for Options {
     fn interval(&self) -> u64 {
         1
     }
+
+    fn evaluations(&self) -> u64 {
+        0
+    }
 }
 
 const NAME: &str = "mtk";

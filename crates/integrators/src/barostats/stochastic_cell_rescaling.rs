@@ -47,6 +47,11 @@ impl BarostatParts for Options {
         self.interval
     }
 
+    /// The forces of the new state.
+    fn evaluations(&self) -> u64 {
+        1
+    }
+
     fn coupling(&self) -> Coupling {
         self.coupling
     }

@@ -151,7 +151,7 @@ fn with_langevin_no_momentum_is_kept_and_the_shape_is_one_larger() {
 }
 
 #[test]
-#[ignore = "a minute: run by `cargo xtask physics`"]
+#[ignore = "five minutes: run by `cargo xtask physics`"]
 fn the_volume_of_an_ideal_gas_is_gamma_distributed_for_ten_seeds() {
     let n_dof = System::atoms(N).n_dof(Momentum::Conserved);
     for seed in 10..20 {
@@ -203,5 +203,31 @@ fn a_run_in_parts_through_a_saved_state_has_the_bits_of_one_run() {
         advance(&mut parts, &mut resumed, 100);
         assert_ne!(state.cell, start);
         assert_eq!((state, whole.box_moves()), (resumed, parts.box_moves()));
+    }
+}
+
+#[test]
+fn methods_that_remember_the_box_as_it_was_are_refused() {
+    for (kind, reason) in [
+        (
+            "respa",
+            "it keeps forces of the box as it was; take \"velocity-verlet\" with a barostat",
+        ),
+        (
+            "bit-reversible-verlet",
+            "it keeps positions on a grid of the box as it was; take \"velocity-verlet\" with a barostat",
+        ),
+    ] {
+        let options: IntegratorOptions = toml::from_str(&format!("kind = \"{kind}\"")).unwrap();
+        let barostat = barostats()[0].name;
+        let barostat: BarostatOptions = toml::from_str(&format!("kind = \"{barostat}\"")).unwrap();
+        let thermostat: ThermostatOptions = toml::from_str("kind = \"bussi\"").unwrap();
+        let noise = Streams::new(1).noise("barostat");
+        let mut method = barostat.couple(build(&options), &thermostat, bath(), noise);
+        let system = System::atoms(N);
+        let error = method
+            .start(&system, &mut gas(), &mut NoForces, 0.01, Want::NOTHING)
+            .unwrap_err();
+        assert!(error.to_string().contains(reason), "{error}");
     }
 }

@@ -47,14 +47,14 @@ pub(super) fn stages(run: &RunFolder) -> Table {
             s.thermostat
                 .as_ref()
                 .map_or("none: constant energy".into(), |t| {
-                    format!("{} at T = {}", t.name(), s.temperature)
+                    format!("{} at {}", t.name(), s.temperature_in_words())
                 })
         })
         .column("Barostat", |s| {
             s.barostat
                 .as_ref()
                 .map_or("none: constant volume".into(), |b| {
-                    format!("{} at P = {}", b.options.name(), b.pressure)
+                    format!("{} at {}", b.options.name(), b.pressure_in_words())
                 })
         })
         .column("Measured", |s| if s.measure { "yes" } else { "no" })

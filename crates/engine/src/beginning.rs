@@ -1,0 +1,273 @@
+//! Where the particles are before the first step: on a lattice, at random, or as a file says.
+
+use std::path::Path;
+
+use lennard_core::random::Streams;
+use lennard_core::{DVec3, PeriodicBox, System};
+use lennard_io::StartConfiguration;
+use lennard_scene::{Geometry, Lattice, Scene, Start};
+
+use crate::EngineError;
+use crate::confinement::place_between_walls;
+use crate::initial::{self, closest_pair};
+
+/// Start positions nearer than this (σ) are refused: U(0.5 σ) = 16,128 ε would blow any step up.
+pub const SMALLEST_START_DISTANCE: f64 = 0.5;
+
+/// Where the particles are, and how fast, before the first step.
+pub struct Beginning {
+    /// The box.
+    pub cell: PeriodicBox,
+    /// Positions, σ.
+    pub positions: Vec<DVec3>,
+    /// Velocities, if the start has any.
+    pub velocities: Option<Vec<DVec3>>,
+    /// Whether the positions must be relaxed first.
+    pub relax: bool,
+}
+
+/// Places the particles as the scene says.
+///
+/// # Errors
+/// [`EngineError`] where a configuration cannot be read, does not fit the box, or overlaps.
+pub fn begin(scene: &Scene) -> Result<Beginning, EngineError> {
+    Ok(begin_with_remarks(scene)?.0)
+}
+
+/// The same with what is to be known of it: which frame of a file it is, and what its velocities lose.
+pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String>), EngineError> {
+    match &scene.system.start {
+        Start::Lattice {
+            lattice, n_atoms, ..
+        } => {
+            let placement = scene.placement()?.expect("a lattice start has a placement");
+            let cell = placement.cell;
+            if *lattice == Lattice::Random {
+                let filled = PeriodicBox::new(placement.filled).map_err(|e| {
+                    scene
+                        .source
+                        .invalid("system.box", e, "finite positive lengths")
+                })?;
+                let streams = Streams::new(scene.system.seed);
+                let points =
+                    initial::random_points(&filled, *n_atoms, streams).ok_or_else(|| {
+                        scene.source.invalid(
+                            "system.density",
+                            "points that do not fit at random",
+                            "a lower density",
+                        )
+                    })?;
+                let positions = points.into_iter().map(|r| r + placement.corner).collect();
+                let beginning = Beginning {
+                    cell,
+                    positions,
+                    velocities: None,
+                    relax: true,
+                };
+                return Ok((beginning, Vec::new()));
+            }
+            let cells = placement.cells.expect("a lattice has cells");
+            let centers =
+                initial::lattice_sites(placement.corner, placement.filled, cells, lattice.basis());
+            let molecules = scene.molecules();
+            let positions = match molecules.are_atoms() {
+                true => centers,
+                false => {
+                    initial::molecules_about(&centers, molecules.sites(), molecules.bond_length())
+                }
+            };
+            refuse_overlap_of_molecules(scene, &cell, &positions)?;
+            let beginning = Beginning {
+                cell,
+                positions,
+                velocities: None,
+                relax: false,
+            };
+            Ok((beginning, Vec::new()))
+        }
+        Start::Configuration { path, geometry } => {
+            let given = match geometry {
+                Some(Geometry::Box(sides)) => {
+                    Some(PeriodicBox::new(DVec3::from_array(*sides)).map_err(|e| {
+                        scene
+                            .source
+                            .invalid("system.box", e, "finite positive lengths")
+                    })?)
+                }
+                Some(Geometry::Density(_)) | None => None,
+            };
+            // Read without the scene's box first: where both name one and they differ, the scene is to blame.
+            let read = match lennard_io::read_configuration(path) {
+                Err(_) if given.is_some() => lennard_io::read_configuration_in(path, given)?,
+                read => read?,
+            };
+            let remarks = remarks(path, &read);
+            let mut beginning = from_configuration(scene, path, read, given)?;
+            place_between_walls(scene, &beginning.cell, &mut beginning.positions)?;
+            Ok((beginning, remarks))
+        }
+    }
+}
+
+/// Number of particles and their density in σ⁻³, as the scene's start has them; reads the file of a `configuration`.
+///
+/// # Errors
+/// [`EngineError`] where the start cannot be made.
+pub fn size_and_density(scene: &Scene) -> Result<(usize, f64), EngineError> {
+    let (n, cell) = match (&scene.system.start, scene.placement()?) {
+        (Start::Lattice { n_atoms, .. }, Some(placement)) => {
+            (*n_atoms * scene.molecules().sites(), placement.cell)
+        }
+        _ => {
+            let beginning = begin(scene)?;
+            (beginning.positions.len(), beginning.cell)
+        }
+    };
+    Ok((n, n as f64 / cell.volume()))
+}
+
+/// What is to be known of a start that was read from a file.
+fn remarks(path: &Path, read: &StartConfiguration) -> Vec<String> {
+    let file = path.display();
+    let frame =
+        (read.frames > 1).then(|| format!("the start is frame {0} of {0} of {file}", read.frames));
+    let drift = read.velocities.as_deref().and_then(|velocities| {
+        let system = System::atoms(velocities.len());
+        initial::Drift::of(&system, velocities).map(|drift| drift.in_words(&file.to_string()))
+    });
+    frame.into_iter().chain(drift).collect()
+}
+
+fn from_configuration(
+    scene: &Scene,
+    path: &Path,
+    read: StartConfiguration,
+    given: Option<PeriodicBox>,
+) -> Result<Beginning, EngineError> {
+    if let Some(given) = given
+        && given != read.cell
+    {
+        let sides = given.lengths().to_array();
+        let found = format!(
+            "{sides:?}, where {} has {:?}",
+            path.display(),
+            read.cell.lengths().to_array()
+        );
+        return Err(scene
+            .source
+            .invalid(
+                "system.box",
+                found,
+                "the box of the file, or no `box` at all",
+            )
+            .into());
+    }
+    let mut read = read;
+    take_molecules(scene, path, &mut read)?;
+    let exclusions = scene.molecules().exclusions();
+    if let Some(pair) = closest_pair(
+        &read.cell,
+        &read.positions,
+        exclusions,
+        SMALLEST_START_DISTANCE,
+    ) {
+        let found = format!(
+            "particles {} and {} of {} at a distance of {:.4} σ (counted from 1)",
+            pair.i + 1,
+            pair.j + 1,
+            path.display(),
+            pair.distance
+        );
+        let allowed = format!("no pair nearer than {SMALLEST_START_DISTANCE} σ");
+        return Err(scene
+            .source
+            .invalid("system.configuration", found, allowed)
+            .into());
+    }
+    Ok(Beginning {
+        cell: read.cell,
+        positions: read.positions,
+        velocities: read.velocities,
+        relax: false,
+    })
+}
+
+/// Checks that a file has whole molecules with bonds of the right length, and moves the sites of each together.
+fn take_molecules(
+    scene: &Scene,
+    path: &Path,
+    read: &mut StartConfiguration,
+) -> Result<(), EngineError> {
+    let molecules = scene.molecules();
+    if molecules.are_atoms() {
+        return Ok(());
+    }
+    let (n, sites) = (read.positions.len(), molecules.sites());
+    let refuse = |found: String, allowed: String| -> EngineError {
+        let key = "system.configuration";
+        scene.source.invalid(key, found, allowed).into()
+    };
+    if !n.is_multiple_of(sites) {
+        return Err(refuse(
+            format!("{n} particles in {}", path.display()),
+            format!("a multiple of molecule.sites = {sites}"),
+        ));
+    }
+    initial::unfold_molecules(&read.cell, sites, &mut read.positions);
+    if !molecules.are_rigid() {
+        return Ok(());
+    }
+    /// Bonds of a file may be off by this share: the first step brings them to their length.
+    const LARGEST_STRAIN: f64 = 1e-3;
+    let wanted = molecules.bond_length();
+    for (m, molecule) in read.positions.chunks(sites).enumerate() {
+        for (k, pair) in molecule.windows(2).enumerate() {
+            let length = (pair[1] - pair[0]).length();
+            if (length / wanted - 1.0).abs() > LARGEST_STRAIN {
+                let first = m * sites + k + 1;
+                return Err(refuse(
+                    format!(
+                        "a bond of {length:.6} σ between particles {first} and {} of {} (counted from 1)",
+                        first + 1,
+                        path.display()
+                    ),
+                    format!("molecule.bond_length = {wanted} σ, within 0.1 %"),
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a lattice of molecules whose sites overlap.
+fn refuse_overlap_of_molecules(
+    scene: &Scene,
+    cell: &PeriodicBox,
+    positions: &[DVec3],
+) -> Result<(), EngineError> {
+    let molecules = scene.molecules();
+    if molecules.are_atoms() {
+        return Ok(());
+    }
+    /// U(0.8 σ) is 43 ε: nearer sites of a lattice would heat the fluid beyond use.
+    const SMALLEST_ON_A_LATTICE: f64 = 0.8;
+    let within = SMALLEST_ON_A_LATTICE;
+    match closest_pair(cell, positions, molecules.exclusions(), within) {
+        None => Ok(()),
+        Some(pair) => Err(scene
+            .source
+            .invalid(
+                "molecule.bond_length",
+                format!(
+                    "sites {} and {} of the lattice at a distance of {:.4} σ (counted from 1)",
+                    pair.i + 1,
+                    pair.j + 1,
+                    pair.distance
+                ),
+                format!(
+                    "no pair nearer than {within} σ: a lower density, shorter bonds, or lattice = \"sc\" for chains"
+                ),
+            )
+            .into()),
+    }
+}
