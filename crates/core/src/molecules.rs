@@ -115,8 +115,8 @@ impl Molecules {
 
 /// Pairs that no pair force acts between: the two ends of a bond.
 ///
-/// Lists leave them out when they are built. Nothing is subtracted afterwards: at a bond of a third of σ the pair energy
-/// is above 10⁵ ε, and a difference of such numbers has few digits left.
+/// Lists leave them out when they are built. Nothing is subtracted afterwards: at a third of σ the pair energy is above
+/// 10⁵ ε, and a difference of such numbers has few digits left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Exclusions {
     /// Sites of each chain; 1 where nothing is excluded.

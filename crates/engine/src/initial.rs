@@ -44,8 +44,8 @@ const SHORTEST_TO_FOLD: f64 = 0.8;
 
 /// Sites of molecules about their centres, σ.
 ///
-/// Dumbbells, and chains of short bonds, are straight. Their axes lie along the four body diagonals in turn, so that the four
-/// molecules of an fcc cell point into four directions, as in solid nitrogen. Other chains are folded to and fro into a cube.
+/// Dumbbells, and chains of short bonds, are straight. Their axes lie along the four body diagonals in turn: the molecules
+/// of an fcc cell point into four directions, as in solid nitrogen. Other chains are folded to and fro into a cube.
 #[must_use]
 pub fn molecules_about(centers: &[DVec3], sites: usize, bond_length: f64) -> Vec<DVec3> {
     const DIAGONALS: [DVec3; 4] = [
@@ -119,8 +119,9 @@ pub fn random_points(cell: &PeriodicBox, n: usize, streams: Streams) -> Option<V
     Some(points)
 }
 
-/// Velocities from the Maxwell–Boltzmann distribution at some positions, without a part along rigid bonds, with zero total momentum (more than one
-/// particle) and scaled to 2K/n_dof = `temperature` exactly.
+/// Velocities from the Maxwell–Boltzmann distribution at some positions, without a part along rigid bonds.
+///
+/// They have zero total momentum (more than one particle) and are scaled to 2K/n_dof = `temperature` exactly.
 #[must_use]
 pub fn thermal_velocities(
     system: &System,

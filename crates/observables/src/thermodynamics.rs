@@ -212,10 +212,9 @@ impl Thermodynamics {
 
     /// Mean Laplacian of the jump of the force, per particle, for g(r_cut) = 1 in this volume (σ³).
     fn jump_laplacian(&self, volume: f64) -> f64 {
-        let context = &self.context;
-        let density = context.n_atoms as f64 / volume;
-        let sites = context.molecules.sites() as f64;
-        -4.0 * PI * sites * density * context.r_cut.powi(2) * self.force_jump
+        let c = &self.context;
+        let (sites, density) = (c.molecules.sites() as f64, c.n_atoms as f64 / volume);
+        -4.0 * PI * sites * density * c.r_cut.powi(2) * self.force_jump
     }
 }
 
@@ -293,12 +292,8 @@ impl Observable for Thermodynamics {
     fn finish(&self, discarded: f64) -> Findings {
         let rows = self.series.rows();
         let cut = (discarded * rows.time.len() as f64).round() as usize;
-        let total: Vec<f64> = rows
-            .kinetic_energy
-            .iter()
-            .zip(&rows.potential_energy)
-            .map(|(k, u)| k + u)
-            .collect();
+        let both = rows.kinetic_energy.iter().zip(&rows.potential_energy);
+        let total: Vec<f64> = both.map(|(k, u)| k + u).collect();
         let energy = self.context.energy_unit();
         let mut averages = vec![of_series("temperature", "ε/k_B", &rows.temperature, cut)];
         if self.half_steps {

@@ -279,7 +279,11 @@ fn a_run_goes_on_from_a_file_of_molecules_folded_into_the_box() {
     let path = folder.path().join("broken.xyz");
     write(&broken, &path);
     let message = refused(load(&path, &text));
-    assert!(message.contains("between particles 1 and 2"), "{message}");
+    assert!(
+        message.contains("a bond of 0.676700 σ between particles 1 and 2 of "),
+        "{message}"
+    );
+    assert!(message.contains("broken.xyz (counted from 1)"), "{message}");
     assert!(message.contains("molecule.bond_length = 0.67"), "{message}");
     let mut odd = folded;
     for array in [&mut odd.positions, &mut odd.velocities, &mut odd.forces] {
@@ -302,6 +306,11 @@ fn a_lattice_on_which_molecules_overlap_is_refused() {
         Err(e) => e.to_string(),
     };
     assert!(message.contains("molecule.bond_length"), "{message}");
+    assert!(
+        message.contains("of the lattice at a distance of"),
+        "{message}"
+    );
+    assert!(message.contains("σ (counted from 1)"), "{message}");
     assert!(message.contains("no pair nearer than"), "{message}");
 }
 

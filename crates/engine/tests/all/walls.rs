@@ -325,6 +325,10 @@ fn a_study_of_a_homogeneous_fluid_refuses_walls_and_fields() {
         error.contains("`wall` does not go with `lennard bench`"),
         "{error}"
     );
+    assert!(
+        error.contains("a scene of atoms without walls and field"),
+        "{error}"
+    );
     assert!(error.contains("a fluid with walls"), "{error}");
     assert!(build(&[]).scene.homogeneous_for("lennard bench").is_ok());
 }

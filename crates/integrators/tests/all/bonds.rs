@@ -632,3 +632,32 @@ fn spook_holds_a_chain_and_keeps_its_momentum() {
     let strain = rigid::constraint_sums(&system, &state).largest_residual;
     assert!((1e-9..0.02).contains(&strain), "{strain}");
 }
+
+#[test]
+fn methods_without_a_form_for_rigid_bonds_say_so() {
+    for (method, words) in [
+        (
+            IntegratorOptions::Leapfrog(Default::default()),
+            "it has rigid bonds, and the method has no form that holds them",
+        ),
+        (
+            IntegratorOptions::Spook(Default::default()),
+            "it has rigid bonds, and the method was told of none",
+        ),
+    ] {
+        let (system, mut state) = rotor(1.0);
+        let refused = build(&method).start(&system, &mut state, &mut NoForces, 0.01, Want::NOTHING);
+        let text = refused.unwrap_err().to_string();
+        assert!(text.contains(words), "{text}");
+    }
+    let error = lennard_core::StepError::BondsNotConverged {
+        molecule: 3,
+        iterations: 7,
+        residual: 0.5,
+        wanted: 0.25,
+    };
+    assert_eq!(
+        error.to_string(),
+        "molecule 3 (counted from 1) did not reach its bond lengths in 7 iterations: | |d|/r − 1 | is 5e-1, wanted 2.5e-1; take a smaller dt or `[bonds] method = \"direct\"`"
+    );
+}

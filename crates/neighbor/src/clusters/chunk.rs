@@ -57,8 +57,9 @@ pub struct ClusterChunk {
     pub spans: Vec<Span>,
     /// The blocks of one cluster after another, and a last one that belongs to no cluster.
     pub blocks: Vec<Block>,
-    /// The entries that each member does not look at, one set per masked block of the chunk; empty where no pairs are excluded
-    /// but each member with itself.
+    /// The entries that each member does not look at, one set per masked block of the chunk.
+    ///
+    /// It is empty where no pairs are excluded but each member with itself.
     pub excluded: Vec<ExcludedEntries>,
 }
 

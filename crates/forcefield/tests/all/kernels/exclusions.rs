@@ -93,7 +93,7 @@ fn no_loop_computes_the_ends_of_a_bond() {
     }
 }
 
-/// In a system of more slots than an entry can reach, the other end of a bond can be out of reach of its cluster's base.
+/// In a large system the other end of a bond can be beyond the reach of the cluster's base.
 #[test]
 fn ends_of_bonds_far_apart_in_memory_do_not_interact() {
     let (cell, start) = chains([29, 29, 29], 0.6, 2);
