@@ -76,7 +76,13 @@ pub fn molecules_about(centers: &[DVec3], sites: usize, bond_length: f64) -> Vec
 /// A walk of unit steps over the points of a cube, row by row and layer by layer, to and fro.
 fn folded(sites: usize) -> Vec<DVec3> {
     let side = (1..).find(|k| k * k * k >= sites).unwrap_or(1);
-    let to_and_fro = |k: usize, turn: usize| if turn % 2 == 0 { k } else { side - 1 - k };
+    let to_and_fro = |k: usize, turn: usize| {
+        if turn.is_multiple_of(2) {
+            k
+        } else {
+            side - 1 - k
+        }
+    };
     (0..sites)
         .map(|k| {
             let (row, layer) = (k / side, k / (side * side));
