@@ -29,7 +29,7 @@ impl<B: Backend> ForceSum<B> {
     /// The same sum with one term more.
     #[must_use]
     pub fn with(mut self, term: impl ForceTerm + 'static) -> Self {
-        self.others.push(Box::new(term));
+        self.push(Box::new(term));
         self
     }
 

@@ -47,7 +47,7 @@ pub use glam::{DMat3, DVec3};
 pub use integrator::Integrator;
 pub use masses::Masses;
 pub use method::{Method, rigid_bonds_alone, without_constraints};
-pub use molecules::{Bonds, Exclusions, MOST_BONDS, MOST_SITES, Molecules};
+pub use molecules::{Bonds, Exclusions, MOLECULES_PER_TASK, MOST_BONDS, MOST_SITES, Molecules};
 pub use observable::{
     Average, Doubt, Estimate, Findings, Observable, ObservableSpec, Suits, TailCorrection, View,
 };

@@ -11,11 +11,15 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::masses::Masses;
+use crate::tasks::for_each_item;
 
 /// The most sites of a molecule.
 pub const MOST_SITES: usize = 64;
 /// The most bonds of a molecule.
 pub const MOST_BONDS: usize = MOST_SITES - 1;
+
+/// Molecules per task: each molecule is a sum of its own, so that the number changes no bit.
+pub const MOLECULES_PER_TASK: usize = 256;
 
 /// What holds the bonds of molecules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,6 +85,16 @@ impl Molecules {
         self.sites == 1
     }
 
+    /// The unit of energies that are divided by the number of molecules.
+    #[must_use]
+    pub fn energy_unit(&self) -> &'static str {
+        if self.are_atoms() {
+            "ε per particle"
+        } else {
+            "ε per molecule"
+        }
+    }
+
     /// Whether there are bonds and constraints hold them.
     #[must_use]
     pub fn are_rigid(&self) -> bool {
@@ -99,6 +113,21 @@ impl Molecules {
     #[must_use]
     pub fn sites_of(&self, m: usize) -> Range<usize> {
         m * self.sites..(m + 1) * self.sites
+    }
+
+    /// Runs `work(m, items of molecule m)` for each molecule, in tasks, where `items` has `per_molecule` items for each.
+    pub fn for_each<T: Send>(
+        &self,
+        per_molecule: usize,
+        items: &mut [T],
+        work: impl Fn(usize, &mut [T]) + Sync,
+    ) {
+        let tasks = items.chunks_mut(per_molecule * MOLECULES_PER_TASK);
+        for_each_item(tasks, |(), task, items| {
+            for (m, own) in items.chunks_exact_mut(per_molecule).enumerate() {
+                work(task * MOLECULES_PER_TASK + m, own);
+            }
+        });
     }
 
     /// The centre of mass of the molecule whose first site is particle `first`, from positions of its sites, σ.

@@ -8,11 +8,7 @@ use std::ops::Add;
 
 use crate::molecules::MOST_BONDS;
 use crate::parallel::ordered_sum;
-use crate::tasks::for_each_item;
 use crate::{DMat3, DVec3, Masses, State, System};
-
-/// Molecules per task: each molecule is a sum of its own, so that the number changes no bit.
-pub const MOLECULES_PER_TASK: usize = 256;
 
 /// Numbers, one per bond of a chain.
 pub type PerBond = [f64; MOST_BONDS];
@@ -118,20 +114,13 @@ pub fn project_velocities(system: &System, positions: &[DVec3], velocities: &mut
     if !molecules.are_rigid() {
         return;
     }
-    let sites = molecules.sites();
-    let size = sites * MOLECULES_PER_TASK;
-    let tasks = velocities.chunks_mut(size).zip(positions.chunks(size));
-    for_each_item(tasks, |(), task, (velocities, positions)| {
-        let chains = velocities
-            .chunks_exact_mut(sites)
-            .zip(positions.chunks_exact(sites));
-        for (m, (v, x)) in chains.enumerate() {
-            let first = task * size + m * sites;
-            if sites == 2 {
-                project_bond(&system.masses, first, x, v);
-            } else {
-                project_chain(&system.masses, first, x, v);
-            }
+    molecules.for_each(molecules.sites(), velocities, |m, v| {
+        let sites = molecules.sites_of(m);
+        let (first, x) = (sites.start, &positions[sites]);
+        if v.len() == 2 {
+            project_bond(&system.masses, first, x, v);
+        } else {
+            project_chain(&system.masses, first, x, v);
         }
     });
 }

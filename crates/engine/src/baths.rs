@@ -45,6 +45,6 @@ pub fn held_temperature(scene: &Scene) -> Option<HeldTemperature> {
 /// The pressure that the barostat of the measured stages holds at each step; `None` without one.
 pub(crate) fn measured_pressure(scene: &Scene) -> Option<Ramp> {
     let index = scene.stages.iter().position(|s| s.measure)?;
-    let first = scene.stages[..index].iter().map(|s| s.steps).sum();
+    let first = scene.steps_before(index);
     scene.stages[index].pressure_ramp(first)
 }

@@ -8,8 +8,9 @@ use lennard_io::StartConfiguration;
 use lennard_scene::{Geometry, Lattice, Scene, Start};
 
 use crate::EngineError;
+use crate::close_pairs::closest_pair;
 use crate::confinement::place_between_walls;
-use crate::initial::{self, closest_pair};
+use crate::initial;
 
 /// Start positions nearer than this (σ) are refused: U(0.5 σ) = 16,128 ε would blow any step up.
 pub const SMALLEST_START_DISTANCE: f64 = 0.5;

@@ -1,7 +1,7 @@
 //! From a scene to a simulation that can run.
 
 use lennard_core::random::Streams;
-use lennard_core::{Backend, DVec3, ForceSum, PeriodicBox, State, System, rigid};
+use lennard_core::{Backend, DVec3, ForceSum, PeriodicBox, State};
 use lennard_forcefield::{AllPairs, Conditions, ForceFieldOptions, Model, PairForces, Precision};
 use lennard_integrators::BondHolder;
 use lennard_integrators::fire::{self, FireOptions};
@@ -80,14 +80,11 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
     if beginning.relax {
         relax(&scene, cell, &mut beginning.positions)?;
     }
-    let system = System::of_molecules(n, scene.molecules());
-    let confinement = Confinement::of(&scene, &cell, &system.masses);
-    let system = system.pushed_along(confinement.properties().breaks_momentum);
+    let (system, confinement) = Confinement::with_system(&scene, &cell, n);
     let streams = Streams::new(scene.system.seed);
     let velocities = match beginning.velocities {
         Some(mut given) => {
-            rigid::project_velocities(&system, &beginning.positions, &mut given);
-            initial::remove_drift(&system, &mut given);
+            initial::make_suit(&system, &beginning.positions, &mut given);
             given
         }
         None => initial::thermal_velocities(

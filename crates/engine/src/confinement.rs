@@ -1,6 +1,6 @@
 //! Walls and fields of a scene: force terms beside the pairs, and what must hold of the start.
 
-use lennard_core::{DVec3, ForceProperties, ForceSum, ForceTerm, Masses, PeriodicBox};
+use lennard_core::{DVec3, ForceProperties, ForceSum, ForceTerm, PeriodicBox, System};
 use lennard_forcefield::{ConstantField, PairForces, Walls};
 use lennard_scene::Scene;
 
@@ -14,13 +14,16 @@ pub struct Confinement {
 }
 
 impl Confinement {
-    /// Walls and field of a scene in a box.
+    /// Walls and field of a scene in a box, and the system of `n` particles whose momentum they change.
     #[must_use]
-    pub fn of(scene: &Scene, cell: &PeriodicBox, masses: &Masses) -> Self {
-        Self {
+    pub fn with_system(scene: &Scene, cell: &PeriodicBox, n: usize) -> (System, Self) {
+        let system = System::of_molecules(n, scene.molecules());
+        let confinement = Self {
             walls: scene.walls_in(cell),
-            field: scene.field_on(masses),
-        }
+            field: scene.field_on(&system.masses),
+        };
+        let pushed = confinement.properties().breaks_momentum;
+        (system.pushed_along(pushed), confinement)
     }
 
     /// What kind of forces these are.

@@ -1,6 +1,6 @@
 //! One evaluation of energy, virial and pressure, for checks against reference configurations.
 
-use lennard_core::{Configuration, DVec3, ForceTerm, Momentum, Part, State, System, Want, rigid};
+use lennard_core::{Configuration, DVec3, ForceTerm, Momentum, Part, State, Want, rigid};
 use lennard_scene::Scene;
 use serde::Serialize;
 
@@ -68,13 +68,11 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
     let cell = beginning.cell;
     let (options, provider) = build::forces(scene, cell, n)?;
     let has_velocities = beginning.velocities.is_some();
-    let system = System::of_molecules(n, scene.molecules());
-    let confinement = Confinement::of(scene, &cell, &system.masses);
-    let system = system.pushed_along(confinement.properties().breaks_momentum);
+    let (system, confinement) = Confinement::with_system(scene, &cell, n);
     let mut forces = build::with_springs(scene, confinement.beside(provider));
     let mut velocities = beginning.velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]);
     // The velocities that a run starts with.
-    initial::remove_drift(&system, &mut velocities);
+    initial::make_suit(&system, &beginning.positions, &mut velocities);
     let mut state = State::new(cell, beginning.positions, velocities);
     let at = Configuration::at_rest(&cell, &state.positions);
     let energetics = forces

@@ -2,7 +2,7 @@
 
 use lennard_core::{DVec3, ForceError, StepError};
 
-use crate::initial::ClosePair;
+use crate::close_pairs::ClosePair;
 
 /// Pairs nearer than this (σ) are called overlapping: U(0.6 σ) is 1750 ε.
 const OVERLAP: f64 = 0.6;

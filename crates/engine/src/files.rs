@@ -24,6 +24,7 @@ use lennard_io::{
 use crate::names::{RECORD, SCENE, THERMO, TOPOLOGY, TRAJECTORY};
 use crate::{EngineError, Simulation};
 
+/// Energies over the number of particles, or of molecules.
 const PER_PARTICLE: &str = "ε per particle";
 
 const THERMO_COLUMNS: &[(&str, &str)] = &[
@@ -48,9 +49,8 @@ const BOX_COLUMNS: &[(&str, &str)] = &[
 
 /// The columns of `thermo.csv`, whose energies are per molecule where there are molecules.
 fn thermo_columns(simulation: &Simulation) -> Vec<(&'static str, &'static str)> {
-    let is_molecular = !simulation.system.molecules.are_atoms();
     let unit = |unit: &'static str| match unit {
-        PER_PARTICLE if is_molecular => "ε per molecule",
+        PER_PARTICLE => simulation.system.molecules.energy_unit(),
         unit => unit,
     };
     let more = if simulation.box_changes() {

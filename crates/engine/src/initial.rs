@@ -1,11 +1,11 @@
 //! Start configurations: lattices, random points without overlaps, and Maxwell–Boltzmann velocities.
 
-use std::collections::HashMap;
-
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, Exclusions, Momentum, PeriodicBox, System, rigid};
+use lennard_core::{DVec3, Momentum, PeriodicBox, System, rigid};
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
+
+use crate::close_pairs::Bins;
 
 /// Random sequential addition is dense enough to be slow beyond this many trials a particle.
 const TRIALS_PER_PARTICLE: usize = 20_000;
@@ -147,10 +147,15 @@ pub fn thermal_velocities(
                 )
         })
         .collect();
-    rigid::project_velocities(system, positions, &mut velocities);
-    remove_drift(system, &mut velocities);
+    make_suit(system, positions, &mut velocities);
     scale_to_temperature(system, &mut velocities, temperature);
     velocities
+}
+
+/// Takes off velocities what the motion does not have: their part along rigid bonds, and the drift of all particles.
+pub fn make_suit(system: &System, positions: &[DVec3], velocities: &mut [DVec3]) {
+    rigid::project_velocities(system, positions, velocities);
+    remove_drift(system, velocities);
 }
 
 /// Takes the velocity of the centre of mass off every particle, along axes where the forces keep the momentum.
@@ -220,112 +225,12 @@ pub fn scale_to_temperature(system: &System, velocities: &mut [DVec3], temperatu
     }
 }
 
-/// Two particles and their distance in σ.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ClosePair {
-    /// Index of the first, from 0.
-    pub i: usize,
-    /// Index of the second, from 0.
-    pub j: usize,
-    /// Their distance, nearest image, σ.
-    pub distance: f64,
-}
-
-/// The closest pair nearer than `within` (σ), or `None`: O(N) through bins of that size.
-///
-/// Positions that are not finite are left out, and so are excluded pairs.
-#[must_use]
-pub fn closest_pair(
-    cell: &PeriodicBox,
-    positions: &[DVec3],
-    exclusions: Exclusions,
-    within: f64,
-) -> Option<ClosePair> {
-    let mut bins = Bins::new(cell, within);
-    let mut best: Option<ClosePair> = None;
-    for (j, r) in positions.iter().enumerate().filter(|(_, r)| r.is_finite()) {
-        if let Some((i, distance)) = bins.nearest(positions, *r, |i| !exclusions.exclude(i, j))
-            && distance < best.map_or(within, |b| b.distance)
-        {
-            best = Some(ClosePair { i, j, distance });
-        }
-        bins.insert(j as u32, *r);
-    }
-    best
-}
-
-/// Points sorted into bins no smaller than a given distance, sparse, so that a wide empty box costs nothing.
-struct Bins<'a> {
-    cell: &'a PeriodicBox,
-    counts: [i32; 3],
-    members: HashMap<[i32; 3], Vec<u32>>,
-}
-
-impl<'a> Bins<'a> {
-    fn new(cell: &'a PeriodicBox, smallest: f64) -> Self {
-        // 2²⁰ bins an axis are plenty, and keep the index in range for any box.
-        let counts = (cell.lengths() / smallest)
-            .floor()
-            .clamp(DVec3::ONE, DVec3::splat(1_048_576.0));
-        Self {
-            cell,
-            counts: counts.as_ivec3().to_array(),
-            members: HashMap::new(),
-        }
-    }
-
-    fn bin_of(&self, r: DVec3) -> [i32; 3] {
-        let fraction = self.cell.wrap(r) / self.cell.lengths();
-        std::array::from_fn(|axis| {
-            ((fraction[axis] * f64::from(self.counts[axis])) as i32).clamp(0, self.counts[axis] - 1)
-        })
-    }
-
-    fn insert(&mut self, index: u32, r: DVec3) {
-        self.members.entry(self.bin_of(r)).or_default().push(index);
-    }
-
-    /// The nearest of the points in the bins around `r`, among the points that count.
-    fn nearest(
-        &self,
-        points: &[DVec3],
-        r: DVec3,
-        counts: impl Fn(usize) -> bool,
-    ) -> Option<(usize, f64)> {
-        let home = self.bin_of(r);
-        let mut best: Option<(usize, f64)> = None;
-        let around = |axis: usize| -> Vec<i32> {
-            let count = self.counts[axis];
-            let mut bins: Vec<i32> = (-1..=1)
-                .map(|d| (home[axis] + d).rem_euclid(count))
-                .collect();
-            bins.sort_unstable();
-            bins.dedup();
-            bins
-        };
-        let (xs, ys, zs) = (around(0), around(1), around(2));
-        for &x in &xs {
-            for &y in &ys {
-                for &z in &zs {
-                    for &k in self.members.get(&[x, y, z]).into_iter().flatten() {
-                        if !counts(k as usize) {
-                            continue;
-                        }
-                        let d = self.cell.minimum_image(r - points[k as usize]).length();
-                        if best.is_none_or(|b| d < b.1) {
-                            best = Some((k as usize, d));
-                        }
-                    }
-                }
-            }
-        }
-        best
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use lennard_core::Exclusions;
+
     use super::*;
+    use crate::close_pairs::closest_pair;
 
     #[test]
     fn an_fcc_crystal_has_twelve_nearest_neighbors_at_the_right_distance() {
@@ -388,19 +293,5 @@ mod tests {
             }
         }
         assert_eq!(brute, closest.distance);
-    }
-
-    #[test]
-    fn the_closest_pair_is_found_across_the_face_of_the_box() {
-        let cell = PeriodicBox::new(DVec3::new(10.0, 1e6, 10.0)).unwrap();
-        let points = [
-            DVec3::new(0.1, 5.0, 5.0),
-            DVec3::new(9.8, 5.0, 5.0),
-            DVec3::new(5.0, 5.0, f64::NAN),
-        ];
-        let pair = closest_pair(&cell, &points, Exclusions::NONE, 0.5).unwrap();
-        assert_eq!((pair.i, pair.j), (0, 1));
-        assert!((pair.distance - 0.3).abs() < 1e-12);
-        assert_eq!(closest_pair(&cell, &points, Exclusions::NONE, 0.2), None);
     }
 }

@@ -5,6 +5,7 @@ mod baths;
 mod beginning;
 mod build;
 mod checkpointing;
+mod close_pairs;
 mod compare;
 mod compare_at_pressure;
 mod confinement;

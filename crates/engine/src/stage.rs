@@ -47,7 +47,7 @@ impl Simulation {
             Some(BondHolder::Rigid(solver)) => (self.method(), Some(solver)),
             Some(BondHolder::Spring(_)) | None => (self.method(), None),
         };
-        let first = self.scene.stages[..index].iter().map(|s| s.steps).sum();
+        let first = self.scene.steps_before(index);
         let temperature = plan.temperature_ramp(first);
         let mut integrator = match &plan.thermostat {
             None => method,

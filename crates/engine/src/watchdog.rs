@@ -7,8 +7,8 @@
 
 use lennard_core::{DVec3, Exclusions, State, parallel};
 
+use crate::close_pairs::closest_pair;
 use crate::failure::{LARGEST_ENERGY_CHANGE, LARGEST_MOVE, PhysicsFailure, Symptom};
-use crate::initial::closest_pair;
 use crate::schedule::SET_ASIDE_EVERY;
 
 /// Steps between two looks at the speeds: at a displacement limit of a fifth of σ a step nothing can

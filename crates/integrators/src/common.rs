@@ -3,7 +3,7 @@
 use lennard_core::options::Options;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
-use lennard_core::{Integrator, Parts, Ramp, Step};
+use lennard_core::{DVec3, Integrator, Parts, Ramp, Step};
 
 /// How a method is given the harmonic oscillator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,11 +38,16 @@ pub(crate) trait BathOptions: Options {
 /// that the books balance to the last rounding.
 pub(crate) fn scale_velocities(s: &mut Step<'_>, kinetic_before: f64, factor: f64) {
     let Parts { system, state, .. } = s.parts();
-    for_each_piece(&mut state.velocities, |_, chunk| {
+    multiply(&mut state.velocities, factor);
+    let kinetic = system.kinetic_energy(&state.velocities);
+    s.add_heat(kinetic - kinetic_before);
+}
+
+/// Multiplies every velocity by `factor`.
+pub(crate) fn multiply(velocities: &mut [DVec3], factor: f64) {
+    for_each_piece(velocities, |_, chunk| {
         for v in chunk {
             *v *= factor;
         }
     });
-    let kinetic = system.kinetic_energy(&state.velocities);
-    s.add_heat(kinetic - kinetic_before);
 }

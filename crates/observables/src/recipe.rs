@@ -32,11 +32,7 @@ impl BuildContext {
     /// The unit of energies that are divided by the number of molecules.
     #[must_use]
     pub fn energy_unit(&self) -> &'static str {
-        if self.molecules.are_atoms() {
-            "ε per particle"
-        } else {
-            "ε per molecule"
-        }
+        self.molecules.energy_unit()
     }
 
     /// The unit of heat capacities that are divided by the number of molecules.

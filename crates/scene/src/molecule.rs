@@ -1,6 +1,5 @@
 //! The tables `[molecule]` and `[bonds]`: what the molecules are, and how their bonds are held.
 
-use lennard_core::random::Streams;
 use lennard_core::{Bonds, IntegratorSpec, MOST_SITES, Molecules};
 use lennard_integrators::{BondOptions, spook};
 
@@ -207,15 +206,7 @@ fn suited_methods(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> 
         false => spec.holds_rigid_bonds || molecule.bonds.bonds() == Bonds::Springs,
     };
     for (i, stage) in scene.stages.iter().enumerate() {
-        let method = lennard_integrators::build(&scene.integrator.method);
-        // A bath that stands inside the step takes the place of the method.
-        let spec = match &stage.thermostat {
-            Some(bath) => {
-                let noise = Streams::new(0).noise("check");
-                bath.couple(method, stage.temperature_ramp(0), noise).spec()
-            }
-            None => method.spec(),
-        };
+        let spec = scene.method_of(stage).spec();
         if suits(spec) {
             continue;
         }

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use lennard_core::{DVec3, PeriodicBox, Ramp};
+use lennard_core::random::Streams;
+use lennard_core::{DVec3, Integrator, PeriodicBox, Ramp};
 use lennard_forcefield::{
     ForceFieldOptions, KernelOptions, NeighborOptions, PotentialOptions, SplitOptions,
     TruncationOptions,
@@ -113,6 +114,19 @@ impl Scene {
         }
     }
 
+    /// The method of a stage with its bath: a bath that stands inside the step takes the place of the integrator. It draws from
+    /// a stream of its own, and serves to ask what the method is.
+    pub(crate) fn method_of(&self, stage: &Stage) -> Integrator {
+        let method = lennard_integrators::build(&self.integrator.method);
+        match &stage.thermostat {
+            Some(bath) => {
+                let noise = Streams::new(0).noise("check");
+                bath.couple(method, stage.temperature_ramp(0), noise)
+            }
+            None => method,
+        }
+    }
+
     /// The step of a stage in τ: its own, or that of the integrator table.
     #[must_use]
     pub fn stage_dt(&self, stage: &Stage) -> f64 {
@@ -122,7 +136,13 @@ impl Scene {
     /// The steps of all stages together.
     #[must_use]
     pub fn total_steps(&self) -> u64 {
-        self.stages.iter().map(|stage| stage.steps).sum()
+        self.steps_before(self.stages.len())
+    }
+
+    /// The steps of all stages before one.
+    #[must_use]
+    pub fn steps_before(&self, index: usize) -> u64 {
+        self.stages[..index].iter().map(|stage| stage.steps).sum()
     }
 }
 

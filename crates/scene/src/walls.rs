@@ -307,12 +307,7 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
         integrator.takes_hard_walls() && kicks
     };
     for stage in &scene.stages {
-        let method = lennard_integrators::build(&scene.integrator.method);
-        let noise = Streams::new(0).noise("check");
-        let integrator = match &stage.thermostat {
-            Some(bath) => bath.couple(method, stage.temperature_ramp(0), noise),
-            None => method,
-        };
+        let integrator = scene.method_of(stage);
         if !suits(&integrator) {
             let fit = integrators().iter().filter(|entry| suits(&entry.build()));
             let names: Vec<&str> = fit.map(|entry| entry.spec.name).collect();

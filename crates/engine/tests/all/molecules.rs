@@ -274,7 +274,8 @@ fn a_run_goes_on_from_a_file_of_molecules_folded_into_the_box() {
         Err(e) => e.to_string(),
     };
     let mut broken = folded.clone();
-    let bond = broken.positions[1] - broken.positions[0];
+    let cell = &first.state.cell;
+    let bond = cell.minimum_image(broken.positions[1] - broken.positions[0]);
     broken.positions[1] += 0.01 * bond;
     let path = folder.path().join("broken.xyz");
     write(&broken, &path);

@@ -84,16 +84,31 @@ impl Walls {
 
     /// The time of the next hit within `left` τ, with the index of the wall.
     fn next_hit(&self, x: DVec3, v: DVec3, left: f64) -> Option<(f64, usize)> {
+        self.first_hit(x, left, |z, axis, outward| {
+            let towards = outward * v[axis];
+            (towards > 0.0).then(|| (z / towards).max(0.0))
+        })
+    }
+
+    /// The earliest time within `left` τ at which a particle at x arrives at a wall that is hit, with the index of the wall.
+    ///
+    /// `time` gives the time of arrival at a plane from the distance, the axis and the outward direction along it.
+    pub(super) fn first_hit(
+        &self,
+        x: DVec3,
+        left: f64,
+        time: impl Fn(f64, usize, f64) -> Option<f64>,
+    ) -> Option<(f64, usize)> {
         let mut first: Option<(f64, usize)> = None;
         for (p, pair) in self.pairs.iter().enumerate() {
-            let speed = v[pair.planes.axis];
             for (end, z) in pair.distances(x).into_iter().enumerate() {
-                let towards = if end == 0 { -speed } else { speed };
-                if !matches!(pair.surfaces[end], Surface::Hit(_)) || towards <= 0.0 {
+                if !matches!(pair.surfaces[end], Surface::Hit(_)) {
                     continue;
                 }
-                let time = (z / towards).max(0.0);
-                if time <= left && first.is_none_or(|(earlier, _)| time < earlier) {
+                let arrival = time(z, pair.planes.axis, [-1.0, 1.0][end]);
+                if let Some(time) = arrival.filter(|time| *time <= left)
+                    && first.is_none_or(|(earlier, _)| time < earlier)
+                {
                     first = Some((time, 2 * p + end));
                 }
             }

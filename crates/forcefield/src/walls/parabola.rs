@@ -70,23 +70,9 @@ impl Walls {
 
     /// The time of the next hit within `left` τ under an acceleration, with the index of the wall.
     fn next_fall(&self, x: DVec3, v: DVec3, a: DVec3, left: f64) -> Option<(f64, usize)> {
-        let mut first: Option<(f64, usize)> = None;
-        for (p, pair) in self.pairs.iter().enumerate() {
-            for (end, distance) in pair.distances(x).into_iter().enumerate() {
-                if !matches!(pair.surfaces[end], Surface::Hit(_)) {
-                    continue;
-                }
-                let outward = [-1.0, 1.0][end];
-                let axis = pair.planes.axis;
-                let time = time_to_plane(distance.max(0.0), outward * v[axis], outward * a[axis]);
-                if let Some(time) = time.filter(|time| *time <= left)
-                    && first.is_none_or(|(earlier, _)| time < earlier)
-                {
-                    first = Some((time, 2 * p + end));
-                }
-            }
-        }
-        first
+        self.first_hit(x, left, |z, axis, outward| {
+            time_to_plane(z.max(0.0), outward * v[axis], outward * a[axis])
+        })
     }
 }
 

@@ -9,6 +9,7 @@ use lennard_core::{
 
 use super::list::BarostatParts;
 use crate::chain::Chain;
+use crate::common::multiply;
 use crate::{ThermostatOptions, nose_hoover};
 
 lennard_core::options! {
@@ -162,11 +163,7 @@ impl Mtk {
         }
         let chain = &mut self.of_particles;
         let factor = chain.advance(kinetic, held.n_dof, held.temperature, half);
-        for_each_piece(&mut state.velocities, |_, chunk| {
-            for v in chunk {
-                *v *= factor;
-            }
-        });
+        multiply(&mut state.velocities, factor);
     }
 
     /// Half a kick of the box.

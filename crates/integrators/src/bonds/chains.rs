@@ -2,9 +2,10 @@
 
 use std::sync::Mutex;
 
-use lennard_core::rigid::MOLECULES_PER_TASK;
 use lennard_core::tasks::for_each_item;
-use lennard_core::{BondsSolved, DVec3, MOST_SITES, Masses, StepError, System};
+use lennard_core::{
+    BondSolver, BondsSolved, DVec3, MOLECULES_PER_TASK, MOST_SITES, Masses, StepError, System,
+};
 
 /// One chain after a drift.
 pub struct Chain<'a> {
@@ -54,46 +55,61 @@ impl Chain<'_> {
     }
 }
 
-/// The bond vectors of all molecules before a drift, and the sites after it.
-#[derive(Debug, Default, Clone)]
-pub struct BondsBefore {
+/// How one chain gets its bond lengths back.
+pub trait ChainRule: Send + Sync {
+    /// Brings the bonds of a chain back to their length; returns the iterations.
+    ///
+    /// # Errors
+    /// [`ChainError`] where there is no solution.
+    fn solve(&self, chain: &mut Chain<'_>) -> Result<u32, ChainError>;
+
+    /// As [`BondSolver::has_velocity_stage`].
+    fn has_velocity_stage(&self) -> bool {
+        true
+    }
+}
+
+/// A rule for all molecules, with their bond vectors before a drift.
+#[derive(Debug, Clone)]
+pub struct Chains<R> {
+    rule: R,
     before: Vec<DVec3>,
 }
 
-impl BondsBefore {
-    /// Takes the bonds at some positions.
-    pub fn take(&mut self, system: &System, positions: &[DVec3]) {
+impl<R: ChainRule> Chains<R> {
+    /// The rule, before the first drift.
+    pub fn new(rule: R) -> Self {
+        Self {
+            rule,
+            before: Vec::new(),
+        }
+    }
+}
+
+impl<R: ChainRule> BondSolver for Chains<R> {
+    fn before_drift(&mut self, system: &System, positions: &[DVec3]) {
         let molecules = &system.molecules;
-        let (sites, bonds) = (molecules.sites(), molecules.bonds());
+        let bonds = molecules.bonds();
         self.before
             .resize(system.n_molecules() * bonds, DVec3::ZERO);
-        let tasks = self
-            .before
-            .chunks_mut(bonds * MOLECULES_PER_TASK)
-            .zip(positions.chunks(sites * MOLECULES_PER_TASK));
-        for_each_item(tasks, |(), _, (before, positions)| {
-            let chains = before
-                .chunks_exact_mut(bonds)
-                .zip(positions.chunks_exact(sites));
-            for (before, x) in chains {
-                for (d, pair) in before.iter_mut().zip(x.windows(2)) {
-                    *d = pair[1] - pair[0];
-                }
+        molecules.for_each(bonds, &mut self.before, |m, before| {
+            let sites = &positions[molecules.sites_of(m)];
+            for (d, pair) in before.iter_mut().zip(sites.windows(2)) {
+                *d = pair[1] - pair[0];
             }
         });
     }
 
-    /// Solves each chain after a drift of `h`, and corrects velocities by the displacements over `h`.
-    ///
-    /// # Errors
-    /// [`StepError`] for the first molecule without a solution.
-    pub fn solve(
-        &self,
+    fn has_velocity_stage(&self) -> bool {
+        self.rule.has_velocity_stage()
+    }
+
+    fn after_drift(
+        &mut self,
         system: &System,
         positions: &mut [DVec3],
         velocities: &mut [DVec3],
         h: f64,
-        solve: impl Fn(&mut Chain<'_>) -> Result<u32, ChainError> + Sync,
     ) -> Result<BondsSolved, StepError> {
         let molecules = &system.molecules;
         let (sites, bonds) = (molecules.sites(), molecules.bonds());
@@ -121,7 +137,7 @@ impl BondsBefore {
                     sites: x,
                     moved: &mut moved[..sites],
                 };
-                match solve(&mut chain) {
+                match self.rule.solve(&mut chain) {
                     Ok(iterations) => {
                         solved.iterations = solved.iterations.max(iterations);
                         solved.residual = solved.residual.max(chain.residual());

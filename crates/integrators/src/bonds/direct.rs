@@ -1,11 +1,9 @@
 //! The direct solution: closed form for one bond, Newton's method for a chain.
 
 use lennard_core::rigid::{Tridiagonal, add_along_bonds, bond_vectors};
-use lennard_core::{
-    BondSolver, Bonds, BondsSolved, DVec3, MOST_BONDS, MOST_SITES, Molecules, StepError, System,
-};
+use lennard_core::{Bonds, DVec3, MOST_BONDS, MOST_SITES, Molecules};
 
-use super::chains::{BondsBefore, Chain, ChainError};
+use super::chains::{Chain, ChainError, ChainRule, Chains};
 use super::{BondHolder, BondMethod, BondSpec};
 
 lennard_core::options! {
@@ -29,10 +27,10 @@ impl BondMethod for Options {
     };
 
     fn build(&self, _molecules: &Molecules) -> BondHolder {
-        BondHolder::Rigid(Box::new(Direct {
+        let rule = Direct {
             tolerance: self.tolerance,
-            bonds: BondsBefore::default(),
-        }))
+        };
+        BondHolder::Rigid(Box::new(Chains::new(rule)))
     }
 }
 
@@ -40,34 +38,20 @@ impl BondMethod for Options {
 #[derive(Debug, Clone)]
 struct Direct {
     tolerance: f64,
-    bonds: BondsBefore,
 }
 
-impl BondSolver for Direct {
-    fn before_drift(&mut self, system: &System, positions: &[DVec3]) {
-        self.bonds.take(system, positions);
-    }
-
-    fn after_drift(
-        &mut self,
-        system: &System,
-        positions: &mut [DVec3],
-        velocities: &mut [DVec3],
-        h: f64,
-    ) -> Result<BondsSolved, StepError> {
-        let tolerance = self.tolerance;
-        self.bonds.solve(system, positions, velocities, h, |chain| {
-            if chain.before.len() == 1 {
-                one_bond(chain)
-            } else {
-                newton(chain, tolerance)
-            }
-        })
+impl ChainRule for Direct {
+    fn solve(&self, chain: &mut Chain<'_>) -> Result<u32, ChainError> {
+        if chain.before.len() == 1 {
+            one_bond(chain)
+        } else {
+            newton(chain, self.tolerance)
+        }
     }
 }
 
 /// The closed form for one bond; the sum in the denominator has no cancellation.
-pub(super) fn one_bond(chain: &mut Chain<'_>) -> Result<u32, ChainError> {
+fn one_bond(chain: &mut Chain<'_>) -> Result<u32, ChainError> {
     let d = chain.before[0];
     let s = chain.sites[1] - chain.sites[0];
     let (a, b) = (d.length_squared(), s.dot(d));

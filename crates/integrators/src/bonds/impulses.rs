@@ -1,7 +1,6 @@
 //! The impulses that SPOOK gives to the sites of molecules.
 
-use lennard_core::rigid::{MOLECULES_PER_TASK, Tridiagonal, add_along_bonds, bond_vectors};
-use lennard_core::tasks::for_each_item;
+use lennard_core::rigid::{Tridiagonal, add_along_bonds, bond_vectors};
 use lennard_core::{DVec3, MOST_BONDS, System};
 
 use crate::regularisation::Regularisation;
@@ -46,21 +45,14 @@ impl SpookBonds {
     /// Remembers G·v before a kick.
     pub(crate) fn before_kick(&mut self, system: &System, x: &[DVec3], v: &[DVec3]) {
         let molecules = &system.molecules;
-        let (sites, bonds) = (molecules.sites(), molecules.bonds());
+        let bonds = molecules.bonds();
         self.rates.resize(system.n_molecules() * bonds, 0.0);
-        let size = sites * MOLECULES_PER_TASK;
-        let tasks = self
-            .rates
-            .chunks_mut(bonds * MOLECULES_PER_TASK)
-            .zip(x.chunks(size).zip(v.chunks(size)));
-        for_each_item(tasks, |(), _, (rates, (x, v))| {
-            let chains = x.chunks_exact(sites).zip(v.chunks_exact(sites));
-            for (rates, (x, v)) in rates.chunks_exact_mut(bonds).zip(chains) {
-                let mut units = [DVec3::ZERO; MOST_BONDS];
-                let units = directions(x, &mut units);
-                for (c, rate) in rates.iter_mut().enumerate() {
-                    *rate = units[c].dot(v[c + 1] - v[c]);
-                }
+        molecules.for_each(bonds, &mut self.rates, |m, rates| {
+            let (x, v) = (&x[molecules.sites_of(m)], &v[molecules.sites_of(m)]);
+            let mut units = [DVec3::ZERO; MOST_BONDS];
+            let units = directions(x, &mut units);
+            for (c, rate) in rates.iter_mut().enumerate() {
+                *rate = units[c].dot(v[c + 1] - v[c]);
             }
         });
     }
@@ -68,35 +60,27 @@ impl SpookBonds {
     /// Adds the impulses of the constraints to velocities that have had their kick.
     pub(crate) fn after_kick(&self, system: &System, x: &[DVec3], v: &mut [DVec3], dt: f64) {
         let (molecules, masses) = (&system.molecules, &system.masses);
-        let (sites, bonds) = (molecules.sites(), molecules.bonds());
-        let length = molecules.bond_length();
+        let (bonds, length) = (molecules.bonds(), molecules.bond_length());
         let time = match self.damping {
             Damping::Time(time) => time,
             Damping::Steps(steps) => steps * dt,
         };
         let Regularisation { sigma, gamma } = Regularisation::new(self.compliance, time, dt);
-        let size = sites * MOLECULES_PER_TASK;
-        let tasks = v
-            .chunks_mut(size)
-            .zip(x.chunks(size))
-            .zip(self.rates.chunks(bonds * MOLECULES_PER_TASK));
-        for_each_item(tasks, |(), task, ((v, x), rates)| {
-            let chains = v.chunks_exact_mut(sites).zip(x.chunks_exact(sites));
-            for (m, ((v, x), rates)) in chains.zip(rates.chunks_exact(bonds)).enumerate() {
-                let first = task * size + m * sites;
-                let mut units = [DVec3::ZERO; MOST_BONDS];
-                let units = directions(x, &mut units);
-                let mut equations = Tridiagonal::ZERO;
-                equations.set_matrix(masses, first, units, units);
-                for (c, u) in units.iter().enumerate() {
-                    equations.diagonal[c] += sigma;
-                    let g = (x[c + 1] - x[c]).length() - length;
-                    equations.right[c] = gamma * (rates[c] - 4.0 / dt * g) - u.dot(v[c + 1] - v[c]);
-                }
-                // S is positive definite for any chain: its rows are independent.
-                if equations.solve(bonds).is_ok() {
-                    add_along_bonds(v, masses, first, units, &equations.right);
-                }
+        molecules.for_each(molecules.sites(), v, |m, v| {
+            let first = molecules.sites_of(m).start;
+            let (x, rates) = (&x[molecules.sites_of(m)], &self.rates[m * bonds..]);
+            let mut units = [DVec3::ZERO; MOST_BONDS];
+            let units = directions(x, &mut units);
+            let mut equations = Tridiagonal::ZERO;
+            equations.set_matrix(masses, first, units, units);
+            for (c, u) in units.iter().enumerate() {
+                equations.diagonal[c] += sigma;
+                let g = (x[c + 1] - x[c]).length() - length;
+                equations.right[c] = gamma * (rates[c] - 4.0 / dt * g) - u.dot(v[c + 1] - v[c]);
+            }
+            // S is positive definite for any chain: its rows are independent.
+            if equations.solve(bonds).is_ok() {
+                add_along_bonds(v, masses, first, units, &equations.right);
             }
         });
     }

@@ -1,9 +1,9 @@
 //! Relaxation: one bond after another is brought to its length, in sweeps over the molecule.
 
 use lennard_core::options::OptionError;
-use lennard_core::{BondSolver, Bonds, BondsSolved, DVec3, Molecules, StepError, System};
+use lennard_core::{Bonds, Molecules};
 
-use super::chains::{BondsBefore, Chain, ChainError};
+use super::chains::{Chain, ChainError, ChainRule, Chains};
 use super::{BondHolder, BondMethod, BondSpec};
 
 lennard_core::choices! {
@@ -45,10 +45,10 @@ impl BondMethod for Options {
     };
 
     fn build(&self, _molecules: &Molecules) -> BondHolder {
-        BondHolder::Rigid(Box::new(Relaxation {
+        let rule = Relaxation {
             options: self.clone(),
-            bonds: BondsBefore::default(),
-        }))
+        };
+        BondHolder::Rigid(Box::new(Chains::new(rule)))
     }
 
     fn check_together(&self) -> Result<(), OptionError> {
@@ -69,30 +69,16 @@ impl BondMethod for Options {
 #[derive(Debug, Clone)]
 struct Relaxation {
     options: Options,
-    bonds: BondsBefore,
 }
 
-impl BondSolver for Relaxation {
+impl ChainRule for Relaxation {
+    fn solve(&self, chain: &mut Chain<'_>) -> Result<u32, ChainError> {
+        relax(chain, &self.options)
+    }
+
     /// The rule along the new bond stands alone, on positions: velocities are displacements over the step.
     fn has_velocity_stage(&self) -> bool {
         self.options.direction == Direction::Old
-    }
-
-    fn before_drift(&mut self, system: &System, positions: &[DVec3]) {
-        self.bonds.take(system, positions);
-    }
-
-    fn after_drift(
-        &mut self,
-        system: &System,
-        positions: &mut [DVec3],
-        velocities: &mut [DVec3],
-        h: f64,
-    ) -> Result<BondsSolved, StepError> {
-        let options = &self.options;
-        self.bonds.solve(system, positions, velocities, h, |chain| {
-            relax(chain, options)
-        })
     }
 }
 

@@ -1,8 +1,6 @@
 //! Stiff springs: bonds as forces.
 
 use lennard_core::parallel::ordered_sum;
-use lennard_core::rigid::MOLECULES_PER_TASK;
-use lennard_core::tasks::for_each_item;
 use lennard_core::{
     Bonds, Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm,
     Molecules, Part, Want,
@@ -91,19 +89,13 @@ impl Springs {
     }
 
     fn add_forces(&self, positions: &[DVec3], forces: &mut [DVec3]) {
-        let sites = self.molecules.sites();
-        let size = sites * MOLECULES_PER_TASK;
-        let tasks = forces.chunks_mut(size).zip(positions.chunks(size));
-        for_each_item(tasks, |(), _, (forces, positions)| {
-            let chains = forces
-                .chunks_exact_mut(sites)
-                .zip(positions.chunks_exact(sites));
-            for (forces, x) in chains {
-                for (c, pair) in x.windows(2).enumerate() {
-                    let (f, _) = self.bond(pair[1] - pair[0]);
-                    forces[c] -= f;
-                    forces[c + 1] += f;
-                }
+        let molecules = &self.molecules;
+        molecules.for_each(molecules.sites(), forces, |m, forces| {
+            let sites = &positions[molecules.sites_of(m)];
+            for (c, pair) in sites.windows(2).enumerate() {
+                let (f, _) = self.bond(pair[1] - pair[0]);
+                forces[c] -= f;
+                forces[c + 1] += f;
             }
         });
     }
