@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, PeriodicBox, System};
+use lennard_core::{DVec3, PeriodicBox};
 use lennard_io::StartConfiguration;
 use lennard_scene::{Geometry, Lattice, Scene, Start};
 
 use crate::EngineError;
 use crate::close_pairs::closest_pair;
-use crate::confinement::place_between_walls;
+use crate::confinement::{Confinement, place_between_walls};
 use crate::initial;
 
 /// Start positions nearer than this (σ) are refused: U(0.5 σ) = 16,128 ε would blow any step up.
@@ -102,9 +102,10 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
                 Err(_) if given.is_some() => lennard_io::read_configuration_in(path, given)?,
                 read => read?,
             };
-            let remarks = remarks(path, &read);
+            let frames = read.frames;
             let mut beginning = from_configuration(scene, path, read, given)?;
             place_between_walls(scene, &beginning.cell, &mut beginning.positions)?;
+            let remarks = remarks(scene, path, frames, &beginning);
             Ok((beginning, remarks))
         }
     }
@@ -128,12 +129,11 @@ pub fn size_and_density(scene: &Scene) -> Result<(usize, f64), EngineError> {
 }
 
 /// What is to be known of a start that was read from a file.
-fn remarks(path: &Path, read: &StartConfiguration) -> Vec<String> {
+fn remarks(scene: &Scene, path: &Path, frames: u64, beginning: &Beginning) -> Vec<String> {
     let file = path.display();
-    let frame =
-        (read.frames > 1).then(|| format!("the start is frame {0} of {0} of {file}", read.frames));
-    let drift = read.velocities.as_deref().and_then(|velocities| {
-        let system = System::atoms(velocities.len());
+    let frame = (frames > 1).then(|| format!("the start is frame {frames} of {frames} of {file}"));
+    let drift = beginning.velocities.as_deref().and_then(|velocities| {
+        let (system, _) = Confinement::with_system(scene, &beginning.cell, velocities.len());
         initial::Drift::of(&system, velocities).map(|drift| drift.in_words(&file.to_string()))
     });
     frame.into_iter().chain(drift).collect()

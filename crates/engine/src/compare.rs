@@ -181,7 +181,7 @@ pub fn beside_equation_of_state(
     }
     let state = equation.at(density, mean_temperature);
     let finite_size = finite_size(scene, equation, density, mean_temperature, atoms);
-    let own = equation.spec().uncertainty.as_ref();
+    let own = equation.uncertainty(density, mean_temperature);
     let averages = thermodynamics.finish(equilibrium.discarded).averages;
     let quantities = [
         (
@@ -189,14 +189,14 @@ pub fn beside_equation_of_state(
             state.potential_energy,
             finite_size.map(|f| f.potential_energy),
             thermodynamics.potential_energy_against(state.du_dt),
-            own.map(|u| u.potential_energy),
+            own.as_ref().map(|u| u.potential_energy),
         ),
         (
             "pressure",
             state.pressure,
             finite_size.map(|f| f.pressure),
             thermodynamics.pressure_against(state.dp_dt),
-            own.map(|u| u.pressure),
+            own.as_ref().map(|u| u.pressure),
         ),
     ];
     for (name, infinite, finite_size, against, reference_uncertainty) in quantities {
@@ -236,7 +236,7 @@ pub fn beside_equation_of_state(
     {
         let there = other.at(density, mean_temperature);
         comparison.remarks.push(format!(
-            "{} gives {:.4} ε and {:.4} ε/σ³ at this state: the equations differ by up to 0.02 in each",
+            "{} gives U = {:.4} ε per molecule and P = {:.4} ε/σ³ at this state",
             other.spec().name,
             there.potential_energy,
             there.pressure

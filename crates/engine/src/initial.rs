@@ -173,7 +173,7 @@ pub fn remove_drift(system: &System, velocities: &mut [DVec3]) {
 /// A drift of all particles together, which a run takes off the velocities that it starts with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drift {
-    /// Total momentum of each particle's share, m σ/τ.
+    /// Momentum that the forces keep, over the number of particles, m σ/τ.
     pub momentum_per_particle: DVec3,
     /// Temperature with the drift, ε/k_B.
     pub temperature_with: f64,
@@ -188,7 +188,7 @@ impl Drift {
         /// Of the mean square velocity: files hold nine digits and more.
         const ROUNDING: f64 = 1e-12;
         let n = velocities.len() as f64;
-        let momentum = system.momentum(velocities) / n;
+        let momentum = system.kept_part(system.momentum(velocities)) / n;
         let square = velocities.iter().map(|v| v.length_squared()).sum::<f64>() / n;
         if velocities.len() < 2 || momentum.length_squared() <= ROUNDING * square {
             return None;

@@ -119,6 +119,11 @@ pub trait EquationOfState: Send + Sync + std::fmt::Debug {
         1.5
     }
 
+    /// How far the equation may be off at a density (σ⁻³) and a temperature (ε/k_B), where that has been established.
+    fn uncertainty(&self, _rho: f64, _temperature: f64) -> Option<OwnUncertainty> {
+        self.spec().uncertainty.clone()
+    }
+
     /// Mass of a particle.
     fn mass(&self) -> f64 {
         1.0

@@ -17,6 +17,9 @@ const TEMPERATURES: [f64; 2] = [0.6, 2.5];
 /// The highest pressure, ε/σ³: above all states of the comparisons.
 const HIGHEST_PRESSURE: f64 = 12.0;
 
+/// Two fits may agree by chance at one state: no uncertainty is smaller than this, ε and ε/σ³.
+const SMALLEST_UNCERTAINTY: f64 = 0.02;
+
 /// Coefficients of one equation, as its authors number them.
 #[derive(Debug, Clone, Deserialize)]
 struct Coefficients {
@@ -64,6 +67,7 @@ static FILE: LazyLock<File> = LazyLock::new(|| {
 pub struct TwoCenter {
     spec: EquationSpec,
     coefficients: &'static Coefficients,
+    bond_length: f64,
     alpha: f64,
     eta_over_rho: f64,
     t_red: f64,
@@ -98,14 +102,12 @@ impl TwoCenter {
                     p_max: HIGHEST_PRESSURE,
                     status: "the authors' own limits were not read: held to the states at which it was compared".to_owned(),
                 },
-                uncertainty: Some(OwnUncertainty {
-                    potential_energy: 0.02,
-                    pressure: 0.02,
-                    status: "the two equations differ by up to so much in the liquid".to_owned(),
-                }),
+                // It depends on the state.
+                uncertainty: None,
                 critical: reducing,
             },
             coefficients,
+            bond_length: l,
             alpha: a0 + a1 * l.powi(2) + a2 * l.powf(3.5) + a3 * l.powi(4),
             eta_over_rho: e0 + e1 * l.powi(2) + e2 * l.powf(2.5) + e3 * l.powi(4),
             t_red,
@@ -179,6 +181,17 @@ impl EquationOfState for TwoCenter {
     /// The freezing line of dumbbells is not known here.
     fn freezing_density(&self, _temperature: f64) -> Option<f64> {
         None
+    }
+
+    /// The difference of the two equations at the state, and at least [`SMALLEST_UNCERTAINTY`].
+    fn uncertainty(&self, rho: f64, temperature: f64) -> Option<OwnUncertainty> {
+        let [one, other] = two_center(self.bond_length)?.map(|e| e.at(rho, temperature));
+        let off = |a: f64, b: f64| (a - b).abs().max(SMALLEST_UNCERTAINTY);
+        Some(OwnUncertainty {
+            potential_energy: off(one.potential_energy, other.potential_energy),
+            pressure: off(one.pressure, other.pressure),
+            status: "the difference of two equations at this state".to_owned(),
+        })
     }
 
     /// A rigid dumbbell has five degrees of freedom.

@@ -88,6 +88,65 @@ fn the_drift_of_a_file_is_named_and_run_and_energy_agree_on_the_temperature() {
     assert!(remarks.contains(&words), "wanted {words} in\n{remarks}");
 }
 
+/// Temperatures of the remark are over the degrees of freedom of the run: bonds take some.
+#[test]
+fn the_drift_of_a_file_of_molecules_has_the_temperatures_of_molecules() {
+    let scene = SCENE
+        .replace(
+            "n_atoms = 108\ndensity = 0.8",
+            "n_molecules = 108\ndensity = 0.4",
+        )
+        .replace(
+            "[truncation]",
+            "[molecule]\nkind = \"dumbbell\"\nbond_length = 0.6\n[truncation]",
+        );
+    let from_file = scene.replace(
+        "n_molecules = 108\ndensity = 0.4",
+        "configuration = \"start.xyz\"",
+    );
+    let bench = Place::with(&[("liquid.toml", &scene), ("from-file.toml", &from_file)]);
+    succeed_in(&bench, &["run", "liquid.toml", "--quiet", "--out", "made"]);
+    bench.write("start.xyz", &drifting(&bench.read("made/final.xyz"), 0.5));
+    let json = succeed_in(&bench, &["energy", "from-file.toml", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let after = json["temperature"].as_f64().unwrap();
+    // 5·108 − 3 degrees of freedom, and 216 particles.
+    let before = after + 0.25 * 216.0 / 537.0;
+    let words = format!("removed, T changed from {before:.6} to {after:.6}");
+    let said = json["remarks"].to_string();
+    assert!(said.contains(&words), "wanted {words} in {said}");
+}
+
+/// A wall takes up the momentum across it: a run keeps that drift, and must not claim to remove it.
+#[test]
+fn the_drift_across_walls_stays_and_no_remark_claims_otherwise() {
+    let wall = "[[wall]]\naxis = \"x\"\nkind = \"hard\"\n[[stage]]";
+    let scene = SCENE
+        .replace("r_cut = 2.2", "r_cut = 2.2\ntail_correction = false")
+        .replace("[[stage]]", wall);
+    let from_file = scene.replace(
+        "n_atoms = 108\ndensity = 0.8",
+        "configuration = \"start.xyz\"",
+    );
+    let bench = Place::with(&[("slit.toml", &scene), ("from-file.toml", &from_file)]);
+    succeed_in(&bench, &["run", "slit.toml", "--quiet", "--out", "made"]);
+    let frame = bench.read("made/final.xyz");
+    let temperature = |bench: &Place| -> (f64, serde_json::Value) {
+        let text = succeed_in(bench, &["energy", "from-file.toml", "--json"]);
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        (
+            json["temperature"].as_f64().unwrap(),
+            json["remarks"].clone(),
+        )
+    };
+    bench.write("start.xyz", &frame);
+    let (still, _) = temperature(&bench);
+    bench.write("start.xyz", &drifting(&frame, 0.5));
+    let (moving, remarks) = temperature(&bench);
+    assert!((moving - still).abs() > 1e-3, "{moving} {still}");
+    assert_eq!(remarks, serde_json::Value::Null);
+}
+
 #[test]
 fn the_frame_of_a_file_with_many_is_named() {
     let bench = bench();

@@ -107,6 +107,28 @@ fn pressures_and_energies_are_those_of_another_implementation() {
     }
 }
 
+/// Where the two equations disagree, a verdict must not be sharper than they are.
+#[test]
+fn the_uncertainty_at_a_state_is_the_difference_of_the_two_equations() {
+    for [l, t, rho, p_lisal, u_lisal, p_mecke, u_mecke] in STATES {
+        for equation in two_center(*l).expect("a bond length in range") {
+            let own = equation
+                .uncertainty(*rho, *t)
+                .expect("known for each state");
+            let wanted_p = (p_lisal - p_mecke).abs().max(0.02);
+            let wanted_u = (u_lisal - u_mecke).abs().max(0.02);
+            assert!(
+                (own.pressure - wanted_p).abs() < 1e-5,
+                "{l} {t} {rho}: {own:?}"
+            );
+            assert!(
+                (own.potential_energy - wanted_u).abs() < 1e-5,
+                "{l} {t} {rho}: {own:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn vapor_and_liquid_coexist_where_another_implementation_has_them() {
     for (which, [l, t, p, liquid, vapor]) in COEXISTENCE {

@@ -236,9 +236,7 @@ impl Workbench {
                 potential_energy: less(u, state.potential_energy),
                 pressure: less(p, state.pressure),
                 own_uncertainty: equation
-                    .spec()
-                    .uncertainty
-                    .as_ref()
+                    .uncertainty(density, temperature)
                     .map(|own| (own.potential_energy, own.pressure)),
             }
         }))
