@@ -71,18 +71,15 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
     let density = molecules as f64 / simulation.state.cell.volume();
     let [x, y, z] = simulation.state.cell.lengths().to_array();
     println!("{}", console::style(&scene.name).bold());
-    let particles = match molecules == n {
-        true => format!("{n} particles"),
-        false => format!("{n} sites in {molecules} molecules"),
-    };
+    let particles = lennard_report::particles(n, molecules);
     println!("  {particles}, density {density:.4}, box {x:.4} × {y:.4} × {z:.4} σ");
     println!("  {}", scene.model_name());
     println!(
-        "  {}, dt = {} τ, {} steps in {} stages",
+        "  {}, dt = {} τ, {} steps in {}",
         scene.integrator.method.name(),
         scene.integrator.dt,
         scene.total_steps(),
-        scene.stages.len()
+        lennard_report::counted(scene.stages.len(), "stage")
     );
     println!(
         "  {}, output in {}",
@@ -184,15 +181,22 @@ pub fn energy(report: &EnergyReport) {
         }
     };
     println!(
-        "{} particles, {} pairs within the cutoff, {}",
-        report.atoms, report.pairs, report.model
+        "{}, {} pairs within the cutoff, {}",
+        lennard_report::particles(report.atoms, report.molecules),
+        report.pairs,
+        report.model
     );
+    let pressure = if report.atoms == report.molecules {
+        "P = ρT + W/(3V), with tail"
+    } else {
+        "P over centres of mass, with tail"
+    };
     let values = [
         ("U, pairs", report.potential_energy, "ε"),
         ("U, tail", report.tail_energy, "ε"),
         ("W = Σ r_ij·F_ij, pairs", report.virial, "ε"),
         ("W, tail", report.tail_virial, "ε"),
-        ("P = ρT + W/(3V), with tail", report.pressure, "ε/σ³"),
+        (pressure, report.pressure, "ε/σ³"),
         ("T of the kinetic part", report.temperature, "ε/k_B"),
     ];
     let values = Table::rows_of("energy", &values)
@@ -206,8 +210,11 @@ pub fn energy(report: &EnergyReport) {
 /// What a scene computes.
 pub fn plan(plan: &Plan) {
     println!(
-        "{}: {} particles at density {:.4}, {} steps",
-        plan.scene, plan.atoms, plan.density, plan.steps
+        "{}: {} at density {:.4}, {} steps",
+        plan.scene,
+        lennard_report::particles(plan.atoms, plan.molecules),
+        plan.density,
+        plan.steps
     );
     println!("  {}", plan.model);
     let items = Table::rows_of("plan", &plan.items)

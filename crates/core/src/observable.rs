@@ -49,7 +49,7 @@ impl Suits {
 /// The tail correction of a homogeneous fluid beyond the cutoff (g(r) = 1 there).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct TailCorrection {
-    /// Energy per particle, u_tail = 2πρ ∫ r² U dr, in ε.
+    /// Energy per particle, of a molecule where there are some: u_tail = 2πρ ∫ r² U dr for each site, in ε.
     pub energy_per_particle: f64,
     /// Pressure, p_tail = −(2π/3)ρ² ∫ r³ U′ dr, in ε/σ³.
     pub pressure: f64,

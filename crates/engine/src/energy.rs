@@ -26,6 +26,8 @@ pub struct EnergyReport {
     pub model: String,
     /// Number of particles.
     pub atoms: usize,
+    /// Number of molecules; of particles where there are none.
+    pub molecules: usize,
     /// Box sides, σ.
     #[serde(rename = "box")]
     pub lengths: [f64; 3],
@@ -99,6 +101,7 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
         schema: "lennard-energy-1",
         model: scene.model_name(),
         atoms: n,
+        molecules: system.n_molecules(),
         lengths: cell.lengths().to_array(),
         potential_energy: energetics.potential_energy.unwrap_or(f64::NAN),
         tail_energy,

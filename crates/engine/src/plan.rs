@@ -39,7 +39,9 @@ pub struct Plan {
     pub model: String,
     /// Number of particles.
     pub atoms: usize,
-    /// Number density, σ⁻³.
+    /// Number of molecules; of particles where there are none.
+    pub molecules: usize,
+    /// Number density, σ⁻³, of molecules where there are some.
     pub density: f64,
     /// Steps of all stages.
     pub steps: u64,
@@ -79,7 +81,7 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
             .filter(|_| item.on)
             .map(|s| s / total);
     }
-    let n = simulation.state.len();
+    let (n, molecules) = (simulation.state.len(), simulation.system.n_molecules());
     let state = n * STATE_BYTES;
     let set_aside = n * SET_ASIDE_BYTES;
     Ok(Plan {
@@ -87,7 +89,8 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
         scene: scene.name.clone(),
         model: scene.model_name(),
         atoms: n,
-        density: n as f64 / simulation.state.cell.volume(),
+        molecules,
+        density: molecules as f64 / simulation.state.cell.volume(),
         steps: scene.total_steps(),
         threads,
         items,
@@ -179,13 +182,14 @@ fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [Plan
     let laplacian = format!("Laplacian on every {rows}th step of measured stages");
     let tail = match simulation.tail() {
         Some(tail) => How::On(format!(
-            "computed {}: {:.4} ε per particle, {:.4} ε/σ³",
+            "computed {}: {:.4} {}, {:.4} ε/σ³",
             if simulation.box_changes() {
                 "from the volume of each sample; at the start"
             } else {
                 "once"
             },
-            tail.energy_per_particle / simulation.system.molecules.sites() as f64,
+            tail.energy_per_particle,
+            simulation.system.molecules.energy_unit(),
             tail.pressure
         )),
         None if scene.truncation.tail_correction => How::Off("the potential has none"),
@@ -208,7 +212,11 @@ fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [Plan
             "configurational temperature",
             How::of(
                 wants_laplacian.then_some(laplacian),
-                "switched off in the scene",
+                if simulation.system.molecules.are_rigid() {
+                    "not of rigid bonds: the forces that hold them are no gradient of a potential"
+                } else {
+                    "switched off in the scene"
+                },
             ),
         ),
         item("tail correction", tail),

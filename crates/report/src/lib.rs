@@ -22,7 +22,7 @@ pub use bars::{BarFigure, BarSeries};
 pub use escape::{escape, inline_markup};
 pub use figure::{FailedPoint, Figure, Guide, Look, Point, Series};
 pub use number::{
-    counted, percent, plain_or_scientific, plus_minus, signed, significant, with_error,
+    counted, particles, percent, plain_or_scientific, plus_minus, signed, significant, with_error,
 };
 pub use page::{Block, Page, Section};
 pub use palette::{COLORS, Dash, Symbol};

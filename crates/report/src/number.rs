@@ -76,6 +76,20 @@ pub fn counted(n: usize, thing: &str) -> String {
     format!("{n} {thing}{}", if n == 1 { "" } else { "s" })
 }
 
+/// What a fluid is made of: `864 particles`, or `1000 sites in 500 molecules`.
+#[must_use]
+pub fn particles(sites: usize, molecules: usize) -> String {
+    if sites == molecules {
+        counted(sites, "particle")
+    } else {
+        format!(
+            "{} in {}",
+            counted(sites, "site"),
+            counted(molecules, "molecule")
+        )
+    }
+}
+
 /// Below this, values with errors are written with a power of ten.
 const SMALL: f64 = 1e-3;
 

@@ -39,6 +39,8 @@ pub struct ComparedRun {
     pub model: String,
     /// Particles.
     pub atoms: u64,
+    /// Molecules; particles where there are none.
+    pub molecules: u64,
     /// Steps of the measured stages.
     pub measured_steps: u64,
     /// Where the run lies.
@@ -102,6 +104,7 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
         run: run.folder.display().to_string(),
         model: run.record.model.clone(),
         atoms: run.record.atoms,
+        molecules: run.molecules(),
         measured_steps: measured,
         equation: equation
             .as_ref()

@@ -38,9 +38,9 @@ pub fn write(folder: &Path) -> Result<(), PageError> {
 pub fn page(run: &RunFolder) -> Page {
     let compared = compare(run);
     let record = &run.record;
+    let particles = lennard_report::particles(compared.atoms as usize, compared.molecules as usize);
     let lead = format!(
-        "{} particles, {}: {} at ρ = {:.4}, {} = {:.4}. {} Reduced units throughout (ε = σ = m = k_B = 1).",
-        record.atoms,
+        "{particles}, {}: {} at ρ = {:.4}, {} = {:.4}. {} Reduced units throughout (ε = σ = m = k_B = 1).",
         compared.model,
         compared.state.words,
         compared.state.density,
@@ -82,7 +82,7 @@ pub fn page(run: &RunFolder) -> Page {
         sections.push(Section::new("Remarks").list(record.remarks.clone()));
     }
     Page {
-        title: format!("{}: {} particles", run.scene.name, record.atoms),
+        title: format!("{}: {particles}", run.scene.name),
         lead,
         command: None,
         sections,

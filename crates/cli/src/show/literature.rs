@@ -64,8 +64,8 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
 pub fn compared(run: &ComparedRun, all: bool) {
     println!("{}", console::style(&run.run).bold());
     println!(
-        "  {} particles, {} measured steps, ρ = {:.4}, {} = {:.4}: {}",
-        run.atoms,
+        "  {}, {} measured steps, ρ = {:.4}, {} = {:.4}: {}",
+        lennard_report::particles(run.atoms as usize, run.molecules as usize),
         run.measured_steps,
         run.state.density,
         run.state.temperature_words(),
@@ -101,11 +101,11 @@ pub(super) fn below_quantities(run: &ComparedRun, all: bool) {
     };
     if let Some(equation) = run.equation.as_ref().filter(judged_by) {
         println!(
-            "  reference: {equation}, at ρ = {:.4} and {} = {:.4}, for {} particles",
+            "  reference: {equation}, at ρ = {:.4} and {} = {:.4}, for {}",
             run.state.density,
             run.state.temperature_words(),
             run.state.temperature,
-            run.atoms
+            lennard_report::particles(run.atoms as usize, run.molecules as usize)
         );
     }
     let hidden = run.rows.iter().filter(|r| !r.primary).count();

@@ -233,6 +233,74 @@ fn a_slab_is_set_beside_saturation_and_not_beside_the_mean_density() {
     );
 }
 
+/// Densities count molecules, in the comparison too: a run of dumbbells has the equation of Lísal beside it.
+#[test]
+fn a_run_of_dumbbells_is_compared_at_the_density_of_its_molecules() {
+    let scene = SCENE
+        .replace("n_atoms = 108", "n_molecules = 108")
+        .replace("density = 0.7", "density = 0.4")
+        .replace("temperature = 1.5", "temperature = 2.5")
+        .replace("dt = 0.004", "dt = 0.002")
+        .replace(
+            "[truncation]",
+            "[molecule]\nkind = \"dumbbell\"\nbond_length = 0.67\n[truncation]",
+        )
+        .replace("[[observable]]\nkind = \"structure-factor\"", "")
+        .replace("[[observable]]\nkind = \"msd\"", "");
+    let place = Place::with(&[("scene.toml", &scene)]);
+    let run = [
+        "run",
+        "scene.toml",
+        "--out",
+        "out",
+        "--quiet",
+        "--no-report",
+    ];
+    let ran = lennard_in(place.root(), &run);
+    assert!(
+        ran.status.success(),
+        "{}",
+        String::from_utf8_lossy(&ran.stderr)
+    );
+    // Every command counts sites and molecules, and names the density of molecules.
+    for (command, words) in [
+        (
+            ["plan", "scene.toml"],
+            "216 sites in 108 molecules at density 0.4000",
+        ),
+        (["energy", "scene.toml"], "216 sites in 108 molecules, "),
+        (
+            ["compare", "out"],
+            "216 sites in 108 molecules, 6000 measured steps, ρ = 0.4000",
+        ),
+    ] {
+        let said = lennard_in(place.root(), &command).stdout;
+        let said = String::from_utf8_lossy(&said);
+        assert!(said.contains(words), "wanted {words} in\n{said}");
+    }
+    let compared = lennard_in(place.root(), &["compare", "out", "--json"]);
+    let compared: Value = serde_json::from_slice(&compared.stdout).unwrap();
+    let run = &compared["runs"][0];
+    assert!(
+        (run["state"]["density"].as_f64().unwrap() - 0.4).abs() < 1e-9,
+        "{run}"
+    );
+    for quantity in ["potential_energy", "pressure"] {
+        let row = row(run, quantity);
+        let source = row["source"].as_str().unwrap();
+        assert!(source.starts_with("Lísal 2004"), "{row}");
+        assert_eq!(row["verdict"], "agrees", "{row}");
+        // What the equations disagree by is part of the tolerance.
+        let number = |key: &str| row[key].as_f64().unwrap();
+        let own = number("reference_error");
+        let wanted = own + 4.0 * number("combined_error");
+        assert!(
+            own >= 0.02 && (number("tolerance") - wanted).abs() < 2e-4,
+            "{row}"
+        );
+    }
+}
+
 #[test]
 fn few_rows_by_default_and_every_one_with_all() {
     let place = Place::with(&[("scene.toml", SCENE)]);

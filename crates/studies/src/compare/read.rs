@@ -52,7 +52,7 @@ pub struct RunFolder {
     pub scene: Scene,
     /// The run record.
     pub record: RunRecord,
-    /// Number density in σ⁻³.
+    /// Number density in σ⁻³, of molecules where there are some.
     pub density: f64,
     /// Shortest side of the box in σ.
     pub shortest_side: f64,
@@ -106,22 +106,34 @@ impl RunFolder {
                     .cell
             }
         };
-        Ok(Self {
+        let mut run = Self {
             folder: folder.to_owned(),
-            density: record
-                .averages
-                .get("density")
-                .map_or(record.atoms as f64 / cell.volume(), |density| density.mean),
+            density: f64::NAN,
             shortest_side: cell.lengths().min_element(),
             scene,
             record,
-        })
+        };
+        let at_rest = run.molecules() as f64 / cell.volume();
+        run.density = run.average("density").map_or(at_rest, |d| d.mean);
+        Ok(run)
     }
 
     /// Whether the box has an empty part beside its filled one: vapor and liquid stand side by side.
     #[must_use]
     pub fn has_vacuum(&self) -> bool {
         matches!(self.scene.system.start, Start::Lattice { vacuum, .. } if vacuum > 0.0)
+    }
+
+    /// Number of molecules; of particles where there are none.
+    #[must_use]
+    pub fn molecules(&self) -> u64 {
+        self.record.atoms / self.scene.molecules().sites() as u64
+    }
+
+    /// The mean volume of the box, σ³.
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        self.molecules() as f64 / self.density
     }
 
     /// A mean of the run record.

@@ -9,7 +9,7 @@ use super::tail_bias::tail_bias;
 use super::verdict::Tolerance;
 use super::{Row, RunFolder, StateOfMatter, Verdict};
 
-/// Energy and pressure: the equation of state may itself be off by so much.
+/// Energy and pressure: an equation of state that does not say how far it may be off is taken to be off by so much.
 const ENERGY: Tolerance = Tolerance::new(4.0, 0.003, 0.0);
 const PRESSURE: Tolerance = Tolerance::new(4.0, 0.005, 0.0);
 /// The density at constant pressure: the equation of state may itself be off by so much.
@@ -196,7 +196,7 @@ impl Compared<'_> {
             .against_with_error(
                 infinite + shift.unwrap_or(0.0),
                 compared.standard_error,
-                tolerance,
+                tolerance.for_reference(compared.reference_uncertainty),
                 &compared.source,
             )
             .noted(shift.map_or(

@@ -88,7 +88,7 @@ impl Compared<'_> {
 /// or the box is no cube.
 fn own_correction(run: &RunFolder, state: &StateOfMatter) -> Option<f64> {
     let side = run.shortest_side;
-    let volume = run.record.atoms as f64 / run.density;
+    let volume = run.volume();
     // Roundings of the cube of a length.
     let is_cube = (side.powi(3) / volume - 1.0).abs() < 1e-9;
     let viscosity = run.average("shear_viscosity")?.mean;

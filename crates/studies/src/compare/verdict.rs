@@ -156,6 +156,12 @@ impl Tolerance {
         }
     }
 
+    /// The same where the reference itself is known to be off by up to `own`, rounded up to four decimals.
+    pub(super) fn for_reference(self, own: Option<f64>) -> Self {
+        let absolute = own.map_or(self.absolute, |own| (own * 1e4).ceil() / 1e4);
+        Self { absolute, ..self }
+    }
+
     fn of(self, combined: f64, reference: f64) -> f64 {
         self.errors * combined + self.absolute + self.relative * reference.abs()
     }
