@@ -75,8 +75,7 @@ pub fn viscosity_for(scene: &Scene, density: f64) -> Option<f64> {
 
 /// By how much U and P of `atoms` particles differ from the equation's, which is for an infinite system; `None` at
 /// constant pressure.
-#[must_use]
-pub fn finite_size(
+fn finite_size(
     scene: &Scene,
     equation: &dyn EquationOfState,
     density: f64,

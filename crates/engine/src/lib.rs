@@ -39,7 +39,7 @@ pub use beginning::{Beginning, SMALLEST_START_DISTANCE, begin, size_and_density}
 pub use build::{conditions, forces, prepare, prepare_from, recommended_threads};
 pub use checkpointing::{Past, capture};
 pub use compare::{
-    Compared, Comparison, beside_equation_of_state, finite_size, model_kind, with_equation_of_state,
+    Compared, Comparison, beside_equation_of_state, model_kind, with_equation_of_state,
 };
 pub use compare_at_pressure::at_constant_pressure;
 pub use confinement::Confinement;

@@ -62,7 +62,10 @@ pub struct ComparedRun {
 pub fn compare(run: &RunFolder) -> ComparedRun {
     let model = lennard_engine::model_kind(&run.scene);
     let equation = equation_of_state_for(model);
-    let state = state_of(run, equation.as_ref().ok().copied());
+    let mut state = state_of(run, equation.as_ref().ok().copied());
+    if let Some(confined) = run.scene.confined_by() {
+        state = state.of_no_phase(format!("a fluid that has {confined}"));
+    }
     let mut remarks = Vec::new();
     let no_reference = match &equation {
         _ if let Some(confined) = run.scene.confined_by() => {

@@ -233,6 +233,24 @@ fn a_slab_is_set_beside_saturation_and_not_beside_the_mean_density() {
     );
 }
 
+/// N over the whole box is no density of the fluid in a slit: no phase is named by it.
+#[test]
+fn a_fluid_between_walls_is_said_to_be_in_no_phase() {
+    let wall = "[[wall]]\naxis = \"z\"\nkind = \"hard\"\n[[stage]]\nname = \"melt\"";
+    let scene = SCENE
+        .replace("tail_correction = true", "tail_correction = false")
+        .replace("[[stage]]\nname = \"melt\"", wall);
+    let scene = scene.split("[[observable]]").next().unwrap();
+    let place = Place::with(&[("scene.toml", scene)]);
+    let run = ["run", "scene.toml", "--out", "out", "--quiet"];
+    assert!(lennard_in(place.root(), &run).status.success());
+    let said = lennard_in(place.root(), &["compare", "out"]).stdout;
+    let said = String::from_utf8_lossy(&said);
+    assert!(said.contains(": a fluid that has walls\n"), "{said}");
+    let page = place.read("out/report.html");
+    assert!(!page.contains("stable"), "{page:.2000}");
+}
+
 /// Densities count molecules, in the comparison too: a run of dumbbells has the equation of Lísal beside it.
 #[test]
 fn a_run_of_dumbbells_is_compared_at_the_density_of_its_molecules() {
@@ -290,6 +308,11 @@ fn a_run_of_dumbbells_is_compared_at_the_density_of_its_molecules() {
         let source = row["source"].as_str().unwrap();
         assert!(source.starts_with("Lísal 2004"), "{row}");
         assert_eq!(row["verdict"], "agrees", "{row}");
+        let note = row["remark"].to_string();
+        assert!(
+            note.contains("for 216 sites in 108 molecules in a closed box"),
+            "{row}"
+        );
         // What the equations disagree by is part of the tolerance.
         let number = |key: &str| row[key].as_f64().unwrap();
         let own = number("reference_error");

@@ -45,6 +45,16 @@ impl StateOfMatter {
         }
     }
 
+    /// The same where the density over the whole box names no phase; `words` say why.
+    #[must_use]
+    pub(super) fn of_no_phase(self, words: String) -> Self {
+        Self {
+            phase: None,
+            words,
+            ..self
+        }
+    }
+
     /// Which temperature it is, in words.
     #[must_use]
     pub fn temperature_words(&self) -> &'static str {

@@ -172,36 +172,27 @@ impl Compared<'_> {
         equation.filter(|_| self.no_reference.is_none())
     }
 
-    /// U or P beside the equation of state for as many particles. The run itself has found the error of the difference:
-    /// it needs the whole series.
+    /// U or P beside the equation of state for as many particles, as the run itself has compared it with the whole series.
     fn beside_equation(&self, row: Row, tolerance: Tolerance) -> Row {
         let run = self.run;
         let of = |c: &&lennard_io::Comparison| c.quantity == row.quantity;
-        let (Some(compared), Some(equation)) =
-            (run.record.comparison.iter().find(of), self.equation())
+        let (Some(compared), Some(_)) = (run.record.comparison.iter().find(of), self.equation())
         else {
             return self.or_why_none(row);
         };
-        let (density, temperature) = (compared.at.density, compared.at.temperature);
-        let atoms = run.record.atoms as usize;
-        let state = equation.at(density, temperature);
-        let shift = lennard_engine::finite_size(&run.scene, equation, density, temperature, atoms);
+        let particles =
+            lennard_report::particles(run.record.atoms as usize, run.molecules() as usize);
         let is_pressure = row.quantity == "pressure";
-        let (infinite, shift) = if is_pressure {
-            (state.pressure, shift.map(|s| s.pressure))
-        } else {
-            (state.potential_energy, shift.map(|s| s.potential_energy))
-        };
         let mut row = row
             .against_with_error(
-                infinite + shift.unwrap_or(0.0),
+                compared.reference,
                 compared.standard_error,
                 tolerance.for_reference(compared.reference_uncertainty),
                 &compared.source,
             )
-            .noted(shift.map_or(
+            .noted(compared.finite_size.map_or(
                 "for an infinite system: there is no finite-size correction of first order in this state".into(),
-                |s| format!("for {atoms} particles in a closed box: {s:+.5} beside an infinite system"),
+                |s| format!("for {particles} in a closed box: {s:+.5} beside an infinite system"),
             ));
         row.reference_error = compared.reference_uncertainty;
         if let ModelKind::CutWithTail { r_cut } = self.model
