@@ -183,7 +183,7 @@ impl EquationOfState for TwoCenter {
         None
     }
 
-    /// The difference of the two equations at the state, and at least [`SMALLEST_UNCERTAINTY`].
+    /// The difference of the two equations at the state, and at least 0.02 ε and 0.02 ε/σ³.
     fn uncertainty(&self, rho: f64, temperature: f64) -> Option<OwnUncertainty> {
         let [one, other] = two_center(self.bond_length)?.map(|e| e.at(rho, temperature));
         let off = |a: f64, b: f64| (a - b).abs().max(SMALLEST_UNCERTAINTY);
