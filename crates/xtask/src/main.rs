@@ -95,7 +95,7 @@ fn main() -> ExitCode {
             ],
         ),
         "physics" => tiers::run_all(&workspace, &tiers::physics(), &[]),
-        "tidy" => tiers::run_all(&workspace, &tiers::tidy(), &[]),
+        "tidy" => tiers::run_all(&workspace.with_tested_binary(), &tiers::tidy(), &[]),
         "python" => tiers::run_all(&workspace, &tiers::python(), &[]),
         _ => {
             eprintln!("unknown command: {}\n\n{HELP}", arguments.join(" "));

@@ -81,6 +81,10 @@ const RELEASE_BUILD: Tier = Tier {
         ))
     },
 };
+const TESTED_BUILD: Tier = Tier {
+    name: "build",
+    run: |w| by_status(cargo_command(w, &["build", "--package", "lennard-cli"])),
+};
 const SOAK: Tier = Tier {
     name: "soak",
     run: |w| crate::soak::quick(w).map(|()| ONE_PASSED),
@@ -153,9 +157,9 @@ pub fn physics() -> Vec<Tier> {
     vec![RELEASE_BUILD, PYTHON, PHYSICS, LONG_RUST_TESTS]
 }
 
-/// What `cargo xtask tidy` runs.
+/// What `cargo xtask tidy` runs, on a workspace [as tested](Workspace::with_tested_binary).
 pub fn tidy() -> Vec<Tier> {
-    vec![RELEASE_BUILD, TIDINESS]
+    vec![TESTED_BUILD, TIDINESS]
 }
 
 /// What `cargo xtask python` runs.
