@@ -6,6 +6,8 @@ use lennard_engine::EngineError;
 use lennard_io::{CheckpointFolder, FolderError, WriteError};
 use lennard_scene::SceneError;
 
+/// Exit code of work that is done.
+pub const DONE: u8 = 0;
 /// Exit code for wrong input.
 pub const INPUT: u8 = 2;
 /// Exit code for anything that is neither input nor physics.

@@ -67,6 +67,13 @@ impl SceneError {
         self
     }
 
+    /// The same trouble without a line, for a scene that no file holds.
+    #[must_use]
+    pub fn without_line(mut self) -> Self {
+        self.0.place = self.0.place.filter(|p| !matches!(p, Place::Line(_)));
+        self
+    }
+
     /// The scene file.
     #[must_use]
     pub fn file(&self) -> &str {

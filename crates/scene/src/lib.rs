@@ -28,7 +28,7 @@ mod walls;
 
 pub use accuracy::Accuracy;
 pub use error::{Place, SceneError, Source};
-pub use lock::{Chosen, Judged, Lock};
+pub use lock::{Chosen, Judged, Lock, UsedLock};
 pub use molecule::{Molecule, MoleculeKind, MoleculeOptions};
 pub use scene::{
     Checkpoint, Geometry, IntegratorTable, Lattice, ObservableTable, Output, Placement,

@@ -4,6 +4,9 @@
 //! refused. Seed, numbers of steps, observables and outputs may change freely.
 
 mod text;
+mod used;
+
+pub use used::UsedLock;
 
 use std::path::{Path, PathBuf};
 

@@ -1,12 +1,10 @@
 //! `lennard bench`: how fast the parts of a step are.
 
-use std::process::ExitCode;
-
 use lennard_studies::bench::{self, BenchError, BenchOptions, Subject};
 
 use crate::args::BenchArgs;
 use crate::commands::{Inputs, UNFINISHED, output_folder, print_json, replace_if};
-use crate::failure::{Failure, OTHER};
+use crate::failure::{DONE, Failure, OTHER};
 use crate::progress::Display;
 use crate::show;
 use crate::signals::{Leave, Signals, StartUp};
@@ -18,7 +16,7 @@ const REPEATS_QUICK: usize = 3;
 const SCRATCH: &str = "scratch";
 
 /// Measures, writes a folder and prints a table.
-pub fn bench(args: &BenchArgs) -> Result<ExitCode, Failure> {
+pub fn bench(args: &BenchArgs) -> Result<u8, Failure> {
     let nothing = || StartUp::of_nothing(UNFINISHED);
     let signals = Signals::listen(nothing())?;
     let subject = match &args.scene {
@@ -73,7 +71,7 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode, Failure> {
     } else if !args.quiet {
         show::bench(&study, folder.path());
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 /// The command as it can be typed again.

@@ -1,24 +1,24 @@
 //! `lennard chart`: speed against accuracy for one scene.
 
 use std::path::Path;
-use std::process::ExitCode;
 
 use lennard_io::Existing;
+use lennard_scene::Scene;
 use lennard_studies::chart::Size;
 use lennard_studies::chart::{self, ChartError, ChartOptions};
 
 use crate::args::ChartArgs;
-use crate::commands::{Inputs, load_file, output_folder, print_json};
-use crate::failure::{Failure, INPUT, STOPPED};
+use crate::commands::{Inputs, output_folder, print_json};
+use crate::failure::{DONE, Failure, INPUT, STOPPED};
 use crate::progress::Display;
 use crate::show;
 use crate::signals::{FirstStep, Signals, StartUp};
 
 /// Measures what is not measured yet, and prints where the scene's own settings stand.
-pub fn chart(args: &ChartArgs) -> Result<ExitCode, Failure> {
+pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
     let nothing = || StartUp::of_nothing("stopped before the first point: no point was measured");
     let signals = Signals::listen(nothing())?;
-    let (scene, lock) = load_file(&args.scene, &args.set, args.lock.as_deref())?;
+    let (scene, lock) = Scene::load_settled(&args.scene, &args.set, args.lock.as_deref())?;
     scene.homogeneous_for("lennard chart")?;
     if let Some(folder) = &args.out {
         let lock = lock.as_ref().map(|l| l.path.as_path());
@@ -61,9 +61,9 @@ pub fn chart(args: &ChartArgs) -> Result<ExitCode, Failure> {
     }
     if !found.finished {
         eprintln!("{}", kept_points(args, folder.path()));
-        return Ok(ExitCode::from(STOPPED));
+        return Ok(STOPPED);
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 fn kept_points(args: &ChartArgs, folder: &Path) -> String {

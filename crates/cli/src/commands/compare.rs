@@ -1,18 +1,16 @@
 //! `lennard compare`: finished runs beside the literature.
 
-use std::process::ExitCode;
-
 use lennard_studies::compare::{ComparedRun, ReadError, RunFolder};
 use lennard_studies::run_page::PageError;
 use serde::Serialize;
 
 use crate::args::CompareArgs;
 use crate::commands::print_json;
-use crate::failure::{Failure, INPUT, OTHER};
+use crate::failure::{DONE, Failure, INPUT, OTHER};
 use crate::show;
 
 /// Prints every quantity of every run beside its reference.
-pub fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
+pub fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     // Nothing is printed before every run was read: a table without one of them could be taken for all.
     let compared: Vec<ComparedRun> = args
         .runs
@@ -34,7 +32,7 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
             show::compared(run, args.all);
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 impl From<ReadError> for Failure {

@@ -1,17 +1,15 @@
 //! `lennard energy`: one evaluation.
 
-use std::process::ExitCode;
-
 use lennard_engine::Evaluated;
 use lennard_io::{Frame, FrameStyle};
 
 use crate::args::EnergyArgs;
 use crate::commands::{load_locked, on_threads, print_json};
-use crate::failure::Failure;
+use crate::failure::{DONE, Failure};
 use crate::show;
 
 /// Evaluates the start configuration once and prints energy, virial and pressure.
-pub fn energy(args: &EnergyArgs) -> Result<ExitCode, Failure> {
+pub fn energy(args: &EnergyArgs) -> Result<u8, Failure> {
     let (scene, lock) = load_locked(&args.scene)?;
     if let Some(file) = &args.forces {
         args.scene.inputs(&scene, lock.as_ref()).are_not(file)?;
@@ -45,5 +43,5 @@ pub fn energy(args: &EnergyArgs) -> Result<ExitCode, Failure> {
             println!("  {remark}");
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }

@@ -1,12 +1,10 @@
 //! `lennard list`: the methods that a scene can name.
 
-use std::process::ExitCode;
-
 use lennard_literature::EquationOfState;
 
 use crate::args::{ListArgs, Listed};
 use crate::commands::print_json;
-use crate::failure::Failure;
+use crate::failure::{DONE, Failure};
 use crate::list_entry::Entry;
 use crate::show;
 
@@ -18,7 +16,7 @@ macro_rules! properties {
 }
 
 /// Prints a list.
-pub fn list(args: &ListArgs) -> Result<ExitCode, Failure> {
+pub fn list(args: &ListArgs) -> Result<u8, Failure> {
     let entries = match args.what {
         Listed::Integrators => integrators(),
         Listed::Thermostats => thermostats(),
@@ -59,7 +57,7 @@ pub fn list(args: &ListArgs) -> Result<ExitCode, Failure> {
     } else {
         show::list(&entries);
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 fn plain(name: &str, summary: &str, equation: &str, source: &str) -> Entry {

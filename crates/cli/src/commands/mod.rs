@@ -13,33 +13,28 @@ pub mod stability;
 pub mod sweep;
 pub mod tune;
 
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::path::Path;
 
 use clap::CommandFactory;
 use clap_complete::Shell;
 use lennard_engine::EngineError;
 use lennard_io::{Existing, OutputFolder};
-use lennard_scene::{Lock, Scene};
+use lennard_scene::{Scene, UsedLock};
 use serde::Serialize;
 
 use crate::args::{Cli, SceneArgs};
 pub use crate::commands::inputs::Inputs;
-use crate::failure::{Failure, OTHER};
-
-/// A lock file that was used.
-pub struct UsedLock {
-    /// Where it lies.
-    pub path: PathBuf,
-    /// Threads that pay, as it says.
-    pub threads: usize,
-}
+use crate::failure::{DONE, Failure, OTHER};
 
 /// Loads the scene of a command with its overrides, and with the settings of its lock file where it asks for an
 /// accuracy and there is one. Without one, a scene that leaves settings to be chosen is refused
 /// where it would be built.
 pub fn load_locked(args: &SceneArgs) -> Result<(Scene, Option<UsedLock>), Failure> {
-    load_file(&args.scene, &args.overrides(), args.lock.as_deref())
+    Ok(Scene::load_settled(
+        &args.scene,
+        &args.overrides(),
+        args.lock.as_deref(),
+    )?)
 }
 
 impl SceneArgs {
@@ -47,28 +42,6 @@ impl SceneArgs {
     pub fn inputs(&self, scene: &Scene, lock: Option<&UsedLock>) -> Inputs {
         Inputs::of_scene(&self.scene, lock.map(|l| l.path.as_path()), scene)
     }
-}
-
-/// The same from a scene file, what is changed in it, and the lock file if it is named.
-pub fn load_file(
-    scene_file: &Path,
-    overrides: &[(String, String)],
-    lock: Option<&Path>,
-) -> Result<(Scene, Option<UsedLock>), Failure> {
-    let scene = Scene::load(scene_file, overrides)?;
-    let path = match lock {
-        Some(named) => named.to_path_buf(),
-        None => {
-            let beside = Lock::beside(scene_file);
-            if scene.free.is_empty() || !beside.exists() {
-                return Ok((scene, None));
-            }
-            beside
-        }
-    };
-    let lock = Lock::load(&path)?;
-    let threads = lock.chosen().threads;
-    Ok((lock.settle(&scene)?, Some(UsedLock { path, threads })))
 }
 
 /// As many threads as asked for, or as the lock file says and this machine has, or as pay for so many particles.
@@ -144,15 +117,15 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
 }
 
 /// `lennard completions`.
-pub fn completions(shell: Shell) -> Result<ExitCode, Failure> {
+pub fn completions(shell: Shell) -> Result<u8, Failure> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Cli::command(), "lennard", &mut script);
     crate::out::text(&String::from_utf8_lossy(&script));
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 /// `lennard version`.
-pub fn version(json: bool) -> Result<ExitCode, Failure> {
+pub fn version(json: bool) -> Result<u8, Failure> {
     #[derive(Serialize)]
     struct Version {
         version: &'static str,
@@ -176,5 +149,5 @@ pub fn version(json: bool) -> Result<ExitCode, Failure> {
             version.isa.join(", ")
         );
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }

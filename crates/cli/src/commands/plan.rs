@@ -1,14 +1,12 @@
 //! `lennard plan`: what a scene computes.
 
-use std::process::ExitCode;
-
 use crate::args::PlanArgs;
 use crate::commands::{load_locked, on_threads, print_json, threads_with};
-use crate::failure::Failure;
+use crate::failure::{DONE, Failure};
 use crate::show;
 
 /// Prints what a scene computes, what it leaves out and why, its memory and about how long it takes.
-pub fn plan(args: &PlanArgs) -> Result<ExitCode, Failure> {
+pub fn plan(args: &PlanArgs) -> Result<u8, Failure> {
     let (scene, lock) = load_locked(&args.scene)?;
     let mut simulation = lennard_engine::prepare(scene)?;
     let threads = threads_with(args.scene.threads, lock.as_ref(), simulation.state.len());
@@ -23,5 +21,5 @@ pub fn plan(args: &PlanArgs) -> Result<ExitCode, Failure> {
             println!("  settings from {}", lock.path.display());
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }

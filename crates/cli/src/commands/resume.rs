@@ -1,6 +1,5 @@
 //! `lennard resume`: a run goes on from its checkpoint, to the bit.
 
-use std::process::ExitCode;
 use std::time::Instant;
 
 use lennard_engine::{EngineError, ResumeError, ResumeOptions, RunOptions};
@@ -15,7 +14,7 @@ use crate::show;
 use crate::signals::{Signals, StartUp};
 
 /// Goes on with a run and prints the table of its results.
-pub fn resume(args: &ResumeArgs) -> Result<ExitCode, Failure> {
+pub fn resume(args: &ResumeArgs) -> Result<u8, Failure> {
     let deadline = args.control.deadline(Instant::now());
     let loading = || {
         StartUp::resumable(&format!(

@@ -1,7 +1,6 @@
 //! `lennard run`: a scene from start to finished folder.
 
 use std::path::Path;
-use std::process::ExitCode;
 use std::time::Instant;
 
 use lennard_engine::{Ending, Outcome, RunOptions};
@@ -10,13 +9,13 @@ use crate::args::{ControlArgs, RunArgs};
 use crate::commands::{
     load_locked, on_threads, output_folder, print_json, replace_if, threads_with, write_report,
 };
-use crate::failure::{Failure, STOPPED};
+use crate::failure::{DONE, Failure, STOPPED};
 use crate::progress::Display;
 use crate::show;
 use crate::signals::{FirstStep, Leave, Signals, StartUp};
 
 /// Runs a scene and prints the table of its results.
-pub fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
+pub fn run(args: &RunArgs) -> Result<u8, Failure> {
     let deadline = args.control.deadline(Instant::now());
     let nothing = || StartUp::of_nothing("stopped before the first step: nothing was written");
     let signals = Signals::listen(nothing())?;
@@ -71,7 +70,7 @@ pub fn tell(
     total: u64,
     json: bool,
     control: &ControlArgs,
-) -> Result<ExitCode, Failure> {
+) -> Result<u8, Failure> {
     let (quiet, all) = (control.quiet || json, control.all);
     if json {
         print_json(&outcome.record)?;
@@ -83,7 +82,7 @@ pub fn tell(
                 let compared = lennard_studies::compare::compare(&run);
                 show::results(&outcome.record, &compared, folder, all);
             }
-            return Ok(ExitCode::SUCCESS);
+            return Ok(DONE);
         }
         Ending::Stopped => "stopped on request",
         Ending::OutOfTime => "stopped by --max-walltime",
@@ -93,5 +92,5 @@ pub fn tell(
         outcome.record.steps,
         folder.display()
     );
-    Ok(ExitCode::from(STOPPED))
+    Ok(STOPPED)
 }

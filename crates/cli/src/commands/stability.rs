@@ -1,19 +1,17 @@
 //! `lennard stability`: where each integrator fails, theory and measurement in one picture.
 
-use std::process::ExitCode;
-
 use lennard_studies::StudyError;
 use lennard_studies::stability::{self, StabilityOptions};
 
 use crate::args::StabilityArgs;
 use crate::commands::{UNFINISHED, on_threads, output_folder, print_json, replace_if};
-use crate::failure::{Failure, INPUT, OTHER};
+use crate::failure::{DONE, Failure, INPUT, OTHER};
 use crate::progress::Display;
 use crate::show;
 use crate::signals::{Signals, StartUp};
 
 /// Runs the study, writes its folder and prints its verdicts.
-pub fn stability(args: &StabilityArgs) -> Result<ExitCode, Failure> {
+pub fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
     let nothing = || StartUp::of_nothing(UNFINISHED);
     let signals = Signals::listen(nothing())?;
     let folder = signals.claim(
@@ -49,7 +47,7 @@ pub fn stability(args: &StabilityArgs) -> Result<ExitCode, Failure> {
     } else if !args.quiet {
         show::stability(&study, folder.path());
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 impl From<StudyError> for Failure {

@@ -1,7 +1,6 @@
 //! `lennard sweep`: many state points from one file.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::sync::Arc;
 
 use lennard_io::Existing;
@@ -10,7 +9,7 @@ use lennard_studies::sweep::{self, Ending, Sweep, SweepError, SweepOptions};
 
 use crate::args::SweepArgs;
 use crate::commands::{Inputs, output_folder, print_json};
-use crate::failure::{Failure, INPUT, OTHER, STOPPED};
+use crate::failure::{DONE, Failure, INPUT, OTHER, STOPPED};
 use crate::progress::Display;
 use crate::show;
 use crate::signals::{Signals, StartUp};
@@ -21,7 +20,7 @@ const PHYSICS: u8 = 3;
 const NOT_BEGUN: &str = "stopped before the first step of any point: nothing was written";
 
 /// Runs the points that are not finished yet, and prints their table.
-pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
+pub fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     let signals = Signals::listen(StartUp::of_nothing(NOT_BEGUN))?;
     let sweep = sweep::load(&args.sweep, &args.set)?;
     if let Some(folder) = &args.out {
@@ -65,7 +64,7 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         show::sweep(&record, folder.path());
     }
     match record.ending {
-        Ending::Finished => Ok(ExitCode::SUCCESS),
+        Ending::Finished => Ok(DONE),
         Ending::Failed => {
             for point in record.points.iter().filter(|p| p.failure.is_some()) {
                 eprintln!(
@@ -74,17 +73,17 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
                     point.failure.as_deref().unwrap_or_default()
                 );
             }
-            Ok(ExitCode::from(PHYSICS))
+            Ok(PHYSICS)
         }
         Ending::NotBegun => {
             eprintln!("{NOT_BEGUN}");
-            Ok(ExitCode::from(OTHER))
+            Ok(OTHER)
         }
         Ending::Stopped => {
             eprintln!(
                 "stopped on request; what is finished is kept, and points at work have checkpoints\n  to go on: {command}"
             );
-            Ok(ExitCode::from(STOPPED))
+            Ok(STOPPED)
         }
     }
 }

@@ -1,21 +1,20 @@
 //! `lennard tune`: settings for the accuracy that a scene asks for.
 
 use std::path::Path;
-use std::process::ExitCode;
 
 use lennard_scene::{Chosen, Lock, Scene};
 use lennard_studies::tune::{self, TuneError, TuneOptions};
 
 use crate::args::TuneArgs;
 use crate::commands::{Inputs, on_threads, print_json};
-use crate::failure::{Failure, INPUT, OTHER};
+use crate::failure::{DONE, Failure, INPUT, OTHER};
 use crate::progress::Display;
 use crate::show;
 use crate::signals::{Signals, StartUp};
 
 /// Finds the settings, writes the lock file and prints what was wanted, predicted and measured. A scene with settings of
 /// its own is asked for the usual accuracy, and nothing is written: it would not read a lock.
-pub fn tune(args: &TuneArgs) -> Result<ExitCode, Failure> {
+pub fn tune(args: &TuneArgs) -> Result<u8, Failure> {
     Signals::listen(StartUp::of_nothing(
         "stopped before the end: no lock file was written, and there is nothing to go on from",
     ))?;
@@ -67,7 +66,7 @@ pub fn tune(args: &TuneArgs) -> Result<ExitCode, Failure> {
             ),
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 /// Refuses a lock file without a folder to write it to, before a minute is spent.

@@ -1,0 +1,61 @@
+//! The `lennard` command line: arguments in, exit code out.
+//!
+//! A library, so that the Python package has the same command.
+#![allow(clippy::print_stdout, clippy::print_stderr)] // printing is what this crate is for
+
+#[macro_use]
+mod out;
+
+mod args;
+mod commands;
+mod failure;
+mod list_entry;
+mod progress;
+mod show;
+mod signals;
+
+use std::ffi::OsString;
+
+use clap::Parser;
+
+use crate::args::{Cli, Command};
+use crate::failure::Failure;
+
+/// Runs the command line with these arguments, the name of the program first, and returns the exit code.
+///
+/// Results go to standard output, messages to standard error.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // A reader who has gone needs no usage.
+            let _ = error.print();
+            return u8::try_from(error.exit_code()).unwrap_or(failure::INPUT);
+        }
+    };
+    let done = match &cli.command {
+        Command::Run(args) => commands::run::run(args),
+        Command::Resume(args) => commands::resume::resume(args),
+        Command::Plan(args) => commands::plan::plan(args),
+        Command::Energy(args) => commands::energy::energy(args),
+        Command::Stability(args) => commands::stability::stability(args),
+        Command::Chart(args) => commands::chart::chart(args),
+        Command::Sweep(args) => commands::sweep::sweep(args),
+        Command::Tune(args) => commands::tune::tune(args),
+        Command::Compare(args) => commands::compare::compare(args),
+        Command::Bench(args) => commands::bench::bench(args),
+        Command::List(args) => commands::list::list(args),
+        Command::Completions { shell } => commands::completions(*shell),
+        Command::Version { json } => commands::version(*json),
+    };
+    match done.and_then(|code| out::finish().map(|()| code)) {
+        Ok(code) => code,
+        Err(Failure { message, code }) => {
+            eprintln!(
+                "{} {message}",
+                console::style("error:").for_stderr().red().bold()
+            );
+            code
+        }
+    }
+}
