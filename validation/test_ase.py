@@ -156,6 +156,24 @@ def test_one_evaluation_agrees_with_ases_calculator(every_step, tmp_path, kernel
     assert np.abs(written.get_forces() - judged.get_forces()).max() < 1e-11
 
 
+def test_the_switch_of_xplor_is_ases_smooth_cutoff(every_step, tmp_path):
+    """The same switch between 1.98 and 3 sigma: energy, virial and forces."""
+    scene = Scene(
+        configuration=every_step.folder / "final.xyz", truncation='kind = "xplor"\nr_cut = 3.0\nswitch_from = 1.98'
+    )
+    path = tmp_path / "forces.xyz"
+    ours = lv.energy(scene.write(tmp_path), forces=path)
+    written = ase.io.read(path, format="extxyz")
+    judged = ase.io.read(every_step.folder / "final.xyz", format="extxyz")
+    judged.calc = LennardJones(sigma=1.0, epsilon=1.0, rc=3.0, ro=1.98, smooth=True)
+    assert ours["potential_energy"] == pytest.approx(judged.get_potential_energy(), rel=1e-12)
+    virial = -3.0 * judged.get_volume() * judged.get_stress()[:3].mean()
+    assert ours["virial"] == pytest.approx(virial, rel=1e-10)
+    assert np.abs(written.get_forces() - judged.get_forces()).max() < 1e-11
+    judged.calc = LennardJones(sigma=1.0, epsilon=1.0, rc=3.0, ro=2.0, smooth=True)
+    assert abs(ours["potential_energy"] - judged.get_potential_energy()) > 0.1, "the switch is seen"
+
+
 def test_plain_cutoff_differs_from_the_shifted_one_by_the_shift_of_each_pair(every_step, tmp_path):
     """Plain cut U = shifted U + pairs * U(r_cut): the pairs are counted by ase."""
     from ase.neighborlist import neighbor_list

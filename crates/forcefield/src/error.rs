@@ -43,7 +43,7 @@ pub enum ForceFieldError {
         r_cut: f64,
     },
     /// A start of a switch without a switch.
-    #[error("`switch_from` belongs to the switch truncation alone")]
+    #[error("`switch_from` belongs to the truncations `switch` and `xplor` alone")]
     SwitchWithoutSwitch(f64),
     /// A tail correction with anything but the plain cutoff.
     #[error("a tail correction belongs to the plain cutoff alone, not to `{0}`")]

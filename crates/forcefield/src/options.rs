@@ -13,7 +13,7 @@ pub struct TruncationOptions {
     pub kind: TruncationKind,
     /// Cutoff radius r_cut, σ; pairs with r ≤ r_cut count.
     pub r_cut: f64,
-    /// Where the switch begins, σ; for [`TruncationKind::Switch`] alone. Default 0.8·r_cut.
+    /// Where the switch begins, σ; for [`TruncationKind::Switch`] and [`TruncationKind::Xplor`] alone. Default 0.8·r_cut.
     pub switch_from: Option<f64>,
     /// Whether means are corrected for the tail beyond r_cut; for [`TruncationKind::Cut`] alone,
     /// and on there unless the scene says otherwise.

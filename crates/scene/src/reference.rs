@@ -216,7 +216,7 @@ static SHARED: &[(&str, Keys)] = keys! {
     "truncation" {
         "kind": Names(|| lennard_forcefield::truncations().iter().map(|t| t.name).collect()), "`\"cut\"`", "", "How the potential ends at `r_cut`.";
         "r_cut": Between(SHORTEST_CUTOFF, LONGEST_SIDE), "`2.5`", "σ", "Cutoff radius; at most half the shortest box side.";
-        "switch_from": Words("a number between 0 and `r_cut`, with kind \"switch\" alone"), "0.8·`r_cut`", "σ", "Where the switch begins.";
+        "switch_from": Words("a number between 0 and `r_cut`, with kind \"switch\" or \"xplor\" alone"), "0.8·`r_cut`", "σ", "Where the switch begins.";
         "tail_correction": Words("true or false; true with kind \"cut\" alone, and only in a homogeneous fluid"), "`true` for `\"cut\"`, else `false`", "", "Whether U and P are corrected for the fluid beyond the cutoff.";
     }
     "neighbor" {

@@ -50,8 +50,8 @@ pub trait PairPotential: Copy + std::fmt::Debug + Send + Sync + 'static {
     /// The unit of energy of the formula, ε. A common factor of every pair becomes a factor of the sums, where it costs
     /// nothing.
     const UNIT: f64 = 1.0;
-    /// U, −U′/r and U″ where 1/r² is `inv_r2` σ⁻², in [`PairPotential::UNIT`].
-    fn eval<R: Real>(&self, inv_r2: R) -> Pair<R>;
+    /// U, −U′/r and U″ at r² = `r2` σ², in [`PairPotential::UNIT`]; `inv_r2` is 1/r².
+    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R>;
     /// ∫ r² U dr from `r_cut` to ∞, ε·σ³.
     fn tail_energy(&self, r_cut: f64) -> f64;
     /// ∫ r³ U′ dr from `r_cut` to ∞, ε·σ³.

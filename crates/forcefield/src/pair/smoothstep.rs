@@ -13,6 +13,9 @@ pub struct Smoothstep {
     inv_width: f64,
 }
 
+/// Makes a distance of one rounding from the ends of a step larger than 1; its square stays finite in single precision.
+const BEYOND: f64 = 1e9;
+
 /// The value of a smoothstep and its first two derivatives by s = r².
 #[derive(Clone, Copy)]
 pub struct Step<R> {
@@ -49,6 +52,23 @@ impl Smoothstep {
                 * rest
                 * x.mul_add(r2.splat(2.0), r2.splat(-1.0))
                 * (r2.splat(60.0) * inv_width * inv_width),
+        }
+    }
+
+    /// The cubic step S = (1 − x)²·(1 + 2x) with the same ends, and its derivatives at r² = `r2`: one continuous derivative.
+    #[inline(always)]
+    pub fn eval_cubic<R: Real>(&self, r2: R) -> Step<R> {
+        let inv_width = r2.splat(self.inv_width);
+        let free = (r2 - r2.splat(self.on)) * inv_width;
+        let x = free.max(r2.splat(0.0)).min(r2.splat(1.0));
+        let rest = r2.splat(1.0) - x;
+        // S″ jumps at both ends: 1 inside, and 0 where x is held.
+        let beyond = (free - x) * r2.splat(BEYOND);
+        let inside = (r2.splat(1.0) - beyond * beyond).max(r2.splat(0.0));
+        Step {
+            value: rest * rest * x.mul_add(r2.splat(2.0), r2.splat(1.0)),
+            first: x * rest * (r2.splat(-6.0) * inv_width),
+            second: inside * x.mul_add(r2.splat(12.0), r2.splat(-6.0)) * (inv_width * inv_width),
         }
     }
 }

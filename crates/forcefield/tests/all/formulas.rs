@@ -93,7 +93,46 @@ fn truncations_are_as_smooth_at_the_cutoff_as_they_claim() {
                 assert!((begin.energy - same.energy).abs() < 1e-16);
                 assert!((begin.curvature - same.curvature).abs() < 1e-15);
             }
+            (_, TruncationKind::Xplor) => {
+                assert!(end.energy.abs() < 1e-16 && end.force.abs() < 1e-16);
+                let (begin, same) = (model.eval(4.0_f64), plain.eval(4.0_f64));
+                assert!((begin.energy - same.energy).abs() < 1e-16);
+                assert!((begin.force - same.force).abs() < 1e-15);
+            }
             (_, other) => panic!("say here what {other:?} claims at the cutoff"),
+        }
+    }
+}
+
+/// The switch in the words of HOOMD-blue's documentation of the mode "xplor".
+#[test]
+fn xplor_is_the_formula_of_other_programs() {
+    let (on, cut) = (1.7_f64, 2.5_f64);
+    let truncation = TruncationOptions {
+        switch_from: Some(on),
+        ..TruncationOptions::new(TruncationKind::Xplor, cut)
+    };
+    let plain = TruncationOptions::new(TruncationKind::Cut, cut);
+    for potential in truncated_potentials() {
+        let model = Model::new(&potential, &truncation).unwrap();
+        let full = Model::new(&potential, &plain).unwrap();
+        for k in 0..=170 {
+            let r = 0.8 + 0.01 * f64::from(k);
+            let width = (cut * cut - on * on).powi(3);
+            let rest = cut * cut - r * r;
+            let (step, slope) = if r < on {
+                (1.0, 0.0)
+            } else {
+                let inner = cut * cut + 2.0 * r * r - 3.0 * on * on;
+                let slope = 4.0 * r * (rest * rest - rest * inner) / width;
+                (rest * rest * inner / width, slope)
+            };
+            let (found, pair) = (model.eval(r * r), full.eval(r * r));
+            let energy = step * pair.energy;
+            let force = step * pair.force * r - slope * pair.energy;
+            let scale = 1e-14 * (1.0 + pair.force.abs());
+            assert!((found.energy - energy).abs() < scale, "{potential:?} {r}");
+            assert!((found.force * r - force).abs() < scale, "{potential:?} {r}");
         }
     }
 }

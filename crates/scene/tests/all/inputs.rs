@@ -31,6 +31,7 @@ fn good_scenes() -> Vec<PathBuf> {
         "inputs/walls",
         "inputs/mechanics",
         "inputs/npt",
+        "inputs/potential",
     ]
     .into_iter()
     .flat_map(scenes_in)

@@ -34,7 +34,7 @@ impl PairPotential for LennardJones {
     const UNIT: f64 = 48.0;
 
     #[inline(always)]
-    fn eval<R: Real>(&self, inv_r2: R) -> Pair<R> {
+    fn eval<R: Real>(&self, _r2: R, inv_r2: R) -> Pair<R> {
         let inv_r4 = inv_r2 * inv_r2;
         let inv_r6 = inv_r4 * inv_r2;
         let inv_r8 = inv_r4 * inv_r4;

@@ -81,7 +81,7 @@ pub struct Formula {
 impl PairPotential for Formula {
     /// −U′/r = C·(n·r⁻ⁿ − m·r⁻ᵐ)/r² and U″ = C·(n(n+1)·r⁻ⁿ − m(m+1)·r⁻ᵐ)/r².
     #[inline(always)]
-    fn eval<R: Real>(&self, inv_r2: R) -> Pair<R> {
+    fn eval<R: Real>(&self, _r2: R, inv_r2: R) -> Pair<R> {
         let (n, m) = (f64::from(self.n), f64::from(self.m));
         let c = inv_r2.splat(self.strength);
         let (repulsion, attraction) = (
@@ -131,8 +131,11 @@ mod tests {
         };
         let lennard_jones = LennardJones {};
         for r in [0.9_f64, 1.0, 1.122_462, 1.7, 2.5] {
-            let inv_r2 = (r * r).recip();
-            let (a, b) = (mie(12, 6).eval(inv_r2), lennard_jones.eval(inv_r2));
+            let (r2, inv_r2) = (r * r, (r * r).recip());
+            let (a, b) = (
+                mie(12, 6).eval(r2, inv_r2),
+                lennard_jones.eval(r2, inv_r2),
+            );
             let unit = LennardJones::UNIT;
             for (a, b) in [
                 (a.energy, b.energy),
@@ -157,7 +160,7 @@ mod tests {
             // U′ = 0 at r = (n/m)^{1/(n−m)}.
             let (n_real, m_real) = (f64::from(n), f64::from(m));
             let r = (n_real / m_real).powf(1.0 / (n_real - m_real));
-            let at_minimum = mie(n, m).eval((r * r).recip());
+            let at_minimum = mie(n, m).eval(r * r, (r * r).recip());
             assert!((at_minimum.energy + 1.0).abs() < 1e-13, "{n}-{m}");
             assert!(at_minimum.force.abs() < 1e-11 && at_minimum.curvature > 0.0);
         }

@@ -218,6 +218,8 @@ list_of_potentials! { $
     lennard_jones::LennardJones,
     /// Weeks–Chandler–Andersen. Its own end replaces `truncation.r_cut`.
     wca::Wca ends,
+    /// Lennard-Jones/spline. Its own end replaces `truncation.r_cut`.
+    lj_spline::LjSpline ends,
     /// Mie n-m, two inverse powers.
     mie::Mie,
     /// Soft sphere, an inverse power.

@@ -44,7 +44,7 @@ impl Potential for SoftSphere {
 
 impl PairPotential for SoftSphere {
     #[inline(always)]
-    fn eval<R: Real>(&self, inv_r2: R) -> Pair<R> {
+    fn eval<R: Real>(&self, _r2: R, inv_r2: R) -> Pair<R> {
         let energy = inverse_power(inv_r2, self.exponent);
         let n = f64::from(self.exponent);
         let scaled = energy * inv_r2;

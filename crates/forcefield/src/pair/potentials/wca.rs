@@ -44,8 +44,8 @@ impl PairPotential for Wca {
     const UNIT: f64 = LennardJones::UNIT;
 
     #[inline(always)]
-    fn eval<R: Real>(&self, inv_r2: R) -> Pair<R> {
-        let pair = LennardJones {}.eval(inv_r2);
+    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
+        let pair = LennardJones {}.eval(r2, inv_r2);
         Pair {
             energy: pair.energy + inv_r2.splat(1.0 / Self::UNIT),
             ..pair

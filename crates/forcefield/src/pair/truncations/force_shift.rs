@@ -43,7 +43,7 @@ pub struct ForceShift<P> {
 impl<P: PairPotential> ForceShift<P> {
     /// Shifts energy and force to zero at `r_cut` σ.
     pub fn new(potential: P, r_cut: f64) -> Self {
-        let end = potential.eval((r_cut * r_cut).recip());
+        let end = potential.eval(r_cut * r_cut, (r_cut * r_cut).recip());
         let slope = -end.force * r_cut;
         Self {
             potential,
@@ -57,7 +57,7 @@ impl<P: PairPotential> PairForm for ForceShift<P> {
     const UNIT: f64 = P::UNIT;
     #[inline(always)]
     fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
-        let pair = self.potential.eval(inv_r2);
+        let pair = self.potential.eval(r2, inv_r2);
         let r = r2.sqrt();
         Pair {
             energy: pair.energy - r.mul_add(r2.splat(self.slope), r2.splat(self.constant)),

@@ -4,9 +4,11 @@ mod cut;
 mod force_shift;
 mod shift;
 mod switch;
+mod xplor;
 
 pub use force_shift::ForceShift;
 pub use switch::Switch;
+pub use xplor::Xplor;
 
 use serde::{Deserialize, Serialize};
 
@@ -47,8 +49,8 @@ pub struct Plain<P> {
 impl<P: PairPotential> PairForm for Plain<P> {
     const UNIT: f64 = P::UNIT;
     #[inline(always)]
-    fn eval<R: Real>(&self, _r2: R, inv_r2: R) -> Pair<R> {
-        let pair = self.potential.eval(inv_r2);
+    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
+        let pair = self.potential.eval(r2, inv_r2);
         Pair {
             energy: pair.energy - inv_r2.splat(self.shift),
             ..pair
@@ -156,6 +158,10 @@ list_of_truncations! { $
     Switch {
         /// U·S with a quintic S in r², from 1 at `switch_from` to 0 at r_cut: energy, force and curvature are continuous.
         Switch: switch,
+    }
+    Xplor {
+        /// U·S with a cubic S in r², from 1 at `switch_from` to 0 at r_cut: energy and force are continuous.
+        Xplor: xplor,
     }
 }
 

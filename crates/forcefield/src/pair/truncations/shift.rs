@@ -26,6 +26,8 @@ pub(super) fn form<P: PairPotential>(potential: P, options: &TruncationOptions) 
     let r_cut = options.r_cut;
     Plain {
         potential,
-        shift: potential.eval((r_cut * r_cut).recip()).energy,
+        shift: potential
+            .eval(r_cut * r_cut, (r_cut * r_cut).recip())
+            .energy,
     }
 }

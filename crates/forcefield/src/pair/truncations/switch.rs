@@ -20,7 +20,7 @@ pub(super) const SPEC: TruncationSpec = TruncationSpec {
 const DEFAULT_SHARE: f64 = 0.8;
 
 /// Where the switch of these options begins, σ.
-fn begins(options: &TruncationOptions) -> f64 {
+pub(super) fn begins(options: &TruncationOptions) -> f64 {
     options.switch_from.unwrap_or(DEFAULT_SHARE * options.r_cut)
 }
 
@@ -62,6 +62,6 @@ impl<P: PairPotential> PairForm for Switch<P> {
     const UNIT: f64 = P::UNIT;
     #[inline(always)]
     fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
-        weighted(self.potential.eval(inv_r2), self.step.eval(r2), r2)
+        weighted(self.potential.eval(r2, inv_r2), self.step.eval(r2), r2)
     }
 }
