@@ -127,7 +127,8 @@ mod tests {
         let outside = integral(mayer, JOINT2.sqrt(), LjSpline::END);
         let core = -0.3_f64.powi(3) / 3.0;
         let b2 = -2.0 * std::f64::consts::PI * (core + inside + outside);
-        assert!((b2 + 2.932_605_51).abs() < 1e-8, "{b2}");
+        // Gauss-Legendre with 2400 points elsewhere: -2.93260552851; eight digits are known from others.
+        assert!((b2 + 2.932_605_528_51).abs() < 1e-10, "{b2}");
     }
 
     #[test]
