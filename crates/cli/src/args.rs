@@ -6,8 +6,10 @@ use std::time::{Duration, Instant};
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
+mod eos;
 mod studies;
 
+pub use eos::EosArgs;
 pub use studies::*;
 
 /// Molecular dynamics of Lennard-Jones fluids: fast, exact, and with error bars.
@@ -95,6 +97,16 @@ pub enum Command {
         lennard bench --features        what each feature of a scene costs\n\n\
         Without a scene: inputs/bench/melt-32k.toml, and with --quick inputs/bench/fluid-864.toml.")]
     Bench(BenchArgs),
+    /// Print what an equation of state gives at any state, without a run: properties, curves, coexistence.
+    #[command(after_help = "Examples:\n  \
+        lennard eos --density 0.8442 --temperature 0.722        every property by every equation\n  \
+        lennard eos thol-2016 --density 0.1:0.8:0.1 --temperature 1.5\n  \
+        lennard eos thol-2016 pohl-2023 --pressure 1 --temperature 0.8:1.2:0.1 --properties pressure,speed_of_sound\n  \
+        lennard eos thol-2015 --saturation\n  \
+        lennard eos pohl-2023 --exponents 11.5,6 --density 0.7 --temperature 1\n  \
+        lennard eos virial -d 0.01 -T 1 --json\n\n\
+        Equations and their ranges: lennard list equations-of-state")]
+    Eos(EosArgs),
     /// List the methods that a scene can name.
     #[command(
         after_help = "Examples:\n  lennard list integrators\n  lennard list potentials --json"

@@ -44,6 +44,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Tune(args) => commands::tune::tune(args),
         Command::Compare(args) => commands::compare::compare(args),
         Command::Bench(args) => commands::bench::bench(args),
+        Command::Eos(args) => commands::eos::eos(args),
         Command::List(args) => commands::list::list(args),
         Command::Completions { shell } => commands::completions(*shell),
         Command::Version { json } => commands::version(*json),

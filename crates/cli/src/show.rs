@@ -2,19 +2,21 @@
 
 mod bench;
 mod chart;
+mod eos;
 mod literature;
 mod tune;
 
 pub use bench::bench;
 pub use chart::chart;
+pub use eos::{coexistence, curve, state};
 pub use literature::{compared, sweep, sweep_header};
 pub use tune::tuning;
 
 use std::path::Path;
 
 use comfy_table::presets::UTF8_FULL_CONDENSED;
-use comfy_table::{CellAlignment, ContentArrangement};
-use lennard_core::{Cell, Table};
+use comfy_table::{Attribute, CellAlignment, ContentArrangement};
+use lennard_core::{Cell, Table, Tone};
 use lennard_engine::{EnergyReport, Plan, Simulation};
 use lennard_io::{Conservation, RunRecord};
 use lennard_report::{ErrorStyle, cell_text, heading, is_numeric};
@@ -33,7 +35,13 @@ fn table(table: &Table) -> comfy_table::Table {
         .set_header(table.columns.iter().map(heading));
     for row in 0..table.rows() {
         let cells = table.row(row);
-        shown.add_row(cells.map(|cell| cell_text(&cell, ErrorStyle::PlusMinus)));
+        shown.add_row(cells.map(|cell| {
+            let text = comfy_table::Cell::new(cell_text(&cell, ErrorStyle::PlusMinus));
+            match cell.tone {
+                Tone::Faint => text.add_attribute(Attribute::Dim),
+                _ => text,
+            }
+        }));
     }
     for (column, shown) in table.columns.iter().zip(shown.column_iter_mut()) {
         if is_numeric(column) {

@@ -1,7 +1,7 @@
 //! A run beside the literature.
 
 use lennard_core::{Average, Observable};
-use lennard_forcefield::TruncationKind;
+use lennard_forcefield::{PotentialOptions, TruncationKind};
 use lennard_io::StatePoint;
 use lennard_literature::{EquationOfState, FiniteSize, Kept, ModelKind};
 use lennard_observables::Thermodynamics;
@@ -40,6 +40,24 @@ pub fn model_kind(scene: &Scene) -> ModelKind {
             },
         };
     }
+    if let PotentialOptions::Mie(mie) = scene.potential
+        && scene.truncation.kind == TruncationKind::Cut
+        && scene.truncation.tail_correction
+    {
+        let (repulsive, attractive) = (f64::from(mie.repulsive), f64::from(mie.attractive));
+        let potential = lennard_literature::Mie {
+            repulsive,
+            attractive,
+        };
+        return match potential == lennard_literature::Mie::LENNARD_JONES {
+            true => ModelKind::CutWithTail { r_cut },
+            false => ModelKind::Mie {
+                repulsive,
+                attractive,
+                r_cut,
+            },
+        };
+    }
     if !spec.is_lennard_jones {
         return ModelKind::Other {
             potential: spec.title,
@@ -64,7 +82,7 @@ pub fn model_kind(scene: &Scene) -> ModelKind {
 pub fn viscosity_for(scene: &Scene, density: f64) -> Option<f64> {
     let is_another_fluid = matches!(
         model_kind(scene),
-        ModelKind::Other { .. } | ModelKind::TwoCenter { .. }
+        ModelKind::Other { .. } | ModelKind::Mie { .. } | ModelKind::TwoCenter { .. }
     );
     if is_another_fluid || scene.confined_by().is_some() {
         return None;

@@ -16,6 +16,9 @@ pub struct Range {
     pub t_max: f64,
     /// Highest pressure, ε/σ³.
     pub p_max: f64,
+    /// Highest density, σ⁻³, where the pressure does not set the limit.
+    #[serde(default)]
+    pub rho_max: Option<f64>,
     /// Where these limits come from.
     pub status: String,
 }
@@ -42,10 +45,13 @@ pub struct EquationSpec {
     pub model: String,
     /// Authors, title, journal, table.
     pub citation: String,
-    /// DOI.
+    /// DOI; empty where it is not known here.
     pub doi: String,
     /// How the coefficients were obtained and checked.
     pub status: String,
+    /// Why nothing is judged by it; `None` for an equation that judges.
+    #[serde(default)]
+    pub superseded: Option<String>,
     /// Where it may be used.
     pub range: Range,
     /// How good it is, where that has been established.
@@ -55,10 +61,14 @@ pub struct EquationSpec {
 }
 
 impl EquationSpec {
-    /// Name and DOI, as beside a number that is compared with it.
+    /// Name and DOI (the name alone where the DOI is not known here), as beside a number that is compared with it.
     #[must_use]
     pub fn citation(&self) -> String {
-        format!("{}, doi:{}", self.name, self.doi)
+        if self.doi.is_empty() {
+            self.name.clone()
+        } else {
+            format!("{}, doi:{}", self.name, self.doi)
+        }
     }
 }
 
@@ -86,6 +96,16 @@ pub enum OutsideRange {
         t_max: f64,
         /// The temperature asked for.
         temperature: f64,
+    },
+    /// The density is outside.
+    #[error("{equation} covers densities up to {rho_max}, found {rho}")]
+    Density {
+        /// Which equation.
+        equation: String,
+        /// Its highest density.
+        rho_max: f64,
+        /// The density asked for.
+        rho: f64,
     },
     /// The pressure is outside.
     #[error(
@@ -187,6 +207,11 @@ pub trait EquationOfState: Send + Sync + std::fmt::Debug {
         saturation::solve(&|rho, t| self.at(rho, t), self.spec().critical, temperature)
     }
 
+    /// The densities in σ⁻³ at which the vapor and the liquid become unstable at a temperature; `None` where nothing coexists.
+    fn spinodal(&self, temperature: f64) -> Option<[f64; 2]> {
+        phase::spinodal(&|rho, t| self.at(rho, t), self.saturation(temperature)?)
+    }
+
     /// The density in σ⁻³ of the stable fluid at a pressure (ε/σ³) and a temperature (ε/k_B).
     ///
     /// Below the critical temperature that is the gas up to the vapor pressure, and the liquid above it. `None` where the
@@ -234,6 +259,13 @@ pub trait EquationOfState: Send + Sync + std::fmt::Debug {
                 t_min: range.t_min,
                 t_max: range.t_max,
                 temperature,
+            });
+        }
+        if let Some(rho_max) = range.rho_max.filter(|most| rho > *most) {
+            return Err(OutsideRange::Density {
+                equation: spec.name.clone(),
+                rho_max,
+                rho,
             });
         }
         let pressure = self.pressure(rho, temperature);

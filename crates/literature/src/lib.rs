@@ -16,31 +16,43 @@
 //! assert!(equation_of_state_for(ModelKind::ForceShifted { r_cut: 2.5 }).is_err());
 //! ```
 
+mod coexistence_data;
+mod critical;
 mod equation;
 mod finite_size;
 mod fluid_state;
 mod freezing;
 mod jet;
+mod johnson;
 mod kolafa_nezbeda;
+mod made;
 mod model;
 mod phase;
+mod pohl;
+mod properties;
 mod saturation;
 mod tables;
+mod terms;
 mod thol;
 mod transport;
 mod two_center;
+mod virial;
 
+pub use coexistence_data::coexistence_by_simulation;
 pub use equation::{EquationOfState, EquationSpec, OutsideRange, OwnUncertainty, Range};
 pub use finite_size::{FiniteSize, Kept};
 pub use fluid_state::{CriticalPoint, FluidState};
 pub use freezing::{FreezingLine, freezing_line};
 pub use jet::Jet;
+pub use johnson::Johnson;
 pub use kolafa_nezbeda::KolafaNezbeda;
 pub use model::{
-    GOOD_TAIL_CUTOFF, ModelKind, NoReference, equation_of_state_for, kolafa_nezbeda_1994, list,
-    remark_for, thol_2015, thol_2016,
+    GOOD_TAIL_CUTOFF, ModelKind, NoReference, equation_of_state_for, equations_for, johnson_1993,
+    kolafa_nezbeda_1994, list, remark_for, thol_2015, thol_2016,
 };
 pub use phase::Phase;
+pub use pohl::{Pohl, pohl_2023};
+pub use properties::{PROPERTIES, Property, property};
 pub use saturation::Saturation;
 pub use tables::{ReferenceTable, Status, reference_table, reference_tables};
 pub use thol::Thol;
@@ -49,3 +61,4 @@ pub use transport::{
     self_diffusion_near, transport_near, viscosity_near,
 };
 pub use two_center::{BOND_LENGTHS, TwoCenter, two_center};
+pub use virial::{Mie, VirialSeries, virial_series};

@@ -3,9 +3,12 @@
 use std::sync::LazyLock;
 
 use crate::equation::EquationOfState;
+use crate::johnson::Johnson;
 use crate::kolafa_nezbeda::KolafaNezbeda;
+use crate::pohl::pohl_2023;
 use crate::thol::Thol;
 use crate::two_center::two_center;
+use crate::virial::{Mie, virial_series};
 
 /// The model that a run simulates, as far as the choice of a reference goes. Lengths in σ.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +35,15 @@ pub enum ModelKind {
     },
     /// Lennard-Jones, switched off smoothly.
     Switched {
+        /// The cutoff.
+        r_cut: f64,
+    },
+    /// A Mie potential other than Lennard-Jones, plain cutoff, with tail corrections.
+    Mie {
+        /// The exponent of the repulsion.
+        repulsive: f64,
+        /// The exponent of the attraction.
+        attractive: f64,
         /// The cutoff.
         r_cut: f64,
     },
@@ -72,6 +84,11 @@ static KOLAFA_NEZBEDA: LazyLock<KolafaNezbeda> = LazyLock::new(|| {
         .expect("the shipped coefficients of Kolafa and Nezbeda are well formed: a test reads them")
 });
 
+static JOHNSON: LazyLock<Johnson> = LazyLock::new(|| {
+    serde_json::from_str(include_str!("../data/johnson-1993.json"))
+        .expect("the shipped coefficients of Johnson 1993 are well formed: a test reads them")
+});
+
 /// Thol 2016, for the full Lennard-Jones potential.
 #[must_use]
 pub fn thol_2016() -> &'static dyn EquationOfState {
@@ -90,10 +107,69 @@ pub fn kolafa_nezbeda_1994() -> &'static dyn EquationOfState {
     &*KOLAFA_NEZBEDA
 }
 
-/// All equations of state.
+/// Johnson, Zollweg and Gubbins 1993, for the full Lennard-Jones potential: shown, and nothing is judged by it.
 #[must_use]
-pub fn list() -> [&'static dyn EquationOfState; 3] {
-    [thol_2016(), kolafa_nezbeda_1994(), thol_2015()]
+pub fn johnson_1993() -> &'static dyn EquationOfState {
+    &*JOHNSON
+}
+
+/// Pohl 2023 for the full Lennard-Jones potential.
+fn pohl_lennard_jones() -> &'static dyn EquationOfState {
+    pohl_2023(Mie::LENNARD_JONES.repulsive).expect("12 lies within 11 and 13")
+}
+
+/// Whether exponents of a Mie potential are those of Lennard-Jones.
+pub(crate) fn is_lennard_jones(repulsive: f64, attractive: f64) -> bool {
+    let lj = Mie::LENNARD_JONES;
+    repulsive == lj.repulsive && attractive == lj.attractive
+}
+
+/// All equations of state of atoms.
+#[must_use]
+pub fn list() -> [&'static dyn EquationOfState; 6] {
+    [
+        thol_2016(),
+        kolafa_nezbeda_1994(),
+        pohl_lennard_jones(),
+        johnson_1993(),
+        thol_2015(),
+        virial_series(Mie::LENNARD_JONES),
+    ]
+}
+
+/// Every equation that describes a model, the one that judges runs of it first; none where there is none.
+#[must_use]
+pub fn equations_for(model: ModelKind) -> Vec<&'static dyn EquationOfState> {
+    match model {
+        ModelKind::CutWithTail { .. } => vec![
+            thol_2016(),
+            kolafa_nezbeda_1994(),
+            pohl_lennard_jones(),
+            virial_series(Mie::LENNARD_JONES),
+            johnson_1993(),
+        ],
+        ModelKind::Mie {
+            repulsive,
+            attractive,
+            ..
+        } => {
+            let first = equation_of_state_for(model).ok();
+            let potential = Mie {
+                repulsive,
+                attractive,
+            };
+            first
+                .into_iter()
+                .chain([virial_series(potential) as &dyn EquationOfState])
+                .collect()
+        }
+        ModelKind::TwoCenter { bond_length, .. } => two_center(bond_length)
+            .into_iter()
+            .flatten()
+            .map(|e| e as &dyn EquationOfState)
+            .collect(),
+        other => equation_of_state_for(other).into_iter().collect(),
+    }
 }
 
 /// The cutoff in σ of the truncated-shifted model that Thol 2015 describes.
@@ -109,6 +185,7 @@ pub const GOOD_TAIL_CUTOFF: f64 = 4.0;
 /// |---|---|
 /// | plain cutoff with tail corrections, any r_cut | Thol 2016 |
 /// | truncated and shifted at exactly 2.5 σ | Thol 2015 |
+/// | Mie (n, 6) with 11 ≤ n ≤ 13, plain cutoff with tail corrections | Pohl 2023 |
 /// | rigid dumbbells, plain cutoff with tail corrections, bonds of 0.1 to 1 σ | Lísal 2004 |
 /// | anything else | none |
 ///
@@ -142,6 +219,17 @@ pub fn equation_of_state_for(
             format!("Lennard-Jones switched off at {r_cut} σ"),
             "its thermodynamics depends on the switch, and none was published for it",
         ),
+        ModelKind::Mie {
+            repulsive,
+            attractive,
+            ..
+        } => match pohl_2023(repulsive).filter(|_| attractive == Mie::LENNARD_JONES.attractive) {
+            Some(pohl) => Ok(pohl),
+            None => none(
+                format!("the Mie potential with exponents {repulsive} and {attractive}"),
+                "the one for Mie potentials is for repulsive exponents from 11 to 13 and the attractive exponent 6",
+            ),
+        },
         ModelKind::TwoCenter { bond_length, .. } => match two_center(bond_length) {
             Some([lisal, _]) => Ok(lisal),
             None => none(
@@ -160,7 +248,9 @@ pub fn equation_of_state_for(
 #[must_use]
 pub fn remark_for(model: ModelKind) -> Option<String> {
     match model {
-        ModelKind::CutWithTail { r_cut } | ModelKind::TwoCenter { r_cut, .. }
+        ModelKind::CutWithTail { r_cut }
+        | ModelKind::Mie { r_cut, .. }
+        | ModelKind::TwoCenter { r_cut, .. }
             if r_cut < GOOD_TAIL_CUTOFF =>
         {
             Some(format!(

@@ -68,6 +68,41 @@ impl std::fmt::Display for Phase {
     }
 }
 
+/// The densities in σ⁻³ at which vapor and liquid become unstable, where ∂p/∂ρ first vanishes between the binodal
+/// densities, from either side.
+pub(crate) fn spinodal(
+    state_at: &dyn Fn(f64, f64) -> FluidState,
+    saturation: Saturation,
+) -> Option<[f64; 2]> {
+    const STEPS: usize = 256;
+    const HALVINGS: usize = 48;
+    let Saturation {
+        temperature,
+        vapor_density: vapor,
+        liquid_density: liquid,
+        ..
+    } = saturation;
+    let stable = |rho: f64| state_at(rho, temperature).dp_drho > 0.0;
+    let first_unstable = |from: f64, to: f64| {
+        let at = |step: usize| from + (to - from) * step as f64 / STEPS as f64;
+        let step = (1..STEPS).find(|step| !stable(at(*step)))?;
+        let (mut inside, mut outside) = (at(step - 1), at(step));
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (inside + outside);
+            if stable(middle) {
+                inside = middle;
+            } else {
+                outside = middle;
+            }
+        }
+        Some(inside)
+    };
+    Some([
+        first_unstable(vapor, liquid)?,
+        first_unstable(liquid, vapor)?,
+    ])
+}
+
 /// What [`classify`] needs to know.
 pub(crate) struct Question<'a> {
     pub state_at: &'a dyn Fn(f64, f64) -> FluidState,

@@ -5,35 +5,7 @@ use serde::Deserialize;
 use crate::equation::{EquationOfState, EquationSpec};
 use crate::freezing::freezing_line;
 use crate::jet::Jet;
-
-/// Polynomial terms n τᵗ δᵈ.
-#[derive(Debug, Clone, Deserialize)]
-struct Polynomial {
-    n: Vec<f64>,
-    t: Vec<f64>,
-    d: Vec<i32>,
-}
-
-/// Terms n τᵗ δᵈ exp(−δˡ).
-#[derive(Debug, Clone, Deserialize)]
-struct Exponential {
-    n: Vec<f64>,
-    t: Vec<f64>,
-    d: Vec<i32>,
-    l: Vec<i32>,
-}
-
-/// Terms n τᵗ δᵈ exp(−η(δ − ε)² − β(τ − γ)²).
-#[derive(Debug, Clone, Deserialize)]
-struct Gaussian {
-    n: Vec<f64>,
-    t: Vec<f64>,
-    d: Vec<i32>,
-    eta: Vec<f64>,
-    beta: Vec<f64>,
-    gamma: Vec<f64>,
-    epsilon: Vec<f64>,
-}
+use crate::terms::Terms;
 
 /// An equation of state of the form
 ///
@@ -47,9 +19,8 @@ pub struct Thol {
     spec: EquationSpec,
     t_reducing: f64,
     rho_reducing: f64,
-    poly: Polynomial,
-    exp: Exponential,
-    gauss: Gaussian,
+    #[serde(flatten)]
+    terms: Terms,
     /// Whether the freezing line of the full potential is this model's.
     #[serde(default)]
     full_potential: bool,
@@ -63,23 +34,7 @@ impl EquationOfState for Thol {
     fn residual(&self, beta: Jet, rho: Jet) -> Jet {
         let tau = beta * self.t_reducing;
         let delta = rho * (1.0 / self.rho_reducing);
-        let term = |n: f64, t: f64, d: i32| tau.powf(t) * delta.powi(d) * n;
-        let mut sum = Jet::constant(0.0);
-        let p = &self.poly;
-        for ((n, t), d) in p.n.iter().zip(&p.t).zip(&p.d) {
-            sum += term(*n, *t, *d);
-        }
-        let e = &self.exp;
-        for (((n, t), d), l) in e.n.iter().zip(&e.t).zip(&e.d).zip(&e.l) {
-            sum += term(*n, *t, *d) * (-delta.powi(*l)).exp();
-        }
-        let g = &self.gauss;
-        for i in 0..g.n.len() {
-            let exponent = (delta - g.epsilon[i]).powi(2) * -g.eta[i]
-                + (tau - g.gamma[i]).powi(2) * -g.beta[i];
-            sum += term(g.n[i], g.t[i], g.d[i]) * exponent.exp();
-        }
-        sum
+        self.terms.at(tau, delta)
     }
 
     fn freezing_density(&self, temperature: f64) -> Option<f64> {

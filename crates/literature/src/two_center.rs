@@ -1,13 +1,14 @@
 //! Equations of state of two-center Lennard-Jones fluids: rigid dumbbells of two equal sites.
 
-use std::collections::BTreeMap;
-use std::sync::{LazyLock, Mutex};
+use std::sync::LazyLock;
 
 use serde::Deserialize;
 
+use crate::critical::critical_point;
 use crate::equation::{EquationOfState, EquationSpec, OwnUncertainty, Range};
 use crate::fluid_state::CriticalPoint;
 use crate::jet::Jet;
+use crate::made::Made;
 
 /// The shortest and the longest bond, σ, for which the equations were compared with simulations here or by their authors'
 /// users.
@@ -96,10 +97,12 @@ impl TwoCenter {
                 citation: coefficients.citation.clone(),
                 doi: coefficients.doi.clone(),
                 status: file.status.clone(),
+                superseded: None,
                 range: Range {
                     t_min: TEMPERATURES[0] * t_red,
                     t_max: TEMPERATURES[1] * t_red,
                     p_max: HIGHEST_PRESSURE,
+                    rho_max: None,
                     status: "the authors' own limits were not read: held to the states at which it was compared".to_owned(),
                 },
                 // It depends on the state.
@@ -113,42 +116,8 @@ impl TwoCenter {
             t_red,
             rho_red,
         };
-        equation.spec.critical = equation.critical_point(reducing);
+        equation.spec.critical = critical_point(&|rho, t| equation.at(rho, t), reducing);
         equation
-    }
-
-    /// The point where ∂p/∂ρ and ∂²p/∂ρ² vanish, by Newton's method from the reducing point.
-    fn critical_point(&self, start: CriticalPoint) -> CriticalPoint {
-        const ITERATIONS: usize = 60;
-        let curvature = |rho: f64, t: f64| {
-            let h = 1e-4 * rho;
-            (self.at(rho + h, t).dp_drho - self.at(rho - h, t).dp_drho) / (2.0 * h)
-        };
-        let (mut rho, mut t) = (start.density, start.temperature);
-        for _ in 0..ITERATIONS {
-            let f = [self.at(rho, t).dp_drho, curvature(rho, t)];
-            let (dr, dt) = (1e-4 * rho, 1e-4 * t);
-            let slope = |g: &dyn Fn(f64, f64) -> f64| {
-                [
-                    (g(rho + dr, t) - g(rho - dr, t)) / (2.0 * dr),
-                    (g(rho, t + dt) - g(rho, t - dt)) / (2.0 * dt),
-                ]
-            };
-            let [a, b] = slope(&|rho, t| self.at(rho, t).dp_drho);
-            let [c, d] = slope(&curvature);
-            let determinant = a * d - b * c;
-            let step_rho = (f[0] * d - b * f[1]) / determinant;
-            let step_t = (a * f[1] - c * f[0]) / determinant;
-            rho -= step_rho.clamp(-0.1 * rho, 0.1 * rho);
-            t -= step_t.clamp(-0.05 * t, 0.05 * t);
-            if (step_t / t).abs() < 1e-9 {
-                return CriticalPoint {
-                    temperature: t,
-                    density: rho,
-                };
-            }
-        }
-        start
     }
 }
 
@@ -210,15 +179,13 @@ impl EquationOfState for TwoCenter {
 /// Each bond length makes one pair, which stays for the rest of the program.
 #[must_use]
 pub fn two_center(bond_length: f64) -> Option<[&'static TwoCenter; 2]> {
-    static MADE: Mutex<BTreeMap<u64, [&'static TwoCenter; 2]>> = Mutex::new(BTreeMap::new());
-    if !BOND_LENGTHS.contains(&bond_length) {
-        return None;
-    }
-    let mut made = MADE.lock().expect("no thread panics while it holds this");
-    let pair = made.entry(bond_length.to_bits()).or_insert_with(|| {
-        FILE.equations
-            .each_ref()
-            .map(|coefficients| &*Box::leak(Box::new(TwoCenter::new(coefficients, bond_length))))
-    });
-    Some(*pair)
+    static MADE: Made<1, [TwoCenter; 2]> = Made::new();
+    BOND_LENGTHS.contains(&bond_length).then(|| {
+        let pair = MADE.for_parameters([bond_length], || {
+            FILE.equations
+                .each_ref()
+                .map(|coefficients| TwoCenter::new(coefficients, bond_length))
+        });
+        pair.each_ref()
+    })
 }

@@ -113,6 +113,7 @@ fn class(cell: &Cell, text: &str, numeric_column: bool) -> String {
         Tone::Good => Some("good"),
         Tone::Bad => Some("bad"),
         Tone::Careful => Some("careful"),
+        Tone::Faint => Some("faint"),
     };
     let is_words = matches!(cell.value, Value::Words(_));
     let place = if numeric_column && !is_words {

@@ -30,6 +30,7 @@ pub use accuracy::Accuracy;
 pub use error::{Place, SceneError, Source};
 pub use lock::{Chosen, Judged, Lock, UsedLock};
 pub use molecule::{Molecule, MoleculeKind, MoleculeOptions};
+pub use names::nearest;
 pub use scene::{
     Checkpoint, Geometry, IntegratorTable, Lattice, ObservableTable, Output, Placement,
     PressureControl, Scene, Stage, Start, System,

@@ -1,7 +1,8 @@
 //! Names that are nearly right, and names of what is not there yet.
 
 /// The known name nearest to a mistyped one, where it is near enough to be meant.
-pub(crate) fn nearest<'a>(found: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
+#[must_use]
+pub fn nearest<'a>(found: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
     /// Similarity from which a name counts as meant: `n_atom`, `temprature` and `rfd` pass, names that
     /// have nothing in common do not.
     const NEAR_ENOUGH: f64 = 0.75;

@@ -8,6 +8,7 @@ pub mod bench;
 pub mod chart;
 pub mod claims;
 pub mod compare;
+pub mod eos;
 mod error;
 mod files;
 pub mod fluid_stability;

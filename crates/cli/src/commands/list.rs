@@ -147,6 +147,7 @@ fn equations_of_state() -> Vec<Entry> {
                 properties: properties! {
                     "T": [s.range.t_min, s.range.t_max],
                     "largest p": s.range.p_max,
+                    "largest ρ": s.range.rho_max,
                     "doi": s.doi,
                     "status": s.status,
                 },

@@ -4,6 +4,7 @@ pub mod bench;
 pub mod chart;
 pub mod compare;
 pub mod energy;
+pub mod eos;
 mod inputs;
 pub mod list;
 pub mod plan;

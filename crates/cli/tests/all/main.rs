@@ -5,6 +5,7 @@ mod bench;
 mod chart;
 mod commands;
 mod common;
+mod eos;
 mod faults;
 mod literature;
 mod messages;

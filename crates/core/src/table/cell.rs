@@ -43,6 +43,8 @@ pub enum Tone {
     Bad,
     /// The thing wants care.
     Careful,
+    /// The thing is shown, and nothing follows from it.
+    Faint,
 }
 
 /// A cell of a table.

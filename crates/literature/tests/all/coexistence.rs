@@ -1,6 +1,6 @@
 //! Vapor–liquid coexistence and phases.
 
-use lennard_literature::{EquationOfState, Phase, list, thol_2015, thol_2016};
+use lennard_literature::{EquationOfState, Phase, thol_2015, thol_2016};
 use serde::Deserialize;
 
 #[derive(Debug, Deserialize)]
@@ -60,7 +60,7 @@ fn gibbs(e: &dyn EquationOfState, rho: f64, t: f64) -> f64 {
 
 #[test]
 fn coexisting_phases_have_equal_pressure_and_chemical_potential_up_to_the_critical_point() {
-    for equation in list() {
+    for equation in crate::with_liquid() {
         let t_c = equation.spec().critical.temperature;
         for fraction in [0.52, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 0.999, 0.9998] {
             let t = fraction * t_c;
@@ -86,7 +86,7 @@ fn coexisting_phases_have_equal_pressure_and_chemical_potential_up_to_the_critic
 #[test]
 fn vapor_pressure_follows_clausius_and_clapeyron() {
     // dp/dT = (s_v − s_l)/(v_v − v_l), with the entropies from u and the chemical potential.
-    for equation in list() {
+    for equation in crate::with_liquid() {
         let t = 0.8 * equation.spec().critical.temperature;
         let h = f64::EPSILON.cbrt() * t;
         let p = |t: f64| equation.saturation(t).unwrap().pressure;
@@ -103,7 +103,7 @@ fn vapor_pressure_follows_clausius_and_clapeyron() {
 
 #[test]
 fn critical_point_is_where_pressure_is_flat() {
-    for equation in list() {
+    for equation in crate::with_liquid() {
         let c = equation.spec().critical;
         let s = equation.at(c.density, c.temperature);
         // The slope is small against that of the ideal gas, T_c, to the digits in which the

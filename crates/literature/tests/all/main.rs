@@ -2,5 +2,16 @@
 
 mod coexistence;
 mod equations;
+mod properties;
 mod tables;
 mod two_center;
+mod virial;
+
+use lennard_literature::{EquationOfState, list};
+
+/// The equations that have a liquid.
+fn with_liquid() -> impl Iterator<Item = &'static dyn EquationOfState> {
+    list()
+        .into_iter()
+        .filter(|e| e.spec().range.rho_max.is_none())
+}

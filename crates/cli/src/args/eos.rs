@@ -1,0 +1,103 @@
+//! What can be typed after `lennard eos`.
+
+use clap::Args;
+
+/// Arguments of `eos`.
+#[derive(Debug, Args)]
+#[command(arg_required_else_help = true)]
+pub struct EosArgs {
+    /// Equations by name (`lennard list equations-of-state`); by default all for the full Lennard-Jones potential.
+    #[arg(value_name = "EQUATION")]
+    pub equations: Vec<String>,
+    /// Temperatures, ε/k_B: a number, a list such as 0.8,1.0, or a range FROM:TO:STEP.
+    #[arg(long, short = 'T', value_name = "VALUES", value_parser = values, allow_hyphen_values = true)]
+    pub temperature: Option<Values>,
+    /// Densities, σ⁻³, in the same form.
+    #[arg(long, short = 'd', value_name = "VALUES", value_parser = values, allow_hyphen_values = true, conflicts_with = "pressure")]
+    pub density: Option<Values>,
+    /// Pressures, ε/σ³, in the place of densities: the stable fluid there.
+    #[arg(long, short = 'p', value_name = "VALUES", value_parser = values, allow_hyphen_values = true)]
+    pub pressure: Option<Values>,
+    /// Vapor and liquid side by side, at the temperatures or from the lowest to the critical one.
+    #[arg(long, conflicts_with_all = ["density", "pressure", "properties"])]
+    pub saturation: bool,
+    /// Properties by name, such as pressure,speed_of_sound; by default all of a single state, and a few of a curve.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub properties: Vec<String>,
+    /// Exponents of the Mie potential of `pohl-2023` and `virial`.
+    #[arg(long, value_name = "N,M", value_delimiter = ',', num_args = 1, default_values_t = [12.0, 6.0])]
+    pub exponents: Vec<f64>,
+    /// Length of the bond of the two-center equations, σ.
+    #[arg(long, value_name = "L", default_value_t = 0.67)]
+    pub bond: f64,
+    /// One JSON document on standard output, nothing else.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Numbers that were typed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Values(pub Vec<f64>);
+
+/// A range has no more values than this.
+const MOST_VALUES: f64 = 10_000.0;
+
+fn values(text: &str) -> Result<Values, String> {
+    let wanted =
+        "wanted a number, a list such as 0.8,1.0, or a range FROM:TO:STEP such as 0.7:1.3:0.05";
+    let number = |text: &str| match text.trim().parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        _ => Err(format!("`{}` is no finite number; {wanted}", text.trim())),
+    };
+    let parts: Vec<&str> = text.split(':').collect();
+    match parts[..] {
+        [list] => list
+            .split(',')
+            .map(number)
+            .collect::<Result<_, _>>()
+            .map(Values),
+        [from, to, step] => {
+            let (from, to, step) = (number(from)?, number(to)?, number(step)?);
+            // The last value counts where it is reached but for rounding.
+            let steps = ((to - from) / step + 1e-9).floor();
+            if !(step > 0.0 && steps >= 0.0) {
+                return Err(format!(
+                    "the range goes from {from} to {to} in steps of {step}; {wanted}"
+                ));
+            }
+            if steps >= MOST_VALUES {
+                return Err(format!(
+                    "the range has {steps} steps; at most {MOST_VALUES} are taken"
+                ));
+            }
+            Ok(Values(
+                (0..=steps as u64).map(|i| from + i as f64 * step).collect(),
+            ))
+        }
+        _ => Err(wanted.into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_lists_and_ranges_are_read_and_others_are_not() {
+        for (text, expected) in [
+            ("0.7", vec![0.7]),
+            ("0.8, 1", vec![0.8, 1.0]),
+            ("1:2:0.5", vec![1.0, 1.5, 2.0]),
+            ("0.7:0.75:0.1", vec![0.7]),
+        ] {
+            assert_eq!(values(text), Ok(Values(expected)), "{text}");
+        }
+        // Rounding leaves out no last value.
+        assert_eq!(values("0.1:0.7:0.1").unwrap().0.len(), 7);
+        for text in [
+            "", "a", "1:2", "2:1:0.1", "1:2:0", "1:2:-1", "nan", "0:1:1e-9", "1:2:3:4",
+        ] {
+            assert!(values(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! `lennard eos`: any property of any equation of state at any state, without a run.
+
+use lennard_literature::{
+    BOND_LENGTHS, EquationOfState, Mie, ModelKind, PROPERTIES, Property, equations_for, list,
+    pohl_2023, property, two_center, virial_series,
+};
+use lennard_studies::eos::{self, Coexistence, Evaluated, Given};
+
+use crate::args::EosArgs;
+use crate::commands::print_json;
+use crate::failure::{DONE, Failure, INPUT};
+use crate::show;
+
+type Equation = &'static dyn EquationOfState;
+
+/// The columns of a curve where none are named.
+const OF_A_CURVE: [&str; 5] = [
+    "pressure",
+    "potential_energy",
+    "heat_capacity",
+    "heat_capacity_pressure",
+    "speed_of_sound",
+];
+
+/// Temperatures of a coexistence table where none are named, in parts of the critical one.
+const LOWEST_OF_CRITICAL: f64 = 0.5;
+const STEPS_TO_CRITICAL: u32 = 16;
+
+/// Prints states, curves, or coexistence.
+pub fn eos(args: &EosArgs) -> Result<u8, Failure> {
+    let equations = equations(args)?;
+    let chosen = properties(&args.properties)?;
+    if args.saturation {
+        return saturation(args, &equations);
+    }
+    let Some(temperatures) = &args.temperature else {
+        return Err(refused(
+            "a state needs a temperature: --temperature VALUES, or --saturation for coexistence",
+        ));
+    };
+    let given: Vec<Given> = match (&args.density, &args.pressure) {
+        (Some(densities), _) => densities.0.iter().map(|d| Given::Density(*d)).collect(),
+        (_, Some(pressures)) => pressures.0.iter().map(|p| Given::Pressure(*p)).collect(),
+        (None, None) => {
+            return Err(refused(
+                "a state needs a density or a pressure: --density VALUES or --pressure VALUES",
+            ));
+        }
+    };
+    let states: Vec<(f64, Given)> = temperatures
+        .0
+        .iter()
+        .flat_map(|t| given.iter().map(move |g| (*t, *g)))
+        .collect();
+    let evaluated = |equation: Equation| -> Vec<Evaluated> {
+        let one = |(t, given): &(f64, Given)| eos::evaluate(equation, *t, *given);
+        states.iter().map(one).collect()
+    };
+    let all: Vec<Vec<Evaluated>> = equations.iter().map(|e| evaluated(*e)).collect();
+    // One state that is asked of equations by name is refused where none of them covers it.
+    if let Some(nothing) = covered_by_none(&all) {
+        return Err(refused(nothing));
+    }
+    let curve = states.len() > 1;
+    let properties: Vec<&Property> = match chosen {
+        Some(chosen) => chosen,
+        None if curve => OF_A_CURVE.iter().filter_map(|key| property(key)).collect(),
+        None => PROPERTIES.iter().collect(),
+    };
+    if args.json {
+        print_json(&eos::states_json(&all.concat(), &properties))?;
+    } else if curve {
+        for of_one in &all {
+            show::curve(of_one, &properties);
+        }
+    } else {
+        show::state(&all.concat(), &properties);
+    }
+    Ok(DONE)
+}
+
+fn saturation(args: &EosArgs, equations: &[Equation]) -> Result<u8, Failure> {
+    let mut found: Vec<(Equation, Vec<Coexistence>)> = Vec::new();
+    for equation in equations {
+        let critical = equation.spec().critical.temperature;
+        let lowest = equation
+            .spec()
+            .range
+            .t_min
+            .max(LOWEST_OF_CRITICAL * critical);
+        let temperatures = args.temperature.as_ref().map_or_else(
+            || {
+                let part = |i| f64::from(i) / f64::from(STEPS_TO_CRITICAL);
+                (0..STEPS_TO_CRITICAL)
+                    .map(|i| lowest + part(i) * (critical - lowest))
+                    .collect()
+            },
+            |values| values.0.clone(),
+        );
+        let rows: Vec<Coexistence> = temperatures
+            .iter()
+            .filter(|t| **t >= equation.spec().range.t_min)
+            .filter_map(|t| eos::coexistence_at(*equation, *t))
+            .collect();
+        if !rows.is_empty() {
+            found.push((*equation, rows));
+        }
+    }
+    if found.is_empty() {
+        let limits: Vec<String> = equations
+            .iter()
+            .map(|e| match e.spec().range.rho_max {
+                Some(_) => format!("{} is for a gas alone", e.spec().name),
+                None => format!(
+                    "{} has vapor and liquid from T = {} to {:.4}",
+                    e.spec().name,
+                    e.spec().range.t_min,
+                    e.spec().critical.temperature
+                ),
+            })
+            .collect();
+        return Err(refused(format!(
+            "nothing coexists there: {}",
+            limits.join("; ")
+        )));
+    }
+    if args.json {
+        let all: Vec<_> = found
+            .iter()
+            .map(|(equation, rows)| eos::coexistence_json(*equation, rows))
+            .collect();
+        print_json(&all)?;
+    } else {
+        for (equation, rows) in &found {
+            show::coexistence(*equation, rows);
+        }
+    }
+    Ok(DONE)
+}
+
+/// Why a single state is nothing; `None` where one of the equations covers one of the states.
+fn covered_by_none(all: &[Vec<Evaluated>]) -> Option<String> {
+    let reasons: Vec<&str> = all
+        .iter()
+        .flatten()
+        .map(|e| e.found.as_ref().err().map(String::as_str))
+        .collect::<Option<_>>()?;
+    let mut distinct = reasons;
+    distinct.dedup();
+    distinct.truncate(6);
+    Some(distinct.join("\n  "))
+}
+
+fn refused(message: impl std::fmt::Display) -> Failure {
+    Failure::new("evaluating an equation of state", message, INPUT)
+}
+
+/// The equations that are asked for.
+fn equations(args: &EosArgs) -> Result<Vec<Equation>, Failure> {
+    let [repulsive, attractive] = args.exponents[..] else {
+        return Err(refused(
+            "a Mie potential has two exponents: --exponents 14,6",
+        ));
+    };
+    let potential = Mie {
+        repulsive,
+        attractive,
+    };
+    if !(attractive > 3.0 && repulsive > attractive && repulsive <= 100.0) {
+        return Err(refused(format!(
+            "exponents must be above 3, the first the larger and at most 100, found {repulsive} and {attractive}"
+        )));
+    }
+    if args.equations.is_empty() {
+        let r_cut = f64::INFINITY;
+        let model = if potential == Mie::LENNARD_JONES {
+            ModelKind::CutWithTail { r_cut }
+        } else {
+            ModelKind::Mie {
+                repulsive,
+                attractive,
+                r_cut,
+            }
+        };
+        return Ok(equations_for(model));
+    }
+    let pairs = two_center(args.bond);
+    let two_center_keys = two_center(*BOND_LENGTHS.start()).into_iter().flatten();
+    let mut known: Vec<String> = list().map(|e| e.spec().key.clone()).to_vec();
+    known.extend(two_center_keys.map(|e| e.spec().key.clone()));
+    let by_name = |name: &String| -> Result<Equation, Failure> {
+        match name.as_str() {
+            "virial" => return Ok(virial_series(potential)),
+            "pohl-2023" => {
+                let pohl =
+                    pohl_2023(repulsive).filter(|_| attractive == Mie::LENNARD_JONES.attractive);
+                return pohl.map(|e| e as Equation).ok_or_else(|| {
+                    refused(format!(
+                        "pohl-2023 is for repulsive exponents from 11 to 13 and the attractive exponent 6, found {repulsive} and {attractive}"
+                    ))
+                });
+            }
+            _ => {}
+        }
+        if let Some(equation) = list().into_iter().find(|e| e.spec().key == *name) {
+            return Ok(equation);
+        }
+        if let Some(equation) = pairs.into_iter().flatten().find(|e| e.spec().key == *name) {
+            return Ok(equation);
+        }
+        if known.contains(name) {
+            return Err(refused(format!(
+                "{name} is for bonds from {} to {} σ, found --bond {}",
+                BOND_LENGTHS.start(),
+                BOND_LENGTHS.end(),
+                args.bond
+            )));
+        }
+        Err(unknown("equation of state", name, &known))
+    };
+    args.equations.iter().map(by_name).collect()
+}
+
+fn properties(names: &[String]) -> Result<Option<Vec<&'static Property>>, Failure> {
+    let known: Vec<String> = PROPERTIES.iter().map(|p| p.key.to_owned()).collect();
+    let by_name = |name: &String| property(name).ok_or_else(|| unknown("property", name, &known));
+    match names {
+        [] => Ok(None),
+        names => names
+            .iter()
+            .map(by_name)
+            .collect::<Result<_, _>>()
+            .map(Some),
+    }
+}
+
+fn unknown(what: &str, name: &str, known: &[String]) -> Failure {
+    let nearest = lennard_scene::nearest(name, known.iter().map(String::as_str));
+    let meant = nearest.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+    refused(format!(
+        "there is no {what} `{name}`{meant}\n  allowed: {}",
+        known.join(", ")
+    ))
+}

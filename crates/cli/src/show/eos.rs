@@ -1,0 +1,53 @@
+//! Equations of state for people.
+
+use lennard_literature::{EquationOfState, Property};
+use lennard_studies::eos::{self, Coexistence, Evaluated};
+
+use super::table;
+
+/// One state by every equation that covers it.
+pub fn state(evaluated: &[Evaluated], properties: &[&Property]) {
+    println!("{}", table(&eos::single(evaluated, properties)));
+    for one in evaluated {
+        let name = &one.equation.spec().name;
+        match &one.found {
+            Ok(found) => println!(
+                "  {name}: ρ = {:.6}, T = {}: {}",
+                found.state.rho, one.temperature, found.phase
+            ),
+            Err(outside) => println!("  left out: {outside}"),
+        }
+        if let Some(why) = &one.equation.spec().superseded {
+            println!("    {why}");
+        }
+    }
+    println!(
+        "  reduced units (ε = σ = m = k_B = 1), per particle; names for --properties: {}",
+        names(properties)
+    );
+}
+
+fn names(properties: &[&Property]) -> String {
+    let names: Vec<&str> = properties.iter().map(|p| p.key).collect();
+    names.join(", ")
+}
+
+/// Many states of one equation.
+pub fn curve(evaluated: &[Evaluated], properties: &[&Property]) {
+    let Some(first) = evaluated.first() else {
+        return;
+    };
+    println!(
+        "{}",
+        console::style(&first.equation.spec().citation()).bold()
+    );
+    println!("{}", table(&eos::curve(evaluated, properties)));
+}
+
+/// Vapor and liquid side by side.
+pub fn coexistence(equation: &dyn EquationOfState, rows: &[Coexistence]) {
+    let shown = eos::coexistence(equation, rows);
+    println!("{}", console::style(equation.spec().citation()).bold());
+    println!("  {}", shown.caption);
+    println!("{}", table(&shown));
+}

@@ -1,0 +1,84 @@
+//! Every property that an equation of state gives at a state: one line for each.
+
+use crate::fluid_state::FluidState;
+
+/// A property of a fluid in a state.
+#[derive(Debug, Clone, Copy)]
+pub struct Property {
+    /// Name in options and files; the name of the same quantity among the averages of a run.
+    pub key: &'static str,
+    /// Name in tables.
+    pub name: &'static str,
+    /// Its formula in plain text.
+    pub equation: &'static str,
+    /// Unit; empty for a plain number.
+    pub unit: &'static str,
+    /// Its value.
+    pub of: fn(&FluidState) -> f64,
+}
+
+macro_rules! properties {
+    ($($key:literal, $name:literal, $equation:literal, $unit:literal, $of:expr;)*) => {
+        /// All properties, in the order of a table.
+        pub const PROPERTIES: &[Property] = &[$(Property {
+            key: $key,
+            name: $name,
+            equation: $equation,
+            unit: $unit,
+            of: $of,
+        }),*];
+    };
+}
+
+properties! {
+    "pressure", "pressure P", "ρT(1 + ρ ∂α/∂ρ), α = a_res/T", "ε/σ³", |s| s.pressure;
+    "compressibility_factor", "compressibility factor Z", "P/(ρT)", "", |s| s.pressure / (s.rho * s.temperature);
+    "potential_energy", "potential energy U/N", "∂α/∂β", "ε", |s| s.potential_energy;
+    "total_energy", "energy E/N", "U/N + kinetic part", "ε", FluidState::total_energy;
+    "enthalpy", "enthalpy H/N", "E/N + P/ρ", "ε", |s| s.total_energy() + s.pressure / s.rho;
+    "heat_capacity", "heat capacity c_v", "kinetic part − β² ∂²α/∂β²", "k_B", |s| s.heat_capacity_volume;
+    "heat_capacity_pressure", "heat capacity c_p", "c_v + T γ_V² κ_T/ρ", "k_B", |s| s.heat_capacity_pressure;
+    "thermal_pressure_coefficient", "thermal pressure coefficient γ_V", "∂P/∂T at constant V", "k_B/σ³", |s| s.dp_dt;
+    "isothermal_compressibility", "isothermal compressibility κ_T", "(1/ρ) ∂ρ/∂P at constant T", "σ³/ε", FluidState::isothermal_compressibility;
+    "isentropic_compressibility", "isentropic compressibility κ_S", "κ_T c_v/c_p", "σ³/ε", |s| s.isothermal_compressibility() * s.heat_capacity_volume / s.heat_capacity_pressure;
+    "thermal_expansion", "thermal expansion α_P", "γ_V κ_T", "k_B/ε", |s| s.dp_dt * s.isothermal_compressibility();
+    "speed_of_sound", "speed of sound w", "1/√(ρ m κ_S)", "σ/τ", |s| s.speed_of_sound;
+    "joule_thomson_coefficient", "Joule–Thomson coefficient μ_JT", "(T α_P − 1)/(ρ c_p)", "σ³/k_B", FluidState::joule_thomson;
+    "grueneisen_parameter", "Grüneisen parameter Γ", "γ_V/(ρ c_v)", "", |s| s.dp_dt / (s.rho * s.heat_capacity_volume);
+    "density_scaling_exponent", "density-scaling exponent γ", "⟨δW δU⟩/(3⟨δU²⟩) = (γ_V/ρ − 1)/(∂u/∂T)", "", |s| (s.dp_dt / s.rho - 1.0) / s.du_dt;
+    "structure_factor_zero", "structure factor S(0)", "ρ T κ_T", "", |s| s.temperature / s.dp_drho;
+    "residual_helmholtz_energy", "residual Helmholtz energy a_res", "T α", "ε", |s| s.temperature * s.residual_helmholtz;
+    "residual_entropy", "residual entropy s_res", "(U/N − a_res)/T", "k_B", |s| s.potential_energy / s.temperature - s.residual_helmholtz;
+    "residual_chemical_potential", "residual chemical potential μ_res", "a_res + T(Z − 1)", "ε", |s| s.temperature * (s.residual_helmholtz - 1.0) + s.pressure / s.rho;
+}
+
+/// The property with this name.
+#[must_use]
+pub fn property(key: &str) -> Option<&'static Property> {
+    PROPERTIES.iter().find(|p| p.key == key)
+}
+
+impl FluidState {
+    /// Kinetic and potential energy per particle, ε: the kinetic part of c_v is constant.
+    fn total_energy(&self) -> f64 {
+        self.potential_energy + (self.heat_capacity_volume - self.du_dt) * self.temperature
+    }
+
+    /// κ_T, σ³/ε.
+    fn isothermal_compressibility(&self) -> f64 {
+        1.0 / (self.rho * self.dp_drho)
+    }
+
+    /// μ_JT = ∂T/∂P at constant enthalpy, σ³/k_B; finite where κ_T diverges.
+    fn joule_thomson(&self) -> f64 {
+        let Self {
+            rho,
+            temperature: t,
+            dp_dt,
+            dp_drho,
+            ..
+        } = *self;
+        let per_slope = self.heat_capacity_volume * dp_drho + t * (dp_dt / rho).powi(2);
+        (t * dp_dt / rho - dp_drho) / (rho * per_slope)
+    }
+}

@@ -1,0 +1,151 @@
+//! Equations of state at any state, without a run: properties, curves, and coexistence.
+
+mod tables;
+
+use lennard_literature::{EquationOfState, FluidState, Phase, Property, Saturation};
+use serde::Serialize;
+use serde_json::Value;
+
+pub use tables::{coexistence, curve, single};
+
+/// By what a state is given besides its temperature.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Given {
+    /// The number density, σ⁻³.
+    Density(f64),
+    /// The pressure, ε/σ³: the state is the stable fluid there.
+    Pressure(f64),
+}
+
+/// One equation at one state.
+#[derive(Debug, Clone)]
+pub struct Evaluated {
+    /// Which equation.
+    pub equation: &'static dyn EquationOfState,
+    /// The temperature asked for, ε/k_B.
+    pub temperature: f64,
+    /// What else was asked for.
+    pub given: Given,
+    /// All that follows, or why the equation gives nothing there.
+    pub found: Result<Found, String>,
+}
+
+/// A state by an equation.
+#[derive(Debug, Clone, Copy)]
+pub struct Found {
+    /// Properties follow from it.
+    pub state: FluidState,
+    /// Where it lies.
+    pub phase: Phase,
+}
+
+/// Evaluates one equation at one state.
+#[must_use]
+pub fn evaluate(
+    equation: &'static dyn EquationOfState,
+    temperature: f64,
+    given: Given,
+) -> Evaluated {
+    let density = match given {
+        Given::Density(density) => Ok(density),
+        Given::Pressure(pressure) if !(pressure.is_finite() && pressure > 0.0) => Err(format!(
+            "the pressure must be a finite positive number, found {pressure}"
+        )),
+        Given::Pressure(pressure) => equation
+            .density(pressure, temperature)
+            // Any density tells whether it is the temperature that lies outside.
+            .ok_or_else(|| match equation.check(1e-6, temperature) {
+                Err(outside) => outside.to_string(),
+                Ok(()) => format!(
+                    "{} covers no fluid at pressure {pressure} and temperature {temperature}",
+                    equation.spec().name
+                ),
+            }),
+    };
+    let found = density.and_then(|density| {
+        equation
+            .check(density, temperature)
+            .map_err(|outside| outside.to_string())?;
+        Ok(Found {
+            state: equation.at(density, temperature),
+            phase: equation.phase(density, temperature),
+        })
+    });
+    Evaluated {
+        equation,
+        temperature,
+        given,
+        found,
+    }
+}
+
+/// A vapor and a liquid side by side, with what they differ by.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Coexistence {
+    /// Temperature, pressure and densities.
+    #[serde(flatten)]
+    pub saturation: Saturation,
+    /// Heat of vaporization, h_vapor − h_liquid, ε per particle.
+    pub heat_of_vaporization: f64,
+    /// Densities at which the vapor and the liquid become unstable, σ⁻³; absent where they were not found.
+    pub spinodal: Option<[f64; 2]>,
+}
+
+/// Coexistence at a temperature; `None` at the critical temperature and above, and where none is found.
+#[must_use]
+pub fn coexistence_at(equation: &dyn EquationOfState, temperature: f64) -> Option<Coexistence> {
+    let saturation = equation.saturation(temperature)?;
+    let enthalpy = |rho: f64| {
+        let s = equation.at(rho, temperature);
+        s.potential_energy + s.pressure / rho
+    };
+    let heat = enthalpy(saturation.vapor_density) - enthalpy(saturation.liquid_density);
+    Some(Coexistence {
+        saturation,
+        heat_of_vaporization: heat,
+        spinodal: equation.spinodal(temperature),
+    })
+}
+
+/// Evaluated states as one JSON document.
+#[must_use]
+pub fn states_json(evaluated: &[Evaluated], properties: &[&Property]) -> Value {
+    let states: Vec<Value> = evaluated
+        .iter()
+        .map(|e| {
+            let spec = e.equation.spec();
+            let mut state = serde_json::json!({
+                "equation": spec.key,
+                "source": spec.citation(),
+                "judges": spec.superseded.is_none(),
+                "temperature": e.temperature,
+            });
+            match &e.found {
+                Ok(found) => {
+                    state["density"] = found.state.rho.into();
+                    state["phase"] = serde_json::to_value(found.phase).unwrap_or_default();
+                    let all = properties
+                        .iter()
+                        .map(|p| (p.key.to_owned(), (p.of)(&found.state).into()));
+                    state["properties"] = Value::Object(all.collect());
+                }
+                Err(outside) => state["outside"] = outside.as_str().into(),
+            }
+            state
+        })
+        .collect();
+    serde_json::json!({ "schema": "lennard-eos/1", "states": states })
+}
+
+/// Coexistence as one JSON document.
+#[must_use]
+pub fn coexistence_json(equation: &dyn EquationOfState, rows: &[Coexistence]) -> Value {
+    let spec = equation.spec();
+    serde_json::json!({
+        "schema": "lennard-eos/1",
+        "equation": spec.key,
+        "source": spec.citation(),
+        "critical_point": spec.critical,
+        "coexistence": rows,
+    })
+}

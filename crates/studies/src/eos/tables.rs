@@ -1,0 +1,101 @@
+//! What equations of state give, for a reader.
+
+use lennard_core::{Cell, Column, Table, Tone};
+use lennard_literature::{EquationOfState, Property};
+
+use super::{Coexistence, Evaluated};
+
+/// Digits that a reader sees.
+const DIGITS: usize = 6;
+
+fn value(evaluated: &Evaluated, property: &Property) -> Cell {
+    let found = evaluated.found.as_ref().ok();
+    let cell = Cell::rounded(found.map(|f| (property.of)(&f.state)), DIGITS);
+    match evaluated.equation.spec().superseded {
+        Some(_) => cell.toned(Tone::Faint),
+        None => cell,
+    }
+}
+
+/// One state: a row for each property, a column for each equation that covers it.
+#[must_use]
+pub fn single(evaluated: &[Evaluated], properties: &[&Property]) -> Table {
+    let mut table = Table::rows_of("state", properties)
+        .column("Property", |p| p.name)
+        .column("Unit", |p| p.unit)
+        .table();
+    for one in evaluated.iter().filter(|e| e.found.is_ok()) {
+        table.columns.push(Column {
+            cells: properties.iter().map(|p| value(one, p)).collect(),
+            ..Column::headed(&one.equation.spec().name)
+        });
+    }
+    table
+}
+
+/// Many states of one equation: a row for each state, a column for each property.
+#[must_use]
+pub fn curve(evaluated: &[Evaluated], properties: &[&Property]) -> Table {
+    let density = |e: &Evaluated| Some(e.found.as_ref().ok()?.state.rho);
+    let mut table = Table::rows_of("curve", evaluated)
+        .column("T [ε/k_B]", |e| Cell::rounded(e.temperature, DIGITS))
+        .column("ρ [σ⁻³]", |e| Cell::rounded(density(e), DIGITS))
+        .table();
+    for property in properties {
+        let heading = if property.unit.is_empty() {
+            property.key.to_owned()
+        } else {
+            format!("{} [{}]", property.key, property.unit)
+        };
+        table.columns.push(Column {
+            cells: evaluated.iter().map(|e| value(e, property)).collect(),
+            ..Column::headed(&heading)
+        });
+    }
+    table.columns.push(Column {
+        cells: evaluated
+            .iter()
+            .map(|e| match &e.found {
+                Ok(found) => found.phase.describe().into(),
+                Err(outside) => outside.as_str().into(),
+            })
+            .collect(),
+        ..Column::headed("phase")
+    });
+    table
+}
+
+/// Vapor and liquid side by side, a row for each temperature.
+#[must_use]
+pub fn coexistence(equation: &dyn EquationOfState, rows: &[Coexistence]) -> Table {
+    let critical = equation.spec().critical;
+    let caption = format!(
+        "{}: critical point T = {:.4}, ρ = {:.4}, P = {:.5}",
+        equation.spec().name,
+        critical.temperature,
+        critical.density,
+        equation.pressure(critical.density, critical.temperature)
+    );
+    let spinodal =
+        |side: usize| move |c: &Coexistence| Cell::rounded(c.spinodal.map(|s| s[side]), DIGITS);
+    Table::rows_of("coexistence", rows)
+        .caption(caption)
+        .column("T [ε/k_B]", |c| {
+            Cell::rounded(c.saturation.temperature, DIGITS)
+        })
+        .column("P [ε/σ³]", |c| {
+            Cell::rounded(c.saturation.pressure, DIGITS)
+        })
+        .column("ρ vapor [σ⁻³]", |c| {
+            Cell::rounded(c.saturation.vapor_density, DIGITS)
+        })
+        .column("ρ liquid [σ⁻³]", |c| {
+            Cell::rounded(c.saturation.liquid_density, DIGITS)
+        })
+        .column("heat of vaporization [ε]", |c| {
+            Cell::rounded(c.heat_of_vaporization, DIGITS)
+        })
+        .column("spinodal, vapor [σ⁻³]", spinodal(0))
+        .column("spinodal, liquid [σ⁻³]", spinodal(1))
+        .table()
+}
