@@ -25,6 +25,7 @@ mod ramp;
 pub mod random;
 pub mod rigid;
 mod spec;
+mod species;
 mod state;
 mod step;
 pub mod stopwatch;
@@ -54,6 +55,7 @@ pub use observable::{
 pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, StateWriter};
 pub use ramp::Ramp;
 pub use spec::{IntegratorSpec, StepError, StepReport};
+pub use species::{MOST_SPECIES, Species, SpeciesTable};
 pub use state::{Configuration, Energetics, Part, State, Want};
 pub use step::{Parts, Step, check_finite};
 pub use system::{Constraint, ExactSolution, Momentum, System};

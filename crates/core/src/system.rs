@@ -1,5 +1,5 @@
-//! What a system is, which does not change while it moves: masses, molecules, constraints, and the exact solution where
-//! one is known.
+//! What a system is, which does not change while it moves: species, masses, molecules, constraints, and the exact solution
+//! where one is known.
 
 use std::sync::Arc;
 
@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::masses::Masses;
 use crate::molecules::Molecules;
+use crate::species::{Species, SpeciesTable};
 
 /// A known solution of the equations of motion, against which methods are measured.
 pub trait ExactSolution: Send + Sync + std::fmt::Debug {
@@ -39,8 +40,8 @@ pub enum Momentum {
 /// What stays the same while a system moves.
 #[derive(Debug, Clone)]
 pub struct System {
-    n: usize,
-    /// Particle masses.
+    species: SpeciesTable,
+    /// Particle masses: those of the species, unless a test sets others.
     pub masses: Masses,
     /// How particles are bonded to molecules.
     pub molecules: Molecules,
@@ -56,9 +57,15 @@ impl System {
     /// `n` free particles of unit mass.
     #[must_use]
     pub fn atoms(n: usize) -> Self {
+        Self::of_species(SpeciesTable::one(Species::unnamed(), n))
+    }
+
+    /// Free particles of these species, with their masses.
+    #[must_use]
+    pub fn of_species(species: SpeciesTable) -> Self {
         Self {
-            n,
-            masses: Masses::Uniform(1.0),
+            masses: Masses::of_species(&species),
+            species,
             molecules: Molecules::ATOMS,
             constraints: Vec::new(),
             exact: None,
@@ -108,22 +115,28 @@ impl System {
         }
     }
 
+    /// The species, and the species of each particle.
+    #[must_use]
+    pub fn species(&self) -> &SpeciesTable {
+        &self.species
+    }
+
     /// Number of molecules; the number of particles where they are not bonded.
     #[must_use]
     pub fn n_molecules(&self) -> usize {
-        self.n / self.molecules.sites()
+        self.len() / self.molecules.sites()
     }
 
     /// Number of particles.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.n
+        self.species.n_particles()
     }
 
     /// Whether there is no particle at all.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.n == 0
+        self.len() == 0
     }
 
     /// Degrees of freedom n_dof in T = 2K/n_dof: three per particle, less one for each rigid constraint. One less too for each
@@ -140,12 +153,12 @@ impl System {
             rigid += self.molecules.bonds() * self.n_molecules();
         }
         let kept = match momentum {
-            Momentum::Conserved if self.n > 1 => {
+            Momentum::Conserved if self.len() > 1 => {
                 self.keeps_momentum.iter().filter(|kept| **kept).count()
             }
             _ => 0,
         };
-        3.0 * self.n as f64 - (rigid + kept) as f64
+        3.0 * self.len() as f64 - (rigid + kept) as f64
     }
 
     /// The kinetic energy K = Σ ½ m v² in ε, summed in the order of the particles.
@@ -195,6 +208,23 @@ mod tests {
         fn damping_time(&self) -> f64 {
             0.0
         }
+    }
+
+    #[test]
+    fn masses_of_a_mixture_are_one_number_where_they_are_alike() {
+        let species = |mass: f64| {
+            let b = Species {
+                mass,
+                ..Species::unnamed()
+            };
+            SpeciesTable::new([Species::unnamed(), b], &[0, 1, 1])
+        };
+        let alike = System::of_species(species(1.0));
+        assert_eq!(alike.masses, Masses::Uniform(1.0));
+        let unlike = System::of_species(species(3.0));
+        assert_eq!(unlike.masses, Masses::Each(vec![1.0, 3.0, 3.0]));
+        assert_eq!(unlike.momentum(&[DVec3::X; 3]), 7.0 * DVec3::X);
+        assert_eq!(unlike.len(), 3);
     }
 
     #[test]
