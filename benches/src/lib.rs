@@ -131,6 +131,7 @@ impl Case {
             // The lattice gives half of its kinetic energy to the potential as it melts.
             temperature: 0.5 * START_TEMPERATURE,
             dt: self.dt,
+            mixture: None,
         };
         let provider = build(&options, &conditions)?;
         let mut random = Streams::new(self.seed).sequential("velocities");

@@ -22,7 +22,7 @@ use crate::{EngineError, compare, pressure};
 /// The temperature and step for which the list is laid out: the hottest of all stages and the largest
 /// of all steps, since the list must serve them all.
 #[must_use]
-pub fn conditions(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Conditions {
+pub fn conditions(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Conditions<'static> {
     let measured: Vec<&Stage> = scene.stages.iter().filter(|s| s.measure).collect();
     let stages: Vec<&Stage> = if measured.is_empty() {
         scene.stages.iter().collect()
@@ -36,6 +36,7 @@ pub fn conditions(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Condition
         n_atoms,
         temperature,
         dt,
+        mixture: None,
     }
 }
 
@@ -96,7 +97,7 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
     };
     let observers = observers(&scene, &confinement, cell, n)?;
     let isa = provider.plan().isa.to_string();
-    let all_pairs = AllPairs::new(&options).map_err(|e| misfit(&scene.source, &e))?;
+    let all_pairs = AllPairs::new(&options, None).map_err(|e| misfit(&scene.source, &e))?;
     let forces = with_springs(&scene, confinement.beside(provider));
     Ok(Simulation {
         state: State::new(cell, beginning.positions, velocities),

@@ -5,7 +5,8 @@ use lennard_core::{Exclusions, PeriodicBox};
 
 use crate::error::ForceFieldError;
 use crate::options::{ForceFieldOptions, Precision, SplitOptions};
-use crate::pair::Model;
+use crate::pair::{Laws, Mixture, Model, Pair};
+use crate::plan::interaction;
 
 /// Rounding of sums and of pair formulas in double precision, as a share of Σ|F_ij|.
 const DOUBLE: f64 = 1e-12;
@@ -42,19 +43,22 @@ pub struct CheckedForce {
 #[derive(Debug, Clone)]
 pub struct AllPairs {
     model: Model,
+    laws: Option<Laws>,
     precision: Precision,
     split: Option<SplitOptions>,
     exclusions: Exclusions,
 }
 
 impl AllPairs {
-    /// For the forces that the options describe.
+    /// For the forces that the options describe, and the species of the particles where there are several.
     ///
     /// # Errors
     /// [`ForceFieldError`] where potential and truncation do not go together or are out of range.
-    pub fn new(o: &ForceFieldOptions) -> Result<Self, ForceFieldError> {
+    pub fn new(o: &ForceFieldOptions, mixture: Option<&Mixture>) -> Result<Self, ForceFieldError> {
+        let (model, laws) = interaction(o, mixture)?;
         Ok(Self {
-            model: Model::new(&o.potential, &o.truncation)?,
+            model,
+            laws,
             precision: o.kernel.precision,
             split: o.split,
             exclusions: o.exclusions,
@@ -73,18 +77,23 @@ impl AllPairs {
         positions: &[DVec3],
     ) -> CheckedForce {
         let own = positions[particle];
-        let r_cut = self.model.r_cut;
+        let largest_r_cut = self.model.r_cut;
         let (relative, seen) = self.rounding(cell);
         let mut force = DVec3::ZERO;
         let (mut size, mut shaken) = (0.0, 0.0);
-        for (j, other) in within((1.0 + SOUGHT_BEYOND) * r_cut + seen, own, cell, positions) {
+        for (j, other) in within(
+            (1.0 + SOUGHT_BEYOND) * largest_r_cut + seen,
+            own,
+            cell,
+            positions,
+        ) {
             if j == particle || self.exclusions.exclude(j, particle) {
                 continue;
             }
             let r_ij = cell.minimum_image(own - other);
             let r2 = r_ij.length_squared();
             let r = r2.sqrt();
-            let pair = self.model.eval(r2);
+            let (pair, r_cut) = self.between(particle, j, r2);
             let strength = (pair.force * r).abs();
             let off = seen + places(own, other, cell);
             if r2 <= r_cut * r_cut {
@@ -102,6 +111,14 @@ impl AllPairs {
         CheckedForce {
             force,
             tolerance: (parts * (relative * size + shaken)).max(f64::MIN_POSITIVE),
+        }
+    }
+
+    /// The values of two particles at r² = `r2` σ², and their cutoff, σ.
+    fn between(&self, i: usize, j: usize, r2: f64) -> (Pair<f64>, f64) {
+        match &self.laws {
+            None => (self.model.eval(r2), self.model.r_cut),
+            Some(laws) => (laws.eval(i, j, r2), laws.between(i, j).r_cut2.sqrt()),
         }
     }
 

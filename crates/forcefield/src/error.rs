@@ -2,7 +2,7 @@
 
 use lennard_core::options::OptionError;
 
-use crate::pair::OwnEnd;
+use crate::pair::{MOST_SPECIES, OwnEnd};
 
 /// The largest number of particles: rows, ghosts included, are numbered in 32 bits.
 pub const LARGEST_N: usize = 500_000_000;
@@ -79,6 +79,48 @@ pub enum ForceFieldError {
     /// A split width outside (0, r_split].
     #[error("the split width must lie between 0 and the split radius, found {0}")]
     BadSplitWidth(f64),
+    /// A number of species that no loop can tell apart.
+    #[error("a mixture has 1 to {MOST_SPECIES} species, found {0}")]
+    NumberOfSpecies(usize),
+    /// A particle of a species that does not exist.
+    #[error("particle {particle} has species {found}, and there are {species}")]
+    NoSuchSpecies {
+        /// The particle.
+        particle: usize,
+        /// The number of its species, from 0.
+        found: usize,
+        /// Number of species.
+        species: usize,
+    },
+    /// A parameter of a pair of species out of range.
+    #[error("`{key}` of the pair of species {} and {} cannot be {found}", species[0], species[1])]
+    BadSpeciesPair {
+        /// The two species, from 0.
+        species: [usize; 2],
+        /// The parameter.
+        key: &'static str,
+        /// The value found.
+        found: f64,
+    },
+    /// What does not go together for one pair of species.
+    #[error("the pair of species {} and {}, in units of its own σ and ε: {reason}", species[0], species[1])]
+    OfPair {
+        /// The two species, from 0.
+        species: [usize; 2],
+        /// The reason.
+        reason: Box<ForceFieldError>,
+    },
+    /// A mixture of another number of particles.
+    #[error("the mixture has {found} particles, and the system has {n_atoms}")]
+    OtherParticles {
+        /// Particles of the mixture.
+        found: usize,
+        /// Particles of the system.
+        n_atoms: usize,
+    },
+    /// A split of the forces of a mixture into near and far parts.
+    #[error("the forces of a mixture cannot be split into near and far parts")]
+    SplitOfMixture,
     /// No particle at all.
     #[error("there is no particle")]
     NoParticles,
@@ -105,7 +147,13 @@ impl ForceFieldError {
             Self::IsaNotAvailable(_) => "kernel.isa",
             Self::BadSplit { .. } => "integrator.r_split",
             Self::BadSplitWidth(_) => "integrator.split_width",
-            Self::NoParticles | Self::TooManyParticles(_) => "system.n_atoms",
+            Self::NumberOfSpecies(_) | Self::NoSuchSpecies { .. } => "species",
+            Self::BadSpeciesPair { key, .. } => return format!("pair.{key}"),
+            Self::OfPair { reason, .. } => return reason.key(),
+            Self::SplitOfMixture => "integrator.kind",
+            Self::NoParticles | Self::TooManyParticles(_) | Self::OtherParticles { .. } => {
+                "system.n_atoms"
+            }
         };
         key.to_owned()
     }
@@ -128,6 +176,12 @@ impl ForceFieldError {
             Self::BadPotential(option) => option.found.clone(),
             Self::SkinTooLarge { skin, .. } => skin.to_string(),
             Self::IsaNotAvailable(isa) => (*isa).into(),
+            Self::NumberOfSpecies(n) => n.to_string(),
+            Self::NoSuchSpecies { found, .. } => found.to_string(),
+            Self::BadSpeciesPair { found, .. } => found.to_string(),
+            Self::OfPair { reason, .. } => reason.found(),
+            Self::OtherParticles { n_atoms, .. } => n_atoms.to_string(),
+            Self::SplitOfMixture => "a method that splits the forces".into(),
             Self::NoParticles => "0".into(),
             Self::TooManyParticles(n) => n.to_string(),
         }
@@ -158,6 +212,13 @@ impl ForceFieldError {
             Self::IsaNotAvailable(_) => "auto, or one that this processor has".into(),
             Self::BadSplit { r_cut, .. } => format!("above 0 and below r_cut = {r_cut}"),
             Self::BadSplitWidth(_) => "above 0 and at most r_split".into(),
+            Self::NumberOfSpecies(_) => format!("1 to {MOST_SPECIES}"),
+            Self::NoSuchSpecies { species, .. } => format!("0 to {}", species - 1),
+            Self::BadSpeciesPair { key: "epsilon", .. } => "a finite number, 0 or more".into(),
+            Self::BadSpeciesPair { .. } => "a finite number above 0".into(),
+            Self::OfPair { reason, .. } => reason.allowed(),
+            Self::OtherParticles { found, .. } => found.to_string(),
+            Self::SplitOfMixture => "a method with one step for all forces".into(),
             Self::NoParticles => "at least 1".into(),
             Self::TooManyParticles(_) => format!("at most {}", LARGEST_N),
         }

@@ -32,8 +32,8 @@ pub use options::{
 };
 pub use pair::potentials::*;
 pub use pair::{
-    Model, Pair, Plain, Tail, TruncationKind, TruncationSpec, model_name, tail_correction,
-    truncations,
+    MOST_SPECIES, Mixture, Model, Pair, Plain, SpeciesPair, Tail, TruncationKind, TruncationSpec,
+    model_name, tail_correction, tail_of_mixture, truncations,
 };
 pub use plan::{Conditions, ForcePlan, Search, recommended_threads};
 pub use provider::{PairForces, build};
@@ -47,7 +47,7 @@ pub use walls::{
 ///
 /// # Errors
 /// [`ForceFieldError`] as from [`build`].
-pub fn check(o: &ForceFieldOptions, c: &Conditions) -> Result<(), ForceFieldError> {
+pub fn check(o: &ForceFieldOptions, c: &Conditions<'_>) -> Result<(), ForceFieldError> {
     plan::decide(o, c).map(drop)
 }
 

@@ -1,5 +1,7 @@
 //! The choice of loop and list: from the scene, never from a clock.
 
+use std::sync::Arc;
+
 use lennard_core::PeriodicBox;
 use lennard_neighbor::skin::{SkinInputs, cheapest_skin};
 use serde::Serialize;
@@ -7,7 +9,7 @@ use serde::Serialize;
 use crate::error::{ForceFieldError, LARGEST_N};
 use crate::listed::Loop;
 use crate::options::{ForceFieldOptions, Kernel, ListMode, Precision};
-use crate::pair::Model;
+use crate::pair::{Laws, Mixture, Model, as_one_fluid};
 use crate::simd::Level;
 
 /// Up to this many particles, all pairs cost no more than a list.
@@ -38,7 +40,7 @@ const ATOMS_PER_THREAD: usize = 400;
 
 /// The conditions that forces are planned for: box, particles, and the motion that the list must last through.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Conditions {
+pub struct Conditions<'a> {
     /// The periodic box.
     pub cell: PeriodicBox,
     /// Number of particles.
@@ -47,6 +49,8 @@ pub struct Conditions {
     pub temperature: f64,
     /// The time step, τ.
     pub dt: f64,
+    /// The species of the particles, where there are several.
+    pub mixture: Option<&'a Mixture>,
 }
 
 /// The search for pairs.
@@ -98,19 +102,33 @@ pub fn recommended_threads(n_atoms: usize, available: usize) -> usize {
 #[derive(Debug, Clone)]
 pub(crate) struct Decision {
     pub model: Model,
+    /// The potentials of each pair of species, where pairs differ. The model then has the formula and the largest cutoff.
+    pub laws: Option<Arc<Laws>>,
     pub level: Level,
     /// The loop that a list serves, where there is one.
     pub listed: Loop,
     pub plan: ForcePlan,
 }
 
-pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, ForceFieldError> {
-    let model = Model::new(&o.potential, &o.truncation)?;
+pub(crate) fn decide(
+    o: &ForceFieldOptions,
+    c: &Conditions<'_>,
+) -> Result<Decision, ForceFieldError> {
+    let (model, laws) = interaction(o, c.mixture)?;
     if c.n_atoms == 0 {
         return Err(ForceFieldError::NoParticles);
     }
     if c.n_atoms > LARGEST_N {
         return Err(ForceFieldError::TooManyParticles(c.n_atoms));
+    }
+    if let Some(found) = c.mixture.map(Mixture::n_atoms).filter(|n| *n != c.n_atoms) {
+        return Err(ForceFieldError::OtherParticles {
+            found,
+            n_atoms: c.n_atoms,
+        });
+    }
+    if laws.is_some() && o.split.is_some() {
+        return Err(ForceFieldError::SplitOfMixture);
     }
     let r_cut = model.r_cut;
     let largest = c.cell.largest_cutoff();
@@ -131,7 +149,14 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
         Precision::Double => Loop::Rows,
         Precision::Mixed => Loop::Cluster,
     };
-    let (search, skin, reason) = search(o, c, r_cut, listed)?;
+    let (search, skin, mut reason) = match laws {
+        None => search(o, c, r_cut, listed)?,
+        Some(_) => (
+            Search::Reference,
+            0.0,
+            "mixtures have the reference loop alone".into(),
+        ),
+    };
     let canonical = search != Search::Verlet || listed == Loop::Canonical;
     let precision = if canonical {
         Precision::Double
@@ -146,7 +171,6 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
         (Search::Verlet, Loop::Cluster) => "cluster",
     };
     let isa = if canonical { Level::Portable } else { level };
-    let mut reason = reason;
     if canonical && o.kernel.precision == Precision::Mixed {
         reason.push_str("; this loop is always in double precision");
     }
@@ -164,10 +188,31 @@ pub(crate) fn decide(o: &ForceFieldOptions, c: &Conditions) -> Result<Decision, 
     };
     Ok(Decision {
         model,
+        laws: laws.map(Arc::new),
         level,
         listed,
         plan,
     })
+}
+
+/// The one truncated potential, or all potentials of a mixture beside a model with its formula and its largest cutoff.
+pub(crate) fn interaction(
+    o: &ForceFieldOptions,
+    mixture: Option<&Mixture>,
+) -> Result<(Model, Option<Laws>), ForceFieldError> {
+    let Some(mixture) = mixture else {
+        return Ok((Model::new(&o.potential, &o.truncation)?, None));
+    };
+    if let Some(truncation) = as_one_fluid(&o.truncation, mixture) {
+        return Ok((Model::new(&o.potential, &truncation)?, None));
+    }
+    let laws = Laws::new(&o.potential, &o.truncation, mixture)?;
+    let model = Model {
+        form: laws.form,
+        r_cut: laws.r_cut,
+        energy_at_cutoff: 0.0,
+    };
+    Ok((model, Some(laws)))
 }
 
 fn check_split(o: &ForceFieldOptions, r_cut: f64) -> Result<(), ForceFieldError> {
@@ -187,7 +232,7 @@ fn check_split(o: &ForceFieldOptions, r_cut: f64) -> Result<(), ForceFieldError>
 /// Chooses the search for pairs, the skin of a list for this loop, and gives the reason.
 fn search(
     o: &ForceFieldOptions,
-    c: &Conditions,
+    c: &Conditions<'_>,
     r_cut: f64,
     listed: Loop,
 ) -> Result<(Search, f64, String), ForceFieldError> {
@@ -287,6 +332,7 @@ mod tests {
             n_atoms: 32_000,
             temperature: 0.72,
             dt: 0.005,
+            mixture: None,
         };
         decide(&options, &conditions).unwrap().plan
     }

@@ -1,5 +1,7 @@
 //! Pair forces: the force term, and the backend that takes fused steps. All choices are made when it is built.
 
+use std::sync::Arc;
+
 use glam::{DMat3, DVec3};
 use lennard_core::{
     Backend, Configuration, Energetics, Exclusions, ForceError, ForceProperties, ForceStatistics,
@@ -14,7 +16,7 @@ use crate::listed::{Listed, Loop};
 use crate::non_finite;
 use crate::options::{ForceFieldOptions, SplitOptions};
 use crate::pair::PairForm;
-use crate::pair::{Model, SplitWeights, with_form};
+use crate::pair::{Laws, ManySpecies, Model, OneSpecies, SplitWeights, with_form};
 use crate::plan::{Conditions, ForcePlan, Search, TIE_MARGIN, decide};
 use crate::reference;
 use crate::simd::{Detail, KickDrift, PerParticle};
@@ -40,6 +42,8 @@ pub struct PairForces {
     largest_share: f64,
     n_atoms: usize,
     model: Model,
+    /// The potentials of each pair of species, where pairs differ.
+    laws: Option<Arc<Laws>>,
     exclusions: Exclusions,
     strategy: Strategy,
     split: Option<Split>,
@@ -52,7 +56,7 @@ pub struct PairForces {
 ///
 /// # Errors
 /// [`ForceFieldError`] where an option is out of range, does not fit the box, or excludes another option.
-pub fn build(o: &ForceFieldOptions, c: &Conditions) -> Result<PairForces, ForceFieldError> {
+pub fn build(o: &ForceFieldOptions, c: &Conditions<'_>) -> Result<PairForces, ForceFieldError> {
     let decision = decide(o, c)?;
     let plan = decision.plan;
     let listed = |r_cut| {
@@ -86,6 +90,7 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions) -> Result<PairForces, ForceF
         },
         n_atoms: c.n_atoms,
         model: decision.model,
+        laws: decision.laws,
         exclusions: o.exclusions,
         strategy,
         split,
@@ -165,7 +170,7 @@ impl PairForces {
                 };
                 Totals::of_chunks(&job.run(forces, each))
             }
-            _ => reference::evaluate(&form, &model, exclusions, at, forces, each),
+            _ => reference::evaluate(OneSpecies(form), &model, exclusions, at, forces, each),
         });
         if !forces.iter().all(|f| f.is_finite()) {
             return Err(non_finite::force(forces));
@@ -206,6 +211,19 @@ impl ForceTerm for PairForces {
         };
         let near = part == Part::Near;
         let slots = each.as_deref_mut();
+        if let Some(laws) = &self.laws {
+            if !at.positions.iter().all(|r| r.is_finite()) {
+                return Err(non_finite::position(at.positions));
+            }
+            let totals = with_form!(self.model.form, form => {
+                let interaction = ManySpecies { form, laws };
+                reference::evaluate(interaction, &self.model, self.exclusions, at, forces, slots)
+            });
+            if !forces.iter().all(|f| f.is_finite()) {
+                return Err(non_finite::force(forces));
+            }
+            return Ok(totals.deliver(want, 0.0, each));
+        }
         let totals = with_form!(self.model.form, form => match split {
             None => self.run(form, near, at, detail, forces, slots),
             Some(weights) => self.run(weights.of(form), near, at, detail, forces, slots),

@@ -3,14 +3,13 @@
 use glam::DVec3;
 use lennard_core::{Configuration, Exclusions};
 
-use crate::pair::Model;
-use crate::pair::PairForm;
+use crate::pair::{Interaction, Model};
 use crate::simd::PerParticle;
 use crate::sums::{Totals, outer};
 
 /// Writes forces and returns the totals; `each` takes the entries of each particle where they are wanted.
-pub fn evaluate<F: PairForm>(
-    form: &F,
+pub fn evaluate<I: Interaction>(
+    interaction: I,
     model: &Model,
     exclusions: Exclusions,
     at: Configuration<'_>,
@@ -26,12 +25,15 @@ pub fn evaluate<F: PairForm>(
         for j in i + 1..positions.len() {
             let r_ij = cell.minimum_image(positions[i] - positions[j]);
             let r2 = r_ij.length_squared();
-            if r2 <= model.r_cut * model.r_cut && !exclusions.exclude(i, j) {
-                let pair = form.eval_in_epsilon(r2);
+            if r2 <= model.r_cut * model.r_cut
+                && !exclusions.exclude(i, j)
+                && let Some(pair) = interaction.between(i, j, r2)
+            {
                 let f_ij = pair.force * r_ij;
                 forces[i] += f_ij;
                 forces[j] -= f_ij;
                 totals.add(&pair, r_ij);
+                totals.at_cutoff += interaction.energy_at_cutoff(i, j);
                 if let Some(each) = &mut each {
                     for k in [i, j] {
                         each[k].0 += 0.5 * pair.energy;

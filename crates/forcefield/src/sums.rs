@@ -20,6 +20,8 @@ pub struct Totals {
     pub virial: DMat3,
     /// Σ_i ∇_i²U, ε/σ².
     pub laplacian: f64,
+    /// Σ U(r_cut) of each pair where pairs of species differ, ε; 0 where the pairs are counted instead.
+    pub at_cutoff: f64,
     /// Pairs with r ≤ r_cut.
     pub pairs: u64,
 }
@@ -30,6 +32,7 @@ impl Totals {
         energy: 0.0,
         virial: DMat3::ZERO,
         laplacian: 0.0,
+        at_cutoff: 0.0,
         pairs: 0,
     };
 
@@ -55,17 +58,19 @@ impl Totals {
             energy: 0.5 * sum.energy,
             virial: 0.5 * sum.virial,
             laplacian: sum.laplacian,
+            at_cutoff: 0.0,
             pairs: sum.pairs / 2,
         }
     }
 
-    /// The energetics that `want` asks for; `jump` is U(r_cut), which the conserved energy subtracts per pair.
+    /// The energetics that `want` asks for; `jump` is U(r_cut), which the conserved energy subtracts per pair where all pairs
+    /// are alike.
     pub fn deliver(&self, want: Want, jump: f64, each: Option<Vec<PerParticle>>) -> Energetics {
         Energetics {
             potential_energy: want.energy.then_some(self.energy),
             conserved_potential: want
                 .energy
-                .then_some(self.energy - self.pairs as f64 * jump),
+                .then_some(self.energy - (self.pairs as f64 * jump + self.at_cutoff)),
             virial: want.virial.then_some(self.virial),
             laplacian: want.laplacian.then_some(self.laplacian),
             pairs: want.energy.then_some(self.pairs),

@@ -198,6 +198,7 @@ fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneErr
         n_atoms,
         temperature: scene.system.temperature,
         dt,
+        mixture: None,
     };
     lennard_forcefield::check(&scene.force_field(), &conditions).map_err(|e| {
         scene

@@ -10,16 +10,17 @@ use lennard_forcefield::{
 };
 use lennard_scene::Scene;
 
-fn conditions() -> Conditions {
+fn conditions() -> Conditions<'static> {
     Conditions {
         cell: PeriodicBox::new(DVec3::splat(10.0)).unwrap(),
         n_atoms: 500,
         temperature: 1.0,
         dt: 0.004,
+        mixture: None,
     }
 }
 
-fn refusal(change: impl FnOnce(&mut ForceFieldOptions, &mut Conditions)) -> String {
+fn refusal(change: impl FnOnce(&mut ForceFieldOptions, &mut Conditions<'_>)) -> String {
     let (mut options, mut conditions) = (ForceFieldOptions::default(), conditions());
     change(&mut options, &mut conditions);
     check(&options, &conditions).unwrap_err().to_string()

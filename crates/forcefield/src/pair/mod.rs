@@ -3,6 +3,9 @@
 //! A potential is one file in `potentials/` and one line in its list; a truncation likewise in `truncations/`. Options, scene
 //! keys, dispatch to the kernels, tails, names and tests follow from the two lists.
 
+mod interaction;
+mod laws;
+mod mixture;
 mod model;
 mod part;
 pub mod potentials;
@@ -10,11 +13,14 @@ mod smoothstep;
 mod tail;
 mod truncations;
 
+pub use interaction::{Interaction, ManySpecies, OneSpecies};
+pub use laws::{Laws, as_one_fluid};
+pub use mixture::{MOST_SPECIES, Mixture, SpeciesPair};
 pub use model::{Model, model_name};
 pub use part::SplitWeights;
 pub(crate) use potentials::with_form;
 pub use potentials::*;
-pub use tail::{Tail, tail_correction};
+pub use tail::{Tail, tail_correction, tail_of_mixture};
 pub(crate) use truncations::with_truncated;
 pub use truncations::{Plain, Truncated, TruncationKind, TruncationSpec, truncations};
 
@@ -64,11 +70,23 @@ pub trait PairForm: Copy + Send + Sync + 'static {
     const RARE: bool = false;
     /// The unit of energy of the form, ε: kernels multiply their sums by it.
     const UNIT: f64;
+    /// The numbers of the form that depend on its cutoff. In a mixture they differ from one pair of species to another.
+    fn constants(&self) -> Constants<f64>;
+    /// U, −U′/r and U″ at r² = `r2` σ², for r ≤ r_cut, in [`PairForm::UNIT`], with the constants of any cutoff; `inv_r2` is
+    /// 1/r².
+    fn eval_with<R: Real>(&self, constants: Constants<R>, r2: R, inv_r2: R) -> Pair<R>;
     /// U, −U′/r and U″ at r² = `r2` σ², for r ≤ r_cut, in [`PairForm::UNIT`]; `inv_r2` is 1/r².
-    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R>;
+    #[inline(always)]
+    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
+        let [a, b] = self.constants();
+        self.eval_with([r2.splat(a), r2.splat(b)], r2, inv_r2)
+    }
     /// U, −U′/r and U″ at r² = `r2` σ², in ε.
     #[inline(always)]
     fn eval_in_epsilon<R: Real>(&self, r2: R) -> Pair<R> {
         self.eval(r2, r2.recip()).in_epsilon(Self::UNIT)
     }
 }
+
+/// The numbers of a form that depend on its cutoff; 0 where a form has fewer.
+pub type Constants<R> = [R; 2];

@@ -1,7 +1,7 @@
 //! Near and far parts of a force, for multiple time steps.
 
 use super::smoothstep::Smoothstep;
-use super::{Pair, PairForm};
+use super::{Constants, Pair, PairForm};
 use crate::options::SplitOptions;
 use crate::real::Real;
 
@@ -58,8 +58,12 @@ impl<F: PairForm> PairForm for Part<F> {
     const RARE: bool = true;
     const UNIT: f64 = F::UNIT;
     #[inline(always)]
-    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
-        let pair = self.form.eval(r2, inv_r2);
+    fn constants(&self) -> Constants<f64> {
+        self.form.constants()
+    }
+    #[inline(always)]
+    fn eval_with<R: Real>(&self, constants: Constants<R>, r2: R, inv_r2: R) -> Pair<R> {
+        let pair = self.form.eval_with(constants, r2, inv_r2);
         let step = self.step.eval(r2);
         let weight = step
             .value

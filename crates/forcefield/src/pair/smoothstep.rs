@@ -1,6 +1,6 @@
 //! The smoothstep, and potentials weighted by it.
 
-use super::Pair;
+use super::{Constants, Pair};
 use crate::real::Real;
 
 /// The quintic smoothstep in s = r², falling from 1 at s_on to 0 at s_off with two continuous
@@ -34,11 +34,22 @@ impl Smoothstep {
         }
     }
 
+    /// s_on and 1/(s_off − s_on).
+    #[inline(always)]
+    pub fn constants(&self) -> Constants<f64> {
+        [self.on, self.inv_width]
+    }
+
     /// The value and its derivatives at r² = `r2`.
     #[inline(always)]
     pub fn eval<R: Real>(&self, r2: R) -> Step<R> {
-        let inv_width = r2.splat(self.inv_width);
-        let x = ((r2 - r2.splat(self.on)) * inv_width)
+        Self::with([r2.splat(self.on), r2.splat(self.inv_width)], r2)
+    }
+
+    /// The value and its derivatives at r² = `r2` with [`Smoothstep::constants`] of any step.
+    #[inline(always)]
+    pub fn with<R: Real>([on, inv_width]: Constants<R>, r2: R) -> Step<R> {
+        let x = ((r2 - on) * inv_width)
             .max(r2.splat(0.0))
             .min(r2.splat(1.0));
         let x2 = x * x;

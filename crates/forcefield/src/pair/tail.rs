@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
+use super::{Mixture, as_one_fluid};
 use crate::options::ForceFieldOptions;
 
 /// What lies beyond the cutoff of a homogeneous fluid; totals for the system.
@@ -31,12 +32,47 @@ pub fn tail_correction(o: &ForceFieldOptions, n_atoms: usize, volume: f64) -> Op
     let (energy, virial) = o.potential.tail_integrals(o.truncation.r_cut);
     let n = n_atoms as f64;
     let pairs_density = 2.0 * PI * n * (n / volume);
-    let energy = pairs_density * energy;
-    let virial = -pairs_density * virial;
-    Some(Tail {
-        energy,
-        virial,
-        pressure: virial / (3.0 * volume),
-        energy_per_particle: energy / n,
-    })
+    Some(Tail::new(
+        pairs_density * energy,
+        -pairs_density * virial,
+        n,
+        volume,
+    ))
+}
+
+/// The tail correction of a mixture in `volume` σ³; `None` where the options have it off.
+///
+/// U_tail = (2π/V)·Σ_ab N_a·N_b·∫ r² u_ab dr from r_cut,ab to ∞, and W_tail = −(2π/V)·Σ_ab N_a·N_b·∫ r³ u_ab′ dr, over all
+/// ordered pairs of species. With u_ab(r) = ε·f(r/σ) both integrals are ε·σ³ times the integrals of f from r_cut/σ on.
+#[must_use]
+pub fn tail_of_mixture(o: &ForceFieldOptions, mixture: &Mixture, volume: f64) -> Option<Tail> {
+    if !o.truncation.tail_correction {
+        return None;
+    }
+    if let Some(truncation) = as_one_fluid(&o.truncation, mixture) {
+        let one = ForceFieldOptions { truncation, ..*o };
+        return tail_correction(&one, mixture.n_atoms(), volume);
+    }
+    let (mut energy, mut virial) = (0.0, 0.0);
+    for (pairs, pair) in mixture.ordered_pairs() {
+        let of_pair = o.potential.tail_integrals(pair.r_cut / pair.sigma);
+        let unit = pairs * pair.epsilon * pair.sigma.powi(3);
+        energy += unit * of_pair.0;
+        virial += unit * of_pair.1;
+    }
+    let density = 2.0 * PI / volume;
+    let n = mixture.n_atoms() as f64;
+    Some(Tail::new(density * energy, -density * virial, n, volume))
+}
+
+impl Tail {
+    /// The tail with these totals of `n` particles, ε.
+    fn new(energy: f64, virial: f64, n: f64, volume: f64) -> Self {
+        Self {
+            energy,
+            virial,
+            pressure: virial / (3.0 * volume),
+            energy_per_particle: energy / n,
+        }
+    }
 }

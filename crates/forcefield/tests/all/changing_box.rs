@@ -124,7 +124,7 @@ fn every_loop_gives_the_forces_of_the_reference_while_the_box_changes() {
             .collect();
         for options in loops() {
             let mut forces = build(&options, &at).unwrap();
-            let all_pairs = AllPairs::new(&options).unwrap();
+            let all_pairs = AllPairs::new(&options, None).unwrap();
             for (step, (fluid, (wanted, totals))) in fluids.iter().zip(&reference).enumerate() {
                 let (found, energetics) =
                     all(&mut forces, fluid.cell, &fluid.positions, Want::ENERGY);
@@ -277,7 +277,7 @@ fn a_shrinking_box_gets_a_thinner_skin_and_ends_with_an_error_at_twice_the_cutof
         for half in [2.82, 2.7, 2.6, 2.505, 2.6, 2.82] {
             fluid.scale(DVec3::splat(half / fluid.cell.largest_cutoff()));
             let (found, _) = all(&mut forces, fluid.cell, &fluid.positions, Want::NOTHING);
-            let all_pairs = AllPairs::new(&options).unwrap();
+            let all_pairs = AllPairs::new(&options, None).unwrap();
             for (i, f) in found.iter().enumerate() {
                 let checked = all_pairs.force_on(i, &fluid.cell, &fluid.positions);
                 let off = (*f - checked.force).length();

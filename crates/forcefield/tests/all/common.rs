@@ -4,8 +4,9 @@ use lennard_core::{
     Configuration, DVec3, Energetics, ForceError, ForceTerm, Part, PeriodicBox, Want,
 };
 use lennard_forcefield::{
-    Conditions, ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions,
-    PairForces, Precision, build,
+    Conditions, ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, Mixture, Model,
+    NeighborOptions, PairForces, PotentialOptions, Precision, SpeciesPair, TruncationKind,
+    TruncationOptions, build,
 };
 
 /// Reproducible numbers in [0, 1): Weyl's sequence, with one irrational number per axis.
@@ -33,12 +34,13 @@ pub fn liquid(k: [usize; 3], density: f64, shake: f64) -> (PeriodicBox, Vec<DVec
     (cell, positions)
 }
 
-pub fn conditions(cell: PeriodicBox, n_atoms: usize) -> Conditions {
+pub fn conditions(cell: PeriodicBox, n_atoms: usize) -> Conditions<'static> {
     Conditions {
         cell,
         n_atoms,
         temperature: 1.0,
         dt: 0.004,
+        mixture: None,
     }
 }
 
@@ -47,6 +49,43 @@ pub fn verlet(skin: Option<f64>) -> NeighborOptions {
         mode: ListMode::Verlet,
         skin,
     }
+}
+
+/// Every potential with every truncation.
+pub fn forms() -> Vec<ForceFieldOptions> {
+    let mut all = Vec::new();
+    for potential in PotentialOptions::examples() {
+        for &kind in TruncationKind::ALL {
+            let truncation = TruncationOptions::new(kind, 2.5);
+            if Model::new(&potential, &truncation).is_err() {
+                continue;
+            }
+            all.push(ForceFieldOptions {
+                potential,
+                truncation,
+                ..ForceFieldOptions::default()
+            });
+        }
+    }
+    all
+}
+
+/// The species of `n` particles, one after another.
+pub fn species_of(species: usize, n: usize) -> Vec<u8> {
+    (0..n).map(|i| (i % species) as u8).collect()
+}
+
+/// A mixture in which each pair of species has σ, ε and a cutoff of its own, near those of the unit pair.
+pub fn mixture(species: usize, r_cut: f64, n: usize) -> Mixture {
+    let pair = |a: usize, b: usize| {
+        let (a, b) = (a as f64, b as f64);
+        SpeciesPair {
+            sigma: 1.0 - 0.06 * a - 0.05 * b,
+            epsilon: 1.0 + 0.3 * a - 0.1 * b * b,
+            r_cut: r_cut * (1.0 - 0.03 * a - 0.04 * b),
+        }
+    };
+    Mixture::new(species, pair, species_of(species, n)).unwrap()
 }
 
 /// Every fast loop that this machine can run.
@@ -99,6 +138,15 @@ pub fn reference(
     cell: PeriodicBox,
     positions: &[DVec3],
 ) -> (Vec<DVec3>, Energetics) {
+    reference_of(options, None, cell, positions)
+}
+
+pub fn reference_of(
+    options: &ForceFieldOptions,
+    mixture: Option<&Mixture>,
+    cell: PeriodicBox,
+    positions: &[DVec3],
+) -> (Vec<DVec3>, Energetics) {
     let options = ForceFieldOptions {
         kernel: KernelOptions {
             kernel: Kernel::Reference,
@@ -112,7 +160,14 @@ pub fn reference(
         ..Want::TOTALS
     };
     all(
-        &mut build(&options, &conditions(cell, positions.len())).unwrap(),
+        &mut build(
+            &options,
+            &Conditions {
+                mixture,
+                ..conditions(cell, positions.len())
+            },
+        )
+        .unwrap(),
         cell,
         positions,
         want,
@@ -125,7 +180,7 @@ pub fn magnitudes(
     cell: PeriodicBox,
     positions: &[DVec3],
 ) -> Vec<(f64, f64)> {
-    let model = lennard_forcefield::Model::new(&options.potential, &options.truncation).unwrap();
+    let model = Model::new(&options.potential, &options.truncation).unwrap();
     let mut sums = vec![(0.0, 0.0); positions.len()];
     for i in 0..positions.len() {
         for j in 0..positions.len() {

@@ -251,6 +251,7 @@ fn what_cannot_be_is_refused_with_the_key_it_is_about() {
         n_atoms: 400,
         temperature: 1.0,
         dt: 0.005,
+        mixture: None,
     };
     let base = ForceFieldOptions::default();
     let with = |change: &dyn Fn(&mut ForceFieldOptions)| {

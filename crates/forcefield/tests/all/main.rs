@@ -4,6 +4,7 @@ mod changing_box;
 mod common;
 mod formulas;
 mod kernels;
+mod mixtures;
 mod nist;
 mod strides;
 mod walls;

@@ -57,6 +57,7 @@ fn nist_energies_and_virials_are_met_by_every_loop() {
             n_atoms: positions.len(),
             temperature: 1.0,
             dt: 0.005,
+            mixture: None,
         };
         let list = NeighborOptions {
             mode: ListMode::Verlet,

@@ -165,6 +165,7 @@ impl Start {
             n_atoms: self.positions.len(),
             temperature: STATES[self.state_point].temperature,
             dt,
+            mixture: None,
         };
         Ok(Bench {
             system: System::atoms(self.positions.len()),

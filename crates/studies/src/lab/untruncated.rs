@@ -148,6 +148,7 @@ mod tests {
             n_atoms: boxes.positions.len(),
             temperature: 1.0,
             dt: 0.004,
+            mixture: None,
         };
         let mut forces = lennard_forcefield::build(&options, &conditions).unwrap();
         let (_, right) = boxes

@@ -3,7 +3,7 @@
 use super::{TruncationSpec, without_switch};
 use crate::error::ForceFieldError;
 use crate::options::TruncationOptions;
-use crate::pair::{Pair, PairForm, PairPotential};
+use crate::pair::{Constants, Pair, PairForm, PairPotential};
 use crate::real::Real;
 
 pub(super) const SPEC: TruncationSpec = TruncationSpec {
@@ -56,12 +56,16 @@ impl<P: PairPotential> ForceShift<P> {
 impl<P: PairPotential> PairForm for ForceShift<P> {
     const UNIT: f64 = P::UNIT;
     #[inline(always)]
-    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
+    fn constants(&self) -> Constants<f64> {
+        [self.slope, self.constant]
+    }
+    #[inline(always)]
+    fn eval_with<R: Real>(&self, [slope, constant]: Constants<R>, r2: R, inv_r2: R) -> Pair<R> {
         let pair = self.potential.eval(r2, inv_r2);
         let r = r2.sqrt();
         Pair {
-            energy: pair.energy - r.mul_add(r2.splat(self.slope), r2.splat(self.constant)),
-            force: inv_r2.sqrt().mul_add(r2.splat(self.slope), pair.force),
+            energy: pair.energy - r.mul_add(slope, constant),
+            force: inv_r2.sqrt().mul_add(slope, pair.force),
             curvature: pair.curvature,
         }
     }

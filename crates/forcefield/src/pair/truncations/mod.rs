@@ -12,7 +12,7 @@ pub use xplor::Xplor;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Pair, PairForm, PairPotential};
+use super::{Constants, Pair, PairForm, PairPotential};
 use crate::error::ForceFieldError;
 use crate::options::TruncationOptions;
 use crate::real::Real;
@@ -49,10 +49,14 @@ pub struct Plain<P> {
 impl<P: PairPotential> PairForm for Plain<P> {
     const UNIT: f64 = P::UNIT;
     #[inline(always)]
-    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
+    fn constants(&self) -> Constants<f64> {
+        [self.shift, 0.0]
+    }
+    #[inline(always)]
+    fn eval_with<R: Real>(&self, [shift, _]: Constants<R>, r2: R, inv_r2: R) -> Pair<R> {
         let pair = self.potential.eval(r2, inv_r2);
         Pair {
-            energy: pair.energy - inv_r2.splat(self.shift),
+            energy: pair.energy - shift,
             ..pair
         }
     }

@@ -4,7 +4,7 @@ use super::TruncationSpec;
 use crate::error::ForceFieldError;
 use crate::options::TruncationOptions;
 use crate::pair::smoothstep::{Smoothstep, weighted};
-use crate::pair::{Pair, PairForm, PairPotential};
+use crate::pair::{Constants, Pair, PairForm, PairPotential};
 use crate::real::Real;
 
 pub(super) const SPEC: TruncationSpec = TruncationSpec {
@@ -61,7 +61,11 @@ pub struct Switch<P> {
 impl<P: PairPotential> PairForm for Switch<P> {
     const UNIT: f64 = P::UNIT;
     #[inline(always)]
-    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
-        weighted(self.potential.eval(r2, inv_r2), self.step.eval(r2), r2)
+    fn constants(&self) -> Constants<f64> {
+        self.step.constants()
+    }
+    #[inline(always)]
+    fn eval_with<R: Real>(&self, step: Constants<R>, r2: R, inv_r2: R) -> Pair<R> {
+        weighted(self.potential.eval(r2, inv_r2), Smoothstep::with(step, r2), r2)
     }
 }

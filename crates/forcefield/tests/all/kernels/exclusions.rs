@@ -107,7 +107,7 @@ fn ends_of_bonds_far_apart_in_memory_do_not_interact() {
         };
         let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
         let (found, _) = all(&mut forces, cell, &start, Want::ENERGY);
-        let all_pairs = AllPairs::new(&options).unwrap();
+        let all_pairs = AllPairs::new(&options, None).unwrap();
         // A bond of 0.45 σ alone would push with 10⁶ ε/σ.
         let largest = found.iter().map(|f| f.length()).fold(0.0, f64::max);
         assert!(largest < 5e5, "{options:?}: {largest}");

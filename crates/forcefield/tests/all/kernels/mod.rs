@@ -16,24 +16,6 @@ use lennard_core::{
 use lennard_forcefield::*;
 use proptest::prelude::*;
 
-fn forms() -> Vec<ForceFieldOptions> {
-    let mut all = Vec::new();
-    for potential in PotentialOptions::examples() {
-        for &kind in TruncationKind::ALL {
-            let truncation = TruncationOptions::new(kind, 2.5);
-            if Model::new(&potential, &truncation).is_err() {
-                continue;
-            }
-            all.push(ForceFieldOptions {
-                potential,
-                truncation,
-                ..ForceFieldOptions::default()
-            });
-        }
-    }
-    all
-}
-
 fn want_each() -> Want {
     Want {
         per_particle: true,
@@ -58,7 +40,7 @@ fn one_by_one(
     positions: &[DVec3],
     found: &[DVec3],
 ) -> Result<(), TestCaseError> {
-    let all_pairs = AllPairs::new(options).unwrap();
+    let all_pairs = AllPairs::new(options, None).unwrap();
     for (i, f) in found.iter().enumerate() {
         let wanted = all_pairs.force_on(i, &cell, positions);
         let off = (*f - wanted.force).length();

@@ -1,0 +1,166 @@
+//! From a mixture and options to the truncated potentials of all pairs of species.
+
+use super::{
+    Constants, Form, MOST_SPECIES, Mixture, Model, Pair, PairForm, PotentialOptions, SpeciesPair,
+    with_form,
+};
+use crate::error::ForceFieldError;
+use crate::options::TruncationOptions;
+
+/// The numbers of one pair of species, for u_ab(r) = ε·f(r/σ) with the f of a form in units of σ = σ_ab and ε = ε_ab.
+#[derive(Clone, Copy, Debug)]
+pub struct PairLaw {
+    /// r_cut², σ².
+    pub r_cut2: f64,
+    /// σ_ab², σ².
+    pub sigma2: f64,
+    /// 1/σ_ab², σ⁻².
+    pub inv_sigma2: f64,
+    /// ε_ab, ε.
+    pub epsilon: f64,
+    /// ε_ab/σ_ab², ε/σ²: the unit of −U′/r and of U″.
+    pub stiffness: f64,
+    /// The constants of the form, at the cutoff r_cut/σ_ab.
+    pub constants: Constants<f64>,
+    /// U(r_cut), ε: what the conserved energy subtracts for each pair.
+    pub energy_at_cutoff: f64,
+}
+
+impl PairLaw {
+    /// No interaction.
+    const NOTHING: Self = Self {
+        r_cut2: 0.0,
+        sigma2: 1.0,
+        inv_sigma2: 1.0,
+        epsilon: 0.0,
+        stiffness: 0.0,
+        constants: [0.0; 2],
+        energy_at_cutoff: 0.0,
+    };
+
+    /// The values of the pair at r² = `r2` σ² ≤ r_cut², in [`PairForm::UNIT`].
+    #[inline(always)]
+    pub fn eval<F: PairForm>(&self, form: &F, r2: f64) -> Pair<f64> {
+        let pair = form.eval_with(self.constants, r2 * self.inv_sigma2, self.sigma2 / r2);
+        Pair {
+            energy: self.epsilon * pair.energy,
+            force: self.stiffness * pair.force,
+            curvature: self.stiffness * pair.curvature,
+        }
+    }
+}
+
+/// The truncated potentials of all pairs of species.
+#[derive(Clone, Debug)]
+pub struct Laws {
+    /// The formula; its constants are those of the first pair.
+    pub form: Form,
+    /// The largest cutoff, σ.
+    pub r_cut: f64,
+    /// The smallest cutoff, σ.
+    pub smallest_r_cut: f64,
+    mixture: Mixture,
+    table: [[PairLaw; MOST_SPECIES]; MOST_SPECIES],
+}
+
+impl Laws {
+    /// The potentials that options describe, for the pairs of a mixture.
+    ///
+    /// # Errors
+    /// [`ForceFieldError`] where potential and truncation do not go together or are out of range, with the pair.
+    pub fn new(
+        potential: &PotentialOptions,
+        truncation: &TruncationOptions,
+        mixture: &Mixture,
+    ) -> Result<Self, ForceFieldError> {
+        let first = in_own_units(potential, truncation, mixture.pair(0, 0), [0; 2])?;
+        let mut laws = Self {
+            form: first.form,
+            r_cut: 0.0,
+            smallest_r_cut: f64::INFINITY,
+            mixture: mixture.clone(),
+            table: [[PairLaw::NOTHING; MOST_SPECIES]; MOST_SPECIES],
+        };
+        for a in 0..mixture.species() {
+            for b in 0..mixture.species() {
+                let pair = mixture.pair(a, b);
+                let model = in_own_units(potential, truncation, pair, [a, b])?;
+                let r_cut = model.r_cut * pair.sigma;
+                // A product with the inverse of σ rounds. The cutoff of the scene stays what it is.
+                let r_cut = if potential.own_end().is_some() {
+                    r_cut
+                } else {
+                    pair.r_cut
+                };
+                laws.r_cut = laws.r_cut.max(r_cut);
+                laws.smallest_r_cut = laws.smallest_r_cut.min(r_cut);
+                let sigma2 = pair.sigma * pair.sigma;
+                laws.table[a][b] = PairLaw {
+                    r_cut2: r_cut * r_cut,
+                    sigma2,
+                    inv_sigma2: 1.0 / sigma2,
+                    epsilon: pair.epsilon,
+                    stiffness: pair.epsilon / sigma2,
+                    constants: with_form!(&model.form, form => form.constants()),
+                    energy_at_cutoff: pair.epsilon * model.energy_at_cutoff,
+                };
+            }
+        }
+        Ok(laws)
+    }
+
+    /// The law of two particles.
+    #[inline(always)]
+    pub fn between(&self, i: usize, j: usize) -> &PairLaw {
+        let of_particle = self.mixture.of_particle();
+        let [a, b] = [i, j].map(|i| usize::from(of_particle[i]));
+        &self.table[a][b]
+    }
+
+    /// The values of two particles at r² = `r2` σ² ≤ r_cut², ε.
+    pub fn eval(&self, i: usize, j: usize, r2: f64) -> Pair<f64> {
+        let law = self.between(i, j);
+        with_form!(&self.form, form => in_epsilon(form, law.eval(form, r2)))
+    }
+}
+
+fn in_epsilon<F: PairForm>(_form: &F, pair: Pair<f64>) -> Pair<f64> {
+    pair.in_epsilon(F::UNIT)
+}
+
+/// The truncation at another cutoff; a switch keeps its share of it.
+fn of_pair(truncation: &TruncationOptions, r_cut: f64) -> TruncationOptions {
+    if r_cut == truncation.r_cut {
+        return *truncation;
+    }
+    TruncationOptions {
+        r_cut,
+        switch_from: truncation
+            .switch_from
+            .map(|from| from / truncation.r_cut * r_cut),
+        ..*truncation
+    }
+}
+
+/// The truncation of the one fluid that a mixture is where all its pairs have σ = ε = 1 and the same cutoff.
+pub fn as_one_fluid(
+    truncation: &TruncationOptions,
+    mixture: &Mixture,
+) -> Option<TruncationOptions> {
+    let pair = mixture.alike()?;
+    (*pair == SpeciesPair::unit(pair.r_cut)).then(|| of_pair(truncation, pair.r_cut))
+}
+
+/// The model of a pair in units of its own σ and ε.
+fn in_own_units(
+    potential: &PotentialOptions,
+    truncation: &TruncationOptions,
+    pair: &SpeciesPair,
+    species: [usize; 2],
+) -> Result<Model, ForceFieldError> {
+    let own = of_pair(truncation, pair.r_cut / pair.sigma);
+    Model::new(potential, &own).map_err(|reason| ForceFieldError::OfPair {
+        species,
+        reason: Box::new(reason),
+    })
+}
