@@ -68,9 +68,8 @@ impl Smoothstep {
 
     /// The cubic step S = (1 − x)²·(1 + 2x) with the same ends, and its derivatives at r² = `r2`: one continuous derivative.
     #[inline(always)]
-    pub fn eval_cubic<R: Real>(&self, r2: R) -> Step<R> {
-        let inv_width = r2.splat(self.inv_width);
-        let free = (r2 - r2.splat(self.on)) * inv_width;
+    pub fn cubic_with<R: Real>([on, inv_width]: Constants<R>, r2: R) -> Step<R> {
+        let free = (r2 - on) * inv_width;
         let x = free.max(r2.splat(0.0)).min(r2.splat(1.0));
         let rest = r2.splat(1.0) - x;
         // S″ jumps at both ends: 1 inside, and 0 where x is held.

@@ -66,6 +66,10 @@ impl<P: PairPotential> PairForm for Switch<P> {
     }
     #[inline(always)]
     fn eval_with<R: Real>(&self, step: Constants<R>, r2: R, inv_r2: R) -> Pair<R> {
-        weighted(self.potential.eval(r2, inv_r2), Smoothstep::with(step, r2), r2)
+        weighted(
+            self.potential.eval(r2, inv_r2),
+            Smoothstep::with(step, r2),
+            r2,
+        )
     }
 }

@@ -4,7 +4,7 @@ use super::{TruncationSpec, switch};
 use crate::error::ForceFieldError;
 use crate::options::TruncationOptions;
 use crate::pair::smoothstep::{Smoothstep, weighted};
-use crate::pair::{Pair, PairForm, PairPotential};
+use crate::pair::{Constants, Pair, PairForm, PairPotential};
 use crate::real::Real;
 
 pub(super) const SPEC: TruncationSpec = TruncationSpec {
@@ -47,8 +47,12 @@ pub struct Xplor<P> {
 impl<P: PairPotential> PairForm for Xplor<P> {
     const UNIT: f64 = P::UNIT;
     #[inline(always)]
-    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
+    fn constants(&self) -> Constants<f64> {
+        self.step.constants()
+    }
+    #[inline(always)]
+    fn eval_with<R: Real>(&self, step: Constants<R>, r2: R, inv_r2: R) -> Pair<R> {
         let pair = self.potential.eval(r2, inv_r2);
-        weighted(pair, self.step.eval_cubic(r2), r2)
+        weighted(pair, Smoothstep::cubic_with(step, r2), r2)
     }
 }
