@@ -6,6 +6,7 @@
 mod all_pairs;
 mod canonical;
 mod clock;
+mod contact_law;
 mod error;
 mod field;
 mod fused;
@@ -24,6 +25,10 @@ mod validity;
 mod walls;
 
 pub use all_pairs::{AllPairs, CheckedForce};
+pub use contact_law::{
+    ContactLaw, SMALLEST_SOFT_RESTITUTION, SpringLaw, SpringPoint, damping_ratio_for,
+    restitution_of,
+};
 pub use error::{ForceFieldError, LARGEST_N};
 pub use field::ConstantField;
 pub use options::{
@@ -39,8 +44,8 @@ pub use plan::{Conditions, ForcePlan, Search, recommended_threads};
 pub use provider::{PairForces, build};
 pub use real::Real;
 pub use walls::{
-    Hit, Rebound, SHALLOWEST_ROOM, SlitPlanes, Surface, WallContext, WallForce, WallOptions,
-    WallPair, WallPoint, WallSpec, Walls, walls,
+    Hard, Hit, HitRule, Rebound, Response, SHALLOWEST_ROOM, SlitPlanes, Soft, Surface, WallContext,
+    WallForce, WallOptions, WallPair, WallPoint, WallSpec, Walls, walls,
 };
 
 /// Whether a force field can be built for these conditions; nothing is built.

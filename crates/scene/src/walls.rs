@@ -3,7 +3,7 @@
 use lennard_core::random::Streams;
 use lennard_core::{Axis, DVec3, Integrator, Masses, PeriodicBox};
 use lennard_forcefield::{
-    ConstantField, SHALLOWEST_ROOM, SlitPlanes, Surface, WallContext, WallOptions, WallPair, Walls,
+    ConstantField, HitRule, SHALLOWEST_ROOM, SlitPlanes, WallContext, WallOptions, WallPair, Walls,
 };
 use lennard_integrators::integrators;
 use lennard_observables::Surroundings;
@@ -17,6 +17,9 @@ use crate::{Lattice, Scene, Start};
 
 /// What the walls take of the box along their axis beyond the cutoff, σ, where the scene does not say.
 const DEFAULT_ROOM: f64 = 1.0;
+
+/// ω·h of the spring of a wall up to which a hit changes the energy by less than 10⁻⁴ on average.
+const ACCURATE_PHASE: f64 = 0.2;
 
 /// A table `[[wall]]`: walls at both ends of an axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -276,6 +279,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
                 )));
         }
         hard_walls_suit(scene, i, table)?;
+        springs_are_stable(scene, i, table)?;
     }
     for axis in Axis::ALL {
         let g = scene.acceleration[axis.index()];
@@ -294,16 +298,55 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
+/// Refuses walls whose spring is too stiff for the step of a stage: ω·h must stay below the limit of the method.
+fn springs_are_stable(scene: &Scene, i: usize, table: &WallTable) -> Result<(), SceneError> {
+    let context = WallContext {
+        temperature: scene.system.temperature,
+    };
+    let surface = table.options.surface(&context, false);
+    let Some(omega) = surface.frequency() else {
+        return Ok(());
+    };
+    for stage in &scene.stages {
+        let limit = scene.method_of(stage).spec().stability_limit;
+        let (dt, limit) = (scene.stage_dt(stage), limit.unwrap_or(f64::INFINITY));
+        if omega * dt >= limit {
+            return Err(scene
+                .source
+                .refuse(
+                    &format!("wall.{i}.stiffness"),
+                    "is too stiff for the step",
+                )
+                .found(format!(
+                    "ω·dt = {:.3} with ω = √(k/m) = {omega:.3} per τ and dt = {dt}",
+                    omega * dt
+                ))
+                .allowed(format!(
+                    "a stiffness below {:.4e} ε/σ²; hits keep their energy to 10⁻⁴ below {:.4e} ε/σ²",
+                    (limit / dt).powi(2),
+                    (ACCURATE_PHASE / dt).powi(2)
+                )));
+        }
+    }
+    Ok(())
+}
+
 /// Refuses walls that are hit under a method or a start that does not suit their flight.
 fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), SceneError> {
     let context = WallContext {
         temperature: scene.system.temperature,
     };
-    let Surface::Hit(wall) = table.options.surface(&context, false) else {
-        return Ok(());
+    let surface = table.options.surface(&context, false);
+    let (rule, message) = match (surface.rule(), surface.dashpot()) {
+        (Some(rule), _) => (rule, "is hit in drifts, which the method does not make"),
+        (None, Some(_)) => (
+            HitRule::OnLines,
+            "has a dashpot, which acts in drifts that the method does not make",
+        ),
+        (None, None) => return Ok(()),
     };
     let suits = |integrator: &Integrator| {
-        let kicks = integrator.spec().is_kick_drift_kick || !wall.follows_parabolas();
+        let kicks = integrator.spec().is_kick_drift_kick || !rule.needs_kick_drift_kick();
         integrator.takes_hard_walls() && kicks
     };
     for stage in &scene.stages {
@@ -313,23 +356,20 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
             let names: Vec<&str> = fit.map(|entry| entry.spec.name).collect();
             return Err(scene
                 .source
-                .refuse(
-                    &format!("wall.{i}.kind"),
-                    "is hit in drifts, which the method does not make",
-                )
+                .refuse(&format!("wall.{i}.kind"), message)
                 .found(format!(
                     "{:?} with {:?}",
                     table.options.spec().name,
                     integrator.spec().name
                 ))
                 .allowed(format!(
-                    "the integrators {}, or a wall that exerts a force",
+                    "the integrators {}, or a wall that only exerts a force",
                     quoted(&names)
                 )));
         }
     }
     let is_single = matches!(scene.system.start, Start::Lattice { n_atoms: 1, .. });
-    if wall.follows_parabolas() && !is_single {
+    if rule == HitRule::OnParabolas && !is_single {
         return Err(scene
             .source
             .refuse(

@@ -1,5 +1,6 @@
 //! Tests of runs from outside: invariants, restart, watching, hostile input, error texts.
 
+mod collisions;
 mod hostile;
 mod invariants;
 mod messages;

@@ -279,6 +279,14 @@ fn every_wall_goes_on_to_the_bit() {
             assert!(in_parts(&[&scene[..], &more].concat()), "{}", wall.name);
         }
     }
+    for other in [
+        r#"[{kind="hard", response="mirror", restitution=0.9}]"#,
+        r#"[{kind="hard", response="project"}]"#,
+        r#"[{kind="soft", restitution=0.5}]"#,
+    ] {
+        let scene = [("wall", other), ("stage.production.thermostat", "bussi")];
+        assert!(in_parts(&[&scene[..], &more].concat()), "{other}");
+    }
 }
 
 #[test]

@@ -32,7 +32,7 @@ fn build(overrides: &[(&str, &str)]) -> Simulation {
     prepare(scene).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn method() -> lennard_core::Integrator {
+pub(crate) fn method() -> lennard_core::Integrator {
     lennard_integrators::build(&lennard_integrators::IntegratorOptions::default())
 }
 
@@ -137,8 +137,8 @@ fn every_wall_keeps_its_particles_and_its_energy() {
 
 #[test]
 fn any_number_of_threads_gives_the_bits_of_one() {
-    let bits = |threads: usize, kind: &str| -> StateArchive {
-        let tables = format!("[{{kind=\"{kind}\"}}]");
+    let bits = |threads: usize, wall: &str| -> StateArchive {
+        let tables = format!("[{{{wall}}}]");
         let mut simulation = build(&[("wall", &tables), ("stage.production.steps", "200")]);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.unwrap()
@@ -149,10 +149,16 @@ fn any_number_of_threads_gives_the_bits_of_one() {
         archive.arrays.remove("forces/seconds");
         archive
     };
-    for wall in walls() {
+    let others = [
+        "kind=\"hard\", response=\"mirror\"",
+        "kind=\"hard\", response=\"project\"",
+        "kind=\"soft\", restitution=0.5",
+    ];
+    let of_the_list = walls().iter().map(|w| format!("kind=\"{}\"", w.name));
+    for wall in of_the_list.chain(others.map(str::to_owned)) {
         // As text: NaN equals itself.
-        let [one, three] = [1, 3].map(|threads| format!("{:?}", bits(threads, wall.name)));
-        assert!(one == three, "{}", wall.name);
+        let [one, three] = [1, 3].map(|threads| format!("{:?}", bits(threads, &wall)));
+        assert!(one == three, "{wall}");
     }
 }
 
@@ -197,16 +203,20 @@ fn the_walls_carry_the_weight_of_a_gas_and_both_feel_a_fluid_alike() {
     assert!(error < 0.1 * weight, "{found:?}");
 }
 
-/// One ball in gravity between hard planes, dropped from the middle.
-fn ball(options: &str, h: f64) -> (State, ForceSum<NoForces>, System) {
+/// Walls across z of a cube of side 10, between 2 and 8.
+pub(crate) fn slit_of(options: &str) -> Walls {
     let cell = PeriodicBox::new(DVec3::splat(10.0)).unwrap();
     let planes = SlitPlanes::new(&cell, Axis::Z.index(), 4.0, 0.0);
     let context = WallContext { temperature: 1.0 };
     let pair = WallPair::new(&toml::from_str(options).unwrap(), planes, &context);
+    Walls::new(vec![pair], Streams::new(1).noise("walls"))
+}
+
+/// One ball in gravity between walls, dropped from the middle.
+pub(crate) fn ball(options: &str, h: f64) -> (State, ForceSum<NoForces>, System) {
+    let cell = PeriodicBox::new(DVec3::splat(10.0)).unwrap();
     let field = ConstantField::new(DVec3::new(0.0, 0.0, -1.0), Masses::Uniform(1.0));
-    let mut forces = ForceSum::new(NoForces)
-        .with(Walls::new(vec![pair], Streams::new(1).noise("walls")))
-        .with(field);
+    let mut forces = ForceSum::new(NoForces).with(slit_of(options)).with(field);
     let system = System::atoms(1).pushed_along(forces.properties().breaks_momentum);
     let mut state = State::new(cell, vec![DVec3::new(5.0, 5.0, 3.0)], vec![DVec3::ZERO]);
     let mut method = method();

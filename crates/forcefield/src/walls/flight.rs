@@ -3,7 +3,7 @@
 use lennard_core::random::CounterRng;
 use lennard_core::{Boundary, DVec3, Flight};
 
-use super::{Hit, SlitPlanes, Surface, WallPair, Walls};
+use super::{Hit, HitRule, SlitPlanes, Surface, WallPair, Walls};
 
 /// Hits of one particle in one flight, after which it rests at the plane.
 pub(super) const MOST_HITS: usize = 16;
@@ -19,8 +19,9 @@ impl Walls {
         random: &mut CounterRng,
     ) -> f64 {
         let end = *x + h * *v;
-        let stays =
-            |pair: &WallPair| !pair.is_hit() || pair.distances(end).iter().all(|z| *z > 0.0);
+        let stays = |pair: &WallPair| {
+            !pair.is_hit_on_the_way() || pair.distances(end).iter().all(|z| *z > 0.0)
+        };
         if self.pairs.iter().all(stays) || !end.is_finite() {
             *x = end;
             return 0.0;
@@ -74,7 +75,7 @@ impl Walls {
 
     /// Takes off what rounding put behind a plane.
     pub(super) fn clamp_between_planes(&self, x: &mut DVec3) {
-        for pair in self.pairs.iter().filter(|pair| pair.is_hit()) {
+        for pair in self.pairs.iter().filter(|pair| pair.is_hit_on_the_way()) {
             let SlitPlanes {
                 axis, lower, upper, ..
             } = pair.planes;
@@ -102,7 +103,10 @@ impl Walls {
         let mut first: Option<(f64, usize)> = None;
         for (p, pair) in self.pairs.iter().enumerate() {
             for (end, z) in pair.distances(x).into_iter().enumerate() {
-                if !matches!(pair.surfaces[end], Surface::Hit(_)) {
+                if !pair.surfaces[end]
+                    .rule()
+                    .is_some_and(HitRule::is_on_the_way)
+                {
                     continue;
                 }
                 let arrival = time(z, pair.planes.axis, [-1.0, 1.0][end]);
@@ -121,16 +125,27 @@ impl Boundary for Walls {
     fn fly(&mut self, flight: Flight<'_>) -> f64 {
         let counter = 2 * flight.step + u64::from(flight.is_later);
         let (noise, along_parabolas) = (self.noise, self.follows_parabolas());
+        let (is_damped, acts_at_end) = (self.has_dashpots(), self.acts_at_end());
         let particles = flight.positions.iter_mut().zip(flight.velocities);
         let mut heat = 0.0;
         for (i, ((x, v), force)) in particles.zip(flight.forces).enumerate() {
             let (mass, h) = (flight.masses.of(i), flight.h);
             let mut random = noise.at(counter, i as u32);
+            let (start, half_kick) = (*x, 0.5 * h / mass * *force);
+            if is_damped {
+                heat += self.damp(*x, v, mass, 0.5 * h);
+            }
             heat += if along_parabolas {
                 self.fall_one(x, v, mass, *force / mass, h, &mut random)
             } else {
                 self.fly_one(x, v, mass, h, &mut random)
             };
+            if acts_at_end {
+                heat += self.end_one((start, x), v, half_kick, h, mass, &mut random);
+            }
+            if is_damped {
+                heat += self.damp(*x, v, mass, 0.5 * h);
+            }
         }
         heat
     }

@@ -3,17 +3,22 @@
 use std::sync::Arc;
 
 use lennard_core::DVec3;
+use lennard_core::options::OptionError;
 
-use super::{Hit, Rebound, Surface, Wall, WallContext, WallSpec};
+use super::{Hit, HitRule, Rebound, Surface, Wall, WallContext, WallSpec};
 
 lennard_core::choices! {
-    /// How a particle flies from hit to hit.
+    /// How a particle flies from hit to hit, and what a hit does.
     pub enum Response {
         /// Along straight lines inside the drift of kick-drift-kick.
         #[default]
         Billiard = "billiard",
         /// Along parabolas: exact for one particle in a constant field.
         Event = "event",
+        /// At the end of the step: x ← −e·x and v ← −e·v, counted from the plane.
+        Mirror = "mirror",
+        /// At the end of the drift: back to the plane, and Verlet's velocity of the displacement.
+        Project = "project",
     }
 }
 
@@ -23,12 +28,25 @@ lennard_core::options! {
     /// With `billiard` the drift flies to the plane, changes the velocity and flies on. For e = 1, drift and kicks are exact
     /// flows: the step stays symplectic and reversible. With `event` the flight is the parabola of a constant acceleration.
     /// Hits then have their exact times. A particle comes to rest where the next flight would be shorter than two steps.
+    ///
+    /// With `mirror` a step ends first, and then position and velocity are mirrored. In a field each bounce gains 2g·|x|. With
+    /// `project` a position behind the plane is moved to the plane, and its velocity becomes (x' − x)/h: e is 0.
     #[derive(Copy)]
     pub struct Hard {
-        /// Flight between hits; `event` for one particle under velocity Verlet alone.
+        /// What happens at a hit; `event` for one particle under velocity Verlet alone, `mirror` under velocity Verlet.
         response: Response = Response::Billiard, Names(Response::names);
         /// Restitution e: the share of the normal speed that a particle keeps at a hit. Below 1 the hits take energy out, which counts as heat.
-        restitution: f64 = 1.0, Between(0.0, 1.0);
+        restitution: Option<f64> = None, else "1; 0 with `project`", Between(0.0, 1.0);
+    }
+}
+
+impl Hard {
+    fn kept_share(&self) -> f64 {
+        let usual = match self.response {
+            Response::Project => 0.0,
+            Response::Billiard | Response::Event | Response::Mirror => 1.0,
+        };
+        self.restitution.unwrap_or(usual)
     }
 }
 
@@ -43,12 +61,23 @@ impl Wall for Hard {
     fn surface(&self, _context: &WallContext, _is_upper: bool) -> Surface {
         Surface::Hit(Arc::new(*self))
     }
+
+    fn check_together(&self) -> Result<(), OptionError> {
+        match self.restitution {
+            Some(e) if self.response == Response::Project && e > 0.0 => Err(OptionError {
+                key: "restitution",
+                found: format!("{e} with response = \"project\""),
+                allowed: "0, or nothing: a projection keeps no speed; \"billiard\" takes any restitution".to_owned(),
+            }),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl Rebound for Hard {
     fn leave(&self, hit: Hit<'_>) -> DVec3 {
         let mut v = hit.velocity;
-        v[hit.axis] *= -self.restitution;
+        v[hit.axis] *= -self.kept_share();
         v
     }
 
@@ -56,7 +85,14 @@ impl Rebound for Hard {
         false
     }
 
-    fn follows_parabolas(&self) -> bool {
-        self.response == Response::Event
+    fn rule(&self) -> HitRule {
+        match self.response {
+            Response::Billiard => HitRule::OnLines,
+            Response::Event => HitRule::OnParabolas,
+            Response::Mirror => HitRule::Mirrored {
+                restitution: self.kept_share(),
+            },
+            Response::Project => HitRule::Projected,
+        }
     }
 }

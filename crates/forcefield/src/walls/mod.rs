@@ -1,5 +1,6 @@
 //! The list of walls: one file and one line each.
 
+mod at_end;
 mod flight;
 mod parabola;
 mod planes;
@@ -9,8 +10,9 @@ mod term;
 use lennard_core::options::{Keys, OptionError, Options};
 use serde::{Deserialize, Serialize};
 
+pub use hard::Response;
 pub use planes::{SHALLOWEST_ROOM, SlitPlanes};
-pub use surface::{Hit, Rebound, Surface, WallForce, WallPoint};
+pub use surface::{Hit, HitRule, Rebound, Surface, WallForce, WallPoint};
 pub use term::{WallPair, Walls};
 
 /// What a wall declares about itself.
@@ -40,6 +42,14 @@ pub trait Wall: Options + 'static {
 
     /// What the wall at one end of the axis does to particles.
     fn surface(&self, context: &WallContext, is_upper: bool) -> Surface;
+
+    /// Whether the options go together; each alone lies in its range.
+    ///
+    /// # Errors
+    /// [`OptionError`] with the key that does not fit the others.
+    fn check_together(&self) -> Result<(), OptionError> {
+        Ok(())
+    }
 }
 
 /// Makes options, dispatch and lists from lines `file::Variant = "name",`.
@@ -78,7 +88,10 @@ macro_rules! list_of_walls {
             /// [`OptionError`] with the key that is to blame.
             pub fn check(&self) -> Result<(), OptionError> {
                 match self {
-                    $(Self::$variant(wall) => wall.check(),)*
+                    $(Self::$variant(wall) => {
+                        wall.check()?;
+                        wall.check_together()
+                    })*
                 }
             }
 

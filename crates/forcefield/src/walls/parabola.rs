@@ -4,12 +4,12 @@ use lennard_core::DVec3;
 use lennard_core::random::CounterRng;
 
 use super::flight::MOST_HITS;
-use super::{Surface, Walls};
+use super::{HitRule, Surface, Walls};
 
 impl Walls {
     /// Whether particles fly along parabolas from hit to hit.
     pub(super) fn follows_parabolas(&self) -> bool {
-        let parabolic = |s: &Surface| matches!(s, Surface::Hit(wall) if wall.follows_parabolas());
+        let parabolic = |s: &Surface| s.rule() == Some(HitRule::OnParabolas);
         self.pairs
             .iter()
             .any(|pair| pair.surfaces.iter().any(parabolic))

@@ -6,6 +6,8 @@ use std::sync::Arc;
 use lennard_core::DVec3;
 use lennard_core::random::CounterRng;
 
+use crate::contact_law::ContactLaw;
+
 /// Energy, force and curvature of a wall at one distance.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct WallPoint {
@@ -32,6 +34,11 @@ pub trait WallForce: Debug + Send + Sync {
     fn acts_behind_plane(&self) -> bool {
         false
     }
+
+    /// The contact of a wall that is a spring behind its plane; none as a rule. Its dashpot acts in drifts.
+    fn contact(&self) -> Option<&ContactLaw> {
+        None
+    }
 }
 
 /// A particle at the moment at which it hits a plane.
@@ -49,6 +56,36 @@ pub struct Hit<'a> {
     pub random: &'a mut CounterRng,
 }
 
+/// Where in a step a hit happens.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum HitRule {
+    /// Where the straight line of the drift meets the plane.
+    OnLines,
+    /// Where the parabola of a constant acceleration meets the plane.
+    OnParabolas,
+    /// At the end of a step of kick-drift-kick: position and velocity are mirrored, and both lose their share.
+    Mirrored {
+        /// The share e that is kept.
+        restitution: f64,
+    },
+    /// At the end of the drift: the position moves to the plane, and the velocity is the displacement over the time.
+    Projected,
+}
+
+impl HitRule {
+    /// Whether hits happen on the way, and not at its end.
+    #[must_use]
+    pub fn is_on_the_way(self) -> bool {
+        matches!(self, Self::OnLines | Self::OnParabolas)
+    }
+
+    /// Whether the rule is made for steps of kick-drift-kick alone.
+    #[must_use]
+    pub fn needs_kick_drift_kick(self) -> bool {
+        matches!(self, Self::OnParabolas | Self::Mirrored { .. })
+    }
+}
+
 /// A wall that is hit.
 pub trait Rebound: Debug + Send + Sync {
     /// The velocity with which a particle leaves, σ/τ; its outward component is 0 or less.
@@ -57,9 +94,9 @@ pub trait Rebound: Debug + Send + Sync {
     /// Whether a hit changes velocities along the plane too.
     fn drags(&self) -> bool;
 
-    /// Whether particles fly to this wall along parabolas, as under a constant acceleration.
-    fn follows_parabolas(&self) -> bool {
-        false
+    /// Where in a step its hits happen.
+    fn rule(&self) -> HitRule {
+        HitRule::OnLines
     }
 }
 
@@ -73,6 +110,33 @@ pub enum Surface {
 }
 
 impl Surface {
+    /// Where in a step hits of this wall happen; `None` where it is not hit.
+    #[must_use]
+    pub fn rule(&self) -> Option<HitRule> {
+        match self {
+            Self::Hit(wall) => Some(wall.rule()),
+            Self::Exerts(_) => None,
+        }
+    }
+
+    /// The contact of a wall that is a spring with a dashpot.
+    #[must_use]
+    pub fn dashpot(&self) -> Option<&ContactLaw> {
+        match self {
+            Self::Exerts(wall) => wall.contact().filter(|contact| contact.is_damped()),
+            Self::Hit(_) => None,
+        }
+    }
+
+    /// ω = √(k/m) of a unit mass at a wall that is a linear spring, τ⁻¹.
+    #[must_use]
+    pub fn frequency(&self) -> Option<f64> {
+        match self {
+            Self::Exerts(wall) => wall.contact()?.frequency(1.0),
+            Self::Hit(_) => None,
+        }
+    }
+
     /// The distance at which the first layer of a lattice may stand, σ.
     #[must_use]
     pub fn clearance(&self) -> f64 {

@@ -10,7 +10,7 @@ use lennard_core::{
     ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, WallReading, Want,
 };
 
-use super::{SlitPlanes, Surface, WallContext, WallOptions};
+use super::{HitRule, SlitPlanes, Surface, WallContext, WallOptions};
 
 /// Two walls, at both ends of an axis.
 #[derive(Debug, Clone)]
@@ -36,8 +36,16 @@ impl WallPair {
         [x - self.planes.lower, self.planes.upper - x]
     }
 
-    pub(super) fn is_hit(&self) -> bool {
-        self.surfaces.iter().any(|s| matches!(s, Surface::Hit(_)))
+    /// Whether a wall is hit on the way of a flight, and not at its end.
+    pub(super) fn is_hit_on_the_way(&self) -> bool {
+        let on_the_way = |s: &Surface| s.rule().is_some_and(HitRule::is_on_the_way);
+        self.surfaces.iter().any(on_the_way)
+    }
+
+    /// Whether a wall acts in flights: it is hit, or it has a dashpot.
+    fn bounds_flight(&self) -> bool {
+        let bounds = |s: &Surface| s.rule().is_some() || s.dashpot().is_some();
+        self.surfaces.iter().any(bounds)
     }
 }
 
@@ -245,7 +253,7 @@ impl ForceTerm for Walls {
         ForceProperties {
             splits: true,
             breaks_momentum,
-            bounds_flight: self.pairs.iter().any(WallPair::is_hit),
+            bounds_flight: self.pairs.iter().any(WallPair::bounds_flight),
             ..ForceProperties::default()
         }
     }
@@ -255,7 +263,7 @@ impl ForceTerm for Walls {
     }
 
     fn boundary(&mut self) -> Option<&mut dyn Boundary> {
-        if self.pairs.iter().any(WallPair::is_hit) {
+        if self.pairs.iter().any(WallPair::bounds_flight) {
             Some(self)
         } else {
             None

@@ -1,0 +1,94 @@
+//! What walls do at the ends of a flight: mirrors, projections and dashpots.
+
+use lennard_core::DVec3;
+use lennard_core::random::CounterRng;
+
+use super::{HitRule, Surface, Walls};
+
+impl Walls {
+    /// Whether a wall mirrors or projects at the end of a flight.
+    pub(super) fn acts_at_end(&self) -> bool {
+        self.any_surface(|s| s.rule().is_some_and(|rule| !rule.is_on_the_way()))
+    }
+
+    /// Whether a wall has a dashpot.
+    pub(super) fn has_dashpots(&self) -> bool {
+        self.any_surface(|s| s.dashpot().is_some())
+    }
+
+    fn any_surface(&self, wanted: impl Fn(&Surface) -> bool) -> bool {
+        self.pairs
+            .iter()
+            .any(|pair| pair.surfaces.iter().any(&wanted))
+    }
+
+    /// Mirrors or projects one particle that has flown from `start` to `x` in a time h; returns the kinetic energy put in.
+    ///
+    /// The velocity of kick-drift-kick lacks its closing half kick here. The mirror takes the whole-step velocity v + `half_kick`,
+    /// which is exact in a constant field, and leaves v′ − `half_kick`.
+    pub(super) fn end_one(
+        &mut self,
+        (start, x): (DVec3, &mut DVec3),
+        v: &mut DVec3,
+        half_kick: DVec3,
+        h: f64,
+        mass: f64,
+        random: &mut CounterRng,
+    ) -> f64 {
+        let mut heat = 0.0;
+        for index in 0..self.readings.len() {
+            let (pair, end) = (&self.pairs[index / 2], index % 2);
+            let (Some(rule), z) = (pair.surfaces[end].rule(), pair.distances(*x)[end]) else {
+                continue;
+            };
+            if z >= 0.0 {
+                continue;
+            }
+            let reading = self.readings[index];
+            let (axis, outward) = (reading.axis, reading.outward());
+            match rule {
+                HitRule::Mirrored { restitution } => {
+                    x[axis] = reading.position + outward * restitution * z;
+                    v[axis] += half_kick[axis];
+                    if outward * v[axis] > 0.0 {
+                        let before = v.length_squared();
+                        self.strike(index, v, mass, random);
+                        heat += 0.5 * mass * (v.length_squared() - before);
+                    }
+                    v[axis] -= half_kick[axis];
+                }
+                HitRule::Projected => {
+                    let before = v[axis];
+                    x[axis] = reading.position;
+                    v[axis] = (x[axis] - start[axis]) / h;
+                    let reading = &mut self.readings[index];
+                    reading.impulse += outward * mass * (before - v[axis]);
+                    reading.hits += 1;
+                    heat += 0.5 * mass * (v[axis] * v[axis] - before * before);
+                }
+                HitRule::OnLines | HitRule::OnParabolas => {}
+            }
+        }
+        heat
+    }
+
+    /// Lets the dashpots of soft walls act on one particle for a time h; returns the kinetic energy put in, 0 or less.
+    pub(super) fn damp(&mut self, x: DVec3, v: &mut DVec3, mass: f64, h: f64) -> f64 {
+        let mut heat = 0.0;
+        for (pair, readings) in self.pairs.iter().zip(self.readings.chunks_mut(2)) {
+            let ends = pair.surfaces.iter().zip(pair.distances(x)).zip(readings);
+            for ((surface, z), reading) in ends {
+                let Some(contact) = surface.dashpot() else {
+                    continue;
+                };
+                let (axis, outward) = (reading.axis, reading.outward());
+                let before = outward * v[axis];
+                let after = contact.damped(-z, before, mass, h);
+                v[axis] = outward * after;
+                reading.impulse += mass * (before - after);
+                heat += 0.5 * mass * (after * after - before * before);
+            }
+        }
+        heat
+    }
+}
