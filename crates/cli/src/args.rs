@@ -60,6 +60,11 @@ pub enum Command {
         after_help = "Examples:\n  lennard stability --out runs/stability\n  lennard stability --quick"
     )]
     Stability(StabilityArgs),
+    /// Measure constraints, springs, SPOOK and collisions on few bodies and on dumbbells, beside theory.
+    #[command(
+        after_help = "Examples:\n  lennard mechanics --out runs/mechanics\n  lennard mechanics --quick"
+    )]
+    Mechanics(StabilityArgs),
     /// Chart speed against accuracy: one scene with many settings, and which of them are worth their cost.
     #[command(after_help = "Examples:\n  \
         lennard chart inputs/verlet-1967/triple-point.toml --quick\n  \

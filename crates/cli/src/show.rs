@@ -20,9 +20,8 @@ use lennard_core::{Cell, Table, Tone};
 use lennard_engine::{EnergyReport, Plan, Simulation};
 use lennard_io::{Conservation, RunRecord};
 use lennard_report::{ErrorStyle, cell_text, heading, is_numeric};
-use lennard_studies::claims;
+use lennard_studies::claims::{self, Claim};
 use lennard_studies::compare::ComparedRun;
-use lennard_studies::stability::StabilityStudy;
 
 use crate::list_entry::Entry;
 
@@ -250,9 +249,9 @@ pub fn plan(plan: &Plan) {
     );
 }
 
-/// The verdicts of the stability study, and the largest stable steps.
-pub fn stability(study: &StabilityStudy, folder: &Path) {
-    let claims = claims::table(&study.claims).without(&["Judged by", "Wanted"]);
+/// The verdicts of a study of claims.
+pub fn verdicts(found: &[Claim], folder: &Path) {
+    let claims = claims::table(found).without(&["Judged by", "Wanted"]);
     println!("{}", table(&claims));
     println!("  page: {}", folder.join("report.html").display());
 }

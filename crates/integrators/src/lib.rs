@@ -12,6 +12,7 @@ pub mod bonds;
 mod chain;
 mod common;
 mod composition;
+pub mod contacts;
 pub mod fire;
 mod krylov;
 mod list;

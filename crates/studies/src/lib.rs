@@ -1,5 +1,5 @@
-//! Studies: speed of the parts of a step; stability of every integrator, on the oscillator and on the fluid; speed
-//! against accuracy; sweeps over state points; finished runs beside the literature, and the page of a run.
+//! Studies: speed of the parts of a step; stability of every integrator, on the oscillator and on the fluid; constraints and
+//! collisions; speed against accuracy; sweeps over state points; finished runs beside the literature, and the page of a run.
 //!
 //! A study is data first: it runs, keeps what it found with every number, and is then written as CSV,
 //! JSON, SVG and one self-contained page.
@@ -15,6 +15,7 @@ pub mod fluid_stability;
 mod jobs;
 mod kept;
 pub mod lab;
+pub mod mechanics;
 mod progress;
 pub mod run_page;
 pub mod settings;

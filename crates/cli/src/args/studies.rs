@@ -39,10 +39,10 @@ pub struct EnergyArgs {
     pub forces: Option<PathBuf>,
 }
 
-/// Arguments of `stability`.
+/// Arguments of `stability` and `mechanics`.
 #[derive(Debug, Args)]
 pub struct StabilityArgs {
-    /// Output folder; by default `runs/stability-<n>` with the first free n.
+    /// Output folder; by default `runs/<command>-<n>` with the first free n.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace an existing output folder.

@@ -1,7 +1,11 @@
-//! `lennard stability`: where each integrator fails, theory and measurement in one picture.
+//! `lennard stability` and `lennard mechanics`: studies of few bodies, theory and measurement in one picture.
 
-use lennard_studies::StudyError;
+use std::path::Path;
+
+use lennard_studies::claims::Claim;
 use lennard_studies::stability::{self, StabilityOptions};
+use lennard_studies::{Progress, StudyError, mechanics};
+use serde::Serialize;
 
 use crate::args::StabilityArgs;
 use crate::commands::{UNFINISHED, on_threads, output_folder, print_json, replace_if};
@@ -10,25 +14,54 @@ use crate::progress::Display;
 use crate::show;
 use crate::signals::{Signals, StartUp};
 
-/// Runs the study, writes its folder and prints its verdicts.
+/// A study: how it is run, how it is written, and what it claims.
+struct Kind<S> {
+    name: &'static str,
+    run: fn(&StabilityOptions, &mut dyn Progress) -> Result<S, StudyError>,
+    write: fn(&S, &Path) -> Result<(), StudyError>,
+    claims: fn(&S) -> &[Claim],
+}
+
+/// Runs the study of integrators, writes its folder and prints its verdicts.
 pub fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
+    study(
+        args,
+        &Kind {
+            name: "stability",
+            run: stability::run,
+            write: stability::write,
+            claims: |study| &study.claims,
+        },
+    )
+}
+
+/// Runs the study of constraints and collisions, writes its folder and prints its verdicts.
+pub fn mechanics(args: &StabilityArgs) -> Result<u8, Failure> {
+    study(
+        args,
+        &Kind {
+            name: "mechanics",
+            run: mechanics::run,
+            write: mechanics::write,
+            claims: |study| &study.claims,
+        },
+    )
+}
+
+fn study<S: Serialize + Send>(args: &StabilityArgs, kind: &Kind<S>) -> Result<u8, Failure> {
     let nothing = || StartUp::of_nothing(UNFINISHED);
     let signals = Signals::listen(nothing())?;
     let folder = signals.claim(
-        || output_folder(args.out.as_deref(), replace_if(args.force), "stability"),
+        || output_folder(args.out.as_deref(), replace_if(args.force), kind.name),
         |_| Some(nothing()),
     )?;
-    let command = if args.quick {
-        "lennard stability --quick"
-    } else {
-        "lennard stability"
-    };
+    let quick = if args.quick { " --quick" } else { "" };
     let threads = args
         .threads
         .map_or_else(lennard_core::parallel::processors, usize::from);
     let options = StabilityOptions {
         quick: args.quick,
-        command: command.to_owned(),
+        command: format!("lennard {}{quick}", kind.name),
         provenance: vec![
             ("version".into(), env!("CARGO_PKG_VERSION").into()),
             ("processor".into(), lennard_io::cpu_name()),
@@ -36,16 +69,16 @@ pub fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
         ],
     };
     let mut progress = Display::of_study(args.quiet);
-    let study = on_threads(threads, || {
-        let study = stability::run(&options, &mut progress)?;
-        stability::write(&study, folder.path())?;
+    let found = on_threads(threads, || {
+        let study = (kind.run)(&options, &mut progress)?;
+        (kind.write)(&study, folder.path())?;
         Ok(study)
     })?;
     drop(progress);
     if args.json {
-        print_json(&study)?;
+        print_json(&found)?;
     } else if !args.quiet {
-        show::stability(&study, folder.path());
+        show::verdicts((kind.claims)(&found), folder.path());
     }
     Ok(DONE)
 }

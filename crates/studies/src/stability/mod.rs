@@ -14,7 +14,7 @@ pub mod groups;
 pub mod infinite;
 mod judgement;
 mod manual_judgement;
-mod map;
+pub(crate) mod map;
 pub mod orders;
 mod page;
 mod rig;

@@ -1,4 +1,5 @@
 //! Tests of studies from outside.
 
+mod mechanics;
 mod messages;
 mod stability;

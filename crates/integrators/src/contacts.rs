@@ -1,0 +1,295 @@
+//! Contacts of few bodies: impacts with a restitution, in turn or all at once, forces of bodies at rest, and SPOOK's contacts.
+//!
+//! Contact c has the unit normal n from its first body to its second, the gap g, and the rate G·v = n·(v_second − v_first).
+//! All problems are complementary: 0 ≤ λ ⊥ A·λ + b ≥ 0 with A = G·M⁻¹·Gᵀ. Projected Gauss–Seidel solves them.
+
+use lennard_core::{DVec3, Masses};
+
+use crate::regularisation::Regularisation;
+
+/// Two bodies that touch, or a body that touches something fixed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// The first body; `None` where it is fixed.
+    pub first: Option<usize>,
+    /// The second body.
+    pub second: usize,
+    /// Unit vector from the first to the second.
+    pub normal: DVec3,
+    /// Distance between the surfaces, σ; negative where they overlap.
+    pub gap: f64,
+}
+
+/// Sweeps after which a solution is taken as it is.
+const MOST_SWEEPS: usize = 200_000;
+/// Impacts in turn after which bodies are taken to rest on each other.
+const MOST_IMPACTS: usize = 100_000;
+/// Approach slower than this share of the fastest is rounding.
+const ROUNDING: f64 = 1e-14;
+
+impl Contact {
+    /// The rate of the gap, G·v, σ/τ: negative where the bodies approach.
+    #[must_use]
+    pub fn rate(&self, v: &[DVec3]) -> f64 {
+        let first = self.first.map_or(DVec3::ZERO, |i| v[i]);
+        self.normal.dot(v[self.second] - first)
+    }
+
+    /// Adds an impulse λ along the normal: apart for λ > 0.
+    pub fn push(&self, impulse: f64, masses: &Masses, v: &mut [DVec3]) {
+        v[self.second] += impulse / masses.of(self.second) * self.normal;
+        if let Some(i) = self.first {
+            v[i] -= impulse / masses.of(i) * self.normal;
+        }
+    }
+
+    /// The element of G·M⁻¹·Gᵀ for two contacts.
+    fn coupling(&self, other: &Self, masses: &Masses) -> f64 {
+        let ends = |c: &Self| [(Some(c.second), 1.0), (c.first, -1.0)];
+        let mut sum = 0.0;
+        for (body, sign) in ends(self) {
+            for (same, other_sign) in ends(other) {
+                if let Some(i) = body.filter(|_| body == same) {
+                    sum += sign * other_sign / masses.of(i);
+                }
+            }
+        }
+        sum * self.normal.dot(other.normal)
+    }
+}
+
+/// The solution λ of 0 ≤ λ ⊥ (A + σ)·λ + b ≥ 0 over contacts, by projected Gauss–Seidel.
+fn complementary(contacts: &[Contact], masses: &Masses, sigma: f64, b: &[f64]) -> Vec<f64> {
+    let n = contacts.len();
+    let matrix: Vec<f64> = (0..n * n)
+        .map(|k| {
+            let (i, j) = (k / n, k % n);
+            let own = if i == j { sigma } else { 0.0 };
+            contacts[i].coupling(&contacts[j], masses) + own
+        })
+        .collect();
+    let scale = b.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let mut solution = vec![0.0; n];
+    for _ in 0..MOST_SWEEPS {
+        let mut largest = 0.0_f64;
+        for i in 0..n {
+            let row = &matrix[i * n..(i + 1) * n];
+            let product: f64 = row.iter().zip(&solution).map(|(a, x)| a * x).sum();
+            let next = (solution[i] - (product + b[i]) / row[i]).max(0.0);
+            largest = largest.max((next - solution[i]).abs() * row[i]);
+            solution[i] = next;
+        }
+        if largest <= 1e-16 * scale {
+            break;
+        }
+    }
+    solution
+}
+
+/// Impacts one after the other: the contact that approaches fastest takes v → −e·v until none approaches.
+pub fn impacts_in_turn(contacts: &[Contact], masses: &Masses, v: &mut [DVec3], restitution: f64) {
+    let rates = |v: &[DVec3]| contacts.iter().map(|c| c.rate(v)).collect::<Vec<f64>>();
+    let fastest = rates(v).iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+    for _ in 0..MOST_IMPACTS {
+        let now = rates(v);
+        let worst = (0..now.len()).min_by(|i, j| now[*i].total_cmp(&now[*j]));
+        let Some(c) = worst.filter(|c| now[*c] < -ROUNDING * fastest) else {
+            return;
+        };
+        let contact = &contacts[c];
+        let inverse_mass = contact.coupling(contact, masses);
+        contact.push(-(1.0 + restitution) * now[c] / inverse_mass, masses, v);
+    }
+}
+
+/// Impacts of all contacts at once by Newton's rule: 0 ≤ λ ⊥ A·λ + (1 + e)·G·v ≥ 0. Returns the impulses.
+///
+/// It is the impact stage before a step of SPOOK.
+pub fn impacts_at_once(
+    contacts: &[Contact],
+    masses: &Masses,
+    v: &mut [DVec3],
+    restitution: f64,
+) -> Vec<f64> {
+    let b: Vec<f64> = contacts
+        .iter()
+        .map(|c| (1.0 + restitution) * c.rate(v))
+        .collect();
+    let impulses = complementary(contacts, masses, 0.0, &b);
+    for (contact, impulse) in contacts.iter().zip(&impulses) {
+        contact.push(*impulse, masses, v);
+    }
+    impulses
+}
+
+/// The forces with which bodies at rest push each other apart: 0 ≤ f ⊥ A·f + G·a ≥ 0 for the accelerations a without contacts.
+#[must_use]
+pub fn resting_forces(contacts: &[Contact], masses: &Masses, accelerations: &[DVec3]) -> Vec<f64> {
+    let b: Vec<f64> = contacts.iter().map(|c| c.rate(accelerations)).collect();
+    complementary(contacts, masses, 0.0, &b)
+}
+
+/// The contacts of SPOOK in a step h: takes velocities before the kick and the change by the kick, and writes the velocities of
+/// the next step. Returns the impulses λ; the forces are λ/h.
+///
+/// 0 ≤ λ ⊥ S·λ − b ≥ 0 with S = G·M⁻¹·Gᵀ + Σ and b = −(4/h)·γ·g + γ·G·v − G·(v + kick).
+pub fn spook_contacts(
+    contacts: &[Contact],
+    masses: &Masses,
+    v: &mut [DVec3],
+    kick: &[DVec3],
+    (compliance, damping_time): (f64, f64),
+    dt: f64,
+) -> Vec<f64> {
+    let Regularisation { sigma, gamma } = Regularisation::new(compliance, damping_time, dt);
+    let before: Vec<f64> = contacts.iter().map(|c| c.rate(v)).collect();
+    for (v, kick) in v.iter_mut().zip(kick) {
+        *v += *kick;
+    }
+    let b: Vec<f64> = contacts
+        .iter()
+        .zip(&before)
+        .map(|(c, rate)| 4.0 / dt * gamma * c.gap - gamma * rate + c.rate(v))
+        .collect();
+    let impulses = complementary(contacts, masses, sigma, &b);
+    for (contact, impulse) in contacts.iter().zip(&impulses) {
+        contact.push(*impulse, masses, v);
+    }
+    impulses
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Balls in a row along x that touch; the first moves with speed 1.
+    fn cradle(n: usize) -> (Vec<Contact>, Masses, Vec<DVec3>) {
+        let contacts = (1..n)
+            .map(|second| Contact {
+                first: Some(second - 1),
+                second,
+                normal: DVec3::X,
+                gap: 0.0,
+            })
+            .collect();
+        let mut v = vec![DVec3::ZERO; n];
+        v[0] = DVec3::X;
+        (contacts, Masses::Uniform(1.0), v)
+    }
+
+    fn close(v: &[DVec3], wanted: impl Fn(usize) -> f64) -> bool {
+        v.iter()
+            .enumerate()
+            .all(|(i, v)| (*v - DVec3::new(wanted(i), 0.0, 0.0)).length() < 1e-12)
+    }
+
+    #[test]
+    fn impacts_in_turn_are_the_cradle_and_newtons_rule_at_once_is_not() {
+        for n in [2, 3, 5, 9] {
+            let (contacts, masses, mut v) = cradle(n);
+            impacts_in_turn(&contacts, &masses, &mut v, 1.0);
+            assert!(close(&v, |i| f64::from(u8::from(i == n - 1))), "{v:?}");
+            let (contacts, masses, mut v) = cradle(n);
+            impacts_at_once(&contacts, &masses, &mut v, 1.0);
+            let share = 2.0 / n as f64;
+            assert!(
+                close(&v, |i| if i == 0 { share - 1.0 } else { share }),
+                "{v:?}"
+            );
+            let energy: f64 = v.iter().map(|v| v.length_squared()).sum();
+            assert!((energy - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn impacts_without_restitution_leave_one_common_velocity() {
+        let (contacts, masses, mut v) = cradle(4);
+        impacts_at_once(&contacts, &masses, &mut v, 0.0);
+        assert!(close(&v, |_| 0.25), "{v:?}");
+        // What moves apart is left alone.
+        let apart = v.clone();
+        v[3].x += 1.0;
+        let expected = v.clone();
+        impacts_in_turn(&contacts, &masses, &mut v, 0.5);
+        assert_eq!(v, expected);
+        assert_ne!(v, apart);
+    }
+
+    /// A stack of n balls of diameter 1 on a floor at z = 0.
+    fn stack(z: &[f64]) -> Vec<Contact> {
+        (0..z.len())
+            .map(|second| Contact {
+                first: second.checked_sub(1),
+                second,
+                normal: DVec3::Z,
+                gap: match second {
+                    0 => z[0] - 0.5,
+                    _ => z[second] - z[second - 1] - 1.0,
+                },
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_stack_at_rest_carries_its_weight_and_sinks_by_compliance_times_force() {
+        const G: f64 = 9.81;
+        let masses = Masses::Uniform(1.0);
+        let n = 5;
+        let mut z: Vec<f64> = (0..n).map(|i| 0.5 + i as f64).collect();
+        let forces = resting_forces(&stack(&z), &masses, &vec![DVec3::new(0.0, 0.0, -G); n]);
+        for (i, f) in forces.iter().enumerate() {
+            assert!((f / (G * (n - i) as f64) - 1.0).abs() < 1e-12, "{i}: {f}");
+        }
+        let (h, compliance) = (0.005, 1e-5);
+        let mut v = vec![DVec3::ZERO; n];
+        let kick = vec![DVec3::new(0.0, 0.0, -G * h); n];
+        let mut impulses = Vec::new();
+        for _ in 0..4000 {
+            let touching: Vec<Contact> = stack(&z).into_iter().filter(|c| c.gap <= 0.0).collect();
+            impulses = spook_contacts(&touching, &masses, &mut v, &kick, (compliance, 2.0 * h), h);
+            for (z, v) in z.iter_mut().zip(&v) {
+                *z += h * v.z;
+            }
+        }
+        assert_eq!(impulses.len(), n);
+        for (i, contact) in stack(&z).iter().enumerate() {
+            let force = G * (n - i) as f64;
+            assert!((impulses[i] / h / force - 1.0).abs() < 1e-9, "{impulses:?}");
+            assert!((-contact.gap / (compliance * force) - 1.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn spook_alone_bounces_by_the_phase_and_the_impact_stage_sets_the_restitution() {
+        let masses = Masses::Uniform(1.0);
+        let h = 0.01;
+        let at = |phase: f64| {
+            [Contact {
+                first: None,
+                second: 0,
+                normal: DVec3::Z,
+                gap: -phase * h,
+            }]
+        };
+        for (damping, gamma) in [(0.0, 1.0), (2.0, 1.0 / 9.0)] {
+            for phase in [0.3, 0.6, 1.0] {
+                let mut v = [DVec3::NEG_Z];
+                spook_contacts(
+                    &at(phase),
+                    &masses,
+                    &mut v,
+                    &[DVec3::ZERO],
+                    (0.0, damping * h),
+                    h,
+                );
+                assert!(
+                    (v[0].z - gamma * (4.0 * phase - 1.0)).abs() < 1e-12,
+                    "{v:?}"
+                );
+                let mut v = [DVec3::NEG_Z];
+                impacts_at_once(&at(phase), &masses, &mut v, 0.4);
+                assert!((v[0].z - 0.4).abs() < 1e-14);
+            }
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! Everything that the study found.
+
+use serde::Serialize;
+
+use super::{collisions, comparison, fluid, maps, precise, pressure, relaxing};
+use crate::claims::Claim;
+use crate::stability::StabilityOptions;
+
+/// What to study and how it is named; the default is the full study.
+pub type MechanicsOptions = StabilityOptions;
+
+/// Everything that was measured.
+#[derive(Debug, Clone, Serialize)]
+pub struct MechanicsFound {
+    /// Whether runs were short.
+    pub is_quick: bool,
+    /// Bonds held in each way.
+    pub ways: Vec<comparison::WayFound>,
+    /// Stiffness of springs, and the distance of their dumbbells from rigid ones at the end, σ.
+    pub model_errors: Vec<(f64, f64)>,
+    /// Relaxation.
+    pub relaxing: relaxing::Relaxing,
+    /// Problems with known solutions.
+    pub solved: Vec<precise::Solved>,
+    /// SPOOK.
+    pub maps: maps::Maps,
+    /// Collisions.
+    pub collisions: collisions::Collisions,
+    /// Drifts of fluids.
+    pub drifts: Vec<fluid::FluidDrift>,
+    /// Fluids beside equations of state.
+    pub states: Vec<fluid::StateFound>,
+    /// Pressures between walls.
+    pub pressure: pressure::WallPressure,
+}
+
+/// The study: what was found, and what follows.
+#[derive(Debug, Clone, Serialize)]
+pub struct MechanicsStudy {
+    /// What was asked for.
+    pub options: MechanicsOptions,
+    /// The measurements.
+    pub found: MechanicsFound,
+    /// What the sources claim, and whether it holds.
+    pub claims: Vec<Claim>,
+}

@@ -1,0 +1,89 @@
+//! `lennard mechanics`: constraints, springs, collisions and SPOOK, theory beside measurement, with a verdict for each claim of
+//! the two documents behind the project.
+//!
+//! The comparison of ways goes over the list of ways to hold bonds: one that is added there is measured and drawn here
+//! without a change of this crate.
+
+mod ball;
+mod collision_judgement;
+pub mod collisions;
+pub mod comparison;
+pub mod cradle;
+mod figures;
+pub mod fluid;
+mod found;
+mod judgement;
+pub mod maps;
+mod page;
+pub mod precise;
+pub mod pressure;
+pub mod relaxing;
+mod rig;
+mod tables;
+mod ways;
+
+use std::path::Path;
+
+pub use found::{MechanicsFound, MechanicsOptions, MechanicsStudy};
+
+use crate::{Progress, StudyError};
+
+/// Runs the study.
+///
+/// # Errors
+/// [`StudyError`] where a method fails at a place where all must work.
+pub fn run(
+    options: &MechanicsOptions,
+    progress: &mut dyn Progress,
+) -> Result<MechanicsStudy, StudyError> {
+    let quick = options.quick;
+    let mut at = |label: &str, share: f64| progress.update(label, share);
+    at("bonds held in each way", 0.0);
+    let ways = comparison::measure(quick)?;
+    at("springs against rigid bonds", 0.15);
+    let model_errors = maps::model_errors(quick)?;
+    at("relaxation", 0.2);
+    let relaxing = relaxing::measure(quick)?;
+    at("pendulums and chains", 0.3);
+    let solved = precise::measure(quick)?;
+    at("spook", 0.35);
+    let maps = maps::measure()?;
+    at("collisions", 0.4);
+    let collisions = collisions::measure(quick)?;
+    at("pressure between walls", 0.5);
+    let pressure = pressure::measure(quick)?;
+    at("drift of fluids", 0.55);
+    let drifts = fluid::drifts(quick)?;
+    at("equations of state", 0.75);
+    let states = fluid::states(quick)?;
+    at("done", 1.0);
+    let found = MechanicsFound {
+        is_quick: quick,
+        ways,
+        model_errors,
+        relaxing,
+        solved,
+        maps,
+        collisions,
+        drifts,
+        states,
+        pressure,
+    };
+    let mut claims = judgement::claims(&found);
+    claims.extend(collision_judgement::claims(&found));
+    Ok(MechanicsStudy {
+        options: options.clone(),
+        claims,
+        found,
+    })
+}
+
+/// Writes CSV tables, SVG figures (in `figures/`), `study.json` and `report.html` into `dir`.
+///
+/// # Errors
+/// [`StudyError`] where a figure cannot be drawn or a file cannot be written.
+pub fn write(study: &MechanicsStudy, dir: &Path) -> Result<(), StudyError> {
+    let mut all = tables::csv(&study.found);
+    all.push(crate::claims::csv(&study.claims));
+    crate::files::write_all(dir, &all, ("study.json", study), &page::page(study))
+}

@@ -1,0 +1,121 @@
+//! Pendulums and chains against solutions of high precision.
+
+use lennard_core::DVec3;
+use lennard_integrators::BondOptions;
+use serde::Serialize;
+
+use super::rig::{Case, distance, run};
+use super::ways::{damped, projected, relaxed};
+use crate::StudyError;
+
+/// Standard gravity in the units of the sources, m/s².
+const G: f64 = 9.81;
+
+/// A problem with a known answer.
+struct Problem {
+    name: &'static str,
+    case: Case,
+    end: f64,
+    /// Positions at the end, of the beads that follow the held one.
+    known: Vec<DVec3>,
+}
+
+/// The position of a pendulum of length 1 at an angle from the downward vertical, m.
+fn at_angle(theta: f64) -> DVec3 {
+    DVec3::new(theta.sin(), 0.0, -theta.cos())
+}
+
+/// The problems; answers by a Runge–Kutta method of order 8 with a tolerance of 2.3e-14.
+fn problems() -> Vec<Problem> {
+    let pendulum = Case::hanging(1, 1.0, G);
+    let (sin, cos) = 60.0_f64.to_radians().sin_cos();
+    let mut spherical = pendulum.clone();
+    spherical.x[1] = DVec3::new(sin, 0.0, -cos);
+    spherical.v[1] = DVec3::new(0.0, 1.0, 0.0);
+    vec![
+        Problem {
+            name: "pendulum from 90°, t = 10 s",
+            case: pendulum,
+            end: 10.0,
+            known: vec![at_angle(0.278680673570)],
+        },
+        Problem {
+            name: "spherical pendulum, t = 2 s",
+            case: spherical,
+            end: 2.0,
+            known: vec![DVec3::new(0.672563575976, 0.460552636972, -0.579266350523)],
+        },
+        Problem {
+            name: "double pendulum from 90°, t = 1 s",
+            case: Case::hanging(2, 1.0, G),
+            end: 1.0,
+            known: vec![
+                DVec3::new(-0.585168391999, 0.0, -0.810911803469),
+                DVec3::new(-1.444818849943, 0.0, -1.321794461381),
+            ],
+        },
+        Problem {
+            name: "chain of 5, t = 0.5 s",
+            case: Case::hanging(5, 0.2, G),
+            end: 0.5,
+            known: vec![DVec3::new(-0.056664541268, 0.0, -0.975802326581)],
+        },
+    ]
+}
+
+/// A way on a problem.
+#[derive(Debug, Clone, Serialize)]
+pub struct Solved {
+    /// The problem.
+    pub problem: &'static str,
+    /// How bonds are held.
+    pub way: &'static str,
+    /// The order that theory gives.
+    pub theory: f64,
+    /// Steps and the largest error of a position, m.
+    pub errors: Vec<(f64, f64)>,
+    /// Order between the two smallest steps.
+    pub order: f64,
+}
+
+/// Measures all problems with four ways.
+pub(crate) fn measure(quick: bool) -> Result<Vec<Solved>, StudyError> {
+    let steps: &[u32] = if quick {
+        &[1000, 2000]
+    } else {
+        &[500, 1000, 2000, 4000, 8000]
+    };
+    let ways: [(&str, BondOptions, f64); 4] = [
+        ("direct", BondOptions::default(), 2.0),
+        ("relaxation, 10⁻¹²", relaxed(1e-12), 2.0),
+        ("relaxation, new direction", projected(), 1.0),
+        ("spook, τ = 2h", damped(2.0), 1.0),
+    ];
+    let mut all = Vec::new();
+    for problem in problems() {
+        for (way, bonds, theory) in &ways {
+            let mut errors = Vec::new();
+            for steps in steps {
+                // Long problems have more steps.
+                let steps = steps * problem.end.max(1.0) as u32;
+                if let Ok(ran) = run(&problem.case, bonds, problem.end, steps)? {
+                    let beads = &ran.positions[ran.positions.len() - problem.known.len()..];
+                    let dt = problem.end / f64::from(steps);
+                    errors.push((dt, distance(beads, &problem.known)));
+                }
+            }
+            let order = match errors.as_slice() {
+                [.., a, b] => (a.1 / b.1).ln() / (a.0 / b.0).ln(),
+                _ => f64::NAN,
+            };
+            all.push(Solved {
+                problem: problem.name,
+                way,
+                theory: *theory,
+                errors,
+                order,
+            });
+        }
+    }
+    Ok(all)
+}

@@ -1,0 +1,193 @@
+//! The tables of the study, as CSV and on the page.
+
+use lennard_core::{Cell, Table};
+
+use super::comparison::LARGEST_STEP;
+use super::found::MechanicsFound;
+
+/// All tables with every digit.
+pub(super) fn csv(found: &MechanicsFound) -> Vec<Table> {
+    let ways: Vec<_> = found
+        .ways
+        .iter()
+        .flat_map(|w| w.points.iter().map(move |p| (w, p)))
+        .collect();
+    let relaxing = &found.relaxing;
+    let solved: Vec<_> = found
+        .solved
+        .iter()
+        .flat_map(|s| s.errors.iter().map(move |e| (s, e)))
+        .collect();
+    let collisions = &found.collisions;
+    let bounces: Vec<_> = collisions
+        .bouncing
+        .iter()
+        .flat_map(|b| b.path.iter().map(move |p| (b, p)))
+        .collect();
+    vec![
+        Table::rows_of("ways", &ways)
+            .column("way", |(w, _)| &w.name)
+            .column("dt [tau]", |(_, p)| p.dt)
+            .column("position error [sigma]", |(_, p)| p.position_error)
+            .column("energy RMS [epsilon]", |(_, p)| p.energy_rms)
+            .column("energy change [epsilon]", |(_, p)| p.energy_change)
+            .column("strain", |(_, p)| p.strain)
+            .column("cost [ns per bond and step]", |(w, _)| w.cost[0])
+            .table(),
+        Table::rows_of("model-errors", &found.model_errors)
+            .column("stiffness [epsilon/sigma^2]", |m| m.0)
+            .column("distance from rigid [sigma]", |m| m.1)
+            .table(),
+        Table::rows_of("rates", &relaxing.rates)
+            .column("bonds", |r| r.bonds)
+            .column("angle [rad]", |r| r.angle)
+            .column("over-relaxation", |r| r.over_relaxation)
+            .column("rate by theory", |r| r.theory)
+            .column("rate measured", |r| r.measured)
+            .column("sweeps to 1e-12 by theory", |r| r.sweeps)
+            .table(),
+        Table::rows_of("tolerances", &relaxing.tolerances)
+            .column("dt [tau]", |t| t.dt)
+            .column("tolerance", |t| t.tolerance)
+            .column("energy RMS [epsilon]", |t| t.energy_rms)
+            .column("bound [epsilon]", |t| t.bound)
+            .column("sweeps per step", |t| t.sweeps)
+            .table(),
+        Table::rows_of("rotor", &relaxing.slowing)
+            .column("step", |s| s.step)
+            .column("angle by theory [rad]", |s| s.theory)
+            .column("angle measured [rad]", |s| s.measured)
+            .table(),
+        Table::rows_of("solved", &solved)
+            .column("problem", |(s, _)| s.problem)
+            .column("way", |(s, _)| s.way)
+            .column("dt", |(_, e)| e.0)
+            .column("position error", |(_, e)| e.1)
+            .table(),
+        Table::rows_of("spook-map", &found.maps.points)
+            .column("omega h", |p| p.phase)
+            .column("tau/h", |p| p.damping)
+            .column("radius by theory", |p| p.theory)
+            .column("radius measured", |p| p.measured)
+            .table(),
+        Table::rows_of("penalty", &collisions.stiff)
+            .column("omega h", |s| s.phase)
+            .column("mean gain", |s| s.gain)
+            .column("RMS", |s| s.rms)
+            .column("depth over v/omega", |s| s.depth)
+            .table(),
+        Table::rows_of("bounces", &bounces)
+            .column("rule", |(b, _)| b.rule)
+            .column("restitution", |(b, _)| b.restitution)
+            .column("time [tau]", |(_, p)| p.0)
+            .column("height [sigma]", |(_, p)| p.1)
+            .table(),
+        Table::rows_of("drifts", &found.drifts)
+            .column("way", |d| d.way)
+            .column("density [1/sigma^3]", |d| d.density)
+            .column("dt [tau]", |d| d.dt)
+            .column("drift [epsilon/tau per molecule]", |d| d.drift)
+            .column("error of the drift", |d| d.error)
+            .column("RMS [epsilon per molecule]", |d| d.rms)
+            .column("-h <T r Omega^2>", |d| d.law)
+            .table(),
+        Table::rows_of("states", &found.states)
+            .column("density [1/sigma^3]", |s| s.density)
+            .column("T of half steps [epsilon/k_B]", |s| s.temperature)
+            .measured("u [epsilon per molecule]", |s| Some(s.energy))
+            .measured("p [epsilon/sigma^3]", |s| Some(s.pressure))
+            .column("u by Lisal", |s| s.lisal.0)
+            .column("p by Lisal", |s| s.lisal.1)
+            .column("u by Mecke", |s| s.mecke.0)
+            .column("p by Mecke", |s| s.mecke.1)
+            .table(),
+        Table::rows_of("wall-pressure", &found.pressure.points)
+            .column("time [tau]", |p| p.time)
+            .column("P of walls", |p| p.of_walls)
+            .column("P of virial", |p| p.of_virial)
+            .column("P of virial less boundary term", |p| p.with_boundary)
+            .table(),
+    ]
+}
+
+/// Each way in a line.
+pub(super) fn ways(found: &MechanicsFound) -> Table {
+    let caption = format!(
+        "Order of the position error; RMS of the energy at the step nearest to 0.0025 τ; the largest stable step of a rotor with Ω = 2 τ⁻¹ that \
+         also vibrates, looked for up to {LARGEST_STEP} τ; the fastest time of a whole step without pair forces, per bond."
+    );
+    let near = |w: &super::comparison::WayFound| {
+        let off = |p: &&super::comparison::AtStep| (p.dt / 0.0025).ln().abs();
+        let nearest = w.points.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        nearest.map(|p| p.energy_rms)
+    };
+    Table::rows_of("ways-in-a-line", &found.ways)
+        .caption(caption)
+        .column("Way", |w| &w.name)
+        .column("Order", |w| Cell::rounded(w.order, 3))
+        .column("RMS of E [ε]", |w| Cell::rounded(near(w), 3))
+        .column("Largest stable step [τ]", |w| match w.largest_step {
+            Some(step) => Cell::rounded(step, 3),
+            None => Cell::words(format!("none up to {LARGEST_STEP}")),
+        })
+        .column("Dumbbell [ns per bond]", |w| Cell::rounded(w.cost[0], 3))
+        .column("Chain of 10 [ns per bond]", |w| Cell::rounded(w.cost[1], 3))
+        .table()
+}
+
+/// Problems with known solutions.
+pub(super) fn solved(found: &MechanicsFound) -> Table {
+    Table::rows_of("solved-in-a-line", &found.solved)
+        .caption("Largest error of a position at the end, at the smallest step.")
+        .column("Problem", |s| s.problem)
+        .column("Way", |s| s.way)
+        .column("Step", |s| Cell::rounded(s.errors.last().map(|e| e.0), 3))
+        .column("Error", |s| Cell::rounded(s.errors.last().map(|e| e.1), 3))
+        .column("Order", |s| Cell::rounded(s.order, 3))
+        .table()
+}
+
+/// Restitution of damped springs.
+pub(super) fn damped(found: &MechanicsFound) -> Table {
+    Table::rows_of("damped-springs", &found.collisions.damped)
+        .caption("Soft walls with a dashpot at ωh = 0.1, over all phases of the step.")
+        .column("Law", |d| d.law)
+        .column("e set", |d| Cell::rounded(d.set, 3))
+        .column("mean e", |d| Cell::rounded(d.mean, 5))
+        .column("farthest hit", |d| Cell::rounded(d.farthest, 2))
+        .table()
+}
+
+/// Rows of balls.
+pub(super) fn cradles(found: &MechanicsFound) -> Table {
+    let row = |values: &[f64]| {
+        let words: Vec<String> = values.iter().map(|v| format!("{v:.4}")).collect();
+        Cell::figures(words.join(", "))
+    };
+    Table::rows_of("cradles", &found.collisions.cradles)
+        .caption("Equal balls in a row that touch; the first has speed 1.")
+        .column("Rule", |c| c.rule)
+        .column("Velocities after", |c| row(&c.velocities))
+        .column("Known", |c| row(&c.known))
+        .table()
+}
+
+/// Drifts of fluids.
+pub(super) fn drifts(found: &MechanicsFound) -> Table {
+    Table::rows_of("drifts-in-a-line", &found.drifts)
+        .caption(
+            "Fluids of 108 dumbbells at constant energy. The error is of the slope of ten means.",
+        )
+        .column("Way", |d| d.way)
+        .column("ρ [σ⁻³]", |d| Cell::rounded(d.density, 3))
+        .column("h [τ]", |d| Cell::rounded(d.dt, 3))
+        .column("drift [ε/τ per molecule]", |d| {
+            if d.error.is_finite() {
+                Cell::measured(d.drift, d.error)
+            } else {
+                Cell::words("failed")
+            }
+        })
+        .column("RMS [ε per molecule]", |d| Cell::rounded(d.rms, 3))
+        .table()
+}
