@@ -129,8 +129,8 @@ pub fn resting_forces(contacts: &[Contact], masses: &Masses, accelerations: &[DV
     complementary(contacts, masses, 0.0, &b)
 }
 
-/// The contacts of SPOOK in a step h: takes velocities before the kick and the change by the kick, and writes the velocities of
-/// the next step. Returns the impulses λ; the forces are λ/h.
+/// The contacts of SPOOK in a step h. It takes velocities before the kick, and the change by the kick. It writes the velocities
+/// of the next step, and returns the impulses λ. The forces are λ/h.
 ///
 /// 0 ≤ λ ⊥ S·λ − b ≥ 0 with S = G·M⁻¹·Gᵀ + Σ and b = −(4/h)·γ·g + γ·G·v − G·(v + kick).
 pub fn spook_contacts(

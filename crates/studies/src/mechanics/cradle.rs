@@ -13,7 +13,7 @@ use crate::StudyError;
 pub struct Cradle {
     /// How the hits are resolved.
     pub rule: &'static str,
-    /// Velocities, that of the first before it is 1.
+    /// Velocities after the hit; before it the first ball has velocity 1.
     pub velocities: Vec<f64>,
     /// What is known.
     pub known: Vec<f64>,

@@ -1,10 +1,11 @@
 //! `lennard mechanics`: constraints, springs, collisions and SPOOK, theory beside measurement, with a verdict for each claim of
 //! the two documents behind the project.
 //!
-//! The comparison of ways goes over the list of ways to hold bonds: one that is added there is measured and drawn here
-//! without a change of this crate.
+//! The comparison goes over the list of ways to hold bonds. A way that is added there is measured and drawn here without a
+//! change of this crate.
 
 mod ball;
+mod collision_figures;
 mod collision_judgement;
 pub mod collisions;
 pub mod comparison;

@@ -3,7 +3,7 @@
 use lennard_report::{Block, Page, Section};
 
 use super::found::MechanicsStudy;
-use super::{figures, tables};
+use super::{collision_figures, figures, tables};
 use crate::claims::{self, Verdict};
 
 /// The whole page.
@@ -60,7 +60,7 @@ pub(super) fn page(study: &MechanicsStudy) -> Page {
                 "Collisions with a wall",
                 "A penalty force fails at both ends: too weak, and a particle passes; too strong, and each hit gains energy. Hard walls have four rules.",
             )
-            .figures(figures::penalty(found))
+            .figures(collision_figures::penalty(found))
             .table(tables::damped(found)),
             one(
                 "Rows and stacks",
@@ -71,10 +71,10 @@ pub(super) fn page(study: &MechanicsStudy) -> Page {
                 "Pressure on walls",
                 "Between hard walls the virial theorem holds in discrete time, term by term.",
             )
-            .figures(vec![figures::pressure(found)]),
+            .figures(vec![collision_figures::pressure(found)]),
             one("Fluids of rigid dumbbells", "The same scene under each way, and beside two equations of state.")
                 .table(tables::drifts(found))
-                .figures(figures::states(found)),
+                .figures(collision_figures::states(found)),
             Section::new("Claims and verdicts").table(claims::table(&study.claims)),
         ],
         provenance,
