@@ -19,10 +19,11 @@ pub use studies::*;
     version,
     about,
     after_help = "Examples:\n  \
-        lennard run inputs/verlet-1967/triple-point.toml\n  \
-        lennard run inputs/fluid/gas.toml --set system.density=0.02 --out runs/thin-gas\n  \
-        lennard plan inputs/bench/melt-32k.toml\n  \
-        lennard energy inputs/fluid/from-configuration.toml --json\n\n\
+        lennard run verlet-1967/liquid                  a scene that comes with the program\n  \
+        lennard new my-fluid                            a scene of your own, with comments\n  \
+        lennard run my-fluid.toml --set system.density=0.7\n  \
+        lennard sweep sweep/isotherm                    pressure along an isotherm\n  \
+        lennard list scenes\n\n\
         Exit codes: 0 done, 2 the input is wrong, 3 physics failed, 4 stopped on request and resumable, 1 anything else.",
     propagate_version = true,
     arg_required_else_help = true
@@ -38,10 +39,17 @@ pub struct Cli {
 pub enum Command {
     /// Run a scene: melt, equilibrate, measure, compare with the literature.
     #[command(after_help = "Examples:\n  \
-        lennard run inputs/verlet-1967/triple-point.toml\n  \
-        lennard run inputs/verlet-1967/triple-point.toml --set stage.production.steps=200000 --seed 7\n  \
+        lennard run verlet-1967/triple-point\n  \
+        lennard run verlet-1967/triple-point --set stage.production.steps=200000 --seed 7\n  \
         lennard run inputs/fluid/gas.toml --json --quiet > result.json")]
     Run(RunArgs),
+    /// Write a scene of your own to change: a template with comments, or a copy of a shipped scene.
+    #[command(after_help = "Examples:\n  \
+        lennard new my-fluid\n  \
+        lennard new my-gas --like fluid/gas\n  \
+        lennard new my-isotherm --like sweep/isotherm\n\n\
+        The shipped scenes: lennard list scenes")]
+    New(NewArgs),
     /// Go on with a run that was stopped or killed, to the bit, or make a finished one longer.
     #[command(after_help = "Examples:\n  \
         lennard resume runs/triple-point-1\n  \
@@ -125,6 +133,21 @@ pub enum Command {
         /// The shell.
         shell: Shell,
     },
+    /// Write the man pages of all commands to a folder.
+    #[command(
+        after_help = "Example:\n  lennard man ~/.local/share/man/man1        then: man lennard-run"
+    )]
+    Man {
+        /// The folder; it is made where it is missing.
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
+    /// Print the JSON Schema of a scene, with which editors complete keys and check values.
+    #[command(after_help = "Example:\n  \
+        lennard schema > scene.schema.json\n\n\
+        Taplo and the TOML extensions of editors take it from the first line of a scene:\n  \
+        #:schema ./scene.schema.json")]
+    Schema,
     /// Print version, instruction sets and threads.
     Version {
         /// One JSON document on standard output.
@@ -136,7 +159,8 @@ pub enum Command {
 /// The scene and what is changed in it.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
-    /// The scene file (see inputs/README.md).
+    /// The scene: a file, or the name of a shipped scene (`lennard list scenes`).
+    #[arg(value_parser = scene_file)]
     pub scene: PathBuf,
     /// Override a key, such as `system.density=0.8` or `stage.production.steps=100000`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
@@ -196,6 +220,22 @@ pub struct RunArgs {
     pub control: ControlArgs,
 }
 
+/// Arguments of `new`.
+#[derive(Debug, Args)]
+pub struct NewArgs {
+    /// Name of the scene; the file is NAME.toml.
+    pub name: PathBuf,
+    /// The shipped scene to copy; by default `template`.
+    #[arg(long, value_name = "SCENE")]
+    pub like: Option<PathBuf>,
+    /// Write scene.schema.json beside it, and name it in the first line, for editors.
+    #[arg(long)]
+    pub schema: bool,
+    /// Replace existing files.
+    #[arg(long)]
+    pub force: bool,
+}
+
 /// How long a run may take, and what it shows meanwhile.
 #[derive(Debug, Args)]
 pub struct ControlArgs {
@@ -244,6 +284,11 @@ pub struct ResumeArgs {
     /// How long, and how loud.
     #[command(flatten)]
     pub control: ControlArgs,
+}
+
+/// A file, or a shipped scene where there is no such file.
+fn scene_file(text: &str) -> Result<PathBuf, std::convert::Infallible> {
+    Ok(lennard_scene::shipped::locate(text.as_ref()))
 }
 
 fn key_value(text: &str) -> Result<(String, String), String> {

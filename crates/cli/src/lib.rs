@@ -35,6 +35,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     };
     let done = match &cli.command {
         Command::Run(args) => commands::run::run(args),
+        Command::New(args) => commands::new::new(args),
         Command::Resume(args) => commands::resume::resume(args),
         Command::Plan(args) => commands::plan::plan(args),
         Command::Energy(args) => commands::energy::energy(args),
@@ -47,7 +48,9 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Bench(args) => commands::bench::bench(args),
         Command::Eos(args) => commands::eos::eos(args),
         Command::List(args) => commands::list::list(args),
-        Command::Completions { shell } => commands::completions(*shell),
+        Command::Completions { shell } => commands::documents::completions(*shell),
+        Command::Man { folder } => commands::documents::man(folder),
+        Command::Schema => commands::documents::schema(),
         Command::Version { json } => commands::version(*json),
     };
     match done.and_then(|code| out::finish().map(|()| code)) {

@@ -20,6 +20,8 @@ mod read;
 pub mod reference;
 mod resolved;
 mod scene;
+mod schema;
+pub mod shipped;
 mod system;
 mod tables;
 mod tree;
@@ -35,5 +37,6 @@ pub use scene::{
     Checkpoint, Geometry, IntegratorTable, Lattice, ObservableTable, Output, Placement,
     PressureControl, Scene, Stage, Start, System,
 };
+pub use schema::schema;
 pub use tables::DEFAULT_SPLIT;
 pub use walls::WallTable;

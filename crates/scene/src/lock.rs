@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Place, SceneError};
 use crate::read::{Reader, take};
 use crate::tree::{self, Node, Table, Value};
-use crate::{Scene, Source, checks};
+use crate::{Scene, Source, checks, shipped};
 use text::{Pairs, identity};
 
 /// Name and version of the format.
@@ -68,10 +68,15 @@ pub struct Lock {
 }
 
 impl Lock {
-    /// Where the lock file of a scene lies unless it is named: `gas.lock.toml` beside `gas.toml`.
+    /// Where the lock file of a scene lies unless it is named: `gas.lock.toml` beside `gas.toml`, and in the present folder for a
+    /// shipped scene.
     #[must_use]
     pub fn beside(scene: &Path) -> PathBuf {
-        scene.with_extension("lock.toml")
+        let lock = scene.with_extension("lock.toml");
+        match lock.file_name() {
+            Some(name) if shipped::is_shipped(scene) => PathBuf::from(name),
+            _ => lock,
+        }
     }
 
     /// Reads a lock file.

@@ -7,7 +7,7 @@ use crate::names::{nearest, not_yet};
 use crate::reference::{self, MOST_ENTRIES};
 use crate::tree::{self, Entry, Node, Table, Value};
 use crate::typed::Section;
-use crate::{Scene, Source, accuracy, checks, overrides};
+use crate::{Scene, Source, accuracy, checks, overrides, shipped};
 
 impl Scene {
     /// Reads a scene file, with overrides such as `("stage.production.steps", "1000")` over it.
@@ -39,10 +39,13 @@ impl Scene {
         change: fn(&mut Table),
     ) -> Result<Self, SceneError> {
         let file = path.display().to_string();
-        let bytes = std::fs::read(path).map_err(|error| {
+        let bytes = shipped::read(path).map_err(|error| {
             SceneError::new(&file, "the scene file cannot be read")
                 .found(error)
-                .allowed("the path of a scene file, such as inputs/fluid/gas.toml")
+                .allowed(
+                    "the path of a scene file, or the name of a shipped scene, such as fluid/gas",
+                )
+                .suggestion(shipped::suggestion(path))
         })?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let good = error.utf8_error().valid_up_to();

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::{SceneArgs, key_value};
+use super::{SceneArgs, key_value, scene_file};
 
 /// Arguments of `plan`.
 #[derive(Debug, Args)]
@@ -65,7 +65,8 @@ pub struct StabilityArgs {
 /// Arguments of `chart`.
 #[derive(Debug, Args)]
 pub struct ChartArgs {
-    /// The scene file (see inputs/README.md).
+    /// The scene: a file, or the name of a shipped scene (`lennard list scenes`).
+    #[arg(value_parser = scene_file)]
     pub scene: PathBuf,
     /// Override a key, such as `system.density=0.8`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
@@ -105,7 +106,8 @@ pub struct ChartArgs {
 /// Arguments of `sweep`.
 #[derive(Debug, Args)]
 pub struct SweepArgs {
-    /// The sweep file: a base scene and `[[point]]` tables or a `[grid]` (see inputs/README.md).
+    /// The sweep: a file with a base scene and `[[point]]` tables or a `[grid]`, or the name of a shipped sweep.
+    #[arg(value_parser = scene_file)]
     pub sweep: PathBuf,
     /// Override a key of every point's scene, such as `truncation.r_cut=4`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
@@ -149,7 +151,8 @@ pub struct CompareArgs {
 /// Arguments of `bench`.
 #[derive(Debug, Args)]
 pub struct BenchArgs {
-    /// The scene; by default a built-in one.
+    /// The scene: a file, or the name of a shipped scene; by default `bench/melt-32k`.
+    #[arg(value_parser = scene_file)]
     pub scene: Option<PathBuf>,
     /// Override a key, such as `system.n_atoms=108000`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
@@ -199,6 +202,8 @@ pub struct ListArgs {
 /// What can be listed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Listed {
+    /// Scenes and sweeps that come with the program.
+    Scenes,
     /// Methods that advance time.
     Integrators,
     /// Heat baths.

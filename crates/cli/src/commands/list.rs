@@ -18,6 +18,7 @@ macro_rules! properties {
 /// Prints a list.
 pub fn list(args: &ListArgs) -> Result<u8, Failure> {
     let entries = match args.what {
+        Listed::Scenes => scenes(),
         Listed::Integrators => integrators(),
         Listed::Thermostats => thermostats(),
         Listed::Barostats => lennard_integrators::barostats()
@@ -58,6 +59,23 @@ pub fn list(args: &ListArgs) -> Result<u8, Failure> {
         show::list(&entries);
     }
     Ok(DONE)
+}
+
+fn scenes() -> Vec<Entry> {
+    lennard_scene::shipped::scenes()
+        .iter()
+        .map(|scene| Entry {
+            name: scene.name.into(),
+            summary: scene.subject(),
+            equation: None,
+            properties: serde_json::Map::new(),
+            source: format!(
+                "lennard {} {}",
+                if scene.is_sweep() { "sweep" } else { "run" },
+                scene.name
+            ),
+        })
+        .collect()
 }
 
 fn plain(name: &str, summary: &str, equation: &str, source: &str) -> Entry {

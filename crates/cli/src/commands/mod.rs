@@ -3,10 +3,12 @@
 pub mod bench;
 pub mod chart;
 pub mod compare;
+pub mod documents;
 pub mod energy;
 pub mod eos;
 mod inputs;
 pub mod list;
+pub mod new;
 pub mod plan;
 pub mod resume;
 pub mod run;
@@ -16,14 +18,12 @@ pub mod tune;
 
 use std::path::Path;
 
-use clap::CommandFactory;
-use clap_complete::Shell;
 use lennard_engine::EngineError;
 use lennard_io::{Existing, OutputFolder};
 use lennard_scene::{Scene, UsedLock};
 use serde::Serialize;
 
-use crate::args::{Cli, SceneArgs};
+use crate::args::SceneArgs;
 pub use crate::commands::inputs::Inputs;
 use crate::failure::{DONE, Failure, OTHER};
 
@@ -115,14 +115,6 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
         serde_json::to_string_pretty(value).map_err(|e| Failure::new("writing JSON", e, OTHER))?;
     println!("{text}");
     Ok(())
-}
-
-/// `lennard completions`.
-pub fn completions(shell: Shell) -> Result<u8, Failure> {
-    let mut script = Vec::new();
-    clap_complete::generate(shell, &mut Cli::command(), "lennard", &mut script);
-    crate::out::text(&String::from_utf8_lossy(&script));
-    Ok(DONE)
 }
 
 /// `lennard version`.

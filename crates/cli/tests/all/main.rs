@@ -7,6 +7,7 @@ mod commands;
 mod common;
 mod eos;
 mod faults;
+mod first_steps;
 mod literature;
 mod messages;
 mod output_folders;

@@ -25,6 +25,7 @@ fn scenes_in(folder: &str) -> Vec<PathBuf> {
 
 fn good_scenes() -> Vec<PathBuf> {
     [
+        "inputs",
         "inputs/verlet-1967",
         "inputs/bench",
         "inputs/fluid",
@@ -215,9 +216,24 @@ fn the_scene_reference_in_the_readme_is_the_one_in_the_code() {
     );
 }
 
-/// Writes the tables of `inputs/README.md` anew: run by hand after a change of the reference.
+const SCHEMA: &str = "inputs/scene.schema.json";
+
+fn schema_text() -> String {
+    serde_json::to_string_pretty(&lennard_scene::schema()).unwrap() + "\n"
+}
+
 #[test]
-#[ignore = "writes inputs/README.md"]
+fn the_schema_beside_the_scenes_is_the_one_in_the_code() {
+    enter_root();
+    assert!(
+        std::fs::read_to_string(SCHEMA).unwrap() == schema_text(),
+        "{SCHEMA} is out of date: cargo test -p lennard-scene --test all write_reference -- --ignored"
+    );
+}
+
+/// Writes the tables of `inputs/README.md` and the schema anew: run by hand after a change of the reference.
+#[test]
+#[ignore = "writes inputs/README.md and inputs/scene.schema.json"]
 fn write_reference() {
     const START: &str = "<!-- From the code: cargo test -p lennard-scene --test all write_reference -- --ignored -->\n\n";
     enter_root();
@@ -228,4 +244,5 @@ fn write_reference() {
         format!("{before}{START}{}", reference::markdown()),
     )
     .unwrap();
+    std::fs::write(SCHEMA, schema_text()).unwrap();
 }

@@ -29,16 +29,10 @@ pub use variants::KernelResult;
 
 use crate::{Progress, StudyError, files};
 
-/// The case that runs where no scene is named: 32,000 particles melting.
-const MELT: (&str, &str) = (
-    "melt-32k",
-    include_str!("../../../../inputs/bench/melt-32k.toml"),
-);
-/// The case of a quick look: 864 particles.
-const FLUID: (&str, &str) = (
-    "fluid-864",
-    include_str!("../../../../inputs/bench/fluid-864.toml"),
-);
+/// The shipped scene that runs where no scene is named: 32,000 particles melting.
+const MELT: &str = "shipped:bench/melt-32k.toml";
+/// The shipped scene of a quick look: 864 particles.
+const FLUID: &str = "shipped:bench/fluid-864.toml";
 
 /// What is measured.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -60,8 +54,8 @@ impl Subject {
     pub fn load(&self, overrides: &[(String, String)]) -> Result<Scene, SceneError> {
         match self {
             Self::BuiltIn { quick } => {
-                let (name, text) = if *quick { FLUID } else { MELT };
-                Scene::parse(text, &format!("{name}.toml"), overrides)
+                let name = if *quick { FLUID } else { MELT };
+                Scene::load(Path::new(name), overrides)
             }
             Self::File(path) => {
                 let scene = Scene::load(path, overrides)?;

@@ -1,8 +1,9 @@
 //! The sweep file.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
-use lennard_scene::SceneError;
+use lennard_scene::{SceneError, shipped};
 use serde::Deserialize;
 
 use super::{Sweep, points};
@@ -11,12 +12,16 @@ use super::{Sweep, points};
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// The file cannot be read.
-    #[error("{}: cannot be read: {source}", file.display())]
+    #[error(
+        "{}: cannot be read: {source}\n  allowed: the path of a sweep, or the name of a shipped sweep, such as sweep/isotherm{}",
+        file.display(),
+        nearest(file)
+    )]
     Unreadable {
         /// The file.
         file: PathBuf,
         /// What the operating system said.
-        source: std::io::Error,
+        source: io::Error,
     },
     /// The file is no sweep.
     #[error("{}: {message}", file.display())]
@@ -73,6 +78,11 @@ pub enum SweepError {
     Report(#[from] lennard_report::ReportError),
 }
 
+/// A line with the shipped sweep that may be meant.
+fn nearest(file: &Path) -> String {
+    shipped::suggestion(file).map_or_else(String::new, |name| format!("\n  nearest: {name}"))
+}
+
 /// A value or a list of values.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(untagged)]
@@ -121,10 +131,14 @@ struct File {
 /// # Errors
 /// [`SweepError`] where the file or the scene of a point is wrong.
 pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Sweep, SweepError> {
-    let text = std::fs::read_to_string(path).map_err(|source| SweepError::Unreadable {
-        file: path.to_owned(),
-        source,
-    })?;
+    let text = shipped::read(path)
+        .and_then(|bytes| {
+            String::from_utf8(bytes).map_err(|e| io::Error::new(io::ErrorKind::InvalidData, e))
+        })
+        .map_err(|source| SweepError::Unreadable {
+            file: path.to_owned(),
+            source,
+        })?;
     let file: File = toml::from_str(&text).map_err(|e| SweepError::Malformed {
         file: path.to_owned(),
         message: in_words(e.to_string().trim_end()),
@@ -134,7 +148,7 @@ pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Sweep, SweepE
         .unwrap_or_default()
         .to_string_lossy()
         .into_owned();
-    let base = path.parent().unwrap_or(Path::new("")).join(&file.base);
+    let base = shipped::beside(path, &file.base);
     let mut common: Vec<(String, String)> = Vec::new();
     flatten(&file.set, "", &mut common);
     common.extend(overrides.iter().cloned());

@@ -1,0 +1,112 @@
+//! `lennard new`: a scene of one's own.
+
+use std::path::{Path, PathBuf};
+
+use lennard_scene::shipped::{self, Shipped};
+
+use crate::args::NewArgs;
+use crate::failure::{DONE, Failure, INPUT};
+
+/// The shipped scene that is copied where none is named.
+const TEMPLATE: &str = "template";
+/// The schema beside the scene.
+const SCHEMA: &str = "scene.schema.json";
+
+/// Writes a scene file, and the schema where it is asked for.
+pub fn new(args: &NewArgs) -> Result<u8, Failure> {
+    let like = args.like.as_deref().unwrap_or(Path::new(TEMPLATE));
+    let scene = shipped::find(like).ok_or_else(|| unknown(like))?;
+    let file = file_of(&args.name);
+    let schema = file.with_file_name(SCHEMA);
+    refuse_existing(&file, args.force)?;
+    let mut text = copy_of(scene, &file);
+    if args.schema {
+        text = format!("#:schema ./{SCHEMA}\n{text}");
+        lennard_io::write_json_atomically(&schema, &lennard_scene::schema())?;
+    }
+    lennard_io::write_text_atomically(&file, &text)?;
+    let shown = file.display();
+    println!("{shown}: a copy of the shipped scene {}", scene.name);
+    if args.schema {
+        println!("{}: for editors", schema.display());
+    }
+    if scene.is_sweep() {
+        println!("  lennard sweep {shown}");
+    } else {
+        println!("  lennard plan {shown}   what it computes, and for how long");
+        println!("  lennard run {shown}");
+    }
+    Ok(DONE)
+}
+
+/// NAME.toml, for a name with or without the ending.
+fn file_of(name: &Path) -> PathBuf {
+    if name.extension().is_some_and(|ending| ending == "toml") {
+        return name.to_owned();
+    }
+    let mut file = name.as_os_str().to_owned();
+    file.push(".toml");
+    file.into()
+}
+
+fn refuse_existing(file: &Path, force: bool) -> Result<(), Failure> {
+    if !file.exists() || force && file.is_file() {
+        return Ok(());
+    }
+    let allowed = if file.is_file() {
+        "the name of a new file, or --force"
+    } else {
+        "the name of a new file"
+    };
+    Err(Failure::new(
+        "writing a scene",
+        format!(
+            "{}: it exists already\n  allowed: {allowed}",
+            file.display()
+        ),
+        INPUT,
+    ))
+}
+
+fn unknown(like: &Path) -> Failure {
+    let nearest =
+        shipped::suggestion(like).map_or_else(String::new, |name| format!("\n  nearest: {name}"));
+    Failure::new(
+        "copying a scene",
+        format!(
+            "there is no shipped scene of this name\n  found:   {}\n  allowed: a name of `lennard list scenes`{nearest}",
+            like.display()
+        ),
+        INPUT,
+    )
+}
+
+/// The text of a shipped scene as the text of `file`: with the command that runs this file, and with the base of a sweep by
+/// its shipped name.
+fn copy_of(scene: &Shipped, file: &Path) -> String {
+    let verb = if scene.is_sweep() { "sweep" } else { "run" };
+    let old = format!("cargo run --release -- {verb} inputs/{}.toml", scene.name);
+    let new = format!("lennard {verb} {}", file.display());
+    let mut text = scene.text.replace(&old, &new);
+    if scene.name == TEMPLATE {
+        text = text.replace("# `lennard new NAME` writes a copy. Every", "# Every");
+    }
+    text.split_inclusive('\n')
+        .map(|line| with_base(scene, line))
+        .collect()
+}
+
+/// A line, with the base of a sweep by its shipped name.
+fn with_base(scene: &Shipped, line: &str) -> String {
+    let base = line
+        .strip_prefix("base = \"")
+        .and_then(|rest| rest.split_once('"'))
+        .and_then(|(path, rest)| {
+            let joined = Path::new(scene.name).parent()?.join(path);
+            Some((shipped::find(&joined)?, rest))
+        });
+    match base {
+        Some((base, rest)) => format!("base = \"{}\"{rest}", base.name),
+        None => line.to_owned(),
+    }
+}
