@@ -99,7 +99,7 @@ pub enum Command {
     /// Put finished runs beside the literature: every quantity with its difference in standard errors.
     #[command(after_help = "Examples:\n  \
         lennard compare runs/triple-point-1\n  \
-        lennard compare runs/triple-point-1 --all\n  \
+        lennard compare runs/triple-point-1 --verbose\n  \
         lennard compare runs/transport/*/ --json")]
     Compare(CompareArgs),
     /// Measure how fast the force loop, the list build and whole steps are, for each kernel, precision and number of threads.
@@ -122,7 +122,9 @@ pub enum Command {
     Eos(EosArgs),
     /// List the methods that a scene can name.
     #[command(
-        after_help = "Examples:\n  lennard list integrators\n  lennard list potentials --json"
+        after_help = "Examples:\n  lennard list scenes\n  lennard list integrators\n  \
+        lennard list integrators leapfrog        one method with its equations and its source\n  \
+        lennard list potentials --json"
     )]
     List(ListArgs),
     /// Print a completion script for a shell.
@@ -248,9 +250,9 @@ pub struct ControlArgs {
     /// No progress and no table; errors only.
     #[arg(long)]
     pub quiet: bool,
-    /// Every quantity, source and note, not only what is looked for first.
-    #[arg(long)]
-    pub all: bool,
+    /// Every quantity, tolerance, source and note, and where the time went.
+    #[arg(long, alias = "all")]
+    pub verbose: bool,
 }
 
 impl ControlArgs {

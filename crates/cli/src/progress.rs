@@ -1,9 +1,9 @@
-//! Progress on standard error: a bar with time left on a terminal, plain lines elsewhere.
+//! Progress on standard error: a bar with time left on a terminal, plain lines elsewhere. A run shows T, U and P as it goes.
 
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
-use lennard_engine::Progress;
+use lennard_engine::{Instantaneous, Progress};
 
 /// Time between two updates of the bar.
 const BAR_INTERVAL: Duration = Duration::from_millis(100);
@@ -18,6 +18,8 @@ pub struct Display {
     last: Instant,
     silent: bool,
     what: What,
+    /// T, U and P in words, taken since the last line.
+    fluid: Option<String>,
 }
 
 /// What is counted.
@@ -49,7 +51,7 @@ impl Display {
             let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
             let style = ProgressStyle::with_template(match what {
                 What::Steps => {
-                    "{msg:16} {bar:32.cyan/blue} {percent:>3}%  {human_pos} of {human_len} steps, {eta} left"
+                    "{msg:12} {bar:20.cyan/blue} {percent:>3}%  {eta} left  step {human_pos}  {prefix}"
                 }
                 What::Share => "{bar:32.cyan/blue} {percent:>3}%  {eta} left  {msg}",
             });
@@ -64,21 +66,40 @@ impl Display {
             last: now,
             silent: quiet,
             what,
+            fluid: None,
         }
     }
 }
 
+/// "T 0.722  U −6.070  P 0.19": what is not known at this step is left out.
+fn in_words(fluid: Instantaneous) -> String {
+    let values = [
+        ("T", fluid.temperature),
+        ("U", fluid.potential_energy),
+        ("P", fluid.pressure),
+    ];
+    let known = values.into_iter().filter(|(_, value)| value.is_finite());
+    let words: Vec<String> = known
+        .map(|(symbol, value)| format!("{symbol} {}", lennard_report::significant(value, 4)))
+        .collect();
+    words.join("  ")
+}
+
 impl Display {
-    /// Whether it is time to show how far things are.
-    fn is_due(&self, changed: bool, ended: bool, now: Instant) -> bool {
-        let interval = if self.bar.is_some() {
+    /// Time between two updates.
+    fn interval(&self) -> Duration {
+        if self.bar.is_some() {
             BAR_INTERVAL
         } else {
             LINE_INTERVAL
-        };
+        }
+    }
+
+    /// Whether it is time to show how far things are.
+    fn is_due(&self, changed: bool, ended: bool, now: Instant) -> bool {
         // A study has a stage for each variant, too many for a line each.
         let told = self.bar.is_some() || self.what == What::Steps || self.label.is_empty();
-        ended || changed && told || now.duration_since(self.last) >= interval
+        ended || changed && told || now.duration_since(self.last) >= self.interval()
     }
 }
 
@@ -101,6 +122,9 @@ impl Progress for Display {
                 if changed {
                     bar.set_message(stage.to_owned());
                 }
+                if let Some(fluid) = self.fluid.take() {
+                    bar.set_prefix(fluid);
+                }
                 bar.set_length(total);
                 bar.set_position(done);
                 if done >= total {
@@ -119,11 +143,21 @@ impl Progress for Display {
                 };
                 match self.what {
                     What::Steps => {
-                        eprintln!("{stage}: step {done} of {total} ({percent:.0} %){left}")
+                        let fluid = self
+                            .fluid
+                            .take()
+                            .map_or_else(String::new, |f| format!("; {f}"));
+                        eprintln!("{stage}: step {done} of {total} ({percent:.0} %){left}{fluid}")
                     }
                     What::Share => eprintln!("{percent:.0} %{left}: {stage}"),
                 }
             }
+        }
+    }
+
+    fn at_row(&mut self, fluid: &dyn Fn() -> Instantaneous) {
+        if !self.silent && self.last.elapsed() >= self.interval() {
+            self.fluid = Some(in_words(fluid()));
         }
     }
 }
@@ -147,12 +181,43 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_fluid_is_told_in_symbols_and_what_is_unknown_is_left_out() {
+        let fluid = |pressure| Instantaneous {
+            temperature: 0.72213,
+            potential_energy: -6.0701,
+            pressure,
+        };
+        assert_eq!(in_words(fluid(0.19)), "T 0.7221  U −6.070  P 0.1900");
+        assert_eq!(in_words(fluid(f64::NAN)), "T 0.7221  U −6.070");
+    }
+
+    #[test]
+    fn the_fluid_is_asked_for_only_where_a_line_is_due() {
+        let mut display = Display::new(false);
+        display.bar = None;
+        let asked = std::cell::Cell::new(0);
+        let fluid = || {
+            asked.set(asked.get() + 1);
+            Instantaneous {
+                temperature: 1.0,
+                potential_energy: -1.0,
+                pressure: 0.1,
+            }
+        };
+        display.at_row(&fluid);
+        assert_eq!(asked.get(), 0);
+        display.last -= LINE_INTERVAL;
+        display.at_row(&fluid);
+        assert_eq!(asked.get(), 1);
+    }
+
+    #[test]
     fn lines_are_few_where_there_is_no_terminal() {
-        let lines = |what, label: &str| Display {
-            bar: None,
-            label: label.to_owned(),
-            what,
-            ..Display::counting(what, true)
+        let lines = |what, label: &str| {
+            let mut display = Display::counting(what, true);
+            display.bar = None;
+            label.clone_into(&mut display.label);
+            display
         };
         let study = lines(What::Share, "a kernel");
         let soon = study.last + Duration::from_secs(1);

@@ -3,13 +3,17 @@
 mod bench;
 mod chart;
 mod eos;
+mod list;
 mod literature;
+mod plan;
 mod tune;
 
 pub use bench::bench;
 pub use chart::chart;
 pub use eos::{coexistence, curve, state};
+pub use list::{entries, list};
 pub use literature::{compared, sweep, sweep_header};
+pub use plan::plan;
 pub use tune::tuning;
 
 use std::path::Path;
@@ -17,13 +21,14 @@ use std::path::Path;
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{Attribute, CellAlignment, ContentArrangement};
 use lennard_core::{Cell, Table, Tone};
-use lennard_engine::{EnergyReport, Plan, Simulation};
+use lennard_engine::{EnergyReport, Simulation};
 use lennard_io::{Conservation, RunRecord};
 use lennard_report::{ErrorStyle, cell_text, heading, is_numeric};
 use lennard_studies::claims::{self, Claim};
 use lennard_studies::compare::ComparedRun;
 
-use crate::list_entry::Entry;
+/// Columns of a terminal for which tables are made, and of output that no terminal shows.
+const WIDTH: u16 = 100;
 
 /// A table that fits the terminal.
 fn table(table: &Table) -> comfy_table::Table {
@@ -48,6 +53,29 @@ fn table(table: &Table) -> comfy_table::Table {
         }
     }
     shown
+}
+
+/// Prints a note below a table, in lines that fit the terminal.
+fn note(text: &str) {
+    for line in wrapped(text) {
+        println!("{line}");
+    }
+}
+
+/// Lines of at most [`WIDTH`] columns: the first stands two columns to the right, the others four.
+fn wrapped(text: &str) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut line = String::from(" ");
+    for word in text.split(' ') {
+        let width = line.chars().count() + 1 + word.chars().count();
+        if width > usize::from(WIDTH) && !line.trim().is_empty() {
+            lines.push(std::mem::replace(&mut line, String::from("   ")));
+        }
+        line.push(' ');
+        line.push_str(word);
+    }
+    lines.push(line);
+    lines
 }
 
 /// Wall time in words.
@@ -96,13 +124,11 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
 }
 
 /// What a run found, and what can be said of it.
-pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, all: bool) {
-    println!("\n{}", literature::quantities(compared, all));
-    literature::below_quantities(compared, all);
-    println!(
-        "\n  {}",
-        conserved_energy(&record.conservation, energy_unit(record))
-    );
+pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, verbose: bool) {
+    println!("\n{}", literature::quantities(compared, verbose));
+    literature::below_quantities(compared, verbose);
+    println!();
+    note(&conserved_energy(&record.conservation, energy_unit(record)));
     if let Some(words) = record
         .barostat
         .as_ref()
@@ -113,11 +139,11 @@ pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, all: b
     for remark in record
         .remarks
         .iter()
-        .filter(|r| r.starts_with("barostat: ") && !all)
+        .filter(|r| r.starts_with("barostat: ") && !verbose)
     {
         println!("  note: {remark}");
     }
-    if all {
+    if verbose {
         println!(
             "  largest momentum: {:.1e} σ/τ per particle",
             record.conservation.momentum_per_atom
@@ -134,7 +160,22 @@ pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, all: b
         p.atom_steps_per_s / 1e6,
         p.ns_per_atom_step
     );
-    let s = &p.stages;
+    if verbose {
+        where_the_time_went(record);
+    }
+    if folder.join(PAGE).exists() {
+        println!("  page: {}", folder.join(PAGE).display());
+    } else {
+        println!("  files in {}", folder.display());
+    }
+}
+
+/// The page of a run or a study.
+const PAGE: &str = "report.html";
+
+/// Shares of the wall time, and what the lists did.
+fn where_the_time_went(record: &RunRecord) {
+    let s = &record.performance.stages;
     let share = |seconds: f64| {
         format!(
             "{:.0} %",
@@ -142,17 +183,19 @@ pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, all: b
         )
     };
     println!(
-        "  force {}, neighbor list {}, integrate {}, observe {}, write {}; {} list builds, skin {:.3} σ\n  {}",
+        "  force {}, neighbor list {}, integrate {}, observe {}, write {}",
         share(s.force),
         share(s.neighbor),
         share(s.integrate),
         share(s.observe),
-        share(s.write),
+        share(s.write)
+    );
+    println!(
+        "  {} list builds, skin {:.3} σ; {}",
         record.neighbor.builds,
         record.neighbor.skin.unwrap_or(0.0),
         record.neighbor.forces_checked()
     );
-    println!("  files in {}", folder.display());
 }
 
 /// The unit of energies: per particle, or per molecule.
@@ -214,41 +257,6 @@ pub fn energy(report: &EnergyReport) {
     println!("  T is {from}");
 }
 
-/// What a scene computes.
-pub fn plan(plan: &Plan) {
-    println!(
-        "{}: {} at density {:.4}, {} steps",
-        plan.scene,
-        lennard_report::particles(plan.atoms, plan.molecules),
-        plan.density,
-        plan.steps
-    );
-    println!("  {}", plan.model);
-    let items = Table::rows_of("plan", &plan.items)
-        .column("part", |i| &i.part)
-        .column("", |i| if i.on { "on" } else { "off" })
-        .column("share", |i| {
-            Cell::figures(i.share.map_or_else(String::new, |s| match 100.0 * s {
-                s if s < 0.05 => "< 0.1 %".to_owned(),
-                s => format!("{s:.1} %"),
-            }))
-        })
-        .column("how, or why not", |i| &i.why);
-    println!("{}", table(&items.table()));
-    println!(
-        "  memory: about {} ({:.0} bytes per particle)",
-        bytes(plan.bytes),
-        plan.bytes as f64 / plan.atoms as f64
-    );
-    println!(
-        "  time: about {} on {} ({} per step with everything off, median of {} measured steps; shares are those of this measurement, and the start may differ from the rest)",
-        duration(plan.estimated_seconds),
-        lennard_report::counted(plan.threads, "thread"),
-        duration(plan.seconds_per_step),
-        plan.measured_steps
-    );
-}
-
 /// The verdicts of a study of claims.
 pub fn verdicts(found: &[Claim], folder: &Path) {
     let claims = claims::table(found).without(&["Judged by", "Wanted"]);
@@ -256,30 +264,19 @@ pub fn verdicts(found: &[Claim], folder: &Path) {
     println!("  page: {}", folder.join("report.html").display());
 }
 
-/// A list of methods.
-pub fn list(entries: &[Entry]) {
-    for entry in entries {
-        println!("{}", console::style(&entry.name).bold());
-        println!("  {}", entry.summary);
-        if let Some(equation) = &entry.equation {
-            println!("  {equation}");
-        }
-        for (name, value) in &entry.properties {
-            let shown = match value {
-                serde_json::Value::Bool(b) => if *b { "yes" } else { "no" }.to_owned(),
-                serde_json::Value::Null => "–".to_owned(),
-                serde_json::Value::String(s) => s.clone(),
-                other => other.to_string(),
-            };
-            println!("  {name}: {shown}");
-        }
-        println!("  source: {}", entry.source);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn notes_are_wrapped_between_words() {
+        let lines = wrapped(&["word"; 40].join(" "));
+        assert_eq!(lines.len(), 3);
+        assert!(lines.iter().all(|l| l.chars().count() <= 100), "{lines:?}");
+        assert!(lines[0].starts_with("  word") && lines[1].starts_with("    word"));
+        let long = "x".repeat(200);
+        assert_eq!(wrapped(&long), [format!("  {long}")]);
+    }
 
     #[test]
     fn a_drift_without_an_error_says_why() {

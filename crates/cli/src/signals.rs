@@ -256,6 +256,10 @@ impl<P: lennard_engine::Progress> lennard_engine::Progress for FirstStep<'_, P> 
         self.done();
         self.progress.update(stage, done, total);
     }
+
+    fn at_row(&mut self, fluid: &dyn Fn() -> lennard_engine::Instantaneous) {
+        self.progress.at_row(fluid);
+    }
 }
 
 impl<P: lennard_studies::Progress> lennard_studies::Progress for FirstStep<'_, P> {

@@ -51,7 +51,7 @@ pub use follower::{Follower, StopAt, Unfollowed, Verdict};
 pub use force_check::{ForceCheck, Seen};
 pub use plan::{Plan, PlanItem, plan, watching_seconds};
 pub use resume::{ResumeOptions, Resumed, resume, way_on};
-pub use run::{Ending, Outcome, Progress, RunOptions, go_on, run};
+pub use run::{Ending, Instantaneous, Outcome, Progress, RunOptions, go_on, run};
 pub use schedule::{Action, Observer, Operation, SET_ASIDE_EVERY, Schedule, Trigger};
 pub use simulation::{Simulation, StageRun};
 pub use timers::Timers;

@@ -22,6 +22,33 @@ pub(crate) const SET_ASIDE_BYTES: usize = 2 * size_of::<DVec3>();
 pub trait Progress: Send {
     /// `done` of `total` steps, in the stage of this name.
     fn update(&mut self, stage: &str, done: u64, total: u64);
+
+    /// The fluid at a step that writes a row of `thermo.csv`, before [`Self::update`] tells the step. The numbers are taken
+    /// where they are asked for.
+    fn at_row(&mut self, _fluid: &dyn Fn() -> Instantaneous) {}
+}
+
+/// Instantaneous values of the fluid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instantaneous {
+    /// Temperature of whole steps, ε/k_B.
+    pub temperature: f64,
+    /// Potential energy in ε per particle, or per molecule; not a number where it is not known at this step.
+    pub potential_energy: f64,
+    /// Pressure in ε/σ³, likewise.
+    pub pressure: f64,
+}
+
+impl Instantaneous {
+    fn of(simulation: &Simulation) -> Self {
+        Self {
+            temperature: simulation.view().temperature(),
+            potential_energy: simulation
+                .potential_energy_per_particle()
+                .unwrap_or(f64::NAN),
+            pressure: simulation.pressure().unwrap_or(f64::NAN),
+        }
+    }
 }
 
 impl Progress for () {
@@ -301,6 +328,10 @@ impl Follower for Recorder<'_> {
         self.write(simulation)?;
         let step = simulation.state.step;
         let measured = simulation.current_stage().measure;
+        if self.schedule.does(Action::Row, step, measured) {
+            let fluid = || Instantaneous::of(simulation);
+            self.options.progress.at_row(&fluid);
+        }
         if self.schedule.does(Action::SetAside, step, measured) {
             set_aside(&simulation.state, &mut self.before);
         }

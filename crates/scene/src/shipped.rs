@@ -5,8 +5,8 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::names::nearest;
 
-/// What the path of a shipped scene begins with: `shipped:fluid/gas.toml`.
-const MARK: &str = "shipped:";
+/// What the path of a shipped scene begins with: `shipped:/fluid/gas.toml`.
+const MARK: &str = "shipped:/";
 
 /// A scene of `inputs/` inside the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,8 +53,8 @@ impl Shipped {
     }
 }
 
-/// The file or the shipped scene that a written path means: a file of this name, then a file with `.toml` behind it, then a
-/// shipped scene. A path that means neither comes back as it is.
+/// The file or the shipped scene that a written path means. A file of this name comes first, then a file with `.toml` behind
+/// it, then a shipped scene. A path that means none of them comes back as it is.
 #[must_use]
 pub fn locate(written: &Path) -> PathBuf {
     if written.is_file() {
@@ -179,8 +179,8 @@ mod tests {
             "fluid/gas.toml",
             "inputs/fluid/gas.toml",
             "./inputs/fluid/gas.toml",
-            "shipped:fluid/gas.toml",
-            "shipped:sweep/../fluid/gas.toml",
+            "shipped:/fluid/gas.toml",
+            "shipped:/sweep/../fluid/gas.toml",
         ] {
             assert_eq!(named(written), Some("fluid/gas"), "{written}");
         }
@@ -217,12 +217,12 @@ mod tests {
         let elsewhere = Path::new("triple-point");
         assert_eq!(
             locate(elsewhere),
-            Path::new("shipped:verlet-1967/triple-point.toml")
+            Path::new("shipped:/verlet-1967/triple-point.toml")
         );
         assert_eq!(beside(&file, Path::new("triple-point.toml")), file);
         assert_eq!(
             beside(&file, Path::new("verlet-1967/state-point")),
-            Path::new("shipped:verlet-1967/state-point.toml")
+            Path::new("shipped:/verlet-1967/state-point.toml")
         );
     }
 

@@ -12,6 +12,9 @@ pub struct PlanArgs {
     /// Scene, overrides, threads.
     #[command(flatten)]
     pub scene: SceneArgs,
+    /// Every part, with what is off and why.
+    #[arg(long)]
+    pub verbose: bool,
 }
 
 /// Arguments of `tune`.
@@ -140,9 +143,9 @@ pub struct CompareArgs {
     /// Output folders of finished runs.
     #[arg(required = true, value_name = "RUN")]
     pub runs: Vec<PathBuf>,
-    /// Every quantity, source and note, not only what is looked for first.
-    #[arg(long)]
-    pub all: bool,
+    /// Every quantity, tolerance, source and note, not only what is looked for first.
+    #[arg(long, alias = "all")]
+    pub verbose: bool,
     /// One JSON document on standard output, nothing else.
     #[arg(long)]
     pub json: bool,
@@ -194,6 +197,11 @@ pub struct BenchArgs {
 pub struct ListArgs {
     /// What to list.
     pub what: Listed,
+    /// One of them alone, with everything that is known of it.
+    pub name: Option<String>,
+    /// All of them, with everything that is known of them.
+    #[arg(long)]
+    pub verbose: bool,
     /// One JSON document on standard output.
     #[arg(long)]
     pub json: bool,

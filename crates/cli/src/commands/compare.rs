@@ -29,7 +29,7 @@ pub fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         })?;
     } else {
         for run in &compared {
-            show::compared(run, args.all);
+            show::compared(run, args.verbose);
         }
     }
     Ok(DONE)

@@ -4,7 +4,7 @@ use lennard_literature::EquationOfState;
 
 use crate::args::{ListArgs, Listed};
 use crate::commands::print_json;
-use crate::failure::{DONE, Failure};
+use crate::failure::{DONE, Failure, INPUT};
 use crate::list_entry::Entry;
 use crate::show;
 
@@ -17,7 +17,7 @@ macro_rules! properties {
 
 /// Prints a list.
 pub fn list(args: &ListArgs) -> Result<u8, Failure> {
-    let entries = match args.what {
+    let mut entries = match args.what {
         Listed::Scenes => scenes(),
         Listed::Integrators => integrators(),
         Listed::Thermostats => thermostats(),
@@ -53,12 +53,31 @@ pub fn list(args: &ListArgs) -> Result<u8, Failure> {
         Listed::EquationsOfState => equations_of_state(),
         Listed::ReferenceTables => reference_tables(),
     };
+    if let Some(name) = &args.name {
+        let known: Vec<String> = entries.iter().map(|e| e.name.clone()).collect();
+        entries.retain(|entry| entry.name == *name);
+        if entries.is_empty() {
+            return Err(unknown(name, &known));
+        }
+    }
     if args.json {
         print_json(&entries)?;
+    } else if args.verbose || args.name.is_some() {
+        show::entries(&entries);
     } else {
         show::list(&entries);
     }
     Ok(DONE)
+}
+
+fn unknown(name: &str, known: &[String]) -> Failure {
+    let nearest = lennard_scene::nearest(name, known.iter().map(String::as_str))
+        .map_or_else(String::new, |nearest| format!("\n  nearest: {nearest}"));
+    let message = format!(
+        "nothing in the list has this name\n  found:   {name}\n  allowed: {}{nearest}",
+        known.join(", ")
+    );
+    Failure::new("reading a list", message, INPUT)
 }
 
 fn scenes() -> Vec<Entry> {

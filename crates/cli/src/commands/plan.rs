@@ -16,7 +16,7 @@ pub fn plan(args: &PlanArgs) -> Result<u8, Failure> {
     if args.scene.json {
         print_json(&plan)?;
     } else {
-        show::plan(&plan);
+        show::plan(&plan, args.verbose);
         if let Some(lock) = &lock {
             println!("  settings from {}", lock.path.display());
         }

@@ -71,7 +71,7 @@ pub fn tell(
     json: bool,
     control: &ControlArgs,
 ) -> Result<u8, Failure> {
-    let (quiet, all) = (control.quiet || json, control.all);
+    let (quiet, verbose) = (control.quiet || json, control.verbose);
     if json {
         print_json(&outcome.record)?;
     }
@@ -80,7 +80,7 @@ pub fn tell(
             if !quiet {
                 let run = lennard_studies::compare::RunFolder::open(folder)?;
                 let compared = lennard_studies::compare::compare(&run);
-                show::results(&outcome.record, &compared, folder, all);
+                show::results(&outcome.record, &compared, folder, verbose);
             }
             return Ok(DONE);
         }

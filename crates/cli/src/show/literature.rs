@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
+use lennard_core::{Cell, Table};
+use lennard_report::{signed, significant};
 use lennard_studies::compare::{self, ComparedRun, Row, StateOfMatter, quantity_words};
 use lennard_studies::sweep::{self, Sweep, SweepRecord, workers};
 
-use super::table;
+use super::{WIDTH, note, table};
 
 /// What is about to run, with the points that are no single stable phase.
 pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) {
@@ -61,7 +63,7 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
 }
 
 /// One run beside the literature.
-pub fn compared(run: &ComparedRun, all: bool) {
+pub fn compared(run: &ComparedRun, verbose: bool) {
     println!("{}", console::style(&run.run).bold());
     println!(
         "  {}, {} measured steps, ρ = {:.4}, {} = {:.4}: {}",
@@ -72,51 +74,95 @@ pub fn compared(run: &ComparedRun, all: bool) {
         run.state.temperature,
         run.state.words
     );
-    println!("{}", quantities(run, all));
-    below_quantities(run, all);
+    println!("{}", quantities(run, verbose));
+    below_quantities(run, verbose);
     println!();
 }
 
-/// The primary quantities of a run with their verdicts, or all of them.
-pub(super) fn quantities(run: &ComparedRun, all: bool) -> comfy_table::Table {
-    // The headline says a reason that most rows share.
-    let in_headline = |row: &Row| run.shared_reason.as_ref() == Some(&row.reason);
-    let rows: Vec<&Row> = run.rows.iter().filter(|r| all || r.primary).collect();
-    table(&compare::table(&rows, |r| {
-        if in_headline(r) && !all {
-            r.verdict.words().to_owned()
-        } else {
-            r.verdict_words()
-        }
-    }))
+/// The primary quantities of a run with their verdicts; with `verbose` all of them, and what each verdict is made of.
+pub(super) fn quantities(run: &ComparedRun, verbose: bool) -> String {
+    if verbose {
+        let rows: Vec<&Row> = run.rows.iter().collect();
+        return table(&compare::table(&rows, Row::verdict_words)).to_string();
+    }
+    let mut shown = table(&narrow(run));
+    shown
+        .load_style(comfy_table::presets::UTF8_BORDERS_ONLY)
+        .set_width(WIDTH);
+    // A hyphen begins a number; elsewhere it joins words.
+    shown.to_string().replace(" -", " −")
 }
 
-/// What is said below the table: the headline, the model and the reference; with `all` every source and note.
-pub(super) fn below_quantities(run: &ComparedRun, all: bool) {
+/// The primary quantities in columns that fit a terminal: the difference stands beside the one that is allowed.
+fn narrow(run: &ComparedRun) -> Table {
+    let rows: Vec<&Row> = run.rows.iter().filter(|r| r.primary).collect();
+    let rounded = |value: Option<f64>| Cell::rounded(value, 5);
+    Table::rows_of("results", &rows)
+        .column("Quantity", |r| {
+            let unit = r.unit.split(" per ").next().unwrap_or_default();
+            let words = quantity_words(&r.quantity)
+                .replace("configurational temperature", "T, configurational");
+            match unit {
+                "" => words,
+                unit => format!("{words}, {unit}"),
+            }
+        })
+        .measured("Measured", |r| Some((r.measured, r.standard_error)))
+        .column("Reference", |r| rounded(r.reference))
+        .column("Difference", |r| {
+            let figures = r.difference.map(|d| signed(d, 2));
+            figures.map(Cell::figures)
+        })
+        .column("Allowed", |r| {
+            let figures = r.tolerance.map(|t| format!("± {}", significant(t, 2)));
+            figures.map(Cell::figures)
+        })
+        .column("Verdict", |r| {
+            // The headline says a reason that most rows share.
+            let in_headline = run.shared_reason.as_ref() == Some(&r.reason);
+            let words = if in_headline || r.verdict.is_judged() {
+                r.verdict.words().to_owned()
+            } else {
+                r.verdict_words()
+            };
+            Cell::words(words).toned(r.verdict.tone())
+        })
+        .table()
+}
+
+/// What is said below the table: the headline, the model and the reference; with `verbose` every source and note.
+pub(super) fn below_quantities(run: &ComparedRun, verbose: bool) {
     println!("  {}", console::style(&run.headline).bold());
-    println!("  U and P are of: {}", run.model);
+    let molecules = run.molecules != run.atoms;
+    note(&format!(
+        "U and P are of: {}; energies are per {}",
+        run.model,
+        if molecules { "molecule" } else { "particle" }
+    ));
     let judged_by = |equation: &&String| {
         let rows = &mut run.rows.iter();
         rows.any(|r| r.verdict.is_judged() && r.source == **equation)
     };
     if let Some(equation) = run.equation.as_ref().filter(judged_by) {
-        println!(
-            "  reference: {equation}, at ρ = {:.4} and {} = {:.4}, for {}",
+        note(&format!(
+            "reference: {equation}, at ρ = {:.4} and {} = {:.4}, for {}",
             run.state.density,
             run.state.temperature_words(),
             run.state.temperature,
             lennard_report::particles(run.atoms as usize, run.molecules as usize)
-        );
+        ));
     }
     let hidden = run.rows.iter().filter(|r| !r.primary).count();
-    if !all {
+    if !verbose {
         for row in run.rows.iter().filter(|r| r.primary) {
             if let Some(words) = row.range_words() {
-                println!("  {}: {words}", quantity_words(&row.quantity));
+                note(&format!("{}: {words}", quantity_words(&row.quantity)));
             }
         }
         if hidden > 0 {
-            println!("  {hidden} more quantities, sources and notes: --all");
+            note(&format!(
+                "{hidden} more quantities, sources and notes: --verbose"
+            ));
         }
         return;
     }
@@ -130,10 +176,11 @@ pub(super) fn below_quantities(run: &ComparedRun, all: bool) {
         .filter(|t| !t.is_empty())
         .collect();
         if !notes.is_empty() {
-            println!("  {}: {}", quantity_words(&r.quantity), notes.join("; "));
+            let words = quantity_words(&r.quantity);
+            note(&format!("{words}: {}", notes.join("; ")));
         }
     }
     for remark in &run.remarks {
-        println!("  note: {remark}");
+        note(&format!("note: {remark}"));
     }
 }

@@ -243,6 +243,42 @@ fn every_list_names_its_methods() {
 }
 
 #[test]
+fn a_list_has_a_line_for_each_and_a_name_tells_everything() {
+    let list = succeed(&["list", "integrators"]);
+    assert!(list.lines().all(|l| l.chars().count() <= 100), "{list}");
+    assert!(!list.contains("source:"), "{list}");
+    let one = succeed(&["list", "integrators", "leapfrog"]);
+    assert!(one.contains("source:") && !one.contains("stormer"), "{one}");
+    assert!(succeed(&["list", "integrators", "--verbose"]).contains("source:"));
+    let refused = lennard(&["list", "integrators", "leap-frog"])
+        .output()
+        .unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    let said = stderr(&refused);
+    assert!(
+        said.contains("reading a list: nothing in the list has this name")
+            && said.contains("nearest: leapfrog"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_plan_is_ten_lines_and_verbose_tells_every_part() {
+    let scene = "inputs/bench/fluid-864.toml";
+    let short = succeed(&["plan", scene]);
+    assert!(short.lines().count() <= 10, "{short}");
+    assert!(
+        short.contains("pair forces") && short.contains("time: about"),
+        "{short}"
+    );
+    let all = succeed(&["plan", scene, "--verbose"]);
+    assert!(
+        all.contains("wall-pressure") && all.contains("not in the scene"),
+        "{all}"
+    );
+}
+
+#[test]
 fn completions_and_version_are_printed() {
     assert!(succeed(&["completions", "bash"]).contains("lennard"));
     assert!(succeed(&["version"]).contains(env!("CARGO_PKG_VERSION")));

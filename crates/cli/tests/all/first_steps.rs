@@ -33,7 +33,10 @@ fn a_name_that_nothing_has_is_refused_with_the_nearest() {
         (["run", "tripel-point"], "nearest: verlet-1967/triple-point"),
         (["run", "gas"], "nearest: fluid/gas or npt/gas"),
         (["plan", "fluid/gass"], "nearest: fluid/gas"),
-        (["sweep", "sweep/isotherms"], "nearest: sweep/isotherm"),
+        (
+            ["sweep", "sweep/isotherms"],
+            ": cannot be read: No such file or directory (os error 2)\n  allowed: the path of a sweep, or the name of a shipped sweep, such as sweep/isotherm\n  nearest: sweep/isotherm",
+        ),
     ] {
         let output = place.output(&arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
@@ -61,7 +64,7 @@ fn a_new_scene_has_the_comments_of_its_model_and_its_own_command() {
     let again = place.output(&["new", "my-fluid.toml"]);
     assert_eq!(again.status.code(), Some(2));
     assert!(
-        stderr(&again).contains("my-fluid.toml: it exists already"),
+        stderr(&again).contains("writing a scene: my-fluid.toml: it exists already"),
         "{}",
         stderr(&again)
     );
@@ -78,7 +81,7 @@ fn a_new_scene_has_the_comments_of_its_model_and_its_own_command() {
     assert_eq!(absent.status.code(), Some(2));
     let said = stderr(&absent);
     assert!(
-        said.contains("there is no shipped scene of this name"),
+        said.contains("copying a scene: there is no shipped scene of this name"),
         "{said}"
     );
     assert!(said.contains("nearest: fluid/gas"), "{said}");
@@ -100,9 +103,9 @@ fn a_copy_of_every_shipped_scene_is_a_scene() {
             .unwrap()
             .starts_with("lennard sweep");
         if sweep {
-            let refused = place.output(&["sweep", &copy, "--set", "system.seed=x"]);
+            let refused = place.output(&["sweep", &copy, "--set", "kernel.isa=x"]);
             let said = stderr(&refused);
-            assert!(said.contains("system.seed"), "{name}: {said}");
+            assert!(said.contains("kernel.isa"), "{name}: {said}");
         } else {
             let path = place.path(&format!("{copy}.toml"));
             lennard_scene::Scene::load(&path, &[]).unwrap_or_else(|e| panic!("{name}: {e}"));

@@ -331,19 +331,27 @@ fn few_rows_by_default_and_every_one_with_all() {
         let said = lennard_in(place.root(), arguments);
         let text = String::from_utf8_lossy(&said.stdout).into_owned();
         (
-            text.lines().filter(|l| l.starts_with('│')).count() - 1,
+            text.lines()
+                .filter(|l| l.starts_with('│') && l.contains(" ± "))
+                .count(),
             text,
         )
     };
     let (few, text) = rows(&["run", "scene.toml", "--out", "out", "--no-report"]);
     assert!((5..=8).contains(&few), "{text}");
+    let table = || text.lines().filter(|l| l.starts_with(['┌', '│', '└']));
+    assert!(table().count() > 7 && text.contains("Allowed"), "{text}");
+    assert!(table().all(|l| l.chars().count() <= 100), "{text}");
+    assert!(
+        text.contains("--verbose") && !text.contains("note:"),
+        "{text}"
+    );
+    let (every, text) = rows(&["compare", "out", "--verbose"]);
+    assert!(every > 12 && text.contains("kinetic energy"), "{text}");
     assert!(
         text.contains("Difference / s.e.") && text.contains("Tolerance"),
         "{text}"
     );
-    assert!(text.contains("--all") && !text.contains("note:"), "{text}");
-    let (all, text) = rows(&["compare", "out", "--all"]);
-    assert!(all > 12 && text.contains("kinetic energy"), "{text}");
 }
 
 #[test]

@@ -30,9 +30,9 @@ pub use variants::KernelResult;
 use crate::{Progress, StudyError, files};
 
 /// The shipped scene that runs where no scene is named: 32,000 particles melting.
-const MELT: &str = "shipped:bench/melt-32k.toml";
+const MELT: &str = "shipped:/bench/melt-32k.toml";
 /// The shipped scene of a quick look: 864 particles.
-const FLUID: &str = "shipped:bench/fluid-864.toml";
+const FLUID: &str = "shipped:/bench/fluid-864.toml";
 
 /// What is measured.
 #[derive(Debug, Clone, PartialEq, Eq)]

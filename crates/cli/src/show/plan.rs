@@ -1,0 +1,153 @@
+//! What a scene computes, in ten lines or in full.
+
+use lennard_core::{Cell, Table};
+use lennard_engine::{Plan, PlanItem};
+
+use super::{bytes, duration, table};
+
+/// Parts with a share below this one are told together.
+const SMALL_SHARE: f64 = 0.02;
+/// The most parts with a line of their own.
+const MOST_LINES: usize = 4;
+/// What the name of a stage has before it.
+const STAGE: &str = "stage ";
+
+/// Prints a plan; with `verbose` every part, and why the rest is off.
+pub fn plan(plan: &Plan, verbose: bool) {
+    println!(
+        "{}: {} at density {:.4}, {} steps",
+        plan.scene,
+        lennard_report::particles(plan.atoms, plan.molecules),
+        plan.density,
+        plan.steps
+    );
+    println!("  {}", plan.model);
+    if verbose {
+        println!("{}", table(&all(plan)));
+    } else {
+        for line in lines(plan) {
+            println!("  {line}");
+        }
+    }
+    println!(
+        "  memory: about {} ({:.0} bytes per particle)",
+        bytes(plan.bytes),
+        plan.bytes as f64 / plan.atoms as f64
+    );
+    println!(
+        "  time: about {} on {}, by {} measured steps of {} (everything off)",
+        duration(plan.estimated_seconds),
+        lennard_report::counted(plan.threads, "thread"),
+        plan.measured_steps,
+        duration(plan.seconds_per_step)
+    );
+}
+
+fn percent(share: f64) -> String {
+    match 100.0 * share {
+        s if s < 0.05 => "< 0.1 %".to_owned(),
+        s => format!("{s:.1} %"),
+    }
+}
+
+/// Every part in a table.
+fn all(plan: &Plan) -> Table {
+    Table::rows_of("plan", &plan.items)
+        .column("part", |i| &i.part)
+        .column("", |i| if i.on { "on" } else { "off" })
+        .column("share", |i| {
+            Cell::figures(i.share.map_or_else(String::new, percent))
+        })
+        .column("how, or why not", |i| &i.why)
+        .table()
+}
+
+/// The stages in one line, the parts that take most of the time with a line each, and the number of the others.
+fn lines(plan: &Plan) -> Vec<String> {
+    let on = || plan.items.iter().filter(|item| item.on);
+    let stages: Vec<String> = on()
+        .filter_map(|item| {
+            let name = item.part.strip_prefix(STAGE)?;
+            let steps = item.why.split(',').next().unwrap_or_default();
+            Some(format!("{name} {steps}"))
+        })
+        .collect();
+    let mut lines = vec![format!("stages: {}", stages.join(", "))];
+    let mut parts: Vec<(&PlanItem, f64)> =
+        on().filter_map(|item| Some((item, item.share?))).collect();
+    parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let large = parts
+        .iter()
+        .take(MOST_LINES)
+        .take_while(|(_, share)| *share >= SMALL_SHARE);
+    let told = large.clone().count();
+    lines.extend(large.map(|(item, share)| {
+        let how = item.why.split([',', ';', ':']).next().unwrap_or_default();
+        format!("{:>7}  {}: {how}", percent(*share), item.part)
+    }));
+    let (others, rest) = (
+        parts.len() - told,
+        parts[told..].iter().map(|(_, share)| share).sum(),
+    );
+    if others > 0 {
+        let others = lennard_report::counted(others, "other part");
+        lines.push(format!("{:>7}  {others}", percent(rest)));
+    }
+    let off = plan.items.len() - on().count();
+    lines.push(format!("every part, and why {off} are off: --verbose"));
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_parts_have_a_line_and_the_others_are_counted() {
+        let item = |part: &str, why: &str, share| PlanItem {
+            part: part.into(),
+            on: true,
+            why: why.into(),
+            share,
+        };
+        let mut items = vec![
+            item("neighbor list", "list radius 2.8 σ: because", Some(0.2)),
+            item("pair forces", "every step, `rows` loop", Some(0.7)),
+            item("integrator", "velocity-verlet, dt = 0.004 τ", Some(0.09)),
+            item("rdf", "every 100 steps", Some(0.006)),
+            item("msd", "every 10 steps", Some(0.004)),
+            item("stage melt", "1000 steps, bussi at T = 2", None),
+            item("stage production", "20000 steps, measured", None),
+        ];
+        items.push(PlanItem {
+            on: false,
+            ..item("vacf", "not in the scene", None)
+        });
+        let plan = Plan {
+            schema: "",
+            scene: String::new(),
+            model: String::new(),
+            atoms: 1,
+            molecules: 1,
+            density: 1.0,
+            steps: 1,
+            threads: 1,
+            items,
+            bytes: 1,
+            seconds_per_step: 1.0,
+            measured_steps: 1,
+            estimated_seconds: 1.0,
+        };
+        assert_eq!(
+            lines(&plan),
+            [
+                "stages: melt 1000 steps, production 20000 steps",
+                " 70.0 %  pair forces: every step",
+                " 20.0 %  neighbor list: list radius 2.8 σ",
+                "  9.0 %  integrator: velocity-verlet",
+                "  1.0 %  2 other parts",
+                "every part, and why 1 are off: --verbose",
+            ]
+        );
+    }
+}
