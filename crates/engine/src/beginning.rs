@@ -102,11 +102,39 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
                 Err(_) if given.is_some() => lennard_io::read_configuration_in(path, given)?,
                 read => read?,
             };
-            let frames = read.frames;
-            let mut beginning = from_configuration(scene, path, read, given)?;
-            place_between_walls(scene, &beginning.cell, &mut beginning.positions)?;
-            let remarks = remarks(scene, path, frames, &beginning);
-            Ok((beginning, remarks))
+            begin_at(scene, path, read, given)
+        }
+    }
+}
+
+/// The start from a configuration that was read, in the box that the scene gives, if it gives one.
+fn begin_at(
+    scene: &Scene,
+    path: &Path,
+    read: StartConfiguration,
+    given: Option<PeriodicBox>,
+) -> Result<(Beginning, Vec<String>), EngineError> {
+    let frames = read.frames;
+    let mut beginning = from_configuration(scene, path, read, given)?;
+    place_between_walls(scene, &beginning.cell, &mut beginning.positions)?;
+    let remarks = remarks(scene, path, frames, &beginning);
+    Ok((beginning, remarks))
+}
+
+/// The start from a configuration in memory, as if the scene's file held it.
+pub(crate) fn begin_in_memory(
+    scene: &Scene,
+    start: StartConfiguration,
+) -> Result<(Beginning, Vec<String>), EngineError> {
+    match &scene.system.start {
+        Start::Configuration { path, .. } => begin_at(scene, path, start, None),
+        Start::Lattice { .. } => {
+            let found = "positions beside a lattice";
+            let allowed = "a `configuration` in the place of `lattice`, `n_atoms` and `density`";
+            Err(scene
+                .source
+                .invalid("system.lattice", found, allowed)
+                .into())
         }
     }
 }

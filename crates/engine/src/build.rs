@@ -2,7 +2,10 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{Backend, DVec3, ForceSum, PeriodicBox, State};
-use lennard_forcefield::{AllPairs, Conditions, ForceFieldOptions, Model, PairForces, Precision};
+use lennard_forcefield::{
+    AllPairs, Conditions, ForceFieldOptions, ForcePlan, ListMode, Model, NeighborOptions,
+    PairForces, Precision, Search,
+};
 use lennard_integrators::BondHolder;
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_observables::{BuildContext, ChangingBox, Confined, ObservableOptions, Thermodynamics};
@@ -95,8 +98,9 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
             streams,
         ),
     };
-    let observers = observers(&scene, &confinement, cell, n)?;
+    let observers = observers(&scene, cell, n)?;
     let isa = provider.plan().isa.to_string();
+    let list = planned_list(&scene, provider.plan());
     let all_pairs = AllPairs::new(&options, None).map_err(|e| misfit(&scene.source, &e))?;
     let forces = with_springs(&scene, confinement.beside(provider));
     Ok(Simulation {
@@ -106,6 +110,7 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
         start_cell: cell,
         forces: Box::new(forces),
         force_check: ForceCheck::new(all_pairs),
+        list,
         force_field: options,
         streams,
         stage: None,
@@ -115,6 +120,21 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
         timers: Timers::default(),
         isa,
     })
+}
+
+/// What a scene must say to get the same list in other conditions, such as another temperature.
+fn planned_list(scene: &Scene, plan: &ForcePlan) -> NeighborOptions {
+    match plan.search {
+        Search::Reference => scene.neighbor,
+        Search::Direct => NeighborOptions {
+            mode: ListMode::Direct,
+            skin: None,
+        },
+        Search::Verlet => NeighborOptions {
+            skin: Some(plan.skin),
+            ..scene.neighbor
+        },
+    }
 }
 
 /// Adds the springs that hold bonds, where the scene has some.
@@ -148,9 +168,8 @@ fn relax(scene: &Scene, cell: PeriodicBox, positions: &mut [DVec3]) -> Result<()
 }
 
 /// The observables of a scene: thermodynamics, which every run has, and then the others that it names.
-fn observers(
+pub(crate) fn observers(
     scene: &Scene,
-    confinement: &Confinement,
     cell: PeriodicBox,
     n_atoms: usize,
 ) -> Result<Vec<Observer>, EngineError> {
@@ -180,8 +199,13 @@ fn observers(
     thermodynamics.set_force_jump(force_jump(scene)?);
     thermodynamics.set_ensemble(measured.and_then(|stage| ensemble(scene, stage)));
     thermodynamics.set_bath(held_temperature(scene));
-    thermodynamics.set_confined(scene.confined_by().map(|_| Confined {
-        by_hits: confinement.properties().bounds_flight,
+    thermodynamics.set_confined(scene.confined_by().map(|_| {
+        Confined {
+            by_hits: Confinement::with_system(scene, &cell, n_atoms)
+                .1
+                .properties()
+                .bounds_flight,
+        }
     }));
     let mut observers = vec![Observer {
         every,

@@ -6,7 +6,7 @@
 use std::time::{Duration, Instant};
 
 use lennard_core::{Array, DMat3, DVec3, Energetics, Persist, StateArchive, StateReader};
-use lennard_io::{Checkpoint, CheckpointFolder, CheckpointMetadata, WriteError};
+use lennard_io::{Checkpoint, CheckpointFolder, CheckpointMetadata, FileMark, WriteError};
 
 use crate::files::Marks;
 use crate::names::{THERMO, TRAJECTORY};
@@ -62,6 +62,20 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
         scene: simulation.scene.resolved_toml(),
         archive,
     }
+}
+
+/// A simulation by itself as a checkpoint: no file grows beside it.
+#[must_use]
+pub fn snapshot(simulation: &Simulation) -> Checkpoint {
+    let nothing = FileMark {
+        bytes: 0,
+        records: 0,
+    };
+    let marks = Marks {
+        thermo: nothing,
+        trajectory: None,
+    };
+    capture(simulation, marks, &Past::default())
 }
 
 /// The other half of [`capture`]: the simulation was built from the scene of the checkpoint.

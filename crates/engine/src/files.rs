@@ -16,7 +16,7 @@
 
 use std::path::{Path, PathBuf};
 
-use lennard_core::{Energetics, State, Table};
+use lennard_core::{Cell, Energetics, State, Table};
 use lennard_io::{
     FileMark, Frame, FrameStyle, OutputFolder, RunRecord, TableWriter, TrajectoryWriter, WriteError,
 };
@@ -48,7 +48,7 @@ const BOX_COLUMNS: &[(&str, &str)] = &[
 ];
 
 /// The columns of `thermo.csv`, whose energies are per molecule where there are molecules.
-fn thermo_columns(simulation: &Simulation) -> Vec<(&'static str, &'static str)> {
+pub(crate) fn thermo_columns(simulation: &Simulation) -> Vec<(&'static str, &'static str)> {
     let unit = |unit: &'static str| match unit {
         PER_PARTICLE => simulation.system.molecules.energy_unit(),
         unit => unit,
@@ -60,6 +60,37 @@ fn thermo_columns(simulation: &Simulation) -> Vec<(&'static str, &'static str)> 
     };
     let columns = THERMO_COLUMNS.iter().chain(more);
     columns.map(|(name, of)| (*name, unit(of))).collect()
+}
+
+/// The row of `thermo.csv` for the state as it is.
+pub(crate) fn thermo_row(simulation: &Simulation) -> Vec<Cell> {
+    let n = simulation.system.n_molecules() as f64;
+    let temperature = simulation.view().temperature();
+    let potential = simulation
+        .potential_energy_per_particle()
+        .unwrap_or(f64::NAN);
+    let pressure = simulation.pressure().unwrap_or(f64::NAN);
+    let conserved = simulation
+        .conserved_energy_per_particle()
+        .unwrap_or(f64::NAN);
+    let heat = simulation.stage_run().heat / n;
+    let mut row = vec![
+        simulation.state.step.into(),
+        simulation.state.time.into(),
+        simulation.stage_run().index.into(),
+        temperature.into(),
+        half_steps(simulation).unwrap_or(f64::NAN).into(),
+        potential.into(),
+        pressure.into(),
+        conserved.into(),
+        heat.into(),
+    ];
+    if simulation.box_changes() {
+        let cell = &simulation.state.cell;
+        row.push((n / cell.volume()).into());
+        row.extend(cell.lengths().to_array().map(Into::into));
+    }
+    row
 }
 
 /// The growing and the final files of a run.
@@ -180,33 +211,7 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where the row cannot be written.
     pub fn write_thermo(&mut self, simulation: &Simulation) -> Result<(), WriteError> {
-        let n = simulation.system.n_molecules() as f64;
-        let temperature = simulation.view().temperature();
-        let potential = simulation
-            .potential_energy_per_particle()
-            .unwrap_or(f64::NAN);
-        let pressure = simulation.pressure().unwrap_or(f64::NAN);
-        let conserved = simulation
-            .conserved_energy_per_particle()
-            .unwrap_or(f64::NAN);
-        let heat = simulation.stage_run().heat / n;
-        let mut row = vec![
-            simulation.state.step.into(),
-            simulation.state.time.into(),
-            simulation.stage_run().index.into(),
-            temperature.into(),
-            half_steps(simulation).unwrap_or(f64::NAN).into(),
-            potential.into(),
-            pressure.into(),
-            conserved.into(),
-            heat.into(),
-        ];
-        if simulation.box_changes() {
-            let cell = &simulation.state.cell;
-            row.push((n / cell.volume()).into());
-            row.extend(cell.lengths().to_array().map(Into::into));
-        }
-        self.thermo.write(&row)
+        self.thermo.write(&thermo_row(simulation))
     }
 
     /// Writes a frame to the trajectory.

@@ -58,14 +58,8 @@ pub fn way_on(folder: &Path) -> String {
 /// `options` do not fit its scene.
 pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineError> {
     let (path, checkpoint) = load(folder, options.older)?;
+    same_program(&checkpoint, &path)?;
     let metadata = &checkpoint.metadata;
-    if metadata.program_version != env!("CARGO_PKG_VERSION") {
-        return Err(ResumeError::OtherProgram {
-            checkpoint: path,
-            found: metadata.program_version.clone(),
-        }
-        .into());
-    }
     let misfit = |reason: String| ResumeError::DoesNotFit {
         checkpoint: path.clone(),
         reason,
@@ -99,19 +93,52 @@ pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineE
         overrides.push((format!("stage.{last}.steps"), steps.to_string()));
     }
     let (mut simulation, remark) = with_isa(&checkpoint, overrides, options.isa.as_deref(), &path)?;
-    checkpointing::check_particles(&checkpoint.archive, simulation.state.len())
-        .map_err(|e| misfit(e.to_string()))?;
-    let mut past = checkpointing::reinstate(&mut simulation, &checkpoint.archive)
-        .map_err(|e| misfit(e.to_string()))?;
-    if simulation.state.step != metadata.step {
-        return Err(misfit("its state is not that of its step".into()).into());
-    }
+    let mut past = reinstated(&mut simulation, &checkpoint).map_err(misfit)?;
     past.remarks.extend(remark);
     Ok(Resumed {
         simulation,
         marks,
         past,
         checkpoint: path,
+    })
+}
+
+/// Brings a simulation back from a checkpoint alone, whatever folder it may belong to; `path` is its name in messages.
+///
+/// # Errors
+/// [`EngineError::Resume`] where it is refused.
+pub fn restored(checkpoint: &Checkpoint, path: &Path) -> Result<Simulation, EngineError> {
+    same_program(checkpoint, path)?;
+    let (mut simulation, _) = with_isa(checkpoint, Vec::new(), None, path)?;
+    let past =
+        reinstated(&mut simulation, checkpoint).map_err(|reason| ResumeError::DoesNotFit {
+            checkpoint: path.to_owned(),
+            reason,
+        })?;
+    simulation.remarks = past.remarks;
+    Ok(simulation)
+}
+
+/// Puts the arrays of a checkpoint into a simulation that was built for it, or says why they do not fit.
+fn reinstated(simulation: &mut Simulation, checkpoint: &Checkpoint) -> Result<Past, String> {
+    let archive = &checkpoint.archive;
+    checkpointing::check_particles(archive, simulation.state.len()).map_err(|e| e.to_string())?;
+    let past = checkpointing::reinstate(simulation, archive).map_err(|e| e.to_string())?;
+    if simulation.state.step != checkpoint.metadata.step {
+        return Err("its state is not that of its step".into());
+    }
+    Ok(past)
+}
+
+/// Refuses a checkpoint of another version of the program.
+fn same_program(checkpoint: &Checkpoint, path: &Path) -> Result<(), ResumeError> {
+    let found = &checkpoint.metadata.program_version;
+    if found == env!("CARGO_PKG_VERSION") {
+        return Ok(());
+    }
+    Err(ResumeError::OtherProgram {
+        checkpoint: path.to_owned(),
+        found: found.clone(),
     })
 }
 

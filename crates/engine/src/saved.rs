@@ -36,7 +36,11 @@ impl Persist for Simulation {
         }
         self.force_check.restore(&from.section("force_check"))?;
         [self.measured_steps] = from.u64s("measured_steps")?;
-        let [index, steps_done] = from.u64s("stage")?;
+        let [index, steps_done] = match from.u64s("stage") {
+            // It was saved before its first step.
+            Err(RestoreError::Missing(_)) if self.state.step == 0 => return Ok(()),
+            stage => stage?,
+        };
         if index as usize >= self.scene.stages.len() {
             return Err(from.misfit(
                 "stage",

@@ -4,7 +4,7 @@ use std::any::Any;
 
 use lennard_core::random::Streams;
 use lennard_core::{Backend, Integrator, Observable, PeriodicBox, State, System};
-use lennard_forcefield::ForceFieldOptions;
+use lennard_forcefield::{ForceFieldOptions, NeighborOptions};
 use lennard_observables::Thermodynamics;
 use lennard_scene::{Scene, Stage};
 
@@ -26,6 +26,8 @@ pub struct Simulation {
     pub forces: Box<dyn Backend>,
     /// Forces of a few particles at a time against sums over all pairs.
     pub force_check: ForceCheck,
+    /// The list as planned: mode and skin.
+    pub list: NeighborOptions,
     /// What the forces are of, which the tail correction follows from.
     pub force_field: ForceFieldOptions,
     /// Random streams of the scene's seed.

@@ -245,7 +245,7 @@ fn search(
         if o.neighbor.mode == ListMode::Direct {
             return Err(ForceFieldError::SkinWithoutList(skin));
         }
-        if r_cut + skin > c.cell.largest_cutoff() {
+        if skin > largest_skin {
             return Err(ForceFieldError::SkinTooLarge {
                 skin,
                 largest: largest_skin,

@@ -37,7 +37,8 @@ Commands:
            that are there
   accuracy Tune scenes at eight states, and put each choice on trial: ten seeds against tight runs,
            and a grid of cheaper settings; --state NAME, --seconds S for a tuning, --share X of the runs
-  python   Make the virtual environment .venv from validation/requirements.txt
+  python   The Python package: make the virtual environment .venv from validation/requirements.txt, build the
+           wheel, install it there, and run python/tests
   help     This text
 
 Every command runs all its tiers, says at the end what passed, failed and was skipped, and exits
@@ -96,7 +97,7 @@ fn main() -> ExitCode {
         ),
         "physics" => tiers::run_all(&workspace, &tiers::physics(), &[]),
         "tidy" => tiers::run_all(&workspace.with_tested_binary(), &tiers::tidy(), &[]),
-        "python" => tiers::run_all(&workspace, &tiers::python(), &[]),
+        "python" => tiers::run_all(&workspace.with_tested_binary(), &tiers::python(), &[]),
         _ => {
             eprintln!("unknown command: {}\n\n{HELP}", arguments.join(" "));
             ExitCode::from(2)

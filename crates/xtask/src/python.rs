@@ -1,10 +1,10 @@
-//! The virtual environment of the validation.
+//! The virtual environment of the Python checks, and the package `lennard` in it.
 
 use std::error::Error;
 use std::fs;
 use std::path::PathBuf;
 
-use crate::workspace::Workspace;
+use crate::workspace::{Workspace, cargo};
 
 const OLDEST: (u32, u32) = (3, 11);
 const REQUIREMENTS: &str = "validation/requirements.txt";
@@ -66,6 +66,56 @@ pub fn prepare(workspace: &Workspace) -> Result<(), Box<dyn Error>> {
     pip(&["check"])?;
     fs::write(&stamp, made_from)?;
     Ok(())
+}
+
+/// Builds the wheel of the package and installs it into `.venv`, as a user would install one.
+///
+/// The profile is the one of the tests: nothing but the extension itself is compiled for it.
+pub fn install_package(workspace: &Workspace) -> Result<(), Box<dyn Error>> {
+    let python = interpreter(workspace);
+    let folder = workspace.target.join("wheels");
+    if folder.exists() {
+        fs::remove_dir_all(&folder)?;
+    }
+    let run = |arguments: &[&str], paths: &[&PathBuf]| -> Result<(), Box<dyn Error>> {
+        let status = workspace
+            .command(&python)
+            .args(arguments)
+            .args(paths)
+            .env("CARGO", cargo())
+            .status()?;
+        if status.success() {
+            Ok(())
+        } else {
+            Err(format!("`python {}` failed", arguments.join(" ")).into())
+        }
+    };
+    let build = [
+        "-m",
+        "maturin",
+        "build",
+        "--quiet",
+        "--profile",
+        "dev",
+        "--out",
+    ];
+    run(&build, &[&folder])?;
+    let wheels = fs::read_dir(&folder)?.collect::<Result<Vec<_>, _>>()?;
+    let paths: Vec<PathBuf> = wheels.iter().map(fs::DirEntry::path).collect();
+    let [wheel] = paths.as_slice() else {
+        return Err(format!("maturin made {} wheels, wanted 1", paths.len()).into());
+    };
+    let install = [
+        "-m",
+        "pip",
+        "--disable-pip-version-check",
+        "--quiet",
+        "install",
+        "--no-deps",
+        "--no-index",
+        "--force-reinstall",
+    ];
+    run(&install, &[wheel])
 }
 
 /// A Python that is new enough, with its version.

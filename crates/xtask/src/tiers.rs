@@ -122,13 +122,25 @@ const PYTHON: Tier = Tier {
         Ok(ONE_PASSED)
     },
 };
+/// The program that the package is compared with; `cargo test` has built it already.
+const DEV_BUILD: Tier = Tier {
+    name: "program",
+    run: |w| by_status(cargo_command(w, &["build", "--package", "lennard-cli"])),
+};
+const PACKAGE: Tier = Tier {
+    name: "Python package",
+    run: |w| {
+        python::install_package(w)?;
+        by_counts(pytest(w, "python/tests", "not physics"), Format::Pytest)
+    },
+};
 const VALIDATION: Tier = Tier {
     name: "validation",
-    run: |w| by_counts(pytest(w, "not physics"), Format::Pytest),
+    run: |w| by_counts(pytest(w, "validation", "not physics"), Format::Pytest),
 };
 const PHYSICS: Tier = Tier {
     name: "physics",
-    run: |w| by_counts(pytest(w, "physics"), Format::Pytest),
+    run: |w| by_counts(pytest(w, "validation", "physics"), Format::Pytest),
 };
 
 /// The tiers of `cargo xtask test`, on a workspace [as tested](Workspace::with_tested_binary).
@@ -143,6 +155,7 @@ pub fn test() -> Vec<Tier> {
         COVERAGE,
         TIDINESS,
         PYTHON,
+        PACKAGE,
         VALIDATION,
     ]
 }
@@ -162,9 +175,9 @@ pub fn tidy() -> Vec<Tier> {
     vec![TESTED_BUILD, TIDINESS]
 }
 
-/// What `cargo xtask python` runs.
+/// What `cargo xtask python` runs, on a workspace [as tested](Workspace::with_tested_binary).
 pub fn python() -> Vec<Tier> {
-    vec![PYTHON]
+    vec![DEV_BUILD, PYTHON, PACKAGE]
 }
 
 const ONE_PASSED: Counts = Counts {
@@ -184,10 +197,10 @@ fn cargo_command(workspace: &Workspace, arguments: &[&str]) -> Command {
     command
 }
 
-fn pytest(workspace: &Workspace, marked: &str) -> Command {
+fn pytest(workspace: &Workspace, folder: &str, marked: &str) -> Command {
     let mut command = workspace.command(python::interpreter(workspace));
     command
-        .args(["-m", "pytest", "validation", "-m", marked])
+        .args(["-m", "pytest", folder, "-m", marked])
         .env("LENNARD_BINARY", workspace.binary())
         .env("CARGO", cargo());
     command

@@ -29,6 +29,7 @@ const TABLE: &[(&str, May)] = &[
     ("report", May::Use(&["core", "io", "literature"])),
     ("studies", May::UseAllAbove),
     ("cli", May::UseAllAbove),
+    ("python", May::UseAllAbove),
     ("xtask", May::Use(&[])),
     ("benches", May::UseAnything),
     ("fuzz", May::UseAnything),

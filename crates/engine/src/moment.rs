@@ -1,0 +1,102 @@
+//! The values of a moment, whatever was asked of the forces on the last step.
+
+use lennard_core::{Configuration, DVec3, Energetics, ForceTerm, Part, Want};
+use lennard_forcefield::NeighborOptions;
+use lennard_scene::Scene;
+
+use crate::confinement::Confinement;
+use crate::simulation::Simulation;
+use crate::{EngineError, build};
+
+/// The values of a moment, in reduced units; energies are for each particle, or for each molecule.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moment {
+    /// Kinetic temperature 2K/n_dof, ε/k_B.
+    pub temperature: f64,
+    /// K/N, ε.
+    pub kinetic_energy: f64,
+    /// U/N with the tail where the scene has one, ε.
+    pub potential_energy: f64,
+    /// P, ε/σ³.
+    pub pressure: f64,
+}
+
+impl Simulation {
+    /// The values of the state as it is. What is missing is evaluated with a list made for it, so that what
+    /// the run computes next keeps its bits.
+    ///
+    /// # Errors
+    /// [`EngineError`] where a force is not finite.
+    pub fn moment(&mut self) -> Result<Moment, EngineError> {
+        let missing = {
+            let Energetics {
+                potential_energy,
+                virial,
+                ..
+            } = &self.state.energetics;
+            potential_energy.is_none() || virial.is_none() || self.stage.is_none()
+        };
+        let kept = missing
+            .then(|| self.evaluated())
+            .transpose()?
+            .map(|(forces, energetics)| {
+                let forces = std::mem::replace(&mut self.state.forces, forces);
+                let energetics = std::mem::replace(&mut self.state.energetics, energetics);
+                (forces, energetics)
+            });
+        let view = self.view();
+        let n = self.system.n_molecules() as f64;
+        let moment = Moment {
+            temperature: view.temperature(),
+            kinetic_energy: view.kinetic_energy() / n,
+            potential_energy: self.potential_energy_per_particle().unwrap_or(f64::NAN),
+            pressure: self.pressure().unwrap_or(f64::NAN),
+        };
+        if let Some((forces, energetics)) = kept {
+            self.state.forces = forces;
+            self.state.energetics = energetics;
+        }
+        Ok(moment)
+    }
+
+    /// The forces at the positions as they are, `[N]`, ε/σ.
+    ///
+    /// # Errors
+    /// [`EngineError`] where a force is not finite.
+    pub fn present_forces(&self) -> Result<Vec<DVec3>, EngineError> {
+        match &self.stage {
+            Some(_) => Ok(self.state.forces.clone()),
+            // No method has asked for forces yet.
+            None => Ok(self.evaluated()?.0),
+        }
+    }
+
+    fn evaluated(&self) -> Result<(Vec<DVec3>, Energetics), EngineError> {
+        let state = &self.state;
+        let (scene, n) = (&self.scene, state.len());
+        // A skin of the scene may no longer fit a box that has changed.
+        let apart = Scene {
+            neighbor: NeighborOptions {
+                skin: None,
+                ..scene.neighbor
+            },
+            ..scene.clone()
+        };
+        let (_, provider) = build::forces(&apart, state.cell, n)?;
+        let (_, confinement) = Confinement::with_system(scene, &self.start_cell, n);
+        let mut terms = build::with_springs(scene, confinement.beside(provider));
+        let mut forces = vec![DVec3::ZERO; n];
+        let at = Configuration {
+            velocities: Some(&state.velocities),
+            time: state.time,
+            ..Configuration::at_rest(&state.cell, &state.positions)
+        };
+        let evaluated = terms.evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut forces);
+        let refused = |e| {
+            let allowed = "a configuration with finite forces";
+            scene.source.invalid("system", e, allowed)
+        };
+        let energetics = evaluated.map_err(refused)?;
+        Ok((forces, energetics))
+    }
+}

@@ -1,0 +1,118 @@
+//! Forces on positions that somebody else moves.
+
+use std::sync::{Mutex, PoisonError};
+
+use lennard_core::{Configuration, DVec3, Energetics, ForceTerm, Part, PeriodicBox, Want};
+use lennard_forcefield::{ForceFieldOptions, PairForces};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use rayon::ThreadPool;
+
+use crate::{errors, numbers, scenes};
+
+struct Inner {
+    options: ForceFieldOptions,
+    forces: PairForces,
+    pool: ThreadPool,
+    n: usize,
+}
+
+/// Forces, energy and virial by the potential of a scene; the neighbor list is kept between calls.
+#[pyclass(frozen)]
+pub struct Evaluator {
+    inner: Mutex<Inner>,
+}
+
+/// Energy, forces `[N, 3]`, virial Σ r ⊗ F `[3, 3]`, energies of particles (where asked for), list builds so far.
+type Evaluation<'py> = (
+    f64,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Option<Bound<'py, PyArray1<f64>>>,
+    u64,
+);
+
+fn cell(lengths: [f64; 3]) -> PyResult<PeriodicBox> {
+    PeriodicBox::new(DVec3::from_array(lengths)).map_err(|e| PyValueError::new_err(e.to_string()))
+}
+
+#[pymethods]
+impl Evaluator {
+    /// Forces for `n` particles in a box with these sides; the scene's own start is not looked at.
+    #[new]
+    fn new(scene: &str, n: usize, lengths: [f64; 3], threads: Option<usize>) -> PyResult<Self> {
+        let overrides = scenes::Overrides::new();
+        let scene =
+            scenes::from_text(scene, "calculator", &overrides).map_err(|e| errors::of_scene(&e))?;
+        let (options, forces) = lennard_engine::forces(&scene, cell(lengths)?, n)
+            .map_err(|e| errors::of_engine(e, false))?;
+        let threads = threads.unwrap_or_else(|| lennard_engine::recommended_threads(n));
+        let inner = Mutex::new(Inner {
+            options,
+            forces,
+            pool: crate::inner::pool(threads)?,
+            n,
+        });
+        Ok(Self { inner })
+    }
+
+    /// Evaluates at positions in a box, with the tail where the scene has one.
+    fn evaluate<'py>(
+        &self,
+        py: Python<'py>,
+        positions: PyReadonlyArray2<'py, f64>,
+        lengths: [f64; 3],
+        each: bool,
+    ) -> PyResult<Evaluation<'py>> {
+        let positions = numbers::vectors(&positions, "positions")?;
+        let cell = cell(lengths)?;
+        let evaluated = py.detach(|| {
+            let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+            let Inner {
+                options,
+                forces,
+                pool,
+                n,
+            } = &mut *inner;
+            if positions.len() != *n {
+                return Err(format!("{} positions, made for {n}", positions.len()));
+            }
+            let mut out = vec![DVec3::ZERO; *n];
+            let want = Want {
+                per_particle: each,
+                ..Want::ENERGY_AND_VIRIAL
+            };
+            let at = Configuration::at_rest(&cell, &positions);
+            let found = pool.install(|| forces.evaluate(at, Part::All, want, &mut out));
+            let energetics = found.map_err(|e| e.to_string())?;
+            let tail = lennard_forcefield::tail_correction(options, *n, cell.volume());
+            Ok((out, energetics, tail, forces.statistics().builds))
+        });
+        let (forces, energetics, tail, builds) = evaluated.map_err(PyValueError::new_err)?;
+        let Energetics {
+            potential_energy,
+            virial,
+            per_particle,
+            ..
+        } = energetics;
+        let (tail_energy, tail_virial) = tail.map_or((0.0, 0.0), |t| (t.energy, t.virial));
+        let mut virial = virial.unwrap_or_default();
+        for axis in 0..3 {
+            virial.col_mut(axis)[axis] += tail_virial / 3.0;
+        }
+        let rows = [virial.row(0), virial.row(1), virial.row(2)];
+        let n = forces.len() as f64;
+        let energies = per_particle.map(|all| {
+            let each = all.iter().map(|p| p.0 + tail_energy / n).collect();
+            PyArray1::from_vec(py, each)
+        });
+        Ok((
+            potential_energy.unwrap_or(f64::NAN) + tail_energy,
+            numbers::array(py, &forces)?,
+            numbers::array(py, &rows)?,
+            energies,
+            builds,
+        ))
+    }
+}

@@ -1,0 +1,270 @@
+"""Lennard for ASE: a calculator, and simulations from ``ase.Atoms``.
+
+``Lennard`` serves whatever ASE does with a calculator. For speed, ``simulation(atoms)`` hands the atoms to the
+engine: a step of ``ase.md`` costs more than a millisecond around the forces, and a whole step of the engine takes
+less than a tenth of that for 864 atoms.
+
+Units are Å and eV as everywhere in ASE. ``sigma`` is in Å and ``epsilon`` in eV. With their defaults of 1 the
+numbers are reduced units.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypedDict
+
+import numpy as np
+from ase import Atoms, units
+from ase.calculators.calculator import Calculator, all_changes
+
+from . import _lennard, _toml
+from ._simulation import Simulation
+
+if TYPE_CHECKING:
+    from ._tables import Floats
+
+__all__ = ["ARGON", "Lennard", "Species", "simulation", "to_atoms"]
+
+
+class Species(TypedDict):
+    """σ in Å and ε in eV."""
+
+    sigma: float
+    epsilon: float
+
+
+#: σ in Å and ε in eV of argon as Rahman 1964 has it: 3.405 Å and 119.8 K·k_B.
+ARGON: Species = {"sigma": 3.405, "epsilon": 119.8 * units.kB}
+
+#: ASE's order of the stress: xx, yy, zz, yz, xz, xy.
+_VOIGT = ([0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1])
+
+
+def _box(atoms: Atoms) -> Floats:
+    """The sides of the box, Å, where the engine can use it."""
+    cell: Floats = np.asarray(atoms.cell.array)
+    if not all(atoms.pbc):
+        raise ValueError(
+            f"the fluid is periodic along each axis\n  found:   pbc = {[bool(p) for p in atoms.pbc]}\n"
+            "  allowed: pbc = True, with vacuum in the cell where a surface is wanted"
+        )
+    sides: Floats = np.diagonal(cell).copy()
+    if np.any(cell - np.diag(sides)) or np.any(sides <= 0.0):
+        raise ValueError(
+            f"the cell must be a box along x, y and z\n  found:   {cell.tolist()}\n"
+            "  allowed: a cell with positive numbers on its diagonal and zeros elsewhere"
+        )
+    return sides
+
+
+def _one_species(atoms: Atoms) -> str:
+    symbols = sorted(set(atoms.get_chemical_symbols()))
+    if len(symbols) > 1:
+        raise ValueError(
+            f"one sigma and one epsilon describe one species\n  found:   {', '.join(symbols)}\n"
+            "  allowed: atoms of one chemical symbol"
+        )
+    return symbols[0] if symbols else "X"
+
+
+class Lennard(Calculator):
+    """A calculator for ASE with the potentials of this program.
+
+    ``sigma`` in Å, ``epsilon`` in eV, ``rc`` and ``skin`` in Å (``rc`` is 2.5 ``sigma`` unless given). ``truncation`` is
+    the name of a truncation or its table: ``"cut"`` (plain), ``"shift"`` (what ``ase.calculators.lj`` computes),
+    ``"force-shift"``, ``"switch"``. ``tail`` adds the corrections for the part beyond ``rc`` to energy and stress, for the
+    plain cutoff. ``potential`` is another pair potential of the program, such as ``lennard.potential.mie(repulsive=12)``.
+
+    The neighbor list is kept between calls and made anew only where atoms have moved too far.
+
+    Stress is −W/V with W = Σ r ⊗ F: positive under tension, without the kinetic part, in ASE's order.
+    """
+
+    implemented_properties = ["energy", "free_energy", "energies", "forces", "stress"]
+    default_parameters = {
+        "sigma": 1.0,
+        "epsilon": 1.0,
+        "rc": None,
+        "truncation": "shift",
+        "tail": False,
+        "potential": None,
+        "skin": None,
+        "precision": "double",
+        "threads": None,
+    }
+    nolabel = True
+
+    def __init__(self, **parameters: Any) -> None:
+        self._evaluator: _lennard.Evaluator | None = None
+        self._made_for: tuple[int, tuple[float, float, float]] | None = None
+        #: Builds of the neighbor list so far.
+        self.list_builds = 0
+        super().__init__(**parameters)  # type: ignore[no-untyped-call]
+
+    def set(self, **parameters: Any) -> dict[str, Any]:
+        """Changes parameters; a change makes the next call begin anew."""
+        unknown = sorted(parameters.keys() - self.default_parameters.keys())
+        if "smooth" in unknown:
+            raise ValueError(
+                "`smooth` of ase.calculators.lj is the truncation `xplor` here\n"
+                '  allowed: truncation={"kind": "xplor", "switch_from": ro / sigma}'
+            )
+        if unknown:
+            allowed = ", ".join(self.default_parameters)
+            raise TypeError(f"no such parameter\n  found:   {', '.join(unknown)}\n  allowed: {allowed}")
+        for name in ("sigma", "epsilon"):
+            value = parameters.get(name, 1.0)
+            if not (np.isfinite(value) and value > 0.0):
+                raise ValueError(f"`{name}` must be a finite positive number\n  found: {value!r}")
+        changed: dict[str, Any] = super().set(**parameters)  # type: ignore[no-untyped-call]
+        if changed:
+            self.reset()  # type: ignore[no-untyped-call]
+            self._evaluator = None
+        return changed
+
+    def __getstate__(self) -> dict[str, Any]:
+        # The list is made anew where the copy is used.
+        return {**self.__dict__, "_evaluator": None, "_made_for": None}
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Lennard:
+        return type(self)(**self.parameters)
+
+    def calculate(
+        self,
+        atoms: Atoms | None = None,
+        properties: Sequence[str] = ("energy",),
+        system_changes: Sequence[str] = tuple(all_changes),
+    ) -> None:
+        """Energy, forces and stress; the energies of single atoms where they are asked for."""
+        super().calculate(atoms, properties, system_changes)  # type: ignore[no-untyped-call]
+        if self.atoms is None:
+            raise ValueError("there are no atoms to calculate for")
+        sides = _box(self.atoms)
+        n = len(self.atoms)
+        if "numbers" in system_changes:
+            _one_species(self.atoms)
+        sigma, epsilon = self.parameters["sigma"], self.parameters["epsilon"]
+        lengths = _three(sides / sigma)
+        evaluator = self._evaluator_for(n, lengths)
+        energy, forces, virial, energies, self.list_builds = evaluator.evaluate(
+            np.ascontiguousarray(self.atoms.positions) / sigma, lengths, "energies" in properties
+        )
+        self.results = {
+            "energy": energy * epsilon,
+            "free_energy": energy * epsilon,
+            "forces": forces * (epsilon / sigma),
+            "stress": -virial[_VOIGT] * (epsilon / float(np.prod(sides))),
+        }
+        if energies is not None:
+            self.results["energies"] = energies * epsilon
+
+    def _evaluator_for(self, n: int, lengths: tuple[float, float, float]) -> _lennard.Evaluator:
+        """The forces made before, where they serve so many atoms in such a box: a box may change by a tenth."""
+        if self._evaluator is not None and self._made_for is not None:
+            made_n, made_for = self._made_for
+            ratios = np.asarray(lengths) / np.asarray(made_for)
+            if made_n == n and np.all(np.abs(ratios - 1.0) < 0.1):
+                return self._evaluator
+        self._evaluator = _lennard.Evaluator(self._scene(n, lengths), n, lengths, self.parameters["threads"])
+        self._made_for = (n, lengths)
+        return self._evaluator
+
+    def _scene(self, n: int, lengths: tuple[float, float, float]) -> str:
+        """The force field as a scene; where its particles start does not matter."""
+        given = self.parameters
+        scene: dict[str, Any] = {
+            "system": {"n_atoms": n, "box": lengths, "temperature": 1.0, "lattice": "random"},
+            "truncation": _truncation(given["truncation"], given["tail"], _reduced(given["rc"], given["sigma"])),
+            "kernel": {"precision": given["precision"]},
+        }
+        if given["potential"] is not None:
+            potential = given["potential"]
+            scene["potential"] = {"kind": potential} if isinstance(potential, str) else dict(potential)
+        if given["skin"] is not None:
+            scene["neighbor"] = {"skin": _reduced(given["skin"], given["sigma"])}
+        return _toml.document(scene)
+
+
+def _reduced(length: float | None, sigma: float) -> float | None:
+    return None if length is None else float(length) / sigma
+
+
+def _three(sides: Floats) -> tuple[float, float, float]:
+    return (float(sides[0]), float(sides[1]), float(sides[2]))
+
+
+def _truncation(kind: str | Mapping[str, Any], tail: bool, rc: float | None) -> dict[str, Any]:
+    table: dict[str, Any] = {"kind": kind} if isinstance(kind, str) else dict(kind)
+    if rc is not None:
+        table["r_cut"] = rc
+    if tail or table["kind"] == "cut":
+        table.setdefault("tail_correction", bool(tail))
+    return table
+
+
+def simulation(
+    atoms: Atoms,
+    *,
+    sigma: float = 1.0,
+    epsilon: float = 1.0,
+    rc: float | None = None,
+    dt: float | None = None,
+    truncation: str | Mapping[str, Any] = "shift",
+    tail: bool = False,
+    temperature: float | None = None,
+    threads: int | None = None,
+    set: Mapping[str, Any] | None = None,
+    **tables: Any,
+) -> Simulation:
+    """A simulation by the engine that starts from ``atoms``, hundreds of times as fast as ``ase.md``.
+
+    ``sigma`` in Å and ``epsilon`` in eV; ``rc`` in Å. ``dt`` is in ASE's units (``2 * ase.units.fs``). ``temperature``
+    in K is for atoms without momenta. All atoms have one mass, the unit of mass of the run; the simulation itself is in
+    reduced units, and ``simulation.to_ase(sigma=…, epsilon=…, mass=…)`` goes back.
+    """
+    sides = _box(atoms)
+    symbol = _one_species(atoms)
+    masses = atoms.get_masses()
+    if len(masses) == 0 or np.any(masses != masses[0]):
+        raise ValueError("all atoms must have one mass, and there must be at least one atom")
+    mass = float(masses[0])
+    momenta = atoms.get_momenta()
+    velocities = None
+    # ASE's unit of velocity is √(eV/u).
+    speed = np.sqrt(epsilon / mass)
+    if np.any(momenta):
+        velocities = momenta / mass / speed
+    elif temperature is None:
+        raise ValueError("the atoms have no momenta\n  allowed: temperature=… in K, or atoms with momenta")
+    kelvin = float(atoms.get_temperature()) if temperature is None else float(temperature)
+    scene: dict[str, Any] = {
+        "truncation": _truncation(truncation, tail, _reduced(rc, sigma)),
+        "output": {"element": symbol},
+        **tables,
+    }
+    if dt is not None:
+        scene["integrator"] = {"dt": dt * speed / sigma, **scene.get("integrator", {})}
+    return Simulation.from_arrays(
+        atoms.positions / sigma,
+        sides / sigma,
+        velocities,
+        temperature=kelvin * units.kB / epsilon,
+        threads=threads,
+        set=set,
+        **scene,
+    )
+
+
+def to_atoms(simulation: Simulation, *, sigma: float, epsilon: float, mass: float) -> Atoms:
+    """The state of a simulation as ``ase.Atoms``: see :meth:`lennard.Simulation.to_ase`."""
+    symbol = simulation._core.names[2]
+    atoms = Atoms(
+        f"{symbol}{simulation.n_atoms}",
+        positions=simulation.positions * sigma,
+        cell=simulation.box * sigma,
+        pbc=True,
+        info={"step": simulation.steps_done, "time": simulation.time * sigma * np.sqrt(mass / epsilon)},
+    )
+    atoms.set_masses([mass] * len(atoms))
+    atoms.set_velocities(simulation.velocities * np.sqrt(epsilon / mass))
+    return atoms

@@ -1,0 +1,43 @@
+"""Examples and the code of the documentation run as they stand."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+from conftest import ROOT
+
+EXAMPLES = sorted((ROOT / "python" / "examples").glob("*.py"))
+DOCUMENT = ROOT / "docs" / "python.md"
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_examples_run(example, tmp_path):
+    made = subprocess.run([sys.executable, example], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert made.returncode == 0, made.stderr
+    assert made.stdout.strip()
+
+
+def test_there_are_examples():
+    assert len(EXAMPLES) >= 4
+
+
+def test_the_code_of_the_documentation_runs(tmp_path):
+    blocks = re.findall(r"^```python\n(.*?)^```", DOCUMENT.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    assert len(blocks) >= 6
+    script = tmp_path / "document.py"
+    script.write_text("\n".join(blocks), encoding="utf-8")
+    made = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert made.returncode == 0, made.stderr
+
+
+def test_the_example_in_the_package_runs():
+    import doctest
+
+    import lennard
+
+    failed, tried = doctest.testmod(lennard)
+    assert failed == 0 and tried >= 4
