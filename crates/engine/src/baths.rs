@@ -14,8 +14,17 @@ pub(crate) fn measured_baths(scene: &Scene) -> Vec<&'static ThermostatSpec> {
 
 /// The ensemble that a stage samples; `None` where its dynamics sample none that is known.
 pub(crate) fn ensemble(scene: &Scene, stage: &Stage) -> Option<Ensemble> {
-    if stage.barostat.is_some() || stage.is_ramp() {
+    if stage.is_ramp() {
         return None;
+    }
+    let canonical = stage
+        .thermostat
+        .as_ref()
+        .is_none_or(|bath| bath.spec().canonical);
+    if let Some(control) = &stage.barostat {
+        // A barostat without a thermostat beside it has one of its own.
+        let pressure = control.pressure;
+        return canonical.then_some(Ensemble::Isobaric { pressure });
     }
     match &stage.thermostat {
         Some(bath) => bath.spec().canonical.then_some(Ensemble::Canonical),

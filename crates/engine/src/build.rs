@@ -14,6 +14,7 @@ use lennard_scene::{ObservableTable, Scene, Stage};
 use crate::baths::{ensemble, held_temperature, measured_baths, measured_pressure};
 use crate::beginning::{Beginning, begin_with_remarks};
 use crate::confinement::Confinement;
+use crate::curvature::curvature;
 use crate::error::misfit;
 use crate::force_check::ForceCheck;
 use crate::initial;
@@ -197,6 +198,7 @@ pub(crate) fn observers(
     let every = scene.output.thermo_every;
     let mut thermodynamics = Thermodynamics::with_options(&options, &context(every));
     thermodynamics.set_force_jump(force_jump(scene)?);
+    thermodynamics.set_curvature(curvature(scene)?);
     thermodynamics.set_ensemble(measured.and_then(|stage| ensemble(scene, stage)));
     thermodynamics.set_bath(held_temperature(scene));
     thermodynamics.set_confined(scene.confined_by().map(|_| {

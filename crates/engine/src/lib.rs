@@ -9,6 +9,7 @@ mod close_pairs;
 mod compare;
 mod compare_at_pressure;
 mod confinement;
+mod curvature;
 mod energy;
 mod error;
 mod failure;

@@ -36,6 +36,27 @@ pub(crate) fn of_fluctuations(
     with_doubts(name, unit, estimate, influence, fewest, fluctuations_change)
 }
 
+/// The error of the mean of `influence`, which is made of squares and products of fluctuations.
+///
+/// Such series are not anticorrelated over long times: an error below the one of independent blocks is noise of the widest window.
+pub(crate) fn estimate_of_fluctuations(influence: &[f64]) -> Estimate {
+    with_overlap(statistics::mean(influence), influence, 1.0)
+}
+
+/// A value with the error of the mean of a series whose members look `overlap` places ahead.
+fn with_overlap(mean: f64, series: &[f64], overlap: f64) -> Estimate {
+    let error = statistics::error_with_overlap(series, overlap);
+    Estimate {
+        mean,
+        standard_error: error.standard_error,
+        // Blocks that are anticorrelated are noise of the estimate, not more samples.
+        n_effective: error.n_effective.min(series.len() as f64),
+        least_effective: error.least_effective,
+        freedom: error.freedom,
+        equilibration_cut: 0,
+    }
+}
+
 fn with_doubts(
     name: &str,
     unit: &str,
@@ -69,16 +90,7 @@ pub(crate) fn of_blocks(
     blocks: &[f64],
     overlap: f64,
 ) -> Average {
-    let error = statistics::error_with_overlap(blocks, overlap);
-    let estimate = Estimate {
-        mean: value,
-        standard_error: error.standard_error,
-        // Blocks that are anticorrelated are noise of the estimate, not more samples.
-        n_effective: error.n_effective.min(blocks.len() as f64),
-        least_effective: error.least_effective,
-        freedom: error.freedom,
-        equilibration_cut: 0,
-    };
+    let estimate = with_overlap(value, blocks, overlap);
     of_fluctuations(name, unit, estimate, blocks, FEWEST_INDEPENDENT_BLOCKS)
 }
 

@@ -2,17 +2,22 @@
 
 use lennard_core::{Average, Estimate, Momentum, System};
 
-use crate::averages::{FEWEST_FLUCTUATIONS, of_fluctuations};
+use crate::averages::{FEWEST_FLUCTUATIONS, estimate_of_fluctuations, of_fluctuations};
 use crate::statistics::{estimate_after, mean};
 use crate::{BuildContext, ThermoSeries};
 
 /// The ensemble that a run samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ensemble {
     /// Constant energy: no thermostat.
     Microcanonical,
     /// Constant temperature, by a thermostat that is known to sample it.
     Canonical,
+    /// Constant temperature and constant pressure (ε/σ³), by a barostat with its thermostat.
+    Isobaric {
+        /// The pressure that is held.
+        pressure: f64,
+    },
 }
 
 impl Ensemble {
@@ -22,6 +27,9 @@ impl Ensemble {
         match self {
             Self::Microcanonical => format!(
                 "heat_capacity: from the fluctuations of the kinetic energy at constant energy (Lebowitz, Percus and Verlet 1967), n_dof = {n_dof}"
+            ),
+            Self::Isobaric { .. } => format!(
+                "heat_capacity: c_p from the fluctuations of the enthalpy at constant pressure, less Tα²/(ρκ_T) from the fluctuations of the volume, n_dof = {n_dof}"
             ),
             Self::Canonical => format!(
                 "heat_capacity: {kinetic} and the fluctuations of the potential energy at constant temperature, n_dof = {n_dof}"
@@ -53,17 +61,19 @@ fn kinetic_part(context: &BuildContext) -> f64 {
 ///
 /// The variance about the mean of the same samples is too small by one part in the independent samples, for which it
 /// is corrected. The error is that of the mean of the linearised formula, correlation included, and is widened by its own
-/// part of the excess over the kinetic energy, of which it is as unsure.
+/// part of the excess over the kinetic energy, of which it is as unsure. At constant pressure there is none here.
 pub(crate) fn average(
     ensemble: Ensemble,
     rows: &ThermoSeries,
     cut: usize,
     context: &BuildContext,
     n_dof: f64,
-) -> Average {
+) -> Option<Average> {
     let n = context.n_molecules() as f64;
     let from = cut.min(rows.time.len());
     let (value, influence): (f64, Vec<f64>) = match ensemble {
+        // It follows from c_p there: the response functions have it.
+        Ensemble::Isobaric { .. } => return None,
         Ensemble::Microcanonical => {
             let kinetic = &rows.kinetic_energy[from..];
             let k = mean(kinetic);
@@ -100,7 +110,7 @@ pub(crate) fn average(
             (excess, influence)
         }
     };
-    let error = estimate_after(&influence, 0);
+    let error = estimate_of_fluctuations(&influence);
     // A variance that is too small by chance has an error that is too small by the same part.
     let widened = error.standard_error * (1.0 + error.standard_error / value.abs());
     let estimate = Estimate {
@@ -113,13 +123,13 @@ pub(crate) fn average(
         equilibration_cut: from as u64,
         ..error
     };
-    of_fluctuations(
+    Some(of_fluctuations(
         "heat_capacity",
         context.heat_capacity_unit(),
         estimate,
         &influence,
         FEWEST_FLUCTUATIONS,
-    )
+    ))
 }
 
 /// A variance about the mean of the same `series`, corrected for what that mean takes away.
@@ -179,7 +189,8 @@ mod tests {
             cut,
             &crate::testing::context(10.0, n_atoms),
             n_dof,
-        );
+        )
+        .unwrap();
         assert_eq!(found.doubt, None);
         found.estimate
     }
@@ -242,7 +253,8 @@ mod tests {
                 0,
                 &crate::testing::context(10.0, 100),
                 297.0,
-            );
+            )
+            .unwrap();
             assert!(found.estimate.mean >= 1.5);
             assert!(found.doubt.is_some(), "seed {seed}: {found:?}");
         }

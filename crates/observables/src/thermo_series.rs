@@ -33,7 +33,8 @@ pub struct ThermoSeries {
     /// Mean of (K/N)², for fluctuations: row means of a square survive averaging in pairs.
     pub kinetic_energy_squared: Vec<f64>,
     /// Potential energy per particle of which the forces are the gradient, U_s/N: for a plain cutoff the shifted one.
-    /// Configurations are sampled with its Boltzmann factor, so fluctuations are taken of it.
+    /// Configurations are sampled with its Boltzmann factor, so fluctuations are taken of it. In a box that changes, the
+    /// energy of the tail that the box feels, V·P_tail, belongs to it.
     pub sampled_potential_energy: Vec<f64>,
     /// Mean of (U_s/N)².
     pub sampled_potential_energy_squared: Vec<f64>,
@@ -43,6 +44,24 @@ pub struct ThermoSeries {
     pub momentum_y: Vec<f64>,
     /// Total momentum per particle, z.
     pub momentum_z: Vec<f64>,
+    /// W/N = Σ r·F/N without the tail.
+    pub virial: Vec<f64>,
+    /// Mean of (W/N)².
+    pub virial_squared: Vec<f64>,
+    /// Mean of (U_s/N)(W/N).
+    pub sampled_energy_virial: Vec<f64>,
+    /// Mean of N/K.
+    pub inverse_kinetic_energy: Vec<f64>,
+    /// Mean of W/K.
+    pub virial_over_kinetic: Vec<f64>,
+    /// Mean of (W/N)²·N/K.
+    pub virial_squared_over_kinetic: Vec<f64>,
+    /// V/N.
+    pub volume: Vec<f64>,
+    /// Mean of (V/N)².
+    pub volume_squared: Vec<f64>,
+    /// Mean of (U_s/N)(V/N).
+    pub sampled_energy_volume: Vec<f64>,
 }
 
 impl_columns!(ThermoSeries {
@@ -63,6 +82,15 @@ impl_columns!(ThermoSeries {
     momentum_x,
     momentum_y,
     momentum_z,
+    virial,
+    virial_squared,
+    sampled_energy_virial,
+    inverse_kinetic_energy,
+    virial_over_kinetic,
+    virial_squared_over_kinetic,
+    volume,
+    volume_squared,
+    sampled_energy_volume,
 });
 
 impl ThermoSeries {

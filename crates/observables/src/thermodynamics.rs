@@ -1,7 +1,9 @@
 //! Temperature, energies, pressure and what ought to be conserved.
 
+mod conservation;
 mod equilibrium;
 mod remarks;
+mod responses;
 
 use std::f64::consts::PI;
 
@@ -10,15 +12,14 @@ use lennard_core::{
     StateWriter, View, Want, parallel,
 };
 
-use serde::Serialize;
-
 use crate::averages::{FEWEST_INDEPENDENT, of_fluctuations, of_series};
 use crate::seen_box::SeenBox;
 use crate::series::Series;
 use crate::statistics::{self, RunningLine};
 use crate::thermo_series::ThermoSeries;
-use crate::{BuildContext, Ensemble, ObservableError, Recipe, heat_capacity};
+use crate::{BuildContext, Curvature, Ensemble, ObservableError, Recipe, heat_capacity};
 
+pub use conservation::Conservation;
 pub use equilibrium::{Equilibrium, HeldTemperature};
 pub use remarks::Confined;
 
@@ -53,19 +54,6 @@ impl Recipe for ThermodynamicsOptions {
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(Thermodynamics::with_options(self, context)))
     }
-}
-
-/// How well energy and momentum were kept.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Conservation {
-    /// Slope of the conserved energy per particle, ε/τ, by least squares over all samples.
-    pub energy_drift_per_atom_per_tau: f64,
-    /// Its standard error, from the slopes of ten blocks.
-    pub energy_drift_standard_error: f64,
-    /// Root mean square of the conserved energy per particle about that line, over single samples.
-    pub energy_rms_per_atom: f64,
-    /// The largest |Σ m v|/N seen, in σ/τ, of the components that the forces keep.
-    pub momentum_per_atom: f64,
 }
 
 /// Temperature, energies, pressure, configurational temperature and what is conserved.
@@ -105,7 +93,9 @@ pub struct Thermodynamics {
     ensemble: Option<Ensemble>,
     bath: Option<HeldTemperature>,
     n_dof: f64,
+    mass: f64,
     half_steps: bool,
+    curvature: Option<Curvature>,
     confined: Option<Confined>,
 }
 
@@ -130,7 +120,9 @@ impl Thermodynamics {
             ensemble: None,
             bath: None,
             n_dof: f64::NAN,
+            mass: f64::NAN,
             half_steps: false,
+            curvature: None,
             confined: None,
         }
     }
@@ -164,42 +156,6 @@ impl Thermodynamics {
     #[must_use]
     pub fn stride(&self) -> u64 {
         self.series.stride()
-    }
-
-    /// Drift and fluctuation of the conserved energy, and the momentum.
-    #[must_use]
-    pub fn conservation(&self) -> Conservation {
-        let rows = self.series.rows();
-        Conservation {
-            energy_drift_per_atom_per_tau: self.energy_line.slope(),
-            energy_drift_standard_error: statistics::slope_error(
-                &rows.time,
-                &rows.conserved_energy,
-            ),
-            energy_rms_per_atom: self.energy_line.rms(),
-            momentum_per_atom: self.largest_momentum,
-        }
-    }
-
-    /// The mean potential energy per particle, with the error of its difference from an equation of state
-    /// whose slope ∂u/∂T at the temperature of the positions is given ([`statistics::about_line`]).
-    #[must_use]
-    pub fn potential_energy_against(&self, slope: f64) -> Estimate {
-        let rows = self.series.rows();
-        self.against(&rows.potential_energy, slope)
-    }
-
-    /// The mean pressure, with the error of its difference from an equation of state whose slope ∂p/∂T at
-    /// the temperature of the positions is given.
-    #[must_use]
-    pub fn pressure_against(&self, slope: f64) -> Estimate {
-        self.against(&self.series.rows().pressure, slope)
-    }
-
-    fn against(&self, values: &[f64], slope: f64) -> Estimate {
-        let temperature = &self.series.rows().temperature_of_positions;
-        let found = statistics::about_line(values, temperature, slope, self.equilibration_cut());
-        self.in_samples(found)
     }
 
     /// The cut of an estimate over rows, told in samples.
@@ -251,7 +207,10 @@ impl Observable for Thermodynamics {
         let pressure = n / volume * of_positions + virial / (3.0 * volume);
         let tail = view.tail.unwrap_or_default();
         let conserved_energy = kinetic + (conserved + view.tail_work - view.heat) / n;
-        let sampled = conserved / n;
+        // In a box that changes, configurations are weighted with the energy of the tail too.
+        let sampled = (conserved + view.tail_work) / n;
+        let of_pairs = virial / n;
+        let of_volume = volume / n;
         let (squared_force, laplacian) = if self.options.configurational_temperature {
             let squares: f64 = parallel::ordered_sum(state.len(), |range| {
                 state.forces[range].iter().map(|f| f.length_squared()).sum()
@@ -263,6 +222,10 @@ impl Observable for Thermodynamics {
         };
         let momentum: DVec3 = view.system.momentum(&state.velocities) / n;
         self.n_dof = view.n_dof();
+        if self.mass.is_nan() {
+            let all = 0..view.state.len();
+            self.mass = all.map(|i| view.system.masses.of(i)).sum::<f64>() / n;
+        }
         self.half_steps = view.half_kick_step.is_some();
         self.energy_line.push(state.time, conserved_energy);
         let kept = view.system.kept_part(momentum);
@@ -285,6 +248,15 @@ impl Observable for Thermodynamics {
             momentum.x,
             momentum.y,
             momentum.z,
+            of_pairs,
+            of_pairs * of_pairs,
+            sampled * of_pairs,
+            kinetic.recip(),
+            of_pairs / kinetic,
+            of_pairs * of_pairs / kinetic,
+            of_volume,
+            of_volume * of_volume,
+            sampled * of_volume,
         ]);
     }
 
@@ -334,7 +306,7 @@ impl Observable for Thermodynamics {
             averages.push(of_series(name, "ε/σ³", column, cut));
         }
         if let Some(ensemble) = self.ensemble {
-            averages.push(heat_capacity::average(
+            averages.extend(heat_capacity::average(
                 ensemble,
                 rows,
                 cut,
@@ -342,6 +314,7 @@ impl Observable for Thermodynamics {
                 self.n_dof,
             ));
         }
+        averages.extend(self.responses(cut));
         for average in &mut averages {
             average.estimate = self.in_samples(average.estimate);
         }
@@ -354,6 +327,7 @@ impl Observable for Thermodynamics {
         findings
             .remarks
             .extend(self.ensemble.map(|e| e.remark(&self.context, self.n_dof)));
+        findings.remarks.extend(self.remark_on_responses());
         findings
             .tables
             .push(rows.table(self.series.stride(), self.half_steps, energy));
@@ -383,6 +357,7 @@ impl Persist for Thermodynamics {
         self.energy_line.save(&mut to.section("energy"));
         to.put_f64("largest_momentum", &[self.largest_momentum]);
         to.put_f64("n_dof", &[self.n_dof]);
+        to.put_f64("mass", &[self.mass]);
         to.put_u64("half_steps", &[u64::from(self.half_steps)]);
     }
 
@@ -392,6 +367,7 @@ impl Persist for Thermodynamics {
         self.energy_line.restore(&from.section("energy"))?;
         [self.largest_momentum] = from.f64s("largest_momentum")?;
         [self.n_dof] = from.f64s("n_dof")?;
+        [self.mass] = from.f64s("mass")?;
         let [half_steps] = from.u64s("half_steps")?;
         self.half_steps = half_steps == 1;
         Ok(())

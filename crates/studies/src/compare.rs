@@ -1,5 +1,6 @@
 //! Finished runs beside the literature: every quantity with its difference in standard errors and a verdict.
 
+mod card;
 mod phase;
 mod read;
 mod rows;
@@ -8,6 +9,7 @@ mod tail_bias;
 mod transport;
 mod verdict;
 
+pub use card::{CardEquation, CardRow, Standing, StateCard, card_table};
 pub use phase::{StateOfMatter, state_of};
 pub use read::{ReadError, RunFolder};
 pub use table::table;
@@ -49,6 +51,8 @@ pub struct ComparedRun {
     pub equation: Option<String>,
     /// Quantity by quantity.
     pub rows: Vec<Row>,
+    /// Every measured property beside every equation that applies; absent where none covers the state.
+    pub card: Option<StateCard>,
     /// What the rows say together, in a sentence or two.
     pub headline: String,
     /// The reason that most of the primary rows share; the headline says it.
@@ -103,7 +107,12 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
         model,
         no_reference: no_reference.clone(),
     });
+    let card = no_reference
+        .is_none()
+        .then(|| card::card(run, &state, model))
+        .flatten();
     ComparedRun {
+        card,
         run: run.folder.display().to_string(),
         model: run.record.model.clone(),
         atoms: run.record.atoms,

@@ -1,6 +1,7 @@
 //! The page of a run: made from its folder alone, so that it can be made again at any time.
 
 mod figures;
+mod phase_diagram;
 mod tables;
 
 use std::path::Path;
@@ -52,12 +53,18 @@ pub fn page(run: &RunFolder) -> Page {
         Section::new("Beside the literature")
             .table(tables::comparison(&compared))
             .list(tables::sources(&compared)),
+        tables::state_card(&compared),
         Section::new("What was run, and what was left out")
             .table(tables::stages(run))
             .list(tables::left_out(run)),
         Section::new("Averages").table(tables::averages(&compared, record)),
     ];
     let drawn = [
+        (
+            "Phase diagram",
+            phase_diagram::PHASE_DIAGRAM,
+            phase_diagram::phase_diagram(run, &compared),
+        ),
         (
             "Time series",
             figures::TIME_SERIES,

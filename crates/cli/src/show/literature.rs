@@ -76,7 +76,16 @@ pub fn compared(run: &ComparedRun, verbose: bool) {
     );
     println!("{}", quantities(run, verbose));
     below_quantities(run, verbose);
+    state_card(run);
     println!();
+}
+
+/// Every measured property beside every equation, and what follows.
+pub(super) fn state_card(run: &ComparedRun) {
+    if let Some(card) = &run.card {
+        println!("{}", table(&compare::card_table(card)));
+        println!("  {}", card.sentence);
+    }
 }
 
 /// The primary quantities of a run with their verdicts; with `verbose` all of them, and what each verdict is made of.

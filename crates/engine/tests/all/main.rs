@@ -6,6 +6,7 @@ mod invariants;
 mod messages;
 mod molecules;
 mod pressure;
+mod response;
 mod restart;
 mod walls;
 mod watching;

@@ -110,3 +110,27 @@ fn nist_energies_and_virials_are_met_by_every_loop() {
     }
     assert_eq!(rows, 18, "every row of configurations 1, 3 and 4");
 }
+
+#[test]
+fn the_second_derivative_follows_from_energy_and_virial() {
+    // Σ r²u″ = 19 W − 72 U for 12-6, here with the sum over pairs beside it.
+    for (number, r_cut) in [("1", 3.0), ("3", 4.0), ("4", 3.0)] {
+        let (periodic, positions) = configuration(number);
+        let truncation = TruncationOptions::new(TruncationKind::Cut, r_cut);
+        let options = ForceFieldOptions::default();
+        let model = lennard_forcefield::Model::new(&options.potential, &truncation).unwrap();
+        let (mut energy, mut virial, mut second) = (0.0, 0.0, 0.0);
+        for (i, a) in positions.iter().enumerate() {
+            for b in &positions[..i] {
+                let r2 = periodic.minimum_image(*a - *b).length_squared();
+                if r2 <= r_cut * r_cut {
+                    let pair = model.eval(r2);
+                    energy += pair.energy;
+                    virial += pair.force * r2;
+                    second += pair.curvature * r2;
+                }
+            }
+        }
+        close(19.0 * virial - 72.0 * energy, second, number);
+    }
+}

@@ -1,9 +1,12 @@
 //! Quantity by quantity: what it is compared with, and how far off it may be.
 
-use lennard_literature::{EquationOfState, ModelKind, TransportProperty, equation_of_state_for};
+use lennard_literature::{
+    EquationOfState, ModelKind, TransportProperty, equation_of_state_for, property,
+};
 use lennard_observables::HeldTemperature;
 use lennard_scene::PressureControl;
 
+use super::card::spread;
 use super::read::HALF_STEPS;
 use super::tail_bias::tail_bias;
 use super::verdict::Tolerance;
@@ -25,11 +28,15 @@ const HEAT_CAPACITY: Tolerance = Tolerance::new(2.0, 0.0, 0.02);
 /// than the temperature of half steps, and the jump of the force at the cutoff is counted with g(r_cut) = 1.
 const TEMPERATURES: Tolerance = Tolerance::new(4.0, 0.0, 0.005);
 
+/// Response functions: so many errors, and the spread of the equations; this part of the value where there is one alone.
+const RESPONSE_ERRORS: f64 = 3.0;
+const RESPONSE_PART: f64 = 0.02;
+
 /// How a quantity is held against its reference.
 type Beside = fn(&Compared<'_>, Row) -> Row;
 
 /// Every quantity that has a reference, with the way in which it is held against it.
-const REFERENCES: [(&str, Beside); 14] = [
+const REFERENCES: [(&str, Beside); 23] = [
     ("temperature", |c, row| c.beside_bath(row, false)),
     (HALF_STEPS, |c, row| c.beside_bath(row, true)),
     ("potential_energy", |c, row| c.potential_energy(row)),
@@ -38,6 +45,15 @@ const REFERENCES: [(&str, Beside); 14] = [
         c.beside_equation_at_pressure(row, DENSITY)
     }),
     ("heat_capacity", |c, row| c.heat_capacity(row)),
+    ("heat_capacity_pressure", |c, row| c.response(row)),
+    ("thermal_pressure_coefficient", |c, row| c.response(row)),
+    ("isothermal_compressibility", |c, row| c.response(row)),
+    ("isentropic_compressibility", |c, row| c.response(row)),
+    ("thermal_expansion", |c, row| c.response(row)),
+    ("speed_of_sound", |c, row| c.response(row)),
+    ("joule_thomson_coefficient", |c, row| c.response(row)),
+    ("grueneisen_parameter", |c, row| c.response(row)),
+    ("density_scaling_exponent", |c, row| c.response(row)),
     ("configurational_temperature", |c, row| {
         c.configurational_temperature(row)
     }),
@@ -298,6 +314,24 @@ impl Compared<'_> {
         };
         let reference = equation.heat_capacity_volume(density, temperature);
         self.unless_frozen(row.against(reference, None, HEAT_CAPACITY, &equation.spec().citation()))
+    }
+
+    /// A response function beside the equation of state; the tolerance has the spread of the good equations.
+    fn response(&self, row: Row) -> Row {
+        let (density, temperature) = (self.state.density, self.state.temperature);
+        let (Some(equation), Some(property)) = (self.equation(), property(&row.quantity)) else {
+            return self.or_why_none(row);
+        };
+        let spread = spread(self.model, density, temperature, property);
+        let own = spread.unwrap_or(RESPONSE_PART * row.measured.abs());
+        let reference = (property.of)(&equation.at(density, temperature));
+        let row = row.against(
+            reference,
+            None,
+            Tolerance::new(RESPONSE_ERRORS, own, 0.0),
+            &equation.spec().citation(),
+        );
+        self.unless_frozen(row)
     }
 
     fn configurational_temperature(&self, row: Row) -> Row {

@@ -2,9 +2,9 @@
 
 use lennard_core::{Cell, Table};
 use lennard_io::RunRecord;
-use lennard_report::{percent, significant};
+use lennard_report::{Section, percent, significant};
 
-use crate::compare::{ComparedRun, Row, RunFolder, quantity_words, table};
+use crate::compare::{ComparedRun, Row, RunFolder, card_table, quantity_words, table};
 
 pub(super) fn comparison(compared: &ComparedRun) -> Table {
     let shown = compared
@@ -12,6 +12,18 @@ pub(super) fn comparison(compared: &ComparedRun) -> Table {
         .iter()
         .filter(|r| r.primary || r.verdict.is_judged());
     table(&shown.collect::<Vec<_>>(), Row::verdict_words)
+}
+
+/// Every measured property beside every equation.
+pub(super) fn state_card(compared: &ComparedRun) -> Section {
+    let section = Section::new("State card");
+    match &compared.card {
+        Some(card) => section.text(card.sentence.as_str()).table(card_table(card)),
+        None => section.text(format!(
+            "No equation of state is shown: {}.",
+            compared.state.words
+        )),
+    }
 }
 
 /// Sources and remarks, quantity by quantity.

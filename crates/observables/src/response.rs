@@ -1,0 +1,110 @@
+//! Response functions from the fluctuations of U, W, K and V: heat capacities, compressibilities, expansion, sound.
+
+mod base;
+mod ensembles;
+mod influence;
+
+use lennard_core::Average;
+
+use crate::averages::{FEWEST_FLUCTUATIONS, of_fluctuations};
+use crate::{BuildContext, Ensemble, ThermoSeries};
+
+use base::COUNT;
+pub use base::Curvature;
+pub(crate) use base::Setting;
+
+/// A response function: name, unit, and whether it needs Σ r²u″ where the volume is constant.
+struct Response {
+    name: &'static str,
+    unit: &'static str,
+    needs_curvature: bool,
+}
+
+const fn response(name: &'static str, unit: &'static str, needs_curvature: bool) -> Response {
+    Response {
+        name,
+        unit,
+        needs_curvature,
+    }
+}
+
+/// In the order of [`base::Values`]; c_v is the first.
+const RESPONSES: [Response; COUNT] = [
+    response("heat_capacity", "k_B per particle", false),
+    response("heat_capacity_pressure", "k_B per particle", true),
+    response("thermal_pressure_coefficient", "k_B/σ³", false),
+    response("isothermal_compressibility", "σ³/ε", true),
+    response("isentropic_compressibility", "σ³/ε", true),
+    response("thermal_expansion", "k_B/ε", true),
+    response("speed_of_sound", "σ/τ", true),
+    response("joule_thomson_coefficient", "σ³/k_B", true),
+    response("grueneisen_parameter", "", false),
+    response("density_scaling_exponent", "", false),
+    response("energy_virial_correlation", "", false),
+];
+
+/// The averages that a run gives after `cut` rows; none where the ensemble gives none for these particles.
+pub(crate) fn averages(
+    setting: &Setting,
+    rows: &ThermoSeries,
+    cut: usize,
+    context: &BuildContext,
+) -> Vec<Average> {
+    if !context.molecules.are_atoms() || rows.time.len() < cut + 2 {
+        return Vec::new();
+    }
+    let parts = ensembles::parts(setting, rows, cut, context);
+    let at_constant_volume = !matches!(setting.ensemble, Ensemble::Isobaric { .. });
+    let missing = at_constant_volume && setting.curvature.is_none();
+    let values = influence::of(&parts, |means| {
+        ensembles::base(setting, context, means).all()
+    });
+    RESPONSES
+        .iter()
+        .zip(values)
+        // At constant volume c_v has a formula and an average of its own.
+        .skip(usize::from(at_constant_volume))
+        .filter(|(response, (estimate, _))| {
+            !(missing && response.needs_curvature) && estimate.mean.is_finite()
+        })
+        .map(|(response, (estimate, influence))| {
+            of_fluctuations(
+                response.name,
+                response.unit,
+                estimate,
+                &influence,
+                FEWEST_FLUCTUATIONS,
+            )
+        })
+        .collect()
+}
+
+/// What was assumed, and what is missing by name.
+pub(crate) fn remark(setting: &Setting) -> String {
+    let how = match setting.ensemble {
+        Ensemble::Canonical => "from the fluctuations of U and W at constant temperature",
+        Ensemble::Microcanonical => "from the fluctuations of K and W at constant energy",
+        Ensemble::Isobaric { .. } => {
+            "from the fluctuations of volume and enthalpy at constant pressure"
+        }
+    };
+    let missing: Vec<&str> = RESPONSES
+        .iter()
+        .filter(|r| r.needs_curvature)
+        .map(|r| r.name)
+        .collect();
+    match (setting.ensemble, setting.curvature) {
+        (Ensemble::Isobaric { .. }, _) => format!("response functions: {how}"),
+        (_, None) => format!(
+            "response functions: {how}; not given, since Σ r²u″ does not follow from U and W of this potential: {}",
+            missing.join(", ")
+        ),
+        (_, Some(curvature)) if curvature.jumps => format!(
+            "response functions: {how}, with Σ r²u″ from U and W; the jump of the force at the cutoff counts with g(r_cut) = 1"
+        ),
+        _ => format!("response functions: {how}, with Σ r²u″ from U and W of the full potential"),
+    }
+}
+
+#[cfg(test)]
+mod tests;

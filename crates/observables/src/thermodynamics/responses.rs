@@ -1,0 +1,57 @@
+//! Response functions of a run, where its ensemble gives them.
+
+use lennard_core::Average;
+
+use super::Thermodynamics;
+use crate::response::{self, Setting};
+use crate::statistics::mean;
+use crate::{Curvature, Ensemble};
+
+impl Thermodynamics {
+    /// Tells how Σ r²u″ follows from energy and virial; `None`, the default, where it does not.
+    pub fn set_curvature(&mut self, curvature: Option<Curvature>) {
+        self.curvature = curvature;
+    }
+
+    fn setting(&self, ensemble: Ensemble, cut: usize) -> Setting {
+        let volume = match ensemble {
+            Ensemble::Isobaric { .. } => {
+                mean(&self.series.rows().volume[cut..]) * self.context.n_molecules() as f64
+            }
+            _ => self.seen.volume(),
+        };
+        Setting {
+            ensemble,
+            curvature: self.curvature,
+            n_dof: self.n_dof,
+            mass: self.mass,
+            force_jump: self.force_jump,
+            volume,
+        }
+    }
+
+    /// The response functions after `cut` rows; none in a fluid with walls or in a field, which has no one density.
+    pub(super) fn responses(&self, cut: usize) -> Vec<Average> {
+        let rows = self.series.rows();
+        let ensemble = self.ensemble.filter(|_| self.confined.is_none());
+        let cut = cut.min(rows.time.len());
+        ensemble.map_or_else(Vec::new, |ensemble| {
+            response::averages(&self.setting(ensemble, cut), rows, cut, &self.context)
+        })
+    }
+
+    /// How they were found, or why there are none.
+    pub(super) fn remark_on_responses(&self) -> Option<String> {
+        let none = |why: &str| Some(format!("no response functions: {why}"));
+        if !self.context.molecules.are_atoms() {
+            return none("they are given for atoms alone");
+        }
+        if self.confined.is_some() {
+            return none("a fluid with walls or in a field has no one density");
+        }
+        match self.ensemble {
+            None => none("the measured stages sample no ensemble that is known"),
+            Some(ensemble) => Some(response::remark(&self.setting(ensemble, 0))),
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! The phase diagram of the model that was run, with the run in it.
+
+use lennard_literature::{EquationOfState, Saturation, equation_of_state_for, freezing_line};
+use lennard_report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
+
+use crate::compare::{ComparedRun, RunFolder};
+
+pub(super) const PHASE_DIAGRAM: &str = "Lines are of the equation of state that judges the model; freezing and melting are of Mastny and de Pablo 2007. Dots are simulations of others.";
+
+/// Temperatures of a line.
+const POINTS: usize = 48;
+/// How far beyond the run and the critical point the lines of freezing are drawn, in temperatures.
+const BEYOND: f64 = 1.25;
+/// Errors that the ellipse reaches.
+const ERRORS: f64 = 3.0;
+/// Each so-manieth row of the table of coexistence is drawn.
+const EACH: usize = 25;
+
+const SOLID: Look = Look::Line(Dash::Solid);
+const DASHED: Look = Look::Line(Dash::Dashed);
+const DOTTED: Look = Look::Line(Dash::Dotted);
+
+/// Colours of vapor–liquid, solid–liquid, others and the run.
+const FLUID: usize = 0;
+const SOLID_LIQUID: usize = 2;
+const OTHERS: usize = 4;
+const RUN: usize = 1;
+
+/// T against ρ, and P against T; none where no equation describes the model.
+pub(super) fn phase_diagram(run: &RunFolder, compared: &ComparedRun) -> Vec<Picture> {
+    let Ok(equation) = equation_of_state_for(lennard_engine::model_kind(&run.scene)) else {
+        return Vec::new();
+    };
+    let lines = Lines::of(equation, compared.state.temperature);
+    let mut pictures = vec![lines.in_density(run, compared)];
+    pictures.extend(lines.in_pressure(run));
+    pictures
+}
+
+/// What is drawn of an equation.
+struct Lines {
+    equation: &'static dyn EquationOfState,
+    /// From cold to hot.
+    coexistence: Vec<Saturation>,
+    spinodal: Vec<(f64, [f64; 2])>,
+    /// Temperature, density of the freezing liquid, density of the melting crystal.
+    freezing: Vec<(f64, f64, f64)>,
+}
+
+impl Lines {
+    fn of(equation: &'static dyn EquationOfState, temperature: f64) -> Self {
+        let spec = equation.spec();
+        let critical = spec.critical.temperature;
+        let lowest = spec.range.t_min.max(0.5 * critical);
+        // The lines close as a square root: temperatures crowd at the critical one.
+        let below = |i: usize| {
+            let left = 1.0 - i as f64 / POINTS as f64;
+            critical - (critical - lowest) * left * left
+        };
+        let coexistence: Vec<Saturation> = (0..POINTS)
+            .filter_map(|i| equation.saturation(below(i)))
+            .collect();
+        let spinodal = coexistence
+            .iter()
+            .filter_map(|s| Some((s.temperature, equation.spinodal(s.temperature)?)))
+            .collect();
+        let line = freezing_line();
+        let highest = (BEYOND * temperature.max(critical)).min(spec.range.t_max);
+        let on_line = |i: usize| {
+            let part = i as f64 / POINTS as f64;
+            line.t_triple + part * (highest - line.t_triple)
+        };
+        let freezing = (0..=POINTS)
+            .filter_map(|i| {
+                let t = on_line(i);
+                Some((t, equation.freezing_density(t)?, line.melting_density(t)?))
+            })
+            .collect();
+        Self {
+            equation,
+            coexistence,
+            spinodal,
+            freezing,
+        }
+    }
+
+    fn name(&self) -> &str {
+        &self.equation.spec().name
+    }
+
+    fn in_density(&self, run: &RunFolder, compared: &ComparedRun) -> Picture {
+        let state = &compared.state;
+        let critical = self.equation.spec().critical;
+        let top = (critical.density, critical.temperature);
+        let vapor = self
+            .coexistence
+            .iter()
+            .map(|s| (s.vapor_density, s.temperature));
+        let liquid = self.coexistence.iter().rev();
+        let liquid = liquid.map(|s| (s.liquid_density, s.temperature));
+        let binodal: Vec<(f64, f64)> = vapor.chain([top]).chain(liquid).collect();
+        let inner = self.spinodal.iter().map(|(t, [v, _])| (*v, *t));
+        let outer = self.spinodal.iter().rev().map(|(t, [_, l])| (*l, *t));
+        let spinodal: Vec<(f64, f64)> = inner.chain([top]).chain(outer).collect();
+        let mut figure = Figure::new(
+            "phase_diagram",
+            "Phase diagram, temperature against density",
+            Axis::linear("ρ / σ⁻³"),
+            Axis::linear("T / (ε/k_B)"),
+        )
+        .with(Series::new("vapor and liquid", SOLID, FLUID, binodal))
+        .with(Series::new("spinodal", DOTTED, FLUID, spinodal))
+        .with(Series::new(
+            "critical point",
+            Look::Points(Symbol::Triangle),
+            FLUID,
+            [top],
+        ));
+        if !self.freezing.is_empty() {
+            let freezing = self.freezing.iter().map(|(t, liquid, _)| (*liquid, *t));
+            let melting = self.freezing.iter().map(|(t, _, solid)| (*solid, *t));
+            figure = figure
+                .with(Series::new("freezing", SOLID, SOLID_LIQUID, freezing))
+                .with(Series::new("melting", DASHED, SOLID_LIQUID, melting));
+            figure = figure.with(others(self.others(), |row| {
+                [
+                    (row.vapor_density, row.temperature),
+                    (row.liquid_density, row.temperature),
+                ]
+            }));
+        }
+        let error = run
+            .temperature()
+            .filter(|t| t.is_sound())
+            .map(|t| t.standard_error);
+        let here = Point {
+            error,
+            ..Point::from((state.density, state.temperature))
+        };
+        let figure = figure.with(Series::new(
+            "this run",
+            Look::Points(Symbol::Square),
+            RUN,
+            [here],
+        ));
+        let triple = self
+            .freezing
+            .first()
+            .map_or(String::new(), |(t, liquid, _)| {
+                format!(" Triple point: T = {t}, ρ of the liquid {liquid:.4}.")
+            });
+        let caption = format!(
+            "{}. Critical point: T = {:.4}, ρ = {:.4}.{triple} This run: {}.",
+            self.name(),
+            critical.temperature,
+            critical.density,
+            state.words
+        );
+        Picture::new(figure, caption, "run.json")
+    }
+
+    /// Pressures are drawn by their logarithm: no picture for a run below zero pressure.
+    fn in_pressure(&self, run: &RunFolder) -> Option<Picture> {
+        let pressure = run
+            .average("pressure")
+            .filter(|p| p.is_sound() && p.mean > 0.0)?;
+        let temperature = run.temperature().filter(|t| t.is_sound())?;
+        let critical = self.equation.spec().critical;
+        let at_critical = self
+            .equation
+            .pressure(critical.density, critical.temperature);
+        let top = (critical.temperature, at_critical);
+        let boiling = self.coexistence.iter().map(|s| (s.temperature, s.pressure));
+        let boiling: Vec<(f64, f64)> = boiling.chain([top]).collect();
+        let mut figure = Figure::new(
+            "phase_diagram_pressure",
+            "Phase diagram, pressure against temperature",
+            Axis::linear("T / (ε/k_B)"),
+            Axis::logarithmic("P / (ε/σ³)"),
+        )
+        .with(Series::new("vapor pressure", SOLID, FLUID, boiling))
+        .with(Series::new(
+            "critical point",
+            Look::Points(Symbol::Triangle),
+            FLUID,
+            [top],
+        ));
+        let freezing: Vec<(f64, f64)> = self
+            .freezing
+            .iter()
+            .filter(|(t, liquid, _)| self.equation.check(*liquid, *t).is_ok())
+            .map(|(t, liquid, _)| (*t, self.equation.pressure(*liquid, *t)))
+            .filter(|(_, p)| *p > 0.0)
+            .collect();
+        if !freezing.is_empty() {
+            figure = figure
+                .with(Series::new("freezing", SOLID, SOLID_LIQUID, freezing))
+                .with(others(self.others(), |row| {
+                    [(row.temperature, row.pressure)]
+                }));
+        }
+        let (t, p) = (temperature.mean, pressure.mean);
+        let errors = (temperature.standard_error, pressure.standard_error);
+        let correlation = correlation(run).unwrap_or(0.0);
+        let ellipse = ellipse((t, p), errors, correlation);
+        let figure = figure
+            .with(Series::new("", SOLID, RUN, ellipse))
+            .with(Series::new(
+                "this run",
+                Look::Points(Symbol::Square),
+                RUN,
+                [(t, p)],
+            ));
+        let caption = format!(
+            "{}. This run: T = {}, P = {}; the ellipse is three standard errors wide, with a correlation of {correlation:.2} of T and P.",
+            self.name(),
+            with_error(t, errors.0),
+            with_error(p, errors.1)
+        );
+        Some(Picture::new(figure, caption, "run.json"))
+    }
+
+    /// Coexistence by the simulations of others; they are of the full potential.
+    fn others(&self) -> Vec<Saturation> {
+        lennard_literature::coexistence_by_simulation()
+    }
+}
+
+fn others<const N: usize>(
+    rows: Vec<Saturation>,
+    points: impl Fn(&Saturation) -> [(f64, f64); N],
+) -> Series {
+    let some = rows.iter().step_by(EACH).flat_map(points);
+    Series::new(
+        "NIST",
+        Look::Points(Symbol::Disc),
+        OTHERS,
+        some.collect::<Vec<_>>(),
+    )
+}
+
+/// The correlation of the rows of T and P after the part that averages leave out.
+fn correlation(run: &RunFolder) -> Option<f64> {
+    let table = run.table("measured")?;
+    let name = run.temperature_name();
+    let (t, p) = (table.numbers(name)?, table.numbers("pressure")?);
+    let of = |x: &[f64], y: &[f64]| {
+        let n = x.len() as f64;
+        let (mean_x, mean_y) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
+        let both = x.iter().zip(y);
+        both.map(|(x, y)| (x - mean_x) * (y - mean_y)).sum::<f64>()
+    };
+    let r = of(&t, &p) / (of(&t, &t) * of(&p, &p)).sqrt();
+    r.is_finite().then_some(r)
+}
+
+/// The ellipse on which two correlated means lie [`ERRORS`] errors off.
+fn ellipse(centre: (f64, f64), errors: (f64, f64), correlation: f64) -> Vec<(f64, f64)> {
+    const SIDES: u32 = 48;
+    let rest = (1.0 - correlation * correlation).max(0.0).sqrt();
+    (0..=SIDES)
+        .map(|i| {
+            let (sine, cosine) =
+                (std::f64::consts::TAU * f64::from(i) / f64::from(SIDES)).sin_cos();
+            let x = centre.0 + ERRORS * errors.0 * cosine;
+            let y = centre.1 + ERRORS * errors.1 * (correlation * cosine + rest * sine);
+            (x, y)
+        })
+        .filter(|(_, y)| *y > 0.0)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_of_the_full_potential_have_all_their_parts() {
+        let lines = Lines::of(lennard_literature::thol_2016(), 1.5);
+        assert_eq!(lines.coexistence.len(), POINTS);
+        assert!(lines.spinodal.len() > POINTS - 4);
+        let (triple, liquid, crystal) = lines.freezing[0];
+        // Mastny and de Pablo have the triple point at 0.694.
+        assert!((triple - 0.694).abs() < 1e-9 && liquid < crystal);
+        for (t, [vapor, liquid]) in &lines.spinodal {
+            let binodal = lines
+                .coexistence
+                .iter()
+                .find(|s| s.temperature == *t)
+                .unwrap();
+            assert!(binodal.vapor_density < *vapor && *liquid < binodal.liquid_density);
+        }
+    }
+
+    #[test]
+    fn an_ellipse_reaches_three_errors_along_both_axes() {
+        for correlation in [0.0, 0.9, -0.5] {
+            let points = ellipse((1.0, 10.0), (0.1, 0.2), correlation);
+            let most = |of: fn(&(f64, f64)) -> f64| {
+                points.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+            };
+            assert!((most(|p| p.0) - 1.3).abs() < 1e-9);
+            assert!((most(|p| p.1) - 10.6).abs() < 5e-3, "{correlation}");
+        }
+    }
+}
