@@ -1,4 +1,4 @@
-//! What holds rigid bonds during a drift.
+//! What holds bonds during a drift.
 
 use crate::{DVec3, StepError, System};
 
@@ -9,30 +9,39 @@ pub struct BondsSolved {
     pub iterations: u32,
     /// The largest | |d|/r − 1 | that is left.
     pub residual: f64,
+    /// Energy that the way to hold bonds put in, ε; negative where it damps on purpose, else zero.
+    pub heat: f64,
 }
 
-/// A way to hold rigid bonds: the position stage after each drift.
+/// A drift under way, with the kick that goes before it.
+#[derive(Debug)]
+pub struct BoundDrift<'a> {
+    /// Positions, σ.
+    pub positions: &'a mut [DVec3],
+    /// Velocities, σ/τ.
+    pub velocities: &'a mut [DVec3],
+    /// Forces, ε/σ.
+    pub forces: &'a [DVec3],
+    /// The time of the kick v ← v + (h/m)·F that comes first, τ; `None` where there is none.
+    pub kick: Option<f64>,
+    /// The time of the drift, τ.
+    pub h: f64,
+}
+
+/// A way to hold bonds by what happens in a drift.
 ///
 /// The velocity stage after each kick, v ← v − M⁻¹Gᵀ·A⁻¹·Gv, is [`crate::rigid::project_velocities`].
 pub trait BondSolver: Send {
-    /// Remembers the bonds before a drift.
-    fn before_drift(&mut self, system: &System, positions: &[DVec3]);
-
     /// Whether velocities lose their part along the bonds after each kick, as RATTLE demands.
     fn has_velocity_stage(&self) -> bool {
         true
     }
 
-    /// Brings the bonds back to their length after a drift of `h` τ, and corrects each velocity by the displacement of its
-    /// site over `h`.
+    /// Kicks, drifts, and brings the bonds to where they belong, molecule by molecule.
+    ///
+    /// Velocities change by what sites are displaced over h, so that they belong to the corrected positions.
     ///
     /// # Errors
     /// [`StepError::BondTurned`] where a bond has no solution, [`StepError::BondsNotConverged`] where iterations end early.
-    fn after_drift(
-        &mut self,
-        system: &System,
-        positions: &mut [DVec3],
-        velocities: &mut [DVec3],
-        h: f64,
-    ) -> Result<BondsSolved, StepError>;
+    fn drift(&mut self, system: &System, moving: BoundDrift<'_>) -> Result<BondsSolved, StepError>;
 }

@@ -34,10 +34,11 @@ mod system;
 mod table;
 pub mod tasks;
 mod thermostat;
+mod topology;
 
 pub use axis::Axis;
 pub use barostat::{Barostat, BarostatSpec, BoxMoves, PressureBath};
-pub use bonds::{BondSolver, BondsSolved};
+pub use bonds::{BondSolver, BondsSolved, BoundDrift};
 pub use boundary::{Boundary, Flight, WallReading};
 pub use cell::{BoxError, PeriodicBox};
 pub use force::{
@@ -48,9 +49,10 @@ pub use glam::{DMat3, DVec3};
 pub use integrator::Integrator;
 pub use masses::Masses;
 pub use method::{Method, rigid_bonds_alone, without_constraints};
-pub use molecules::{Bonds, Exclusions, MOLECULES_PER_TASK, MOST_BONDS, MOST_SITES, Molecules};
+pub use molecules::{Bonds, Exclusions, MOLECULES_PER_TASK, Molecules};
 pub use observable::{
-    Average, Doubt, Estimate, Findings, Observable, ObservableSpec, Suits, TailCorrection, View,
+    Average, Doubt, Estimate, Findings, Observable, ObservableSpec, Shared, Suits, TailCorrection,
+    View,
 };
 pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, StateWriter};
 pub use ramp::Ramp;
@@ -61,3 +63,4 @@ pub use step::{Parts, Step, check_finite};
 pub use system::{Constraint, ExactSolution, Momentum, System};
 pub use table::{Cell, Column, RowsOf, Table, Tone, Value};
 pub use thermostat::{Thermostat, ThermostatSpec};
+pub use topology::{Bond, Coupling, MOST_SITES, Topology, TopologyError};

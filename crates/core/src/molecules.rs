@@ -1,22 +1,19 @@
-//! Molecules: equal chains of sites with consecutive numbers, held together by bonds.
+//! Molecules: equal groups of sites with consecutive numbers, held together by bonds.
 //!
 //! ```text
-//!   site      0     1     2  |  3     4     5  |  6 ...        3 sites per molecule
+//!   site      0     1     2  |  3     4     5  |  6 ...        chains of 3 sites
 //!   bond         0     1     |     0     1     |
 //!   molecule        0        |        1        |  2 ...
 //! ```
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::masses::Masses;
 use crate::tasks::for_each_item;
-
-/// The most sites of a molecule.
-pub const MOST_SITES: usize = 64;
-/// The most bonds of a molecule.
-pub const MOST_BONDS: usize = MOST_SITES - 1;
+use crate::topology::{Bond, MOST_SITES, Topology};
 
 /// Molecules per task: each molecule is a sum of its own, so that the number changes no bit.
 pub const MOLECULES_PER_TASK: usize = 256;
@@ -28,61 +25,66 @@ pub enum Bonds {
     Rigid,
     /// Springs, which are forces: no degree of freedom is lost.
     Springs,
+    /// Springs that act by impulses inside a step, and are not among the forces of a state: no degree of freedom is lost.
+    Impulses,
 }
 
-/// Equal molecules: chains of `sites` sites, in which each bond joins two consecutive sites.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Equal molecules of `sites` consecutive particles each, held together by bonds.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Molecules {
-    sites: usize,
-    /// Length r of each bond, σ.
-    bond_length: f64,
+    /// What is bonded to what; `None` for atoms.
+    topology: Option<Arc<Topology>>,
     bonds: Bonds,
 }
 
 impl Molecules {
     /// No bonds: each particle is a molecule of its own.
     pub const ATOMS: Self = Self {
-        sites: 1,
-        bond_length: 0.0,
+        topology: None,
         bonds: Bonds::Springs,
     };
 
-    /// Chains of `sites` sites with bonds of `bond_length` σ.
+    /// Molecules whose sites are bonded so.
+    #[must_use]
+    pub fn new(topology: Arc<Topology>, bonds: Bonds) -> Self {
+        Self {
+            topology: (topology.sites() > 1).then_some(topology),
+            bonds,
+        }
+    }
+
+    /// Chains of `sites` sites with bonds of `bond_length` σ, each between two consecutive sites.
     ///
     /// # Panics
     /// Where there are no sites or more than [`MOST_SITES`]: that is a bug of the caller.
     #[must_use]
     pub fn chains(sites: usize, bond_length: f64, bonds: Bonds) -> Self {
         assert!((1..=MOST_SITES).contains(&sites), "1 to 64 sites");
-        Self {
-            sites,
-            bond_length,
-            bonds,
-        }
+        Self::new(Arc::new(Topology::chain(sites, bond_length)), bonds)
+    }
+
+    /// What is bonded to what in each molecule; `None` for atoms.
+    #[must_use]
+    pub fn topology(&self) -> Option<&Topology> {
+        self.topology.as_deref()
     }
 
     /// Sites of each molecule.
     #[must_use]
     pub fn sites(&self) -> usize {
-        self.sites
+        self.topology().map_or(1, Topology::sites)
     }
 
-    /// Bonds of each molecule.
+    /// The bonds of each molecule.
     #[must_use]
-    pub fn bonds(&self) -> usize {
-        self.sites - 1
-    }
-
-    /// Length r of each bond, σ.
-    #[must_use]
-    pub fn bond_length(&self) -> f64 {
-        self.bond_length
+    pub fn bonds(&self) -> &[Bond] {
+        self.topology().map_or(&[], Topology::bonds)
     }
 
     /// Whether each particle is a molecule of its own.
     #[must_use]
     pub fn are_atoms(&self) -> bool {
-        self.sites == 1
+        self.topology.is_none()
     }
 
     /// The unit of energies that are divided by the number of molecules.
@@ -101,18 +103,31 @@ impl Molecules {
         !self.are_atoms() && self.bonds == Bonds::Rigid
     }
 
+    /// Whether there are bonds whose forces are neither among the forces of a state nor follow from it.
+    #[must_use]
+    pub fn hide_forces(&self) -> bool {
+        !self.are_atoms() && self.bonds == Bonds::Impulses
+    }
+
     /// The pairs of particles that do not interact.
     #[must_use]
     pub fn exclusions(&self) -> Exclusions {
-        Exclusions {
-            sites: self.sites as u32,
+        let mut exclusions = Exclusions {
+            sites: self.sites() as u32,
+            partners: [0; MOST_SITES],
+        };
+        for bond in self.bonds() {
+            let [i, j] = bond.sites;
+            exclusions.partners[i] |= 1 << j;
+            exclusions.partners[j] |= 1 << i;
         }
+        exclusions
     }
 
     /// The sites of molecule `m`.
     #[must_use]
     pub fn sites_of(&self, m: usize) -> Range<usize> {
-        m * self.sites..(m + 1) * self.sites
+        m * self.sites()..(m + 1) * self.sites()
     }
 
     /// Runs `work(m, items of molecule m)` for each molecule, in tasks, where `items` has `per_molecule` items for each.
@@ -148,36 +163,51 @@ impl Molecules {
 /// 10⁵ ε, and a difference of such numbers has few digits left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Exclusions {
-    /// Sites of each chain; 1 where nothing is excluded.
+    /// Sites of each molecule; 1 where nothing is excluded.
     sites: u32,
+    /// The sites that each site is bonded to, one bit each.
+    partners: [u64; MOST_SITES],
 }
 
 impl Exclusions {
     /// Nothing is excluded.
-    pub const NONE: Self = Self { sites: 1 };
+    pub const NONE: Self = Self {
+        sites: 1,
+        partners: [0; MOST_SITES],
+    };
 
     /// Whether nothing is excluded.
     #[inline]
     #[must_use]
-    pub fn are_none(self) -> bool {
+    pub fn are_none(&self) -> bool {
         self.sites == 1
     }
 
     /// The particles that particle `i` does not interact with, ascending.
     #[inline]
-    pub fn of(self, i: u32) -> impl Iterator<Item = u32> {
+    pub fn of(&self, i: u32) -> impl Iterator<Item = u32> + use<> {
         let site = i % self.sites;
-        let before = (site > 0).then(|| i - 1);
-        let after = (site + 1 < self.sites).then_some(i + 1);
-        before.into_iter().chain(after)
+        let first = i - site;
+        let mut left = self.partners[site as usize];
+        std::iter::from_fn(move || {
+            let partner = (left != 0).then(|| left.trailing_zeros())?;
+            left &= left - 1;
+            Some(first + partner)
+        })
     }
 
     /// Whether particles `i` and `j` do not interact.
     #[inline]
     #[must_use]
-    pub fn exclude(self, i: usize, j: usize) -> bool {
-        let (low, high) = (i.min(j), i.max(j));
-        high - low == 1 && !high.is_multiple_of(self.sites as usize)
+    pub fn exclude(&self, i: usize, j: usize) -> bool {
+        let (low, apart) = (i.min(j), i.abs_diff(j));
+        let sites = self.sites as usize;
+        // Most pairs end here, without a division.
+        if apart >= sites {
+            return false;
+        }
+        let site = low % sites;
+        site + apart < sites && self.partners[site] >> (site + apart) & 1 == 1
     }
 }
 
@@ -211,5 +241,25 @@ mod tests {
             assert_eq!(exclusions.are_none(), sites == 1);
         }
         assert_eq!(Exclusions::NONE.of(7).count(), 0);
+    }
+
+    #[test]
+    fn the_ends_of_each_bond_of_a_ring_with_a_branch_exclude_each_other() {
+        let pairs = [[0, 1], [1, 2], [2, 0], [3, 1]];
+        let bonds = pairs.map(|sites| Bond { sites, length: 1.0 });
+        let topology = Topology::new(4, bonds.to_vec()).unwrap();
+        let exclusions = Molecules::new(Arc::new(topology), Bonds::Rigid).exclusions();
+        for i in 0..12 {
+            let wanted = |j: usize| {
+                let both = [i % 4, j % 4];
+                let joined = pairs.iter().any(|p| *p == both || *p == [both[1], both[0]]);
+                i / 4 == j / 4 && joined
+            };
+            let partners: Vec<usize> = exclusions.of(i as u32).map(|j| j as usize).collect();
+            assert_eq!(partners, (0..12).filter(|j| wanted(*j)).collect::<Vec<_>>());
+            for j in 0..12 {
+                assert_eq!(exclusions.exclude(i, j), wanted(j), "{i} and {j}");
+            }
+        }
     }
 }

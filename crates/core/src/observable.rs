@@ -1,9 +1,11 @@
 //! What observables see and what they give back.
 
 use std::any::Any;
+use std::sync::OnceLock;
 
 use serde::Serialize;
 
+use crate::rigid::ConstraintSums;
 use crate::{Momentum, PeriodicBox, Persist, State, System, Table, WallReading, Want};
 
 /// What an observable declares about itself.
@@ -56,7 +58,7 @@ pub struct TailCorrection {
 }
 
 /// What an observable may look at: nothing here can be changed.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct View<'a> {
     /// Everything at `state.time`.
     pub state: &'a State,
@@ -75,6 +77,14 @@ pub struct View<'a> {
     pub half_kick_step: Option<f64>,
     /// The walls with what they have felt; empty where there are none.
     pub walls: &'a [WallReading],
+    /// Sums that several observers ask for.
+    pub shared: Shared,
+}
+
+/// Sums over a state that are made when an observer first asks for them, and kept for the others.
+#[derive(Debug, Clone, Default)]
+pub struct Shared {
+    constraints: OnceLock<ConstraintSums>,
 }
 
 impl<'a> View<'a> {
@@ -90,7 +100,17 @@ impl<'a> View<'a> {
             tail_work: 0.0,
             half_kick_step: None,
             walls: &[],
+            shared: Shared::default(),
         }
+    }
+
+    /// The sums of the instantaneous constraint forces ([`crate::rigid::constraint_sums`]).
+    #[must_use]
+    pub fn constraint_sums(&self) -> ConstraintSums {
+        *self
+            .shared
+            .constraints
+            .get_or_init(|| crate::rigid::constraint_sums(self.system, self.state))
     }
 
     /// The box at this time.
@@ -142,7 +162,7 @@ impl<'a> View<'a> {
         let (system, state) = (self.system, self.state);
         if system.molecules.are_rigid() {
             // Constraint forces accelerate sites as all other forces do.
-            let squares = crate::rigid::constraint_sums(system, state).squared_forces;
+            let squares = self.constraint_sums().squared_forces;
             return Some(self.kinetic_energy() + 0.5 * half * half * squares);
         }
         let squares: f64 = crate::parallel::ordered_sum(state.len(), |range| {

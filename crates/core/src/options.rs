@@ -181,6 +181,9 @@ plain_values! {
     usize: |x: &usize| Some(*x as f64);
     bool: |_| None;
     String: |_| None;
+    Vec<f64>: |_| None;
+    Vec<[u32; 2]>: |_| None;
+    Vec<[f64; 3]>: |_| None;
 }
 
 impl<T: OptionValue> OptionValue for Option<T> {

@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use crate::parallel::all_pieces;
 use crate::{
-    Backend, BondSolver, Configuration, DVec3, Energetics, Flight, ForceError, FusedSteps,
-    IntegratorSpec, Momentum, Part, State, StepError, StepReport, System, Want, rigid, sweeps,
+    Backend, BondSolver, BoundDrift, Configuration, DVec3, Energetics, Flight, ForceError,
+    FusedSteps, IntegratorSpec, Momentum, Part, State, StepError, StepReport, System, Want, rigid,
+    sweeps,
 };
 
 /// A step of a method: what its kicks, drifts and force evaluations act on.
@@ -115,10 +116,12 @@ impl<'a> Step<'a> {
         if self.backend.boundary().is_some() {
             return self.fly(fraction);
         }
-        let (state, h) = (&mut *self.state, fraction * self.dt);
-        if let Some(bonds) = &mut self.bonds {
-            bonds.before_drift(self.system, &state.positions);
+        self.drifted += fraction;
+        let h = fraction * self.dt;
+        if self.bonds.is_some() {
+            return self.drift_with_bonds(h);
         }
+        let state = &mut *self.state;
         match self.waiting_kick.take() {
             Some(kick) => sweeps::kick_and_drift(
                 &mut state.positions,
@@ -130,24 +133,26 @@ impl<'a> Step<'a> {
             ),
             None => sweeps::drift(&mut state.positions, &state.velocities, h),
         }
-        self.drifted += fraction;
-        self.hold_bonds(h);
     }
 
-    /// Brings rigid bonds back to their length after a drift of `h`; a failure ends the step where it can fail next.
-    fn hold_bonds(&mut self, h: f64) {
+    /// The drift by `h` that holds bonds; a failure ends the step where it can fail next.
+    fn drift_with_bonds(&mut self, h: f64) {
         let Some(bonds) = &mut self.bonds else {
             return;
         };
-        let State {
-            positions,
-            velocities,
-            ..
-        } = &mut *self.state;
-        match bonds.after_drift(self.system, positions, velocities, h) {
+        let state = &mut *self.state;
+        let moving = BoundDrift {
+            positions: &mut state.positions,
+            velocities: &mut state.velocities,
+            forces: &state.forces,
+            kick: self.waiting_kick.take().map(|kick| kick * self.dt),
+            h,
+        };
+        match bonds.drift(self.system, moving) {
             Ok(solved) => {
                 self.report.iterations += solved.iterations;
                 self.report.residual = self.report.residual.max(solved.residual);
+                self.report.heat += solved.heat;
             }
             Err(e) => self.broken_bonds = self.broken_bonds.take().or(Some(e)),
         }
@@ -279,17 +284,21 @@ impl<'a> Step<'a> {
     }
 
     fn give_waiting_kick(&mut self) {
-        if let Some(kick) = self.waiting_kick.take() {
-            let state = &mut *self.state;
-            sweeps::kick(
-                &mut state.velocities,
-                &state.forces,
-                &self.system.masses,
-                kick * self.dt,
-            );
-            if self.bonds.as_ref().is_some_and(|b| b.has_velocity_stage()) {
-                rigid::project_velocities(self.system, &state.positions, &mut state.velocities);
+        let Some(kick) = self.waiting_kick.take() else {
+            return;
+        };
+        let (state, system, h) = (&mut *self.state, self.system, kick * self.dt);
+        let State {
+            positions,
+            velocities,
+            forces,
+            ..
+        } = state;
+        match &self.bonds {
+            Some(bonds) if bonds.has_velocity_stage() && system.molecules.are_rigid() => {
+                rigid::kick_and_project(system, positions, velocities, forces, h);
             }
+            _ => sweeps::kick(velocities, forces, &system.masses, h),
         }
     }
 

@@ -150,7 +150,7 @@ impl System {
             .filter(|c| c.compliance() == 0.0)
             .count();
         if self.molecules.are_rigid() {
-            rigid += self.molecules.bonds() * self.n_molecules();
+            rigid += self.molecules.bonds().len() * self.n_molecules();
         }
         let kept = match momentum {
             Momentum::Conserved if self.len() > 1 => {

@@ -11,6 +11,7 @@ use crate::EngineError;
 use crate::close_pairs::closest_pair;
 use crate::confinement::{Confinement, place_between_walls};
 use crate::initial;
+use crate::starting_molecules;
 
 /// Start positions nearer than this (σ) are refused: U(0.5 σ) = 16,128 ε would blow any step up.
 pub const SMALLEST_START_DISTANCE: f64 = 0.5;
@@ -70,14 +71,7 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
             let cells = placement.cells.expect("a lattice has cells");
             let centers =
                 initial::lattice_sites(placement.corner, placement.filled, cells, lattice.basis());
-            let molecules = scene.molecules();
-            let positions = match molecules.are_atoms() {
-                true => centers,
-                false => {
-                    initial::molecules_about(&centers, molecules.sites(), molecules.bond_length())
-                }
-            };
-            refuse_overlap_of_molecules(scene, &cell, &positions)?;
+            let positions = starting_molecules::on_a_lattice(scene, &cell, centers)?;
             let beginning = Beginning {
                 cell,
                 positions,
@@ -192,12 +186,12 @@ fn from_configuration(
             .into());
     }
     let mut read = read;
-    take_molecules(scene, path, &mut read)?;
+    starting_molecules::take(scene, path, &mut read)?;
     let exclusions = scene.molecules().exclusions();
     if let Some(pair) = closest_pair(
         &read.cell,
         &read.positions,
-        exclusions,
+        &exclusions,
         SMALLEST_START_DISTANCE,
     ) {
         let found = format!(
@@ -219,84 +213,4 @@ fn from_configuration(
         velocities: read.velocities,
         relax: false,
     })
-}
-
-/// Checks that a file has whole molecules with bonds of the right length, and moves the sites of each together.
-fn take_molecules(
-    scene: &Scene,
-    path: &Path,
-    read: &mut StartConfiguration,
-) -> Result<(), EngineError> {
-    let molecules = scene.molecules();
-    if molecules.are_atoms() {
-        return Ok(());
-    }
-    let (n, sites) = (read.positions.len(), molecules.sites());
-    let refuse = |found: String, allowed: String| -> EngineError {
-        let key = "system.configuration";
-        scene.source.invalid(key, found, allowed).into()
-    };
-    if !n.is_multiple_of(sites) {
-        return Err(refuse(
-            format!("{n} particles in {}", path.display()),
-            format!("a multiple of molecule.sites = {sites}"),
-        ));
-    }
-    initial::unfold_molecules(&read.cell, sites, &mut read.positions);
-    if !molecules.are_rigid() {
-        return Ok(());
-    }
-    /// Bonds of a file may be off by this share: the first step brings them to their length.
-    const LARGEST_STRAIN: f64 = 1e-3;
-    let wanted = molecules.bond_length();
-    for (m, molecule) in read.positions.chunks(sites).enumerate() {
-        for (k, pair) in molecule.windows(2).enumerate() {
-            let length = (pair[1] - pair[0]).length();
-            if (length / wanted - 1.0).abs() > LARGEST_STRAIN {
-                let first = m * sites + k + 1;
-                return Err(refuse(
-                    format!(
-                        "a bond of {length:.6} σ between particles {first} and {} of {} (counted from 1)",
-                        first + 1,
-                        path.display()
-                    ),
-                    format!("molecule.bond_length = {wanted} σ, within 0.1 %"),
-                ));
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Refuses a lattice of molecules whose sites overlap.
-fn refuse_overlap_of_molecules(
-    scene: &Scene,
-    cell: &PeriodicBox,
-    positions: &[DVec3],
-) -> Result<(), EngineError> {
-    let molecules = scene.molecules();
-    if molecules.are_atoms() {
-        return Ok(());
-    }
-    /// U(0.8 σ) is 43 ε: nearer sites of a lattice would heat the fluid beyond use.
-    const SMALLEST_ON_A_LATTICE: f64 = 0.8;
-    let within = SMALLEST_ON_A_LATTICE;
-    match closest_pair(cell, positions, molecules.exclusions(), within) {
-        None => Ok(()),
-        Some(pair) => Err(scene
-            .source
-            .invalid(
-                "molecule.bond_length",
-                format!(
-                    "sites {} and {} of the lattice at a distance of {:.4} σ (counted from 1)",
-                    pair.i + 1,
-                    pair.j + 1,
-                    pair.distance
-                ),
-                format!(
-                    "no pair nearer than {within} σ: a lower density, shorter bonds, or lattice = \"sc\" for chains"
-                ),
-            )
-            .into()),
-    }
 }

@@ -141,7 +141,8 @@ fn planned_list(scene: &Scene, plan: &ForcePlan) -> NeighborOptions {
 /// Adds the springs that hold bonds, where the scene has some.
 pub(crate) fn with_springs<B: Backend>(scene: &Scene, mut forces: ForceSum<B>) -> ForceSum<B> {
     if let Some(molecule) = &scene.molecule
-        && let BondHolder::Spring(term) = molecule.bonds.build(&molecule.molecules())
+        && let BondHolder::Spring(term) | BondHolder::ImplicitSpring(_, term) =
+            molecule.bonds.build(&molecule.molecules())
     {
         forces.push(term);
     }
@@ -191,7 +192,7 @@ pub(crate) fn observers(
     };
     let options = scene.observables.iter().find_map(of_thermodynamics);
     let mut options = options.unwrap_or_default();
-    if scene.molecules().are_rigid() {
+    if scene.molecules().are_rigid() || scene.molecules().hide_forces() {
         // Constraint forces are no gradient of a potential: ⟨|∇U|²⟩/⟨∇²U⟩ is no temperature.
         options.configurational_temperature = false;
     }

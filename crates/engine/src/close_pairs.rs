@@ -22,7 +22,7 @@ pub struct ClosePair {
 pub fn closest_pair(
     cell: &PeriodicBox,
     positions: &[DVec3],
-    exclusions: Exclusions,
+    exclusions: &Exclusions,
     within: f64,
 ) -> Option<ClosePair> {
     let mut bins = Bins::new(cell, within);
@@ -119,9 +119,9 @@ mod tests {
             DVec3::new(9.8, 5.0, 5.0),
             DVec3::new(5.0, 5.0, f64::NAN),
         ];
-        let pair = closest_pair(&cell, &points, Exclusions::NONE, 0.5).unwrap();
+        let pair = closest_pair(&cell, &points, &Exclusions::NONE, 0.5).unwrap();
         assert_eq!((pair.i, pair.j), (0, 1));
         assert!((pair.distance - 0.3).abs() < 1e-12);
-        assert_eq!(closest_pair(&cell, &points, Exclusions::NONE, 0.2), None);
+        assert_eq!(closest_pair(&cell, &points, &Exclusions::NONE, 0.2), None);
     }
 }

@@ -26,13 +26,13 @@ pub fn model_kind(scene: &Scene) -> ModelKind {
     let molecules = scene.molecules();
     if !molecules.are_atoms() {
         let is_two_center = molecules.are_rigid()
-            && molecules.bonds() == 1
+            && molecules.bonds().len() == 1
             && spec.is_lennard_jones
             && scene.truncation.kind == TruncationKind::Cut
             && scene.truncation.tail_correction;
         return match is_two_center {
             true => ModelKind::TwoCenter {
-                bond_length: molecules.bond_length(),
+                bond_length: molecules.bonds()[0].length,
                 r_cut,
             },
             false => ModelKind::Other {

@@ -1,7 +1,7 @@
 //! Start configurations: lattices, random points without overlaps, and Maxwell–Boltzmann velocities.
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, Momentum, PeriodicBox, System, rigid};
+use lennard_core::{DVec3, Momentum, PeriodicBox, System, Topology, rigid};
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -47,13 +47,7 @@ const SHORTEST_TO_FOLD: f64 = 0.8;
 /// Dumbbells, and chains of short bonds, are straight. Their axes lie along the four body diagonals in turn: the molecules
 /// of an fcc cell point into four directions, as in solid nitrogen. Other chains are folded to and fro into a cube.
 #[must_use]
-pub fn molecules_about(centers: &[DVec3], sites: usize, bond_length: f64) -> Vec<DVec3> {
-    const DIAGONALS: [DVec3; 4] = [
-        DVec3::new(1.0, 1.0, 1.0),
-        DVec3::new(1.0, -1.0, -1.0),
-        DVec3::new(-1.0, 1.0, -1.0),
-        DVec3::new(-1.0, -1.0, 1.0),
-    ];
+pub fn chains_about(centers: &[DVec3], sites: usize, bond_length: f64) -> Vec<DVec3> {
     let straight = sites == 2 || bond_length < SHORTEST_TO_FOLD;
     let shapes: Vec<Vec<DVec3>> = match straight {
         true => DIAGONALS
@@ -62,13 +56,31 @@ pub fn molecules_about(centers: &[DVec3], sites: usize, bond_length: f64) -> Vec
             .collect(),
         false => vec![folded(sites)],
     };
+    copies_about(centers, &shapes, bond_length)
+}
+
+/// Sites of molecules of a shape (σ) about their centres: the shape as it is and turned by half a turn about x, y and z, in turn.
+#[must_use]
+pub fn molecules_about(centers: &[DVec3], shape: &[DVec3]) -> Vec<DVec3> {
+    let turned = DIAGONALS.map(|signs| shape.iter().map(|r| *r * signs).collect());
+    copies_about(centers, &turned, 1.0)
+}
+
+/// The body diagonals of a cube; as signs of the axes, the unit and half a turn about x, y and z.
+const DIAGONALS: [DVec3; 4] = [
+    DVec3::new(1.0, 1.0, 1.0),
+    DVec3::new(1.0, -1.0, -1.0),
+    DVec3::new(-1.0, 1.0, -1.0),
+    DVec3::new(-1.0, -1.0, 1.0),
+];
+
+/// Shapes in turn, times `scale`, with their middles at the centres.
+fn copies_about(centers: &[DVec3], shapes: &[Vec<DVec3>], scale: f64) -> Vec<DVec3> {
     let molecules = centers.iter().zip(shapes.iter().cycle());
     molecules
         .flat_map(|(center, shape)| {
-            let middle = shape.iter().sum::<DVec3>() / sites as f64;
-            shape
-                .iter()
-                .map(move |r| *center + bond_length * (*r - middle))
+            let middle = shape.iter().sum::<DVec3>() / shape.len() as f64;
+            shape.iter().map(move |r| *center + scale * (*r - middle))
         })
         .collect()
 }
@@ -93,11 +105,13 @@ fn folded(sites: usize) -> Vec<DVec3> {
         .collect()
 }
 
-/// Moves each site of a molecule to the image nearest to the site before it: a file may have folded it into the box.
-pub fn unfold_molecules(cell: &PeriodicBox, sites: usize, positions: &mut [DVec3]) {
-    for molecule in positions.chunks_mut(sites) {
-        for k in 1..molecule.len() {
-            molecule[k] = molecule[k - 1] + cell.minimum_image(molecule[k] - molecule[k - 1]);
+/// Moves each site of a molecule to the image nearest to a site that it is bonded to. A file may have folded it into the box.
+pub fn unfold_molecules(cell: &PeriodicBox, topology: &Topology, positions: &mut [DVec3]) {
+    let walk: Vec<(usize, usize, usize)> = topology.walk().collect();
+    for molecule in positions.chunks_mut(topology.sites()) {
+        for (from, to, _) in &walk {
+            let d = cell.minimum_image(molecule[*to] - molecule[*from]);
+            molecule[*to] = molecule[*from] + d;
         }
     }
 }
@@ -256,7 +270,7 @@ mod tests {
     fn chains_of_any_number_of_sites_have_bonds_of_one_length_and_no_overlap() {
         for sites in 2..=64 {
             for bond_length in [0.5, 1.0] {
-                let chain = molecules_about(&[DVec3::splat(3.0)], sites, bond_length);
+                let chain = chains_about(&[DVec3::splat(3.0)], sites, bond_length);
                 assert_eq!(chain.len(), sites);
                 for pair in chain.windows(2) {
                     assert!(((pair[1] - pair[0]).length() - bond_length).abs() < 1e-12);
@@ -283,7 +297,7 @@ mod tests {
         let cell = PeriodicBox::cubic_for_density(400, 0.8442).unwrap();
         let points = random_points(&cell, 400, Streams::new(5)).unwrap();
         let spacing = RANDOM_SPACING / 0.8442_f64.cbrt();
-        let closest = closest_pair(&cell, &points, Exclusions::NONE, 1.5).unwrap();
+        let closest = closest_pair(&cell, &points, &Exclusions::NONE, 1.5).unwrap();
         assert!(closest.distance >= spacing, "{closest:?}");
         // The O(N²) answer agrees.
         let mut brute = f64::INFINITY;

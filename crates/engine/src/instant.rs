@@ -1,6 +1,6 @@
 //! The state of a simulation as observers see it, and its values of the moment.
 
-use lennard_core::{Momentum, State, System, TailCorrection, View, WallReading};
+use lennard_core::{Momentum, Shared, State, System, TailCorrection, View, WallReading};
 
 use crate::Simulation;
 use crate::simulation::StageRun;
@@ -24,6 +24,7 @@ pub(crate) fn view<'a>(
             .filter(|s| s.integrator.spec().half_kicks)
             .map(|s| s.dt),
         walls,
+        shared: Shared::default(),
     }
 }
 

@@ -34,6 +34,7 @@ mod saved;
 mod schedule;
 mod simulation;
 mod stage;
+mod starting_molecules;
 mod timers;
 mod watch;
 pub mod watchdog;

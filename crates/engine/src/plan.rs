@@ -151,7 +151,7 @@ fn items(
 ) -> Vec<PlanItem> {
     let mut items = Vec::from(of_steps(scene, simulation, forces));
     if let Some(molecule) = &scene.molecule {
-        let bonds = molecule.molecules().bonds() * simulation.system.n_molecules();
+        let bonds = molecule.molecules().bonds().len() * simulation.system.n_molecules();
         let words = format!("{bonds} bonds, {}", molecule.bonds.spec().name);
         items.push(item("bonds", How::On(words)));
     }
@@ -212,8 +212,10 @@ fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [Plan
             "configurational temperature",
             How::of(
                 wants_laplacian.then_some(laplacian),
-                if simulation.system.molecules.are_rigid() {
-                    "not of rigid bonds: the forces that hold them are no gradient of a potential"
+                if simulation.system.molecules.are_rigid()
+                    || simulation.system.molecules.hide_forces()
+                {
+                    "not of rigid bonds and implicit springs: what holds them is not among the forces"
                 } else {
                     "switched off in the scene"
                 },

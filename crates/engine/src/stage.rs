@@ -44,7 +44,9 @@ impl Simulation {
         let holder = molecule.map(|m| m.bonds.build(&self.system.molecules));
         let (method, solver) = match holder {
             Some(BondHolder::Spook(bonds)) => (lennard_integrators::spook::with_bonds(bonds), None),
-            Some(BondHolder::Rigid(solver)) => (self.method(), Some(solver)),
+            Some(BondHolder::Drift(solver) | BondHolder::ImplicitSpring(solver, _)) => {
+                (self.method(), Some(solver))
+            }
             Some(BondHolder::Spring(_)) | None => (self.method(), None),
         };
         let first = self.scene.steps_before(index);

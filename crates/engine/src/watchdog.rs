@@ -125,7 +125,7 @@ pub fn diagnose(state: &State, at: Circumstances<'_>, symptom: Symptom) -> Physi
         dt: at.dt,
         dt_limit: at.dt_limit,
         symptom,
-        closest: closest_pair(&state.cell, &state.positions, at.exclusions, 0.9),
+        closest: closest_pair(&state.cell, &state.positions, &at.exclusions, 0.9),
         non_finite: state.positions.iter().filter(|r| !r.is_finite()).count(),
         fastest: fastest(state),
         steps_into_stage: at.steps_into_stage,

@@ -20,7 +20,7 @@ const PARTICLES_PER_CHUNK: usize = 64;
 #[derive(Debug, Clone, Copy)]
 pub enum NeighborSource<'a> {
     /// All other particles but the excluded ones.
-    AllBut(Exclusions),
+    AllBut(&'a Exclusions),
     /// The listed particles of each particle, ascending and without repetition.
     Listed(&'a [Vec<u32>]),
 }

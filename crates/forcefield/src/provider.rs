@@ -151,7 +151,7 @@ impl PairForces {
             return list.evaluate(form, at, detail, forces, each, clock);
         }
         // The near part is zero beyond r_split, so that the cutoff of the whole force serves it too.
-        let (model, exclusions) = (self.model, self.exclusions);
+        let (model, exclusions) = (self.model, &self.exclusions);
         if let Strategy::Verlet(listed) = &mut self.strategy {
             return listed.evaluate(form, at, detail, forces, each, clock);
         }
@@ -217,7 +217,7 @@ impl ForceTerm for PairForces {
             }
             let totals = with_form!(self.model.form, form => {
                 let interaction = ManySpecies { form, laws };
-                reference::evaluate(interaction, &self.model, self.exclusions, at, forces, slots)
+                reference::evaluate(interaction, &self.model, &self.exclusions, at, forces, slots)
             });
             if !forces.iter().all(|f| f.is_finite()) {
                 return Err(non_finite::force(forces));

@@ -11,7 +11,7 @@ use crate::sums::{Totals, outer};
 pub fn evaluate<I: Interaction>(
     interaction: I,
     model: &Model,
-    exclusions: Exclusions,
+    exclusions: &Exclusions,
     at: Configuration<'_>,
     forces: &mut [DVec3],
     mut each: Option<&mut [PerParticle]>,

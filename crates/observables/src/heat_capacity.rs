@@ -40,7 +40,7 @@ impl Ensemble {
 
 /// The kinetic part of c_v in the thermodynamic limit: half the degrees of freedom of a molecule, 3/2 for atoms.
 fn kinetic_part(context: &BuildContext) -> f64 {
-    let molecule = System::of_molecules(context.molecules.sites(), context.molecules);
+    let molecule = System::of_molecules(context.molecules.sites(), context.molecules.clone());
     0.5 * molecule.n_dof(Momentum::Free)
 }
 

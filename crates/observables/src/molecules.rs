@@ -2,7 +2,7 @@
 
 use lennard_core::{
     DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
-    Table, View, Want, parallel, rigid,
+    Table, View, Want, parallel,
 };
 
 use crate::averages::of_series;
@@ -65,7 +65,7 @@ impl_columns!(Rows {
 /// - `temperature_inside`: twice the kinetic energy about the centres over its degrees of freedom: rotation of a rigid
 ///   dumbbell; rotation and vibration of others. Equipartition makes both temperatures equal.
 /// - `bond_length` and `bond_strain`: the mean |d| and the root mean square of |d|/r − 1.
-/// - `end_to_end`: the root mean square distance of the first and the last site.
+/// - `end_to_end`: the root mean square distance of the first and the last site; the mean is given for chains alone.
 /// - `pressure_of_sites`: (2K + W)/(3V) with the virial over pairs, springs and constraints, and T/V for the conserved
 ///   momentum. For rigid dumbbells it equals the pressure over molecules, (Σ M V² + Σ R_ab·F_ab)/(3V) + T/V, at each
 ///   instant. Without the tail.
@@ -82,7 +82,7 @@ impl MolecularMotion {
     pub fn new(context: &BuildContext) -> Self {
         Self {
             series: Series::new(Rows::default(), MOST_ROWS),
-            context: *context,
+            context: context.clone(),
             largest_residual: 0.0,
         }
     }
@@ -132,10 +132,10 @@ fn sums(view: &View<'_>) -> Sums {
             end_to_end_squared: (x[x.len() - 1] - x[0]).length_squared(),
             ..Sums::default()
         };
-        for pair in x.windows(2) {
-            let length = (pair[1] - pair[0]).length();
+        for bond in molecules.bonds() {
+            let length = bond.vector(x).length();
             sums.length += length;
-            sums.strain_squared += (length / molecules.bond_length() - 1.0).powi(2);
+            sums.strain_squared += (length / bond.length - 1.0).powi(2);
         }
         sums
     };
@@ -158,7 +158,7 @@ impl Observable for MolecularMotion {
     /// Where the state lacks what [`Observable::want`] asks for: that is a bug of the caller.
     fn sample(&mut self, view: &View<'_>) {
         let molecules = view.system.n_molecules() as f64;
-        let bonds = molecules * view.system.molecules.bonds() as f64;
+        let bonds = molecules * view.system.molecules.bonds().len() as f64;
         let found = sums(view);
         let kinetic = view.kinetic_energy();
         let n_dof = view.n_dof();
@@ -170,7 +170,7 @@ impl Observable for MolecularMotion {
             }
             - n_dof;
         let of_centers = 3.0 * molecules - kept;
-        let constraints = rigid::constraint_sums(view.system, view.state);
+        let constraints = view.constraint_sums();
         self.largest_residual = self.largest_residual.max(constraints.largest_residual);
         let virial = view.state.energetics.scalar_virial();
         let virial = virial.expect("the force evaluation gives what the observable wants");
@@ -209,45 +209,54 @@ impl Observable for MolecularMotion {
                 &rows.temperature_inside,
                 cut,
             ),
-            of_series("pressure_of_sites", "ε/σ³", &rows.pressure_of_sites, cut),
         ];
+        let hidden = self.context.molecules.hide_forces();
+        if !hidden {
+            let pressure = &rows.pressure_of_sites;
+            averages.push(of_series("pressure_of_sites", "ε/σ³", pressure, cut));
+        }
         if !is_rigid {
             averages.push(of_series("bond_length", "σ", &rows.bond_length, cut));
             averages.push(of_series("bond_strain", "", &strain, cut));
         }
-        if self.context.molecules.bonds() > 1 {
+        let topology = self.context.molecules.topology();
+        if topology.is_some_and(|one| one.is_chain() && one.sites() > 2) {
             averages.push(of_series("end_to_end_distance", "σ", &end_to_end, cut));
         }
-        let mut remarks = vec![
-            "pressure_of_sites is by forces on sites, constraints included, and without the tail"
-                .to_owned(),
-        ];
+        let mut remarks = vec![match hidden {
+            true => "pressure_of_sites is left out: the forces of these bonds act inside the step",
+            false => {
+                "pressure_of_sites is by forces on sites, constraints included, and without the tail"
+            }
+        }
+        .to_owned()];
         if is_rigid {
             remarks.push(format!(
                 "largest | |d|/r − 1 | of a bond: {:.2e}",
                 self.largest_residual
             ));
         }
+        let mut table = Table::new("molecules", "molecules against time")
+            .with("time", "τ", rows.time.clone())
+            .with(
+                "temperature_of_centers",
+                "ε/k_B",
+                rows.temperature_of_centers.clone(),
+            )
+            .with(
+                "temperature_inside_molecules",
+                "ε/k_B",
+                rows.temperature_inside.clone(),
+            )
+            .with("bond_length", "σ", rows.bond_length.clone())
+            .with("bond_strain", "", strain)
+            .with("end_to_end_distance", "σ", end_to_end);
+        if !hidden {
+            table = table.with("pressure_of_sites", "ε/σ³", rows.pressure_of_sites.clone());
+        }
         Findings {
             averages,
-            tables: vec![
-                Table::new("molecules", "molecules against time")
-                    .with("time", "τ", rows.time.clone())
-                    .with(
-                        "temperature_of_centers",
-                        "ε/k_B",
-                        rows.temperature_of_centers.clone(),
-                    )
-                    .with(
-                        "temperature_inside_molecules",
-                        "ε/k_B",
-                        rows.temperature_inside.clone(),
-                    )
-                    .with("bond_length", "σ", rows.bond_length.clone())
-                    .with("bond_strain", "", strain)
-                    .with("end_to_end_distance", "σ", end_to_end)
-                    .with("pressure_of_sites", "ε/σ³", rows.pressure_of_sites.clone()),
-            ],
+            tables: vec![table],
             remarks,
         }
     }

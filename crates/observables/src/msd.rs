@@ -114,7 +114,7 @@ impl MeanSquareDisplacement {
         let levels = (longest / POINTS as f64).log2().ceil().clamp(0.0, 40.0) as usize + 1;
         Ok(Self {
             options: options.clone(),
-            context: *context,
+            context: context.clone(),
             tracked: Tracked::new(context.n_atoms, options.particles),
             seen: SeenBox::new(&context.cell),
             samples: 0,

@@ -6,7 +6,7 @@ use lennard_core::{Molecules, Observable, ObservableSpec, PeriodicBox};
 use crate::ObservableError;
 
 /// What an observable may know when it is built.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct BuildContext {
     /// The periodic box.
     pub cell: PeriodicBox,

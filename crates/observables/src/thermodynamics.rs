@@ -111,7 +111,7 @@ impl Thermodynamics {
     pub fn with_options(options: &ThermodynamicsOptions, context: &BuildContext) -> Self {
         Self {
             options: options.clone(),
-            context: *context,
+            context: context.clone(),
             seen: SeenBox::new(&context.cell),
             series: Series::new(ThermoSeries::default(), MOST_ROWS),
             energy_line: RunningLine::default(),

@@ -5,7 +5,7 @@ use lennard_core::{DVec3, PeriodicBox};
 use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
 use crate::{
-    Geometry, Placement, Scene, SceneError, Start, accuracy, bath_checks, molecule, walls,
+    Geometry, Placement, Scene, SceneError, Start, accuracy, bath_checks, molecule_checks, walls,
 };
 
 impl Scene {
@@ -95,7 +95,7 @@ impl Scene {
 /// Everything that can be said before a configuration file is read.
 pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     stages(scene)?;
-    molecule::check(scene)?;
+    molecule_checks::check(scene)?;
     bath_checks::barostats_fit(scene)?;
     accuracy::check(scene)?;
     walls::check(scene)?;

@@ -98,6 +98,33 @@ const THERMOSTATS_LEFT_OUT: &[LeftOut] = &[
     },
 ];
 
+const BONDS_LEFT_OUT: &[LeftOut] = &[
+    LeftOut {
+        words: &["shake", "gauss_seidel"],
+        why: "its name here is `relaxation`; `direct` solves the same equations exactly",
+    },
+    LeftOut {
+        words: &["rattle", "newton", "ilves", "m_shake"],
+        why: "its name here is `direct`, whose velocity stage is part of `velocity-verlet`",
+    },
+    LeftOut {
+        words: &["lincs", "p_lincs", "plincs", "ccma"],
+        why: "it expands an inverse in a series: take `direct`, which solves exactly for molecules of up to 64 sites",
+    },
+    LeftOut {
+        words: &["settle"],
+        why: "take `direct`, which solves triangles by formulas too: kind = \"sites\" with three bonds",
+    },
+    LeftOut {
+        words: &["harmonic", "fene", "springs", "elastic"],
+        why: "take `spring`, U = ½k(|d| − r)²",
+    },
+    LeftOut {
+        words: &["rigid", "constraint", "constraints"],
+        why: "take `direct`",
+    },
+];
+
 const BAROSTATS_LEFT_OUT: &[LeftOut] = &[
     LeftOut {
         words: &["berendsen", "weak_coupling"],
@@ -133,6 +160,8 @@ pub(crate) fn left_out(key: &str, name: &str) -> Option<&'static str> {
         THERMOSTATS_LEFT_OUT
     } else if key.contains("barostat") {
         BAROSTATS_LEFT_OUT
+    } else if key.starts_with("bonds") {
+        BONDS_LEFT_OUT
     } else {
         return None;
     };

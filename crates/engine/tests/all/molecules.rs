@@ -33,13 +33,53 @@ const DUMBBELLS: &str = r#"
     every = 10
 "#;
 
-/// Ways to hold bonds, and chains of each kind, as overrides.
+/// A rigid triangle, and a square ring with a tail, as overrides.
+const TRIANGLE: [(&str, &str); 6] = [
+    ("molecule.kind", "sites"),
+    ("molecule.sites", "3"),
+    ("molecule.bonds", "[[1, 2], [2, 3], [3, 1]]"),
+    (
+        "molecule.shape",
+        "[[0, 0, 0], [0.7, 0, 0], [0.35, 0.6062177826, 0]]",
+    ),
+    ("molecule.bond_length", "0.7"),
+    ("system.density", "0.1"),
+];
+const RING_WITH_A_TAIL: [(&str, &str); 6] = [
+    ("molecule.kind", "sites"),
+    ("molecule.sites", "5"),
+    ("molecule.bonds", "[[1, 2], [2, 3], [3, 4], [1, 4], [5, 4]]"),
+    (
+        "molecule.shape",
+        "[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [-0.6, 1.8, 0]]",
+    ),
+    ("molecule.bond_length", "1.0"),
+    ("system.density", "0.04"),
+];
+
+const PLAIN: (&str, &str) = ("integrator.kind", "velocity-verlet");
+
+const fn with_shape(
+    shape: [(&'static str, &'static str); 6],
+    more: (&'static str, &'static str),
+    and: (&'static str, &'static str),
+) -> [(&'static str, &'static str); 8] {
+    let [a, b, c, d, e, f] = shape;
+    [a, b, c, d, e, f, more, and]
+}
+
+/// Ways to hold bonds, and molecules of each kind, as overrides.
 const WAYS: &[&[(&str, &str)]] = &[
     &[("bonds.method", "direct")],
     &[("bonds.method", "relaxation")],
     &[("bonds.method", "relaxation"), ("bonds.direction", "new")],
     &[("bonds.method", "relaxation"), ("bonds.sweeps", "3")],
     &[("bonds.method", "spring")],
+    &[("bonds.method", "spring"), ("bonds.scheme", "midpoint")],
+    &[
+        ("bonds.method", "spring"),
+        ("bonds.scheme", "linearly-implicit"),
+    ],
     &[("bonds.method", "spook"), ("integrator.kind", "spook")],
     &[("bonds.method", "direct"), ("kernel.precision", "mixed")],
     &[
@@ -55,6 +95,22 @@ const WAYS: &[&[(&str, &str)]] = &[
         ("system.density", "0.1"),
         ("bonds.method", "relaxation"),
     ],
+    &[
+        ("molecule.kind", "chain"),
+        ("molecule.sites", "4"),
+        ("molecule.bond_length", "1.0"),
+        ("system.density", "0.1"),
+        ("bonds.max_group", "2"),
+    ],
+    &with_shape(TRIANGLE, ("bonds.method", "direct"), PLAIN),
+    &with_shape(RING_WITH_A_TAIL, ("bonds.method", "direct"), PLAIN),
+    &with_shape(RING_WITH_A_TAIL, ("bonds.method", "relaxation"), PLAIN),
+    &with_shape(RING_WITH_A_TAIL, ("bonds.method", "spring"), PLAIN),
+    &with_shape(
+        RING_WITH_A_TAIL,
+        ("bonds.method", "spook"),
+        ("integrator.kind", "spook"),
+    ),
 ];
 
 fn scene(overrides: &[(&str, &str)]) -> Scene {
@@ -208,7 +264,7 @@ fn the_molecular_virial_is_the_derivative_of_the_energy() {
     let lengths = s.state.cell.lengths();
     let mut energy_at = |stretch: f64| {
         let cell = PeriodicBox::new(lengths * stretch).unwrap();
-        let molecules = s.system.molecules;
+        let molecules = &s.system.molecules;
         let mut positions = s.state.positions.clone();
         for (m, sites) in positions.chunks_mut(molecules.sites()).enumerate() {
             let center = molecules.center(&s.system.masses, m * molecules.sites(), sites);

@@ -1,7 +1,8 @@
 //! The impulses that SPOOK gives to the sites of molecules.
 
-use lennard_core::rigid::{Tridiagonal, add_along_bonds, bond_vectors};
-use lennard_core::{DVec3, MOST_BONDS, System};
+use lennard_core::rigid::{BondEquations, add_along_bonds, bond_vectors, equations_of};
+use lennard_core::tasks::for_each_item;
+use lennard_core::{DVec3, MOLECULES_PER_TASK, Masses, System, Topology};
 
 use crate::regularisation::Regularisation;
 
@@ -19,25 +20,36 @@ pub enum Damping {
 pub struct SpookBonds {
     compliance: f64,
     damping: Damping,
+    /// Gauss–Seidel sweeps; 0 solves directly.
+    sweeps: u32,
     /// G·v before the kick, one number per bond.
     rates: Vec<f64>,
 }
 
-/// Writes the directions u = d/|d| of the bonds of a chain and returns those that there are.
-fn directions<'a>(sites: &[DVec3], to: &'a mut [DVec3; MOST_BONDS]) -> &'a [DVec3] {
-    let bonds = bond_vectors(sites, to).len();
-    for d in &mut to[..bonds] {
+/// Memory of one thread for one molecule after another.
+#[derive(Default)]
+struct Space {
+    units: Vec<DVec3>,
+    right: Vec<f64>,
+    multipliers: Vec<f64>,
+    equations: Option<BondEquations>,
+}
+
+/// Writes the directions u = d/|d| of the bonds of a molecule.
+fn directions(topology: &Topology, sites: &[DVec3], to: &mut Vec<DVec3>) {
+    bond_vectors(topology, sites, to);
+    for d in to {
         *d = d.normalize();
     }
-    &to[..bonds]
 }
 
 impl SpookBonds {
-    /// Bonds with a compliance in σ²/ε and a damping.
-    pub(super) fn new(compliance: f64, damping: Damping) -> Self {
+    /// Bonds with a compliance in σ²/ε and a damping, solved directly or by a number of sweeps.
+    pub(super) fn new(compliance: f64, damping: Damping, sweeps: u32) -> Self {
         Self {
             compliance,
             damping,
+            sweeps,
             rates: Vec::new(),
         }
     }
@@ -45,14 +57,16 @@ impl SpookBonds {
     /// Remembers G·v before a kick.
     pub(crate) fn before_kick(&mut self, system: &System, x: &[DVec3], v: &[DVec3]) {
         let molecules = &system.molecules;
-        let bonds = molecules.bonds();
-        self.rates.resize(system.n_molecules() * bonds, 0.0);
-        molecules.for_each(bonds, &mut self.rates, |m, rates| {
+        let Some(topology) = molecules.topology() else {
+            return;
+        };
+        let bonds = topology.bonds();
+        self.rates.resize(system.n_molecules() * bonds.len(), 0.0);
+        molecules.for_each(bonds.len(), &mut self.rates, |m, rates| {
             let (x, v) = (&x[molecules.sites_of(m)], &v[molecules.sites_of(m)]);
-            let mut units = [DVec3::ZERO; MOST_BONDS];
-            let units = directions(x, &mut units);
-            for (c, rate) in rates.iter_mut().enumerate() {
-                *rate = units[c].dot(v[c + 1] - v[c]);
+            for (bond, rate) in bonds.iter().zip(rates) {
+                let [i, j] = bond.sites;
+                *rate = bond.vector(x).normalize().dot(v[j] - v[i]);
             }
         });
     }
@@ -60,28 +74,73 @@ impl SpookBonds {
     /// Adds the impulses of the constraints to velocities that have had their kick.
     pub(crate) fn after_kick(&self, system: &System, x: &[DVec3], v: &mut [DVec3], dt: f64) {
         let (molecules, masses) = (&system.molecules, &system.masses);
-        let (bonds, length) = (molecules.bonds(), molecules.bond_length());
+        let Some(topology) = molecules.topology() else {
+            return;
+        };
+        let bonds = topology.bonds();
         let time = match self.damping {
             Damping::Time(time) => time,
             Damping::Steps(steps) => steps * dt,
         };
-        let Regularisation { sigma, gamma } = Regularisation::new(self.compliance, time, dt);
-        molecules.for_each(molecules.sites(), v, |m, v| {
-            let first = molecules.sites_of(m).start;
-            let (x, rates) = (&x[molecules.sites_of(m)], &self.rates[m * bonds..]);
-            let mut units = [DVec3::ZERO; MOST_BONDS];
-            let units = directions(x, &mut units);
-            let mut equations = Tridiagonal::ZERO;
-            equations.set_matrix(masses, first, units, units);
-            for (c, u) in units.iter().enumerate() {
-                equations.diagonal[c] += sigma;
-                let g = (x[c + 1] - x[c]).length() - length;
-                equations.right[c] = gamma * (rates[c] - 4.0 / dt * g) - u.dot(v[c + 1] - v[c]);
-            }
-            // S is positive definite for any chain: its rows are independent.
-            if equations.solve(bonds).is_ok() {
-                add_along_bonds(v, masses, first, units, &equations.right);
+        let regular = Regularisation::new(self.compliance, time, dt);
+        let sites = topology.sites();
+        let tasks = v.chunks_mut(sites * MOLECULES_PER_TASK);
+        for_each_item(tasks, |space: &mut Space, task, velocities| {
+            for (m, v) in velocities.chunks_exact_mut(sites).enumerate() {
+                let m = task * MOLECULES_PER_TASK + m;
+                let first = m * sites;
+                let (x, rates) = (&x[first..first + sites], &self.rates[m * bonds.len()..]);
+                directions(topology, x, &mut space.units);
+                space.right.clear();
+                for ((bond, u), rate) in bonds.iter().zip(&space.units).zip(rates) {
+                    let [i, j] = bond.sites;
+                    let g = bond.vector(x).length() - bond.length;
+                    let wanted = regular.gamma * (*rate - 4.0 / dt * g);
+                    space.right.push(wanted - u.dot(v[j] - v[i]));
+                }
+                let units = &space.units;
+                if self.sweeps > 0 {
+                    space.multipliers.clear();
+                    space.multipliers.resize(bonds.len(), 0.0);
+                    let (right, multipliers) = (&space.right, &mut space.multipliers);
+                    let sigma = regular.sigma;
+                    for _ in 0..self.sweeps {
+                        sweep(topology, masses, first, units, sigma, right, multipliers);
+                    }
+                    add_along_bonds(v, topology, masses, first, units, multipliers);
+                    continue;
+                }
+                let equations = equations_of(&mut space.equations, topology);
+                // S is positive definite: bonds that follow from others are refused where Σ is zero.
+                let factored = equations.factor(topology, masses, first, units, regular.sigma);
+                if factored.is_ok() {
+                    equations.solve(topology, &mut space.right);
+                    add_along_bonds(v, topology, masses, first, units, &space.right);
+                }
             }
         });
+    }
+}
+
+/// One Gauss–Seidel sweep over S·λ = `right`, with S = G·M⁻¹·Gᵀ + `sigma` and unit vectors along the bonds.
+fn sweep(
+    topology: &Topology,
+    masses: &Masses,
+    first: usize,
+    units: &[DVec3],
+    sigma: f64,
+    right: &[f64],
+    multipliers: &mut [f64],
+) {
+    let inverse = |site: usize| 1.0 / masses.of(first + site);
+    for (c, bond) in topology.bonds().iter().enumerate() {
+        let [i, j] = bond.sites;
+        let mut left = right[c];
+        for coupling in topology.couplings_of(c) {
+            let other = coupling.bonds[usize::from(coupling.bonds[0] == c)];
+            let element = coupling.sign * units[c].dot(units[other]) * inverse(coupling.site);
+            left -= element * multipliers[other];
+        }
+        multipliers[c] = left / (inverse(i) + inverse(j) + sigma);
     }
 }

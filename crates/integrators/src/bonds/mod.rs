@@ -1,17 +1,19 @@
 //! Ways to hold the bonds of molecules, one file each.
 //!
-//! A *rigid* way is a [`BondSolver`]: the position stage after each drift. The velocity stage is the same for all
+//! A *rigid* way is a [`BondSolver`]: kick, drift and the position stage after it. The velocity stage is the same for all
 //! ([`lennard_core::rigid::project_velocities`]). A *spring* is a force term, and takes no degree of freedom away.
 
-mod chains;
 pub mod direct;
+mod dumbbells;
+mod implicit_springs;
 mod impulses;
+mod molecule;
 pub mod relaxation;
 pub mod spook;
 pub mod spring;
 
 use lennard_core::options::{Keys, OptionError, Options};
-use lennard_core::{BondSolver, Bonds, ForceTerm, Molecules};
+use lennard_core::{BondSolver, Bonds, ForceTerm, Molecules, Topology};
 use serde::{Deserialize, Serialize};
 
 pub use impulses::SpookBonds;
@@ -33,10 +35,12 @@ pub struct BondSpec {
 
 /// How bonds are held, ready for use.
 pub enum BondHolder {
-    /// By constraints.
-    Rigid(Box<dyn BondSolver>),
+    /// By what happens in a drift.
+    Drift(Box<dyn BondSolver>),
     /// By a force.
     Spring(Box<dyn ForceTerm>),
+    /// By springs that act in a drift, and a term that knows their energy alone.
+    ImplicitSpring(Box<dyn BondSolver>, Box<dyn ForceTerm>),
     /// By the method `spook`, which solves for them in its step.
     Spook(SpookBonds),
 }
@@ -58,7 +62,15 @@ pub(crate) trait BondMethod: Options {
     fn check_together(&self) -> Result<(), OptionError> {
         Ok(())
     }
-    /// The angular frequency ω of a bond between two unit masses, τ⁻¹; zero for rigid bonds.
+    /// Checks options that do not suit every molecule.
+    ///
+    /// # Errors
+    /// [`OptionError`] for the first that does not suit this one.
+    fn check_for(&self, topology: &Topology) -> Result<(), OptionError> {
+        let _ = topology;
+        Ok(())
+    }
+    /// The angular frequency ω of a bond between two unit masses, τ⁻¹; zero where it does not limit the step.
     fn frequency(&self) -> f64 {
         0.0
     }
@@ -107,6 +119,16 @@ macro_rules! list_of_bond_methods {
                 }
             }
 
+            /// Whether the options suit such molecules.
+            ///
+            /// # Errors
+            /// [`OptionError`], which names the key, what was found and what is allowed.
+            pub fn check_for(&self, topology: &Topology) -> Result<(), OptionError> {
+                match self {
+                    $(Self::$variant(options) => BondMethod::check_for(options, topology),)*
+                }
+            }
+
             /// The way with these options, for such molecules.
             #[must_use]
             pub fn build(&self, molecules: &Molecules) -> BondHolder {
@@ -123,7 +145,7 @@ macro_rules! list_of_bond_methods {
                 }
             }
 
-            /// The angular frequency ω of a bond between two unit masses, τ⁻¹; zero for rigid bonds.
+            /// The angular frequency ω of a bond between two unit masses, τ⁻¹; zero where it does not limit the step.
             #[must_use]
             pub fn frequency(&self) -> f64 {
                 match self {

@@ -1,9 +1,9 @@
 //! Relaxation: one bond after another is brought to its length, in sweeps over the molecule.
 
 use lennard_core::options::OptionError;
-use lennard_core::{Bonds, Molecules};
+use lennard_core::{Bonds, BondsSolved, Molecules};
 
-use super::chains::{Chain, ChainError, ChainRule, Chains};
+use super::molecule::{Drifted, EachMolecule, MoleculeRule, NoSolution, Space};
 use super::{BondHolder, BondMethod, BondSpec};
 
 lennard_core::choices! {
@@ -48,7 +48,7 @@ impl BondMethod for Options {
         let rule = Relaxation {
             options: self.clone(),
         };
-        BondHolder::Rigid(Box::new(Chains::new(rule)))
+        BondHolder::Drift(Box::new(EachMolecule(rule)))
     }
 
     fn check_together(&self) -> Result<(), OptionError> {
@@ -71,9 +71,13 @@ struct Relaxation {
     options: Options,
 }
 
-impl ChainRule for Relaxation {
-    fn solve(&self, chain: &mut Chain<'_>) -> Result<u32, ChainError> {
-        relax(chain, &self.options)
+impl MoleculeRule for Relaxation {
+    fn solve(
+        &self,
+        molecule: &mut Drifted<'_>,
+        _space: &mut Space,
+    ) -> Result<BondsSolved, NoSolution> {
+        relax(molecule, &self.options)
     }
 
     /// The rule along the new bond stands alone, on positions: velocities are displacements over the step.
@@ -82,47 +86,56 @@ impl ChainRule for Relaxation {
     }
 }
 
-fn relax(chain: &mut Chain<'_>, options: &Options) -> Result<u32, ChainError> {
+fn relax(molecule: &mut Drifted<'_>, options: &Options) -> Result<BondsSolved, NoSolution> {
     if options.sweeps > 0 {
         for _ in 0..options.sweeps {
-            sweep(chain, options)?;
+            sweep(molecule, options)?;
         }
-        return Ok(options.sweeps);
+        return Ok(BondsSolved {
+            iterations: options.sweeps,
+            residual: molecule.residual(),
+            ..BondsSolved::default()
+        });
     }
     let tolerance = options.tolerance.unwrap_or(DEFAULT_TOLERANCE);
     for sweeps in 0..=MOST_SWEEPS {
-        if chain.residual() <= tolerance {
-            return Ok(sweeps);
+        let residual = molecule.residual();
+        if residual <= tolerance {
+            return Ok(BondsSolved {
+                iterations: sweeps,
+                residual,
+                ..BondsSolved::default()
+            });
         }
-        sweep(chain, options)?;
+        sweep(molecule, options)?;
     }
-    let residual = chain.residual();
-    Err(ChainError::NotConverged(MOST_SWEEPS, residual, tolerance))
+    let residual = molecule.residual();
+    Err(NoSolution::NotConverged(MOST_SWEEPS, residual, tolerance))
 }
 
 /// One sweep over the bonds.
-fn sweep(chain: &mut Chain<'_>, options: &Options) -> Result<(), ChainError> {
-    for c in 0..chain.before.len() {
-        let s = chain.sites[c + 1] - chain.sites[c];
-        let [i, j] = [
-            1.0 / chain.masses.of(chain.first + c),
-            1.0 / chain.masses.of(chain.first + c + 1),
-        ];
+fn sweep(molecule: &mut Drifted<'_>, options: &Options) -> Result<(), NoSolution> {
+    let topology = molecule.topology;
+    for (c, bond) in topology.bonds().iter().enumerate() {
+        let s = bond.vector(molecule.sites);
+        let [i, j] = bond
+            .sites
+            .map(|site| 1.0 / molecule.masses.of(molecule.first + site));
         let correction = match options.direction {
             Direction::Old => {
-                let d = chain.before[c];
+                let d = molecule.before[c];
                 let along = s.dot(d);
                 if along.is_nan() || along <= 0.0 {
-                    return Err(chain.turned(c, s));
+                    return Err(molecule.turned(c, s));
                 }
-                let off = chain.length * chain.length - s.length_squared();
+                let off = bond.length * bond.length - s.length_squared();
                 (off / (2.0 * along)) * d
             }
-            Direction::New => (chain.length / s.length() - 1.0) * s,
+            Direction::New => (bond.length / s.length() - 1.0) * s,
         };
         let share = (options.over_relaxation / (i + j)) * correction;
-        chain.displace(c, -i * share);
-        chain.displace(c + 1, j * share);
+        molecule.displace(bond.sites[0], -i * share);
+        molecule.displace(bond.sites[1], j * share);
     }
     Ok(())
 }

@@ -15,6 +15,8 @@ lennard_core::options! {
         damping_steps: f64 = 2.0, NotNegative;
         /// Damping time τ, in place of a number of steps.
         damping_time: Option<f64> = None, else "`damping_steps`·`dt`", NotNegative, in "τ";
+        /// Gauss–Seidel sweeps over the bonds of each molecule; 0 solves for all of them directly.
+        sweeps: u32 = 0, Whole(0, 100_000);
     }
 }
 
@@ -29,7 +31,7 @@ impl BondMethod for Options {
 
     fn bonds(&self) -> Bonds {
         match self.compliance > 0.0 {
-            true => Bonds::Springs,
+            true => Bonds::Impulses,
             false => Bonds::Rigid,
         }
     }
@@ -39,7 +41,7 @@ impl BondMethod for Options {
             Some(time) => Damping::Time(time),
             None => Damping::Steps(self.damping_steps),
         };
-        BondHolder::Spook(SpookBonds::new(self.compliance, damping))
+        BondHolder::Spook(SpookBonds::new(self.compliance, damping, self.sweeps))
     }
 
     /// Without compliance and damping the one-step map of a rigid bond is a Jordan block: |x_n| grows as 2n + 1.

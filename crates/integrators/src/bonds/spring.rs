@@ -2,38 +2,78 @@
 
 use lennard_core::parallel::ordered_sum;
 use lennard_core::{
-    Bonds, Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm,
+    Bond, Bonds, Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm,
     Molecules, Part, Want,
 };
 
+use super::implicit_springs::{LinearlyImplicit, Midpoint};
+use super::molecule::EachMolecule;
 use super::{BondHolder, BondMethod, BondSpec};
+
+lennard_core::choices! {
+    /// How springs are integrated.
+    pub enum Scheme {
+        /// As all other forces are, by kicks.
+        #[default]
+        Explicit = "explicit",
+        /// In the drift, by the implicit midpoint rule: stable at any step.
+        Midpoint = "midpoint",
+        /// In the drift, by one step of Newton's method for the implicit Euler rule: stable at any step, and damped.
+        LinearlyImplicit = "linearly-implicit",
+    }
+}
 
 lennard_core::options! {
     /// Options of springs.
     pub struct Options {
         /// Stiffness k of each bond.
         stiffness: f64 = 4000.0, Positive, in "ε/σ²";
+        /// How springs are integrated: by kicks, or inside the drift, where any step is stable and fast vibrations are slowed (midpoint) or damped.
+        scheme: Scheme = Scheme::Explicit, Names(Scheme::names);
     }
 }
 
 impl BondMethod for Options {
     const SPEC: BondSpec = BondSpec {
         name: "spring",
-        summary: "Bonds as stiff springs: a force term, which takes no degree of freedom away.",
-        equations: "U = k/2 (|d| - r)^2; omega = sqrt(k (1/m_i + 1/m_j)); the step must stay below 2/omega",
+        summary: "Bonds as stiff springs, which take no degree of freedom away: a force, or implicit inside the drift.",
+        equations: "U = k/2 (|d| - r)^2; omega = sqrt(k (1/m_i + 1/m_j)); explicit: h below 2/omega; midpoint: x' = x + h (v + v')/2, v' = v + h f((x + x')/2)/m; linearly implicit: (M + h^2 K) dv = h (f - h K v), K = k u u^T",
         bonds: Bonds::Springs,
         source: "Allen and Tildesley, \"Computer Simulation of Liquids\", 2nd ed. (2017), section 1.3.3",
     };
 
+    fn bonds(&self) -> Bonds {
+        match self.scheme {
+            Scheme::Explicit => Bonds::Springs,
+            Scheme::Midpoint | Scheme::LinearlyImplicit => Bonds::Impulses,
+        }
+    }
+
     fn build(&self, molecules: &Molecules) -> BondHolder {
-        BondHolder::Spring(Box::new(Springs {
+        let term = Box::new(Springs {
             stiffness: self.stiffness,
-            molecules: *molecules,
-        }))
+            molecules: molecules.clone(),
+            pushes: self.scheme == Scheme::Explicit,
+        });
+        let stiffness = self.stiffness;
+        match self.scheme {
+            Scheme::Explicit => BondHolder::Spring(term),
+            Scheme::Midpoint => {
+                let rule = EachMolecule(Midpoint { stiffness });
+                BondHolder::ImplicitSpring(Box::new(rule), term)
+            }
+            Scheme::LinearlyImplicit => {
+                let rule = EachMolecule(LinearlyImplicit { stiffness });
+                BondHolder::ImplicitSpring(Box::new(rule), term)
+            }
+        }
     }
 
     fn frequency(&self) -> f64 {
-        (2.0 * self.stiffness).sqrt()
+        match self.scheme {
+            Scheme::Explicit => (2.0 * self.stiffness).sqrt(),
+            Scheme::Midpoint | Scheme::LinearlyImplicit => 0.0,
+        }
     }
 }
 
@@ -42,6 +82,8 @@ impl BondMethod for Options {
 pub struct Springs {
     stiffness: f64,
     molecules: Molecules,
+    /// Whether the springs are forces; else they act in the drift, and this term knows their energy alone.
+    pushes: bool,
 }
 
 lennard_core::remembers_nothing!(Springs);
@@ -80,10 +122,10 @@ impl std::ops::Add for Sums {
 }
 
 impl Springs {
-    /// The force on the site at the end of a bond d, and its energy.
-    fn bond(&self, d: DVec3) -> (DVec3, f64) {
+    /// The force on the site at the end of a bond with the vector d, and its energy.
+    fn bond(&self, bond: &Bond, d: DVec3) -> (DVec3, f64) {
         let length = d.length();
-        let strain = length - self.molecules.bond_length();
+        let strain = length - bond.length;
         let force = (-self.stiffness * strain / length) * d;
         (force, 0.5 * self.stiffness * strain * strain)
     }
@@ -92,10 +134,10 @@ impl Springs {
         let molecules = &self.molecules;
         molecules.for_each(molecules.sites(), forces, |m, forces| {
             let sites = &positions[molecules.sites_of(m)];
-            for (c, pair) in sites.windows(2).enumerate() {
-                let (f, _) = self.bond(pair[1] - pair[0]);
-                forces[c] -= f;
-                forces[c + 1] += f;
+            for bond in molecules.bonds() {
+                let (f, _) = self.bond(bond, bond.vector(sites));
+                forces[bond.sites[0]] -= f;
+                forces[bond.sites[1]] += f;
             }
         });
     }
@@ -104,13 +146,14 @@ impl Springs {
         ordered_sum(positions.len() / self.molecules.sites(), |range| {
             let mut sums = Sums::NOTHING;
             for m in range {
-                for pair in positions[self.molecules.sites_of(m)].windows(2) {
-                    let d = pair[1] - pair[0];
-                    let (f, energy) = self.bond(d);
+                let sites = &positions[self.molecules.sites_of(m)];
+                for bond in self.molecules.bonds() {
+                    let d = bond.vector(sites);
+                    let (f, energy) = self.bond(bond, d);
                     sums.energy += energy;
                     sums.virial += DMat3::from_cols(f * d.x, f * d.y, f * d.z);
                     // ∇²U = U″ + 2U′/|d| at each of the two ends.
-                    let slope = 1.0 - self.molecules.bond_length() / d.length();
+                    let slope = 1.0 - bond.length / d.length();
                     sums.laplacian += 2.0 * self.stiffness * (1.0 + 2.0 * slope);
                 }
             }
@@ -143,12 +186,21 @@ impl ForceTerm for Springs {
         let sums = if part == Part::Far {
             Sums::NOTHING
         } else {
-            self.add_forces(at.positions, forces);
+            if self.pushes {
+                self.add_forces(at.positions, forces);
+            }
             if want.is_nothing() {
                 Sums::NOTHING
             } else {
                 self.totals(at.positions)
             }
+        };
+        let sums = match self.pushes {
+            true => sums,
+            false => Sums {
+                energy: sums.energy,
+                ..Sums::NOTHING
+            },
         };
         Ok(Energetics {
             potential_energy: want.energy.then_some(sums.energy),
@@ -160,14 +212,16 @@ impl ForceTerm for Springs {
     }
 
     fn force_on(&self, particle: usize, at: Configuration<'_>) -> DVec3 {
-        let x = at.positions;
         let site = particle % self.molecules.sites();
+        let sites = &at.positions[particle - site..particle - site + self.molecules.sites()];
         let mut force = DVec3::ZERO;
-        if site > 0 {
-            force += self.bond(x[particle] - x[particle - 1]).0;
-        }
-        if site + 1 < self.molecules.sites() {
-            force -= self.bond(x[particle + 1] - x[particle]).0;
+        for bond in self.molecules.bonds().iter().filter(|_| self.pushes) {
+            let [i, j] = bond.sites;
+            if site == i {
+                force -= self.bond(bond, bond.vector(sites)).0;
+            } else if site == j {
+                force += self.bond(bond, bond.vector(sites)).0;
+            }
         }
         force
     }

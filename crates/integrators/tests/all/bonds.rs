@@ -9,7 +9,10 @@ use lennard_integrators::bonds::{direct, relaxation, spring};
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build};
 
 fn direct() -> BondOptions {
-    BondOptions::Direct(direct::Options { tolerance: 1e-14 })
+    BondOptions::Direct(direct::Options {
+        tolerance: 1e-14,
+        ..Default::default()
+    })
 }
 
 fn shake(tolerance: f64) -> BondOptions {
@@ -31,18 +34,19 @@ fn projection() -> BondOptions {
     })
 }
 
-fn velocity_verlet(bonds: &BondOptions, molecules: Molecules) -> Integrator {
+fn velocity_verlet(bonds: &BondOptions, molecules: &Molecules) -> Integrator {
     let method = build(&IntegratorOptions::default());
-    match bonds.build(&molecules) {
-        BondHolder::Rigid(solver) => method.with_bonds(solver),
+    match bonds.build(molecules) {
+        BondHolder::Drift(solver) => method.with_bonds(solver),
         BondHolder::Spook(bonds) => lennard_integrators::spook::with_bonds(bonds),
         BondHolder::Spring(_) => method,
+        BondHolder::ImplicitSpring(solver, _) => method.with_bonds(solver),
     }
 }
 
 /// A system and a state of rigid chains in a box so wide that nothing folds.
-fn start(molecules: Molecules, x: Vec<DVec3>, v: Vec<DVec3>) -> (System, State) {
-    let system = System::of_molecules(x.len(), molecules);
+fn start(molecules: &Molecules, x: Vec<DVec3>, v: Vec<DVec3>) -> (System, State) {
+    let system = System::of_molecules(x.len(), molecules.clone());
     let cell = PeriodicBox::new(DVec3::splat(1e3)).unwrap();
     let mut state = State::new(cell, x, v);
     rigid::project_velocities(&system, &state.positions, &mut state.velocities);
@@ -57,7 +61,7 @@ fn run(
     dt: f64,
     steps: u64,
 ) {
-    let mut integrator = velocity_verlet(bonds, system.molecules);
+    let mut integrator = velocity_verlet(bonds, &system.molecules);
     integrator
         .start(system, state, forces, dt, Want::ENERGY)
         .unwrap();
@@ -125,7 +129,7 @@ fn rotor(omega: f64) -> (System, State) {
         DVec3::new(0.0, -0.5 * omega, 0.0),
         DVec3::new(0.0, 0.5 * omega, 0.0),
     ];
-    start(molecules, x, v)
+    start(&molecules, x, v)
 }
 
 fn angle(state: &State) -> f64 {
@@ -164,7 +168,7 @@ fn projection_along_the_new_bond_slows_a_rotor_by_its_law() {
 fn a_bond_that_turns_too_far_stops_the_step() {
     for bonds in [direct(), shake(1e-12)] {
         let (system, mut state) = rotor(21.0);
-        let mut integrator = velocity_verlet(&bonds, system.molecules);
+        let mut integrator = velocity_verlet(&bonds, &system.molecules);
         integrator
             .start(&system, &mut state, &mut NoForces, 0.05, Want::NOTHING)
             .unwrap();
@@ -188,7 +192,7 @@ fn two_dumbbells() -> (System, State, Simple) {
         DVec3::new(1.5, -0.1 + half, 0.0),
     ];
     let v = [1.0, 1.0, -1.0, -1.0].map(|v| DVec3::new(v, 0.0, 0.0));
-    let (system, state) = start(molecules, x, v.to_vec());
+    let (system, state) = start(&molecules, x, v.to_vec());
     let forces = Simple {
         molecules,
         pairs: true,
@@ -290,7 +294,7 @@ fn hanging_chain(sites: usize) -> (System, State, Simple) {
     let x = (0..sites)
         .map(|k| DVec3::new(0.2 * k as f64, 0.0, 0.0))
         .collect();
-    let (system, state) = start(molecules, x, vec![DVec3::ZERO; sites]);
+    let (system, state) = start(&molecules, x, vec![DVec3::ZERO; sites]);
     let forces = Simple {
         molecules,
         pairs: false,
@@ -367,14 +371,14 @@ fn sweeps_over_a_straight_chain_converge_by_the_cosine_law() {
             // All sites on a line: drifted so that each bond is a little too long.
             let x = (0..=bonds).map(|k| DVec3::new(k as f64, 0.0, 0.0));
             let v = (0..=bonds).map(|k| DVec3::new(k as f64, 0.0, 0.0));
-            let system = System::of_molecules(bonds + 1, molecules);
+            let system = System::of_molecules(bonds + 1, molecules.clone());
             let cell = PeriodicBox::new(DVec3::splat(1e3)).unwrap();
             let mut state = State::new(cell, x.collect(), v.collect());
             let options = BondOptions::Relaxation(relaxation::Options {
                 sweeps,
                 ..Default::default()
             });
-            let mut integrator = velocity_verlet(&options, molecules);
+            let mut integrator = velocity_verlet(&options, &molecules);
             integrator
                 .start(&system, &mut state, &mut NoForces, 1e-4, Want::NOTHING)
                 .unwrap();
@@ -405,7 +409,7 @@ fn multipliers_are_the_tension_of_a_turning_chain() {
         .iter()
         .map(|x| DVec3::new(0.0, omega * x.x, 0.0))
         .collect();
-    let (system, state) = start(molecules, x, v);
+    let (system, state) = start(&molecules, x, v);
     let sums = rigid::constraint_sums(&system, &state);
     let tensions = [1.5, 2.0, 1.5].map(|radii| omega * omega * radii);
     // The force on the site at the end of d is λ·d, and the tension −λ|d|.
@@ -435,7 +439,7 @@ fn bonds_of_many_dumbbells_keep_their_length_to_the_last_place() {
             0.3 * DVec3::new((k * 0.7).sin(), (k * 1.3).cos(), (k * 0.3).sin())
         })
         .collect();
-    let (system, mut state) = start(molecules, x, v);
+    let (system, mut state) = start(&molecules, x, v);
     let kinetic = system.kinetic_energy(&state.velocities);
     run(&system, &mut state, &mut NoForces, &direct(), 0.01, 2000);
     assert!(rigid::constraint_sums(&system, &state).largest_residual < 1e-14);
@@ -451,11 +455,14 @@ fn bonds_of_many_dumbbells_keep_their_length_to_the_last_place() {
 fn a_stiff_spring_swings_at_its_frequency_and_its_virial_is_its_force() {
     let stiffness = 900.0;
     let molecules = Molecules::chains(2, 1.0, Bonds::Springs);
-    let options = BondOptions::Spring(spring::Options { stiffness });
+    let options = BondOptions::Spring(spring::Options {
+        stiffness,
+        ..Default::default()
+    });
     let omega = options.frequency();
     assert!((omega - (2.0 * stiffness).sqrt()).abs() < 1e-12);
     let x = vec![DVec3::new(-0.51, 0.0, 0.0), DVec3::new(0.51, 0.0, 0.0)];
-    let (system, mut state) = start(molecules, x, vec![DVec3::ZERO; 2]);
+    let (system, mut state) = start(&molecules, x, vec![DVec3::ZERO; 2]);
     let BondHolder::Spring(term) = options.build(&molecules) else {
         panic!("springs are forces")
     };
@@ -463,7 +470,7 @@ fn a_stiff_spring_swings_at_its_frequency_and_its_virial_is_its_force() {
     forces.push(term);
     let steps = 1000;
     let dt = std::f64::consts::TAU / omega / f64::from(steps);
-    let mut integrator = velocity_verlet(&options, molecules);
+    let mut integrator = velocity_verlet(&options, &molecules);
     integrator
         .start(&system, &mut state, &mut forces, dt, Want::TOTALS)
         .unwrap();
@@ -492,7 +499,10 @@ fn a_stiff_spring_swings_at_its_frequency_and_its_virial_is_its_force() {
 #[test]
 fn the_laplacian_of_springs_is_the_divergence_of_their_forces() {
     let molecules = Molecules::chains(3, 1.0, Bonds::Springs);
-    let options = BondOptions::Spring(spring::Options { stiffness: 50.0 });
+    let options = BondOptions::Spring(spring::Options {
+        stiffness: 50.0,
+        ..Default::default()
+    });
     let BondHolder::Spring(mut term) = options.build(&molecules) else {
         panic!("springs are forces")
     };
@@ -554,12 +564,13 @@ fn a_rotor_under_spook_keeps_turning_at_its_stretched_length() {
         // x(h) = x(0) + h·v(h): the velocity that led here from the position one angle before.
         let before = DVec3::new(half * alpha.cos(), -half * alpha.sin(), 0.0);
         let v = (x[1] - before) / dt;
-        let (system, mut state) = start(molecules, x, vec![DVec3::ZERO; 2]);
+        let (system, mut state) = start(&molecules, x, vec![DVec3::ZERO; 2]);
         state.velocities = vec![-v, v];
         let options = lennard_integrators::bonds::spook::Options {
             compliance,
             damping_steps,
             damping_time: None,
+            sweeps: 0,
         };
         run(
             &system,

@@ -10,5 +10,6 @@ mod force_terms;
 mod implicit_and_constrained;
 mod messages;
 mod refusals;
+mod shapes;
 mod thermostats;
 mod verlet_family;

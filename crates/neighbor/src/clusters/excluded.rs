@@ -26,7 +26,7 @@ impl Excluded {
     /// Finds the excluded pairs of the cluster at `members`.
     pub fn find(
         &mut self,
-        exclusions: Exclusions,
+        exclusions: &Exclusions,
         members: Range<u32>,
         particle: &[u32],
         slot_of: &[u32],

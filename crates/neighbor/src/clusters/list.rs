@@ -120,7 +120,7 @@ impl ClusterList {
                 self.slot_of[*particle as usize] = slot;
             }
         }
-        let exclusions = (self.exclusions, &self.slot_of[..]);
+        let exclusions = (&self.exclusions, &self.slot_of[..]);
         let search = Search::new(&self.table, cell, reach, scanner, exclusions);
         let chunks = self.chunks.iter_mut();
         for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {

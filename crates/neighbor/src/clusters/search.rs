@@ -57,7 +57,7 @@ pub(super) struct Search<'a> {
     /// The largest distance at the build of two particles that come within the cutoff while the list is in use, σ.
     farthest: f64,
     /// Pairs that do not interact, and the slot of each particle where there are any.
-    exclusions: (Exclusions, &'a [u32]),
+    exclusions: (&'a Exclusions, &'a [u32]),
 }
 
 impl<'a> Search<'a> {
@@ -67,7 +67,7 @@ impl<'a> Search<'a> {
         cell: &PeriodicBox,
         reach: Reach,
         scanner: &'a dyn ClusterScanner,
-        exclusions: (Exclusions, &'a [u32]),
+        exclusions: (&'a Exclusions, &'a [u32]),
     ) -> Self {
         let lengths = cell.lengths();
         let rounding = 4.0 * lengths.max_element() / FIXED_UNITS;

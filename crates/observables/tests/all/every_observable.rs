@@ -47,6 +47,7 @@ fn sample(observable: &mut dyn Observable, view: &View<'_>) {
     let system = System::of_molecules(view.state.len(), molecules);
     observable.sample(&View {
         system: &system,
+        shared: Default::default(),
         ..*view
     });
 }
