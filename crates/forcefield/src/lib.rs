@@ -37,7 +37,7 @@ pub use options::{
 };
 pub use pair::potentials::*;
 pub use pair::{
-    MOST_SPECIES, Mixture, Model, Pair, Plain, SpeciesPair, Tail, TruncationKind, TruncationSpec,
+    MOST_SPECIES, Mixture, Model, Pair, Plain, SpeciesPair, TablePath, Tail, TruncationKind, TruncationSpec,
     model_name, tail_correction, tail_of_mixture, truncations,
 };
 pub use plan::{Conditions, ForcePlan, Search, recommended_threads};

@@ -2,6 +2,8 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use crate::pair::tabulated::TableRows;
+
 /// A real number, or several side by side.
 ///
 /// A formula gives the same value per lane with any type, up to the rounding of the type and of fused multiply-adds.
@@ -33,6 +35,11 @@ pub trait Real:
     fn min(self, other: Self) -> Self;
     /// The larger of the two.
     fn max(self, other: Self) -> Self;
+    /// The row of a table for r² = `self`, and the distance from the begin of the row.
+    ///
+    /// Any number has a row: numbers outside the table have its first or last one.
+    #[must_use]
+    fn look_up(self, rows: &TableRows) -> (Self, [Self; 4]);
 }
 
 impl Real for f64 {
@@ -56,5 +63,9 @@ impl Real for f64 {
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         f64::max(self, other)
+    }
+    #[inline(always)]
+    fn look_up(self, rows: &TableRows) -> (Self, [Self; 4]) {
+        TableRows::look_up(rows, self)
     }
 }

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use lennard_forcefield::{PotentialOptions, TablePath};
+
 use crate::error::{Place, SceneError};
 use crate::names::{nearest, not_yet};
 use crate::reference::{self, MOST_ENTRIES};
@@ -12,7 +14,7 @@ use crate::{Scene, Source, accuracy, checks, overrides, shipped};
 impl Scene {
     /// Reads a scene file, with overrides such as `("stage.production.steps", "1000")` over it.
     ///
-    /// A relative `configuration` path is taken from the folder of the scene file.
+    /// A relative path of a `configuration` or a table is taken from the folder of the scene file.
     ///
     /// # Errors
     /// [`SceneError`] for the first thing that is wrong.
@@ -60,11 +62,11 @@ impl Scene {
                 .allowed("a TOML file in UTF-8")
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let resolve = |source: &Source, written: &Path| {
+        let resolve = |source: &Source, key: &str, written: &Path| {
             let joined = folder.join(written);
             joined.canonicalize().map_err(|error| {
                 source
-                    .refuse("system.configuration", "cannot be read")
+                    .refuse(key, "cannot be read")
                     .found(format!("{} ({error})", joined.display()))
                     .allowed("the path of a file that can be read, relative to the scene file")
             })
@@ -74,7 +76,7 @@ impl Scene {
         read(root, &file, overrides, &resolve)
     }
 
-    /// Reads a scene from its text; `name` stands for the file in messages. No other file is looked at.
+    /// Reads a scene from its text; `name` stands for the file in messages. Only the table of a potential is read besides.
     ///
     /// # Errors
     /// [`SceneError`] for the first thing that is wrong.
@@ -83,14 +85,14 @@ impl Scene {
         name: &str,
         overrides: &[(String, String)],
     ) -> Result<Self, SceneError> {
-        read(tree::parse(text, name)?, name, overrides, &|_, path| {
+        read(tree::parse(text, name)?, name, overrides, &|_, _, path| {
             Ok(path.to_owned())
         })
     }
 }
 
-/// Makes a written path one that can be opened, or says why not.
-pub(crate) type Resolve<'a> = &'a dyn Fn(&Source, &Path) -> Result<PathBuf, SceneError>;
+/// Makes the written path of a key one that can be opened, or says why not.
+pub(crate) type Resolve<'a> = &'a dyn Fn(&Source, &str, &Path) -> Result<PathBuf, SceneError>;
 
 fn read(
     mut root: Table,
@@ -111,7 +113,7 @@ fn read(
         name,
         accuracy: reader.accuracy()?,
         free: Vec::new(),
-        potential: reader.tagged("potential", "lennard-jones")?,
+        potential: reader.potential(resolve)?,
         truncation: reader.plain("truncation")?,
         neighbor: reader.plain("neighbor")?,
         kernel: reader.plain("kernel")?,
@@ -254,6 +256,23 @@ impl<'a> Reader<'a> {
     ) -> Result<T, SceneError> {
         let node = with_kind(self.node(table), default_kind);
         self.section(table).with(&["kind"]).read(&node)
+    }
+
+    /// The potential, with the file that it may read at a path that can be opened.
+    fn potential(&self, resolve: Resolve<'_>) -> Result<PotentialOptions, SceneError> {
+        let potential: PotentialOptions = self.tagged("potential", "lennard-jones")?;
+        let Some(file) = potential.file() else {
+            return Ok(potential);
+        };
+        let path = resolve(self.source, "potential.file", file.path())?;
+        let file = TablePath::from(path.to_string_lossy().into_owned());
+        potential.with_file(file).map_err(|error| {
+            let key = format!("potential.{}", error.key);
+            self.source
+                .refuse(&key, "cannot be used")
+                .found(error.found)
+                .allowed(error.allowed)
+        })
     }
 
     fn name(&self, file: &str) -> Result<String, SceneError> {

@@ -99,7 +99,7 @@ impl Reader<'_> {
                             .allowed("nothing: the configuration file says it"));
                     }
                 }
-                let path = resolve(self.source, &path)?;
+                let path = resolve(self.source, "system.configuration", &path)?;
                 Start::Configuration { path, geometry }
             }
             None => Start::Lattice {

@@ -15,13 +15,14 @@ impl Inputs {
         Self(files)
     }
 
-    /// The files of a scene: its own, the lock file that it uses, the configuration that it starts from.
+    /// The files of a scene: its own, the lock file that it uses, the configuration that it starts from, the table of its potential.
     pub fn of_scene(file: &Path, lock: Option<&Path>, scene: &Scene) -> Self {
         let mut files = vec![file.to_path_buf()];
         files.extend(lock.map(Path::to_path_buf));
         if let Start::Configuration { path, .. } = &scene.system.start {
             files.push(path.clone());
         }
+        files.extend(scene.potential.file().map(|file| file.path().to_path_buf()));
         Self(files)
     }
 

@@ -10,6 +10,7 @@ mod model;
 mod part;
 pub mod potentials;
 mod smoothstep;
+pub(crate) mod tabulated;
 mod tail;
 mod truncations;
 
@@ -20,6 +21,7 @@ pub use model::{Model, model_name};
 pub use part::SplitWeights;
 pub(crate) use potentials::with_form;
 pub use potentials::*;
+pub use tabulated::TablePath;
 pub use tail::{Tail, tail_correction, tail_of_mixture};
 pub(crate) use truncations::with_truncated;
 pub use truncations::{Plain, Truncated, TruncationKind, TruncationSpec, truncations};

@@ -58,6 +58,8 @@ fn check(
     }
     kind.check(truncation)?;
     potential.check().map_err(ForceFieldError::BadPotential)?;
+    let fits = potential.check_with(truncation);
+    fits.map_err(ForceFieldError::BadPotential)?;
     let Some(end) = potential.own_end() else {
         return Ok(r_cut);
     };

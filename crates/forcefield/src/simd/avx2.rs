@@ -16,11 +16,11 @@ use crate::pair::PairForm;
 
 /// Four doubles. A value proves that this processor has AVX2 and FMA.
 #[derive(Clone, Copy)]
-pub struct F64x4(__m256d);
+pub struct F64x4(pub(super) __m256d);
 
 /// Eight singles. A value proves that this processor has AVX2 and FMA.
 #[derive(Clone, Copy)]
-pub struct F32x8(__m256);
+pub struct F32x8(pub(super) __m256);
 
 /// Fixed-point coordinates of eight rows along x, y and z. A value proves that this processor has AVX2.
 #[derive(Clone, Copy)]

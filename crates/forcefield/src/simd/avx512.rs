@@ -18,11 +18,11 @@ use crate::pair::PairForm;
 
 /// Eight doubles. A value proves that this processor has AVX-512.
 #[derive(Clone, Copy)]
-pub struct F64x8(__m512d);
+pub struct F64x8(pub(super) __m512d);
 
 /// Sixteen singles. A value proves that this processor has AVX-512.
 #[derive(Clone, Copy)]
-pub struct F32x16(__m512);
+pub struct F32x16(pub(super) __m512);
 
 /// Fixed-point coordinates of sixteen rows along x, y and z. A value proves that this processor has AVX-512.
 #[derive(Clone, Copy)]

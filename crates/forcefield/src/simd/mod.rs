@@ -6,6 +6,7 @@
 //! ```text
 //!   level, row, totals            instruction sets, rows, sums
 //!   lanes, registers              operations of a register; avx512, avx2 and portable implement them
+//!   look_up256, look_up512        rows of tables
 //!   frames, cluster_kernel        pairs of one cluster        \
 //!   cluster_loop, row_loop        loops over one chunk         > written once for all lanes
 //!   arithmetic                    speed limit of the loops    /
@@ -34,6 +35,10 @@ mod lanes;
 mod level;
 mod limit;
 mod list_in_use;
+#[cfg(target_arch = "x86_64")]
+mod look_up256;
+#[cfg(target_arch = "x86_64")]
+mod look_up512;
 mod motion;
 mod output;
 mod pack;

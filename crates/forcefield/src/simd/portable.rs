@@ -12,6 +12,7 @@ use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
 use crate::options::Precision;
 use crate::pair::PairForm;
+use crate::pair::tabulated::TableRows;
 use crate::real::Real;
 
 /// `N` numbers side by side.
@@ -23,7 +24,7 @@ type Doubles = Group<f64, 2>;
 type Singles = Group<f32, 4>;
 
 macro_rules! group {
-    ($float:ty) => {
+    ($float:ty, $rows:ident, $shift:tt) => {
         impl<const N: usize> Add for Group<$float, N> {
             type Output = Self;
             #[inline(always)]
@@ -93,12 +94,23 @@ macro_rules! group {
                     }
                 }))
             }
+            #[inline(always)]
+            fn look_up(self, rows: &TableRows) -> (Self, [Self; 4]) {
+                let (rows, numbering) = rows.$rows();
+                let shift = TableRows::SHIFTS.$shift;
+                let held = self.max(self.splat(numbering.lowest));
+                let held = held.min(self.splat(numbering.highest));
+                let number = held.0.map(|s| s.to_bits() >> shift);
+                let begin = Self(number.map(|n| <$float>::from_bits(n << shift)));
+                let row: [_; N] = from_fn(|k| rows[(number[k] - numbering.first) as usize].0);
+                (self - begin, from_fn(|c| Self(from_fn(|k| row[k][c]))))
+            }
         }
     };
 }
 
-group!(f64);
-group!(f32);
+group!(f64, wide, 0);
+group!(f32, narrow, 1);
 
 macro_rules! masks {
     ($float:ty) => {

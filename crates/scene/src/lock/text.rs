@@ -126,11 +126,13 @@ pub(super) fn identity(scene: &Scene) -> toml::Table {
         }
     }
     // The folder may move with the scene.
-    if let Some(toml::Value::Table(system)) = all.get_mut("system")
-        && let Some(toml::Value::String(path)) = system.get_mut("configuration")
-        && let Some(name) = Path::new(path.as_str()).file_name()
-    {
-        *path = name.to_string_lossy().into_owned();
+    for (table, key) in [("system", "configuration"), ("potential", "file")] {
+        if let Some(toml::Value::Table(table)) = all.get_mut(table)
+            && let Some(toml::Value::String(path)) = table.get_mut(key)
+            && let Some(name) = Path::new(path.as_str()).file_name()
+        {
+            *path = name.to_string_lossy().into_owned();
+        }
     }
     all
 }

@@ -3,7 +3,7 @@
 use lennard_core::options::{Keys, OptionError, Options};
 use serde::{Deserialize, Serialize};
 
-use super::{PairPotential, Plain, Truncated, TruncationOptions};
+use super::{PairPotential, Plain, TablePath, Truncated, TruncationOptions};
 use crate::real::Real;
 
 /// The smallest exponent of an inverse power: below it the tail integrals diverge.
@@ -71,6 +71,27 @@ pub trait Potential: Options + Copy + 'static {
     /// [`OptionError`] with the key that does not fit the others.
     fn check_together(&self) -> Result<(), OptionError> {
         Ok(())
+    }
+
+    /// Whether the options go with a truncation.
+    ///
+    /// # Errors
+    /// [`OptionError`] with the key that does not fit the truncation.
+    fn check_with(&self, _truncation: &TruncationOptions) -> Result<(), OptionError> {
+        Ok(())
+    }
+
+    /// The file that the potential reads; `None` where it reads none.
+    fn file(&self) -> Option<TablePath> {
+        None
+    }
+
+    /// The potential with its file at another path, and with the checksum of the file.
+    ///
+    /// # Errors
+    /// [`OptionError`] where the file cannot be used.
+    fn with_file(&self, _file: TablePath) -> Result<Self, OptionError> {
+        Ok(*self)
     }
 }
 
@@ -157,6 +178,34 @@ macro_rules! list_of_potentials {
                 }
             }
 
+            /// Whether the options go with a truncation.
+            ///
+            /// # Errors
+            /// [`OptionError`] with the key that does not fit.
+            pub(crate) fn check_with(&self, truncation: &TruncationOptions) -> Result<(), OptionError> {
+                match self {
+                    $(Self::$variant(potential) => potential.check_with(truncation),)*
+                }
+            }
+
+            /// The file that the potential reads; `None` where it reads none.
+            #[must_use]
+            pub fn file(&self) -> Option<TablePath> {
+                match self {
+                    $(Self::$variant(potential) => potential.file(),)*
+                }
+            }
+
+            /// The potential with its file at another path, and with the checksum of the file.
+            ///
+            /// # Errors
+            /// [`OptionError`] where the file cannot be used.
+            pub fn with_file(&self, file: TablePath) -> Result<Self, OptionError> {
+                match self {
+                    $(Self::$variant(potential) => potential.with_file(file).map(Self::$variant),)*
+                }
+            }
+
             /// ∫ r² U dr and ∫ r³ U′ dr from `r_cut` to ∞, ε·σ³.
             pub(super) fn tail_integrals(&self, r_cut: f64) -> (f64, f64) {
                 match self {
@@ -224,6 +273,8 @@ list_of_potentials! { $
     mie::Mie,
     /// Soft sphere, an inverse power.
     soft_sphere::SoftSphere,
+    /// A table of r, U and F.
+    table::Table,
 }
 
 impl Default for PotentialOptions {

@@ -1,0 +1,111 @@
+//! Tables of the 12-6 potential against the formula, and files that are no table.
+
+use super::*;
+use crate::pair::{LennardJones, PairPotential};
+
+/// U and F of Lennard-Jones.
+fn lennard_jones(r: f64) -> (f64, f64) {
+    let pair = LennardJones {}.eval(r * r, (r * r).recip());
+    (48.0 * pair.energy, 48.0 * pair.force * r)
+}
+
+/// A text of rows with U and F of a function, over [from, to] in steps of `step`.
+fn text(from: f64, to: f64, step: f64, of: impl Fn(f64) -> (f64, f64)) -> String {
+    let rows = ((to - from) / step).round() as u32;
+    let row = |k| {
+        let r = from + step * f64::from(k);
+        let (u, f) = of(r);
+        format!("{r} {u} {f}\n")
+    };
+    (0..=rows).map(row).collect()
+}
+
+/// The value and force of the rows that kernels read.
+fn looked_up(table: &Tabulated, r: f64) -> (f64, f64) {
+    let (d, [u, g0, g1, g2]) = table.rows().look_up(r * r);
+    let energy = u - 0.5 * d * (g0 + d * (0.5 * g1 + d * (g2 / 3.0)));
+    (energy, r * (g0 + d * (g1 + d * g2)))
+}
+
+#[test]
+fn a_table_of_lennard_jones_is_the_formula_within_its_stated_error() {
+    for (step, worst) in [(0.02, 1e-2), (0.005, 1e-4), (0.001, 1e-6)] {
+        let table = Tabulated::parse(&text(0.7, 4.0, step, lennard_jones)).unwrap();
+        let mut largest = Deviation::default();
+        let from = table.rows().begin();
+        for k in 0..20_000 {
+            let r = from + (4.0 - from) * f64::from(k) / 20_000.0;
+            let ((u, f), (exact_u, exact_f)) = (looked_up(&table, r), lennard_jones(r));
+            largest = largest.or((exact_u, u - exact_u), (exact_f, f - exact_f));
+        }
+        let stated = table.error;
+        // It states what is there: not less, and not ten times as much.
+        let holds = |found: f64, stated: f64| found <= stated && stated < 10.0 * found;
+        assert!(
+            holds(largest.energy, stated.energy),
+            "{largest:?} {stated:?}"
+        );
+        assert!(holds(largest.force, stated.force), "{largest:?} {stated:?}");
+        assert!(stated.force < worst, "{stated:?}");
+    }
+}
+
+#[test]
+fn below_the_table_a_line_in_r2_goes_on_and_any_number_has_a_row() {
+    let table = Tabulated::parse(&text(0.8, 3.0, 0.01, lennard_jones)).unwrap();
+    let begin = table.rows().begin();
+    assert!((0.8..0.802).contains(&begin));
+    let (at, below) = (looked_up(&table, begin), looked_up(&table, 0.4));
+    assert!(
+        (at.1 / begin - below.1 / 0.4).abs() < 1e-9 * at.1,
+        "F/r is constant"
+    );
+    assert!(below.0 > at.0);
+    for s in [0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
+        let _ = table.rows().look_up(s);
+    }
+}
+
+#[test]
+fn integrals_beyond_a_cutoff_are_those_of_the_formula() {
+    let table = Tabulated::parse(&text(0.7, 6.0, 0.005, lennard_jones)).unwrap();
+    let whole = LennardJones {}.tail_energy(2.5) - LennardJones {}.tail_energy(6.0);
+    assert!((table.integral(2.5) / whole - 1.0).abs() < 1e-7);
+    assert!((table.exponent_at_end() - 6.0).abs() < 1e-3);
+}
+
+fn refused(text: &str, words: &str) {
+    let refusal = Tabulated::parse(text).unwrap_err();
+    assert!(refusal.found.contains(words), "{refusal:?}");
+    assert!(!refusal.allowed.is_empty());
+}
+
+#[test]
+fn files_that_are_no_table_are_refused_with_the_line() {
+    let good = text(0.8, 3.0, 0.01, lennard_jones);
+    refused("", "0 rows");
+    refused("# r U F\n1 2 3\n", "1 rows");
+    refused("1.0 2.0\n", "line 1: `1.0 2.0`");
+    refused("1.0 2.0 nan\n", "line 1");
+    refused("1.0 2.0 inf\n", "line 1");
+    refused("1.0 2.0 3.0 4.0\n", "line 1");
+    refused("0.0 2.0 3.0\n", "with r = 0");
+    let swapped = good.replacen("0.9 ", "0.5 ", 1);
+    assert_ne!(swapped, good);
+    refused(&swapped, "r = 0.5 after");
+    let wrong: [(&str, fn(f64) -> (f64, f64)); 4] = [
+        ("sign", |r| (lennard_jones(r).0, -lennard_jones(r).1)),
+        ("factor", |r| {
+            (lennard_jones(r).0, 1.05 * lennard_jones(r).1)
+        }),
+        ("over r", |r| (lennard_jones(r).0, lennard_jones(r).1 / r)),
+        ("shift", |r| (lennard_jones(r).0, lennard_jones(r).1 + 0.5)),
+    ];
+    for (what, of) in wrong {
+        let refusal = Tabulated::parse(&text(0.8, 3.0, 0.01, of)).unwrap_err();
+        assert!(refusal.found.contains("slope of U"), "{what}: {refusal:?}");
+    }
+    let one_wrong = good.replacen("\n1.5 -", "\n1.5 ", 1);
+    assert_ne!(one_wrong, good);
+    refused(&one_wrong, "slope of U");
+}

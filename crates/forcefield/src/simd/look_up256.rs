@@ -1,0 +1,85 @@
+//! Rows of tables in lanes of AVX2.
+
+use std::arch::x86_64::*;
+
+use super::avx2::{F32x8, F64x4};
+use crate::pair::tabulated::TableRows;
+
+impl F64x4 {
+    /// [`Real::look_up`](crate::real::Real::look_up).
+    #[inline(always)]
+    pub(super) fn row_of(self, rows: &TableRows) -> (Self, [Self; 4]) {
+        const SHIFT: i32 = TableRows::SHIFTS.0 as i32;
+        let (rows, numbering) = rows.wide();
+        // SAFETY: a value of this type proves AVX2. A clamped number has a row, and a number that is not one becomes the lowest.
+        unsafe {
+            let held = _mm256_max_pd(self.0, _mm256_set1_pd(numbering.lowest));
+            let held = _mm256_min_pd(held, _mm256_set1_pd(numbering.highest));
+            let number = _mm256_srli_epi64::<SHIFT>(_mm256_castpd_si256(held));
+            let begin = _mm256_castsi256_pd(_mm256_slli_epi64::<SHIFT>(number));
+            let first = _mm256_set1_epi64x(numbering.first as i64);
+            let mut at = [0_u64; 4];
+            _mm256_storeu_si256(at.as_mut_ptr().cast(), _mm256_sub_epi64(number, first));
+            let row = |k: usize| {
+                debug_assert!((at[k] as usize) < rows.len());
+                _mm256_load_pd(rows.as_ptr().add(at[k] as usize).cast())
+            };
+            let (a, b, c, d) = (row(0), row(1), row(2), row(3));
+            let even_low = _mm256_unpacklo_pd(a, b);
+            let odd_low = _mm256_unpackhi_pd(a, b);
+            let even_high = _mm256_unpacklo_pd(c, d);
+            let odd_high = _mm256_unpackhi_pd(c, d);
+            let columns = [
+                Self(_mm256_permute2f128_pd::<0x20>(even_low, even_high)),
+                Self(_mm256_permute2f128_pd::<0x20>(odd_low, odd_high)),
+                Self(_mm256_permute2f128_pd::<0x31>(even_low, even_high)),
+                Self(_mm256_permute2f128_pd::<0x31>(odd_low, odd_high)),
+            ];
+            (Self(_mm256_sub_pd(self.0, begin)), columns)
+        }
+    }
+}
+
+impl F32x8 {
+    /// [`Real::look_up`](crate::real::Real::look_up).
+    #[inline(always)]
+    pub(super) fn row_of(self, rows: &TableRows) -> (Self, [Self; 4]) {
+        const SHIFT: i32 = TableRows::SHIFTS.1 as i32;
+        let (rows, numbering) = rows.narrow();
+        // SAFETY: as above.
+        unsafe {
+            let held = _mm256_max_ps(self.0, _mm256_set1_ps(numbering.lowest as f32));
+            let held = _mm256_min_ps(held, _mm256_set1_ps(numbering.highest as f32));
+            let number = _mm256_srli_epi32::<SHIFT>(_mm256_castps_si256(held));
+            let begin = _mm256_castsi256_ps(_mm256_slli_epi32::<SHIFT>(number));
+            let first = _mm256_set1_epi32(numbering.first as i32);
+            let mut at = [0_u32; 8];
+            _mm256_storeu_si256(at.as_mut_ptr().cast(), _mm256_sub_epi32(number, first));
+            let row = |k: usize| {
+                debug_assert!((at[k] as usize) < rows.len());
+                _mm_load_ps(rows.as_ptr().add(at[k] as usize).cast())
+            };
+            let two = |k: usize| {
+                let low = _mm256_castps128_ps256(row(k));
+                _mm256_castps_pd(_mm256_insertf128_ps::<1>(low, row(k + 4)))
+            };
+            let (a, b, c, d) = (two(0), two(1), two(2), two(3));
+            let low = |p: __m256d, q: __m256d| {
+                _mm256_castps_pd(_mm256_unpacklo_ps(_mm256_castpd_ps(p), _mm256_castpd_ps(q)))
+            };
+            let high = |p: __m256d, q: __m256d| {
+                _mm256_castps_pd(_mm256_unpackhi_ps(_mm256_castpd_ps(p), _mm256_castpd_ps(q)))
+            };
+            let (first_ab, last_ab) = (low(a, b), high(a, b));
+            let (first_cd, last_cd) = (low(c, d), high(c, d));
+            let column = |v: __m256d| Self(_mm256_castpd_ps(v));
+            let columns = [
+                column(_mm256_unpacklo_pd(first_ab, first_cd)),
+                column(_mm256_unpackhi_pd(first_ab, first_cd)),
+                column(_mm256_unpacklo_pd(last_ab, last_cd)),
+                column(_mm256_unpackhi_pd(last_ab, last_cd)),
+            ];
+            (Self(_mm256_sub_ps(self.0, begin)), columns)
+        }
+    }
+}
