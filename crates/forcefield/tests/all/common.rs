@@ -5,8 +5,8 @@ use lennard_core::{
 };
 use lennard_forcefield::{
     Conditions, ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, Mixture, Model,
-    NeighborOptions, PairForces, PotentialOptions, Precision, SpeciesPair, TruncationKind,
-    TruncationOptions, build,
+    NeighborOptions, PairForces, PotentialOptions, Precision, SpeciesPair, Table, TablePath,
+    TruncationKind, TruncationOptions, build,
 };
 
 /// Reproducible numbers in [0, 1): Weyl's sequence, with one irrational number per axis.
@@ -53,8 +53,13 @@ pub fn verlet(skin: Option<f64>) -> NeighborOptions {
 
 /// Every potential with every truncation.
 pub fn forms() -> Vec<ForceFieldOptions> {
+    forms_of(PotentialOptions::examples())
+}
+
+/// These potentials with every truncation that they go with.
+pub fn forms_of(potentials: Vec<PotentialOptions>) -> Vec<ForceFieldOptions> {
     let mut all = Vec::new();
-    for potential in PotentialOptions::examples() {
+    for potential in potentials {
         for &kind in TruncationKind::ALL {
             let truncation = TruncationOptions::new(kind, 2.5);
             if Model::new(&potential, &truncation).is_err() {
@@ -195,6 +200,19 @@ pub fn magnitudes(
         }
     }
     sums
+}
+
+/// The table of Lennard-Jones that comes along.
+pub fn table() -> PotentialOptions {
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../inputs/potential/lennard-jones.table"
+    );
+    PotentialOptions::Table(Table {
+        file: Some(TablePath::from(file.to_owned())),
+        tail_exponent: Some(6),
+        ..Table::default()
+    })
 }
 
 pub fn in_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {

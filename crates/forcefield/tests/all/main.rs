@@ -7,4 +7,5 @@ mod kernels;
 mod mixtures;
 mod nist;
 mod strides;
+mod tables;
 mod walls;

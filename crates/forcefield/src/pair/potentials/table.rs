@@ -47,6 +47,15 @@ impl Table {
         stored(path, self.checksum).map_err(|refusal| refuse(refusal.found, refusal.allowed))
     }
 
+    /// The largest errors of the spline, of U and of F: relative to 1 + |U| and 1 + |F|.
+    ///
+    /// # Errors
+    /// [`OptionError`] where the file is no table.
+    pub fn stated_errors(&self) -> Result<(f64, f64), OptionError> {
+        let (table, _) = self.open()?;
+        Ok((table.error.energy, table.error.force))
+    }
+
     /// The exponent of the tail, where U beyond the table is not zero.
     fn tail(&self, table: &Tabulated) -> Result<Option<u32>, OptionError> {
         let (energy, slope) = table.at_end();

@@ -16,6 +16,12 @@ use lennard_core::{
 use lennard_forcefield::*;
 use proptest::prelude::*;
 
+/// Every form, tables among them.
+fn forms() -> Vec<ForceFieldOptions> {
+    let potentials = PotentialOptions::examples().into_iter();
+    forms_of(potentials.chain([table()]).collect())
+}
+
 fn want_each() -> Want {
     Want {
         per_particle: true,
