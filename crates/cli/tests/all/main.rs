@@ -14,5 +14,6 @@ mod output_folders;
 mod restart;
 mod signals;
 mod starts_and_ends;
+mod tables;
 mod tune;
 mod verdicts;

@@ -63,11 +63,12 @@ fn said_of(run: &RunFolder, average: &str, sentence: &str) -> String {
     })
 }
 
-/// Temperature, energy, pressure and conserved energy against time.
+/// Temperature, energy, pressure and conserved energy against time; density and volume where the box changes.
 pub(super) fn time_series(run: &RunFolder) -> Vec<Picture> {
     let Some(table) = run.table("measured") else {
         return Vec::new();
     };
+    let changing_box = run.table("box");
     let cut = run
         .average("potential_energy")
         .map_or(0, |a| a.equilibration_cut);
@@ -78,8 +79,13 @@ pub(super) fn time_series(run: &RunFolder) -> Vec<Picture> {
         .first()
         .filter(|_| cut > 0)
         .map(|start| start + cut as f64 * interval);
-    let draw = |(name, title, label)| {
-        let curve = curve(&table, "time", name)?;
+    let draw = |(file, name, title, label)| {
+        let table = if file == "box" {
+            changing_box.as_ref()?
+        } else {
+            &table
+        };
+        let curve = curve(table, "time", name)?;
         let mut figure = Figure::new(name, title, Axis::linear("time / τ"), Axis::linear(label))
             .with(series(LINE, curve));
         if let Some(at) = cut_time {
@@ -88,14 +94,31 @@ pub(super) fn time_series(run: &RunFolder) -> Vec<Picture> {
         Some(Picture::new(
             figure,
             said_of(run, name, "Mean {}."),
-            "measured.csv",
+            format!("{file}.csv"),
         ))
     };
     [
-        ("temperature", "Temperature, whole steps", "T / (ε/k_B)"),
-        ("potential_energy", "Potential energy", "U/N / ε"),
-        ("pressure", "Pressure", "P / (ε/σ³)"),
-        ("conserved_energy", "Conserved energy", "(E − heat)/N / ε"),
+        (
+            "measured",
+            "temperature",
+            "Temperature, whole steps",
+            "T / (ε/k_B)",
+        ),
+        (
+            "measured",
+            "potential_energy",
+            "Potential energy",
+            "U/N / ε",
+        ),
+        ("measured", "pressure", "Pressure", "P / (ε/σ³)"),
+        ("box", "density", "Density", "ρ / σ⁻³"),
+        ("box", "volume", "Volume", "V / σ³"),
+        (
+            "measured",
+            "conserved_energy",
+            "Conserved energy",
+            "(E − heat)/N / ε",
+        ),
     ]
     .into_iter()
     .filter_map(draw)
