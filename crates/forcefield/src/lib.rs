@@ -37,8 +37,8 @@ pub use options::{
 };
 pub use pair::potentials::*;
 pub use pair::{
-    MOST_SPECIES, Mixture, Model, Pair, Plain, SpeciesPair, TablePath, Tail, TruncationKind, TruncationSpec,
-    model_name, tail_correction, tail_of_mixture, truncations,
+    MOST_SPECIES, Mixture, Model, Pair, Plain, SpeciesPair, TablePath, Tail, TruncationKind,
+    TruncationSpec, model_name, tail_correction, tail_of_mixture, truncations,
 };
 pub use plan::{Conditions, ForcePlan, Search, recommended_threads};
 pub use provider::{PairForces, build};

@@ -39,10 +39,11 @@ impl Table {
             allowed,
         };
         let Some(path) = self.file else {
-            return Err(refuse(
-                "none".to_owned(),
-                "the path of a file with the columns r, U and F".to_owned(),
-            ));
+            return Err(OptionError {
+                key: "kind",
+                found: "\"table\" without a `file`".to_owned(),
+                allowed: "`file`, the path of a file with the columns r, U and F".to_owned(),
+            });
         };
         stored(path, self.checksum).map_err(|refusal| refuse(refusal.found, refusal.allowed))
     }
@@ -65,12 +66,16 @@ impl Table {
         let found = table.exponent_at_end();
         match self.tail_exponent {
             Some(p) if (found - f64::from(p)).abs() <= EXPONENT_MARGIN => Ok(Some(p)),
-            written => Err(OptionError {
+            Some(p) => Err(OptionError {
                 key: "tail_exponent",
-                found: written.map_or_else(|| "none".to_owned(), |p| p.to_string()),
-                allowed: format!(
-                    "the exponent of the decay at the end of the table, where it is {found:.3}; or truncation.tail_correction = false"
-                ),
+                found: p.to_string(),
+                allowed: format!("the exponent of the decay at the end of the table, {found:.3}"),
+            }),
+            None => Err(OptionError {
+                key: "file",
+                found: format!("U ~ r^-{found:.3} at the end of the table, and no `tail_exponent`"),
+                allowed: "`tail_exponent` in [potential], or tail_correction = false in [truncation]"
+                    .to_owned(),
             }),
         }
     }

@@ -20,6 +20,13 @@ const LARGEST_FILE: u64 = 1 << 28;
 pub struct TablePath(&'static str);
 
 impl TablePath {
+    /// The name of the file, which messages have.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let name = self.path().file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
+    }
+
     /// The path.
     #[must_use]
     pub fn path(&self) -> &'static Path {
@@ -123,7 +130,7 @@ pub fn stored(
         && checksum != expected
     {
         return Err(Refusal::new(
-            format!("{} with the checksum {checksum}", path.0),
+            format!("{} with the checksum {checksum}", path.name()),
             format!("the file as it was, with the checksum {expected}"),
         ));
     }
@@ -137,14 +144,14 @@ pub fn stored(
         Refusal::new(
             format!(
                 "{}: bytes that are no text after byte {}",
-                path.0,
+                path.name(),
                 error.valid_up_to()
             ),
             "a text of three columns r, U and F",
         )
     })?;
     let table = Tabulated::parse(text).map_err(|refusal| Refusal {
-        found: format!("{}, {}", path.0, refusal.found),
+        found: format!("{}, {}", path.name(), refusal.found),
         ..refusal
     })?;
     let table: &'static Tabulated = Box::leak(Box::new(table));
@@ -154,7 +161,7 @@ pub fn stored(
 
 fn content(path: TablePath) -> Result<Vec<u8>, Refusal> {
     let allowed = "the path of a table of r, U and F, relative to the scene file";
-    let fail = |error: String| Refusal::new(format!("{} ({error})", path.0), allowed);
+    let fail = |error: String| Refusal::new(format!("{} ({error})", path.name()), allowed);
     // A device or a pipe may never end.
     let about = std::fs::metadata(path.path()).map_err(|e| fail(e.to_string()))?;
     if !about.is_file() || about.len() > LARGEST_FILE {
