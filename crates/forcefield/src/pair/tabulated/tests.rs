@@ -74,6 +74,9 @@ fn integrals_beyond_a_cutoff_are_those_of_the_formula() {
     assert!((table.exponent_at_end() - 6.0).abs() < 1e-3);
 }
 
+/// U and F at a distance.
+type Law = fn(f64) -> (f64, f64);
+
 fn refused(text: &str, words: &str) {
     let refusal = Tabulated::parse(text).unwrap_err();
     assert!(refusal.found.contains(words), "{refusal:?}");
@@ -93,7 +96,7 @@ fn files_that_are_no_table_are_refused_with_the_line() {
     let swapped = good.replacen("0.9 ", "0.5 ", 1);
     assert_ne!(swapped, good);
     refused(&swapped, "r = 0.5 after");
-    let wrong: [(&str, fn(f64) -> (f64, f64)); 4] = [
+    let wrong: [(&str, Law); 4] = [
         ("sign", |r| (lennard_jones(r).0, -lennard_jones(r).1)),
         ("factor", |r| {
             (lennard_jones(r).0, 1.05 * lennard_jones(r).1)
