@@ -239,8 +239,10 @@ pub(crate) fn measure(quick: bool) -> Result<Relaxing, StudyError> {
         let case = Case::hanging(10, 0.2, 9.81);
         Ok(run(&case, bonds, 1e-3 * f64::from(steps), steps)?.ok())
     };
-    let tight =
-        BondOptions::Direct(lennard_integrators::bonds::direct::Options { tolerance: 1e-13 });
+    let tight = BondOptions::Direct(lennard_integrators::bonds::direct::Options {
+        tolerance: 1e-13,
+        ..Default::default()
+    });
     let direct = falling(&tight)?;
     let off = |bonds: &BondOptions| -> Result<f64, StudyError> {
         Ok(match (&direct, falling(bonds)?) {

@@ -1,9 +1,9 @@
 //! Few bodies in a wide box, with bonds held in any way: what the chapters of the study run.
 
 use lennard_core::{
-    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceSum, ForceTerm,
-    Integrator, Masses, Molecules, Part, PeriodicBox, State, StepError, StepReport, System, Want,
-    rigid,
+    Backend, Bond, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceSum,
+    ForceTerm, Integrator, Masses, Molecules, Part, PeriodicBox, State, StepError, StepReport,
+    System, Want, rigid,
 };
 use lennard_forcefield::ContactLaw;
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build, spook};
@@ -192,7 +192,11 @@ impl Rig {
         let mut forces = ForceSum::new(case.forces);
         let method = build(&IntegratorOptions::default());
         let integrator = match bonds.build(&molecules) {
-            BondHolder::Rigid(solver) => method.with_bonds(solver),
+            BondHolder::Drift(solver) => method.with_bonds(solver),
+            BondHolder::ImplicitSpring(solver, term) => {
+                forces.push(term);
+                method.with_bonds(solver)
+            }
             BondHolder::Spook(bonds) => spook::with_bonds(bonds),
             BondHolder::Spring(term) => {
                 forces.push(term);
@@ -292,13 +296,15 @@ impl Rig {
 
     /// The largest | |d|/r − 1 | over all bonds.
     pub(crate) fn strain(&self) -> f64 {
-        let (sites, r) = (
-            self.system.molecules.sites(),
-            self.system.molecules.bond_length(),
-        );
-        let molecules = self.state.positions.chunks(sites);
-        let bonds = molecules.flat_map(|m| m.windows(2));
-        let strain = bonds.map(|pair| (pair[0].distance(pair[1]) / r - 1.0).abs());
+        let molecules = &self.system.molecules;
+        let strain = self
+            .state
+            .positions
+            .chunks(molecules.sites())
+            .flat_map(|m| {
+                let strain = |bond: &Bond| (bond.vector(m).length() / bond.length - 1.0).abs();
+                molecules.bonds().iter().map(strain).collect::<Vec<f64>>()
+            });
         strain.fold(0.0, f64::max)
     }
 }

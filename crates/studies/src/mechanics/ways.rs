@@ -38,7 +38,10 @@ pub(crate) fn damped(steps: f64) -> BondOptions {
 
 /// Springs of a stiffness, ε/σ².
 pub(crate) fn springs(stiffness: f64) -> BondOptions {
-    BondOptions::Spring(spring::Options { stiffness })
+    BondOptions::Spring(spring::Options {
+        stiffness,
+        ..Default::default()
+    })
 }
 
 /// Every way: the methods of the list with their default options, and variants.
