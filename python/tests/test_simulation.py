@@ -94,6 +94,16 @@ def test_a_scene_with_steps_left_takes_no_new_stage(liquid):
         simulation.run(dt=0.001)
 
 
+def test_a_ramp_does_not_grow(liquid):
+    ramp = {"name": "heat", "steps": 30, "thermostat": "bussi", "temperature": {"from": 0.7, "to": 1.2}}
+    simulation = lennard.Simulation(liquid, stage=[ramp])
+    simulation.step(30)
+    with pytest.raises(lennard.SceneError, match="more steps of a ramp") as caught:
+        simulation.step(5)
+    assert caught.value.allowed == "a new stage: run(steps, …)"
+    assert simulation.run(5, thermostat="bussi").steps == 35
+
+
 def test_the_errors_are_the_errors_of_the_scene(liquid, tmp_path, command_line):
     file = tmp_path / "wrong.toml"
     file.write_text(liquid.replace("r_cut", "r_cutt") + '[[stage]]\nname = "a"\nsteps = 10\n')

@@ -10,7 +10,12 @@ use crate::files::{thermo_columns, thermo_row};
 use crate::follower::{Follower, Verdict};
 use crate::schedule::{Action, Operation, Schedule, Trigger};
 use crate::simulation::Simulation;
-use crate::{Ending, EngineError, Progress, record};
+use crate::{Ending, EngineError, Progress, record, watchdog};
+
+/// Atom-steps between two looks at a request to stop: about a tenth of a second.
+const ATOM_STEPS_BETWEEN_LOOKS: usize = 1_000_000;
+/// Steps between two looks at least: fewer could not be taken at once.
+const LEAST_STEPS: usize = 4;
 
 /// A state of the trajectory.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,6 +74,10 @@ pub fn run_in_memory(
     if end < total {
         let last = Operation::new(Action::Call, Trigger::At(end));
         schedule = schedule.with(last.wanting(lennard_core::Want::ENERGY_AND_VIRIAL));
+    }
+    let often = (ATOM_STEPS_BETWEEN_LOOKS / simulation.state.len().max(1)).max(LEAST_STEPS);
+    if (often as u64) < watchdog::EVERY {
+        schedule = schedule.with(Operation::new(Action::Call, Trigger::Every(often as u64)));
     }
     recording
         .thermo

@@ -93,7 +93,7 @@ impl Simulation {
         };
         let evaluated = terms.evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut forces);
         let refused = |e| {
-            let allowed = "a configuration with finite forces";
+            let allowed = "a start configuration with finite forces";
             scene.source.invalid("system", e, allowed)
         };
         let energetics = evaluated.map_err(refused)?;

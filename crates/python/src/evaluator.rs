@@ -1,4 +1,4 @@
-//! Forces on positions that somebody else moves.
+//! Forces on positions that a caller moves.
 
 use std::sync::{Mutex, PoisonError};
 

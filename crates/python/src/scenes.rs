@@ -83,9 +83,9 @@ fn with_stand_in(mut scene: Scene) -> Scene {
 pub struct Addition<'a> {
     /// The keys of a stage.
     pub stage: &'a str,
-    /// Tables `[[observable]]` in the place of those of the scene.
+    /// Tables `[[observable]]` in the place of the tables of the scene.
     pub observables: Option<&'a str>,
-    /// Keys over those of `[output]`.
+    /// Keys over the keys of `[output]`.
     pub output: Option<&'a str>,
 }
 

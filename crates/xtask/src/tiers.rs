@@ -122,11 +122,6 @@ const PYTHON: Tier = Tier {
         Ok(ONE_PASSED)
     },
 };
-/// The program that the package is compared with; `cargo test` has built it already.
-const DEV_BUILD: Tier = Tier {
-    name: "program",
-    run: |w| by_status(cargo_command(w, &["build", "--package", "lennard-cli"])),
-};
 const PACKAGE: Tier = Tier {
     name: "Python package",
     run: |w| {
@@ -177,7 +172,7 @@ pub fn tidy() -> Vec<Tier> {
 
 /// What `cargo xtask python` runs, on a workspace [as tested](Workspace::with_tested_binary).
 pub fn python() -> Vec<Tier> {
-    vec![DEV_BUILD, PYTHON, PACKAGE]
+    vec![TESTED_BUILD, PYTHON, PACKAGE]
 }
 
 const ONE_PASSED: Counts = Counts {

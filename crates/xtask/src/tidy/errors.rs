@@ -1,7 +1,7 @@
 //! Every error text that a user can meet is in a test.
 //!
 //! Texts are the formats of `#[error("…")]` and the texts in calls that make errors.
-//! Evidence is every text in a test (`tests/`, `#[cfg(test)]`) and every line of `inputs/bad/*.expected`.
+//! Evidence is every text in a test (`tests/`, `#[cfg(test)]`, `python/tests`) and every line of `inputs/bad/*.expected`.
 //! A text counts as tested where a piece of evidence contains the longest piece between its placeholders.
 //! It also counts where a piece of evidence is part of this text and of no other text.
 
@@ -131,7 +131,19 @@ pub fn faults(workspace: &Workspace) -> Result<Vec<String>, Box<dyn Error>> {
         let lines = expected.lines().filter(|l| !l.starts_with('#'));
         evidence.extend(lines.map(str::to_owned));
     }
+    for path in files(&workspace.root.join("python/tests"), "py")? {
+        evidence.extend(in_quotes(&std::fs::read_to_string(&path)?));
+    }
     Ok(untested(&texts, &evidence, EXCEPTIONS))
+}
+
+/// Texts in double quotes, line by line, as tests in Python have them.
+fn in_quotes(source: &str) -> Vec<String> {
+    let lines = source.lines();
+    lines
+        .flat_map(|line| line.split('"').skip(1).step_by(2))
+        .map(str::to_owned)
+        .collect()
 }
 
 /// Files below a folder whose names end so, in the order of their names.
