@@ -60,6 +60,10 @@ fn with_method(table: &str, kind: &str) -> Scene {
         }
         "observable" => format!("[[observable]]\nkind = \"{kind}\"\n"),
         "bonds" => return molecular(kind),
+        "potential" if kind == "table" => format!(
+            "[potential]\nkind = \"table\"\ntail_exponent = 6\nfile = \"{}/../../inputs/potential/lennard-jones.table\"\n",
+            env!("CARGO_MANIFEST_DIR")
+        ),
         _ => format!("[{table}]\nkind = \"{kind}\"\n"),
     };
     let mut text = SMALL.replace("[[observable]]\nkind = \"rdf\"\n", &extra);
