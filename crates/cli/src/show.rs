@@ -125,8 +125,11 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
 
 /// What a run found, and what can be said of it.
 pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, verbose: bool) {
-    println!("
-{}", literature::quantities(compared, verbose));
+    println!(
+        "
+{}",
+        literature::quantities(compared, verbose)
+    );
     literature::below_quantities(compared, verbose);
     if verbose {
         literature::state_card(compared);

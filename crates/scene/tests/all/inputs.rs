@@ -172,6 +172,9 @@ fn a_few_scenes_hold_every_key_of_every_table() {
     let scene = Scene::load(Path::new("inputs/fluid/everything.toml"), &[]).unwrap();
     let others = [
         "inputs/chain/everything.toml",
+        // Molecules are chains, or have bonds of their own with lengths from a list or from a shape.
+        "inputs/molecules/triangles.toml",
+        "inputs/molecules/rings.toml",
         // An accuracy excludes walls and fields.
         "inputs/walls/gravity.toml",
         "inputs/npt/everything.toml",
