@@ -347,7 +347,7 @@ impl Core {
 
     /// Names of the stages with their steps, whether they are measured, and the index of the stage under way.
     #[getter]
-    fn stages(&self) -> PyResult<(Vec<(String, u64, bool)>, Option<usize>)> {
+    fn stages(&self) -> PyResult<(Vec<StageEntry>, Option<usize>)> {
         let inner = self.used()?;
         let simulation = &inner.simulation;
         let stages = scenes::stages(&simulation.scene).iter();
@@ -370,6 +370,9 @@ impl Core {
         ))
     }
 }
+
+/// A stage: its name, its steps, and whether it is measured.
+type StageEntry = (String, u64, bool);
 
 fn present_forces(inner: &Inner) -> PyResult<Vec<DVec3>> {
     inner
