@@ -1,7 +1,7 @@
 //! From a scene to a simulation that can run.
 
 use lennard_core::random::Streams;
-use lennard_core::{Backend, DVec3, ForceSum, PeriodicBox, State};
+use lennard_core::{Backend, DVec3, ForceSum, PeriodicBox, Species, SpeciesTable, State};
 use lennard_forcefield::{
     AllPairs, Conditions, ForceFieldOptions, ForcePlan, ListMode, Model, NeighborOptions,
     PairForces, Precision, Search,
@@ -185,6 +185,7 @@ pub(crate) fn observers(
         every,
         r_cut: scene.truncation.r_cut,
         molecules: scene.molecules(),
+        species: SpeciesTable::one(Species::unnamed(), n_atoms),
     };
     let of_thermodynamics = |table: &ObservableTable| match &table.options {
         ObservableOptions::Thermodynamics(options) => Some(options.clone()),

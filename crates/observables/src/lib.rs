@@ -28,6 +28,7 @@ mod recipe;
 mod response;
 mod seen_box;
 mod series;
+mod species_pairs;
 pub mod statistics;
 mod structure_factor;
 #[cfg(test)]

@@ -13,7 +13,7 @@ use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::linear_regime::{LagCurve, LinearFit, fit_linear_regime};
 use crate::seen_box::SeenBox;
-use crate::tracked::{DEFAULT_TRACKED, Tracked, sum_over_pairs};
+use crate::tracked::{DEFAULT_TRACKED, Tracked, mean_over_members, sum_over_pairs};
 use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -75,7 +75,7 @@ impl Recipe for MsdOptions {
 /// The diffusion coefficient D = slope/6 comes from a straight line with free intercept over the lags where
 /// the slope no longer changes. Its error comes from the same fit to successive blocks of the run. The
 /// motion of the centre of mass is taken out, which is nothing at zero momentum, and with a heat bath that
-/// kicks the whole system lowers D by 1/N.
+/// kicks the whole system lowers D by 1/N. In a mixture each species has its own D, with the same term for finite size.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeanSquareDisplacement {
     options: MsdOptions,
@@ -85,8 +85,20 @@ pub struct MeanSquareDisplacement {
     samples: u64,
     levels: Vec<VecDeque<Vec<DVec3>>>,
     displacements: BlockedSums,
+    /// The species of a mixture; empty where there is one.
+    of_species: Vec<OfSpecies>,
     /// Sum of the temperatures of all samples.
     temperatures: f64,
+}
+
+/// The displacements of the particles of one species, relative to the centre of mass of all.
+#[derive(Debug, Clone, PartialEq)]
+struct OfSpecies {
+    /// What the names of results end with.
+    suffix: String,
+    /// Places among the particles that are followed.
+    members: Vec<usize>,
+    displacements: BlockedSums,
 }
 
 impl MeanSquareDisplacement {
@@ -112,14 +124,24 @@ impl MeanSquareDisplacement {
         let longest = options.longest_lag / context.sample_interval();
         // Level ℓ reaches 16·2^ℓ samples.
         let levels = (longest / POINTS as f64).log2().ceil().clamp(0.0, 40.0) as usize + 1;
+        let tracked = Tracked::new(context.n_atoms, options.particles);
+        let sums = || BlockedSums::new(levels * POINTS as usize, BLOCKS);
+        let of_species = tracked.by_species(&context.species);
         Ok(Self {
             options: options.clone(),
             context: context.clone(),
-            tracked: Tracked::new(context.n_atoms, options.particles),
+            tracked,
             seen: SeenBox::new(&context.cell),
             samples: 0,
             levels: vec![VecDeque::new(); levels],
-            displacements: BlockedSums::new(levels * POINTS as usize, BLOCKS),
+            displacements: sums(),
+            of_species: of_species
+                .map(|(a, members)| OfSpecies {
+                    suffix: format!("_{}", context.species.name(a)),
+                    members,
+                    displacements: sums(),
+                })
+                .collect(),
             temperatures: 0.0,
         })
     }
@@ -160,6 +182,27 @@ impl MeanSquareDisplacement {
         }
     }
 
+    /// The mean-square displacement, of which the diffusion coefficient is added.
+    fn fitted(
+        &self,
+        displacements: &BlockedSums,
+        suffix: &str,
+        findings: &mut Findings,
+    ) -> LagCurve {
+        let curve = self.curve(displacements);
+        let lags = self.reached_lags(displacements).into_iter();
+        let quantities: Vec<usize> = lags.map(|(_, k)| k).collect();
+        let blocks = |end: usize| displacements.complete_rows(&quantities[..end]);
+        match fit_linear_regime(&curve, blocks, self.options.fit_from, self.options.fit_to) {
+            Some(fit) => self.report(&fit, suffix, findings),
+            None => findings.remarks.push(format!(
+                "no diffusion coefficient{}: too few samples for a fit",
+                suffix.replace('_', " of ")
+            )),
+        }
+        curve
+    }
+
     fn is_cubic(&self) -> bool {
         let sides = self.seen.sides();
         (sides.max_element() - sides.min_element()) / sides.max_element() < CUBE_TOLERANCE
@@ -171,7 +214,7 @@ impl MeanSquareDisplacement {
         YEH_HUMMER_XI * temperature / (6.0 * PI * viscosity * self.seen.sides().x)
     }
 
-    fn report(&self, fit: &LinearFit, findings: &mut Findings) {
+    fn report(&self, fit: &LinearFit, suffix: &str, findings: &mut Findings) {
         let blocks: Vec<f64> = fit.block_slopes.iter().map(|s| s / 6.0).collect();
         let unsettled = (!fit.settled).then(|| {
             Doubt::Incomplete(
@@ -180,7 +223,8 @@ impl MeanSquareDisplacement {
             )
         });
         let mut add = |name: &str, value: f64| {
-            let average = of_blocks(name, "σ²/τ", value, &blocks, fit.overlap);
+            let name = format!("{name}{suffix}");
+            let average = of_blocks(&name, "σ²/τ", value, &blocks, fit.overlap);
             let average = with_choice(average, fit.change / 6.0);
             findings.averages.push(average.doubted(unsettled.clone()));
         };
@@ -191,22 +235,25 @@ impl MeanSquareDisplacement {
                 add("diffusion_coefficient", uncorrected + correction);
                 add("diffusion_coefficient_uncorrected", uncorrected);
                 format!(
-                    "diffusion_coefficient is corrected for finite size after Yeh and Hummer: +{correction:.6} σ²/τ with viscosity {viscosity} ε τ/σ³, whose own error is not counted"
+                    "diffusion_coefficient{suffix} is corrected for finite size after Yeh and Hummer: +{correction:.6} σ²/τ with viscosity {viscosity} ε τ/σ³, whose own error is not counted"
                 )
             }
             Some(_) => {
                 add("diffusion_coefficient", uncorrected);
-                "diffusion_coefficient is not corrected for finite size: the correction is known for cubic boxes only".into()
+                format!(
+                    "diffusion_coefficient{suffix} is not corrected for finite size: the correction is known for cubic boxes only"
+                )
             }
             None => {
                 add("diffusion_coefficient", uncorrected);
-                "diffusion_coefficient is not corrected for finite size: no viscosity is given"
-                    .into()
+                format!(
+                    "diffusion_coefficient{suffix} is not corrected for finite size: no viscosity is given"
+                )
             }
         };
         findings.remarks.push(remark);
         findings.remarks.push(format!(
-            "diffusion_coefficient is a sixth of the slope of the mean-square displacement between {:.3} and {:.3} τ",
+            "diffusion_coefficient{suffix} is a sixth of the slope of the mean-square displacement between {:.3} and {:.3} τ",
             fit.from, fit.to
         ));
     }
@@ -228,6 +275,9 @@ impl Observable for MeanSquareDisplacement {
             .relative_to_centre_of_mass(view.system, &view.state.positions);
         let weight = 1.0 / now.len().max(1) as f64;
         self.displacements.begin_sample();
+        for species in &mut self.of_species {
+            species.displacements.begin_sample();
+        }
         for (level, history) in self.levels.iter_mut().enumerate() {
             if !self.samples.is_multiple_of(1 << level) {
                 break;
@@ -235,9 +285,14 @@ impl Observable for MeanSquareDisplacement {
             // The lower half of the lags of every level but the first belongs to the level before.
             let nearest = if level == 0 { 0 } else { POINTS as usize / 2 };
             for (back, then) in history.iter().enumerate().skip(nearest) {
-                let sum = sum_over_pairs(&now, then, |a, b| (a - b).length_squared());
-                self.displacements
-                    .add(level * POINTS as usize + back, sum * weight, 1);
+                let square = |a: DVec3, b: DVec3| (a - b).length_squared();
+                let sum = sum_over_pairs(&now, then, square);
+                let k = level * POINTS as usize + back;
+                self.displacements.add(k, sum * weight, 1);
+                for species in &mut self.of_species {
+                    let mean = mean_over_members(&species.members, &now, then, square);
+                    species.displacements.add(k, mean, 1);
+                }
             }
             history.truncate(POINTS as usize - 1);
             history.push_front(now.clone());
@@ -250,17 +305,25 @@ impl Observable for MeanSquareDisplacement {
     /// the longest lag of the fit.
     fn finish(&self, discarded: f64) -> Findings {
         let displacements = self.displacements.after(discarded);
-        let curve = self.curve(&displacements);
         let mut findings = Findings::default();
-        let lags = self.reached_lags(&displacements).into_iter();
-        let quantities: Vec<usize> = lags.map(|(_, k)| k).collect();
-        let blocks = |end: usize| displacements.complete_rows(&quantities[..end]);
-        match fit_linear_regime(&curve, blocks, self.options.fit_from, self.options.fit_to) {
-            Some(fit) => self.report(&fit, &mut findings),
-            None => findings
-                .remarks
-                .push("no diffusion coefficient: too few samples for a fit".into()),
-        }
+        let curve = self.fitted(&displacements, "", &mut findings);
+        let species: Vec<(&str, LagCurve)> = self
+            .of_species
+            .iter()
+            .map(
+                |OfSpecies {
+                     suffix,
+                     displacements,
+                     ..
+                 }| {
+                    let displacements = displacements.after(discarded);
+                    (
+                        suffix.as_str(),
+                        self.fitted(&displacements, suffix, &mut findings),
+                    )
+                },
+            )
+            .collect();
         tell_discarded(&mut findings, self.samples - displacements.samples());
         findings.remarks.extend(self.tracked.remark());
         let diffusion = curve
@@ -269,16 +332,23 @@ impl Observable for MeanSquareDisplacement {
             .zip(&curve.values)
             .map(|(t, m)| m / (6.0 * t))
             .collect();
-        findings.tables.push(
-            Table::new(
-                "msd",
-                "mean-square displacement relative to the centre of mass against lag",
-            )
-            .with("time", "τ", curve.times)
-            .with("msd", "σ²", curve.values)
-            .with("standard_error", "σ²", curve.errors)
-            .with("msd_over_6t", "σ²/τ", diffusion),
-        );
+        let table = Table::new(
+            "msd",
+            "mean-square displacement relative to the centre of mass against lag",
+        )
+        .with("time", "τ", curve.times)
+        .with("msd", "σ²", curve.values)
+        .with("standard_error", "σ²", curve.errors)
+        .with("msd_over_6t", "σ²/τ", diffusion);
+        findings
+            .tables
+            .push(species.into_iter().fold(table, |table, (suffix, curve)| {
+                table.with(format!("msd{suffix}"), "σ²", curve.values).with(
+                    format!("standard_error{suffix}"),
+                    "σ²",
+                    curve.errors,
+                )
+            }));
         findings
     }
 }
@@ -288,6 +358,10 @@ impl Persist for MeanSquareDisplacement {
         to.put_u64("samples", &[self.samples]);
         to.put_f64("temperatures", &[self.temperatures]);
         self.displacements.save(&mut to.section("displacements"));
+        for species in &self.of_species {
+            let section = format!("displacements{}", species.suffix);
+            species.displacements.save(&mut to.section(&section));
+        }
         self.seen.save(&mut to.section("box"));
         for (level, history) in self.levels.iter().enumerate() {
             let all: Vec<DVec3> = history.iter().flatten().copied().collect();
@@ -299,6 +373,10 @@ impl Persist for MeanSquareDisplacement {
         [self.samples] = from.u64s("samples")?;
         [self.temperatures] = from.f64s("temperatures")?;
         self.displacements.restore(&from.section("displacements"))?;
+        for species in &mut self.of_species {
+            let section = format!("displacements{}", species.suffix);
+            species.displacements.restore(&from.section(&section))?;
+        }
         self.seen.restore(&from.section("box"))?;
         let n = self.tracked.len();
         for (level, history) in self.levels.iter_mut().enumerate() {

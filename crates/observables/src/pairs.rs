@@ -1,7 +1,9 @@
 //! Counting pairs by distance.
 
-use lennard_core::{DVec3, PeriodicBox};
+use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
 use rayon::prelude::*;
+
+use crate::species_pairs::SpeciesPair;
 
 /// Particles whose pairs one task counts. Counts are whole numbers, so that no result depends on it.
 const ROWS_A_TASK: usize = 64;
@@ -32,6 +34,42 @@ pub fn count_distances(
     let most = most.max(FEWEST_CELLS);
     let cells = [cells.x.min(most), cells.y.min(most), cells.z.min(most)];
     histogram.pairs_in_cells(wrapped, cells)
+}
+
+/// The same counts for the pairs of each two species, in the order of [`SpeciesPair::all`]: the same bits decide about each
+/// pair, so that they add up to `all`, the counts of all pairs.
+#[must_use]
+pub(crate) fn count_distances_by_species(
+    species: &SpeciesTable,
+    positions: &[DVec3],
+    cell: &PeriodicBox,
+    r_max: f64,
+    all: &[u64],
+) -> Vec<Vec<u64>> {
+    let of = |wanted: &dyn Fn(usize) -> bool| {
+        let places = positions.iter().enumerate();
+        let chosen = places.filter(|(i, _)| wanted(species.of(*i)));
+        let chosen: Vec<DVec3> = chosen.map(|(_, r)| *r).collect();
+        count_distances(&chosen, cell, r_max, all.len())
+    };
+    let less = |mut whole: Vec<u64>, part: &[u64]| {
+        whole.iter_mut().zip(part).for_each(|(n, m)| *n -= m);
+        whole
+    };
+    let like: Vec<Vec<u64>> = (0..species.n_species()).map(|a| of(&|s| s == a)).collect();
+    let together = |a: usize, b: usize| match species.n_species() {
+        2 => all.to_vec(),
+        _ => of(&|s| s == a || s == b),
+    };
+    SpeciesPair::all(species)
+        .map(|SpeciesPair { a, b }| {
+            if a == b {
+                like[a].clone()
+            } else {
+                less(less(together(a, b), &like[a]), &like[b])
+            }
+        })
+        .collect()
 }
 
 /// The same counts over the pairs inside molecules of `sites` consecutive sites: the same bits decide about each pair.
@@ -235,6 +273,34 @@ mod tests {
         let all = count_distances(&positions, &cell, r_max, bins);
         assert!(all.iter().zip(&inside).all(|(all, inside)| all >= inside));
         assert!(inside.iter().sum::<u64>() > 50);
+    }
+
+    #[test]
+    fn pairs_of_species_are_counted_as_the_plain_definition_has_them() {
+        let cell = PeriodicBox::new(DVec3::new(9.0, 11.0, 10.0)).unwrap();
+        let positions = random_positions(300, 10.0, 3);
+        for kinds in [2, 3] {
+            let species = crate::testing::mixture(300, |i| i * i % 7 % kinds);
+            // 4.5 takes the double loop, 2.0 the cells.
+            for r_max in [4.5, 2.0] {
+                let all = count_distances(&positions, &cell, r_max, 37);
+                let found = count_distances_by_species(&species, &positions, &cell, r_max, &all);
+                let pairs = SpeciesPair::all(&species).zip(&found);
+                for (SpeciesPair { a, b }, found) in pairs {
+                    let mut expected = vec![0; 37];
+                    for i in species.particles(a) {
+                        for j in species.particles(b).filter(|j| a != b || *j < i) {
+                            let d = cell.minimum_image(positions[i] - positions[j]).length();
+                            if d < r_max {
+                                expected[(d / r_max * 37.0) as usize] += 1;
+                            }
+                        }
+                    }
+                    assert!(expected.iter().sum::<u64>() > 10);
+                    assert_eq!(found, &expected, "{a} {b}");
+                }
+            }
+        }
     }
 
     #[test]

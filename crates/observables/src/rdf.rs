@@ -1,17 +1,22 @@
 //! The radial distribution function.
 
+mod partial;
+mod reading;
+
 use lennard_core::{
     Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter, Table,
     View, Want,
 };
 
-use crate::averages::{of_blocks, tell_discarded};
+use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
-use crate::extrema::{Extremum, extrema, fitted_extremum, smoothed};
 use crate::pairs::{count_distances, count_distances_inside};
 use crate::seen_box::SeenBox;
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
+
+use partial::Partial;
+use reading::Reading;
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "rdf",
@@ -27,29 +32,6 @@ const DEFAULT_R_MAX: f64 = 6.0;
 
 /// Blocks of histograms from which the errors come.
 const BLOCKS: usize = 64;
-
-/// A peak of g(r) counts where the curve has come down from it by this much, and by four standard errors.
-const SMALLEST_PROMINENCE: f64 = 0.02;
-
-/// Standard errors that a peak must stand out by.
-const PROMINENCE_SIGMAS: f64 = 4.0;
-
-/// A cubic is fitted to g(r) within this distance (σ) of its first peak, and of its first minimum. The minimum is flat: its
-/// lowest bin wanders by a tenth of σ from run to run.
-const PEAK_HALF_WIDTH: f64 = 0.1;
-const MINIMUM_HALF_WIDTH: f64 = 0.25;
-
-/// g(r) is averaged over this distance (σ) on both sides before its extrema are looked for.
-const SMOOTHING: f64 = 0.05;
-
-/// The first minimum lies this far (σ) beyond the first peak.
-const MINIMUM_BEYOND_PEAK: std::ops::Range<f64> = 0.2..0.9;
-
-/// A fit that reaches less than this part of the highest bin does not describe the peak.
-const SHARPEST_FITTED: f64 = 0.8;
-
-/// Where g(r) does not fall below this after its first peak there is no shell of neighbors to be counted: a gas has none.
-const SHELL_BELOW: f64 = 0.9;
 
 lennard_core::options! {
     /// Options of [`RadialDistribution`].
@@ -88,6 +70,8 @@ impl Recipe for RdfOptions {
 /// molecules, and N − 1 is the number of sites of the others. The error of each bin comes from
 /// the scatter over successive blocks of the run.
 ///
+/// In a mixture, g_ab is the same for the pairs of species a and b ([`Partial`]).
+///
 /// The coordination number is n(r) at the first minimum of g after its first peak. Both are extrema of cubics fitted
 /// around them, and their errors come from a jackknife over blocks of the run in which the extrema move along.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,6 +83,18 @@ pub struct RadialDistribution {
     r_max: f64,
     bins: usize,
     counts: BlockedSums,
+    partial: Option<Partial>,
+}
+
+/// Adds the pairs of a sample to the open block.
+fn add_sample(to: &mut BlockedSums, weight: f64, found: &[u64]) {
+    to.begin_sample();
+    let (sums, counts) = to.current();
+    for ((sum, count), pairs) in sums.iter_mut().zip(counts).zip(found) {
+        // In a box that stays, whole numbers below 2⁵³ add exactly.
+        *sum += weight * *pairs as f64;
+        *count += 1;
+    }
 }
 
 impl RadialDistribution {
@@ -125,6 +121,7 @@ impl RadialDistribution {
             r_max,
             bins: options.bins,
             counts: BlockedSums::new(options.bins, BLOCKS),
+            partial: Partial::new(&context.species, options.bins),
         })
     }
 
@@ -140,166 +137,25 @@ impl RadialDistribution {
             .collect()
     }
 
-    /// What a pair count in bin `k`, weighted by the volume of its sample, is multiplied by to give g.
-    fn normalisation(&self, k: usize) -> f64 {
-        let n = self.n_atoms as f64;
-        let (inner, outer) = (k as f64 * self.width(), (k + 1) as f64 * self.width());
-        let shell = 4.0 / 3.0 * std::f64::consts::PI * (outer.powi(3) - inner.powi(3));
-        2.0 * self.seen.first_volume() / (n * (n - self.sites as f64) * shell)
+    /// How counts of all pairs are read.
+    fn reading(&self) -> Reading {
+        let (n, sites) = (self.n_atoms as f64, self.sites as f64);
+        let mut reading = self.reading_of(2.0, n * (n - sites));
+        reading.add_neighbors("", 2.0 / n);
+        reading
+    }
+
+    /// How counts of pairs are read that stand for `weight` ordered pairs each, of `ordered` in all.
+    fn reading_of(&self, weight: f64, ordered: f64) -> Reading {
+        let scale = weight * self.seen.first_volume();
+        let volume = self.seen.volume() / self.seen.first_volume();
+        Reading::new(self.radii(), self.width(), scale, ordered, volume)
     }
 
     /// g(r) in each bin with its standard error.
     #[must_use]
     pub fn distribution(&self) -> (Vec<f64>, Vec<f64>) {
-        self.distribution_of(&self.counts)
-    }
-
-    fn distribution_of(&self, counts: &BlockedSums) -> (Vec<f64>, Vec<f64>) {
-        (0..self.bins)
-            .map(|k| {
-                let factor = self.normalisation(k);
-                let mean = counts.mean(k).unwrap_or(f64::NAN);
-                (mean * factor, counts.standard_error(k) * factor)
-            })
-            .unzip()
-    }
-
-    /// Mean number of neighbors within `r`, from the mean pair counts of the bins.
-    fn neighbors_within(&self, r: f64, pairs: &[f64]) -> f64 {
-        let bins = r / self.width();
-        let whole = (bins.floor() as usize).min(pairs.len());
-        let inner: f64 = pairs[..whole].iter().sum();
-        let last = pairs.get(whole).map_or(0.0, |p| p * bins.fract());
-        self.neighbors_per_pair() * (inner + last)
-    }
-
-    /// Neighbors of a particle for each pair that is counted, with the mean weight of the samples taken off.
-    fn neighbors_per_pair(&self) -> f64 {
-        2.0 / self.n_atoms as f64 / (self.seen.volume() / self.seen.first_volume())
-    }
-
-    fn distribution_from(&self, pairs: &[f64]) -> Vec<f64> {
-        let bins = pairs.iter().enumerate();
-        bins.map(|(k, p)| p * self.normalisation(k)).collect()
-    }
-
-    /// The extremum near `start` as a function of the mean pair counts: (place, height). The peaks of a crystal at rest are
-    /// narrower than any fit, and stay where they are.
-    fn extremum(&self, g: &[f64], start: &Extremum) -> impl Fn(&[f64]) -> (f64, f64) {
-        let radii = self.radii();
-        let (bin, place, maximum) = (start.bin, start.place, start.maximum);
-        let half_width = if maximum {
-            PEAK_HALF_WIDTH
-        } else {
-            MINIMUM_HALF_WIDTH
-        };
-        let from = |g: &[f64], start: f64| fitted_extremum(&radii, g, start, half_width, maximum);
-        // All start from where the whole run has it, and end where their own data have it.
-        let describes = |height: f64| !maximum || height > SHARPEST_FITTED * g[bin];
-        let whole = from(g, place)
-            .filter(|(_, height)| describes(*height))
-            .map(|(place, _)| place);
-        let radii = self.radii();
-        move |pairs| {
-            let g = self.distribution_from(pairs);
-            whole
-                .and_then(|start| fitted_extremum(&radii, &g, start, half_width, maximum))
-                .unwrap_or((place, g[bin]))
-        }
-    }
-
-    /// The same extremum at its sharpest: a peak is averaged only to be found.
-    fn sharpest(&self, found: &Extremum, g: &[f64]) -> Extremum {
-        if !found.maximum {
-            return *found;
-        }
-        let radii = self.radii();
-        let near = |k: &usize| (radii[*k] - found.place).abs() <= SMOOTHING.max(self.width());
-        let bin = (0..self.bins)
-            .filter(near)
-            .max_by(|&a, &b| g[a].total_cmp(&g[b]))
-            .unwrap_or(found.bin);
-        Extremum {
-            bin,
-            place: radii[bin],
-            ..*found
-        }
-    }
-
-    /// Where the first minimum after a peak is looked for; `None` where there is no shell of neighbors.
-    fn first_minimum(&self, smooth: &[f64], peak: f64) -> Option<Extremum> {
-        let radii = self.radii();
-        let within = |r: f64| MINIMUM_BEYOND_PEAK.contains(&(r - peak));
-        let lowest = (0..self.bins)
-            .filter(|&k| within(radii[k]))
-            .map(|k| smooth[k])
-            .min_by(f64::total_cmp)?;
-        let first = (0..self.bins).find(|&k| within(radii[k]) && smooth[k] == lowest)?;
-        // Between two shells of a crystal all bins are empty: the middle one stands for them.
-        let as_low = smooth[first..].iter().take_while(|g| **g == lowest);
-        let bin = first + as_low.count() / 2;
-        // The lowest at the end of the range is none: the curve still falls there.
-        let inside = bin + 1 < self.bins && within(radii[bin + 1]) && within(radii[bin - 1]);
-        (inside && smooth[bin] < SHELL_BELOW).then(|| Extremum {
-            maximum: false,
-            bin,
-            place: radii[bin],
-            height: smooth[bin],
-        })
-    }
-
-    fn add_peaks(&self, counts: &BlockedSums, findings: &mut Findings, g: &[f64], error: &[f64]) {
-        let radii = self.radii();
-        let smooth = smoothed(&radii, g, SMOOTHING.max(0.5 * self.width()));
-        let found: Vec<Extremum> = extrema(&radii, &smooth, |k| {
-            let noise = if error[k].is_nan() { 0.0 } else { error[k] };
-            SMALLEST_PROMINENCE.max(PROMINENCE_SIGMAS * noise)
-        })
-        .iter()
-        .map(|e| self.sharpest(e, g))
-        .collect();
-        let means: Vec<f64> = (0..self.bins)
-            .map(|k| counts.mean(k).unwrap_or(f64::NAN))
-            .collect();
-        let (places, heights) = found.iter().map(|e| self.extremum(g, e)(&means)).unzip();
-        let kinds = found.iter().map(|e| if e.maximum { 1.0 } else { -1.0 });
-        findings.tables.push(
-            Table::new(
-                "rdf_peaks",
-                "maxima (kind 1) and minima (kind −1) of g(r), from cubics fitted around them",
-            )
-            .with("kind", "", kinds.collect())
-            .with("r", "σ", places)
-            .with("g", "", heights),
-        );
-        let Some(top) = found.iter().find(|e| e.maximum) else {
-            findings.remarks.push("g(r) has no peak".into());
-            return;
-        };
-        let peak_of = self.extremum(g, top);
-        if let Some((height, blocks)) = counts.jackknife(|pairs| Some(peak_of(pairs).1)) {
-            findings
-                .averages
-                .push(of_blocks("rdf_first_peak", "", height, &blocks, 0.0));
-        }
-        let Some(minimum) = self.first_minimum(&smooth, top.place) else {
-            findings.remarks.push(format!(
-                "g(r) does not fall below {SHELL_BELOW} after its first peak: no shell, no coordination number"
-            ));
-            return;
-        };
-        let minimum_of = self.extremum(g, &minimum);
-        let number = |pairs: &[f64]| Some(self.neighbors_within(minimum_of(pairs).0, pairs));
-        if let Some((number, blocks)) = counts.jackknife(number) {
-            findings
-                .averages
-                .push(of_blocks("coordination_number", "", number, &blocks, 0.0));
-        }
-        findings.remarks.push(format!(
-            "first peak of g(r) at {:.3} σ, coordination number up to the first minimum at {:.3} σ",
-            peak_of(&means).0,
-            minimum_of(&means).0
-        ));
+        self.reading().distribution(&self.counts)
     }
 }
 
@@ -324,13 +180,10 @@ impl Observable for RadialDistribution {
                 *all -= inside;
             }
         }
-        self.counts.begin_sample();
-        let (sums, counts) = self.counts.current();
-        for ((sum, count), pairs) in sums.iter_mut().zip(counts).zip(found) {
-            // In a box that stays, whole numbers below 2⁵³ add exactly.
-            *sum += weight * pairs as f64;
-            *count += 1;
+        if let Some(partial) = &mut self.partial {
+            partial.sample(view, self.r_max, weight, &found);
         }
+        add_sample(&mut self.counts, weight, &found);
     }
 
     fn finish(&self, discarded: f64) -> Findings {
@@ -339,15 +192,11 @@ impl Observable for RadialDistribution {
         if counts.samples() == 0 {
             return findings;
         }
-        let (g, error) = self.distribution_of(&counts);
-        let factor = self.neighbors_per_pair();
-        let running: Vec<f64> = (0..self.bins)
-            .scan(0.0, |sum, k| {
-                *sum += counts.mean(k).unwrap_or(f64::NAN) * factor;
-                Some(*sum)
-            })
-            .collect();
-        self.add_peaks(&counts, &mut findings, &g, &error);
+        let reading = self.reading();
+        let (g, error) = reading.distribution(&counts);
+        let running = reading.running(&counts, 0);
+        reading.add_peaks(&counts, &mut findings, &g, &error);
+        let partial = self.finish_partial(discarded, &mut findings);
         tell_discarded(&mut findings, self.counts.samples() - counts.samples());
         let valid = self.seen.half_shortest();
         if valid < self.r_max {
@@ -355,9 +204,7 @@ impl Observable for RadialDistribution {
                 "g(r) counts up to half the box, which was {valid:.3} σ at its smallest: beyond, pairs are missing"
             ));
         }
-        findings.tables.insert(
-            0,
-            Table::new(
+        let table = Table::new(
                 "rdf",
                 format!(
                     "radial distribution function over {} configurations; r is the middle of the bin, coordination counts up to its outer edge",
@@ -367,7 +214,12 @@ impl Observable for RadialDistribution {
             .with("r", "σ", self.radii())
             .with("g", "", g)
             .with("standard_error", "", error)
-            .with("coordination", "", running),
+            .with("coordination", "", running);
+        findings.tables.insert(
+            0,
+            partial.into_iter().fold(table, |table, (name, numbers)| {
+                table.with(name, "", numbers)
+            }),
         );
         findings
             .remarks
@@ -380,11 +232,17 @@ impl Persist for RadialDistribution {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.counts.save(&mut to.section("counts"));
         self.seen.save(&mut to.section("box"));
+        if let Some(partial) = &self.partial {
+            partial.save(to);
+        }
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         self.counts.restore(&from.section("counts"))?;
-        self.seen.restore(&from.section("box"))
+        self.seen.restore(&from.section("box"))?;
+        self.partial
+            .as_mut()
+            .map_or(Ok(()), |partial| partial.restore(from))
     }
 }
 

@@ -1,7 +1,7 @@
 //! What the file of an observable provides, and what it may know.
 
 use lennard_core::options::Options;
-use lennard_core::{Molecules, Observable, ObservableSpec, PeriodicBox};
+use lennard_core::{Molecules, Observable, ObservableSpec, PeriodicBox, SpeciesTable};
 
 use crate::ObservableError;
 
@@ -20,6 +20,8 @@ pub struct BuildContext {
     pub r_cut: f64,
     /// How particles are bonded to molecules.
     pub molecules: Molecules,
+    /// The species, and the species of each particle.
+    pub species: SpeciesTable,
 }
 
 impl BuildContext {

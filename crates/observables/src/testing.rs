@@ -1,7 +1,7 @@
 //! States for tests.
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, PeriodicBox, State, System, View};
+use lennard_core::{DVec3, PeriodicBox, Species, SpeciesTable, State, System, View};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
 use crate::BuildContext;
@@ -14,7 +14,23 @@ pub(crate) fn context(side: f64, n_atoms: usize) -> BuildContext {
         every: 1,
         r_cut: 2.5,
         molecules: lennard_core::Molecules::ATOMS,
+        species: SpeciesTable::one(Species::unnamed(), n_atoms),
     }
+}
+
+/// `n` particles of species A, B, …, where `of` tells the number of the species of each. Masses are 1, 2, ….
+pub(crate) fn mixture(n: usize, of: impl Fn(usize) -> usize) -> SpeciesTable {
+    let of: Vec<u8> = (0..n).map(|i| of(i) as u8).collect();
+    let kinds = usize::from(of.iter().copied().max().unwrap_or(0)) + 1;
+    let names = ["A", "B", "C", "D"];
+    let species: Vec<Species> = (0..kinds)
+        .map(|a| Species {
+            name: names[a].to_owned(),
+            mass: 1.0 + a as f64,
+            element: "Ar".to_owned(),
+        })
+        .collect();
+    SpeciesTable::new(species, &of)
 }
 
 /// Shows a state at rest with the positions given.

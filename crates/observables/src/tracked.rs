@@ -1,6 +1,6 @@
 //! Which particles the dynamic correlations follow.
 
-use lennard_core::{DVec3, System, parallel};
+use lennard_core::{DVec3, SpeciesTable, System, parallel};
 
 /// The largest number of particles that are followed unless the scene says otherwise. The histories of
 /// more of them would take more memory than the run itself; the error of D falls only as 1/√(particles).
@@ -22,6 +22,22 @@ impl Tracked {
 
     pub(crate) fn len(&self) -> usize {
         self.indices.len()
+    }
+
+    /// The species of a mixture, with the places of their particles among the ones followed. A species of which none is
+    /// followed is left out; one species alone gives nothing.
+    pub(crate) fn by_species(
+        &self,
+        species: &SpeciesTable,
+    ) -> impl Iterator<Item = (usize, Vec<usize>)> + use<> {
+        let mut members = vec![Vec::new(); species.n_species()];
+        if species.is_mixture() {
+            for (place, i) in self.indices.iter().enumerate() {
+                members[species.of(*i as usize)].push(place);
+            }
+        }
+        let all = members.into_iter().enumerate();
+        all.filter(|(_, members)| !members.is_empty())
     }
 
     /// A remark where not every particle is followed.
@@ -67,4 +83,17 @@ pub(crate) fn sum_over_pairs(
             .map(|(x, y)| pair(*x, *y))
             .sum()
     })
+}
+
+/// The mean of `pair(a_i, b_i)` over some places i, in constant chunks and constant order.
+pub(crate) fn mean_over_members(
+    members: &[usize],
+    a: &[DVec3],
+    b: &[DVec3],
+    pair: impl Fn(DVec3, DVec3) -> f64 + Sync,
+) -> f64 {
+    let sum: f64 = parallel::ordered_sum(members.len(), |range| {
+        members[range].iter().map(|&i| pair(a[i], b[i])).sum()
+    });
+    sum / members.len() as f64
 }

@@ -1,6 +1,6 @@
 //! What must hold between tables.
 
-use lennard_core::{DVec3, PeriodicBox};
+use lennard_core::{DVec3, PeriodicBox, Species, SpeciesTable};
 
 use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
@@ -215,6 +215,7 @@ fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneErr
             every: table.every,
             r_cut: scene.truncation.r_cut,
             molecules: scene.molecules(),
+            species: SpeciesTable::one(Species::unnamed(), n_atoms),
         };
         lennard_observables::build(&table.options, &context).map_err(|e| {
             scene

@@ -154,3 +154,42 @@ fn the_finite_size_correction_is_that_of_yeh_and_hummer() {
             .any(|r| r.contains("not corrected"))
     );
 }
+
+#[test]
+fn each_species_has_its_displacement_and_its_diffusion_coefficient() {
+    let n = 60;
+    let context = BuildContext {
+        species: crate::testing::mixture(n, |i| usize::from(i % 3 == 0)),
+        ..context(10.0, n)
+    };
+    let exact = [0.05_f64, 0.2];
+    let mut path = vec![DVec3::ZERO; n];
+    let msd = follow(&MsdOptions::default(), &context, 4000, |s| {
+        for (i, r) in path.iter_mut().enumerate() {
+            let d = exact[context.species.of(i)];
+            *r += (2.0 * d * context.dt).sqrt() * normal(17, s, i);
+        }
+        path.clone()
+    });
+    let findings = msd.finish(0.0);
+    let all = average(&findings, "diffusion_coefficient").mean;
+    let found = ["A", "B"].map(|a| average(&findings, &format!("diffusion_coefficient_{a}")));
+    for (found, exact) in found.iter().zip(exact) {
+        // The centre of mass takes and gives a few per cent: below the error.
+        assert!(
+            (found.mean - exact).abs() < 4.0 * found.standard_error,
+            "{found:?}"
+        );
+        assert!(found.standard_error < 0.1 * exact);
+    }
+    assert!((all - 0.1).abs() < 0.01, "{all}");
+    // The mean of all is made of its parts at each lag.
+    let column = |name: &str| {
+        let found = findings.tables[0].columns.iter().find(|c| c.name == name);
+        found.unwrap().numbers()
+    };
+    let (whole, a, b) = (column("msd"), column("msd_A"), column("msd_B"));
+    for k in 0..whole.len() {
+        assert!(((2.0 * a[k] + b[k]) / 3.0 / whole[k] - 1.0).abs() < 1e-12);
+    }
+}

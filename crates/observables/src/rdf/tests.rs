@@ -132,7 +132,7 @@ fn with_minimum(lowest: f64) -> Findings {
             } else {
                 1.0 + 1.5 * bump(r, 1.1, 0.15) - (1.0 - lowest) * bump(r, 1.6, 0.2)
             };
-            let pairs = g / rdf.normalisation(k);
+            let pairs = g / rdf.reading().normalisation[k];
             rdf.counts.add(k, pairs, 1);
         }
     }
@@ -219,5 +219,120 @@ fn coordination_counts_neighbors_whatever_the_box() {
         (coordination[130] - 12.0).abs() < 1e-9,
         "{}",
         coordination[130]
+    );
+}
+
+/// The positions in an order that differs from seed to seed.
+fn shuffled(positions: &[lennard_core::DVec3], seed: u64) -> Vec<lennard_core::DVec3> {
+    let keys = random_positions(positions.len(), 1.0, seed);
+    let mut order: Vec<usize> = (0..positions.len()).collect();
+    order.sort_by(|i, j| keys[*i].x.total_cmp(&keys[*j].x));
+    order.into_iter().map(|i| positions[i]).collect()
+}
+
+#[test]
+fn a_mixture_of_names_has_the_distribution_of_the_pure_fluid_for_each_pair() {
+    let (cell, lattice) = fcc(4, 1.1);
+    let n = lattice.len();
+    let options = RdfOptions {
+        r_max: Some(3.0),
+        bins: 60,
+    };
+    let pure = BuildContext {
+        cell,
+        n_atoms: n,
+        ..context(1.0, 1)
+    };
+    let mixed = BuildContext {
+        species: crate::testing::mixture(n, |i| usize::from(i % 5 == 0)),
+        ..pure.clone()
+    };
+    let make = |context| RadialDistribution::new(&options, context).unwrap();
+    let (mut pure, mut mixed) = (make(&pure), make(&mixed));
+    for seed in 0..64 {
+        let moved = lattice.iter().enumerate();
+        let moved = moved.map(|(i, r)| *r + 0.09 * crate::testing::normal(5, seed, i));
+        let positions = shuffled(&moved.collect::<Vec<_>>(), seed);
+        sampled(&mut pure, &cell, positions.clone());
+        sampled(&mut mixed, &cell, positions);
+    }
+    let (pure, mixed) = (pure.finish(0.0), mixed.finish(0.0));
+    // What stands for all pairs has the same bits, and stands first.
+    assert_eq!(mixed.tables[0].columns[..4], pure.tables[0].columns[..]);
+    assert_eq!(mixed.averages[..2], pure.averages[..]);
+    let column = |name: &str| {
+        let mut columns = mixed.tables[0].columns.iter();
+        columns.find(|c| c.name == name).unwrap().numbers()
+    };
+    let g = column("g");
+    let filled: Vec<usize> = (0..60).filter(|k| g[*k] > 0.3).collect();
+    for pair in ["A_A", "A_B", "B_B"] {
+        let (partial, error) = (
+            column(&format!("g_{pair}")),
+            column(&format!("standard_error_{pair}")),
+        );
+        let chi2: f64 = filled
+            .iter()
+            .map(|&k| ((partial[k] - g[k]) / error[k]).powi(2))
+            .sum();
+        // Mean below the number of bins, since g shares the noise of its parts; deviation √(2m) and correlated bins.
+        let m = filled.len() as f64;
+        assert!(chi2 < m + 6.0 * (2.0 * m).sqrt(), "{pair}: {chi2} of {m}");
+        assert!(chi2 > 0.0);
+        let average = |name: &str| {
+            let mut averages = mixed.averages.iter();
+            averages.find(|a| a.name == name).unwrap().estimate
+        };
+        let (peak, whole) = (
+            average(&format!("rdf_first_peak_{pair}")),
+            average("rdf_first_peak"),
+        );
+        assert!((peak.mean - whole.mean).abs() < 4.0 * peak.standard_error.hypot(0.01));
+        let number = average(&format!("coordination_number_{pair}"));
+        let share = if pair.ends_with('A') { 0.8 } else { 0.2 };
+        assert!((number.mean - 12.0 * share).abs() < 0.3, "{number:?}");
+    }
+}
+
+#[test]
+fn partial_distributions_of_three_particles_are_those_by_hand() {
+    let context = BuildContext {
+        species: crate::testing::mixture(3, |i| i.min(1)),
+        ..context(8.0, 3)
+    };
+    let options = RdfOptions {
+        r_max: Some(3.0),
+        bins: 30,
+    };
+    let mut rdf = RadialDistribution::new(&options, &context).unwrap();
+    // A — B — B on a line through the border: A–B at 1.05 and 2.12, B–B at 1.07.
+    let line = [7.52, 8.57, 9.64].map(|x| lennard_core::DVec3::new(x, 1.0, 1.0));
+    sampled(&mut rdf, &context.cell, line.to_vec());
+    let findings = rdf.finish(0.0);
+    let table = &findings.tables[0];
+    let column = |name: &str| {
+        let found = table.columns.iter().find(|c| c.name == name);
+        found.map(lennard_core::Column::numbers)
+    };
+    let shell = |k: f64| 4.0 / 3.0 * std::f64::consts::PI * 1e-3 * ((k + 1.0).powi(3) - k.powi(3));
+    let g = column("g_A_B").unwrap();
+    let close = |found: f64, exact: f64| (found - exact).abs() < 1e-12 * exact;
+    assert!(close(g[10], 512.0 / 2.0 / shell(10.0)), "{g:?}");
+    assert!(close(g[21], 512.0 / 2.0 / shell(21.0)));
+    let like = column("g_B_B").unwrap();
+    assert!(close(like[10], 512.0 * 2.0 / 2.0 / shell(10.0)), "{like:?}");
+    assert_eq!(like[21], 0.0);
+    // Up to 2.5 σ: two B around A; of each B one A and one B.
+    let up_to = |name: &str| column(name).unwrap()[24];
+    assert_eq!(up_to("coordination_A_B"), 2.0);
+    assert_eq!(up_to("coordination_B_A"), 1.0);
+    assert_eq!(up_to("coordination_B_B"), 1.0);
+    // One A has no other A.
+    assert_eq!(column("g_A_A"), None);
+    assert!(
+        findings
+            .remarks
+            .iter()
+            .any(|r| r.contains("g_A_A(r) needs two"))
     );
 }

@@ -2,7 +2,8 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    DMat3, DVec3, Energetics, Estimate, Momentum, Observable, PeriodicBox, State, System, View,
+    DMat3, DVec3, Energetics, Estimate, Momentum, Observable, PeriodicBox, Species, SpeciesTable,
+    State, System, View,
 };
 use lennard_observables::{
     BuildContext, MeanSquareDisplacement, MsdOptions, RadialDistribution, RdfOptions,
@@ -118,6 +119,7 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
         every: EVERY,
         r_cut: R_CUT,
         molecules: lennard_core::Molecules::ATOMS,
+        species: SpeciesTable::one(Species::unnamed(), 256),
     };
     let mut thermodynamics = Thermodynamics::new(&context);
     thermodynamics.set_force_jump(derivatives(R_CUT * R_CUT).0);

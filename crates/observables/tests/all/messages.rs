@@ -1,6 +1,6 @@
 //! What observables say when an option does not suit the run.
 
-use lennard_core::PeriodicBox;
+use lennard_core::{PeriodicBox, Species, SpeciesTable};
 use lennard_observables::{BuildContext, ObservableOptions, build};
 
 #[test]
@@ -12,6 +12,7 @@ fn an_option_that_does_not_suit_the_run_is_named_with_what_is_allowed() {
         every: 10,
         r_cut: 2.5,
         molecules: lennard_core::Molecules::ATOMS,
+        species: SpeciesTable::one(Species::unnamed(), 100),
     };
     for (options, wanted) in [
         (

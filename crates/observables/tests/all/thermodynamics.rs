@@ -2,8 +2,8 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    DMat3, DVec3, Energetics, Estimate, Findings, Observable, PeriodicBox, State, System,
-    TailCorrection, View,
+    DMat3, DVec3, Energetics, Estimate, Findings, Observable, PeriodicBox, Species, SpeciesTable,
+    State, System, TailCorrection, View,
 };
 use lennard_observables::{BuildContext, PressureTensor, Thermodynamics, ThermodynamicsOptions};
 use rand_distr::{Distribution, StandardNormal};
@@ -16,6 +16,7 @@ fn context(n_atoms: usize, side: f64) -> BuildContext {
         every: 10,
         r_cut: 2.5,
         molecules: lennard_core::Molecules::ATOMS,
+        species: SpeciesTable::one(Species::unnamed(), n_atoms),
     }
 }
 
