@@ -1,5 +1,7 @@
 //! The static structure factor.
 
+mod partial;
+
 use std::f64::consts::PI;
 
 use lennard_core::{
@@ -14,6 +16,8 @@ use crate::error::{positive, within};
 use crate::extrema::{extrema, fitted_extremum};
 use crate::seen_box::SeenBox;
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
+
+use partial::Partial;
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "structure-factor",
@@ -75,12 +79,13 @@ impl Recipe for StructureFactorOptions {
 ///
 /// In each shell of wave numbers, evenly spread directions are rounded to wave vectors that fit the box;
 /// the shells of a small box hold few different ones, some none. Each shell is told at the mean wave number
-/// of its vectors. For an ideal gas S = 1 at every k.
+/// of its vectors. For an ideal gas S = 1 at every k. A mixture also has the factors of its species ([`Partial`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureFactor {
     seen: SeenBox,
     vectors: Vec<WaveVector>,
     factors: BlockedSums,
+    partial: Option<Partial>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -150,6 +155,7 @@ impl StructureFactor {
         Ok(Self {
             seen: SeenBox::new(&context.cell),
             factors: BlockedSums::new(shells, BLOCKS),
+            partial: Partial::new(&context.species, shells),
             vectors,
         })
     }
@@ -269,7 +275,7 @@ impl Observable for StructureFactor {
 
     fn sample(&mut self, view: &View<'_>) {
         self.seen.see(view.cell());
-        let densities = self.densities(&view.state.positions, view.cell());
+        let densities = self.sample_densities(&view.state.positions, view.cell());
         let n = view.state.len() as f64;
         self.factors.begin_sample();
         for (v, [re, im]) in self.vectors.iter().zip(densities) {
@@ -318,20 +324,21 @@ impl Observable for StructureFactor {
             }
             None => findings.remarks.push("S(k) has no peak".into()),
         }
+        let partial = self.finish_partial(discarded, &wave_numbers, &mut findings);
         tell_discarded(&mut findings, self.factors.samples() - factors.samples());
-        findings.tables.push(
-            Table::new(
-                "structure_factor",
-                format!(
-                    "static structure factor over {} wave vectors and {} configurations",
-                    self.vectors.len(),
-                    factors.samples()
-                ),
-            )
-            .with("k", "σ⁻¹", wave_numbers.clone())
-            .with("structure_factor", "", values)
-            .with("standard_error", "", errors),
-        );
+        let table = Table::new(
+            "structure_factor",
+            format!(
+                "static structure factor over {} wave vectors and {} configurations",
+                self.vectors.len(),
+                factors.samples()
+            ),
+        )
+        .with("k", "σ⁻¹", wave_numbers)
+        .with("structure_factor", "", values)
+        .with("standard_error", "", errors);
+        let with = |table: Table, (name, numbers)| table.with(name, "", numbers);
+        findings.tables.push(partial.into_iter().fold(table, with));
         findings
     }
 }
@@ -340,11 +347,16 @@ impl Persist for StructureFactor {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.factors.save(&mut to.section("factors"));
         self.seen.save(&mut to.section("box"));
+        if let Some(partial) = &self.partial {
+            partial.save(to);
+        }
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         self.factors.restore(&from.section("factors"))?;
-        self.seen.restore(&from.section("box"))
+        self.seen.restore(&from.section("box"))?;
+        let partial = self.partial.as_mut();
+        partial.map_or(Ok(()), |partial| partial.restore(from))
     }
 }
 

@@ -76,3 +76,11 @@ pub(crate) fn fcc(cells: usize, d: f64) -> (PeriodicBox, Vec<DVec3>) {
     let cell = PeriodicBox::new(DVec3::splat(cells as f64 * a)).unwrap();
     (cell, positions)
 }
+
+/// The positions in an order that differs from seed to seed.
+pub(crate) fn shuffled(positions: &[DVec3], seed: u64) -> Vec<DVec3> {
+    let keys = random_positions(positions.len(), 1.0, seed);
+    let mut order: Vec<usize> = (0..positions.len()).collect();
+    order.sort_by(|i, j| keys[*i].x.total_cmp(&keys[*j].x));
+    order.into_iter().map(|i| positions[i]).collect()
+}

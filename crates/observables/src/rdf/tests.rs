@@ -1,5 +1,5 @@
 use super::*;
-use crate::testing::{context, fcc, random_positions, view_of};
+use crate::testing::{context, fcc, random_positions, shuffled, view_of};
 use lennard_core::PeriodicBox;
 
 fn sampled(rdf: &mut RadialDistribution, cell: &PeriodicBox, positions: Vec<lennard_core::DVec3>) {
@@ -220,14 +220,6 @@ fn coordination_counts_neighbors_whatever_the_box() {
         "{}",
         coordination[130]
     );
-}
-
-/// The positions in an order that differs from seed to seed.
-fn shuffled(positions: &[lennard_core::DVec3], seed: u64) -> Vec<lennard_core::DVec3> {
-    let keys = random_positions(positions.len(), 1.0, seed);
-    let mut order: Vec<usize> = (0..positions.len()).collect();
-    order.sort_by(|i, j| keys[*i].x.total_cmp(&keys[*j].x));
-    order.into_iter().map(|i| positions[i]).collect()
 }
 
 #[test]

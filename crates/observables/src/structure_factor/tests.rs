@@ -1,5 +1,5 @@
 use super::*;
-use crate::testing::{context, fcc, random_positions, view_of};
+use crate::testing::{context, fcc, mixture, normal, random_positions, shuffled, view_of};
 
 #[test]
 fn an_ideal_gas_scatters_with_one_at_every_wave_number() {
@@ -111,4 +111,100 @@ fn in_a_box_that_changes_wave_vectors_go_with_it() {
         assert!((wider_k[i] * 1.04 / k[i] - 1.0).abs() < 1e-12);
         assert!((wider_s[i] - s[i]).abs() < 1e-6);
     }
+}
+
+/// The factors of a face-centred lattice with noise, in which `of` tells the species of each place and `order` the particles.
+fn factors_of_mixture(
+    of: impl Fn(usize) -> usize,
+    order: impl Fn(Vec<DVec3>, u64) -> Vec<DVec3>,
+) -> Findings {
+    let (cell, lattice) = fcc(4, 1.1);
+    let n = lattice.len();
+    let context = BuildContext {
+        cell,
+        n_atoms: n,
+        species: mixture(n, of),
+        ..context(1.0, 1)
+    };
+    let mut factor = StructureFactor::new(&StructureFactorOptions::default(), &context).unwrap();
+    for seed in 0..200 {
+        let places = lattice.iter().enumerate();
+        let moved = places
+            .map(|(i, r)| *r + 0.15 * normal(5, seed, i))
+            .collect();
+        view_of(&cell, order(moved, seed), |view| factor.sample(view));
+    }
+    factor.finish(0.0)
+}
+
+fn column(findings: &Findings, name: &str) -> Vec<f64> {
+    let mut columns = findings.tables[0].columns.iter();
+    columns.find(|c| c.name == name).unwrap().numbers()
+}
+
+#[test]
+fn in_a_mixture_of_names_concentration_fluctuates_as_in_an_ideal_mixture() {
+    let findings = factors_of_mixture(|i| usize::from(i % 5 == 0), |r, seed| shuffled(&r, seed));
+    let column = |name: &str| column(&findings, name);
+    let (all, mixed, error) = (
+        column("structure_factor"),
+        column("structure_factor_CC"),
+        column("standard_error_CC"),
+    );
+    let (cross, cross_error) = (column("structure_factor_NC"), column("standard_error_NC"));
+    let n = 256.0;
+    let x = 52.0 / n;
+    let (mut chi2, mut chi2_cross) = (0.0, 0.0);
+    for k in 0..all.len() {
+        // Labels drawn without putting back: x₁x₂·(N − S)/(N − 1).
+        let exact = x * (1.0 - x) * (n - all[k]) / (n - 1.0);
+        chi2 += ((mixed[k] - exact) / error[k]).powi(2);
+        chi2_cross += (cross[k] / cross_error[k]).powi(2);
+    }
+    // Mean m, deviation √(2m); errors from some 50 blocks widen it.
+    let m = all.len() as f64;
+    for chi2 in [chi2, chi2_cross] {
+        assert!((chi2 - m).abs() < 6.0 * (2.0 * m).sqrt(), "{chi2} of {m}");
+    }
+    let found = findings.averages.iter();
+    let mut found = found.filter(|a| a.name == "concentration_fluctuations");
+    let found = found.next().unwrap().estimate;
+    assert!((found.mean - 1.0).abs() < 4.0 * found.standard_error && found.standard_error < 0.2);
+    assert!(!findings.remarks.iter().any(|r| r.contains("gather")));
+}
+
+#[test]
+fn factors_of_species_make_up_the_factors_of_number_and_concentration() {
+    let findings = factors_of_mixture(|i| usize::from(i % 3 == 0), |r, _| r);
+    let column = |name: &str| column(&findings, name);
+    let x = [170.0 / 256.0, 86.0 / 256.0];
+    let root = f64::sqrt(x[0] * x[1]);
+    let (a, ab, b) = (
+        column("structure_factor_A_A"),
+        column("structure_factor_A_B"),
+        column("structure_factor_B_B"),
+    );
+    let (all, cross, mixed) = (
+        column("structure_factor"),
+        column("structure_factor_NC"),
+        column("structure_factor_CC"),
+    );
+    for k in 0..all.len() {
+        let [s, t] = x;
+        let number = s * a[k] + t * b[k] + 2.0 * root * ab[k];
+        let mixture = s * t * (t * a[k] + s * b[k] - 2.0 * root * ab[k]);
+        let both = s * t * (a[k] - b[k] + (t - s) / root * ab[k]);
+        let scale = 1e-11 * (1.0 + all[k]);
+        assert!((all[k] - number).abs() < scale, "{k}");
+        assert!((mixed[k] - mixture).abs() < scale, "{k}");
+        assert!((cross[k] - both).abs() < scale, "{k}");
+    }
+}
+
+#[test]
+fn species_that_have_parted_are_told() {
+    // The lattice is filled from one side to the other: half of the box is A.
+    let findings = factors_of_mixture(|i| usize::from(i >= 128), |r, _| r);
+    let told = |r: &String| r.contains("the species gather: over 6.2 σ");
+    assert!(findings.remarks.iter().any(told), "{:?}", findings.remarks);
 }

@@ -1,0 +1,216 @@
+//! The partial structure factors of a mixture.
+
+use lennard_core::{
+    DVec3, Findings, PeriodicBox, Persist, RestoreError, SpeciesTable, StateReader, StateWriter,
+};
+
+use super::{BLOCKS, StructureFactor, WaveVector};
+use crate::averages::of_blocks;
+use crate::blocks::BlockedSums;
+use crate::species_pairs::SpeciesPair;
+
+/// The composition of a mixture varies over long distances more than twice as much as in an ideal mixture: its species gather.
+const GATHERS: f64 = 2.0;
+
+/// Standard errors beyond [`GATHERS`] from which it is said.
+const CERTAIN: f64 = 4.0;
+
+/// The partial structure factors of a mixture, with ρ_a(k) = Σ_{j∈a} exp(−i k·r_j):
+///
+/// S_ab(k) = ⟨Re ρ_a·ρ_b*⟩/√(N_a·N_b). For an ideal gas S_aa = 1 and S_ab = 0.
+///
+/// Of two species also the factors of number and concentration, with ρ = ρ_1 + ρ_2 and c = x_2·ρ_1 − x_1·ρ_2:
+/// S_NN = ⟨|ρ|²⟩/N, which is the factor of all particles, S_NC = ⟨Re ρ·c*⟩/N and S_CC = ⟨|c|²⟩/N. In an ideal mixture S_CC is
+/// x_1·x_2 at every k. (A. B. Bhatia and D. E. Thornton, Phys. Rev. B 2, 3004 (1970).)
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Partial {
+    species: SpeciesTable,
+    factors: Vec<(Kind, BlockedSums)>,
+}
+
+/// Two quantities whose product is averaged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Species(SpeciesPair),
+    NumberConcentration,
+    Concentration,
+}
+
+impl Kind {
+    fn suffix(self, species: &SpeciesTable) -> String {
+        match self {
+            Self::Species(pair) => pair.suffix(species),
+            Self::NumberConcentration => "_NC".into(),
+            Self::Concentration => "_CC".into(),
+        }
+    }
+
+    fn section(self) -> String {
+        match self {
+            Self::Species(pair) => pair.section(),
+            Self::NumberConcentration => "number_concentration".into(),
+            Self::Concentration => "concentration".into(),
+        }
+    }
+
+    /// What one wave vector adds, given ρ_a of all species.
+    fn of(self, species: &SpeciesTable, densities: &[[f64; 2]]) -> f64 {
+        let n = species.n_particles() as f64;
+        let all = || densities[0].zip_with(densities[1], |x, y| x + y);
+        let concentration = || {
+            let (x, y) = (species.fraction(0), species.fraction(1));
+            densities[0].zip_with(densities[1], |a, b| y * a - x * b)
+        };
+        match self {
+            Self::Species(pair) => {
+                let (a, b) = (species.count(pair.a) as f64, species.count(pair.b) as f64);
+                real_product(densities[pair.a], densities[pair.b]) / (a * b).sqrt()
+            }
+            Self::NumberConcentration => real_product(all(), concentration()) / n,
+            Self::Concentration => real_product(concentration(), concentration()) / n,
+        }
+    }
+}
+
+trait Complex {
+    fn zip_with(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self;
+}
+
+impl Complex for [f64; 2] {
+    fn zip_with(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
+        [of(self[0], other[0]), of(self[1], other[1])]
+    }
+}
+
+/// Re x·y*.
+fn real_product(x: [f64; 2], y: [f64; 2]) -> f64 {
+    x[0] * y[0] + x[1] * y[1]
+}
+
+impl Partial {
+    /// Nothing seen yet; `None` where there is one species.
+    pub(super) fn new(species: &SpeciesTable, shells: usize) -> Option<Self> {
+        let of_two: &[Kind] = match species.n_species() {
+            1 => return None,
+            2 => &[Kind::NumberConcentration, Kind::Concentration],
+            _ => &[],
+        };
+        let pairs = SpeciesPair::all(species).map(Kind::Species);
+        Some(Self {
+            factors: pairs
+                .chain(of_two.iter().copied())
+                .map(|kind| (kind, BlockedSums::new(shells, BLOCKS)))
+                .collect(),
+            species: species.clone(),
+        })
+    }
+
+    /// Adds a sample; gives ρ(k) of all particles.
+    pub(super) fn sample(
+        &mut self,
+        vectors: &[WaveVector],
+        positions: &[DVec3],
+        densities: impl Fn(&[DVec3]) -> Vec<[f64; 2]>,
+    ) -> Vec<[f64; 2]> {
+        let species = &self.species;
+        let of_species: Vec<Vec<[f64; 2]>> = (0..species.n_species())
+            .map(|a| {
+                let members: Vec<DVec3> = species.particles(a).map(|i| positions[i]).collect();
+                densities(&members)
+            })
+            .collect();
+        for (_, factors) in &mut self.factors {
+            factors.begin_sample();
+        }
+        let mut here = vec![[0.0; 2]; of_species.len()];
+        let mut total = Vec::with_capacity(vectors.len());
+        for (k, vector) in vectors.iter().enumerate() {
+            for (here, densities) in here.iter_mut().zip(&of_species) {
+                *here = densities[k];
+            }
+            for (kind, factors) in &mut self.factors {
+                factors.add(vector.shell, kind.of(species, &here), 1);
+            }
+            let sum = here.iter().copied();
+            total.push(sum.fold([0.0; 2], |sum, x| sum.zip_with(x, |a, b| a + b)));
+        }
+        total
+    }
+
+    pub(super) fn save(&self, to: &mut StateWriter<'_>) {
+        for (kind, factors) in &self.factors {
+            factors.save(&mut to.section(&kind.section()));
+        }
+    }
+
+    pub(super) fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        for (kind, factors) in &mut self.factors {
+            factors.restore(&from.section(&kind.section()))?;
+        }
+        Ok(())
+    }
+
+    /// S_CC at the smallest wave number in x_1·x_2, and whether the species gather.
+    fn add_concentration(&self, factors: &BlockedSums, k: f64, findings: &mut Findings) {
+        let ideal = self.species.fraction(0) * self.species.fraction(1);
+        let Some(mean) = factors.mean(0) else {
+            return;
+        };
+        let blocks: Vec<f64> = factors.block_means(0).iter().map(|s| s / ideal).collect();
+        let average = of_blocks("concentration_fluctuations", "", mean / ideal, &blocks, 0.0);
+        let (value, error) = (average.estimate.mean, average.estimate.standard_error);
+        findings.remarks.push(format!(
+            "concentration_fluctuations is S_CC/(x₁·x₂) at the smallest wave number, {k:.3} σ⁻¹: 1 in an ideal mixture"
+        ));
+        if value - GATHERS > CERTAIN * error {
+            findings.remarks.push(format!(
+                "the species gather: over {:.1} σ the composition varies {value:.1} times as much as in an ideal mixture, which may be separating",
+                std::f64::consts::TAU / k
+            ));
+        }
+        findings.averages.push(average);
+    }
+}
+
+impl StructureFactor {
+    /// ρ(k) of all particles for each wave vector of a sample, whose parts are added where there are several species.
+    pub(super) fn sample_densities(
+        &mut self,
+        positions: &[DVec3],
+        cell: &PeriodicBox,
+    ) -> Vec<[f64; 2]> {
+        let Some(mut partial) = self.partial.take() else {
+            return self.densities(positions, cell);
+        };
+        let total = partial.sample(&self.vectors, positions, |r| self.densities(r, cell));
+        self.partial = Some(partial);
+        total
+    }
+
+    /// Adds what the partial factors say, and gives their columns beside k: nothing where there is one species.
+    pub(super) fn finish_partial(
+        &self,
+        discarded: f64,
+        wave_numbers: &[f64],
+        findings: &mut Findings,
+    ) -> Vec<(String, Vec<f64>)> {
+        let mut columns = Vec::new();
+        let Some(partial) = &self.partial else {
+            return columns;
+        };
+        for (kind, factors) in &partial.factors {
+            let factors = factors.after(discarded);
+            let suffix = kind.suffix(&partial.species);
+            let shells = 0..wave_numbers.len();
+            let mean = |k| factors.mean(k).unwrap_or(f64::NAN);
+            let values = shells.clone().map(mean).collect();
+            let errors = shells.map(|k| factors.standard_error(k)).collect();
+            columns.push((format!("structure_factor{suffix}"), values));
+            columns.push((format!("standard_error{suffix}"), errors));
+            if *kind == Kind::Concentration {
+                partial.add_concentration(&factors, wave_numbers[0], findings);
+            }
+        }
+        columns
+    }
+}
