@@ -126,6 +126,15 @@ def test_the_list_is_kept_between_calls():
     assert calc.list_builds == 2
 
 
+def test_the_compiled_part_counts_its_atoms():
+    atoms = fluid(3, 256)
+    atoms.calc = calc = Lennard()
+    atoms.get_forces()
+    sides = tuple(atoms.cell.lengths())
+    with pytest.raises(ValueError, match="255 positions, made for 256"):
+        calc._evaluator.evaluate(atoms.positions[:-1], sides, False)
+
+
 def test_a_changed_box_or_number_of_atoms_is_seen():
     atoms = fluid(4, 256)
     atoms.calc = Lennard()

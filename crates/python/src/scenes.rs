@@ -42,8 +42,9 @@ pub fn steps(scene: &Scene) -> u64 {
     stages(scene).iter().map(|s| s.steps).sum()
 }
 
-/// A scene as TOML, without the stage that stands in. Where it has no measured stage, the last one is marked as one, since a
-/// scene of the command line needs it; that changes no step.
+/// A scene as TOML, without the stage that stands in.
+///
+/// A scene of the command line needs a measured stage. Where it has none, the last one is marked, which changes no step.
 pub fn text(scene: &Scene) -> String {
     let mut told = scene.clone();
     let stands_in = stages(scene).len() < scene.stages.len();

@@ -33,6 +33,10 @@ const NOT_FOR_USERS: &[&str] = &["crates/xtask", "crates/literature/examples"];
 /// Texts that no user can meet, each with the reason.
 const EXCEPTIONS: &[(&str, &str)] = &[
     (
+        "an earlier run of this simulation ended in a bug of the program",
+        "a simulation in Python after a panic, which no input causes",
+    ),
+    (
         "writing JSON",
         "documents are numbers, texts and lists under names that are texts: serde_json writes all of them",
     ),
