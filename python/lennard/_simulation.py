@@ -274,8 +274,12 @@ class Simulation:
         """What was measured since the last stage was added, or since the start."""
         text, tables = self._core.results()
         found = [Table._of(table) for table in tables]
+        record = json.loads(text)
+        # A scene without a measured stage has one at its end that stands in and is never run.
+        record["scene"]["stage"] = record["scene"]["stage"][: len(self._core.stages[0])]
+        record["finished"] = self.steps_left == 0
         return Run(
-            record=json.loads(text),
+            record=record,
             tables={table.name: table for table in found},
             thermo=Table._of(self._core.thermo()),
             frames=Frames._of(self._core.frames(), self._core.names[2]),

@@ -80,6 +80,22 @@ def test_stages_follow_each_other_and_measure_apart(liquid):
     assert g["r"].shape == g["g"].shape and g.units["r"] == "σ"
 
 
+def test_steps_make_the_last_stage_longer_and_no_longer_than_asked(liquid):
+    simulation = lennard.Simulation(liquid)
+    simulation.step(10)
+    simulation.step(15)
+    assert (simulation.steps_done, simulation.steps_left) == (25, 0)
+    assert "steps = 25" in simulation.scene
+    simulation.equilibrate(20)
+    assert list(simulation.results().thermo["stage"]) == [1.0, 1.0]
+    run = simulation.results()
+    assert not np.isfinite(run.averages["pressure"].value), "it is not measured"
+    assert run.finished and len(run.record["scene"]["stage"]) == 2
+    simulation.step(5)
+    names = [stage["name"] for stage in simulation.results().record["scene"]["stage"]]
+    assert names == ["production", "equilibration", "production-2"]
+
+
 def test_a_scene_with_steps_left_takes_no_new_stage(liquid):
     simulation = lennard.Simulation(liquid, stage=[{"name": "a", "steps": 100}, {"name": "b", "steps": 50}])
     simulation.step(30)
