@@ -4,6 +4,7 @@ mod conservation;
 mod equilibrium;
 mod remarks;
 mod responses;
+mod species;
 
 use std::f64::consts::PI;
 
@@ -22,6 +23,7 @@ use crate::{BuildContext, Curvature, Ensemble, ObservableError, Recipe, heat_cap
 pub use conservation::Conservation;
 pub use equilibrium::{Equilibrium, HeldTemperature};
 pub use remarks::Confined;
+use species::SpeciesTemperatures;
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "thermodynamics",
@@ -79,6 +81,7 @@ impl Recipe for ThermodynamicsOptions {
 /// - **Configurational temperature** T_conf = ⟨|∇U|²⟩/⟨∇²U⟩. A force that jumps at the cutoff adds a
 ///   delta function to ∇²U that no pair loop can see; its mean, −4πρ r_cut² U′(r_cut) per particle for
 ///   g(r_cut) = 1, is added where [`Thermodynamics::set_force_jump`] has told the jump.
+/// - **Temperature of each species** of a mixture ([`SpeciesTemperatures`]).
 ///
 /// All averages share one equilibration cut ([`Thermodynamics::equilibrium`]), so that they speak of the same samples.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,6 +90,7 @@ pub struct Thermodynamics {
     context: BuildContext,
     seen: SeenBox,
     series: Series<ThermoSeries>,
+    of_species: Option<SpeciesTemperatures>,
     energy_line: RunningLine,
     largest_momentum: f64,
     force_jump: f64,
@@ -114,6 +118,7 @@ impl Thermodynamics {
             context: context.clone(),
             seen: SeenBox::new(&context.cell),
             series: Series::new(ThermoSeries::default(), MOST_ROWS),
+            of_species: SpeciesTemperatures::new(&context.species),
             energy_line: RunningLine::default(),
             largest_momentum: 0.0,
             force_jump: 0.0,
@@ -220,6 +225,9 @@ impl Observable for Thermodynamics {
         } else {
             (0.0, 0.0)
         };
+        if let Some(of_species) = &mut self.of_species {
+            of_species.sample(view);
+        }
         let momentum: DVec3 = view.system.momentum(&state.velocities) / n;
         self.n_dof = view.n_dof();
         if self.mass.is_nan() {
@@ -324,6 +332,9 @@ impl Observable for Thermodynamics {
             ..Findings::default()
         };
         findings.remarks = self.remarks();
+        if let Some(of_species) = &self.of_species {
+            of_species.finish(discarded, &mut findings);
+        }
         findings
             .remarks
             .extend(self.ensemble.map(|e| e.remark(&self.context, self.n_dof)));
@@ -353,6 +364,9 @@ impl Observable for Thermodynamics {
 impl Persist for Thermodynamics {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.series.save(&mut to.section("series"));
+        if let Some(of_species) = &self.of_species {
+            of_species.save(to);
+        }
         self.seen.save(&mut to.section("box"));
         self.energy_line.save(&mut to.section("energy"));
         to.put_f64("largest_momentum", &[self.largest_momentum]);
@@ -363,6 +377,9 @@ impl Persist for Thermodynamics {
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         self.series.restore(&from.section("series"))?;
+        if let Some(of_species) = &mut self.of_species {
+            of_species.restore(from)?;
+        }
         self.seen.restore(&from.section("box"))?;
         self.energy_line.restore(&from.section("energy"))?;
         [self.largest_momentum] = from.f64s("largest_momentum")?;

@@ -243,7 +243,7 @@ fn an_observable_of_a_mixture_restored_in_the_middle_ends_with_the_same_bits() {
     }
     // What was counted by species is not taken for a pure fluid's, nor missed.
     let pure = make(&self::context());
-    for name in ["rdf", "msd", "structure-factor"] {
+    for name in ["rdf", "msd", "structure-factor", "thermodynamics"] {
         let k = pure.iter().position(|o| o.spec().name == name).unwrap();
         let archive = saved(pure[k].as_ref());
         assert!(
