@@ -9,7 +9,7 @@ use lennard_core::parallel::for_each_piece;
 use lennard_core::{Exclusions, PeriodicBox};
 use rayon::prelude::*;
 
-use crate::pair::PairForm;
+use crate::interaction::Interaction;
 use crate::simd::{ChunkTotals, PerParticle};
 use crate::sums::outer;
 
@@ -26,9 +26,9 @@ pub enum NeighborSource<'a> {
 }
 
 /// One evaluation.
-pub struct CanonicalJob<'a, F> {
-    /// The truncated potential.
-    pub form: F,
+pub struct CanonicalJob<'a, I> {
+    /// The interaction.
+    pub interaction: I,
     /// The cutoff, σ.
     pub r_cut: f64,
     /// The box.
@@ -90,7 +90,7 @@ fn run_chunks(
     }
 }
 
-impl<F: PairForm> CanonicalJob<'_, F> {
+impl<I: Interaction> CanonicalJob<'_, I> {
     /// Writes forces (and `each`), and returns the totals of chunks: every pair from both of its ends.
     pub fn run(&self, forces: &mut [DVec3], each: Option<&mut [PerParticle]>) -> Vec<ChunkTotals> {
         run_chunks(forces, each, &|chunk, forces, each| {
@@ -126,6 +126,7 @@ impl<F: PairForm> CanonicalJob<'_, F> {
             totals.energy += mine.energy;
             totals.virial += mine.virial;
             totals.laplacian += mine.laplacian;
+            totals.at_cutoff += mine.at_cutoff;
             totals.pairs += mine.pairs;
             if let Some(each) = &mut each {
                 each[k] = (0.5 * mine.energy, 0.5 * mine.virial);
@@ -154,13 +155,15 @@ impl<F: PairForm> CanonicalJob<'_, F> {
                 nearest(d.z, lengths.z),
             );
             let r2 = r_ij.length_squared();
-            if r2 <= r_cut2 {
-                let pair = self.form.eval_in_epsilon(r2);
+            if r2 <= r_cut2
+                && let Some(pair) = self.interaction.between_in_epsilon(i, j, r2)
+            {
                 let f_ij = pair.force * r_ij;
                 force += f_ij;
                 totals.energy += pair.energy;
                 totals.virial += outer(r_ij, f_ij);
                 totals.laplacian += pair.curvature - 2.0 * pair.force;
+                totals.at_cutoff += self.interaction.energy_at_cutoff(i, j);
                 totals.pairs += 1;
             }
         }

@@ -118,9 +118,6 @@ pub enum ForceFieldError {
         /// Particles of the system.
         n_atoms: usize,
     },
-    /// A split of the forces of a mixture into near and far parts.
-    #[error("the forces of a mixture cannot be split into near and far parts")]
-    SplitOfMixture,
     /// No particle at all.
     #[error("there is no particle")]
     NoParticles,
@@ -150,7 +147,6 @@ impl ForceFieldError {
             Self::NumberOfSpecies(_) | Self::NoSuchSpecies { .. } => "species",
             Self::BadSpeciesPair { key, .. } => return format!("pair.{key}"),
             Self::OfPair { reason, .. } => return reason.key(),
-            Self::SplitOfMixture => "integrator.kind",
             Self::NoParticles | Self::TooManyParticles(_) | Self::OtherParticles { .. } => {
                 "system.n_atoms"
             }
@@ -181,7 +177,6 @@ impl ForceFieldError {
             Self::BadSpeciesPair { found, .. } => found.to_string(),
             Self::OfPair { reason, .. } => reason.found(),
             Self::OtherParticles { n_atoms, .. } => n_atoms.to_string(),
-            Self::SplitOfMixture => "a method that splits the forces".into(),
             Self::NoParticles => "0".into(),
             Self::TooManyParticles(n) => n.to_string(),
         }
@@ -218,7 +213,6 @@ impl ForceFieldError {
             Self::BadSpeciesPair { .. } => "a finite number above 0".into(),
             Self::OfPair { reason, .. } => reason.allowed(),
             Self::OtherParticles { found, .. } => found.to_string(),
-            Self::SplitOfMixture => "a method with one step for all forces".into(),
             Self::NoParticles => "at least 1".into(),
             Self::TooManyParticles(_) => format!("at most {}", LARGEST_N),
         }

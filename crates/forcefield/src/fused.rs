@@ -5,7 +5,7 @@ use lennard_core::{ForceError, FusedSteps};
 use lennard_neighbor::Positions;
 
 use crate::clock::Clock;
-use crate::pair::PairForm;
+use crate::interaction::Interaction;
 use crate::simd::{
     Detail, KickDrift, ListStatus, PackedCopies, PairList, Prepared, Request, SlotState, are_few,
     by_slot, fused_step, to_particles,
@@ -34,11 +34,11 @@ impl FusedBuffers {
     /// Takes steps, and builds the list wherever it expires. Returns the number of steps taken.
     ///
     /// Where a number is not finite, it takes none.
-    pub fn advance<P: PairList, F: PairForm>(
+    pub fn advance<P: PairList, I: Interaction>(
         &mut self,
         validity: &mut ListValidity,
         (list, copies): (&mut P, &mut PackedCopies<P::Row>),
-        form: F,
+        interaction: I,
         steps: &mut FusedSteps<'_>,
         kick_drift: KickDrift,
         clock: &mut Clock,
@@ -56,7 +56,7 @@ impl FusedBuffers {
         loop {
             let most = steps.steps - taken;
             let (done, status) = validity.with_list(list, cell, |used| {
-                let job = list.job(form, used.r_cut, cell);
+                let job = list.job(interaction, used.r_cut, cell);
                 let mut done = 0;
                 while done < most {
                     let request = self.request::<P>(prepared, most - done);

@@ -10,6 +10,7 @@ mod contact_law;
 mod error;
 mod field;
 mod fused;
+mod interaction;
 mod listed;
 pub mod measure;
 mod non_finite;

@@ -127,9 +127,6 @@ pub(crate) fn decide(
             n_atoms: c.n_atoms,
         });
     }
-    if laws.is_some() && o.split.is_some() {
-        return Err(ForceFieldError::SplitOfMixture);
-    }
     let r_cut = model.r_cut;
     let largest = c.cell.largest_cutoff();
     if r_cut > largest {
@@ -142,21 +139,15 @@ pub(crate) fn decide(
             crate::Isa::Auto | crate::Isa::Portable => "portable",
         },
     ))?;
-    check_split(o, r_cut)?;
+    // Beyond the smallest cutoff, the near part of a pair would end with a jump.
+    check_split(o, laws.as_ref().map_or(r_cut, |laws| laws.smallest_r_cut))?;
     let tie = largest - r_cut < TIE_MARGIN * largest;
     let listed = match o.kernel.precision {
         _ if o.canonical || tie => Loop::Canonical,
         Precision::Double => Loop::Rows,
         Precision::Mixed => Loop::Cluster,
     };
-    let (search, skin, mut reason) = match laws {
-        None => search(o, c, r_cut, listed)?,
-        Some(_) => (
-            Search::Reference,
-            0.0,
-            "mixtures have the reference loop alone".into(),
-        ),
-    };
+    let (search, skin, mut reason) = search(o, c, r_cut, listed)?;
     let canonical = search != Search::Verlet || listed == Loop::Canonical;
     let precision = if canonical {
         Precision::Double
@@ -173,6 +164,14 @@ pub(crate) fn decide(
     let isa = if canonical { Level::Portable } else { level };
     if canonical && o.kernel.precision == Precision::Mixed {
         reason.push_str("; this loop is always in double precision");
+    }
+    match (&laws, c.mixture) {
+        (Some(_), Some(mixture)) => {
+            let species = mixture.species();
+            reason.push_str(&format!("; a table has the pairs of {species} species"));
+        }
+        (None, Some(_)) => reason.push_str("; all species are alike and need no table of pairs"),
+        _ => {}
     }
     let plan = ForcePlan {
         model: crate::pair::model_name(o),

@@ -12,11 +12,11 @@ use lennard_core::{
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
 use crate::clock::Clock;
 use crate::error::ForceFieldError;
+use crate::interaction::{Interaction, ManySpecies, OneSpecies, SplitWeights};
 use crate::listed::{Listed, Loop};
 use crate::non_finite;
 use crate::options::{ForceFieldOptions, SplitOptions};
-use crate::pair::PairForm;
-use crate::pair::{Laws, ManySpecies, Model, OneSpecies, SplitWeights, with_form};
+use crate::pair::{Laws, Model, with_form};
 use crate::plan::{Conditions, ForcePlan, Search, TIE_MARGIN, decide};
 use crate::reference;
 use crate::simd::{Detail, KickDrift, PerParticle};
@@ -61,12 +61,13 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions<'_>) -> Result<PairForces, Fo
     let plan = decision.plan;
     let listed = |r_cut| {
         let level = decision.level;
+        let laws = decision.laws.as_ref();
         Box::new(Listed::new(
-            r_cut,
-            plan.skin,
+            (r_cut, plan.skin),
             level,
             decision.listed,
             o.exclusions,
+            laws.map(|laws| laws.mixture.of_particle().clone()),
         ))
     };
     let strategy = match plan.search {
@@ -98,6 +99,22 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions<'_>) -> Result<PairForces, Fo
         evaluations: 0,
         clock: Clock::default(),
     })
+}
+
+/// Runs `$body` with `$interaction` bound to the interaction of a form and the laws of a mixture.
+macro_rules! with_interaction {
+    ($form:expr, $laws:expr, $interaction:ident => $body:expr) => {
+        with_form!($form, form => match $laws {
+            None => {
+                let $interaction = OneSpecies(form);
+                $body
+            }
+            Some(laws) => {
+                let $interaction = ManySpecies { form, laws };
+                $body
+            }
+        })
+    };
 }
 
 impl PairForces {
@@ -133,9 +150,41 @@ impl PairForces {
         Err(ForceError::CutoffOverHalfBox { r_cut, largest })
     }
 
-    fn run<F: PairForm>(
+    /// Evaluates the whole force.
+    fn run_whole<I: Interaction>(
         &mut self,
-        form: F,
+        interaction: I,
+        at: Configuration<'_>,
+        detail: Detail,
+        forces: &mut [DVec3],
+        each: Option<&mut [PerParticle]>,
+    ) -> Result<Totals, ForceError> {
+        // The constant is alone in its condition: only then does the compiler drop the other instances, here and below.
+        if I::SHARES_LOOPS_OF_PARTS {
+            let whole = SplitWeights::WHOLE.of(interaction);
+            return self.run(whole, false, at, detail, forces, each);
+        }
+        self.run(interaction, false, at, detail, forces, each)
+    }
+
+    /// Takes fused steps with a list.
+    fn advance_list<I: Interaction>(
+        listed: &mut Listed,
+        interaction: I,
+        steps: &mut FusedSteps<'_>,
+        kick_drift: KickDrift,
+        clock: &mut Clock,
+    ) -> u64 {
+        if I::SHARES_LOOPS_OF_PARTS {
+            let whole = SplitWeights::WHOLE.of(interaction);
+            return listed.advance(whole, steps, kick_drift, clock);
+        }
+        listed.advance(interaction, steps, kick_drift, clock)
+    }
+
+    fn run<I: Interaction>(
+        &mut self,
+        interaction: I,
         near: bool,
         at: Configuration<'_>,
         detail: Detail,
@@ -148,12 +197,12 @@ impl PairForces {
         }) = &mut self.split
             && near
         {
-            return list.evaluate(form, at, detail, forces, each, clock);
+            return list.evaluate(interaction, at, detail, forces, each, clock);
         }
         // The near part is zero beyond r_split, so that the cutoff of the whole force serves it too.
         let (model, exclusions) = (self.model, &self.exclusions);
         if let Strategy::Verlet(listed) = &mut self.strategy {
-            return listed.evaluate(form, at, detail, forces, each, clock);
+            return listed.evaluate(interaction, at, detail, forces, each, clock);
         }
         if !at.positions.iter().all(|r| r.is_finite()) {
             return Err(non_finite::position(at.positions));
@@ -162,7 +211,7 @@ impl PairForces {
             Strategy::Direct { wrapped } => {
                 wrap(at.cell, at.positions, wrapped);
                 let job = CanonicalJob {
-                    form,
+                    interaction,
                     r_cut: model.r_cut,
                     cell: at.cell,
                     wrapped,
@@ -170,7 +219,7 @@ impl PairForces {
                 };
                 Totals::of_chunks(&job.run(forces, each))
             }
-            _ => reference::evaluate(OneSpecies(form), &model, exclusions, at, forces, each),
+            _ => reference::evaluate(interaction, &model, exclusions, at, forces, each),
         });
         if !forces.iter().all(|f| f.is_finite()) {
             return Err(non_finite::force(forces));
@@ -211,25 +260,15 @@ impl ForceTerm for PairForces {
         };
         let near = part == Part::Near;
         let slots = each.as_deref_mut();
-        if let Some(laws) = &self.laws {
-            if !at.positions.iter().all(|r| r.is_finite()) {
-                return Err(non_finite::position(at.positions));
-            }
-            let totals = with_form!(self.model.form, form => {
-                let interaction = ManySpecies { form, laws };
-                reference::evaluate(interaction, &self.model, &self.exclusions, at, forces, slots)
-            });
-            if !forces.iter().all(|f| f.is_finite()) {
-                return Err(non_finite::force(forces));
-            }
-            return Ok(totals.deliver(want, 0.0, each));
-        }
-        let totals = with_form!(self.model.form, form => match split {
-            None => self.run(form, near, at, detail, forces, slots),
-            Some(weights) => self.run(weights.of(form), near, at, detail, forces, slots),
+        // A copy of the pointer, which leaves the lists free to change.
+        let laws = self.laws.clone();
+        let mut totals = with_interaction!(self.model.form, &laws, interaction => match split {
+            None => self.run_whole(interaction, at, detail, forces, slots),
+            Some(weights) => self.run(weights.of(interaction), near, at, detail, forces, slots),
         })?;
         // The far part has the whole jump at the cutoff, since the near part is zero there.
         let jump = if near {
+            totals.at_cutoff = 0.0;
             0.0
         } else {
             self.model.energy_at_cutoff
@@ -296,7 +335,9 @@ impl Backend for PairForces {
             return 0;
         };
         let clock = &mut self.clock;
-        let taken = with_form!(self.model.form, form => listed.advance(form, &mut steps, kick_drift, clock));
+        let taken = with_interaction!(self.model.form, &self.laws, interaction => {
+            Self::advance_list(listed, interaction, &mut steps, kick_drift, clock)
+        });
         self.evaluations += taken;
         taken
     }

@@ -42,6 +42,24 @@ pub trait Real:
     fn look_up(self, rows: &TableRows) -> (Self, [Self; 4]);
 }
 
+/// A number type of registers.
+pub trait Number: Copy + Send + Sync + 'static {
+    /// The number nearest to a double.
+    fn of(value: f64) -> Self;
+}
+
+impl Number for f64 {
+    fn of(value: f64) -> Self {
+        value
+    }
+}
+
+impl Number for f32 {
+    fn of(value: f64) -> Self {
+        value as Self
+    }
+}
+
 impl Real for f64 {
     #[inline(always)]
     fn splat(self, value: f64) -> Self {

@@ -3,7 +3,8 @@
 use glam::DVec3;
 use lennard_core::{Configuration, Exclusions};
 
-use crate::pair::{Interaction, Model};
+use crate::interaction::Interaction;
+use crate::pair::Model;
 use crate::simd::PerParticle;
 use crate::sums::{Totals, outer};
 
@@ -27,7 +28,7 @@ pub fn evaluate<I: Interaction>(
             let r2 = r_ij.length_squared();
             if r2 <= model.r_cut * model.r_cut
                 && !exclusions.exclude(i, j)
-                && let Some(pair) = interaction.between(i, j, r2)
+                && let Some(pair) = interaction.between_in_epsilon(i, j, r2)
             {
                 let f_ij = pair.force * r_ij;
                 forces[i] += f_ij;

@@ -52,13 +52,14 @@ impl Totals {
             sum.energy += chunk.energy;
             sum.virial += chunk.virial;
             sum.laplacian += chunk.laplacian;
+            sum.at_cutoff += chunk.at_cutoff;
             sum.pairs += chunk.pairs;
         }
         Self {
             energy: 0.5 * sum.energy,
             virial: 0.5 * sum.virial,
             laplacian: sum.laplacian,
-            at_cutoff: 0.0,
+            at_cutoff: 0.5 * sum.at_cutoff,
             pairs: sum.pairs / 2,
         }
     }

@@ -1,5 +1,7 @@
 //! The validity of a list: the box and the positions of its build, and when it may be used.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use lennard_core::{ForceError, PeriodicBox};
 use lennard_neighbor::{
@@ -31,20 +33,26 @@ pub struct ListValidity {
     build: Option<Build>,
     /// Positions of the last build by slot, σ; their room is reused.
     built: Vec<DVec3>,
+    /// The species of each particle, where there are several.
+    of_particle: Option<Arc<[u8]>>,
+    /// The species at each slot of the last build, where there are several.
+    species: Vec<u8>,
     /// The pairs of slots that were inserted since the build, in their order.
     inserted: Vec<[u32; 2]>,
     builds: u64,
 }
 
 impl ListValidity {
-    /// The validity of a list that is not built yet, with a cutoff and a skin, σ.
-    pub fn new(r_cut: f64, skin: f64, level: Level) -> Self {
+    /// The validity of a list that is not built yet, with a cutoff and a skin, σ, and the species of each particle.
+    pub fn new(r_cut: f64, skin: f64, level: Level, of_particle: Option<Arc<[u8]>>) -> Self {
         Self {
             r_cut,
             skin,
             level,
             build: None,
             built: Vec::new(),
+            of_particle,
+            species: Vec::new(),
             inserted: Vec::new(),
             builds: 0,
         }
@@ -82,7 +90,7 @@ impl ListValidity {
 
     /// Number of bytes held.
     pub fn bytes(&self) -> usize {
-        size_of::<DVec3>() * self.built.capacity()
+        size_of::<DVec3>() * self.built.capacity() + self.species.capacity()
     }
 
     /// Builds a list in a box.
@@ -111,6 +119,11 @@ impl ListValidity {
         )?;
         debug_assert!(list.is_valid(), "the loops rely on valid lists");
         by_slot(list.source(), positions.values(), &mut self.built);
+        if let Some(of_particle) = &self.of_particle {
+            let of_slots = list.particles().iter().map(|p| of_particle[*p as usize]);
+            self.species.clear();
+            self.species.extend(of_slots);
+        }
         self.inserted.clear();
         self.builds += 1;
         self.build = Some(Build {
@@ -165,6 +178,7 @@ impl ListValidity {
             cell,
             r_cut: self.r_cut,
             built: &self.built,
+            species: self.of_particle.is_some().then_some(&self.species[..]),
             stretch: cell.lengths() / build.cell.lengths(),
             far2: criterion.far2(),
             judge: &|summary, packed, at| {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use lennard_neighbor::NeighborList;
 
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
-use crate::pair::PairForm;
+use crate::interaction::Interaction;
 use crate::simd::{ListInUse, ListStatus, MotionSummary, Ordered, Outcome, PerParticle};
 
 /// Folded positions, and the neighbors of each particle in ascending order.
@@ -30,10 +30,10 @@ impl Folded {
     }
 
     /// Folds positions, judges the list, and writes forces (and `each`) where the list is complete.
-    pub fn evaluate<F: PairForm>(
+    pub fn evaluate<I: Interaction>(
         &mut self,
         used: &ListInUse<'_, NeighborList>,
-        form: F,
+        interaction: I,
         positions: &[DVec3],
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
@@ -56,7 +56,7 @@ impl Folded {
             };
         }
         let job = CanonicalJob {
-            form,
+            interaction,
             r_cut: used.r_cut,
             cell: used.cell,
             wrapped: &self.wrapped,

@@ -3,6 +3,8 @@
 mod folded;
 mod persist;
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use lennard_core::{Configuration, Exclusions, ForceError, FusedSteps, PeriodicBox};
 use lennard_neighbor::{ClusterList, Images, NeighborList, Positions};
@@ -10,8 +12,8 @@ use lennard_neighbor::{ClusterList, Images, NeighborList, Positions};
 use self::folded::Folded;
 use crate::clock::Clock;
 use crate::fused::FusedBuffers;
+use crate::interaction::Interaction;
 use crate::non_finite;
-use crate::pair::PairForm;
 use crate::simd::{
     Detail, DoubleRow, FixedRow, KickDrift, Level, ListStatus, Outcome, PackedCopies, PerParticle,
     Prepared, Request,
@@ -75,7 +77,15 @@ use with_any_list;
 
 impl Listed {
     /// A list for `r_cut` and `skin` in σ, without the excluded pairs.
-    pub fn new(r_cut: f64, skin: f64, level: Level, kind: Loop, exclusions: Exclusions) -> Self {
+    ///
+    /// `of_particle` has the species of each particle, where there are several.
+    pub fn new(
+        (r_cut, skin): (f64, f64),
+        level: Level,
+        kind: Loop,
+        exclusions: Exclusions,
+        of_particle: Option<Arc<[u8]>>,
+    ) -> Self {
         let list =
             |images| Box::new(NeighborList::new(images, level.lanes()).excluding(exclusions));
         let pairs = match kind {
@@ -87,7 +97,7 @@ impl Listed {
             ),
         };
         Self {
-            validity: ListValidity::new(r_cut, skin, level),
+            validity: ListValidity::new(r_cut, skin, level, of_particle),
             pairs,
         }
     }
@@ -147,9 +157,9 @@ impl Listed {
     }
 
     /// Writes forces (and `each`) at a configuration, and returns the totals that `detail` asks for.
-    pub fn evaluate<F: PairForm>(
+    pub fn evaluate<I: Interaction>(
         &mut self,
-        form: F,
+        interaction: I,
         at: Configuration<'_>,
         detail: Detail,
         forces: &mut [DVec3],
@@ -160,7 +170,7 @@ impl Listed {
             let mut request = Request::of(detail);
             while self.may_be_valid(at.cell, at.positions.len()) {
                 let each = each.as_deref_mut();
-                let outcome = self.attempt(form, at, request, forces, each);
+                let outcome = self.attempt(interaction, at, request, forces, each);
                 match &outcome.status {
                     ListStatus::Complete | ListStatus::NonFinite => return Ok(outcome),
                     ListStatus::Incomplete(pairs) if self.insert(pairs) => {
@@ -170,7 +180,7 @@ impl Listed {
                 }
             }
             clock.building(|| self.build(at.cell, at.positions))?;
-            Ok(self.attempt(form, at, Request::of(detail), forces, each))
+            Ok(self.attempt(interaction, at, Request::of(detail), forces, each))
         })?;
         if outcome.status == ListStatus::NonFinite {
             return Err(non_finite::position(at.positions));
@@ -187,9 +197,9 @@ impl Listed {
     }
 
     /// Judges the list where the request demands it, and evaluates where the list is complete.
-    fn attempt<F: PairForm>(
+    fn attempt<I: Interaction>(
         &mut self,
-        form: F,
+        interaction: I,
         at: Configuration<'_>,
         request: Request,
         forces: &mut [DVec3],
@@ -198,21 +208,35 @@ impl Listed {
         let (validity, positions) = (&self.validity, at.positions);
         match &mut self.pairs {
             Pairs::Canonical(list, folded) => validity.with_list(&**list, at.cell, |used| {
-                folded.evaluate(used, form, positions, forces, each)
+                folded.evaluate(used, interaction, positions, forces, each)
             }),
             Pairs::Rows(list, copies) => validity.with_list(&**list, at.cell, |used| {
-                used.evaluate(&mut copies.packed, form, positions, request, forces, each)
+                used.evaluate(
+                    &mut copies.packed,
+                    interaction,
+                    positions,
+                    request,
+                    forces,
+                    each,
+                )
             }),
             Pairs::Clusters(list, copies) => validity.with_list(&**list, at.cell, |used| {
-                used.evaluate(&mut copies.packed, form, positions, request, forces, each)
+                used.evaluate(
+                    &mut copies.packed,
+                    interaction,
+                    positions,
+                    request,
+                    forces,
+                    each,
+                )
             }),
         }
     }
 
     /// Takes fused steps: see [`lennard_core::Backend::advance`].
-    pub fn advance<F: PairForm>(
+    pub fn advance<I: Interaction>(
         &mut self,
-        form: F,
+        interaction: I,
         steps: &mut FusedSteps<'_>,
         kick_drift: KickDrift,
         clock: &mut Clock,
@@ -227,7 +251,7 @@ impl Listed {
             Pairs::Rows(list, Copies { packed, fused }) => fused.advance(
                 validity,
                 (&mut **list, packed),
-                form,
+                interaction,
                 steps,
                 kick_drift,
                 clock,
@@ -235,7 +259,7 @@ impl Listed {
             Pairs::Clusters(list, Copies { packed, fused }) => fused.advance(
                 validity,
                 (&mut **list, packed),
-                form,
+                interaction,
                 steps,
                 kick_drift,
                 clock,

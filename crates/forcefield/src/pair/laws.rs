@@ -59,8 +59,10 @@ pub struct Laws {
     pub r_cut: f64,
     /// The smallest cutoff, σ.
     pub smallest_r_cut: f64,
-    mixture: Mixture,
-    table: [[PairLaw; MOST_SPECIES]; MOST_SPECIES],
+    /// The species of the particles.
+    pub mixture: Mixture,
+    /// The numbers of each pair of species.
+    pub of_pairs: [[PairLaw; MOST_SPECIES]; MOST_SPECIES],
 }
 
 impl Laws {
@@ -79,7 +81,7 @@ impl Laws {
             r_cut: 0.0,
             smallest_r_cut: f64::INFINITY,
             mixture: mixture.clone(),
-            table: [[PairLaw::NOTHING; MOST_SPECIES]; MOST_SPECIES],
+            of_pairs: [[PairLaw::NOTHING; MOST_SPECIES]; MOST_SPECIES],
         };
         for a in 0..mixture.species() {
             for b in 0..mixture.species() {
@@ -95,7 +97,7 @@ impl Laws {
                 laws.r_cut = laws.r_cut.max(r_cut);
                 laws.smallest_r_cut = laws.smallest_r_cut.min(r_cut);
                 let sigma2 = pair.sigma * pair.sigma;
-                laws.table[a][b] = PairLaw {
+                laws.of_pairs[a][b] = PairLaw {
                     r_cut2: r_cut * r_cut,
                     sigma2,
                     inv_sigma2: 1.0 / sigma2,
@@ -114,7 +116,7 @@ impl Laws {
     pub fn between(&self, i: usize, j: usize) -> &PairLaw {
         let of_particle = self.mixture.of_particle();
         let [a, b] = [i, j].map(|i| usize::from(of_particle[i]));
-        &self.table[a][b]
+        &self.of_pairs[a][b]
     }
 
     /// The values of two particles at r² = `r2` σ² ≤ r_cut², ε.

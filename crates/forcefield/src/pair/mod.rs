@@ -3,24 +3,21 @@
 //! A potential is one file in `potentials/` and one line in its list; a truncation likewise in `truncations/`. Options, scene
 //! keys, dispatch to the kernels, tails, names and tests follow from the two lists.
 
-mod interaction;
 mod laws;
 mod mixture;
 mod model;
-mod part;
 pub mod potentials;
 mod smoothstep;
 pub(crate) mod tabulated;
 mod tail;
 mod truncations;
 
-pub use interaction::{Interaction, ManySpecies, OneSpecies};
-pub use laws::{Laws, as_one_fluid};
+pub(crate) use laws::{Laws, PairLaw, as_one_fluid};
 pub use mixture::{MOST_SPECIES, Mixture, SpeciesPair};
 pub use model::{Model, model_name};
-pub use part::SplitWeights;
 pub(crate) use potentials::with_form;
 pub use potentials::*;
+pub(crate) use smoothstep::{Smoothstep, Step};
 pub use tabulated::TablePath;
 pub use tail::{Tail, tail_correction, tail_of_mixture};
 pub(crate) use truncations::with_truncated;
@@ -43,7 +40,7 @@ pub struct Pair<R> {
 impl<R: Real> Pair<R> {
     /// The values in ε, of a formula that counts in `unit` ε.
     #[inline(always)]
-    fn in_epsilon(self, unit: f64) -> Self {
+    pub(crate) fn in_epsilon(self, unit: f64) -> Self {
         let unit = self.energy.splat(unit);
         Self {
             energy: self.energy * unit,
@@ -58,6 +55,8 @@ pub trait PairPotential: Copy + std::fmt::Debug + Send + Sync + 'static {
     /// The unit of energy of the formula, ε. A common factor of every pair becomes a factor of the sums, where it costs
     /// nothing.
     const UNIT: f64 = 1.0;
+    /// Whether mixtures use the potential so seldom that their loops have few instances of it, which are slower.
+    const RARE_IN_MIXTURES: bool = true;
     /// U, −U′/r and U″ at r² = `r2` σ², in [`PairPotential::UNIT`]; `inv_r2` is 1/r².
     fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R>;
     /// ∫ r² U dr from `r_cut` to ∞, ε·σ³.
@@ -70,6 +69,8 @@ pub trait PairPotential: Copy + std::fmt::Debug + Send + Sync + 'static {
 pub trait PairForm: Copy + Send + Sync + 'static {
     /// Whether runs use the form so seldom that an instance of the loop without energetics is not worth compiling.
     const RARE: bool = false;
+    /// The same in mixtures.
+    const RARE_IN_MIXTURES: bool = true;
     /// The unit of energy of the form, ε: kernels multiply their sums by it.
     const UNIT: f64;
     /// The numbers of the form that depend on its cutoff. In a mixture they differ from one pair of species to another.

@@ -20,12 +20,18 @@ const BEYOND: f64 = 1e9;
 #[derive(Clone, Copy)]
 pub struct Step<R> {
     /// S.
-    pub(super) value: R,
+    pub value: R,
     first: R,
     second: R,
 }
 
 impl Smoothstep {
+    /// A step at no distance.
+    pub const NOWHERE: Self = Self {
+        on: 0.0,
+        inv_width: 0.0,
+    };
+
     /// Falls from 1 at r = `from` to 0 at r = `to`, both in σ.
     pub fn new(from: f64, to: f64) -> Self {
         Self {

@@ -38,7 +38,9 @@ pub trait Accumulate<L: Lanes>: Copy {
     fn nothing(isa: L::Isa) -> Self;
 
     /// Adds the pairs `inside`, with distance vectors `r_ij` and −U′/r = `f`, which is zero in all other lanes.
-    fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, inside: L::Mask);
+    ///
+    /// `at_cutoff` has U(r_cut) of each pair, where pairs of species differ.
+    fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, at_cutoff: Option<L>, inside: L::Mask);
 
     /// The sums over all lanes.
     fn totals(&self, units: Units) -> ChunkTotals;
@@ -57,7 +59,15 @@ impl<L: Lanes> Accumulate<L> for ForcesAlone {
     }
 
     #[inline(always)]
-    fn add(&mut self, _r_ij: [L; 3], _f: L, _pair: &Pair<L>, _inside: L::Mask) {}
+    fn add(
+        &mut self,
+        _r_ij: [L; 3],
+        _f: L,
+        _pair: &Pair<L>,
+        _at_cutoff: Option<L>,
+        _inside: L::Mask,
+    ) {
+    }
 
     #[inline(always)]
     fn totals(&self, _units: Units) -> ChunkTotals {
@@ -65,11 +75,13 @@ impl<L: Lanes> Accumulate<L> for ForcesAlone {
     }
 }
 
-/// Energy, Laplacian, virial and number of pairs, one sum per lane.
+/// Energy, Laplacian, energy at the cutoff, virial and number of pairs, one sum per lane.
 #[derive(Clone, Copy)]
 pub struct PairSums<L> {
     energy: L,
     laplacian: L,
+    /// Stays zero where pairs are counted instead.
+    at_cutoff: L,
     /// xx, yy, zz, xy, xz, yz.
     virial: [L; 6],
     pairs: u32,
@@ -84,16 +96,20 @@ impl<L: Lanes> Accumulate<L> for PairSums<L> {
         Self {
             energy: zero,
             laplacian: zero,
+            at_cutoff: zero,
             virial: [zero; 6],
             pairs: 0,
         }
     }
 
     #[inline(always)]
-    fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, inside: L::Mask) {
+    fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, at_cutoff: Option<L>, inside: L::Mask) {
         let [dx, dy, dz] = r_ij;
         self.pairs += L::count(inside);
         self.energy = self.energy + pair.energy.keep(inside);
+        if let Some(at_cutoff) = at_cutoff {
+            self.at_cutoff = self.at_cutoff + at_cutoff.keep(inside);
+        }
         let curvature = pair.curvature.keep(inside);
         self.laplacian = self.laplacian + f.mul_add(f.splat(-2.0), curvature);
         let [xx, yy, zz, xy, xz, yz] = &mut self.virial;
@@ -115,6 +131,7 @@ impl<L: Lanes> Accumulate<L> for PairSums<L> {
             energy: units.energy * self.energy.sum(),
             virial: units.virial() * DMat3::from_cols_array(&virial),
             laplacian: units.energy * self.laplacian.sum(),
+            at_cutoff: units.energy * self.at_cutoff.sum(),
             pairs: u64::from(self.pairs),
             broken: false,
         }

@@ -4,13 +4,14 @@ use std::arch::x86_64::*;
 
 use super::arithmetic::arithmetic;
 use super::cluster_loop::{self, ClusterJob};
-use super::lanes::{BlockEntry, Entry, FixedLanes, Lanes, RowLanes};
+use super::lanes::{BlockEntry, BySpecies, Entry, FixedLanes, Lanes, RowLanes};
 use super::level::Avx2;
 use super::output::Output;
 use super::registers::register;
 use super::row::{DoubleRow, FixedRow};
 use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
+use crate::interaction::Interaction;
 use crate::options::Precision;
 use crate::pair::PairForm;
 
@@ -22,9 +23,18 @@ pub struct F64x4(pub(super) __m256d);
 #[derive(Clone, Copy)]
 pub struct F32x8(pub(super) __m256);
 
-/// Fixed-point coordinates of eight rows along x, y and z. A value proves that this processor has AVX2.
+/// Fixed-point coordinates of eight rows along x, y and z, and their species. A value proves that this processor has AVX2.
 #[derive(Clone, Copy)]
-pub struct Fixed8([__m256i; 3]);
+pub struct Fixed8([__m256i; 4]);
+
+/// A double for each of eight species.
+#[derive(Clone, Copy)]
+pub struct Doubles {
+    /// Species 0 to 3.
+    low: F64x4,
+    /// Species 4 to 7.
+    high: F64x4,
+}
 
 register!(
     F64x4,
@@ -59,6 +69,9 @@ impl Lanes for F64x4 {
     type Row = DoubleRow;
     type Rows = [Self; 3];
     type Mask = __m256d;
+    type Number = f64;
+    type Species = __m256d;
+    type Table = Doubles;
 
     #[inline(always)]
     fn constant(_isa: Avx2, value: f64) -> Self {
@@ -71,6 +84,35 @@ impl Lanes for F64x4 {
         let [x, y, z, _] = row.0;
         let constant = |value| Self::constant(isa, value);
         [constant(x), constant(y), constant(z)]
+    }
+
+    #[inline(always)]
+    fn species_of(row: &DoubleRow) -> usize {
+        row.species_by_halves()
+    }
+    #[inline(always)]
+    fn table(_isa: Avx2, numbers: &BySpecies<f64>) -> Doubles {
+        // SAFETY: there are eight numbers, aligned; the token proves AVX2.
+        unsafe {
+            let four = |k: usize| F64x4(_mm256_load_pd(numbers.0.as_ptr().add(k)));
+            Doubles {
+                low: four(0),
+                high: four(4),
+            }
+        }
+    }
+    #[inline(always)]
+    fn pick(table: Doubles, species: __m256d) -> Self {
+        // SAFETY: a value of this type proves AVX2.
+        unsafe {
+            // The halves of a double are picked as singles, and the sign of the species says from which register.
+            let halves = _mm256_castpd_si256(species);
+            let from = |table: F64x4| {
+                let picked = _mm256_permutevar8x32_ps(_mm256_castpd_ps(table.0), halves);
+                _mm256_castps_pd(picked)
+            };
+            Self(_mm256_blendv_pd(from(table.low), from(table.high), species))
+        }
     }
 
     #[inline(always)]
@@ -107,7 +149,7 @@ impl RowLanes for F64x4 {
         own: Self::Rows,
         rows: *const DoubleRow,
         entries: *const E,
-    ) -> [Self; 3] {
+    ) -> ([Self; 3], __m256d) {
         // SAFETY: four entries are readable, each numbers a readable row; a value or the token proves AVX2.
         unsafe {
             let row = |k: usize| _mm256_load_pd((*entries.add(k)).row(rows).cast());
@@ -119,7 +161,9 @@ impl RowLanes for F64x4 {
             let x = _mm256_permute2f128_pd::<0x20>(xz_low, xz_high);
             let y = _mm256_permute2f128_pd::<0x20>(y_low, y_high);
             let z = _mm256_permute2f128_pd::<0x31>(xz_low, xz_high);
-            [own[0] - Self(x), own[1] - Self(y), own[2] - Self(z)]
+            let species = _mm256_permute2f128_pd::<0x31>(y_low, y_high);
+            let apart = [own[0] - Self(x), own[1] - Self(y), own[2] - Self(z)];
+            (apart, species)
         }
     }
 
@@ -140,6 +184,9 @@ impl Lanes for F32x8 {
     type Row = FixedRow;
     type Rows = Fixed8;
     type Mask = __m256;
+    type Number = f32;
+    type Species = __m256i;
+    type Table = Self;
 
     #[inline(always)]
     fn constant(_isa: Avx2, value: f64) -> Self {
@@ -155,8 +202,24 @@ impl Lanes for F32x8 {
                 _mm256_set1_epi32(row.0[0]),
                 _mm256_set1_epi32(row.0[1]),
                 _mm256_set1_epi32(row.0[2]),
+                _mm256_set1_epi32(row.0[3]),
             ])
         }
+    }
+
+    #[inline(always)]
+    fn species_of(row: &FixedRow) -> usize {
+        row.species()
+    }
+    #[inline(always)]
+    fn table(_isa: Avx2, numbers: &BySpecies<f32>) -> Self {
+        // SAFETY: there are eight numbers, aligned; the token proves AVX2.
+        Self(unsafe { _mm256_load_ps(numbers.0.as_ptr()) })
+    }
+    #[inline(always)]
+    fn pick(table: Self, species: __m256i) -> Self {
+        // SAFETY: a value of this type proves AVX2.
+        Self(unsafe { _mm256_permutevar8x32_ps(table.0, species) })
     }
 
     #[inline(always)]
@@ -204,8 +267,14 @@ impl FixedLanes for F32x8 {
                 _mm256_unpacklo_epi64(xy_ab, xy_cd),
                 _mm256_unpackhi_epi64(xy_ab, xy_cd),
                 _mm256_unpacklo_epi64(z_ab, z_cd),
+                _mm256_unpackhi_epi64(z_ab, z_cd),
             ])
         }
+    }
+
+    #[inline(always)]
+    fn species(rows: Fixed8) -> __m256i {
+        rows.0[3]
     }
 
     #[inline(always)]
@@ -234,30 +303,30 @@ impl FixedLanes for F32x8 {
 
 /// The loop over row lists.
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-pub fn run_double<F: PairForm>(
+pub fn run_double<I: Interaction>(
     isa: Avx2,
-    job: &RowJob<'_, F>,
+    job: &RowJob<'_, I>,
     rows: &[DoubleRow],
     chunk: usize,
     detail: Detail,
     output: &Output<'_>,
 ) -> ChunkTotals {
     // SAFETY: the caller runs each chunk once.
-    unsafe { row_loop::run::<F64x4, F>(isa, job, rows, chunk, detail, output) }
+    unsafe { row_loop::run::<F64x4, I>(isa, job, rows, chunk, detail, output) }
 }
 
 /// The loop over cluster lists.
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-pub fn run_cluster<F: PairForm>(
+pub fn run_cluster<I: Interaction>(
     isa: Avx2,
-    job: &ClusterJob<'_, F>,
+    job: &ClusterJob<'_, I>,
     rows: &[FixedRow],
     chunk: usize,
     detail: Detail,
     output: &Output<'_>,
 ) -> ChunkTotals {
     // SAFETY: as above.
-    unsafe { cluster_loop::run::<F32x8, F>(isa, job, rows, chunk, detail, output) }
+    unsafe { cluster_loop::run::<F32x8, I>(isa, job, rows, chunk, detail, output) }
 }
 
 /// The arithmetic of a number of rounds without memory, in a precision.

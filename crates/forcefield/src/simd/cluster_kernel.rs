@@ -17,32 +17,24 @@ use super::accumulate::{Accumulate, Units};
 use super::block_stream::BlockStream;
 use super::frames::Frame;
 use super::lanes::FixedLanes;
-use crate::pair::PairForm;
+use super::row::FixedRow;
+use crate::interaction::Interaction;
 
-/// The units of a frame, and the constants of the loop in these units.
-#[derive(Clone, Copy)]
-pub struct FrameUnits {
+/// The units of a frame, and the numbers of the interaction in these units.
+pub struct FrameUnits<I: Interaction> {
     units: Units,
-    /// The square of the cutoff, in units of the frame.
-    r_cut2: f64,
-    /// The square of the length unit, σ².
-    unit2: f64,
-    /// The inverse of `unit2`, σ⁻².
-    inv_unit2: f64,
+    numbers: I::Numbers<f32>,
 }
 
-impl FrameUnits {
+impl<I: Interaction> FrameUnits<I> {
     /// The units of a frame whose length unit is `length` σ.
-    pub fn new<F: PairForm>(r_cut: f64, length: f64) -> Self {
-        let unit2 = length * length;
+    pub fn new(interaction: &I, r_cut: f64, length: f64) -> Self {
         Self {
             units: Units {
-                energy: F::UNIT,
+                energy: I::UNIT,
                 length,
             },
-            r_cut2: r_cut * r_cut / unit2,
-            unit2,
-            inv_unit2: 1.0 / unit2,
+            numbers: interaction.numbers(r_cut, length),
         }
     }
 }
@@ -72,39 +64,84 @@ impl BlockCounts {
 /// Sums of one member.
 #[derive(Clone, Copy)]
 pub struct MemberSums<L, A> {
-    /// In units of the form and of the frame.
+    /// In units of the interaction and of the frame.
     pub force: [L; 3],
     /// The sums in addition to the force.
     pub others: A,
 }
 
 /// A cluster in a frame, ready to interact with its neighbors.
-pub struct ClusterKernel<L: FixedLanes, F, V> {
+pub struct ClusterKernel<L: FixedLanes, I: Interaction, V> {
     isa: L::Isa,
-    form: F,
-    /// The square of the cutoff, in units of the frame.
-    r_cut2: L,
-    /// The square of the length unit, σ².
-    unit2: L,
-    /// The inverse of `unit2`, σ⁻².
-    inv_unit2: L,
+    interaction: I,
+    /// The numbers of each member.
+    numbers: [I::Own<L>; CLUSTER],
     units: Units,
     frame: V,
 }
 
-impl<L: FixedLanes, F: PairForm, V: Frame<L>> ClusterKernel<L, F, V> {
-    /// The kernel of a potential in a frame and its units.
+/// A member in registers.
+struct Member<'a, L: FixedLanes, I: Interaction, V: Frame<L>> {
+    at: V::Member,
+    numbers: &'a I::Own<L>,
+}
+
+impl<L: FixedLanes, I: Interaction, V: Frame<L>> Clone for Member<'_, L, I, V> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<L: FixedLanes, I: Interaction, V: Frame<L>> Copy for Member<'_, L, I, V> {}
+
+impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
+    /// The kernel of an interaction for members with these rows, in a frame and its units.
     #[inline(always)]
-    pub fn new(isa: L::Isa, form: F, units: &FrameUnits, frame: V) -> Self {
+    pub fn new(
+        isa: L::Isa,
+        interaction: I,
+        units: &FrameUnits<I>,
+        [a, b, c, d]: [&FixedRow; CLUSTER],
+        frame: V,
+    ) -> Self {
+        let numbers = &units.numbers;
         Self {
             isa,
-            form,
-            r_cut2: L::constant(isa, units.r_cut2),
-            unit2: L::constant(isa, units.unit2),
-            inv_unit2: L::constant(isa, units.inv_unit2),
+            interaction,
+            numbers: [
+                I::own::<L>(isa, numbers, a),
+                I::own::<L>(isa, numbers, b),
+                I::own::<L>(isa, numbers, c),
+                I::own::<L>(isa, numbers, d),
+            ],
             units: units.units,
             frame,
         }
+    }
+
+    /// The members in registers.
+    #[inline(always)]
+    fn members(&self) -> [Member<'_, L, I, V>; CLUSTER] {
+        let [a, b, c, d] = self.frame.members();
+        let [of_a, of_b, of_c, of_d] = &self.numbers;
+        [
+            Member {
+                at: a,
+                numbers: of_a,
+            },
+            Member {
+                at: b,
+                numbers: of_b,
+            },
+            Member {
+                at: c,
+                numbers: of_c,
+            },
+            Member {
+                at: d,
+                numbers: of_d,
+            },
+        ]
     }
 
     /// The sums `A` of each member over the next list of the stream, and their units; `C` sums over all members.
@@ -124,7 +161,7 @@ impl<L: FixedLanes, F: PairForm, V: Frame<L>> ClusterKernel<L, F, V> {
         let all = [u16::MAX; CLUSTER];
         // SAFETY: the contract is passed on.
         unsafe {
-            let members = self.frame.members();
+            let members = self.members();
             let [a, b] = self.half(members[0], members[1], counts.first_half, stream, common);
             let [c, d] = self.half(members[2], members[3], counts.second_half, stream, common);
             let mut sums = [a, b, c, d];
@@ -159,8 +196,8 @@ impl<L: FixedLanes, F: PairForm, V: Frame<L>> ClusterKernel<L, F, V> {
     #[inline(always)]
     unsafe fn half<A: Accumulate<L>, C: Accumulate<L>>(
         &self,
-        first: V::Member,
-        second: V::Member,
+        first: Member<'_, L, I, V>,
+        second: Member<'_, L, I, V>,
         blocks: u32,
         stream: &mut BlockStream<L>,
         common: &mut C,
@@ -175,7 +212,7 @@ impl<L: FixedLanes, F: PairForm, V: Frame<L>> ClusterKernel<L, F, V> {
             let valid = u32::from(unsafe { stream.valid() });
             for part in 0..BLOCK / L::WIDTH {
                 // SAFETY: as above.
-                let neighbors = self.frame.neighbors(unsafe { stream.next(part) });
+                let neighbors = self.neighbors(unsafe { stream.next(part) });
                 let bits = valid >> (part * L::WIDTH);
                 of_first = self.interact::<A, C, true>(first, neighbors, bits, of_first, common);
                 of_second = self.interact::<A, C, true>(second, neighbors, bits, of_second, common);
@@ -191,7 +228,7 @@ impl<L: FixedLanes, F: PairForm, V: Frame<L>> ClusterKernel<L, F, V> {
     #[inline(always)]
     unsafe fn block<A: Accumulate<L>, C: Accumulate<L>, const MASKED: bool>(
         &self,
-        members: [V::Member; CLUSTER],
+        members: [Member<'_, L, I, V>; CLUSTER],
         stream: &mut BlockStream<L>,
         valid: [u16; CLUSTER],
         sums: [MemberSums<L, A>; CLUSTER],
@@ -201,7 +238,7 @@ impl<L: FixedLanes, F: PairForm, V: Frame<L>> ClusterKernel<L, F, V> {
         let [mut a, mut b, mut c, mut d] = sums;
         for part in 0..BLOCK / L::WIDTH {
             // SAFETY: the contract is passed on.
-            let neighbors = self.frame.neighbors(unsafe { stream.next(part) });
+            let neighbors = self.neighbors(unsafe { stream.next(part) });
             let bits = |valid: u16| u32::from(valid) >> (part * L::WIDTH);
             a = self.interact::<A, C, MASKED>(members[0], neighbors, bits(valid[0]), a, common);
             b = self.interact::<A, C, MASKED>(members[1], neighbors, bits(valid[1]), b, common);
@@ -211,33 +248,41 @@ impl<L: FixedLanes, F: PairForm, V: Frame<L>> ClusterKernel<L, F, V> {
         [a, b, c, d]
     }
 
+    /// The neighbors of gathered rows in the frame, and their species.
+    #[inline(always)]
+    fn neighbors(&self, rows: L::Rows) -> (V::Neighbors, L::Species) {
+        (self.frame.neighbors(rows), L::species(rows))
+    }
+
     /// Adds the pairs of one member with one register of neighbors; where they are `MASKED`, only the lanes set in `bits`.
     #[inline(always)]
     fn interact<A: Accumulate<L>, C: Accumulate<L>, const MASKED: bool>(
         &self,
-        member: V::Member,
-        neighbors: V::Neighbors,
+        member: Member<'_, L, I, V>,
+        (neighbors, species): (V::Neighbors, L::Species),
         bits: u32,
         mut sums: MemberSums<L, A>,
         common: &mut C,
     ) -> MemberSums<L, A> {
-        let [dx, dy, dz] = self.frame.apart(member, neighbors);
+        let [dx, dy, dz] = self.frame.apart(member.at, neighbors);
         let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx));
+        let r_cut2 = I::r_cut2::<L>(member.numbers, species);
         let inside = if MASKED {
-            r2.at_most_among(self.r_cut2, bits)
+            r2.at_most_among(r_cut2, bits)
         } else {
-            r2.at_most(self.r_cut2)
+            r2.at_most(r_cut2)
         };
         let pair = if V::IN_SIGMA {
-            self.form.eval(r2, r2.recip())
+            (self.interaction).eval::<L, true>(member.numbers, species, r2)
         } else {
-            self.form.eval(r2 * self.unit2, self.inv_unit2 / r2)
+            (self.interaction).eval::<L, false>(member.numbers, species, r2)
         };
         let f = pair.force.keep(inside);
         let [x, y, z] = sums.force;
         sums.force = [dx.mul_add(f, x), dy.mul_add(f, y), dz.mul_add(f, z)];
-        sums.others.add([dx, dy, dz], f, &pair, inside);
-        common.add([dx, dy, dz], f, &pair, inside);
+        let at_cutoff = I::at_cutoff::<L>(member.numbers, species);
+        sums.others.add([dx, dy, dz], f, &pair, at_cutoff, inside);
+        common.add([dx, dy, dz], f, &pair, at_cutoff, inside);
         sums
     }
 }

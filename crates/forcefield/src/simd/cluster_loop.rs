@@ -14,30 +14,30 @@ use super::output::Output;
 use super::prefetch::{Parts, prefetch, prefetch_read};
 use super::row::FixedRow;
 use super::totals::{ChunkTotals, Detail};
-use crate::pair::PairForm;
+use crate::interaction::Interaction;
 
 /// One evaluation.
-pub struct ClusterJob<'a, F> {
-    form: F,
+pub struct ClusterJob<'a, I: Interaction> {
+    interaction: I,
     /// Length of a fixed-point unit along each axis, σ.
     scale: [f64; 3],
-    in_sigma: FrameUnits,
+    in_sigma: FrameUnits<I>,
     /// Set where the fixed-point units are equal along all axes.
-    in_units: Option<FrameUnits>,
+    in_units: Option<FrameUnits<I>>,
     list: &'a ClusterList,
     /// Where rows are prefetched: the approximate distance in slots from a cluster to its last neighbor.
     slots_ahead: Option<usize>,
 }
 
-impl<'a, F: PairForm> ClusterJob<'a, F> {
+impl<'a, I: Interaction> ClusterJob<'a, I> {
     /// Prepares an evaluation; `scale` is the length in σ of a fixed-point unit along each axis.
-    pub fn new(form: F, r_cut: f64, scale: [f64; 3], list: &'a ClusterList) -> Self {
+    pub fn new(interaction: I, r_cut: f64, scale: [f64; 3], list: &'a ClusterList) -> Self {
         let cubic = scale[0] == scale[1] && scale[1] == scale[2];
         Self {
-            form,
+            interaction,
             scale,
-            in_sigma: FrameUnits::new::<F>(r_cut, 1.0),
-            in_units: cubic.then(|| FrameUnits::new::<F>(r_cut, scale[0])),
+            in_sigma: FrameUnits::new(&interaction, r_cut, 1.0),
+            in_units: cubic.then(|| FrameUnits::new(&interaction, r_cut, scale[0])),
             list,
             // In smaller systems, prefetching costs 1 % of a step.
             slots_ahead: (list.table().particle.len() >= LARGE_SYSTEM).then(|| list.slots_ahead()),
@@ -57,22 +57,23 @@ impl<'a, F: PairForm> ClusterJob<'a, F> {
         stream: &mut BlockStream<L>,
         common: &mut C,
     ) -> ([MemberSums<L, A>; CLUSTER], Units) {
+        let interaction = self.interaction;
         // SAFETY: the contract is passed on, here and below.
         unsafe {
-            if const { L::SPECIAL_LOOPS && !F::RARE } {
+            if const { L::SPECIAL_LOOPS && !I::RARE } {
                 if let (true, Some(in_units)) = (span.compact, &self.in_units) {
                     let frame = ClusterFrame::<L, true>::new(isa, rows, self.scale);
-                    let kernel = ClusterKernel::new(isa, self.form, in_units, frame);
+                    let kernel = ClusterKernel::new(isa, interaction, in_units, rows, frame);
                     return kernel.run(counts, excluded, stream, common);
                 }
                 if span.compact {
                     let frame = ClusterFrame::<L, false>::new(isa, rows, self.scale);
-                    let kernel = ClusterKernel::new(isa, self.form, &self.in_sigma, frame);
+                    let kernel = ClusterKernel::new(isa, interaction, &self.in_sigma, rows, frame);
                     return kernel.run(counts, excluded, stream, common);
                 }
             }
             let frame = AbsoluteFrame::new(isa, rows, self.scale);
-            let kernel = ClusterKernel::new(isa, self.form, &self.in_sigma, frame);
+            let kernel = ClusterKernel::new(isa, interaction, &self.in_sigma, rows, frame);
             kernel.run(counts, excluded, stream, common)
         }
     }
@@ -86,9 +87,9 @@ impl<'a, F: PairForm> ClusterJob<'a, F> {
 /// # Safety
 /// No other thread runs the same chunk at the same time.
 #[inline(always)]
-pub unsafe fn run<L: FixedLanes, F: PairForm>(
+pub unsafe fn run<L: FixedLanes, I: Interaction>(
     isa: L::Isa,
-    job: &ClusterJob<'_, F>,
+    job: &ClusterJob<'_, I>,
     rows: &[FixedRow],
     chunk: usize,
     detail: Detail,
@@ -111,19 +112,19 @@ pub unsafe fn run<L: FixedLanes, F: PairForm>(
     // SAFETY: the contract is passed on.
     unsafe {
         // The constant is alone in its condition: only then does the compiler drop the other instances.
-        if F::RARE {
-            return sweep::<L, F, PairSums<L>, ForcesAlone>(isa, job, rows, chunk, later, output);
+        if I::RARE {
+            return sweep::<L, I, PairSums<L>, ForcesAlone>(isa, job, rows, chunk, later, output);
         }
         // A cluster of fewer than four particles repeats its last one, which must not count twice.
         let full = chunk.first_slot as usize + CLUSTER * chunk.spans.len() <= rows.len();
         match detail {
             Detail::Forces => {
-                sweep::<L, F, ForcesAlone, ForcesAlone>(isa, job, rows, chunk, later, output)
+                sweep::<L, I, ForcesAlone, ForcesAlone>(isa, job, rows, chunk, later, output)
             }
             Detail::Totals if L::SPECIAL_LOOPS && full => {
-                sweep::<L, F, ForcesAlone, PairSums<L>>(isa, job, rows, chunk, later, output)
+                sweep::<L, I, ForcesAlone, PairSums<L>>(isa, job, rows, chunk, later, output)
             }
-            _ => sweep::<L, F, PairSums<L>, ForcesAlone>(isa, job, rows, chunk, later, output),
+            _ => sweep::<L, I, PairSums<L>, ForcesAlone>(isa, job, rows, chunk, later, output),
         }
     }
 }
@@ -136,9 +137,9 @@ pub unsafe fn run<L: FixedLanes, F: PairForm>(
 /// # Safety
 /// As [`run`].
 #[inline(always)]
-unsafe fn sweep<L: FixedLanes, F: PairForm, A: Accumulate<L>, C: Accumulate<L>>(
+unsafe fn sweep<L: FixedLanes, I: Interaction, A: Accumulate<L>, C: Accumulate<L>>(
     isa: L::Isa,
-    job: &ClusterJob<'_, F>,
+    job: &ClusterJob<'_, I>,
     rows: &[FixedRow],
     chunk: &ClusterChunk,
     later: &[Block],

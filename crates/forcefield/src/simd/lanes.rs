@@ -3,8 +3,9 @@
 use glam::DVec3;
 use lennard_neighbor::{CLUSTER, ENTRY_SCALE, cluster_center};
 
-use super::row::FixedRow;
-use crate::real::Real;
+use super::row::{DoubleRow, FixedRow};
+use crate::pair::MOST_SPECIES;
+use crate::real::{Number, Real};
 
 /// A list entry, which numbers a row.
 pub trait Entry: Copy + Send + Sync {
@@ -45,6 +46,11 @@ impl Entry for BlockEntry {
     }
 }
 
+/// A number for each species, as registers load them.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub struct BySpecies<T>(pub [T; MOST_SPECIES]);
+
 /// Several pairs side by side, one per lane.
 ///
 /// A value proves that this processor has the instruction set: the first values are made with a token.
@@ -59,12 +65,25 @@ pub trait Lanes: Real {
     type Rows: Copy;
     /// The lanes that count.
     type Mask: Copy;
+    /// The number type of a lane.
+    type Number: Number;
+    /// The species of rows, one per lane.
+    type Species: Copy;
+    /// A number for each species.
+    type Table: Copy;
 
     /// The constant `value` in every lane.
     fn constant(isa: Self::Isa, value: f64) -> Self;
 
     /// One row in every lane.
     fn spread(isa: Self::Isa, row: &Self::Row) -> Self::Rows;
+
+    /// The species of a row.
+    fn species_of(row: &Self::Row) -> usize;
+    /// A number for each species.
+    fn table(isa: Self::Isa, numbers: &BySpecies<Self::Number>) -> Self::Table;
+    /// The number of the species of each lane.
+    fn pick(table: Self::Table, species: Self::Species) -> Self;
 
     /// The lanes whose value is at most `limit`.
     fn at_most(self, limit: Self) -> Self::Mask;
@@ -77,8 +96,8 @@ pub trait Lanes: Real {
 }
 
 /// Registers that read rows in σ.
-pub trait RowLanes: Lanes {
-    /// r_own − r_row in σ along x, y and z, for the rows of `WIDTH` entries.
+pub trait RowLanes: Lanes<Row = DoubleRow, Number = f64> {
+    /// r_own − r_row in σ along x, y and z, for the rows of `WIDTH` entries, and the species of the rows.
     ///
     /// # Safety
     /// The `WIDTH` entries at `entries` are readable, and each numbers a readable row.
@@ -86,7 +105,7 @@ pub trait RowLanes: Lanes {
         own: Self::Rows,
         rows: *const Self::Row,
         entries: *const E,
-    ) -> [Self; 3];
+    ) -> ([Self; 3], Self::Species);
 
     /// The lanes of `mask` among the first `count`.
     fn first(mask: Self::Mask, count: usize) -> Self::Mask;
@@ -99,11 +118,11 @@ pub trait RowLanes: Lanes {
 }
 
 /// Registers of singles that read rows in fixed point.
-pub trait FixedLanes: Lanes<Row = FixedRow> {
+pub trait FixedLanes: Lanes<Row = FixedRow, Number = f32> {
     /// Whether frequent cases are worth loops of their own: compact clusters, and totals without sums per particle.
     const SPECIAL_LOOPS: bool;
 
-    /// The rows of `WIDTH` entries, along x, y and z.
+    /// The rows of `WIDTH` entries: their coordinates along x, y and z, and their species.
     ///
     /// # Safety
     /// The `WIDTH` entries at `entries` are readable, and each numbers a readable row.
@@ -112,6 +131,9 @@ pub trait FixedLanes: Lanes<Row = FixedRow> {
         rows: *const FixedRow,
         entries: *const BlockEntry,
     ) -> Self::Rows;
+
+    /// The species of gathered rows.
+    fn species(rows: Self::Rows) -> Self::Species;
 
     /// a − b along each axis, in units of the rows.
     fn apart(a: Self::Rows, b: Self::Rows) -> [Self; 3];

@@ -6,12 +6,13 @@ use lennard_neighbor::PackedDisplacement;
 
 use super::fused::NextRows;
 use super::level::Level;
-use super::motion::{Motion, MotionSummary};
+use super::motion::{Motion, MotionSummary, SlotSpecies};
 use super::output::Output;
 use super::packed::{Evaluation, ListStatus, Outcome, PackedCopies, Request, RunChunk};
 use super::pair_list::PairList;
+use super::row::DoubleRow;
 use super::totals::PerParticle;
-use crate::pair::PairForm;
+use crate::interaction::Interaction;
 
 /// Positions and the index in them of each slot.
 #[derive(Clone, Copy)]
@@ -38,6 +39,8 @@ pub struct ListInUse<'a, P> {
     pub r_cut: f64,
     /// Positions of the build by slot, σ.
     pub built: &'a [DVec3],
+    /// The species at each slot, where there are several.
+    pub species: Option<&'a [u8]>,
     /// The sides of the box over its sides at the build.
     pub stretch: DVec3,
     /// The |d|² beyond which a particle moved far, σ².
@@ -56,14 +59,18 @@ impl<P: PairList> ListInUse<'_, P> {
             stretch: self.stretch,
             far2: self.far2,
             lengths: self.cell.lengths(),
+            species: self.species.map(|at| SlotSpecies {
+                at,
+                paddings: DoubleRow::paddings(self.level),
+            }),
         }
     }
 
     /// Packs rows, judges the list, and writes forces (and `each`) where it is complete.
-    pub fn evaluate<F: PairForm>(
+    pub fn evaluate<I: Interaction>(
         &self,
         copies: &mut PackedCopies<P::Row>,
-        form: F,
+        interaction: I,
         positions: &[DVec3],
         request: Request,
         forces: &mut [DVec3],
@@ -71,7 +78,7 @@ impl<P: PairList> ListInUse<'_, P> {
     ) -> Outcome {
         let order = self.list.particles();
         let output = Output::new(forces, each, order, 0);
-        let job = self.list.job(form, self.r_cut, self.cell);
+        let job = self.list.job(interaction, self.r_cut, self.cell);
         let run = |rows: &[P::Row], _: Option<&NextRows<'_, P::Row>>, chunk: usize| {
             // SAFETY: `PackedCopies::run` runs each chunk once.
             unsafe { P::run(self.level, &job, rows, chunk, request.detail, &output) }

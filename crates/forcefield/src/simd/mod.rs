@@ -64,6 +64,7 @@ mod totals;
 
 pub use fused::{SlotState, by_slot, fused_step, to_particles};
 pub use kick_drift::KickDrift;
+pub use lanes::{BySpecies, Lanes};
 pub use level::Level;
 pub use limit::limit;
 pub use list_in_use::{ListInUse, Ordered};

@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use crate::pair::MOST_SPECIES;
+
 /// Positions of the particles at some slots, now and at the build of the list.
 ///
 /// The displacement of a particle is d = x − (L/L⁰)·x⁰: the part of its motion that a change of the box does not explain.
@@ -21,6 +23,28 @@ pub struct Motion<'a> {
     pub far2: f64,
     /// The sides of the box, σ.
     pub lengths: DVec3,
+    /// The species at each slot, where there are several.
+    pub species: Option<SlotSpecies<'a>>,
+}
+
+/// The species of the particles at some slots.
+#[derive(Debug, Clone, Copy)]
+pub struct SlotSpecies<'a> {
+    /// The species at each slot.
+    pub at: &'a [u8],
+    /// The padding of each species in rows of doubles.
+    pub paddings: &'static [f64; MOST_SPECIES],
+}
+
+impl SlotSpecies<'_> {
+    /// The species at some of the slots.
+    #[inline(always)]
+    pub fn part(self, slots: Range<usize>) -> Self {
+        Self {
+            at: &self.at[slots],
+            ..self
+        }
+    }
 }
 
 impl Motion<'_> {
@@ -29,8 +53,27 @@ impl Motion<'_> {
     pub fn part(self, slots: Range<usize>) -> Self {
         Self {
             order: &self.order[slots.clone()],
-            built: &self.built[slots],
+            built: &self.built[slots.clone()],
+            species: self.species.map(|species| species.part(slots)),
             ..self
+        }
+    }
+
+    /// The padding of the row of doubles for the `k`th slot.
+    #[inline(always)]
+    pub fn padding(&self, k: usize) -> f64 {
+        match self.species {
+            None => 0.0,
+            Some(species) => species.paddings[usize::from(species.at[k]) % MOST_SPECIES],
+        }
+    }
+
+    /// The padding of the row in fixed point for the `k`th slot.
+    #[inline(always)]
+    pub fn fixed_padding(&self, k: usize) -> i32 {
+        match self.species {
+            None => 0,
+            Some(species) => species.at[k].into(),
         }
     }
 

@@ -34,7 +34,7 @@ pub unsafe fn pack_double(
         let r = motion.at(k);
         *d2 = motion.displacement(k).length_squared();
         let home = r - table.image[slot].as_dvec3() * motion.lengths;
-        let row = DoubleRow([home.x, home.y, home.z, 0.0]);
+        let row = DoubleRow([home.x, home.y, home.z, motion.padding(k)]);
         // SAFETY: rows of slots are distinct, and these slots belong to this thread.
         unsafe { rows.write(table.row[slot] as usize, row) };
     }
@@ -53,12 +53,12 @@ pub unsafe fn pack_ghosts(
     for ghost in &table.ghosts[ghosts] {
         let [sx, sy, sz] = ghost.shift;
         // SAFETY: the source is no ghost, so no thread writes it now.
-        let DoubleRow([x, y, z, _]) = unsafe { rows.read(ghost.source as usize) };
+        let DoubleRow([x, y, z, padding]) = unsafe { rows.read(ghost.source as usize) };
         let shifted = [
             x + f64::from(sx) * lengths.x,
             y + f64::from(sy) * lengths.y,
             z + f64::from(sz) * lengths.z,
-            0.0,
+            padding,
         ];
         // SAFETY: each ghost has a row of its own.
         unsafe { rows.write(ghost.row as usize, DoubleRow(shifted)) };
@@ -85,6 +85,6 @@ pub unsafe fn pack_fixed(
         }
         let [x, y, z] = table.fixed(slot, r, motion.lengths, units);
         // SAFETY: these slots belong to this thread.
-        unsafe { rows.write(slot, FixedRow([x, y, z, 0])) };
+        unsafe { rows.write(slot, FixedRow([x, y, z, motion.fixed_padding(k)])) };
     }
 }

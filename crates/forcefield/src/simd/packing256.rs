@@ -102,7 +102,8 @@ pub unsafe fn pack_double(
     let all = fours(motion.order)
         .zip(own_rows)
         .zip(images.zip(fours(motion.built)));
-    for (((order, own_rows), (images, built)), to) in all.zip(to.as_chunks_mut::<4>().0) {
+    let fours = all.zip(to.as_chunks_mut::<4>().0).enumerate();
+    for (four, (((order, own_rows), (images, built)), to)) in fours {
         let mut moved = [_mm256_setzero_pd(); 4];
         for k in 0..4 {
             let r = load(&motion.positions[order[k] as usize]);
@@ -114,6 +115,9 @@ pub unsafe fn pack_double(
             // belong to this thread.
             unsafe {
                 _mm256_store_pd(row.0.as_mut_ptr(), home);
+                if motion.species.is_some() {
+                    row.0[3] = motion.padding(4 * four + k);
+                }
                 rows.write(own_rows[k] as usize, row);
             }
             moved[k] = displacement(r, &built[k], stretch);
@@ -187,6 +191,9 @@ pub unsafe fn pack_fixed(
                 // SAFETY: a row has four elements and the alignment of a register; these slots belong to this thread.
                 unsafe {
                     _mm_store_si128(row.0.as_mut_ptr().cast(), fixed);
+                    if motion.species.is_some() {
+                        row.0[3] = motion.fixed_padding(done + k);
+                    }
                     rows.write(first + done + k, row);
                 }
             }

@@ -15,7 +15,7 @@ use super::pack::{By, pack_double, pack_fixed, pack_fixed_part};
 use super::row::{DoubleRow, FixedRow};
 use super::row_loop::RowJob;
 use super::totals::{ChunkTotals, Detail};
-use crate::pair::PairForm;
+use crate::interaction::Interaction;
 
 /// Writes the rows of the slots from one on, and |d|² where given. No other thread may write the rows of these slots.
 pub type PackPart<List> = unsafe fn(
@@ -34,10 +34,10 @@ pub trait PairList: Sync {
     /// The cells of the sort.
     type Cells: Cells;
     /// One evaluation.
-    type Job<'a, F>: Sync
+    type Job<'a, I>: Sync
     where
         Self: 'a,
-        F: PairForm;
+        I: Interaction;
 
     /// Whether pairs can be inserted after the build.
     const INSERTS: bool = false;
@@ -71,7 +71,12 @@ pub trait PairList: Sync {
     /// Number of chunks.
     fn chunks(&self) -> usize;
     /// Prepares an evaluation in a box.
-    fn job<F: PairForm>(&self, form: F, r_cut: f64, cell: &PeriodicBox) -> Self::Job<'_, F>;
+    fn job<I: Interaction>(
+        &self,
+        interaction: I,
+        r_cut: f64,
+        cell: &PeriodicBox,
+    ) -> Self::Job<'_, I>;
     /// Writes all rows, and packed displacements where given; summarizes the motion.
     fn pack(
         &self,
@@ -91,9 +96,9 @@ pub trait PairList: Sync {
     ///
     /// # Safety
     /// No other thread runs the same chunk with the same output at the same time.
-    unsafe fn run<F: PairForm>(
+    unsafe fn run<I: Interaction>(
         level: Level,
-        job: &Self::Job<'_, F>,
+        job: &Self::Job<'_, I>,
         rows: &[Self::Row],
         chunk: usize,
         detail: Detail,
@@ -104,10 +109,10 @@ pub trait PairList: Sync {
 impl PairList for NeighborList {
     type Row = DoubleRow;
     type Cells = lennard_neighbor::RowTable;
-    type Job<'a, F>
-        = RowJob<'a, F>
+    type Job<'a, I>
+        = RowJob<'a, I>
     where
-        F: PairForm;
+        I: Interaction;
 
     fn rounding(_cell: &PeriodicBox, _r_cut: f64) -> f64 {
         0.0
@@ -147,8 +152,13 @@ impl PairList for NeighborList {
         self.chunks().len()
     }
 
-    fn job<F: PairForm>(&self, form: F, r_cut: f64, _cell: &PeriodicBox) -> RowJob<'_, F> {
-        RowJob::new(form, r_cut, self)
+    fn job<I: Interaction>(
+        &self,
+        interaction: I,
+        r_cut: f64,
+        _cell: &PeriodicBox,
+    ) -> RowJob<'_, I> {
+        RowJob::new(interaction, r_cut, self)
     }
 
     fn pack(
@@ -162,9 +172,9 @@ impl PairList for NeighborList {
         pack_double(level, by, self.table(), motion, rows, packed)
     }
 
-    unsafe fn run<F: PairForm>(
+    unsafe fn run<I: Interaction>(
         level: Level,
-        job: &RowJob<'_, F>,
+        job: &RowJob<'_, I>,
         rows: &[DoubleRow],
         chunk: usize,
         detail: Detail,
@@ -183,10 +193,10 @@ impl PairList for ClusterList {
 
     type Row = FixedRow;
     type Cells = lennard_neighbor::ColumnTable;
-    type Job<'a, F>
-        = ClusterJob<'a, F>
+    type Job<'a, I>
+        = ClusterJob<'a, I>
     where
-        F: PairForm;
+        I: Interaction;
 
     /// Distances in fixed point are off by about one unit of the longest side, and singles by their last place.
     fn rounding(cell: &PeriodicBox, r_cut: f64) -> f64 {
@@ -228,9 +238,14 @@ impl PairList for ClusterList {
         self.chunks().len()
     }
 
-    fn job<F: PairForm>(&self, form: F, r_cut: f64, cell: &PeriodicBox) -> ClusterJob<'_, F> {
+    fn job<I: Interaction>(
+        &self,
+        interaction: I,
+        r_cut: f64,
+        cell: &PeriodicBox,
+    ) -> ClusterJob<'_, I> {
         let scale = (cell.lengths() / FIXED_UNITS).to_array();
-        ClusterJob::new(form, r_cut, scale, self)
+        ClusterJob::new(interaction, r_cut, scale, self)
     }
 
     fn pack(
@@ -252,9 +267,9 @@ impl PairList for ClusterList {
         self.insert(pair);
     }
 
-    unsafe fn run<F: PairForm>(
+    unsafe fn run<I: Interaction>(
         level: Level,
-        job: &ClusterJob<'_, F>,
+        job: &ClusterJob<'_, I>,
         rows: &[FixedRow],
         chunk: usize,
         detail: Detail,

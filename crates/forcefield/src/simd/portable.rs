@@ -5,14 +5,15 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::arithmetic::arithmetic;
 use super::cluster_loop::{self, ClusterJob};
-use super::lanes::{BlockEntry, Entry, FixedLanes, Lanes, RowLanes};
+use super::lanes::{BlockEntry, BySpecies, Entry, FixedLanes, Lanes, RowLanes};
 use super::output::Output;
 use super::row::{DoubleRow, FixedRow};
 use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
+use crate::interaction::Interaction;
 use crate::options::Precision;
-use crate::pair::PairForm;
 use crate::pair::tabulated::TableRows;
+use crate::pair::{MOST_SPECIES, PairForm};
 use crate::real::Real;
 
 /// `N` numbers side by side.
@@ -112,8 +113,16 @@ macro_rules! group {
 group!(f64, wide, 0);
 group!(f32, narrow, 1);
 
-macro_rules! masks {
+macro_rules! tables_and_masks {
     ($float:ty) => {
+        #[inline(always)]
+        fn table(_isa: (), numbers: &BySpecies<$float>) -> BySpecies<$float> {
+            *numbers
+        }
+        #[inline(always)]
+        fn pick(table: BySpecies<$float>, species: [usize; N]) -> Self {
+            Self(from_fn(|k| table.0[species[k]]))
+        }
         #[inline(always)]
         fn at_most(self, limit: Self) -> Self::Mask {
             from_fn(|k| self.0[k] <= limit.0[k])
@@ -139,6 +148,9 @@ impl<const N: usize> Lanes for Group<f64, N> {
     type Row = DoubleRow;
     type Rows = [f64; 3];
     type Mask = [bool; N];
+    type Number = f64;
+    type Species = [usize; N];
+    type Table = BySpecies<f64>;
 
     #[inline(always)]
     fn constant(_isa: (), value: f64) -> Self {
@@ -151,7 +163,12 @@ impl<const N: usize> Lanes for Group<f64, N> {
         [x, y, z]
     }
 
-    masks!(f64);
+    #[inline(always)]
+    fn species_of(row: &DoubleRow) -> usize {
+        row.species_by_lowest_bits()
+    }
+
+    tables_and_masks!(f64);
 }
 
 impl<const N: usize> RowLanes for Group<f64, N> {
@@ -160,10 +177,11 @@ impl<const N: usize> RowLanes for Group<f64, N> {
         own: Self::Rows,
         rows: *const DoubleRow,
         entries: *const E,
-    ) -> [Self; 3] {
+    ) -> ([Self; 3], [usize; N]) {
         // SAFETY: `N` entries are readable and each numbers a readable row.
         let at: [&DoubleRow; N] = from_fn(|k| unsafe { &*(*entries.add(k)).row(rows) });
-        [0, 1, 2].map(|axis| Self(from_fn(|k| own[axis] - at[k].0[axis])))
+        let apart = [0, 1, 2].map(|axis| Self(from_fn(|k| own[axis] - at[k].0[axis])));
+        (apart, from_fn(|k| at[k].species_by_lowest_bits()))
     }
 
     #[inline(always)]
@@ -176,8 +194,11 @@ impl<const N: usize> Lanes for Group<f32, N> {
     const WIDTH: usize = N;
     type Isa = ();
     type Row = FixedRow;
-    type Rows = [[i32; N]; 3];
+    type Rows = [[i32; N]; 4];
     type Mask = [bool; N];
+    type Number = f32;
+    type Species = [usize; N];
+    type Table = BySpecies<f32>;
 
     #[inline(always)]
     fn constant(_isa: (), value: f64) -> Self {
@@ -186,11 +207,16 @@ impl<const N: usize> Lanes for Group<f32, N> {
 
     #[inline(always)]
     fn spread(_isa: (), row: &FixedRow) -> Self::Rows {
-        let [x, y, z, _] = row.0;
-        [[x; N], [y; N], [z; N]]
+        let [x, y, z, species] = row.0;
+        [[x; N], [y; N], [z; N], [species; N]]
     }
 
-    masks!(f32);
+    #[inline(always)]
+    fn species_of(row: &FixedRow) -> usize {
+        row.species()
+    }
+
+    tables_and_masks!(f32);
 }
 
 impl<const N: usize> FixedLanes for Group<f32, N> {
@@ -201,6 +227,11 @@ impl<const N: usize> FixedLanes for Group<f32, N> {
         // SAFETY: `N` entries are readable and each numbers a readable row.
         let at: [&FixedRow; N] = from_fn(|k| unsafe { &*(*entries.add(k)).row(rows) });
         from_fn(|axis| from_fn(|k| at[k].0[axis]))
+    }
+
+    #[inline(always)]
+    fn species(rows: Self::Rows) -> [usize; N] {
+        from_fn(|k| rows[3][k] as usize % MOST_SPECIES)
     }
 
     #[inline(always)]
@@ -218,29 +249,29 @@ impl<const N: usize> FixedLanes for Group<f32, N> {
 /// The loop over row lists.
 // Code of this length is best compiled by itself, not inlined.
 #[inline(never)]
-pub fn run_double<F: PairForm>(
-    job: &RowJob<'_, F>,
+pub fn run_double<I: Interaction>(
+    job: &RowJob<'_, I>,
     rows: &[DoubleRow],
     chunk: usize,
     detail: Detail,
     output: &Output<'_>,
 ) -> ChunkTotals {
     // SAFETY: the caller runs each chunk once.
-    unsafe { row_loop::run::<Doubles, F>((), job, rows, chunk, detail, output) }
+    unsafe { row_loop::run::<Doubles, I>((), job, rows, chunk, detail, output) }
 }
 
 /// The loop over cluster lists.
 // As above.
 #[inline(never)]
-pub fn run_cluster<F: PairForm>(
-    job: &ClusterJob<'_, F>,
+pub fn run_cluster<I: Interaction>(
+    job: &ClusterJob<'_, I>,
     rows: &[FixedRow],
     chunk: usize,
     detail: Detail,
     output: &Output<'_>,
 ) -> ChunkTotals {
     // SAFETY: as above.
-    unsafe { cluster_loop::run::<Singles, F>((), job, rows, chunk, detail, output) }
+    unsafe { cluster_loop::run::<Singles, I>((), job, rows, chunk, detail, output) }
 }
 
 /// The arithmetic of a number of rounds without memory, in a precision.

@@ -8,21 +8,21 @@ use super::lanes::{Entry, RowLanes};
 use super::output::Output;
 use super::prefetch::prefetch;
 use super::totals::{ChunkTotals, Detail};
-use crate::pair::PairForm;
+use crate::interaction::Interaction;
 
 /// One evaluation.
-pub struct RowJob<'a, F> {
-    form: F,
-    r_cut2: f64,
+pub struct RowJob<'a, I: Interaction> {
+    interaction: I,
+    numbers: I::Numbers<f64>,
     list: &'a NeighborList,
 }
 
-impl<'a, F: PairForm> RowJob<'a, F> {
+impl<'a, I: Interaction> RowJob<'a, I> {
     /// Prepares an evaluation with a cutoff, σ.
-    pub fn new(form: F, r_cut: f64, list: &'a NeighborList) -> Self {
+    pub fn new(interaction: I, r_cut: f64, list: &'a NeighborList) -> Self {
         Self {
-            form,
-            r_cut2: r_cut * r_cut,
+            interaction,
+            numbers: interaction.numbers(r_cut, 1.0),
             list,
         }
     }
@@ -36,9 +36,9 @@ impl<'a, F: PairForm> RowJob<'a, F> {
 /// # Safety
 /// No other thread runs the same chunk at the same time.
 #[inline(always)]
-pub unsafe fn run<L: RowLanes, F: PairForm>(
+pub unsafe fn run<L: RowLanes, I: Interaction>(
     isa: L::Isa,
-    job: &RowJob<'_, F>,
+    job: &RowJob<'_, I>,
     rows: &[L::Row],
     chunk: usize,
     detail: Detail,
@@ -67,17 +67,17 @@ pub unsafe fn run<L: RowLanes, F: PairForm>(
         let e = match &chunk.entries {
             // Entries are wide above a million particles in a cube. One instance then serves every detail.
             Entries::Wide(e) => {
-                return sweep::<L, F, u32, PairSums<L>>(isa, job, rows, chunk, e, output);
+                return sweep::<L, I, u32, PairSums<L>>(isa, job, rows, chunk, e, output);
             }
             Entries::Narrow(e) => e,
         };
         // The constant is alone in its condition: only then does the compiler drop the other instances.
-        if F::RARE {
-            return sweep::<L, F, u16, PairSums<L>>(isa, job, rows, chunk, e, output);
+        if I::RARE {
+            return sweep::<L, I, u16, PairSums<L>>(isa, job, rows, chunk, e, output);
         }
         match detail {
-            Detail::Forces => sweep::<L, F, u16, ForcesAlone>(isa, job, rows, chunk, e, output),
-            _ => sweep::<L, F, u16, PairSums<L>>(isa, job, rows, chunk, e, output),
+            Detail::Forces => sweep::<L, I, u16, ForcesAlone>(isa, job, rows, chunk, e, output),
+            _ => sweep::<L, I, u16, PairSums<L>>(isa, job, rows, chunk, e, output),
         }
     }
 }
@@ -87,17 +87,16 @@ pub unsafe fn run<L: RowLanes, F: PairForm>(
 /// # Safety
 /// As [`run`]; `entries` are those of `chunk`, built by the list of `job`.
 #[inline(always)]
-unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, A: Accumulate<L>>(
+unsafe fn sweep<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>>(
     isa: L::Isa,
-    job: &RowJob<'_, F>,
+    job: &RowJob<'_, I>,
     rows: &[L::Row],
     chunk: &ListChunk,
     entries: &[E],
     output: &Output<'_>,
 ) -> ChunkTotals {
-    let r_cut2 = L::constant(isa, job.r_cut2);
     let units = Units {
-        energy: F::UNIT,
+        energy: I::UNIT,
         length: 1.0,
     };
     // There is no `array::map` over lanes here: it is a call, and a call leaves the instruction set.
@@ -112,7 +111,11 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, A: Accumulate<L>>(
         let count = *count as usize;
         let slot = chunk.first_slot as usize + offset;
         output.prefetch_next_chunk(slot, 1);
-        let own = L::spread(isa, &rows[job.list.target_of(slot) as usize]);
+        let row = &rows[job.list.target_of(slot) as usize];
+        let own = Particle {
+            at: L::spread(isa, row),
+            numbers: I::own::<L>(isa, &job.numbers, row),
+        };
         let end = start + count.next_multiple_of(padding);
         let mine = &entries[start..end];
         start = end;
@@ -124,16 +127,8 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, A: Accumulate<L>>(
             // SAFETY: `WIDTH` entries lie at this offset of `mine`, and each numbers a row (see above).
             unsafe {
                 let at = mine.as_ptr().add(register * L::WIDTH);
-                add::<L, F, E, A>(
-                    &job.form,
-                    own,
-                    from_base,
-                    at,
-                    r_cut2,
-                    L::WIDTH,
-                    &mut force,
-                    &mut sums,
-                );
+                let (all, sums) = (L::WIDTH, &mut sums);
+                add(job, own, from_base, at, all, &mut force, sums);
             }
         }
         let rest = count % L::WIDTH;
@@ -141,9 +136,7 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, A: Accumulate<L>>(
             // SAFETY: entries are padded to whole registers with a row that exists.
             unsafe {
                 let at = mine.as_ptr().add(full * L::WIDTH);
-                add::<L, F, E, A>(
-                    &job.form, own, from_base, at, r_cut2, rest, &mut force, &mut sums,
-                );
+                add(job, own, from_base, at, rest, &mut force, &mut sums);
             }
         }
 
@@ -158,33 +151,46 @@ unsafe fn sweep<L: RowLanes, F: PairForm, E: Entry, A: Accumulate<L>>(
     totals
 }
 
+/// A particle in registers.
+struct Particle<L: RowLanes, I: Interaction> {
+    at: L::Rows,
+    numbers: I::Own<L>,
+}
+
+impl<L: RowLanes, I: Interaction> Clone for Particle<L, I> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<L: RowLanes, I: Interaction> Copy for Particle<L, I> {}
+
 /// Adds the pairs of one register; the first `valid` lanes are pairs, the rest is padding.
 ///
 /// # Safety
 /// As [`RowLanes::differences`].
 #[inline(always)]
-#[allow(clippy::too_many_arguments)]
-unsafe fn add<L: RowLanes, F: PairForm, E: Entry, A: Accumulate<L>>(
-    form: &F,
-    own: L::Rows,
+unsafe fn add<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>>(
+    job: &RowJob<'_, I>,
+    own: Particle<L, I>,
     rows: *const L::Row,
     entries: *const E,
-    r_cut2: L,
     valid: usize,
     force: &mut [L; 3],
     sums: &mut A,
 ) {
     // SAFETY: the contract is passed on.
-    let [dx, dy, dz] = unsafe { L::differences(own, rows, entries) };
+    let ([dx, dy, dz], species) = unsafe { L::differences(own.at, rows, entries) };
     let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx));
-    let mut inside = r2.at_most(r_cut2);
+    let mut inside = r2.at_most(I::r_cut2::<L>(&own.numbers, species));
     if valid < L::WIDTH {
         inside = L::first(inside, valid);
     }
-    let pair = form.eval(r2, r2.recip());
+    let pair = (job.interaction).eval::<L, true>(&own.numbers, species, r2);
     let f = pair.force.keep(inside);
     force[0] = dx.mul_add(f, force[0]);
     force[1] = dy.mul_add(f, force[1]);
     force[2] = dz.mul_add(f, force[2]);
-    sums.add([dx, dy, dz], f, &pair, inside);
+    let at_cutoff = I::at_cutoff::<L>(&own.numbers, species);
+    sums.add([dx, dy, dz], f, &pair, at_cutoff, inside);
 }

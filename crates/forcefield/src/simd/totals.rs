@@ -25,6 +25,8 @@ pub struct ChunkTotals {
     pub virial: DMat3,
     /// Σ (U″ + 2U′/r), ε/σ².
     pub laplacian: f64,
+    /// Σ U(r_cut) of pairs where pairs of species differ, ε; 0 where pairs are counted instead.
+    pub at_cutoff: f64,
     /// Number of pairs with r ≤ r_cut.
     pub pairs: u64,
     /// Whether a force was not finite.
@@ -37,6 +39,7 @@ impl ChunkTotals {
         energy: 0.0,
         virial: DMat3::ZERO,
         laplacian: 0.0,
+        at_cutoff: 0.0,
         pairs: 0,
         broken: false,
     };
@@ -47,6 +50,7 @@ impl ChunkTotals {
         self.energy += other.energy;
         self.virial += other.virial;
         self.laplacian += other.laplacian;
+        self.at_cutoff += other.at_cutoff;
         self.pairs += other.pairs;
     }
 }

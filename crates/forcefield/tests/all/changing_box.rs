@@ -114,17 +114,18 @@ fn of_reference(options: &ForceFieldOptions) -> ForceFieldOptions {
 #[test]
 fn every_loop_gives_the_forces_of_the_reference_while_the_box_changes() {
     // Few particles, which each thread packs for itself, and many.
-    for cells in [[8, 9, 8], [13, 14, 13]] {
+    for (cells, species) in [([8, 9, 8], 1), ([13, 14, 13], 1), ([8, 9, 8], 2)] {
         let fluids = trajectory(cells);
         let n = fluids[0].positions.len();
-        let at = conditions(fluids[0].cell, n);
+        let mixture = mixture_or_one(species, 2.5, n);
+        let mixture = mixture.as_ref();
         let reference: Vec<_> = fluids
             .iter()
-            .map(|fluid| reference(&loops()[0], fluid.cell, &fluid.positions))
+            .map(|fluid| reference_of(&loops()[0], mixture, fluid.cell, &fluid.positions))
             .collect();
         for options in loops() {
-            let mut forces = build(&options, &at).unwrap();
-            let all_pairs = AllPairs::new(&options, None).unwrap();
+            let mut forces = built(&options, mixture, fluids[0].cell, n);
+            let all_pairs = AllPairs::new(&options, mixture).unwrap();
             for (step, (fluid, (wanted, totals))) in fluids.iter().zip(&reference).enumerate() {
                 let (found, energetics) =
                     all(&mut forces, fluid.cell, &fluid.positions, Want::ENERGY);

@@ -86,7 +86,7 @@ pub fn mixture(species: usize, r_cut: f64, n: usize) -> Mixture {
         let (a, b) = (a as f64, b as f64);
         SpeciesPair {
             sigma: 1.0 - 0.06 * a - 0.05 * b,
-            epsilon: 1.0 + 0.3 * a - 0.1 * b * b,
+            epsilon: 1.0 + 0.3 * a - 0.1 * b,
             r_cut: r_cut * (1.0 - 0.03 * a - 0.04 * b),
         }
     };
@@ -138,6 +138,20 @@ pub fn all(
     evaluate(forces, cell, positions, Part::All, want).unwrap()
 }
 
+/// Forces for the species of a mixture, where there are several.
+pub fn built(
+    options: &ForceFieldOptions,
+    mixture: Option<&Mixture>,
+    cell: PeriodicBox,
+    n: usize,
+) -> PairForces {
+    let at = Conditions {
+        mixture,
+        ..conditions(cell, n)
+    };
+    build(options, &at).unwrap()
+}
+
 pub fn reference(
     options: &ForceFieldOptions,
     cell: PeriodicBox,
@@ -165,14 +179,7 @@ pub fn reference_of(
         ..Want::TOTALS
     };
     all(
-        &mut build(
-            &options,
-            &Conditions {
-                mixture,
-                ..conditions(cell, positions.len())
-            },
-        )
-        .unwrap(),
+        &mut built(&options, mixture, cell, positions.len()),
         cell,
         positions,
         want,
@@ -185,17 +192,38 @@ pub fn magnitudes(
     cell: PeriodicBox,
     positions: &[DVec3],
 ) -> Vec<(f64, f64)> {
-    let model = Model::new(&options.potential, &options.truncation).unwrap();
+    let one = Mixture::new(
+        1,
+        |_, _| SpeciesPair::unit(options.truncation.r_cut),
+        species_of(1, positions.len()),
+    );
+    magnitudes_of(options, Some(&one.unwrap()), cell, positions)
+}
+
+/// As [`magnitudes`], for the species of a mixture.
+pub fn magnitudes_of(
+    options: &ForceFieldOptions,
+    mixture: Option<&Mixture>,
+    cell: PeriodicBox,
+    positions: &[DVec3],
+) -> Vec<(f64, f64)> {
+    let Some(mixture) = mixture else {
+        return magnitudes(options, cell, positions);
+    };
+    let models = models_of(mixture, options);
     let mut sums = vec![(0.0, 0.0); positions.len()];
     for i in 0..positions.len() {
         for j in 0..positions.len() {
-            let r2 = cell
-                .minimum_image(positions[i] - positions[j])
-                .length_squared();
+            let [a, b] = [i, j].map(|i| usize::from(mixture.of_particle()[i]));
+            let (pair, model) = (mixture.pair(a, b), &models[a][b]);
+            let r_ij = cell.minimum_image(positions[i] - positions[j]) / pair.sigma;
+            let r2 = r_ij.length_squared();
             if i != j && r2 <= model.r_cut * model.r_cut {
-                let pair = model.eval(r2);
-                sums[i].0 += (pair.force * r2.sqrt()).abs();
-                sums[i].1 += pair.curvature.abs() + pair.force.abs();
+                let (force, stiffness) =
+                    (pair.epsilon / pair.sigma, pair.epsilon / pair.sigma.powi(2));
+                let at = model.eval(r2);
+                sums[i].0 += force * (at.force * r2.sqrt()).abs();
+                sums[i].1 += stiffness * (at.curvature.abs() + at.force.abs());
             }
         }
     }
@@ -213,6 +241,26 @@ pub fn table() -> PotentialOptions {
         tail_exponent: Some(6),
         ..Table::default()
     })
+}
+
+/// The model of each pair of species, in units of its own σ and ε.
+pub fn models_of(mixture: &Mixture, options: &ForceFieldOptions) -> Vec<Vec<Model>> {
+    let model = |a: usize, b: usize| {
+        let pair = mixture.pair(a, b);
+        let own = TruncationOptions {
+            r_cut: pair.r_cut / pair.sigma,
+            ..options.truncation
+        };
+        Model::new(&options.potential, &own).unwrap()
+    };
+    let species = mixture.species();
+    let row = |a| (0..species).map(|b| model(a, b)).collect();
+    (0..species).map(row).collect()
+}
+
+/// Several species, or none where one is asked for.
+pub fn mixture_or_one(species: usize, r_cut: f64, n: usize) -> Option<Mixture> {
+    (species > 1).then(|| mixture(species, r_cut, n))
 }
 
 pub fn in_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {

@@ -14,14 +14,11 @@ fn by_the_formula(
     let mut forces = vec![DVec3::ZERO; positions.len()];
     let [mut energy, mut conserved, mut virial, mut laplacian] = [0.0; 4];
     let of = mixture.of_particle();
+    let models = models_of(mixture, o);
     for i in 0..positions.len() {
         for j in 0..positions.len() {
-            let pair = mixture.pair(usize::from(of[i]), usize::from(of[j]));
-            let own = TruncationOptions {
-                r_cut: pair.r_cut / pair.sigma,
-                ..o.truncation
-            };
-            let model = Model::new(&o.potential, &own).unwrap();
+            let [a, b] = [i, j].map(|i| usize::from(of[i]));
+            let (pair, model) = (mixture.pair(a, b), &models[a][b]);
             let r_ij = cell.minimum_image(positions[i] - positions[j]) / pair.sigma;
             let r2 = r_ij.length_squared();
             if i == j || r2 > model.r_cut * model.r_cut {
@@ -71,10 +68,6 @@ fn forces_are_derivatives_of_the_energy() {
     let (cell, positions) = liquid([6, 6, 6], 0.7, 0.1);
     for base in forms() {
         let mixture = mixture(3, base.truncation.r_cut, positions.len());
-        let at = Conditions {
-            mixture: Some(&mixture),
-            ..conditions(cell, positions.len())
-        };
         let options = ForceFieldOptions {
             kernel: KernelOptions {
                 kernel: Kernel::Reference,
@@ -82,7 +75,7 @@ fn forces_are_derivatives_of_the_energy() {
             },
             ..base
         };
-        let mut forces = build(&options, &at).unwrap();
+        let mut forces = built(&options, Some(&mixture), cell, positions.len());
         let (f, _) = all(&mut forces, cell, &positions, Want::NOTHING);
         let h = 1e-5;
         for particle in [0, 71, 142] {
@@ -119,11 +112,7 @@ fn species_that_are_all_alike_have_the_bits_of_one_fluid() {
         for kernel in kernels() {
             let options = ForceFieldOptions { kernel, ..base };
             let run = |mixture: Option<&Mixture>| {
-                let at = Conditions {
-                    mixture,
-                    ..conditions(cell, n)
-                };
-                let mut forces = build(&options, &at).unwrap();
+                let mut forces = built(&options, mixture, cell, n);
                 all(&mut forces, cell, &positions, Want::TOTALS)
             };
             assert!(run(Some(&alike)) == run(None), "{options:?}");

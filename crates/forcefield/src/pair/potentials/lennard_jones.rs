@@ -32,6 +32,7 @@ impl Potential for LennardJones {
 
 impl PairPotential for LennardJones {
     const UNIT: f64 = 48.0;
+    const RARE_IN_MIXTURES: bool = false;
 
     #[inline(always)]
     fn eval<R: Real>(&self, _r2: R, inv_r2: R) -> Pair<R> {

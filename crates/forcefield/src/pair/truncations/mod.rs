@@ -47,6 +47,7 @@ pub struct Plain<P> {
 }
 
 impl<P: PairPotential> PairForm for Plain<P> {
+    const RARE_IN_MIXTURES: bool = P::RARE_IN_MIXTURES;
     const UNIT: f64 = P::UNIT;
     #[inline(always)]
     fn constants(&self) -> Constants<f64> {

@@ -5,7 +5,7 @@ use lennard_core::parallel::{for_each_piece, for_each_range, part};
 use lennard_neighbor::ATOMS_PER_CHUNK;
 
 use super::pack_ahead::{Ahead, NextRows};
-use crate::pair::PairForm;
+use crate::interaction::Interaction;
 use crate::simd::disjoint::Disjoint;
 use crate::simd::kick_drift::KickDrift;
 use crate::simd::list_in_use::{ListInUse, Ordered};
@@ -29,10 +29,10 @@ pub struct SlotState<'a> {
 /// Judges the list where the request demands it, and takes one step where the list is complete.
 ///
 /// Where a number is not finite, the written arrays have no meaning.
-pub fn fused_step<P: PairList, F: PairForm>(
+pub fn fused_step<P: PairList, I: Interaction>(
     used: &ListInUse<'_, P>,
     copies: &mut PackedCopies<P::Row>,
-    job: &P::Job<'_, F>,
+    job: &P::Job<'_, I>,
     particles: SlotState<'_>,
     kick_drift: KickDrift,
     request: Request,
@@ -90,7 +90,8 @@ pub fn fused_step<P: PairList, F: PairForm>(
         let totals = unsafe { P::run(used.level, job, rows, chunk, request.detail, &output) };
         let step = kick_drift.apply(used.level, positions, velocities, forces);
         let mut motion = used.motion(Ordered { positions, order });
-        motion.built = &used.built[slots];
+        motion.built = &used.built[slots.clone()];
+        motion.species = motion.species.map(|species| species.part(slots));
         // SAFETY: as above.
         unsafe { ahead.pack(chunk, next_rows, motion, step) };
         totals

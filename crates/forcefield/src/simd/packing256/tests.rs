@@ -1,7 +1,7 @@
 //! Registers pack the bits of the plain loops.
 
 use super::super::level::{Avx2, Level};
-use super::super::motion::MotionSummary;
+use super::super::motion::{MotionSummary, SlotSpecies};
 use super::super::pack::{By, pack_double, pack_fixed};
 use super::*;
 use lennard_core::PeriodicBox;
@@ -26,13 +26,23 @@ type Packed = (
     [Vec<PackedDisplacement>; 2],
 );
 
+/// Species of the slots. Their number is no multiple of four or of a batch, and it gives more than one task.
+static SPECIES: [u8; 2307] = {
+    let mut species = [0; 2307];
+    let mut slot = 0;
+    while slot < species.len() {
+        species[slot] = (slot % 7) as u8;
+        slot += 1;
+    }
+    species
+};
+
 const LENGTHS: DVec3 = DVec3::new(9.0, 8.0, 10.0);
 
 /// Packs particles `shift` boxes away from home, in a box that is `stretch` times the box of the build.
 fn packed(level: Level, by: By, shift: f64, stretch: DVec3, broken: bool) -> Packed {
     let cell = PeriodicBox::new(LENGTHS).unwrap();
-    // The number is no multiple of four or of a batch, and it gives more than one task.
-    let n = 2307;
+    let n = SPECIES.len();
     let noise = |k: usize| ((k as f64 * 12.9898).sin() * 43_758.545_3).rem_euclid(1.0);
     let start: Vec<DVec3> = (0..n)
         .map(|i| {
@@ -68,6 +78,11 @@ fn packed(level: Level, by: By, shift: f64, stretch: DVec3, broken: bool) -> Pac
             stretch,
             far2: 0.01,
             lengths: LENGTHS * stretch,
+            // Rows with and without species.
+            species: (stretch == DVec3::ONE).then_some(SlotSpecies {
+                at: &SPECIES,
+                paddings: DoubleRow::paddings(Level::Portable),
+            }),
         }
     }
     let mut in_bytes = [
@@ -99,6 +114,13 @@ fn packed(level: Level, by: By, shift: f64, stretch: DVec3, broken: bool) -> Pac
         &mut fixed,
         Some(&mut in_bytes[1]),
     );
+    if stretch == DVec3::ONE {
+        for (slot, species) in SPECIES.iter().enumerate() {
+            let row = double[by_cell.row[slot] as usize];
+            let named = [row.species_by_lowest_bits(), fixed[slot].species()];
+            assert_eq!(named, [usize::from(*species); 2]);
+        }
+    }
     (double, moved_double, fixed, moved_fixed, in_bytes)
 }
 

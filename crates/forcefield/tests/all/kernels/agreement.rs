@@ -6,16 +6,25 @@ use super::*;
 fn every_kernel_agrees_with_the_reference_after_the_particles_have_moved() {
     // Boxes as long along all axes are not stretched to σ in mixed precision.
     for cells in [[9, 8, 7], [8; 3]] {
-        agree_after_a_move(cells);
+        agree_after_a_move(cells, 1);
     }
 }
 
-fn agree_after_a_move(cells: [usize; 3]) {
+#[test]
+fn every_kernel_agrees_with_the_reference_in_mixtures() {
+    for (cells, species) in [([9, 8, 7], 3), ([8; 3], 2), ([7; 3], MOST_SPECIES)] {
+        agree_after_a_move(cells, species);
+    }
+}
+
+fn agree_after_a_move(cells: [usize; 3], species: usize) {
     let (cell, start) = liquid(cells, 0.8442, 0.15);
     let positions = moved(&start, 0.1);
     for base in forms() {
-        let (wanted, totals) = reference(&base, cell, &positions);
-        let sizes = magnitudes(&base, cell, &positions);
+        let mixture = mixture_or_one(species, base.truncation.r_cut, start.len());
+        let mixture = mixture.as_ref();
+        let (wanted, totals) = reference_of(&base, mixture, cell, &positions);
+        let sizes = magnitudes_of(&base, mixture, cell, &positions);
         let rms =
             (wanted.iter().map(|f| f.length_squared()).sum::<f64>() / wanted.len() as f64).sqrt();
         for kernel in kernels() {
@@ -24,7 +33,7 @@ fn agree_after_a_move(cells: [usize; 3]) {
                 neighbor: verlet(Some(0.3)),
                 ..base
             };
-            let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
+            let mut forces = built(&options, mixture, cell, start.len());
             all(&mut forces, cell, &start, Want::NOTHING);
             let (found, energetics) = all(&mut forces, cell, &positions, want_each());
             assert_eq!(
@@ -32,7 +41,8 @@ fn agree_after_a_move(cells: [usize; 3]) {
                 1,
                 "the list was used after a move"
             );
-            one_by_one(&options, cell, &positions, &found).unwrap_or_else(|e| panic!("{e}"));
+            one_by_one(&options, mixture, cell, &positions, &found)
+                .unwrap_or_else(|e| panic!("{e}"));
             let mut squares = 0.0;
             for ((f, w), (size, stiffness)) in found.iter().zip(&wanted).zip(&sizes) {
                 if kernel.precision == Precision::Double {
@@ -192,10 +202,28 @@ fn mixed_precision_does_not_suffer_far_from_the_origin() {
 
 #[test]
 fn near_and_far_parts_add_up_to_the_whole_force() {
+    for species in [1, 2] {
+        parts_add_up_to_the_whole_force(species);
+    }
+    let (cell, start) = liquid([9, 8, 8], 0.8442, 0.15);
+    let mut whole = build(
+        &ForceFieldOptions::default(),
+        &conditions(cell, start.len()),
+    )
+    .unwrap();
+    assert_eq!(
+        evaluate(&mut whole, cell, &start, Part::Near, Want::NOTHING).unwrap_err(),
+        ForceError::NotSplit
+    );
+}
+
+fn parts_add_up_to_the_whole_force(species: usize) {
     let (cell, start) = liquid([9, 8, 8], 0.8442, 0.15);
     let positions = moved(&start, 0.1);
     for base in forms() {
         let r_cut = Model::new(&base.potential, &base.truncation).unwrap().r_cut;
+        let mixture = mixture_or_one(species, base.truncation.r_cut, start.len());
+        let mixture = mixture.as_ref();
         for kernel in kernels() {
             for mode in [ListMode::Verlet, ListMode::Direct] {
                 let options = ForceFieldOptions {
@@ -207,7 +235,7 @@ fn near_and_far_parts_add_up_to_the_whole_force() {
                     }),
                     ..base
                 };
-                let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
+                let mut forces = built(&options, mixture, cell, start.len());
                 assert!(forces.properties().splits);
                 for part in [Part::Near, Part::Far, Part::All] {
                     evaluate(&mut forces, cell, &start, part, Want::NOTHING).unwrap();
@@ -222,7 +250,7 @@ fn near_and_far_parts_add_up_to_the_whole_force() {
                     Precision::Double => 1e-13,
                     Precision::Mixed => 1e-5,
                 };
-                let sizes = magnitudes(&base, cell, &positions);
+                let sizes = magnitudes_of(&base, mixture, cell, &positions);
                 for (((n, f), w), (size, _)) in near.iter().zip(&far).zip(&whole).zip(&sizes) {
                     assert!((*n + *f - *w).length() <= relative * size, "{options:?}");
                 }
@@ -247,13 +275,4 @@ fn near_and_far_parts_add_up_to_the_whole_force() {
             }
         }
     }
-    let mut whole = build(
-        &ForceFieldOptions::default(),
-        &conditions(cell, start.len()),
-    )
-    .unwrap();
-    assert_eq!(
-        evaluate(&mut whole, cell, &start, Part::Near, Want::NOTHING).unwrap_err(),
-        ForceError::NotSplit
-    );
 }

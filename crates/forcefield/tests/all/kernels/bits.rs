@@ -5,7 +5,9 @@ use super::*;
 #[test]
 fn forces_have_the_same_bits_with_and_without_energetics() {
     let (cell, positions) = liquid([8, 8, 8], 0.8442, 0.15);
-    for base in forms() {
+    let cases = forms().into_iter().flat_map(|base| [(base, 1), (base, 3)]);
+    for (base, species) in cases {
+        let mixture = mixture_or_one(species, base.truncation.r_cut, positions.len());
         for kernel in kernels() {
             for neighbor in [
                 verlet(None),
@@ -19,7 +21,7 @@ fn forces_have_the_same_bits_with_and_without_energetics() {
                     neighbor,
                     ..base
                 };
-                let mut forces = build(&options, &conditions(cell, positions.len())).unwrap();
+                let mut forces = built(&options, mixture.as_ref(), cell, positions.len());
                 let (plain, none) = all(&mut forces, cell, &positions, Want::NOTHING);
                 assert_eq!(none, lennard_core::Energetics::default());
                 for want in [Want::ENERGY, Want::TOTALS, want_each()] {
@@ -37,8 +39,15 @@ fn forces_have_the_same_bits_with_and_without_energetics() {
 #[test]
 fn the_same_bits_come_from_any_number_of_threads() {
     // Few particles, with one copy per thread, and many. Lists are built again on the way.
-    for (sides, many) in [([12, 11, 10], false), ([14, 13, 12], true)] {
+    let cases = [
+        ([12, 11, 10], 1, false),
+        ([14, 13, 12], 1, true),
+        ([12, 11, 10], 2, false),
+        ([14, 13, 12], 3, true),
+    ];
+    for (sides, species, many) in cases {
         let (cell, start) = liquid(sides, 0.8442, 0.15);
+        let mixture = mixture_or_one(species, 2.5, start.len());
         assert_eq!(start.len() > 2048, many);
         for kernel in kernels() {
             let run = || {
@@ -46,7 +55,7 @@ fn the_same_bits_come_from_any_number_of_threads() {
                     kernel,
                     ..ForceFieldOptions::default()
                 };
-                let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
+                let mut forces = built(&options, mixture.as_ref(), cell, start.len());
                 (0..4)
                     .flat_map(|k| {
                         let positions = moved(&start, 0.06 * f64::from(k));
@@ -68,7 +77,14 @@ fn the_same_bits_come_from_any_number_of_threads() {
 
 #[test]
 fn canonical_forces_are_a_pure_function_of_the_positions() {
+    for species in [1, 2] {
+        canonical_forces_are_pure(species);
+    }
+}
+
+fn canonical_forces_are_pure(species: usize) {
     let (cell, start) = liquid([9, 8, 8], 0.8442, 0.15);
+    let mixture = mixture_or_one(species, 2.5, start.len());
     let target = moved(&start, 0.1);
     let bits = |skin: Option<f64>, mode, threads, before: &[DVec3]| {
         let options = ForceFieldOptions {
@@ -77,7 +93,7 @@ fn canonical_forces_are_a_pure_function_of_the_positions() {
             ..ForceFieldOptions::default()
         };
         in_threads(threads, || {
-            let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
+            let mut forces = built(&options, mixture.as_ref(), cell, start.len());
             all(&mut forces, cell, before, Want::NOTHING);
             all(&mut forces, cell, &target, Want::NOTHING).0
         })

@@ -85,7 +85,8 @@ fn no_loop_computes_the_ends_of_a_bond() {
                 all(&mut forces, cell, &start, Want::NOTHING);
                 let (found, energetics) = all(&mut forces, cell, &positions, want_each());
                 assert_eq!(energetics.pairs, Some(pairs), "{options:?}");
-                one_by_one(&options, cell, &positions, &found).unwrap_or_else(|e| panic!("{e}"));
+                one_by_one(&options, None, cell, &positions, &found)
+                    .unwrap_or_else(|e| panic!("{e}"));
                 let off = (energetics.potential_energy.unwrap() - energy).abs();
                 assert!(off <= 1e-5 * energy.abs().max(1e3), "{options:?}: {off}");
             }
@@ -164,5 +165,25 @@ fn near_and_far_parts_leave_out_the_ends_of_bonds() {
         for ((near, far), w) in near.iter().zip(&far).zip(&wanted) {
             assert!((*near + *far - *w).length() <= 2e-5 * (1.0 + w.length()));
         }
+    }
+}
+
+#[test]
+fn no_loop_computes_the_ends_of_a_bond_in_a_mixture() {
+    let (cell, start) = chains([7, 8, 7], 0.7, 2);
+    let base = ForceFieldOptions {
+        exclusions: exclusions(2),
+        ..ForceFieldOptions::default()
+    };
+    let mixture = mixture(3, base.truncation.r_cut, start.len());
+    let positions = moved(&start, 0.1);
+    let (_, totals) = reference_of(&base, Some(&mixture), cell, &positions);
+    for options in with_every_loop(base) {
+        let mut forces = built(&options, Some(&mixture), cell, start.len());
+        all(&mut forces, cell, &start, Want::NOTHING);
+        let (found, energetics) = all(&mut forces, cell, &positions, want_each());
+        assert_eq!(energetics.pairs, totals.pairs, "{options:?}");
+        let checked = one_by_one(&options, Some(&mixture), cell, &positions, &found);
+        checked.unwrap_or_else(|e| panic!("{e}"));
     }
 }

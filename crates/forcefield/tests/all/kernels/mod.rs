@@ -42,11 +42,12 @@ fn moved(positions: &[DVec3], by: f64) -> Vec<DVec3> {
 /// Checks every force of a kernel against the sum over all pairs, within its tolerance.
 fn one_by_one(
     options: &ForceFieldOptions,
+    mixture: Option<&Mixture>,
     cell: PeriodicBox,
     positions: &[DVec3],
     found: &[DVec3],
 ) -> Result<(), TestCaseError> {
-    let all_pairs = AllPairs::new(options, None).unwrap();
+    let all_pairs = AllPairs::new(options, mixture).unwrap();
     for (i, f) in found.iter().enumerate() {
         let wanted = all_pairs.force_on(i, &cell, positions);
         let off = (*f - wanted.force).length();

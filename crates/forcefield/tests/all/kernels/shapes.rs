@@ -7,6 +7,7 @@ use proptest::prelude::*;
 #[derive(Debug, Clone)]
 struct Shape {
     n: usize,
+    species: usize,
     /// Sides of the box, in cutoffs.
     sides: [f64; 3],
     /// Skin as a share of the largest that the box allows.
@@ -28,6 +29,7 @@ fn shapes(longest: f64) -> impl Strategy<Value = Shape> {
     let n = prop_oneof![1_usize..10, 1_usize..400];
     (
         n,
+        1_usize..4,
         sides,
         skin,
         0.05_f64..=1.0,
@@ -36,8 +38,9 @@ fn shapes(longest: f64) -> impl Strategy<Value = Shape> {
         -30.0_f64..30.0,
     )
         .prop_map(
-            |(n, sides, skin_share, filling, crystal, seed, origin)| Shape {
+            |(n, species, sides, skin_share, filling, crystal, seed, origin)| Shape {
                 n,
+                species,
                 sides,
                 skin_share,
                 filling,
@@ -84,25 +87,27 @@ fn agrees_with_the_reference(shape: &Shape) -> Result<(), TestCaseError> {
     let skin = (shape.skin_share * (cell.largest_cutoff() - r_cut)).max(0.0);
     let start = shape.positions(lengths);
     let near = moved(&start, 0.49 * skin);
-    agrees_there(shape.n, cell, skin, (&start, &near), true)?;
+    agrees_there(shape.species, cell, skin, (&start, &near), true)?;
     let mut far = near;
     for (k, place) in (0..shape.n).step_by(MOVED_FAR).skip(1).enumerate() {
         let share = 0.9 + 0.02 * (k % 5) as f64;
         far[place] = moved(&start, share * skin)[place];
     }
-    agrees_there(shape.n, cell, skin, (&start, &far), false)
+    agrees_there(shape.species, cell, skin, (&start, &far), false)
 }
 
 /// Compares the kernels after a move from `start` to `positions`; `lasts` says whether the list must last that long.
 fn agrees_there(
-    n: usize,
+    species: usize,
     cell: PeriodicBox,
     skin: f64,
     (start, positions): (&[DVec3], &[DVec3]),
     lasts: bool,
 ) -> Result<(), TestCaseError> {
-    let r_cut = 2.5;
+    let (r_cut, n) = (2.5, start.len());
     let lengths = cell.lengths();
+    let mixture = mixture_or_one(species, r_cut, n);
+    let mixture = mixture.as_ref();
     // A soft potential: random positions overlap.
     let potential = PotentialOptions::SoftSphere(SoftSphere { exponent: 4 });
     let judged = |kind| {
@@ -112,8 +117,8 @@ fn agrees_there(
             neighbor: verlet(Some(skin)),
             ..ForceFieldOptions::default()
         };
-        let sizes = magnitudes(&base, cell, positions);
-        (base, reference(&base, cell, positions), sizes)
+        let sizes = magnitudes_of(&base, mixture, cell, positions);
+        (base, reference_of(&base, mixture, cell, positions), sizes)
     };
     // Fixed-point coordinates can carry a pair across the cutoff, where a shifted potential's force jumps
     // by more than any rounding: mixed precision is judged where the force ends at zero.
@@ -127,16 +132,16 @@ fn agrees_there(
             Precision::Mixed => &smooth,
         };
         let options = ForceFieldOptions { kernel, ..*base };
-        let mut forces = build(&options, &conditions(cell, n)).unwrap();
+        let mut forces = built(&options, mixture, cell, n);
         all(&mut forces, cell, start, Want::NOTHING);
         let (found, energetics) = all(&mut forces, cell, positions, Want::ENERGY);
-        one_by_one(&options, cell, positions, &found)?;
+        one_by_one(&options, mixture, cell, positions, &found)?;
         let (options_sharp, found_sharp) = {
             let options = ForceFieldOptions { kernel, ..sharp.0 };
-            let mut forces = build(&options, &conditions(cell, n)).unwrap();
+            let mut forces = built(&options, mixture, cell, n);
             (options, all(&mut forces, cell, positions, Want::NOTHING).0)
         };
-        one_by_one(&options_sharp, cell, positions, &found_sharp)?;
+        one_by_one(&options_sharp, mixture, cell, positions, &found_sharp)?;
         if lasts && skin > 1e-9 {
             prop_assert_eq!(forces.statistics().builds, 1);
         }
