@@ -32,6 +32,8 @@ pub enum Suits {
     All,
     /// Atoms alone.
     Atoms,
+    /// Atoms of one species alone.
+    OneSpecies,
     /// Molecules alone.
     Molecules,
 }
@@ -42,9 +44,15 @@ impl Suits {
     pub fn includes(self, molecules: bool) -> bool {
         match self {
             Self::All => true,
-            Self::Atoms => !molecules,
+            Self::Atoms | Self::OneSpecies => !molecules,
             Self::Molecules => molecules,
         }
+    }
+
+    /// Whether it is right for several species.
+    #[must_use]
+    pub fn includes_mixtures(self) -> bool {
+        self != Self::OneSpecies
     }
 }
 

@@ -73,7 +73,7 @@ impl Allowed {
 
 /// A number as a person writes it: `0.1`, `1000`, `1e-9`.
 fn short(x: f64) -> String {
-    if x == 0.0 || (1e-3..1e5).contains(&x) {
+    if x == 0.0 || (1e-3..1e5).contains(&x.abs()) {
         x.to_string()
     } else {
         format!("{x:e}")

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-/// The most species of a system.
+/// The most species of a system: as many as one register of AVX-512 holds doubles.
 pub const MOST_SPECIES: usize = 8;
 
 /// What all particles of one species share.

@@ -41,7 +41,7 @@ pub enum Momentum {
 #[derive(Debug, Clone)]
 pub struct System {
     species: SpeciesTable,
-    /// Particle masses: those of the species, unless a test sets others.
+    /// Particle masses, which follow from the species.
     pub masses: Masses,
     /// How particles are bonded to molecules.
     pub molecules: Molecules,
@@ -108,11 +108,20 @@ impl System {
     /// Where the particles make no whole number of molecules: that is a bug of the caller.
     #[must_use]
     pub fn of_molecules(n: usize, molecules: Molecules) -> Self {
-        assert!(n.is_multiple_of(molecules.sites()), "whole molecules");
-        Self {
-            molecules,
-            ..Self::atoms(n)
-        }
+        Self::atoms(n).bonded(molecules)
+    }
+
+    /// The same particles bonded to molecules.
+    ///
+    /// # Panics
+    /// As [`System::of_molecules`].
+    #[must_use]
+    pub fn bonded(self, molecules: Molecules) -> Self {
+        assert!(
+            self.len().is_multiple_of(molecules.sites()),
+            "whole molecules"
+        );
+        Self { molecules, ..self }
     }
 
     /// The species, and the species of each particle.

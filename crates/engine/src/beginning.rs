@@ -3,15 +3,14 @@
 use std::path::Path;
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, PeriodicBox};
+use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
 use lennard_io::StartConfiguration;
 use lennard_scene::{Geometry, Lattice, Scene, Start};
 
 use crate::EngineError;
-use crate::close_pairs::closest_pair;
+use crate::close_pairs::{Sizes, closest_pair};
 use crate::confinement::{Confinement, place_between_walls};
-use crate::initial;
-use crate::starting_molecules;
+use crate::{initial, species, starting_molecules};
 
 /// Start positions nearer than this (σ) are refused: U(0.5 σ) = 16,128 ε would blow any step up.
 pub const SMALLEST_START_DISTANCE: f64 = 0.5;
@@ -24,6 +23,8 @@ pub struct Beginning {
     pub positions: Vec<DVec3>,
     /// Velocities, if the start has any.
     pub velocities: Option<Vec<DVec3>>,
+    /// The species of the particles.
+    pub species: SpeciesTable,
     /// Whether the positions must be relaxed first.
     pub relax: bool,
 }
@@ -64,6 +65,7 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
                     cell,
                     positions,
                     velocities: None,
+                    species: species::mixed(scene, *n_atoms)?,
                     relax: true,
                 };
                 return Ok((beginning, Vec::new()));
@@ -72,11 +74,14 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
             let centers =
                 initial::lattice_sites(placement.corner, placement.filled, cells, lattice.basis());
             let positions = starting_molecules::on_a_lattice(scene, &cell, centers)?;
+            let species = species::mixed(scene, positions.len())?;
+            let relax = species::overlap(scene, &cell, &positions, &species);
             let beginning = Beginning {
                 cell,
                 positions,
                 velocities: None,
-                relax: false,
+                species,
+                relax,
             };
             Ok((beginning, Vec::new()))
         }
@@ -155,7 +160,8 @@ fn remarks(scene: &Scene, path: &Path, frames: u64, beginning: &Beginning) -> Ve
     let file = path.display();
     let frame = (frames > 1).then(|| format!("the start is frame {frames} of {frames} of {file}"));
     let drift = beginning.velocities.as_deref().and_then(|velocities| {
-        let (system, _) = Confinement::with_system(scene, &beginning.cell, velocities.len());
+        let species = beginning.species.clone();
+        let (system, _) = Confinement::with_system(scene, &beginning.cell, species);
         initial::Drift::of(&system, velocities).map(|drift| drift.in_words(&file.to_string()))
     });
     frame.into_iter().chain(drift).collect()
@@ -187,11 +193,13 @@ fn from_configuration(
     }
     let mut read = read;
     starting_molecules::take(scene, path, &mut read)?;
+    let species = species::of_file(scene, path, &read.species, read.positions.len())?;
     let exclusions = scene.molecules().exclusions();
     if let Some(pair) = closest_pair(
         &read.cell,
         &read.positions,
         &exclusions,
+        &Sizes::of(scene, &species),
         SMALLEST_START_DISTANCE,
     ) {
         let found = format!(
@@ -201,7 +209,10 @@ fn from_configuration(
             path.display(),
             pair.distance
         );
-        let allowed = format!("no pair nearer than {SMALLEST_START_DISTANCE} σ");
+        let allowed = format!(
+            "no pair nearer than {:.4} σ",
+            SMALLEST_START_DISTANCE * pair.sigma
+        );
         return Err(scene
             .source
             .invalid("system.configuration", found, allowed)
@@ -211,6 +222,7 @@ fn from_configuration(
         cell: read.cell,
         positions: read.positions,
         velocities: read.velocities,
+        species,
         relax: false,
     })
 }

@@ -1,9 +1,9 @@
 //! From a scene to a simulation that can run.
 
 use lennard_core::random::Streams;
-use lennard_core::{Backend, DVec3, ForceSum, PeriodicBox, Species, SpeciesTable, State};
+use lennard_core::{Backend, DVec3, ForceSum, PeriodicBox, SpeciesTable, State};
 use lennard_forcefield::{
-    AllPairs, Conditions, ForceFieldOptions, ForcePlan, ListMode, Model, NeighborOptions,
+    AllPairs, Conditions, ForceFieldOptions, ForcePlan, ListMode, Mixture, NeighborOptions,
     PairForces, Precision, Search,
 };
 use lennard_integrators::BondHolder;
@@ -21,12 +21,17 @@ use crate::initial;
 use crate::schedule::Observer;
 use crate::simulation::Simulation;
 use crate::timers::Timers;
-use crate::{EngineError, compare, pressure};
+use crate::{EngineError, compare, jump, pressure};
 
 /// The temperature and step for which the list is laid out: the hottest of all stages and the largest
 /// of all steps, since the list must serve them all.
 #[must_use]
-pub fn conditions(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Conditions<'static> {
+pub fn conditions<'a>(
+    scene: &Scene,
+    cell: PeriodicBox,
+    n_atoms: usize,
+    mixture: Option<&'a Mixture>,
+) -> Conditions<'a> {
     let measured: Vec<&Stage> = scene.stages.iter().filter(|s| s.measure).collect();
     let stages: Vec<&Stage> = if measured.is_empty() {
         scene.stages.iter().collect()
@@ -40,11 +45,11 @@ pub fn conditions(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Condition
         n_atoms,
         temperature,
         dt,
-        mixture: None,
+        mixture,
     }
 }
 
-/// The force field of a scene for a box.
+/// The force field of a scene for a box and its particles.
 ///
 /// # Errors
 /// [`EngineError::Scene`] where cutoff or skin do not fit the box, and where the settings for an accuracy have
@@ -52,12 +57,14 @@ pub fn conditions(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Condition
 pub fn forces(
     scene: &Scene,
     cell: PeriodicBox,
-    n_atoms: usize,
+    species: &SpeciesTable,
 ) -> Result<(ForceFieldOptions, PairForces), EngineError> {
     scene.settled()?;
     let options = scene.force_field();
-    let built = lennard_forcefield::build(&options, &conditions(scene, cell, n_atoms))
-        .map_err(|e| misfit(&scene.source, &e))?;
+    let mixture = scene.mixture_of(species);
+    let conditions = conditions(scene, cell, species.n_particles(), mixture.as_ref());
+    let built =
+        lennard_forcefield::build(&options, &conditions).map_err(|e| misfit(&scene.source, &e))?;
     Ok((options, built))
 }
 
@@ -80,12 +87,13 @@ pub fn prepare(scene: Scene) -> Result<Simulation, EngineError> {
 pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation, EngineError> {
     let n = beginning.positions.len();
     let cell = beginning.cell;
-    let (options, provider) = forces(&scene, cell, n)?;
+    let (options, provider) = forces(&scene, cell, &beginning.species)?;
     let remarks = pressure::foresee(&scene, &cell, n, provider.plan().skin)?;
     if beginning.relax {
-        relax(&scene, cell, &mut beginning.positions)?;
+        relax(&scene, cell, &beginning.species, &mut beginning.positions)?;
     }
-    let (system, confinement) = Confinement::with_system(&scene, &cell, n);
+    let mixture = scene.mixture_of(&beginning.species);
+    let (system, confinement) = Confinement::with_system(&scene, &cell, beginning.species);
     let streams = Streams::new(scene.system.seed);
     let velocities = match beginning.velocities {
         Some(mut given) => {
@@ -99,10 +107,11 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
             streams,
         ),
     };
-    let observers = observers(&scene, cell, n)?;
+    let observers = observers(&scene, cell, system.species())?;
     let isa = provider.plan().isa.to_string();
     let list = planned_list(&scene, provider.plan());
-    let all_pairs = AllPairs::new(&options, None).map_err(|e| misfit(&scene.source, &e))?;
+    let all_pairs =
+        AllPairs::new(&options, mixture.as_ref()).map_err(|e| misfit(&scene.source, &e))?;
     let forces = with_springs(&scene, confinement.beside(provider));
     Ok(Simulation {
         state: State::new(cell, beginning.positions, velocities),
@@ -113,6 +122,7 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
         force_check: ForceCheck::new(all_pairs),
         list,
         force_field: options,
+        mixture,
         streams,
         stage: None,
         observers,
@@ -151,10 +161,15 @@ pub(crate) fn with_springs<B: Backend>(scene: &Scene, mut forces: ForceSum<B>) -
 
 /// Relaxes a random start until nothing overlaps, in double precision whatever the scene runs in: of two that lie nearly on top of
 /// each other the force is no number in single precision.
-fn relax(scene: &Scene, cell: PeriodicBox, positions: &mut [DVec3]) -> Result<(), EngineError> {
+fn relax(
+    scene: &Scene,
+    cell: PeriodicBox,
+    species: &SpeciesTable,
+    positions: &mut [DVec3],
+) -> Result<(), EngineError> {
     let mut relaxing = scene.clone();
     relaxing.kernel.precision = Precision::Double;
-    let (_, mut provider) = forces(&relaxing, cell, positions.len())?;
+    let (_, mut provider) = forces(&relaxing, cell, species)?;
     fire::relax(&cell, positions, &mut provider, &FireOptions::default())
         .map(|_| ())
         .map_err(|e| {
@@ -173,8 +188,9 @@ fn relax(scene: &Scene, cell: PeriodicBox, positions: &mut [DVec3]) -> Result<()
 pub(crate) fn observers(
     scene: &Scene,
     cell: PeriodicBox,
-    n_atoms: usize,
+    species: &SpeciesTable,
 ) -> Result<Vec<Observer>, EngineError> {
+    let n_atoms = species.n_particles();
     let mut measured = scene.stages.iter().rev().filter(|s| s.measure);
     let measured = measured.next().or(scene.stages.last());
     let dt = measured.map_or(scene.integrator.dt, |s| scene.stage_dt(s));
@@ -183,9 +199,9 @@ pub(crate) fn observers(
         n_atoms,
         dt,
         every,
-        r_cut: scene.truncation.r_cut,
+        r_cut: scene.longest_cutoff(),
         molecules: scene.molecules(),
-        species: SpeciesTable::one(Species::unnamed(), n_atoms),
+        species: species.clone(),
     };
     let of_thermodynamics = |table: &ObservableTable| match &table.options {
         ObservableOptions::Thermodynamics(options) => Some(options.clone()),
@@ -199,13 +215,13 @@ pub(crate) fn observers(
     }
     let every = scene.output.thermo_every;
     let mut thermodynamics = Thermodynamics::with_options(&options, &context(every));
-    thermodynamics.set_force_jump(force_jump(scene)?);
+    thermodynamics.set_force_jump(jump::of_force(scene, species)?);
     thermodynamics.set_curvature(curvature(scene)?);
     thermodynamics.set_ensemble(measured.and_then(|stage| ensemble(scene, stage)));
     thermodynamics.set_bath(held_temperature(scene));
     thermodynamics.set_confined(scene.confined_by().map(|_| {
         Confined {
-            by_hits: Confinement::with_system(scene, &cell, n_atoms)
+            by_hits: Confinement::with_system(scene, &cell, species.clone())
                 .1
                 .properties()
                 .bounds_flight,
@@ -247,15 +263,6 @@ pub(crate) fn observers(
         });
     }
     Ok(observers)
-}
-
-/// U′(r_cut) just inside the cutoff, where the force drops to zero with a jump (plain and shifted
-/// cutoffs); zero where the force is continuous.
-fn force_jump(scene: &Scene) -> Result<f64, EngineError> {
-    let model =
-        Model::new(&scene.potential, &scene.truncation).map_err(|e| misfit(&scene.source, &e))?;
-    let pair = model.eval(model.r_cut * model.r_cut);
-    Ok(-pair.force * model.r_cut)
 }
 
 /// As many threads as pay for so many particles on this machine.

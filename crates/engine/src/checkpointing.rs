@@ -5,8 +5,11 @@
 
 use std::time::{Duration, Instant};
 
-use lennard_core::{Array, DMat3, DVec3, Energetics, Persist, StateArchive, StateReader};
+use lennard_core::{
+    Array, DMat3, DVec3, Energetics, Persist, SpeciesTable, StateArchive, StateReader,
+};
 use lennard_io::{Checkpoint, CheckpointFolder, CheckpointMetadata, FileMark, WriteError};
+use lennard_scene::Scene;
 
 use crate::files::Marks;
 use crate::names::{THERMO, TRAJECTORY};
@@ -33,6 +36,7 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
     simulation.save(&mut writer);
     let mut run = writer.section("run");
     run.put_vec3("cell", &[simulation.start_cell.lengths()]);
+    save_species(simulation.system.species(), &mut run);
     save_energetics(&simulation.state.energetics, &mut run);
     let Timers {
         step,
@@ -167,6 +171,45 @@ pub(crate) fn saved_start_cell(
     match reader.vec3("cell")? {
         [sides] => Ok(*sides),
         others => Err(reader.misfit("cell", format!("{} boxes, wanted 1", others.len()))),
+    }
+}
+
+/// Species in one number of a checkpoint.
+const SPECIES_PER_NUMBER: usize = size_of::<u64>();
+
+/// The species of each particle, one byte each; nothing where there is one species.
+fn save_species(species: &SpeciesTable, to: &mut lennard_core::StateWriter<'_>) {
+    let Some(of_particles) = species.of_particles() else {
+        return;
+    };
+    let packed = of_particles.chunks(SPECIES_PER_NUMBER).map(|chunk| {
+        let mut bytes = [0; SPECIES_PER_NUMBER];
+        bytes[..chunk.len()].copy_from_slice(chunk);
+        u64::from_le_bytes(bytes)
+    });
+    to.put_u64("species", &packed.collect::<Vec<_>>());
+}
+
+/// The species of the `n` particles of a saved run.
+pub(crate) fn saved_species(
+    archive: &StateArchive,
+    scene: &Scene,
+    n: usize,
+) -> Result<SpeciesTable, lennard_core::RestoreError> {
+    let count = scene.mixture.as_ref().map_or(1, |m| m.species.len());
+    if count == 1 {
+        return Ok(scene.species_table(n, &[]));
+    }
+    let reader = archive.reader().section("run");
+    let packed = reader.u64("species")?;
+    let bytes = packed.iter().flat_map(|number| number.to_le_bytes());
+    let of_particle: Vec<u8> = bytes.take(n).collect();
+    if packed.len() != n.div_ceil(SPECIES_PER_NUMBER) {
+        return Err(reader.misfit("species", format!("{} numbers", packed.len())));
+    }
+    match of_particle.iter().find(|a| usize::from(**a) >= count) {
+        Some(a) => Err(reader.misfit("species", format!("species {a} of {count}"))),
+        None => Ok(scene.species_table(n, &of_particle)),
     }
 }
 

@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use lennard_core::{DVec3, Exclusions, PeriodicBox};
+use lennard_core::{DVec3, Exclusions, PeriodicBox, SpeciesTable};
+use lennard_scene::Scene;
 
 /// Two particles and their distance in σ.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,9 +14,59 @@ pub struct ClosePair {
     pub j: usize,
     /// Their distance, nearest image, σ.
     pub distance: f64,
+    /// σ_ab of the two, in σ.
+    pub sigma: f64,
 }
 
-/// The closest pair nearer than `within` (σ), or `None`: O(N) through bins of that size.
+impl ClosePair {
+    /// The distance in units of σ_ab.
+    #[must_use]
+    pub fn in_own_units(&self) -> f64 {
+        self.distance / self.sigma
+    }
+}
+
+/// σ_ab of pairs of particles.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sizes<'a> {
+    species: Option<&'a SpeciesTable>,
+    sigma: Vec<f64>,
+    largest: f64,
+}
+
+impl<'a> Sizes<'a> {
+    /// σ_ab = 1 for all.
+    pub const ONE: Sizes<'static> = Sizes {
+        species: None,
+        sigma: Vec::new(),
+        largest: 1.0,
+    };
+
+    /// Of the pairs of species of a scene.
+    #[must_use]
+    pub fn of(scene: &Scene, species: &'a SpeciesTable) -> Self {
+        if scene.mixture.is_none() {
+            return Self::ONE;
+        }
+        let n = species.n_species();
+        let sigma = |k: usize| scene.species_pair(k / n, k % n).sigma;
+        Self {
+            species: Some(species),
+            sigma: (0..n * n).map(sigma).collect(),
+            largest: scene.largest_sigma(),
+        }
+    }
+
+    /// σ_ab of two particles, in σ.
+    #[must_use]
+    pub fn between(&self, i: usize, j: usize) -> f64 {
+        self.species.map_or(1.0, |species| {
+            self.sigma[species.of(i) * species.n_species() + species.of(j)]
+        })
+    }
+}
+
+/// The closest pair nearer than `within`, or `None`: O(N) through bins of that size. Distances are in units of σ_ab of each pair.
 ///
 /// Positions that are not finite are left out, and so are excluded pairs.
 #[must_use]
@@ -23,15 +74,23 @@ pub fn closest_pair(
     cell: &PeriodicBox,
     positions: &[DVec3],
     exclusions: &Exclusions,
+    sizes: &Sizes<'_>,
     within: f64,
 ) -> Option<ClosePair> {
-    let mut bins = Bins::new(cell, within);
+    let mut bins = Bins::new(cell, within * sizes.largest);
     let mut best: Option<ClosePair> = None;
     for (j, r) in positions.iter().enumerate().filter(|(_, r)| r.is_finite()) {
-        if let Some((i, distance)) = bins.nearest(positions, *r, |i| !exclusions.exclude(i, j))
-            && distance < best.map_or(within, |b| b.distance)
-        {
-            best = Some(ClosePair { i, j, distance });
+        let size = |i| (!exclusions.exclude(i, j)).then(|| sizes.between(i, j));
+        if let Some((i, distance)) = bins.nearest(positions, *r, size) {
+            let pair = ClosePair {
+                i,
+                j,
+                distance,
+                sigma: sizes.between(i, j),
+            };
+            if pair.in_own_units() < best.map_or(within, |b| b.in_own_units()) {
+                best = Some(pair);
+            }
         }
         bins.insert(j as u32, *r);
     }
@@ -69,15 +128,15 @@ impl<'a> Bins<'a> {
         self.members.entry(self.bin_of(r)).or_default().push(index);
     }
 
-    /// The nearest of the points in the bins around `r`, among the points that count.
+    /// The nearest of the points in the bins around `r`, among the points that have a size, in units of it; with its distance.
     pub(crate) fn nearest(
         &self,
         points: &[DVec3],
         r: DVec3,
-        counts: impl Fn(usize) -> bool,
+        size: impl Fn(usize) -> Option<f64>,
     ) -> Option<(usize, f64)> {
         let home = self.bin_of(r);
-        let mut best: Option<(usize, f64)> = None;
+        let mut best: Option<(usize, f64, f64)> = None;
         let around = |axis: usize| -> Vec<i32> {
             let count = self.counts[axis];
             let mut bins: Vec<i32> = (-1..=1)
@@ -92,18 +151,18 @@ impl<'a> Bins<'a> {
             for &y in &ys {
                 for &z in &zs {
                     for &k in self.members.get(&[x, y, z]).into_iter().flatten() {
-                        if !counts(k as usize) {
+                        let Some(size) = size(k as usize) else {
                             continue;
-                        }
+                        };
                         let d = self.cell.minimum_image(r - points[k as usize]).length();
-                        if best.is_none_or(|b| d < b.1) {
-                            best = Some((k as usize, d));
+                        if best.is_none_or(|b| d / size < b.2) {
+                            best = Some((k as usize, d, d / size));
                         }
                     }
                 }
             }
         }
-        best
+        best.map(|(k, d, _)| (k, d))
     }
 }
 
@@ -119,9 +178,10 @@ mod tests {
             DVec3::new(9.8, 5.0, 5.0),
             DVec3::new(5.0, 5.0, f64::NAN),
         ];
-        let pair = closest_pair(&cell, &points, &Exclusions::NONE, 0.5).unwrap();
+        let closest = |within| closest_pair(&cell, &points, &Exclusions::NONE, &Sizes::ONE, within);
+        let pair = closest(0.5).unwrap();
         assert_eq!((pair.i, pair.j), (0, 1));
         assert!((pair.distance - 0.3).abs() < 1e-12);
-        assert_eq!(closest_pair(&cell, &points, &Exclusions::NONE, 0.2), None);
+        assert_eq!(closest(0.2), None);
     }
 }

@@ -1,9 +1,9 @@
 //! A run beside the literature.
 
 use lennard_core::{Average, Observable};
-use lennard_forcefield::{PotentialOptions, TruncationKind};
+use lennard_forcefield::{PotentialOptions, SpeciesPair, TruncationKind};
 use lennard_io::StatePoint;
-use lennard_literature::{EquationOfState, FiniteSize, Kept, ModelKind};
+use lennard_literature::{EquationOfState, FiniteSize, Kept, ModelKind, OneFluid};
 use lennard_observables::Thermodynamics;
 use lennard_scene::Scene;
 
@@ -21,7 +21,9 @@ pub struct Comparison {
 /// The model that a scene simulates, as far as the choice of a reference goes.
 #[must_use]
 pub fn model_kind(scene: &Scene) -> ModelKind {
-    let r_cut = scene.truncation.r_cut;
+    let Some(r_cut) = scene.cutoff_of_one_fluid() else {
+        return mixture_kind(scene);
+    };
     let spec = scene.potential.spec();
     let molecules = scene.molecules();
     if !molecules.are_atoms() {
@@ -76,13 +78,46 @@ pub fn model_kind(scene: &Scene) -> ModelKind {
     }
 }
 
+/// The kind of a mixture: one that the one-fluid theory describes, or another.
+fn mixture_kind(scene: &Scene) -> ModelKind {
+    let other = |potential| ModelKind::Other { potential };
+    let full = scene.potential.spec().is_lennard_jones
+        && scene.truncation.kind == TruncationKind::Cut
+        && scene.truncation.tail_correction;
+    if !full {
+        return other("mixtures other than Lennard-Jones with tail correction");
+    }
+    let Some(fractions) = scene.fractions() else {
+        return other("mixtures whose composition stands in a file");
+    };
+    let pair = |a, b| scene.species_pair(a, b);
+    let of_pairs = |of: &dyn Fn(SpeciesPair) -> f64| {
+        let values = scene.species_pairs().map(|[a, b]| of(pair(a, b)));
+        values.fold([f64::INFINITY, 0.0], |[least, most], x| {
+            [x.min(least), x.max(most)]
+        })
+    };
+    let [smallest, largest] = of_pairs(&|p| p.sigma);
+    ModelKind::Mixture {
+        fluid: OneFluid::of(&fractions, |a, b| {
+            let SpeciesPair { sigma, epsilon, .. } = pair(a, b);
+            [sigma, epsilon]
+        }),
+        size_ratio: largest / smallest,
+        r_cut: of_pairs(&|p| p.r_cut / p.sigma)[0],
+    }
+}
+
 /// The viscosity of the reference table near a scene's state, for the finite-size correction of D;
 /// `None` where the model is not Lennard-Jones or none is near.
 #[must_use]
 pub fn viscosity_for(scene: &Scene, density: f64) -> Option<f64> {
     let is_another_fluid = matches!(
         model_kind(scene),
-        ModelKind::Other { .. } | ModelKind::Mie { .. } | ModelKind::TwoCenter { .. }
+        ModelKind::Other { .. }
+            | ModelKind::Mie { .. }
+            | ModelKind::TwoCenter { .. }
+            | ModelKind::Mixture { .. }
     );
     if is_another_fluid || scene.confined_by().is_some() {
         return None;

@@ -1,6 +1,8 @@
 //! Walls and fields of a scene: force terms beside the pairs, and what must hold of the start.
 
-use lennard_core::{DVec3, ForceProperties, ForceSum, ForceTerm, PeriodicBox, System};
+use lennard_core::{
+    DVec3, ForceProperties, ForceSum, ForceTerm, PeriodicBox, SpeciesTable, System,
+};
 use lennard_forcefield::{ConstantField, PairForces, Walls};
 use lennard_scene::Scene;
 
@@ -14,10 +16,10 @@ pub struct Confinement {
 }
 
 impl Confinement {
-    /// Walls and field of a scene in a box, and the system of `n` particles whose momentum they change.
+    /// Walls and field of a scene in a box, and the system of particles whose momentum they change.
     #[must_use]
-    pub fn with_system(scene: &Scene, cell: &PeriodicBox, n: usize) -> (System, Self) {
-        let system = System::of_molecules(n, scene.molecules());
+    pub fn with_system(scene: &Scene, cell: &PeriodicBox, species: SpeciesTable) -> (System, Self) {
+        let system = System::of_species(species).bonded(scene.molecules());
         let confinement = Self {
             walls: scene.walls_in(cell),
             field: scene.field_on(&system.masses),

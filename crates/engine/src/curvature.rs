@@ -16,6 +16,10 @@ const ROUNDING: f64 = 1e-9;
 /// potentials, and for truncations that bend the potential.
 pub(crate) fn curvature(scene: &Scene) -> Result<Option<Curvature>, EngineError> {
     let truncation = &scene.truncation;
+    // Each pair of species has a shift of its own, which the mean energy does not tell.
+    if scene.mixture.is_some() && truncation.kind == TruncationKind::Shift {
+        return Ok(None);
+    }
     if !matches!(truncation.kind, TruncationKind::Cut | TruncationKind::Shift) {
         return Ok(None);
     }

@@ -1,6 +1,8 @@
 //! One evaluation of energy, virial and pressure, for checks against reference configurations.
 
-use lennard_core::{Configuration, DVec3, ForceTerm, Momentum, Part, State, Want, rigid};
+use lennard_core::{
+    Configuration, DVec3, ForceTerm, Momentum, Part, SpeciesTable, State, Want, rigid,
+};
 use lennard_scene::Scene;
 use serde::Serialize;
 
@@ -56,6 +58,8 @@ pub struct EnergyReport {
 pub struct Evaluated {
     /// The numbers.
     pub report: EnergyReport,
+    /// The species of the particles.
+    pub species: SpeciesTable,
     /// Box, positions, velocities (zero where the start has none) and forces.
     pub state: State,
 }
@@ -68,9 +72,10 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
     let (beginning, remarks) = crate::beginning::begin_with_remarks(scene)?;
     let n = beginning.positions.len();
     let cell = beginning.cell;
-    let (options, provider) = build::forces(scene, cell, n)?;
+    let (options, provider) = build::forces(scene, cell, &beginning.species)?;
     let has_velocities = beginning.velocities.is_some();
-    let (system, confinement) = Confinement::with_system(scene, &cell, n);
+    let mixture = scene.mixture_of(&beginning.species);
+    let (system, confinement) = Confinement::with_system(scene, &cell, beginning.species);
     let mut forces = build::with_springs(scene, confinement.beside(provider));
     let mut velocities = beginning.velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]);
     // The velocities that a run starts with.
@@ -92,7 +97,7 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
     } else {
         (scene.system.temperature, KineticSource::SceneTemperature)
     };
-    let tail = lennard_forcefield::tail_correction(&options, n, cell.volume());
+    let tail = lennard_forcefield::tail_in(&options, mixture.as_ref(), n, cell.volume());
     let (tail_energy, tail_virial) = tail.map_or((0.0, 0.0), |t| (t.energy, t.virial));
     let virial = energetics.scalar_virial().unwrap_or(f64::NAN);
     let volume = cell.volume();
@@ -115,5 +120,9 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
         remarks,
     };
     state.energetics = energetics;
-    Ok(Evaluated { report, state })
+    Ok(Evaluated {
+        report,
+        species: system.species().clone(),
+        state,
+    })
 }

@@ -4,7 +4,7 @@ use lennard_core::{DVec3, ForceError, StepError};
 
 use crate::close_pairs::ClosePair;
 
-/// Pairs nearer than this (σ) are called overlapping: U(0.6 σ) is 1750 ε.
+/// Pairs nearer than this (σ_ab) are called overlapping: U(0.6 σ) is 1750 ε.
 const OVERLAP: f64 = 0.6;
 
 /// Number densities (σ⁻³) above this are named as a likely mistake: at T = 10 ε/k_B the fluid freezes near 1.6.
@@ -134,7 +134,7 @@ impl std::fmt::Display for PhysicsFailure {
             Symptom::Method(e) => write!(f, "{e}")?,
         }
         if let Some(pair) = self.closest {
-            let overlap = if pair.distance < OVERLAP {
+            let overlap = if pair.in_own_units() < OVERLAP {
                 ", an overlap"
             } else {
                 ""
@@ -211,7 +211,7 @@ impl PhysicsFailure {
                 self.dt, self.method
             );
         }
-        if self.steps_into_stage < 50 && self.closest.is_some_and(|p| p.distance < OVERLAP) {
+        if self.steps_into_stage < 50 && self.closest.is_some_and(|p| p.in_own_units() < OVERLAP) {
             return "particles overlapped at the start: relax the start configuration, or check density and box".into();
         }
         format!(

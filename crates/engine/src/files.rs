@@ -113,7 +113,7 @@ pub struct Marks {
 pub(crate) fn style(simulation: &Simulation) -> FrameStyle {
     let output = &simulation.scene.output;
     FrameStyle {
-        element: output.element.clone(),
+        species: simulation.system.species().clone(),
         velocities: output.velocities,
         forces: output.forces,
         wrapped: !output.unwrapped,

@@ -129,7 +129,7 @@ pub fn random_points(cell: &PeriodicBox, n: usize, streams: Streams) -> Option<V
     for _ in 0..n {
         let point = (0..TRIALS_PER_PARTICLE).find_map(|_| {
             let r = cell.lengths() * DVec3::new(rng.random(), rng.random(), rng.random());
-            bins.nearest(&points, r, |_| true)
+            bins.nearest(&points, r, |_| Some(1.0))
                 .is_none_or(|(_, d)| d >= spacing)
                 .then_some(r)
         })?;
@@ -244,7 +244,7 @@ mod tests {
     use lennard_core::Exclusions;
 
     use super::*;
-    use crate::close_pairs::closest_pair;
+    use crate::close_pairs::{Sizes, closest_pair};
 
     #[test]
     fn an_fcc_crystal_has_twelve_nearest_neighbors_at_the_right_distance() {
@@ -297,7 +297,7 @@ mod tests {
         let cell = PeriodicBox::cubic_for_density(400, 0.8442).unwrap();
         let points = random_points(&cell, 400, Streams::new(5)).unwrap();
         let spacing = RANDOM_SPACING / 0.8442_f64.cbrt();
-        let closest = closest_pair(&cell, &points, &Exclusions::NONE, 1.5).unwrap();
+        let closest = closest_pair(&cell, &points, &Exclusions::NONE, &Sizes::ONE, 1.5).unwrap();
         assert!(closest.distance >= spacing, "{closest:?}");
         // The O(N²) answer agrees.
         let mut brute = f64::INFINITY;

@@ -61,12 +61,7 @@ impl Simulation {
     /// The tail correction at the present volume, if the scene has one.
     #[must_use]
     pub fn tail(&self) -> Option<TailCorrection> {
-        let state = &self.state;
-        let tail = lennard_forcefield::tail_correction(
-            &self.force_field,
-            state.len(),
-            state.cell.volume(),
-        );
+        let tail = self.tail_in(self.state.cell.volume());
         tail.map(|t| TailCorrection {
             energy_per_particle: t.energy_per_particle * self.system.molecules.sites() as f64,
             pressure: t.pressure,

@@ -82,8 +82,11 @@ impl Simulation {
             },
             ..scene.clone()
         };
-        let (_, provider) = build::forces(&apart, state.cell, n)?;
-        let (_, confinement) = Confinement::with_system(scene, &self.start_cell, n);
+        let (_, provider) = build::forces(&apart, state.cell, self.system.species())?;
+        let (_, confinement) = {
+            let species = self.system.species().clone();
+            Confinement::with_system(scene, &self.start_cell, species)
+        };
         let mut terms = build::with_springs(scene, confinement.beside(provider));
         let mut forces = vec![DVec3::ZERO; n];
         let at = Configuration {

@@ -70,7 +70,7 @@ const STATE_BYTES: usize = 3 * size_of::<DVec3>();
 /// [`EngineError`] for everything that is wrong with the scene.
 pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineError> {
     let scene = simulation.scene.clone();
-    let (_, provider) = build::forces(&scene, simulation.state.cell, simulation.state.len())?;
+    let (_, provider) = build::forces(&scene, simulation.state.cell, simulation.system.species())?;
     let mut items = items(&scene, simulation, provider.plan(), threads);
     let costs = Costs::measure(simulation)?;
     let seconds = costs.of_run(&scene);
@@ -155,6 +155,7 @@ fn items(
         let words = format!("{bonds} bonds, {}", molecule.bonds.spec().name);
         items.push(item("bonds", How::On(words)));
     }
+    items.extend(of_species(simulation));
     for stage in &scene.stages {
         items.extend(of_stage(stage));
     }
@@ -175,6 +176,19 @@ fn items(
         How::Off("positions are kept unwrapped; flags are made only where a frame is written"),
     ));
     items
+}
+
+/// The particles of each species, where the scene names species.
+fn of_species(simulation: &Simulation) -> Option<PlanItem> {
+    simulation.mixture.as_ref()?;
+    let species = simulation.system.species();
+    let each: Vec<String> = (0..species.n_species())
+        .map(|a| {
+            let (count, mass) = (species.count(a), species.species(a).mass);
+            format!("{count} of {} with mass {mass}", species.name(a))
+        })
+        .collect();
+    Some(item("species", How::On(each.join(", "))))
 }
 
 fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [PlanItem; 6] {

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use lennard_core::Findings;
 use lennard_io::{
-    AverageRecord, BarostatRecord, Conservation, Host, NeighborRecord, Performance, RUN_SCHEMA,
-    RunRecord, StageSeconds, ThermostatRecord,
+    AverageRecord, BarostatRecord, Conservation, Host, NeighborRecord, PairRecord, Performance,
+    RUN_SCHEMA, RunRecord, SpeciesRecord, StageSeconds, ThermostatRecord,
 };
 use lennard_observables::ChangingBox;
 
@@ -112,6 +112,8 @@ fn bare(simulation: &Simulation, threads: usize) -> RunRecord {
         },
         steps: simulation.state.step,
         atoms: simulation.state.len() as u64,
+        species: species(simulation),
+        pairs: pairs(simulation),
         n_dof: simulation.view().n_dof() as u64,
         wall_s: 0.0,
         performance: Performance::default(),
@@ -138,6 +140,42 @@ fn bare(simulation: &Simulation, threads: usize) -> RunRecord {
         remarks: Vec::new(),
         trajectory_frames: None,
     }
+}
+
+/// The species of a mixture, with the numbers of particles.
+fn species(simulation: &Simulation) -> Vec<SpeciesRecord> {
+    if simulation.mixture.is_none() {
+        return Vec::new();
+    }
+    let table = simulation.system.species();
+    let of = table.all().iter().enumerate();
+    let records = of.map(|(a, s)| SpeciesRecord {
+        name: s.name.clone(),
+        element: s.element.clone(),
+        count: table.count(a) as u64,
+        fraction: table.fraction(a),
+        mass: s.mass,
+    });
+    records.collect()
+}
+
+/// What acts between the species of a mixture.
+fn pairs(simulation: &Simulation) -> Vec<PairRecord> {
+    if simulation.mixture.is_none() {
+        return Vec::new();
+    }
+    let (scene, table) = (&simulation.scene, simulation.system.species());
+    let records = scene.species_pairs().map(|[a, b]| {
+        let pair = scene.species_pair(a, b);
+        PairRecord {
+            a: table.name(a).to_owned(),
+            b: table.name(b).to_owned(),
+            sigma: pair.sigma,
+            epsilon: pair.epsilon,
+            r_cut: pair.r_cut,
+        }
+    });
+    records.collect()
 }
 
 fn conserved(simulation: &Simulation) -> &'static str {

@@ -290,10 +290,13 @@ fn build_for(
     if n == 0 {
         return Err(misfit("it has no particles".into()).into());
     }
+    let species = checkpointing::saved_species(&checkpoint.archive, &scene, n)
+        .map_err(|e| misfit(e.to_string()))?;
     let beginning = Beginning {
         cell,
         positions: vec![DVec3::ZERO; n],
         velocities: Some(vec![DVec3::ZERO; n]),
+        species,
         relax: false,
     };
     build::prepare_from(scene, beginning)

@@ -4,7 +4,7 @@ use std::any::Any;
 
 use lennard_core::random::Streams;
 use lennard_core::{Backend, Integrator, Observable, PeriodicBox, State, System};
-use lennard_forcefield::{ForceFieldOptions, NeighborOptions};
+use lennard_forcefield::{ForceFieldOptions, Mixture, NeighborOptions, Tail};
 use lennard_observables::Thermodynamics;
 use lennard_scene::{Scene, Stage};
 
@@ -30,6 +30,8 @@ pub struct Simulation {
     pub list: NeighborOptions,
     /// What the forces are of, which the tail correction follows from.
     pub force_field: ForceFieldOptions,
+    /// The pairs of species that the forces are of; `None` where the scene names no species.
+    pub mixture: Option<Mixture>,
     /// Random streams of the scene's seed.
     pub streams: Streams,
     /// The stage under way; `None` before the first.
@@ -82,6 +84,17 @@ impl Simulation {
     pub fn thermodynamics(&self) -> &Thermodynamics {
         self.observable()
             .expect("every run measures thermodynamics")
+    }
+
+    /// The tail correction in a volume, σ³, if the scene has one: totals of the system.
+    #[must_use]
+    pub fn tail_in(&self, volume: f64) -> Option<Tail> {
+        lennard_forcefield::tail_in(
+            &self.force_field,
+            self.mixture.as_ref(),
+            self.state.len(),
+            volume,
+        )
     }
 
     /// Whether any stage has a barostat.

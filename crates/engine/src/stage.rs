@@ -90,8 +90,7 @@ impl Simulation {
     /// c_P = V²·P_tail in ε·σ³, which does not depend on the volume; 0 without tail.
     fn tail_work(&self) -> f64 {
         let volume = self.start_cell.volume();
-        let n = self.state.len();
-        let tail = lennard_forcefield::tail_correction(&self.force_field, n, volume);
+        let tail = self.tail_in(volume);
         tail.map_or(0.0, |tail| tail.pressure * volume * volume)
     }
 

@@ -7,7 +7,7 @@ use lennard_io::StartConfiguration;
 use lennard_scene::{MoleculeKind, Scene};
 
 use crate::EngineError;
-use crate::close_pairs::closest_pair;
+use crate::close_pairs::{Sizes, closest_pair};
 use crate::initial;
 
 /// The sites of molecules whose centres stand on a lattice; the centres themselves where the scene has atoms.
@@ -31,7 +31,7 @@ pub fn on_a_lattice(
     const SMALLEST_ON_A_LATTICE: f64 = 0.8;
     let within = SMALLEST_ON_A_LATTICE;
     let exclusions = molecule.molecules().exclusions();
-    match closest_pair(cell, &positions, &exclusions, within) {
+    match closest_pair(cell, &positions, &exclusions, &Sizes::ONE, within) {
         None => Ok(positions),
         Some(pair) => Err(scene
             .source

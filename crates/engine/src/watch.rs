@@ -2,6 +2,7 @@
 
 use lennard_core::{Configuration, StepError};
 
+use crate::close_pairs::Sizes;
 use crate::failure::{PhysicsFailure, Symptom};
 use crate::force_check::Seen;
 use crate::schedule::{Action, Operation, Trigger};
@@ -64,6 +65,21 @@ impl Simulation {
         }
     }
 
+    /// The estimate of [`watchdog::rough_stable_dt`] for the pair of species with the shortest one, τ: in units of a pair a time
+    /// is σ_ab·√(2μ_ab/ε_ab) with the reduced mass μ_ab.
+    fn rough_stable_dt(&self, temperature: f64, limit: f64) -> f64 {
+        let species = self.system.species();
+        let of_pair = |[a, b]: [usize; 2]| {
+            let pair = self.scene.species_pair(a, b);
+            let [m_a, m_b] = [a, b].map(|a| species.species(a).mass);
+            let unit = pair.sigma * (2.0 * m_a * m_b / ((m_a + m_b) * pair.epsilon)).sqrt();
+            unit * watchdog::rough_stable_dt(temperature / pair.epsilon, limit)
+        };
+        let pairs = self.scene.species_pairs();
+        let repelling = pairs.filter(|[a, b]| self.scene.species_pair(*a, *b).epsilon > 0.0);
+        repelling.map(of_pair).fold(f64::INFINITY, f64::min)
+    }
+
     fn diagnosed(&self, symptom: Symptom) -> EngineError {
         let plan = self.current_stage();
         let stage = self.stage_run();
@@ -74,11 +90,12 @@ impl Simulation {
             dt: stage.dt,
             dt_limit: spec
                 .stability_limit
-                .map(|limit| watchdog::rough_stable_dt(plan.temperature, limit)),
+                .map(|limit| self.rough_stable_dt(plan.temperature, limit)),
             steps_into_stage: stage.steps_done,
             temperature: plan.temperature,
             density: self.state.len() as f64 / self.state.cell.volume(),
             exclusions: self.system.molecules.exclusions(),
+            sizes: &Sizes::of(&self.scene, self.system.species()),
         };
         let failure: PhysicsFailure = watchdog::diagnose(&self.state, at, symptom);
         EngineError::Physics(Box::new(failure))

@@ -7,7 +7,7 @@
 
 use lennard_core::{DVec3, Exclusions, State, parallel};
 
-use crate::close_pairs::closest_pair;
+use crate::close_pairs::{Sizes, closest_pair};
 use crate::failure::{LARGEST_ENERGY_CHANGE, LARGEST_MOVE, PhysicsFailure, Symptom};
 use crate::schedule::SET_ASIDE_EVERY;
 
@@ -45,6 +45,8 @@ pub struct Circumstances<'a> {
     pub density: f64,
     /// Pairs that do not interact, and that may be close.
     pub exclusions: Exclusions,
+    /// σ of the pairs.
+    pub sizes: &'a Sizes<'a>,
 }
 
 /// The largest squared speed, (σ/τ)², the same for any number of threads; NaN counts as infinite.
@@ -125,7 +127,7 @@ pub fn diagnose(state: &State, at: Circumstances<'_>, symptom: Symptom) -> Physi
         dt: at.dt,
         dt_limit: at.dt_limit,
         symptom,
-        closest: closest_pair(&state.cell, &state.positions, &at.exclusions, 0.9),
+        closest: closest_pair(&state.cell, &state.positions, &at.exclusions, at.sizes, 0.9),
         non_finite: state.positions.iter().filter(|r| !r.is_finite()).count(),
         fastest: fastest(state),
         steps_into_stage: at.steps_into_stage,
@@ -186,6 +188,7 @@ mod tests {
             temperature: 0.7,
             density: 0.8,
             exclusions: Exclusions::NONE,
+            sizes: &Sizes::ONE,
         };
         let symptom = Symptom::TooFast {
             particle: 1,

@@ -1,8 +1,9 @@
 //! Why a force field cannot be built, with the scene key that each reason is about.
 
+use lennard_core::MOST_SPECIES;
 use lennard_core::options::OptionError;
 
-use crate::pair::{MOST_SPECIES, OwnEnd};
+use crate::pair::OwnEnd;
 
 /// The largest number of particles: rows, ghosts included, are numbered in 32 bits.
 pub const LARGEST_N: usize = 500_000_000;

@@ -33,13 +33,14 @@ pub use contact_law::{
 pub use error::{ForceFieldError, LARGEST_N};
 pub use field::ConstantField;
 pub use options::{
-    ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions, Precision,
-    SplitOptions, TruncationOptions,
+    CutoffUnit, ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions,
+    Precision, SplitOptions, TruncationOptions,
 };
 pub use pair::potentials::*;
 pub use pair::{
-    MOST_SPECIES, Mixture, Model, Pair, Plain, SpeciesPair, TablePath, Tail, TruncationKind,
-    TruncationSpec, model_name, tail_correction, tail_of_mixture, truncations,
+    CombiningOptions, CombiningSpec, Deviation, Mixture, Model, Pair, Plain, Size, SpeciesPair,
+    TablePath, Tail, TruncationKind, TruncationSpec, combining_rules, model_name, tail_correction,
+    tail_in, tail_of_mixture, truncations,
 };
 pub use plan::{Conditions, ForcePlan, Search, recommended_threads};
 pub use provider::{PairForces, build};

@@ -5,6 +5,17 @@ use serde::{Deserialize, Serialize};
 
 use crate::pair::{PotentialOptions, TruncationKind};
 
+lennard_core::choices! {
+    /// The length that cutoffs of a mixture are written in.
+    pub enum CutoffUnit {
+        /// σ of the scene: one radius for all pairs.
+        #[default]
+        Sigma = "sigma",
+        /// σ_ab of each pair of species.
+        Pair = "pair",
+    }
+}
+
 /// The scene table `[truncation]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "TruncationTable", into = "TruncationTable")]
@@ -13,6 +24,8 @@ pub struct TruncationOptions {
     pub kind: TruncationKind,
     /// Cutoff radius r_cut, σ; pairs with r ≤ r_cut count.
     pub r_cut: f64,
+    /// The length that cutoffs are written in, for a mixture; `None` for one species, whose cutoffs are in σ.
+    pub r_cut_in: Option<CutoffUnit>,
     /// Where the switch begins, σ; for [`TruncationKind::Switch`] and [`TruncationKind::Xplor`] alone. Default 0.8·r_cut.
     pub switch_from: Option<f64>,
     /// Whether means are corrected for the tail beyond r_cut; for [`TruncationKind::Cut`] alone,
@@ -28,6 +41,8 @@ struct TruncationTable {
     kind: TruncationKind,
     #[serde(default = "default_r_cut")]
     r_cut: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    r_cut_in: Option<CutoffUnit>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     switch_from: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -46,6 +61,7 @@ impl From<TruncationTable> for TruncationOptions {
         Self {
             kind: table.kind,
             r_cut: table.r_cut,
+            r_cut_in: table.r_cut_in,
             switch_from: table.switch_from,
             tail_correction: table.tail_correction.unwrap_or(table.kind.spec().jumps),
         }
@@ -57,6 +73,7 @@ impl From<TruncationOptions> for TruncationTable {
         Self {
             kind: options.kind,
             r_cut: options.r_cut,
+            r_cut_in: options.r_cut_in,
             switch_from: options.switch_from,
             tail_correction: Some(options.tail_correction),
         }
@@ -70,9 +87,19 @@ impl TruncationOptions {
         Self {
             kind,
             r_cut,
+            r_cut_in: None,
             switch_from: None,
             tail_correction: kind.spec().jumps,
         }
+    }
+
+    /// A length of the truncation in words: `2.5 σ`, or `2.5 σ_ab`.
+    pub(crate) fn length_in_words(&self, length: f64) -> String {
+        let unit = match self.r_cut_in {
+            Some(CutoffUnit::Pair) => "σ_ab",
+            Some(CutoffUnit::Sigma) | None => "σ",
+        };
+        format!("{length} {unit}")
     }
 }
 

@@ -7,8 +7,9 @@ use lennard_core::PeriodicBox;
 
 use crate::error::excerpt;
 use crate::lines::{Lines, finite, tokens};
+use crate::species_reader::SpeciesReader;
 use crate::xyz_header::{Column, Header};
-use crate::{FormatError, TrajectoryFrame};
+use crate::{FormatError, FoundSpecies, TrajectoryFrame};
 
 /// Shortest line of a particle, `0 0 0` and its end, in bytes.
 pub(crate) const LEAST_BYTES_A_PARTICLE: u64 = 6;
@@ -96,12 +97,12 @@ pub(crate) fn parse_frame<R: BufRead>(
         positions: Vec::with_capacity(n),
         velocities: array(wants(Column::Velocity)),
         forces: array(wants(Column::Force)),
-        species: None,
+        species: FoundSpecies::default(),
         step: header.step,
         time: header.time,
         info: header.info.clone(),
     };
-    let mut first_mass = None;
+    let mut species = SpeciesReader::new(n);
     for row in 1..=n {
         if !lines.advance()? {
             return Err(lines.refuse_end(missing(row, n)));
@@ -126,30 +127,11 @@ pub(crate) fn parse_frame<R: BufRead>(
         if let (Some(all), Some(force)) = (&mut frame.forces, particle.force) {
             all.push(force);
         }
-        if let Some(species) = particle.species {
-            match &frame.species {
-                None => frame.species = Some(species.to_string()),
-                Some(first) if first == species => {}
-                Some(first) => {
-                    return Err(lines.refuse(
-                        excerpt(species.as_bytes()),
-                        format!(
-                            "{} like the particles before: mixtures are not there yet",
-                            excerpt(first.as_bytes())
-                        ),
-                    ));
-                }
-            }
-        }
-        if let Some(mass) = particle.mass
-            && *first_mass.get_or_insert(mass) != mass
-        {
-            return Err(lines.refuse(
-                format!("mass {mass}"),
-                "the same mass for all particles: mixtures are not there yet",
-            ));
-        }
+        species
+            .take(particle.species, particle.mass)
+            .map_err(|(f, a)| lines.refuse(f, a))?;
     }
+    frame.species = species.found;
     Ok(frame)
 }
 

@@ -4,6 +4,25 @@ use std::collections::BTreeMap;
 
 use lennard_core::{DVec3, PeriodicBox};
 
+/// The species of the particles, as a file names them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FoundSpecies {
+    /// The names, in the order in which they appear; none where the file names none.
+    pub names: Vec<String>,
+    /// The number of the name of each particle, `[N]`; empty where there is one name at most.
+    pub of_particle: Vec<u8>,
+    /// The mass of the particles with each name; one mass where there is no name, and none where the file has no masses.
+    pub masses: Vec<f64>,
+}
+
+impl FoundSpecies {
+    /// The number of the name of particle `i`.
+    #[must_use]
+    pub fn of(&self, i: usize) -> usize {
+        self.of_particle.get(i).map_or(0, |a| usize::from(*a))
+    }
+}
+
 /// A frame as read, in reduced units: a `length_scale` of the header is taken out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrajectoryFrame {
@@ -15,8 +34,8 @@ pub struct TrajectoryFrame {
     pub velocities: Option<Vec<DVec3>>,
     /// Forces, `[N]`, ε/σ.
     pub forces: Option<Vec<DVec3>>,
-    /// The one species of all particles; `None` where the file names none.
-    pub species: Option<String>,
+    /// The species of the particles.
+    pub species: FoundSpecies,
     /// Number of the step.
     pub step: Option<u64>,
     /// Time in τ.
@@ -38,8 +57,8 @@ pub struct StartConfiguration {
     pub step: Option<u64>,
     /// Time in τ, where the file has one.
     pub time: Option<f64>,
-    /// The one species of all particles, where the file names one.
-    pub species: Option<String>,
+    /// The species of the particles.
+    pub species: FoundSpecies,
     /// Number of frames in the file, of which this is the last.
     pub frames: u64,
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
-use lennard_core::State;
+use lennard_core::{Species, SpeciesTable, State};
 use rayon::prelude::*;
 
 use crate::WriteError;
@@ -35,8 +35,9 @@ const BYTES_A_VECTOR: usize = 60;
 /// than one unit in the last place of L (or of r, where that is larger).
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameStyle {
-    /// Chemical symbol in the first column, or `X`: readers refuse anything else.
-    pub element: String,
+    /// The species, whose chemical symbol (or `X`) stands in the first column: readers refuse anything else. The header of a
+    /// mixture names the species of each symbol (`species_names="Ar=A Kr=B"`), and each line has a mass (`masses:R:1`).
+    pub species: SpeciesTable,
     /// Whether velocities are written (`velo:R:3`, σ/τ).
     pub velocities: bool,
     /// Whether forces are written (`forces:R:3`, ε/σ).
@@ -56,7 +57,7 @@ pub struct FrameStyle {
 impl Default for FrameStyle {
     fn default() -> Self {
         Self {
-            element: "Ar".into(),
+            species: SpeciesTable::one(Species::unnamed(), 0),
             velocities: true,
             forces: false,
             wrapped: true,
@@ -92,7 +93,8 @@ pub fn is_element_symbol(name: &str) -> bool {
 }
 
 /// Keys of the header that the dialect itself uses or that readers take for something else.
-const TAKEN_KEYS: [&str; 11] = [
+const TAKEN_KEYS: [&str; 12] = [
+    "species_names",
     "Lattice",
     "Properties",
     "pbc",
@@ -121,12 +123,14 @@ impl FrameStyle {
             found,
             allowed: allowed.into(),
         };
-        if !is_element_symbol(&self.element) {
-            return Err(refuse(
-                "element",
-                format!("`{}`", self.element.escape_debug()),
-                "a chemical symbol (Ar, Kr, …) or X",
-            ));
+        for Species { element, .. } in self.species.all() {
+            if !is_element_symbol(element) {
+                return Err(refuse(
+                    "element",
+                    format!("`{}`", element.escape_debug()),
+                    "a chemical symbol (Ar, Kr, …) or X",
+                ));
+            }
         }
         if !(self.length_scale.is_finite() && self.length_scale > 0.0) {
             return Err(refuse(
@@ -136,6 +140,11 @@ impl FrameStyle {
             ));
         }
         Ok(())
+    }
+
+    /// Whether lines have a mass: where not all masses are 1.
+    fn has_masses(&self) -> bool {
+        self.species.is_mixture() || self.species.species(0).mass != 1.0
     }
 }
 
@@ -159,6 +168,14 @@ pub(crate) fn push_frame(
     }
     // A state that was set aside has none.
     let has_forces = style.forces || !state.forces.is_empty();
+    let with_species = style.species.of_particles().map_or(n, <[u8]>::len);
+    if with_species != n {
+        return Err(refuse(
+            "species of the particles",
+            format!("{with_species} for {n} particles"),
+            "one for every particle",
+        ));
+    }
     if state.velocities.len() != n || has_forces && state.forces.len() != n {
         return Err(refuse(
             "arrays of the state",
@@ -173,7 +190,7 @@ pub(crate) fn push_frame(
     push_header(to, path, style, frame)?;
 
     let vectors = 1 + usize::from(style.velocities) + usize::from(style.forces);
-    to.reserve(n * (style.element.len() + 8 + vectors * BYTES_A_VECTOR));
+    to.reserve(n * (10 + vectors * BYTES_A_VECTOR));
     let starts: Vec<usize> = (0..n).step_by(PARTICLES_A_TASK).collect();
     let one_task = |&first: &usize, text: &mut Vec<u8>| {
         text.clear();
@@ -237,6 +254,9 @@ fn push_header(
     if style.sites_per_molecule > 1 {
         to.extend_from_slice(b":molecule:I:1");
     }
+    if style.has_masses() {
+        to.extend_from_slice(b":masses:R:1");
+    }
     to.extend_from_slice(b" pbc=\"T T T\"");
     let number = |to: &mut Vec<u8>, key: &str, value: f64| {
         if !value.is_finite() {
@@ -269,6 +289,11 @@ fn push_header(
             });
         }
         number(to, key, value)?;
+    }
+    if style.species.is_mixture() {
+        let all = style.species.all().iter();
+        let names: Vec<String> = all.map(|s| format!("{}={}", s.element, s.name)).collect();
+        to.extend_from_slice(format!(" species_names=\"{}\"", names.join(" ")).as_bytes());
     }
     to.extend_from_slice(b" units=lj");
     if style.length_scale != 1.0 {
@@ -315,7 +340,8 @@ fn push_particle(
     } else {
         (position, None)
     };
-    to.extend_from_slice(style.element.as_bytes());
+    let species = style.species.species(style.species.of(i));
+    to.extend_from_slice(species.element.as_bytes());
     push_vector(to, finite("position", written * style.length_scale)?);
     if style.velocities {
         let velocity = state.velocities[i] * style.length_scale;
@@ -334,6 +360,10 @@ fn push_particle(
     if style.sites_per_molecule > 1 {
         to.push(b' ');
         push_integer(to, i / style.sites_per_molecule + 1);
+    }
+    if style.has_masses() {
+        to.push(b' ');
+        push_float(to, species.mass);
     }
     to.push(b'\n');
     Ok(())

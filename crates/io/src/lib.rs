@@ -21,9 +21,11 @@ mod found;
 mod frame_text;
 mod host;
 mod lines;
+mod mixture_record;
 mod nist;
 mod record;
 mod sink;
+mod species_reader;
 mod tables;
 mod text;
 mod topology;
@@ -46,9 +48,10 @@ pub use folder::{
     Existing, FolderError, OutputFolder, create_named_folder, create_numbered_folder,
     is_empty_folder,
 };
-pub use found::{StartConfiguration, TrajectoryFrame};
+pub use found::{FoundSpecies, StartConfiguration, TrajectoryFrame};
 pub use frame_text::{Frame, FrameStyle, is_element_symbol};
 pub use host::cpu_name;
+pub use mixture_record::{PairRecord, SpeciesRecord};
 pub use record::{
     AverageRecord, BarostatRecord, Comparison, Conservation, Host, NeighborRecord, Performance,
     RUN_SCHEMA, RunRecord, SOUND, StageSeconds, StatePoint, ThermostatRecord, read_run_record,

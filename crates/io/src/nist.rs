@@ -11,7 +11,7 @@ use lennard_core::PeriodicBox;
 
 use crate::error::excerpt;
 use crate::lines::{Lines, finite, tokens};
-use crate::{FormatError, StartConfiguration};
+use crate::{FormatError, FoundSpecies, StartConfiguration};
 
 /// Shortest line of a particle, `1 0 0 0` and its end, in bytes.
 const LEAST_BYTES_A_PARTICLE: u64 = 8;
@@ -85,6 +85,6 @@ pub(crate) fn parse<R: BufRead>(mut lines: Lines<R>) -> Result<StartConfiguratio
         velocities: None,
         step: None,
         time: None,
-        species: None,
+        species: FoundSpecies::default(),
     })
 }

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::FormatError;
 use crate::lines::open_regular;
+use crate::mixture_record::{PairRecord, SpeciesRecord};
 
 /// Name and version of the schema of [`RunRecord`]; the number grows where an entry changes its meaning.
 pub const RUN_SCHEMA: &str = "lennard-run/1";
@@ -37,6 +38,12 @@ pub struct RunRecord {
     pub steps: u64,
     /// Number of particles.
     pub atoms: u64,
+    /// The species of a mixture; absent where the scene names none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub species: Vec<SpeciesRecord>,
+    /// What acts between each pair of species, as resolved; absent where the scene names none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pairs: Vec<PairRecord>,
     /// Degrees of freedom: 3N − 3 − constraints where total momentum is conserved, 3N otherwise.
     pub n_dof: u64,
     /// Wall time in s.

@@ -14,7 +14,7 @@ const ANGSTROM_A_NANOMETER: f64 = 10.0;
 /// Residue and atom numbers have five columns and start over from 0 there.
 const NUMBERS_START_OVER: usize = 100_000;
 
-/// Writes `topology.gro` for `n` particles, named by the element of `style`; each molecule is a residue.
+/// Writes `topology.gro` for `n` particles, named by the elements of the species; each molecule is a residue.
 ///
 /// Lengths in a .gro file are nm. The box is written as `length_scale·L/10`, the value that mdtraj gives
 /// the lengths of the trajectory beside it, with all digits. The positions are zeros: they are in the
@@ -30,13 +30,13 @@ pub fn write_topology_gro(
     style: &FrameStyle,
 ) -> Result<(), WriteError> {
     style.check(path)?;
-    let element = &style.element;
     let mut text = Vec::new();
     text.extend_from_slice(b"Lennard: names and box only, positions are in the trajectory\n");
     push_integer(&mut text, n);
     text.push(b'\n');
     for i in 1..=n {
         let number = i % NUMBERS_START_OVER;
+        let element = &style.species.species(style.species.of(i - 1)).element;
         let residue = ((i - 1) / style.sites_per_molecule.max(1) + 1) % NUMBERS_START_OVER;
         let line =
             format!("{residue:5}{element:<5}{element:>5}{number:5}   0.000   0.000   0.000\n");

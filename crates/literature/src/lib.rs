@@ -27,6 +27,7 @@ mod johnson;
 mod kolafa_nezbeda;
 mod made;
 mod model;
+mod one_fluid;
 mod phase;
 mod pohl;
 mod properties;
@@ -50,6 +51,7 @@ pub use model::{
     GOOD_TAIL_CUTOFF, ModelKind, NoReference, equation_of_state_for, equations_for, johnson_1993,
     kolafa_nezbeda_1994, list, remark_for, thol_2015, thol_2016,
 };
+pub use one_fluid::{LARGEST_SIZE_RATIO, OneFluid, OneFluidEquation, one_fluid};
 pub use phase::Phase;
 pub use pohl::{Pohl, pohl_2023};
 pub use properties::{PROPERTIES, Property, property};

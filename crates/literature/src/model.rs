@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use crate::equation::EquationOfState;
 use crate::johnson::Johnson;
 use crate::kolafa_nezbeda::KolafaNezbeda;
+use crate::one_fluid::{LARGEST_SIZE_RATIO, OneFluid, one_fluid};
 use crate::pohl::pohl_2023;
 use crate::thol::Thol;
 use crate::two_center::two_center;
@@ -52,6 +53,15 @@ pub enum ModelKind {
         /// Length of the bond.
         bond_length: f64,
         /// The cutoff.
+        r_cut: f64,
+    },
+    /// A Lennard-Jones mixture of species of nearly one size, plain cutoff, with tail corrections.
+    Mixture {
+        /// The one fluid that stands for it.
+        fluid: OneFluid,
+        /// The largest σ of two species over the smallest.
+        size_ratio: f64,
+        /// The shortest cutoff of two species, in units of their σ.
         r_cut: f64,
     },
     /// Another potential.
@@ -187,6 +197,7 @@ pub const GOOD_TAIL_CUTOFF: f64 = 4.0;
 /// | truncated and shifted at exactly 2.5 σ | Thol 2015 |
 /// | Mie (n, 6) with 11 ≤ n ≤ 13, plain cutoff with tail corrections | Pohl 2023 |
 /// | rigid dumbbells, plain cutoff with tail corrections, bonds of 0.1 to 1 σ | Lísal 2004 |
+/// | mixtures, plain cutoff with tail corrections, sizes within 10 % | the one-fluid theory |
 /// | anything else | none |
 ///
 /// # Errors
@@ -237,6 +248,13 @@ pub fn equation_of_state_for(
                 "the equations for two-center fluids are for bonds of 0.1 to 1 σ",
             ),
         },
+        ModelKind::Mixture {
+            fluid, size_ratio, ..
+        } if size_ratio <= LARGEST_SIZE_RATIO => Ok(one_fluid(fluid)),
+        ModelKind::Mixture { size_ratio, .. } => none(
+            format!("a mixture with a ratio of sizes of {size_ratio:.3}"),
+            "the band of the one-fluid theory is stated for ratios up to 1.1",
+        ),
         ModelKind::Other { potential } => none(
             potential.to_owned(),
             "the equations of state here are for Lennard-Jones",
@@ -251,6 +269,7 @@ pub fn remark_for(model: ModelKind) -> Option<String> {
         ModelKind::CutWithTail { r_cut }
         | ModelKind::Mie { r_cut, .. }
         | ModelKind::TwoCenter { r_cut, .. }
+        | ModelKind::Mixture { r_cut, .. }
             if r_cut < GOOD_TAIL_CUTOFF =>
         {
             Some(format!(

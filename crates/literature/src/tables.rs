@@ -53,7 +53,7 @@ const CHAPARRO_DOI: &str = "10.1021/acs.jpcb.3c06813";
 const NIST: &str = "work of the US Government, NIST open licence";
 const FACTS: &str = "single values, quoted as facts";
 
-static TABLES: [ReferenceTable; 7] = [
+static TABLES: [ReferenceTable; 8] = [
     ReferenceTable {
         name: "shear-viscosity",
         summary: "Shear viscosity of the full potential, with standard deviations.",
@@ -116,6 +116,15 @@ static TABLES: [ReferenceTable; 7] = [
         status: Status::Secondary,
         licence: FACTS,
         csv: include_str!("../data/critical-and-triple-points.csv"),
+    },
+    ReferenceTable {
+        name: "kob-andersen",
+        summary: "Energy, virial and pressure of the Kob-Andersen mixture and its neighbors, cut and shifted at 2.5 σ_ab.",
+        source: "U. R. Pedersen, T. B. Schrøder, J. C. Dyre, Phys. Rev. Lett. 120, 165501 (2018), data of the authors; runs that the gamdpy repository has",
+        doi: Some("10.5281/zenodo.10047547"),
+        status: Status::Verified,
+        licence: FACTS,
+        csv: include_str!("../data/kob-andersen.csv"),
     },
 ];
 

@@ -45,7 +45,13 @@ impl Evaluator {
         let overrides = scenes::Overrides::new();
         let scene =
             scenes::from_text(scene, "calculator", &overrides).map_err(|e| errors::of_scene(&e))?;
-        let (options, forces) = lennard_engine::forces(&scene, cell(lengths)?, n)
+        if scene.mixture.is_some() {
+            return Err(PyValueError::new_err(
+                "the calculator takes one species of particles; run a mixture as a Simulation",
+            ));
+        }
+        let species = scene.species_table(n, &[]);
+        let (options, forces) = lennard_engine::forces(&scene, cell(lengths)?, &species)
             .map_err(|e| errors::of_engine(e, false))?;
         let threads = threads.unwrap_or_else(|| lennard_engine::recommended_threads(n));
         let inner = Mutex::new(Inner {

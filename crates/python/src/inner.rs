@@ -4,7 +4,7 @@ use std::path::Path;
 
 use lennard_core::{DVec3, PeriodicBox};
 use lennard_engine::{Measurement, Recording, Simulation};
-use lennard_io::{Checkpoint, StartConfiguration};
+use lennard_io::{Checkpoint, FoundSpecies, StartConfiguration};
 use lennard_scene::{Scene, SceneError};
 use numpy::PyReadonlyArray2;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -76,7 +76,7 @@ pub fn start((positions, velocities, lengths): Arrays<'_>) -> PyResult<StartConf
         cell: cell.map_err(|e| PyValueError::new_err(e.to_string()))?,
         positions,
         velocities,
-        species: None,
+        species: FoundSpecies::default(),
         step: None,
         time: None,
         frames: 1,

@@ -5,7 +5,8 @@ use lennard_core::{DVec3, PeriodicBox, Species, SpeciesTable};
 use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
 use crate::{
-    Geometry, Placement, Scene, SceneError, Start, accuracy, bath_checks, molecule_checks, walls,
+    Geometry, Placement, Scene, SceneError, Start, accuracy, bath_checks, mixture, molecule_checks,
+    walls,
 };
 
 impl Scene {
@@ -95,6 +96,7 @@ impl Scene {
 /// Everything that can be said before a configuration file is read.
 pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     stages(scene)?;
+    mixture::check(scene)?;
     molecule_checks::check(scene)?;
     bath_checks::barostats_fit(scene)?;
     accuracy::check(scene)?;
@@ -193,12 +195,14 @@ fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneErr
     // Measured stages are alike, so one stands for all.
     let measured = scene.stages.iter().find(|stage| stage.measure);
     let dt = measured.map_or(scene.integrator.dt, |stage| scene.stage_dt(stage));
+    let counts = scene.counts(n_atoms)?;
+    let mixture = scene.mixture_of(&scene.species_in_order(&counts));
     let conditions = lennard_forcefield::Conditions {
         cell,
         n_atoms,
         temperature: scene.system.temperature,
         dt,
-        mixture: None,
+        mixture: mixture.as_ref(),
     };
     lennard_forcefield::check(&scene.force_field(), &conditions).map_err(|e| {
         scene
@@ -213,7 +217,7 @@ fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneErr
             n_atoms,
             dt,
             every: table.every,
-            r_cut: scene.truncation.r_cut,
+            r_cut: scene.longest_cutoff(),
             molecules: scene.molecules(),
             species: SpeciesTable::one(Species::unnamed(), n_atoms),
         };

@@ -13,6 +13,7 @@ mod de;
 mod error;
 mod lattice;
 mod lock;
+mod mixture;
 mod molecule;
 mod molecule_checks;
 mod names;
@@ -33,6 +34,7 @@ mod walls;
 pub use accuracy::Accuracy;
 pub use error::{Place, SceneError, Source};
 pub use lock::{Chosen, Judged, Lock, UsedLock};
+pub use mixture::{Amount, MixtureTables, PairEntry, SpeciesEntry};
 pub use molecule::{Molecule, MoleculeKind, MoleculeOptions};
 pub use names::nearest;
 pub use scene::{

@@ -84,6 +84,9 @@ impl Scene {
     #[must_use]
     pub fn model_name(&self) -> String {
         let pairs = lennard_forcefield::model_name(&self.force_field());
+        if let Some(species) = self.species_in_words() {
+            return format!("{pairs}; {species}");
+        }
         let Some(molecule) = &self.molecule else {
             return pairs;
         };

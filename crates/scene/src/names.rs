@@ -28,17 +28,6 @@ struct Planned {
 
 const PLANNED: &[Planned] = &[
     Planned {
-        words: &[
-            "species",
-            "mixture",
-            "mixing",
-            "component",
-            "components",
-            "mixing_rule",
-        ],
-        feature: "mixtures of several species are",
-    },
-    Planned {
         words: &["triclinic", "tilt", "angles", "cell_vectors"],
         feature: "triclinic boxes are",
     },

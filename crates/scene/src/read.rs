@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use lennard_forcefield::{PotentialOptions, TablePath};
+use lennard_forcefield::{PotentialOptions, TablePath, TruncationOptions};
 
 use crate::error::{Place, SceneError};
 use crate::names::{nearest, not_yet};
 use crate::reference::{self, MOST_ENTRIES};
 use crate::tree::{self, Entry, Node, Table, Value};
 use crate::typed::Section;
-use crate::{Scene, Source, accuracy, checks, overrides, shipped};
+use crate::{MixtureTables, Scene, Source, accuracy, checks, overrides, shipped};
 
 impl Scene {
     /// Reads a scene file, with overrides such as `("stage.production.steps", "1000")` over it.
@@ -104,7 +104,11 @@ fn read(
     let source = Source::new(file, tree::places(&root));
     let reader = Reader::new(&root, &source);
     reader.known_tables()?;
-    let system = reader.system(resolve)?;
+    let mixture = reader.mixture()?;
+    let system = reader.system(
+        resolve,
+        mixture.as_ref().and_then(MixtureTables::total_count),
+    )?;
     let name = reader.name(file)?;
     let mut observables = reader.observables()?;
     let mut output = reader.output()?;
@@ -114,7 +118,7 @@ fn read(
         accuracy: reader.accuracy()?,
         free: Vec::new(),
         potential: reader.potential(resolve)?,
-        truncation: reader.plain("truncation")?,
+        truncation: reader.truncation(mixture.is_some())?,
         neighbor: reader.plain("neighbor")?,
         kernel: reader.plain("kernel")?,
         integrator: reader.integrator()?,
@@ -122,6 +126,7 @@ fn read(
         acceleration: reader.field()?,
         stages: reader.stages(system.temperature)?,
         molecule: reader.molecule()?,
+        mixture,
         observables,
         output,
         checkpoint: reader.checkpoint()?,
@@ -135,8 +140,9 @@ fn read(
 }
 
 /// The tables of a scene file that are written once.
-const TABLES: [&str; 12] = [
+const TABLES: [&str; 13] = [
     "system",
+    "mixing",
     "molecule",
     "bonds",
     "accuracy",
@@ -151,7 +157,7 @@ const TABLES: [&str; 12] = [
 ];
 
 /// Those that may be written many times.
-const LISTS: [&str; 3] = ["wall", "stage", "observable"];
+const LISTS: [&str; 5] = ["species", "pair", "wall", "stage", "observable"];
 
 pub(crate) struct Reader<'a> {
     root: &'a Table,
@@ -273,6 +279,15 @@ impl<'a> Reader<'a> {
                 .found(error.found)
                 .allowed(error.allowed)
         })
+    }
+
+    /// The truncation; cutoffs of a mixture are in σ of the scene unless it says otherwise.
+    fn truncation(&self, has_species: bool) -> Result<TruncationOptions, SceneError> {
+        let mut truncation: TruncationOptions = self.plain("truncation")?;
+        if has_species {
+            truncation.r_cut_in.get_or_insert_default();
+        }
+        Ok(truncation)
     }
 
     fn name(&self, file: &str) -> Result<String, SceneError> {

@@ -1,12 +1,16 @@
 //! The scene reference: every table and key with what it may hold. Error messages, the range checks and
 //! the tables of `inputs/README.md` are made from it.
 
+mod tables;
+
 use std::fmt::Write as _;
 use std::sync::OnceLock;
 
 pub use lennard_core::options::Allowed;
 use lennard_core::options::{KeySpec, Keys, Options};
 pub(crate) use lennard_core::options::{MOST_STEPS, quoted};
+use lennard_forcefield::CutoffUnit;
+pub use tables::TableDoc;
 
 use crate::MoleculeOptions;
 
@@ -50,17 +54,6 @@ pub struct KeyDoc {
     pub meaning: &'static str,
 }
 
-/// A table of a scene file.
-#[derive(Debug, Clone, Copy)]
-pub struct TableDoc {
-    /// Its name; empty for the keys outside all tables.
-    pub table: &'static str,
-    /// How it is written.
-    pub heading: &'static str,
-    /// What it is for.
-    pub meaning: &'static str,
-}
-
 /// Declares the keys that a table has whatever its method.
 macro_rules! keys {
     ($($table:literal { $($key:literal: $allowed:expr, $default:literal, $unit:literal, $meaning:literal;)* })*) => {
@@ -75,115 +68,6 @@ macro_rules! keys {
 }
 
 use Allowed::{Between, Flag, Names, NotNegative, Positive, Whole, Words, ZeroOrBetween};
-
-static TABLES: &[TableDoc] = &[
-    TableDoc {
-        table: "",
-        heading: "Outside all tables",
-        meaning: "At the top of the file.",
-    },
-    TableDoc {
-        table: "system",
-        heading: "`[system]`",
-        meaning: "Where the particles start: either on a lattice or at random (`n_atoms` with `density` or `box`), \
-                  or as a `configuration` file says.",
-    },
-    TableDoc {
-        table: "molecule",
-        heading: "`[molecule]`",
-        meaning: "What molecules the particles are bonded to. Without it they are atoms. Densities then count molecules, and \
-                  energies are per molecule.",
-    },
-    TableDoc {
-        table: "bonds",
-        heading: "`[bonds]`",
-        meaning: "How the bonds of molecules are held.",
-    },
-    TableDoc {
-        table: "accuracy",
-        heading: "`[accuracy]`",
-        meaning: "How wrong the results may be. What is not written of `truncation.kind`, `truncation.r_cut`, \
-                  `truncation.tail_correction`, `integrator.dt`, `kernel.precision`, `neighbor.mode` and `neighbor.skin` \
-                  is then chosen by `lennard tune` and kept in a lock file. At least one of:",
-    },
-    TableDoc {
-        table: "potential",
-        heading: "`[potential]`",
-        meaning: "The pair potential.",
-    },
-    TableDoc {
-        table: "truncation",
-        heading: "`[truncation]`",
-        meaning: "How the potential ends.",
-    },
-    TableDoc {
-        table: "neighbor",
-        heading: "`[neighbor]`",
-        meaning: "How neighbors are found. Nothing here changes the physics.",
-    },
-    TableDoc {
-        table: "kernel",
-        heading: "`[kernel]`",
-        meaning: "Which force loop runs.",
-    },
-    TableDoc {
-        table: "integrator",
-        heading: "`[integrator]`",
-        meaning: "The method that advances time.",
-    },
-    TableDoc {
-        table: "wall",
-        heading: "`[[wall]]`",
-        meaning: "Walls at both ends of an axis, at most one pair per axis. The fluid is not periodic along this axis: \
-                  `density` and `box` describe the filled part, and the box is longer by the thickness of the walls.",
-    },
-    TableDoc {
-        table: "field",
-        heading: "`[field]`",
-        meaning: "A constant field, such as gravity.",
-    },
-    TableDoc {
-        table: "stage",
-        heading: "`[[stage]]`",
-        meaning: "What happens one after the other; at least one. Without a thermostat a stage runs at constant energy.",
-    },
-    TableDoc {
-        table: "stage.thermostat",
-        heading: "`thermostat = { … }` of a stage",
-        meaning: "The heat bath with its own keys; a name alone (`thermostat = \"bussi\"`) takes their defaults.",
-    },
-    TableDoc {
-        table: "stage.barostat",
-        heading: "`barostat = { … }` of a stage",
-        meaning: "The pressure bath with its own keys. It needs a thermostat that samples the canonical ensemble.",
-    },
-    TableDoc {
-        table: "stage.temperature",
-        heading: "`temperature = { from, to }` of a stage",
-        meaning: "A ramp: the temperature of the thermostat changes linearly with the steps.",
-    },
-    TableDoc {
-        table: "stage.barostat.pressure",
-        heading: "`pressure = { from, to }` of a barostat",
-        meaning: "A ramp: the pressure changes linearly with the steps.",
-    },
-    TableDoc {
-        table: "observable",
-        heading: "`[[observable]]`",
-        meaning: "What is measured in the measured stages, besides the thermodynamics that every run measures. \
-                  Each kind at most once.",
-    },
-    TableDoc {
-        table: "output",
-        heading: "`[output]`",
-        meaning: "What is written to the output folder.",
-    },
-    TableDoc {
-        table: "checkpoint",
-        heading: "`[checkpoint]`",
-        meaning: "When the whole state is saved.",
-    },
-];
 
 /// The keys of each table, whatever its method.
 static SHARED: &[(&str, Keys)] = keys! {
@@ -201,6 +85,27 @@ static SHARED: &[(&str, Keys)] = keys! {
         "temperature": ZeroOrBetween(COLDEST, HOTTEST), "needed", "ε/k_B", "Temperature of the first velocities (where no file gives them) and of every thermostat that names no other.";
         "seed": Whole(0, i64::MAX), "`1`", "", "Seed of every random stream.";
     }
+    "species" {
+        "name": Words("letters, digits, `-` and `_`, beginning with a letter, and unlike any other species'"), "needed", "", "Its name in `[[pair]]`, results and overrides (`--set species.NAME.sigma=…`).";
+        "fraction": Between(1e-9, 1.0), "this or `count`", "", "Share of all particles; the fractions of all species add up to 1.";
+        "count": Whole(1, MOST_ATOMS), "this or `fraction`", "", "Number of particles. With `configuration`, the file has them, and neither key is written.";
+        "sigma": Between(0.01, 100.0), "`1.0`", "σ", "σ of two particles of this species.";
+        "epsilon": ZeroOrBetween(1e-6, 1e6), "`1.0`", "ε", "ε of two particles of this species; 0 for none.";
+        "mass": Between(1e-6, 1e6), "`1.0`", "m", "Mass of each particle.";
+        "element": Words("an element symbol, or \"X\", unlike any other species'"), "`name`, where it is a symbol; else Ar, Kr, Xe, … in turn", "", "Symbol of its particles in files.";
+    }
+    "mixing" {
+        "rule": Names(|| lennard_forcefield::combining_rules().iter().map(|r| r.name).collect()), "needed with two species or more", "", "Rule for σ and ε of unlike species.";
+    }
+    "pair" {
+        "a": Words("the name of a species"), "needed", "", "One species.";
+        "b": Words("the name of a species"), "needed", "", "The other; the same for a pair of like particles, which has `r_cut` alone.";
+        "sigma": Between(0.01, 100.0), "by the rule", "σ", "σ of the pair.";
+        "epsilon": ZeroOrBetween(1e-6, 1e6), "by the rule", "ε", "ε of the pair; 0 for none.";
+        "k": Between(-1.0, 1.0), "`mixing.k`", "", "Deviation of ε of this pair, with rule \"lorentz-berthelot\" alone.";
+        "l": Between(-0.5, 0.5), "`mixing.l`", "", "Deviation of σ of this pair, with rule \"lorentz-berthelot\" alone.";
+        "r_cut": Between(SHORTEST_CUTOFF, LONGEST_SIDE), "`truncation.r_cut`", "as `truncation.r_cut_in` says", "Cutoff of this pair.";
+    }
     "molecule" {}
     "bonds" {
         "method": Names(|| lennard_integrators::bond_methods().iter().map(|m| m.name).collect()), "`\"direct\"`", "", "How bonds are held.";
@@ -216,6 +121,7 @@ static SHARED: &[(&str, Keys)] = keys! {
     "truncation" {
         "kind": Names(|| lennard_forcefield::truncations().iter().map(|t| t.name).collect()), "`\"cut\"`", "", "How the potential ends at `r_cut`.";
         "r_cut": Between(SHORTEST_CUTOFF, LONGEST_SIDE), "`2.5`", "σ", "Cutoff radius; at most half the shortest box side.";
+        "r_cut_in": Names(CutoffUnit::names), "`\"sigma\"`", "", "Unit of the cutoffs of a mixture: σ of the scene, or σ_ab of each pair of species.";
         "switch_from": Words("a number between 0 and `r_cut`, with kind \"switch\" or \"xplor\" alone"), "0.8·`r_cut`", "σ", "Where the switch begins.";
         "tail_correction": Words("true or false; true with kind \"cut\" alone, and only in a homogeneous fluid"), "`true` for `\"cut\"`, else `false`", "", "Whether U and P are corrected for the fluid beyond the cutoff.";
     }
@@ -305,6 +211,7 @@ static SPLIT: Keys = &[
 fn of_methods(table: &str) -> Vec<(&'static str, Keys)> {
     match table {
         "potential" => lennard_forcefield::PotentialOptions::keys(),
+        "mixing" => lennard_forcefield::CombiningOptions::keys(),
         "bonds" => lennard_integrators::BondOptions::keys(),
         "integrator" => {
             let mut all = lennard_integrators::IntegratorOptions::keys();
@@ -356,7 +263,7 @@ pub fn keys() -> &'static [KeyDoc] {
 /// Every table of a scene file.
 #[must_use]
 pub fn tables() -> &'static [TableDoc] {
-    TABLES
+    tables::TABLES
 }
 
 /// What is known of a key: `table` without indices (`stage.thermostat`).
@@ -370,7 +277,7 @@ pub(crate) fn find(table: &str, method: Option<&str>, key: &str) -> Option<&'sta
 #[must_use]
 pub fn markdown() -> String {
     let mut out = String::new();
-    for table in TABLES {
+    for table in tables() {
         let _ = write!(out, "### {}\n\n{}\n\n", table.heading, table.meaning);
         out.push_str("| Key | Allowed | Default | Unit | Meaning |\n|---|---|---|---|---|\n");
         for doc in keys().iter().filter(|doc| doc.table == table.table) {

@@ -4,19 +4,26 @@ use std::path::Path;
 
 use lennard_core::DVec3;
 use lennard_forcefield::{
-    KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions, WallOptions,
+    CombiningOptions, KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions,
+    WallOptions,
 };
 use lennard_integrators::{BarostatOptions, BondOptions, IntegratorOptions, ThermostatOptions};
 use lennard_observables::ObservableOptions;
 use serde::Serialize;
 
 use crate::molecule::MoleculeOptions;
-use crate::{Accuracy, Geometry, Scene, Start, WallTable};
+use crate::{Accuracy, Amount, Geometry, MixtureTables, Scene, Start, WallTable};
 
 #[derive(Serialize)]
 struct Resolved<'a> {
     name: &'a str,
     system: System,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    species: Vec<Species<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mixing: Option<&'a CombiningOptions>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pair: Vec<Pair<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     molecule: Option<&'a MoleculeOptions>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -57,6 +64,35 @@ struct System {
     vacuum: Option<f64>,
     temperature: f64,
     seed: u64,
+}
+
+#[derive(Serialize)]
+struct Species<'a> {
+    name: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fraction: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    count: Option<usize>,
+    sigma: f64,
+    epsilon: f64,
+    mass: f64,
+    element: &'a str,
+}
+
+#[derive(Serialize)]
+struct Pair<'a> {
+    a: &'a str,
+    b: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sigma: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    epsilon: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    k: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    l: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    r_cut: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -135,7 +171,8 @@ struct Observable<'a> {
 struct Output<'a> {
     trajectory_every: u64,
     thermo_every: u64,
-    element: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    element: Option<&'a str>,
     velocities: bool,
     forces: bool,
     unwrapped: bool,
@@ -186,6 +223,9 @@ impl Scene {
         Resolved {
             name: &self.name,
             system: self.resolved_system(),
+            species: self.mixture.as_ref().map_or(Vec::new(), resolved_species),
+            mixing: self.mixture.as_ref().and_then(|m| m.rule.as_ref()),
+            pair: self.mixture.as_ref().map_or(Vec::new(), resolved_pairs),
             molecule: self.molecule.as_ref().map(|m| &m.options),
             bonds: self.molecule.as_ref().map(|m| &m.bonds),
             accuracy: self.accuracy.as_ref(),
@@ -213,7 +253,7 @@ impl Scene {
             output: Output {
                 trajectory_every: self.output.trajectory_every.unwrap_or(0),
                 thermo_every: self.output.thermo_every,
-                element: &self.output.element,
+                element: self.mixture.is_none().then_some(&self.output.element),
                 velocities: self.output.velocities,
                 forces: self.output.forces,
                 unwrapped: self.output.unwrapped,
@@ -270,6 +310,39 @@ impl Scene {
 
 fn text(path: &Path) -> String {
     path.to_string_lossy().into_owned()
+}
+
+fn resolved_species(mixture: &MixtureTables) -> Vec<Species<'_>> {
+    let species = mixture.species.iter().map(|s| Species {
+        name: &s.name,
+        fraction: match s.amount {
+            Amount::Fraction(x) => Some(x),
+            Amount::Count(_) | Amount::OfFile => None,
+        },
+        count: match s.amount {
+            Amount::Count(n) => Some(n),
+            Amount::Fraction(_) | Amount::OfFile => None,
+        },
+        sigma: s.sigma,
+        epsilon: s.epsilon,
+        mass: s.mass,
+        element: &s.element,
+    });
+    species.collect()
+}
+
+fn resolved_pairs(mixture: &MixtureTables) -> Vec<Pair<'_>> {
+    let name = |a: usize| mixture.species[a].name.as_str();
+    let pairs = mixture.pairs.iter().map(|p| Pair {
+        a: name(p.species[0]),
+        b: name(p.species[1]),
+        sigma: p.sigma,
+        epsilon: p.epsilon,
+        k: p.k,
+        l: p.l,
+        r_cut: p.r_cut,
+    });
+    pairs.collect()
 }
 
 fn resolved_wall(table: &WallTable) -> Wall<'_> {

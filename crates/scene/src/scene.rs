@@ -12,7 +12,7 @@ use lennard_integrators::{BarostatOptions, IntegratorOptions, ThermostatOptions}
 use lennard_observables::ObservableOptions;
 use serde::{Deserialize, Serialize};
 
-use crate::{Accuracy, Molecule, Source, WallTable};
+use crate::{Accuracy, MixtureTables, Molecule, Source, WallTable};
 
 /// A scene: everything that a run depends on but the machine. Reduced units throughout.
 #[derive(Debug, Clone)]
@@ -21,6 +21,8 @@ pub struct Scene {
     pub name: String,
     /// Where the particles start.
     pub system: System,
+    /// The species of the particles and their pairs; `None` where the scene names none: σ = ε = m = 1 for all.
+    pub mixture: Option<MixtureTables>,
     /// What molecules the particles are bonded to; `None` for atoms.
     pub molecule: Option<Molecule>,
     /// The errors that are accepted, where the scene asks for an accuracy.
@@ -60,6 +62,7 @@ impl PartialEq for Scene {
         let Self {
             name,
             system,
+            mixture,
             molecule,
             accuracy,
             free,
@@ -78,6 +81,7 @@ impl PartialEq for Scene {
         } = self;
         *name == other.name
             && *system == other.system
+            && *mixture == other.mixture
             && *molecule == other.molecule
             && *accuracy == other.accuracy
             && *free == other.free

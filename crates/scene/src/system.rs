@@ -69,7 +69,12 @@ impl<'de> Deserialize<'de> for Sides {
 }
 
 impl Reader<'_> {
-    pub fn system(&self, resolve: Resolve<'_>) -> Result<System, SceneError> {
+    /// The table; `counted` is the number of particles that the species have together, where they are counted.
+    pub fn system(
+        &self,
+        resolve: Resolve<'_>,
+        counted: Option<usize>,
+    ) -> Result<System, SceneError> {
         let node = self.node("system");
         if let Some(sides) = node.table().and_then(|table| table.get("box")) {
             self.refuse_triclinic(sides)?;
@@ -104,7 +109,7 @@ impl Reader<'_> {
             }
             None => Start::Lattice {
                 lattice: table.lattice.unwrap_or_default(),
-                n_atoms: self.count(table.n_atoms, table.n_molecules)?,
+                n_atoms: self.count(table.n_atoms.or(counted), table.n_molecules)?,
                 geometry: geometry.ok_or_else(|| self.needed("density"))?,
                 vacuum: table.vacuum.unwrap_or(0.0),
             },

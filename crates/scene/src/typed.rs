@@ -235,12 +235,13 @@ impl<'a> Section<'a> {
     }
 }
 
-/// The key that names the method of a table: `kind`, or `method` in `[bonds]`.
+/// The key that names the method of a table: `kind`, `method` in `[bonds]`, or `rule` in `[mixing]`.
 fn tag(table: &Table) -> &'static str {
-    match table.get("kind") {
-        None if table.get("method").is_some() => "method",
-        _ => "kind",
-    }
+    let is_there = |key: &&str| table.get(key).is_some();
+    ["kind", "method", "rule"]
+        .into_iter()
+        .find(is_there)
+        .unwrap_or("kind")
 }
 
 /// The key of a table that a fault is about.

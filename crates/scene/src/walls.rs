@@ -123,22 +123,23 @@ impl Scene {
         }
     }
 
-    /// Refuses molecules, and a fluid between walls or in a field, for a study of homogeneous fluids of atoms.
+    /// Refuses molecules, species, and a fluid between walls or in a field, for a study of homogeneous fluids of atoms.
     ///
     /// # Errors
     /// [`SceneError`] with the table that confines the fluid.
     pub fn homogeneous_for(&self, study: &str) -> Result<(), SceneError> {
-        let (key, found) = match (self.confined_by(), &self.molecule) {
-            (Some(confined), _) if self.walls.is_empty() => ("field", confined),
-            (Some(confined), _) => ("wall", confined),
-            (None, Some(_)) => ("molecule", "molecules"),
-            (None, None) => return Ok(()),
+        let (key, found) = match (self.confined_by(), &self.molecule, &self.mixture) {
+            (Some(confined), ..) if self.walls.is_empty() => ("field", confined),
+            (Some(confined), ..) => ("wall", confined),
+            (None, Some(_), _) => ("molecule", "molecules"),
+            (None, None, Some(_)) => ("species", "species"),
+            (None, None, None) => return Ok(()),
         };
         Err(self
             .source
             .refuse(key, format!("does not go with `{study}`"))
             .found(format!("a fluid with {found}"))
-            .allowed("a scene of atoms without walls and field"))
+            .allowed("a scene of atoms of one kind, without walls and field"))
     }
 
     /// The walls of this scene in a box; `None` where it has none.

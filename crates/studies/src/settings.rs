@@ -173,10 +173,8 @@ impl Settings {
     pub fn with_truncation(&self, kind: TruncationKind, r_cut: f64, tail: bool) -> Self {
         Self {
             truncation: TruncationOptions {
-                kind,
-                r_cut,
-                switch_from: None,
                 tail_correction: tail,
+                ..TruncationOptions::new(kind, r_cut)
             },
             ..self.clone()
         }

@@ -222,6 +222,8 @@ pub enum Listed {
     Potentials,
     /// Ways to end a potential.
     Truncations,
+    /// Rules for σ and ε of unlike species.
+    CombiningRules,
     /// What can be measured.
     Observables,
     /// Ways to hold the bonds of molecules.

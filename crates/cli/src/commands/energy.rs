@@ -17,11 +17,15 @@ pub fn energy(args: &EnergyArgs) -> Result<u8, Failure> {
     let threads = args.scene.threads.map_or(1, usize::from);
     let evaluated = on_threads(threads, || Ok(lennard_engine::evaluate_energy(&scene)?))?;
     if let Some(path) = &args.forces {
-        let Evaluated { report, state } = &evaluated;
+        let Evaluated {
+            report,
+            species,
+            state,
+        } = &evaluated;
         let style = FrameStyle {
             forces: true,
             wrapped: false,
-            element: scene.output.element.clone(),
+            species: species.clone(),
             sites_per_molecule: scene.molecules().sites(),
             ..Default::default()
         };

@@ -38,6 +38,10 @@ pub fn list(args: &ListArgs) -> Result<u8, Failure> {
             .iter()
             .map(|s| plain(s.name, s.summary, s.equation, s.source))
             .collect(),
+        Listed::CombiningRules => lennard_forcefield::combining_rules()
+            .iter()
+            .map(|s| plain(s.name, s.summary, s.equation, s.source))
+            .collect(),
         Listed::Bonds => lennard_integrators::bond_methods()
             .iter()
             .map(|s| plain(s.name, s.summary, s.equations, s.source))

@@ -264,6 +264,7 @@ fn with_everything_off(simulation: &Simulation) -> Result<Simulation, EngineErro
         cell: simulation.state.cell,
         positions: simulation.state.positions.clone(),
         velocities: Some(simulation.state.velocities.clone()),
+        species: simulation.system.species().clone(),
         relax: false,
     };
     prepare_from(bare(&simulation.scene), beginning)

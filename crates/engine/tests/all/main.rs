@@ -5,6 +5,7 @@ mod growing;
 mod hostile;
 mod invariants;
 mod messages;
+mod mixtures;
 mod molecules;
 mod pressure;
 mod response;

@@ -264,6 +264,21 @@ fn every_observable_list_state_and_precision_goes_on_to_the_bit() {
 }
 
 #[test]
+fn mixtures_go_on_to_the_bit() {
+    let species = r#"[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3, sigma = 0.9, mass = 2.0 }]"#;
+    for rule in lennard_forcefield::combining_rules() {
+        let mixing = format!("{{ rule = {:?} }}", rule.name);
+        let pair = r#"[{ a = "B", b = "A", sigma = 0.97, epsilon = 1.1 }]"#;
+        assert!(in_parts(&[
+            ("species", species),
+            ("mixing", &mixing),
+            ("pair", pair),
+            ("truncation.r_cut_in", "pair"),
+        ]));
+    }
+}
+
+#[test]
 fn every_wall_goes_on_to_the_bit() {
     let more = [
         (

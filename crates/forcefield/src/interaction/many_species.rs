@@ -5,8 +5,10 @@
 //!   σ² of the own species      σ²₀₁ σ²₀₀ σ²₀₀ σ²₀₁ σ²₀₁ σ²₀₂ ...     picked from a register with the row of the table
 //! ```
 
+use lennard_core::MOST_SPECIES;
+
 use super::Interaction;
-use crate::pair::{Laws, MOST_SPECIES, Pair, PairForm, PairLaw};
+use crate::pair::{Laws, Pair, PairForm, PairLaw};
 use crate::real::Number;
 use crate::simd::{BySpecies, Lanes};
 

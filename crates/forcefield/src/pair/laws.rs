@@ -1,8 +1,9 @@
 //! From a mixture and options to the truncated potentials of all pairs of species.
 
+use lennard_core::MOST_SPECIES;
+
 use super::{
-    Constants, Form, MOST_SPECIES, Mixture, Model, Pair, PairForm, PotentialOptions, SpeciesPair,
-    with_form,
+    Constants, Form, Mixture, Model, Pair, PairForm, PotentialOptions, SpeciesPair, with_form,
 };
 use crate::error::ForceFieldError;
 use crate::options::TruncationOptions;

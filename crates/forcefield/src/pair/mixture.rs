@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::error::ForceFieldError;
+use lennard_core::MOST_SPECIES;
 
-/// The largest number of species: as many doubles as one register of AVX-512 holds.
-pub const MOST_SPECIES: usize = 8;
+use crate::error::ForceFieldError;
 
 /// The parameters of a pair of species: u_ab(r) = ε_ab·f(r/σ_ab) for r ≤ r_cut,ab, with the f of the potential.
 ///

@@ -1,8 +1,9 @@
 //! Pair potentials, their truncations, and the truncated potential that the kernels sum.
 //!
-//! A potential is one file in `potentials/` and one line in its list; a truncation likewise in `truncations/`. Options, scene
-//! keys, dispatch to the kernels, tails, names and tests follow from the two lists.
+//! A potential is one file in `potentials/` and one line in its list; a truncation likewise in `truncations/`, and a
+//! combining rule in `combining/`. Options, scene keys, dispatch to the kernels, tails, names and tests follow from the lists.
 
+mod combining;
 mod laws;
 mod mixture;
 mod model;
@@ -12,14 +13,15 @@ pub(crate) mod tabulated;
 mod tail;
 mod truncations;
 
+pub use combining::{CombiningOptions, CombiningSpec, Deviation, Size, combining_rules};
 pub(crate) use laws::{Laws, PairLaw, as_one_fluid};
-pub use mixture::{MOST_SPECIES, Mixture, SpeciesPair};
+pub use mixture::{Mixture, SpeciesPair};
 pub use model::{Model, model_name};
 pub(crate) use potentials::with_form;
 pub use potentials::*;
 pub(crate) use smoothstep::{Smoothstep, Step};
 pub use tabulated::TablePath;
-pub use tail::{Tail, tail_correction, tail_of_mixture};
+pub use tail::{Tail, tail_correction, tail_in, tail_of_mixture};
 pub(crate) use truncations::with_truncated;
 pub use truncations::{Plain, Truncated, TruncationKind, TruncationSpec, truncations};
 

@@ -65,6 +65,20 @@ pub fn tail_of_mixture(o: &ForceFieldOptions, mixture: &Mixture, volume: f64) ->
     Some(Tail::new(density * energy, -density * virial, n, volume))
 }
 
+/// The tail correction of `n_atoms` particles, or of a mixture where there is one.
+#[must_use]
+pub fn tail_in(
+    o: &ForceFieldOptions,
+    mixture: Option<&Mixture>,
+    n_atoms: usize,
+    volume: f64,
+) -> Option<Tail> {
+    match mixture {
+        Some(mixture) => tail_of_mixture(o, mixture, volume),
+        None => tail_correction(o, n_atoms, volume),
+    }
+}
+
 impl Tail {
     /// The tail with these totals of `n` particles, ε.
     fn new(energy: f64, virial: f64, n: f64, volume: f64) -> Self {

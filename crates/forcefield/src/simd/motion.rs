@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::pair::MOST_SPECIES;
+use lennard_core::MOST_SPECIES;
 
 /// Positions of the particles at some slots, now and at the build of the list.
 ///

@@ -12,9 +12,10 @@ use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
 use crate::interaction::Interaction;
 use crate::options::Precision;
+use crate::pair::PairForm;
 use crate::pair::tabulated::TableRows;
-use crate::pair::{MOST_SPECIES, PairForm};
 use crate::real::Real;
+use lennard_core::MOST_SPECIES;
 
 /// `N` numbers side by side.
 #[derive(Clone, Copy)]

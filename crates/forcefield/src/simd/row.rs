@@ -1,7 +1,7 @@
 //! Coordinate rows, as the pair loops read them.
 
 use super::level::Level;
-use crate::pair::MOST_SPECIES;
+use lennard_core::MOST_SPECIES;
 
 /// A coordinate row in double precision: x, y, z in σ, and padding.
 ///

@@ -1,6 +1,7 @@
 //! Tests of forces from outside: formulas, kernels, reference configurations, steps taken in one go.
 
 mod changing_box;
+mod combining;
 mod common;
 mod formulas;
 mod kernels;

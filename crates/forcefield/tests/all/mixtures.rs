@@ -194,7 +194,7 @@ fn what_cannot_be_is_refused() {
         assert!(!e.found().is_empty() && !e.allowed().is_empty());
         (e.key(), e.to_string())
     };
-    for species in [0, MOST_SPECIES + 1] {
+    for species in [0, lennard_core::MOST_SPECIES + 1] {
         let (key, text) = message(Mixture::new(species, unit, of(1)));
         assert!(key == "species" && text.contains("1 to 8"), "{text}");
     }

@@ -44,15 +44,11 @@ fn readers_say_what_they_would_take() {
             "allowed: a box that its length scale allows",
         ),
         (
-            frame(BOX, "Ar 1 2 3\nKr 2 3 4"),
-            "`Ar` like the particles before: mixtures are not there yet",
-        ),
-        (
             frame(
                 &format!("{BOX} Properties=pos:R:3:mass:R:1"),
                 "1 2 3 1\n2 3 4 2",
             ),
-            "the same mass for all particles: mixtures are not there yet",
+            "found mass 2; allowed: 1, like the particles before: the file names no species",
         ),
         (
             frame(

@@ -1,7 +1,7 @@
 //! What readers take and what they refuse, with the whole message.
 
 use glam::DVec3;
-use lennard_io::{read_configuration_bytes, read_trajectory_bytes};
+use lennard_io::{FoundSpecies, read_configuration_bytes, read_trajectory_bytes};
 
 /// A frame with this header line and these particle lines.
 fn xyz(header: &str, particles: &[&str]) -> String {
@@ -34,7 +34,7 @@ fn columns_may_stand_in_any_order_and_others_are_passed_over() {
         [DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.0)]
     );
     assert_eq!((frame.step, frame.time), (Some(7), Some(2.0)));
-    assert_eq!(frame.species.as_deref(), Some("Kr"));
+    assert_eq!(frame.species.names, ["Kr"]);
     assert_eq!(frame.info["note"], "two words = \"quoted\"");
     assert_eq!(frame.info["converged"], "T");
 }
@@ -60,7 +60,8 @@ fn nist_columns_are_told_by_their_content() {
         start.positions,
         [DVec3::new(-1.5, 2.0, 3.0), DVec3::new(0.0, 0.0, 1.0)]
     );
-    assert_eq!((start.velocities, start.species), (None, None));
+    assert_eq!(start.velocities, None);
+    assert_eq!(start.species, FoundSpecies::default());
 }
 
 /// Each kind of bad file, the line at fault, what the message says was found and what is allowed.
@@ -225,7 +226,15 @@ fn every_bad_file_is_refused_with_line_found_and_allowed() {
         (row("Ar 1 NaN 3"), 4, "`NaN`", "a finite number"),
         (row("Ar 1 1e999 3"), 4, "`1e999`", "a finite number"),
         (row("Ar 1 1e30 3"), 4, "particle 2 at", "within 2^31 boxes"),
-        (row("Kr 1 2 3"), 4, "`Kr`", "mixtures are not there yet"),
+        (
+            xyz(
+                &format!("{BOX} Properties=species:S:1:pos:R:3:masses:R:1"),
+                &["Kr 1 2 3 1", "Kr 2 2 3 2"],
+            ),
+            4,
+            "mass 2",
+            "1, like the `Kr` before",
+        ),
         (
             xyz(
                 &format!("{BOX} Properties=pos:R:3:masses:R:1"),
@@ -233,7 +242,7 @@ fn every_bad_file_is_refused_with_line_found_and_allowed() {
             ),
             4,
             "mass 2",
-            "mixtures are not there yet",
+            "like the particles before: the file names no species",
         ),
         (
             xyz(

@@ -2,9 +2,10 @@
 
 use lennard_core::{Average, Cell, Column, Estimate, Table};
 use lennard_io::{
-    AverageRecord, Comparison, Conservation, Host, NeighborRecord, Performance, RUN_SCHEMA,
-    RunRecord, StageSeconds, StatePoint, TableWriter, ThermostatRecord, WriteError,
-    read_run_record, read_run_record_bytes, read_table_csv, write_json_atomically, write_table_csv,
+    AverageRecord, Comparison, Conservation, Host, NeighborRecord, PairRecord, Performance,
+    RUN_SCHEMA, RunRecord, SpeciesRecord, StageSeconds, StatePoint, TableWriter, ThermostatRecord,
+    WriteError, read_run_record, read_run_record_bytes, read_table_csv, write_json_atomically,
+    write_table_csv,
 };
 
 fn table() -> Table {
@@ -171,6 +172,20 @@ fn record() -> RunRecord {
         },
         steps: 20_000,
         atoms: 864,
+        species: vec![SpeciesRecord {
+            name: "A".into(),
+            element: "Ar".into(),
+            count: 864,
+            fraction: 1.0,
+            mass: 2.0,
+        }],
+        pairs: vec![PairRecord {
+            a: "A".into(),
+            b: "A".into(),
+            sigma: 1.1,
+            epsilon: 0.9,
+            r_cut: 2.75,
+        }],
         n_dof: 2589,
         wall_s: 3.25,
         performance: Performance {

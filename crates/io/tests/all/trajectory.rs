@@ -2,7 +2,7 @@
 
 use crate::common::{cell, system};
 use glam::DVec3;
-use lennard_core::{PeriodicBox, State};
+use lennard_core::{PeriodicBox, Species, SpeciesTable, State};
 use lennard_io::{
     FileMark, Frame, FrameStyle, TrajectoryWriter, WriteError, read_configuration,
     read_configuration_in, read_trajectory, whole_frames, write_frame,
@@ -52,7 +52,7 @@ fn the_dialect_is_written_byte_for_byte() {
          Ar 1.0 2.0 3.0 0.0 1e+22 -0.1 0 0 0\n"
     );
     let other = FrameStyle {
-        element: "X".into(),
+        species: named("X"),
         velocities: false,
         forces: true,
         wrapped: false,
@@ -88,7 +88,7 @@ fn unwrapped_frames_read_back_to_the_bit() {
     assert_eq!(read[0].forces.as_ref(), Some(&state.forces));
     assert_eq!((read[0].step, read[0].time), (Some(1200), Some(4.8)));
     assert_eq!(read[0].cell, Some(cell()));
-    assert_eq!(read[0].species.as_deref(), Some("Ar"));
+    assert_eq!(read[0].species.names, ["Ar"]);
 }
 
 #[test]
@@ -260,6 +260,58 @@ fn numbers_that_are_not_finite_are_never_written() {
     assert!(std::fs::read(&path).unwrap() == before);
 }
 
+fn named(element: &str) -> SpeciesTable {
+    let species = Species {
+        element: element.to_owned(),
+        ..Species::unnamed()
+    };
+    SpeciesTable::one(species, 0)
+}
+
+/// A mixture comes back with names, species and masses of its particles; its header says which element is which species.
+#[test]
+fn a_mixture_is_written_with_elements_and_masses_and_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.xyz");
+    let species = |name: &str, element: &str, mass| Species {
+        name: name.to_owned(),
+        element: element.to_owned(),
+        mass,
+    };
+    let all = [species("A", "Ar", 1.0), species("big", "Kr", 2.5)];
+    let style = FrameStyle {
+        species: SpeciesTable::new(all, &[1, 0]),
+        velocities: false,
+        wrapped: false,
+        ..style()
+    };
+    let state = two_particles();
+    let text = text_of(&style, &frame(&state));
+    assert!(
+        text.contains(" species_names=\"Ar=A Kr=big\" units=lj\n"),
+        "{text}"
+    );
+    assert!(
+        text.contains("Properties=species:S:1:pos:R:3:masses:R:1 "),
+        "{text}"
+    );
+    assert!(
+        text.contains("\nKr ") && text.contains(" 2.5\nAr "),
+        "{text}"
+    );
+    write_frame(&path, &style, &frame(&state)).unwrap();
+    let found = read_configuration(&path).unwrap().species;
+    assert_eq!(found.names, ["Kr", "Ar"]);
+    assert_eq!(found.of_particle, [0, 1]);
+    assert_eq!(found.masses, [2.5, 1.0]);
+    let short = FrameStyle {
+        species: SpeciesTable::new(style.species.all(), &[1]),
+        ..style
+    };
+    let error = write_frame(&path, &short, &frame(&state)).unwrap_err();
+    assert!(error.to_string().contains("1 for 2 particles"), "{error}");
+}
+
 #[test]
 fn what_readers_would_take_for_something_else_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -267,7 +319,7 @@ fn what_readers_would_take_for_something_else_is_refused() {
     let state = two_particles();
     for element in ["", "LJ", "ar", "Ar ", "1"] {
         let style = FrameStyle {
-            element: element.into(),
+            species: named(element),
             ..style()
         };
         let error = TrajectoryWriter::create(&path, &style).unwrap_err();

@@ -2,6 +2,7 @@
 
 mod coexistence;
 mod equations;
+mod one_fluid;
 mod properties;
 mod tables;
 mod two_center;

@@ -17,7 +17,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "J. H. Irving and J. G. Kirkwood, The statistical mechanical theory of transport processes IV, J. Chem. Phys. 18, 817 (1950), \
              equation 6.16; M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), equations 2.122 and 2.123",
     dynamic: true,
-    suits: lennard_core::Suits::Atoms,
+    suits: lennard_core::Suits::OneSpecies,
 };
 
 const WORDS: Words = Words {

@@ -52,7 +52,7 @@ fn context_for(options: &ObservableOptions, n_atoms: usize) -> BuildContext {
 fn molecules_for(spec: &ObservableSpec) -> Molecules {
     match spec.suits {
         Suits::Molecules => Molecules::chains(3, 1.0, Bonds::Springs),
-        Suits::All | Suits::Atoms => Molecules::ATOMS,
+        Suits::All | Suits::Atoms | Suits::OneSpecies => Molecules::ATOMS,
     }
 }
 

@@ -148,8 +148,7 @@ pub(super) fn plan(
             let scene = bare(&subject.load(&overrides)?);
             // Says here what does not fit, with the key; and what really runs.
             let beginning = lennard_engine::begin(&scene)?;
-            let (_, forces) =
-                lennard_engine::forces(&scene, beginning.cell, beginning.positions.len())?;
+            let (_, forces) = lennard_engine::forces(&scene, beginning.cell, &beginning.species)?;
             let plan = forces.plan();
             for &threads in &threads {
                 if !variants.iter().any(|v| v.is_same(plan, threads)) {

@@ -102,7 +102,7 @@ impl Workbench {
     ) -> Result<Vec<DVec3>, StudyError> {
         let start = self.start();
         let scene = settings.apply(self.scene())?;
-        let conditions = lennard_engine::conditions(&scene, start.cell, start.len());
+        let conditions = lennard_engine::conditions(&scene, start.cell, start.len(), None);
         let mut forces = lennard_forcefield::build(options, &conditions)?;
         let found = start.evaluate(&mut forces, Part::All, Want::NOTHING);
         Ok(found.map_err(|source| failed_forces(settings, source))?.1)

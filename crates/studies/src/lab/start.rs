@@ -97,6 +97,7 @@ impl Start {
             cell: self.cell,
             positions: self.positions.clone(),
             velocities: Some(self.velocities.clone()),
+            species: scene.one_species(self.len()),
             relax: false,
         };
         prepare_from(scene, beginning)
@@ -104,7 +105,7 @@ impl Start {
 
     /// The forces of a scene in this box.
     pub(crate) fn forces(&self, scene: &Scene) -> Result<PairForces, EngineError> {
-        Ok(lennard_engine::forces(scene, self.cell, self.len())?.1)
+        Ok(lennard_engine::forces(scene, self.cell, &scene.one_species(self.len()))?.1)
     }
 
     /// Energies at the start by one part of the forces, and that part of the forces, `[N]` in ε/σ.

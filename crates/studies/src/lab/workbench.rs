@@ -116,7 +116,8 @@ impl Workbench {
     /// [`StudyError::Settings`] with the reason.
     pub fn check(&self, settings: &Settings) -> Result<(), StudyError> {
         let scene = settings.apply(&self.scene)?;
-        let conditions = lennard_engine::conditions(&scene, self.start.cell, self.start.len());
+        let conditions =
+            lennard_engine::conditions(&scene, self.start.cell, self.start.len(), None);
         lennard_forcefield::check(&scene.force_field(), &conditions).map_err(|e| {
             StudyError::Settings {
                 label: settings.label(),

@@ -128,10 +128,9 @@ fn truncations(
             };
             let switch_from = scene.truncation.switch_from;
             all.push(TruncationOptions {
-                kind,
-                r_cut: *r_cut,
                 switch_from,
                 tail_correction: tail,
+                ..TruncationOptions::new(kind, *r_cut)
             });
         }
     }

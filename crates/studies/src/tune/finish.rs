@@ -34,8 +34,7 @@ pub(super) fn list_and_threads(
     if !fixed("neighbor.skin") && !fixed("neighbor.mode") {
         let applied = settings.apply(bench.scene())?;
         let start = bench.start();
-        let (_, forces) = lennard_engine::forces(&applied, start.cell, start.len())?;
-        let skin = forces.plan().skin;
+        let skin = start.forces(&applied)?.plan().skin;
         for factor in SKINS {
             let rounded = (100.0 * factor * skin).round() / 100.0;
             let other = Settings {

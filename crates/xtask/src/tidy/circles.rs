@@ -18,6 +18,10 @@ const EXPLAINED: &[(&str, &str)] = &[
         "a table of literature values is one of the pages that are shown",
     ),
     (
+        "forcefield/pair/combining",
+        "a file of a combining rule implements the trait that the list dispatches to",
+    ),
+    (
         "forcefield/pair/potentials",
         "a file of a potential implements the trait that the list dispatches to",
     ),

@@ -13,6 +13,7 @@ const LISTS: &[(&str, &str)] = &[
     ("crates/integrators/src/", "BarostatOptions"),
     ("crates/forcefield/src/pair/potentials/", "PotentialOptions"),
     ("crates/forcefield/src/pair/truncations/", "TruncationKind"),
+    ("crates/forcefield/src/pair/combining/", "CombiningOptions"),
     ("crates/forcefield/src/walls/", "WallOptions"),
     ("crates/observables/src/", "ObservableOptions"),
 ];

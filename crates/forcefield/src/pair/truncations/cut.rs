@@ -20,7 +20,8 @@ pub(super) fn in_words(options: &TruncationOptions) -> String {
     } else {
         "without"
     };
-    format!("cut at {} σ, {with} tail correction", options.r_cut)
+    let at = options.length_in_words(options.r_cut);
+    format!("cut at {at}, {with} tail correction")
 }
 
 pub(super) fn check(options: &TruncationOptions) -> Result<(), ForceFieldError> {

@@ -15,7 +15,8 @@ pub(super) const SPEC: TruncationSpec = TruncationSpec {
 };
 
 pub(super) fn in_words(options: &TruncationOptions) -> String {
-    format!("cut and shifted at {} σ", options.r_cut)
+    let at = options.length_in_words(options.r_cut);
+    format!("cut and shifted at {at}")
 }
 
 pub(super) fn check(options: &TruncationOptions) -> Result<(), ForceFieldError> {

@@ -26,9 +26,9 @@ pub(super) fn begins(options: &TruncationOptions) -> f64 {
 
 pub(super) fn in_words(options: &TruncationOptions) -> String {
     format!(
-        "switched off from {} to {} σ",
+        "switched off from {} to {}",
         begins(options),
-        options.r_cut
+        options.length_in_words(options.r_cut)
     )
 }
 

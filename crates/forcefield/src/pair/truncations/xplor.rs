@@ -18,9 +18,9 @@ pub(super) const SPEC: TruncationSpec = TruncationSpec {
 
 pub(super) fn in_words(options: &TruncationOptions) -> String {
     format!(
-        "switched off (xplor) from {} to {} σ",
+        "switched off (xplor) from {} to {}",
         switch::begins(options),
-        options.r_cut
+        options.length_in_words(options.r_cut)
     )
 }
 

@@ -12,7 +12,11 @@ fn every_kernel_agrees_with_the_reference_after_the_particles_have_moved() {
 
 #[test]
 fn every_kernel_agrees_with_the_reference_in_mixtures() {
-    for (cells, species) in [([9, 8, 7], 3), ([8; 3], 2), ([7; 3], MOST_SPECIES)] {
+    for (cells, species) in [
+        ([9, 8, 7], 3),
+        ([8; 3], 2),
+        ([7; 3], lennard_core::MOST_SPECIES),
+    ] {
         agree_after_a_move(cells, species);
     }
 }

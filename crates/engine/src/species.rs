@@ -1,0 +1,127 @@
+//! The species of the particles of a start: mixed at random on a lattice, or as a file says.
+
+use std::path::Path;
+
+use lennard_core::random::Streams;
+use lennard_core::{DVec3, Exclusions, PeriodicBox, SpeciesTable};
+use lennard_io::FoundSpecies;
+use lennard_scene::{MixtureTables, Scene};
+use rand::seq::SliceRandom;
+
+use crate::EngineError;
+use crate::close_pairs::{Sizes, closest_pair};
+
+/// Pairs of a lattice nearer than this, in units of σ_ab, have the start relaxed: U(0.9 σ) is 6.6 ε.
+const SMALLEST_ON_A_LATTICE: f64 = 0.9;
+
+/// Masses of a file may differ from the scene's by this share, beside a common factor.
+const SAME_MASS: f64 = 1e-3;
+
+/// The species of `n` particles of a start without a file, mixed at random by the seed of the scene.
+pub(crate) fn mixed(scene: &Scene, n: usize) -> Result<SpeciesTable, EngineError> {
+    let ordered = scene.species_in_order(&scene.counts(n)?);
+    let Some(of_particles) = ordered.of_particles() else {
+        return Ok(ordered);
+    };
+    let mut mixed = of_particles.to_vec();
+    mixed.shuffle(&mut Streams::new(scene.system.seed).sequential("species"));
+    Ok(scene.species_table(n, &mixed))
+}
+
+/// Whether particles of a lattice of several sizes are so close that they must be moved apart first.
+pub(crate) fn overlap(
+    scene: &Scene,
+    cell: &PeriodicBox,
+    positions: &[DVec3],
+    species: &SpeciesTable,
+) -> bool {
+    let sizes = Sizes::of(scene, species);
+    let within = SMALLEST_ON_A_LATTICE;
+    scene.mixture.is_some()
+        && closest_pair(cell, positions, &Exclusions::NONE, &sizes, within).is_some()
+}
+
+/// The species of the `n` particles of a file, whose names are names or elements of the scene's species.
+pub(crate) fn of_file(
+    scene: &Scene,
+    path: &Path,
+    found: &FoundSpecies,
+    n: usize,
+) -> Result<SpeciesTable, EngineError> {
+    let refuse = |found: String, allowed: String| -> EngineError {
+        scene
+            .source
+            .invalid("system.configuration", found, allowed)
+            .into()
+    };
+    let file = path.display();
+    let names = found.names.join(", ");
+    let Some(mixture) = &scene.mixture else {
+        if found.names.len() > 1 {
+            return Err(refuse(
+                format!("species {names} in {file}"),
+                "one species, or a table `[[species]]` for each".to_owned(),
+            ));
+        }
+        return Ok(scene.one_species(n));
+    };
+    if found.names.is_empty() && mixture.species.len() > 1 {
+        return Err(refuse(
+            format!("no names of species in {file}"),
+            "an extended XYZ file with a column `species:S:1`".to_owned(),
+        ));
+    }
+    let numbers = match mixture.species.len() {
+        1 if found.names.len() <= 1 => vec![0],
+        _ => numbers(mixture, found).map_err(|name| {
+            let known: Vec<String> = mixture
+                .species
+                .iter()
+                .map(|s| format!("{:?} (or {})", s.name, s.element))
+                .collect();
+            refuse(format!("species {name:?} in {file}"), known.join(", "))
+        })?,
+    };
+    check_masses(mixture, found, &numbers)
+        .map_err(|(found, allowed)| refuse(format!("{found} in {file}"), allowed))?;
+    let of_particle: Vec<u8> = match mixture.species.len() {
+        1 => Vec::new(),
+        _ => (0..n).map(|i| numbers[found.of(i)] as u8).collect(),
+    };
+    Ok(scene.species_table(n, &of_particle))
+}
+
+/// The number of the species of each name of a file, or the name that is of none.
+fn numbers(mixture: &MixtureTables, found: &FoundSpecies) -> Result<Vec<usize>, String> {
+    let numbers = found.names.iter().map(|name| {
+        let by_name = mixture.species.iter().position(|s| s.name == *name);
+        let by_element = || mixture.species.iter().position(|s| s.element == *name);
+        by_name.or_else(by_element).ok_or_else(|| name.clone())
+    });
+    numbers.collect()
+}
+
+/// Refuses masses of a file that are in other proportions than the scene's.
+fn check_masses(
+    mixture: &MixtureTables,
+    found: &FoundSpecies,
+    numbers: &[usize],
+) -> Result<(), (String, String)> {
+    let own = |k: usize| mixture.species[numbers[k]].mass;
+    let Some(first) = found.masses.first().filter(|_| found.masses.len() > 1) else {
+        return Ok(());
+    };
+    for (k, mass) in found.masses.iter().enumerate() {
+        let wanted = own(k) / own(0);
+        if (mass / first / wanted - 1.0).abs() > SAME_MASS {
+            return Err((
+                format!(
+                    "masses {first} of {} and {mass} of {}",
+                    found.names[0], found.names[k]
+                ),
+                format!("masses as {} to {}, as the scene has them", own(0), own(k)),
+            ));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,297 @@
+//! Mixtures: the bits of one species, mixed starts, equipartition, splits and resumes, files, and what is refused.
+
+use lennard_core::{DVec3, Persist, StateArchive, System};
+use lennard_engine::{
+    EngineError, Simulation, StopAt, Unfollowed, begin, evaluate_energy, prepare,
+};
+use lennard_io::{Frame, FrameStyle};
+use lennard_scene::Scene;
+
+/// A liquid of two species of unlike sizes, depths and masses.
+const MIXTURE: &str = r#"
+    [system]
+    n_atoms = 108
+    density = 0.9
+    temperature = 1.5
+    seed = 7
+    [[species]]
+    name = "A"
+    fraction = 0.7
+    [[species]]
+    name = "B"
+    fraction = 0.3
+    sigma = 0.9
+    epsilon = 0.6
+    mass = 4.0
+    [mixing]
+    rule = "lorentz-berthelot"
+    k = -0.2
+    [truncation]
+    kind = "shift"
+    r_cut = 2.2
+    r_cut_in = "pair"
+    [integrator]
+    dt = 0.003
+    [[stage]]
+    name = "production"
+    steps = 1000
+    [output]
+    thermo_every = 10
+"#;
+
+fn scene_of(text: &str, overrides: &[(&str, &str)]) -> Scene {
+    let overrides: Vec<_> = overrides
+        .iter()
+        .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
+        .collect();
+    Scene::parse(text, "mixture.toml", &overrides).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn scene(overrides: &[(&str, &str)]) -> Scene {
+    scene_of(MIXTURE, overrides)
+}
+
+fn ran(scene: Scene) -> Simulation {
+    let mut simulation = prepare(scene).unwrap_or_else(|e| panic!("{e}"));
+    simulation
+        .run(&mut Unfollowed)
+        .unwrap_or_else(|e| panic!("{e}"));
+    simulation
+}
+
+/// Positions, velocities and forces as bits.
+fn bits(simulation: &Simulation) -> Vec<[u64; 3]> {
+    let s = &simulation.state;
+    let all = s.positions.iter().chain(&s.velocities).chain(&s.forces);
+    all.map(|v| v.to_array().map(f64::to_bits)).collect()
+}
+
+#[test]
+fn species_alike_in_all_but_name_have_the_bits_of_one() {
+    let two = r#"[{ name = "red", fraction = 0.4 }, { name = "blue", fraction = 0.6 }]"#;
+    for kind in ["cut", "shift", "switch"] {
+        let common = [
+            ("system.n_atoms", "256"),
+            ("stage.0.steps", "300"),
+            (
+                "truncation",
+                &*format!("{{ kind = \"{kind}\", r_cut = 2.5 }}"),
+            ),
+        ];
+        let one = r#"[{ name = "red" }]"#;
+        let named = |species| [("species", species), ("mixing.k", "0.0")];
+        let alone = ran(scene(&[&common[..], &named(one)].concat()));
+        let both = ran(scene(&[&common[..], &named(two)].concat()));
+        let plain = MIXTURE.split("[[species]]").next().unwrap().to_owned()
+            + "[integrator]\ndt = 0.003\n[[stage]]\nname = \"production\"\nsteps = 1000\n[output]\nthermo_every = 10\n";
+        let plain = ran(scene_of(&plain, &common));
+        assert!(bits(&both) == bits(&plain), "{kind}");
+        assert!(bits(&alone) == bits(&plain), "{kind}");
+        assert_eq!(both.system.species().counts(), [102, 154]);
+        let pressure = |s: &Simulation| s.pressure().map(f64::to_bits);
+        assert_eq!(pressure(&both), pressure(&plain), "{kind}");
+        assert!(pressure(&both).is_some());
+    }
+}
+
+#[test]
+fn species_are_mixed_at_random_by_the_seed() {
+    let species = |seed: &str| {
+        let scene = scene(&[("system.n_atoms", "864"), ("system.seed", seed)]);
+        begin(&scene).unwrap_or_else(|e| panic!("{e}")).species
+    };
+    let (one, other) = (species("1"), species("2"));
+    assert_eq!(one.counts(), [605, 259]);
+    assert_eq!(one, species("1"));
+    assert_ne!(one, other);
+    // A layered start has all of B in a few layers; each of twelve layers of 72 has about 22 here.
+    for layer in 0..12 {
+        let b = (72 * layer..72 * (layer + 1))
+            .filter(|i| one.of(*i) == 1)
+            .count();
+        assert!((10..=34).contains(&b), "layer {layer}: {b}");
+    }
+}
+
+#[test]
+fn a_lattice_too_dense_for_the_larger_species_is_relaxed() {
+    let dense = [
+        ("species.B.sigma", "1.6"),
+        ("system.density", "0.7"),
+        ("system.n_atoms", "256"),
+    ];
+    let start = begin(&scene(&dense)).unwrap_or_else(|e| panic!("{e}"));
+    assert!(start.relax);
+    let simulation = ran(scene(&[&dense[..], &[("stage.0.steps", "50")]].concat()));
+    assert!(simulation.state.positions.iter().all(|r| r.is_finite()));
+    assert!(!begin(&scene(&[])).unwrap_or_else(|e| panic!("{e}")).relax);
+}
+
+/// 2K_a/(3N_a) of each species.
+fn temperatures(system: &System, velocities: &[DVec3]) -> Vec<f64> {
+    let species = system.species();
+    (0..species.n_species())
+        .map(|a| {
+            let sum: f64 = species
+                .particles(a)
+                .map(|i| system.masses.of(i) * velocities[i].length_squared())
+                .sum();
+            sum / (3.0 * species.count(a) as f64)
+        })
+        .collect()
+}
+
+/// Every bath that holds a temperature, and every barostat with its bath, gives unequal masses the same temperature.
+#[test]
+fn baths_and_barostats_give_each_species_the_temperature_of_the_bath() {
+    let tail = r#"{ kind = "cut", r_cut = 2.2 }"#;
+    let canonical = lennard_integrators::thermostats()
+        .iter()
+        .filter(|t| t.canonical);
+    let mut baths: Vec<(String, String)> = canonical
+        .map(|t| (format!("{:?}", t.name), "\"none\"".to_owned()))
+        .collect();
+    for barostat in lennard_integrators::barostats() {
+        let bath = barostat.thermostat.unwrap_or("bussi");
+        let barostat = format!("{{ kind = {:?}, pressure = 2.0 }}", barostat.name);
+        baths.push((format!("{bath:?}"), barostat));
+    }
+    assert!(baths.len() >= 5);
+    for (bath, barostat) in &baths {
+        let mut simulation = prepare(scene(&[
+            ("system.n_atoms", "108"),
+            ("system.density", "0.8"),
+            ("truncation", tail),
+            ("stage.0.steps", "10000"),
+            ("stage.0.thermostat", bath),
+            ("stage.0.barostat", barostat),
+        ]))
+        .unwrap_or_else(|e| panic!("{bath}: {e}"));
+        let mut series: [Vec<f64>; 2] = Default::default();
+        for step in 1..=100 {
+            simulation
+                .run(&mut StopAt::new(100 * step))
+                .unwrap_or_else(|e| panic!("{bath}, {barostat}: {e}"));
+            let t = temperatures(&simulation.system, &simulation.state.velocities);
+            series[0].push(t[0]);
+            series[1].push(t[1]);
+        }
+        for (a, t) in series.iter().enumerate() {
+            let t = &t[20..];
+            let mean = t.iter().sum::<f64>() / t.len() as f64;
+            // 80 samples of a species of 32 particles: σ_T = T·√(2/96)/√80 = 0.024, and some correlation. The step of 0.003
+            // makes whole steps colder by up to a per cent.
+            assert!(
+                (mean - 1.5).abs() < 0.12,
+                "{bath}, {barostat}: species {a} at {mean}"
+            );
+        }
+    }
+}
+
+/// The energy that barostats conserve has the work of the tail of all pairs of species in it.
+#[test]
+fn barostats_conserve_energy_with_the_tails_of_all_pairs() {
+    for barostat in lennard_integrators::barostats() {
+        let bath = format!("{:?}", barostat.thermostat.unwrap_or("bussi"));
+        let words = format!("{{ kind = {:?}, pressure = 2.0 }}", barostat.name);
+        let simulation = ran(scene(&[
+            ("system.n_atoms", "256"),
+            ("truncation", r#"{ kind = "cut", r_cut = 2.2 }"#),
+            ("stage.0.steps", "1000"),
+            ("stage.0.thermostat", &bath),
+            ("stage.0.barostat", &words),
+        ]));
+        assert!(simulation.stage_run().tail_work < 0.0, "{words}");
+        let rms = simulation
+            .thermodynamics()
+            .conservation()
+            .energy_rms_per_atom;
+        assert!(rms < 2e-3, "{words}: {rms}");
+    }
+}
+
+#[test]
+fn the_bits_are_the_same_for_any_number_of_threads() {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.unwrap().install(|| {
+            let steps = [("system.n_atoms", "500"), ("stage.0.steps", "100")];
+            bits(&ran(scene(&steps)))
+        })
+    };
+    let one = run(1);
+    for threads in [2, 3, 8] {
+        assert!(run(threads) == one, "{threads} threads");
+    }
+}
+
+#[test]
+fn four_hundred_steps_and_six_hundred_are_a_thousand_to_the_bit() {
+    let whole = ran(scene(&[]));
+    let mut begun = prepare(scene(&[])).unwrap_or_else(|e| panic!("{e}"));
+    begun
+        .run(&mut StopAt::new(400))
+        .unwrap_or_else(|e| panic!("{e}"));
+    let mut archive = StateArchive::default();
+    begun.save(&mut archive.writer());
+    let mut resumed = prepare(scene(&[])).unwrap_or_else(|e| panic!("{e}"));
+    resumed
+        .restore(&archive.reader())
+        .unwrap_or_else(|e| panic!("{e}"));
+    for other in [&mut begun, &mut resumed] {
+        other.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        assert!(bits(other) == bits(&whole));
+    }
+}
+
+#[test]
+fn a_file_of_a_mixture_gives_the_same_energy_and_the_same_species() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("start.xyz");
+    let simulation = ran(scene(&[("stage.0.steps", "20")]));
+    let style = FrameStyle {
+        species: simulation.system.species().clone(),
+        ..FrameStyle::default()
+    };
+    let frame = Frame {
+        state: &simulation.state,
+        extra: &[],
+    };
+    lennard_io::write_frame(&path, &style, &frame).unwrap();
+    let system = MIXTURE
+        .replace("n_atoms = 108", &format!("configuration = {path:?}"))
+        .replace("density = 0.9", "")
+        .replace("fraction = 0.7", "")
+        .replace("fraction = 0.3", "");
+    let evaluated = evaluate_energy(&scene_of(&system, &[])).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(&evaluated.species, simulation.system.species());
+    let there = simulation.state.energetics.potential_energy.unwrap();
+    assert!((evaluated.report.potential_energy / there - 1.0).abs() < 1e-12);
+    // A name in the file that no species has.
+    let text = std::fs::read_to_string(&path)
+        .unwrap()
+        .replace("\nB ", "\nXe ");
+    std::fs::write(&path, text).unwrap();
+    match evaluate_energy(&scene_of(&system, &[])) {
+        Err(EngineError::Scene(e)) => {
+            assert_eq!(e.key_path(), Some("system.configuration"), "{e}");
+            assert!(e.to_string().contains("\"Xe\""), "{e}");
+        }
+        _ => panic!("a species that the scene does not know was taken"),
+    }
+}
+
+/// Forces are checked against all pairs with the species of each particle: a swapped species is seen.
+#[test]
+fn the_check_of_forces_knows_the_species() {
+    let simulation = ran(scene(&[]));
+    let seen = simulation.force_check.seen();
+    assert!(
+        seen.forces >= 10 && seen.largest_deviation <= 1.0,
+        "{seen:?}"
+    );
+    let mut other = prepare(scene(&[("system.seed", "8")])).unwrap_or_else(|e| panic!("{e}"));
+    other.force_check = simulation.force_check;
+    assert!(other.run(&mut Unfollowed).is_err());
+}

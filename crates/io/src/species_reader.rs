@@ -1,0 +1,108 @@
+//! The names and masses of particles, gathered line by line.
+
+use crate::FoundSpecies;
+use crate::error::excerpt;
+use crate::xyz_header::Refusal;
+
+/// The most names of a file.
+const MOST_NAMES: usize = 255;
+
+/// Gathers the species of a frame.
+pub(crate) struct SpeciesReader {
+    /// What was found so far.
+    pub(crate) found: FoundSpecies,
+    n: usize,
+    particles: usize,
+}
+
+impl SpeciesReader {
+    /// For a frame of `n` particles.
+    pub(crate) fn new(n: usize) -> Self {
+        Self {
+            found: FoundSpecies::default(),
+            n,
+            particles: 0,
+        }
+    }
+
+    /// Takes name and mass of the next particle.
+    pub(crate) fn take(&mut self, name: Option<&str>, mass: Option<f64>) -> Result<(), Refusal> {
+        let found = &mut self.found;
+        let of = match name {
+            None => 0,
+            Some(name) => match found.names.iter().position(|known| known == name) {
+                Some(known) => known,
+                None if found.names.len() == MOST_NAMES => {
+                    return Err((
+                        excerpt(name.as_bytes()),
+                        format!("at most {MOST_NAMES} names of species"),
+                    ));
+                }
+                None => {
+                    found.names.push(name.to_owned());
+                    found.names.len() - 1
+                }
+            },
+        };
+        if found.of_particle.is_empty() && of > 0 {
+            found.of_particle.reserve(self.n);
+            found.of_particle.resize(self.particles, 0);
+        }
+        if found.names.len() > 1 {
+            found.of_particle.push(of as u8);
+        }
+        self.particles += 1;
+        let Some(mass) = mass else {
+            return Ok(());
+        };
+        if found.masses.len() == of {
+            found.masses.push(mass);
+        }
+        let first = found.masses[of];
+        if first == mass {
+            return Ok(());
+        }
+        let like = match name {
+            Some(name) => format!("{first}, like the {} before", excerpt(name.as_bytes())),
+            None => format!("{first}, like the particles before: the file names no species"),
+        };
+        Err((format!("mass {mass}"), like))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_numbered_as_they_appear_and_one_name_stores_nothing() {
+        let mut reader = SpeciesReader::new(4);
+        for name in ["Ar", "Ar", "Kr", "Ar"] {
+            let mass = if name == "Ar" { 1.0 } else { 2.0 };
+            reader.take(Some(name), Some(mass)).unwrap();
+        }
+        let found = reader.found;
+        assert_eq!(found.names, ["Ar", "Kr"]);
+        assert_eq!(found.of_particle, [0, 0, 1, 0]);
+        assert_eq!(found.masses, [1.0, 2.0]);
+        assert_eq!((found.of(1), found.of(2)), (0, 1));
+        let mut one = SpeciesReader::new(2);
+        one.take(Some("Ar"), None).unwrap();
+        one.take(Some("Ar"), None).unwrap();
+        assert_eq!(one.found.of_particle, Vec::<u8>::new());
+    }
+
+    #[test]
+    fn a_species_has_one_mass() {
+        let mut reader = SpeciesReader::new(3);
+        reader.take(Some("Ar"), Some(1.0)).unwrap();
+        let (found, allowed) = reader.take(Some("Ar"), Some(1.5)).unwrap_err();
+        assert_eq!(
+            (found.as_str(), allowed.as_str()),
+            ("mass 1.5", "1, like the `Ar` before")
+        );
+        let mut nameless = SpeciesReader::new(2);
+        nameless.take(None, Some(1.0)).unwrap();
+        assert!(nameless.take(None, Some(2.0)).is_err());
+    }
+}

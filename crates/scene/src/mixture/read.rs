@@ -1,0 +1,380 @@
+//! From the tree to the tables of a mixture.
+
+use lennard_core::MOST_SPECIES;
+use lennard_forcefield::{CombiningOptions, combining_rules};
+use serde::Deserialize;
+
+use super::{Amount, MixtureTables, PairEntry, SpeciesEntry};
+use crate::checks::is_element;
+use crate::error::SceneError;
+use crate::names::nearest;
+use crate::read::Reader;
+use crate::reference::quoted;
+use crate::typed::Section;
+
+/// Symbols of species that name none and are called like no element.
+const USUAL_ELEMENTS: [&str; MOST_SPECIES] = ["Ar", "Kr", "Xe", "Ne", "He", "Rn", "H", "Li"];
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SpeciesRow {
+    name: String,
+    fraction: Option<f64>,
+    count: Option<usize>,
+    sigma: Option<f64>,
+    epsilon: Option<f64>,
+    mass: Option<f64>,
+    element: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PairRow {
+    a: String,
+    b: String,
+    sigma: Option<f64>,
+    epsilon: Option<f64>,
+    k: Option<f64>,
+    l: Option<f64>,
+    r_cut: Option<f64>,
+}
+
+impl Reader<'_> {
+    /// The species of the scene with what acts between them; `None` where it names none.
+    pub fn mixture(&self) -> Result<Option<MixtureTables>, SceneError> {
+        let species = self.species()?;
+        if species.is_empty() {
+            for table in ["mixing", "pair"] {
+                if self.source.wrote(table) {
+                    return Err(self
+                        .source
+                        .refuse(table, "has no species to act on")
+                        .found(format!("`{table}` without `[[species]]`"))
+                        .allowed("a table `[[species]]` for each species beside it"));
+                }
+            }
+            return Ok(None);
+        }
+        let rule = self.rule(&species)?;
+        let pairs = self.pairs(&species, rule.as_ref())?;
+        let mixture = MixtureTables {
+            species,
+            rule,
+            pairs,
+        };
+        self.all_pairs_are_said(&mixture)?;
+        Ok(Some(mixture))
+    }
+
+    fn species(&self) -> Result<Vec<SpeciesEntry>, SceneError> {
+        let nodes = self.list("species")?;
+        if nodes.len() > MOST_SPECIES {
+            return Err(self
+                .source
+                .refuse("species", "is there too often")
+                .found(format!("{} times", nodes.len()))
+                .allowed(format!("at most {MOST_SPECIES} times")));
+        }
+        let mut rows = Vec::new();
+        for (a, node) in nodes.iter().enumerate() {
+            let path = format!("species.{a}");
+            let row: SpeciesRow = Section::new(self.source, &path, "species").read(node)?;
+            self.name_of_species(&path, &row.name)?;
+            if let Some(first) = rows.iter().position(|r: &SpeciesRow| r.name == row.name) {
+                let first = format!("species.{first}.name");
+                let key = format!("{path}.name");
+                return Err(self.source.twice(&key, &row.name, &first));
+            }
+            rows.push(row);
+        }
+        let elements = self.elements(&rows)?;
+        let amounts = self.amounts(&rows)?;
+        let entries = rows.into_iter().zip(elements).zip(amounts);
+        let entries = entries.map(|((row, element), amount)| SpeciesEntry {
+            name: row.name,
+            amount,
+            sigma: row.sigma.unwrap_or(1.0),
+            epsilon: row.epsilon.unwrap_or(1.0),
+            mass: row.mass.unwrap_or(1.0),
+            element,
+        });
+        Ok(entries.collect())
+    }
+
+    fn name_of_species(&self, path: &str, name: &str) -> Result<(), SceneError> {
+        let starts = name.starts_with(|c: char| c.is_ascii_alphabetic());
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+        if starts && name.chars().all(plain) {
+            return Ok(());
+        }
+        Err(self
+            .source
+            .refuse(&format!("{path}.name"), "is not allowed")
+            .found(format!("{name:?}"))
+            .allowed("letters, digits, `-` and `_`, beginning with a letter"))
+    }
+
+    /// The symbol of each species in files: as written, as its name, or one that no other has.
+    fn elements(&self, rows: &[SpeciesRow]) -> Result<Vec<String>, SceneError> {
+        let mut elements: Vec<Option<String>> = Vec::new();
+        for (a, row) in rows.iter().enumerate() {
+            let key = format!("species.{a}.element");
+            if let Some(element) = row.element.as_ref().filter(|e| !is_element(e)) {
+                return Err(self
+                    .source
+                    .refuse(&key, "is not allowed")
+                    .found(format!("{element:?}"))
+                    .allowed("an element symbol, or \"X\""));
+            }
+            let named = is_element(&row.name).then(|| row.name.clone());
+            let element = row.element.clone().or(named);
+            let twin = elements.iter().position(|e| e.is_some() && *e == element);
+            if let (Some(first), Some(element)) = (twin, &element) {
+                return Err(self
+                    .source
+                    .refuse(&key, "stands for two species")
+                    .found(format!(
+                        "{element:?} for {:?} and for {:?}",
+                        rows[first].name, row.name
+                    ))
+                    .allowed("an element for each species: files tell them apart by it"));
+            }
+            elements.push(element);
+        }
+        let mut free = USUAL_ELEMENTS
+            .into_iter()
+            .filter(|usual| elements.iter().all(|e| e.as_deref() != Some(usual)))
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+            .into_iter();
+        let all = elements.iter().map(|e| e.clone().or_else(|| free.next()));
+        Ok(all.map(Option::unwrap_or_default).collect())
+    }
+
+    /// The amount of each species: all as fractions, all as counts, or all in a configuration file.
+    fn amounts(&self, rows: &[SpeciesRow]) -> Result<Vec<Amount>, SceneError> {
+        let of_file = self.source.wrote("system.configuration");
+        let by_count = rows.iter().any(|row| row.count.is_some());
+        let mut amounts = Vec::new();
+        for (a, row) in rows.iter().enumerate() {
+            let refuse = |key: &str, message: &str| {
+                self.source.refuse(&format!("species.{a}.{key}"), message)
+            };
+            let amount = match (row.fraction, row.count) {
+                (Some(_), Some(_)) => {
+                    return Err(refuse("count", "and `fraction` are both given")
+                        .found("both")
+                        .allowed("one of them"));
+                }
+                (Some(_), None) | (None, Some(_)) if of_file => {
+                    let key = if row.count.is_some() {
+                        "count"
+                    } else {
+                        "fraction"
+                    };
+                    return Err(refuse(key, "does not go with `configuration`")
+                        .found(format!("`{key}` of {:?}", row.name))
+                        .allowed("nothing: the configuration file says it"));
+                }
+                (None, None) if of_file => Amount::OfFile,
+                (Some(_), None) if by_count => {
+                    return Err(
+                        refuse("fraction", "stands beside a `count` of another species")
+                            .found(format!("`fraction` of {:?}", row.name))
+                            .allowed("all species by `fraction`, or all by `count`"),
+                    );
+                }
+                (Some(fraction), None) => Amount::Fraction(fraction),
+                (None, Some(count)) => Amount::Count(count),
+                (None, None) if rows.len() == 1 => Amount::Fraction(1.0),
+                (None, None) => {
+                    let key = if by_count { "count" } else { "fraction" };
+                    return Err(refuse(key, "is missing")
+                        .found(format!("neither `fraction` nor `count` of {:?}", row.name))
+                        .allowed("`fraction`, a number above 0, or `count`, a whole number"));
+                }
+            };
+            amounts.push(amount);
+        }
+        self.fractions_are_all(&amounts)?;
+        Ok(amounts)
+    }
+
+    fn fractions_are_all(&self, amounts: &[Amount]) -> Result<(), SceneError> {
+        /// Room for decimals typed by hand, such as 0.333333.
+        const CLOSE_ENOUGH: f64 = 1e-5;
+        let fractions: Option<Vec<f64>> = amounts
+            .iter()
+            .map(|amount| match amount {
+                Amount::Fraction(x) => Some(*x),
+                _ => None,
+            })
+            .collect();
+        let Some(fractions) = fractions else {
+            return Ok(());
+        };
+        let sum: f64 = fractions.iter().sum();
+        if fractions.is_empty() || (sum - 1.0).abs() <= CLOSE_ENOUGH {
+            return Ok(());
+        }
+        let each: Vec<String> = fractions.iter().map(ToString::to_string).collect();
+        let last = fractions.len() - 1;
+        let before = sum - fractions[last];
+        let rest = (before < 1.0).then(|| format!("{:.6}", 1.0 - before));
+        let rest = rest.map(|rest| format!("fraction = {} here", rest.trim_end_matches('0')));
+        Err(self
+            .source
+            .refuse(
+                &format!("species.{last}.fraction"),
+                "leaves a sum other than 1",
+            )
+            .found(format!("{} = {sum:.6}", each.join(" + ")))
+            .allowed("fractions that add up to 1")
+            .suggestion(rest))
+    }
+
+    fn rule(&self, species: &[SpeciesEntry]) -> Result<Option<CombiningOptions>, SceneError> {
+        let names: Vec<&str> = combining_rules().iter().map(|rule| rule.name).collect();
+        if !self.source.wrote("mixing") {
+            if species.len() < 2 {
+                return Ok(None);
+            }
+            return Err(self
+                .source
+                .refuse(
+                    "mixing.rule",
+                    "is missing: no combining rule is taken for granted",
+                )
+                .at(self.source.place("species.1").cloned())
+                .found(format!("{} species without `[mixing]`", species.len()))
+                .allowed(format!("[mixing] with rule = {}", quoted(&names))));
+        }
+        let section = self.section("mixing").with(&["rule"]);
+        let rule: CombiningOptions = section.read(self.node("mixing"))?;
+        rule.check()
+            .map_err(|e| section.impossible(e.key, &e.found, &e.allowed))?;
+        Ok(Some(rule))
+    }
+
+    fn pairs(
+        &self,
+        species: &[SpeciesEntry],
+        rule: Option<&CombiningOptions>,
+    ) -> Result<Vec<PairEntry>, SceneError> {
+        let mut pairs: Vec<PairEntry> = Vec::new();
+        for (i, node) in self.list("pair")?.iter().enumerate() {
+            let path = format!("pair.{i}");
+            let row: PairRow = Section::new(self.source, &path, "pair").read(node)?;
+            let number = |key: &str, name: &str| {
+                species
+                    .iter()
+                    .position(|s| s.name == name)
+                    .ok_or_else(|| self.unknown_species(&format!("{path}.{key}"), name, species))
+            };
+            let pair = PairEntry {
+                species: [number("a", &row.a)?, number("b", &row.b)?],
+                sigma: row.sigma,
+                epsilon: row.epsilon,
+                k: row.k,
+                l: row.l,
+                r_cut: row.r_cut,
+            };
+            let [a, b] = pair.species;
+            let twin = |p: &PairEntry| p.species == [a, b] || p.species == [b, a];
+            if let Some(first) = pairs.iter().position(twin) {
+                let names = format!("{} and {}", row.a, row.b);
+                let first = format!("pair.{first}.a");
+                return Err(self.source.twice(&format!("{path}.a"), &names, &first));
+            }
+            self.pair_is_sound(&path, &pair, &row, rule)?;
+            pairs.push(pair);
+        }
+        Ok(pairs)
+    }
+
+    fn unknown_species(&self, key: &str, name: &str, species: &[SpeciesEntry]) -> SceneError {
+        let names: Vec<&str> = species.iter().map(|s| s.name.as_str()).collect();
+        self.source
+            .refuse(key, "is the name of no species")
+            .found(format!("{name:?}"))
+            .allowed(quoted(&names))
+            .suggestion(nearest(name, names.iter().copied()))
+    }
+
+    /// Refuses what a pair says that the rule or the species say.
+    fn pair_is_sound(
+        &self,
+        path: &str,
+        pair: &PairEntry,
+        row: &PairRow,
+        rule: Option<&CombiningOptions>,
+    ) -> Result<(), SceneError> {
+        let refuse =
+            |key: &str, message: &str| self.source.refuse(&format!("{path}.{key}"), message);
+        let written = [
+            ("sigma", pair.sigma),
+            ("epsilon", pair.epsilon),
+            ("k", pair.k),
+            ("l", pair.l),
+            ("r_cut", pair.r_cut),
+        ];
+        let written = || written.into_iter().filter_map(|(key, x)| Some((key, x?)));
+        let Some((first, value)) = written().next() else {
+            return Err(self
+                .source
+                .refuse(path, "says nothing")
+                .found(format!("{:?} and {:?} alone", row.a, row.b))
+                .allowed("at least one of sigma, epsilon, k, l, r_cut"));
+        };
+        if pair.species[0] == pair.species[1] && first != "r_cut" {
+            return Err(refuse(first, "is for two unlike species")
+                .found(format!("{value} for {:?} and {:?}", row.a, row.b))
+                .allowed(
+                    "`r_cut` alone; `[[species]]` has sigma and epsilon of its own particles",
+                ));
+        }
+        for (deviation, instead) in [("k", "epsilon"), ("l", "sigma")] {
+            let find = |key: &str| written().find(|(k, _)| *k == key);
+            let Some((_, x)) = find(deviation) else {
+                continue;
+            };
+            if let Some(rule) = rule.filter(|rule| !rule.deviates()) {
+                return Err(refuse(deviation, "does not go with the combining rule")
+                    .found(format!("{x} with rule = {:?}", rule.spec().name))
+                    .allowed("rule = \"lorentz-berthelot\", or sigma and epsilon of the pair"));
+            }
+            if let Some((_, other)) = find(instead) {
+                return Err(
+                    refuse(deviation, &format!("and `{instead}` are both given"))
+                        .found(format!("{deviation} = {x} and {instead} = {other}"))
+                        .allowed("one of them"),
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a scene without a rule that leaves out a pair of unlike species.
+    fn all_pairs_are_said(&self, mixture: &MixtureTables) -> Result<(), SceneError> {
+        let n = mixture.species.len();
+        for a in 0..n {
+            for b in a + 1..n {
+                if mixture.size(a, b).is_some() {
+                    continue;
+                }
+                let [one, other] = [a, b].map(|a| &mixture.species[a].name);
+                let entry = mixture
+                    .pairs
+                    .iter()
+                    .position(|p| p.species == [a, b] || p.species == [b, a]);
+                let key = entry.map_or("mixing.rule".to_owned(), |i| format!("pair.{i}"));
+                return Err(self
+                    .source
+                    .refuse(&key, "leaves a pair of species without σ or ε")
+                    .found(format!("no sigma and epsilon of {one:?} with {other:?}"))
+                    .allowed("a table `[[pair]]` with both for each pair of unlike species"));
+            }
+        }
+        Ok(())
+    }
+}
