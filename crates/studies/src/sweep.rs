@@ -2,6 +2,7 @@
 
 mod agreement;
 mod file;
+mod isotherms;
 mod page;
 mod points;
 mod ran;

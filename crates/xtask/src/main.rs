@@ -2,10 +2,12 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)] // a command-line tool speaks on both
 
 mod accuracy;
+mod book;
 mod counts;
 mod coverage;
 mod fuzz;
 mod python;
+mod sessions;
 mod soak;
 mod tidy;
 mod tiers;
@@ -37,6 +39,7 @@ Commands:
            that are there
   accuracy Tune scenes at eight states, and put each choice on trial: ten seeds against tight runs,
            and a grid of cheaper settings; --state NAME, --seconds S for a tuning, --share X of the runs
+  docs     Run the commands of README.md and of the tutorials, and build the book in target/book/site
   python   The Python package: make the virtual environment .venv from validation/requirements.txt, build the
            wheel, install it there, and run python/tests
   help     This text
@@ -97,6 +100,7 @@ fn main() -> ExitCode {
         ),
         "physics" => tiers::run_all(&workspace, &tiers::physics(), &[]),
         "tidy" => tiers::run_all(&workspace.with_tested_binary(), &tiers::tidy(), &[]),
+        "docs" => tiers::run_all(&workspace.with_tested_binary(), &tiers::docs(), &[]),
         "python" => tiers::run_all(&workspace.with_tested_binary(), &tiers::python(), &[]),
         _ => {
             eprintln!("unknown command: {}\n\n{HELP}", arguments.join(" "));

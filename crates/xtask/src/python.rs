@@ -1,4 +1,4 @@
-//! The virtual environment of the Python checks, and the package `lennard` in it.
+//! Virtual environments of the Python checks and of the book, and the package `lennard` in the first.
 
 use std::error::Error;
 use std::fs;
@@ -7,72 +7,89 @@ use std::path::PathBuf;
 use crate::workspace::{Workspace, cargo};
 
 const OLDEST: (u32, u32) = (3, 11);
-const REQUIREMENTS: &str = "validation/requirements.txt";
 /// Inside the environment: what it was made from, so that it is made anew when that changes.
 const STAMP: &str = "made-from.txt";
 
-/// The interpreter of the virtual environment.
-pub fn interpreter(workspace: &Workspace) -> PathBuf {
-    let folder = workspace.root.join(".venv");
-    if cfg!(windows) {
-        folder.join("Scripts").join("python.exe")
-    } else {
-        folder.join("bin").join("python")
-    }
+/// A virtual environment.
+pub struct Environment {
+    /// Its folder.
+    pub folder: PathBuf,
+    /// The file that pins what is in it, in the repository.
+    pub requirements: &'static str,
 }
 
-/// Makes `.venv` from the pinned requirements, or leaves it as it is where nothing changed.
-pub fn prepare(workspace: &Workspace) -> Result<(), Box<dyn Error>> {
-    let (system, version) = find(workspace)?;
-    let requirements = fs::read_to_string(workspace.root.join(REQUIREMENTS))
-        .map_err(|e| format!("{REQUIREMENTS}: {e}"))?;
-    let made_from = format!("Python {}.{}\n{requirements}", version.0, version.1);
-    let folder = workspace.root.join(".venv");
-    let stamp = folder.join(STAMP);
-    let python = interpreter(workspace);
-    if python.exists() && fs::read_to_string(&stamp).is_ok_and(|s| s == made_from) {
-        println!(".venv is up to date");
-        return Ok(());
-    }
-    println!(
-        "making .venv with Python {}.{} from {REQUIREMENTS}",
-        version.0, version.1
-    );
-    let status = workspace
-        .command(&system)
-        .args(["-m", "venv", "--clear", ".venv"])
-        .status()?;
-    if !status.success() {
-        return Err(format!(
-            "`{} -m venv` failed: Python's venv module is missing or broken (on Debian and Ubuntu: apt install python3-venv)",
-            system.display()
-        )
-        .into());
-    }
-    let pip = |arguments: &[&str]| -> Result<(), Box<dyn Error>> {
-        let status = workspace
-            .command(&python)
-            .args(["-m", "pip", "--disable-pip-version-check", "--quiet"])
-            .args(arguments)
-            .status()?;
-        if status.success() {
-            Ok(())
-        } else {
-            Err(format!("`pip {}` failed", arguments.join(" ")).into())
+impl Environment {
+    /// The environment of the validation.
+    pub fn validation(workspace: &Workspace) -> Self {
+        Self {
+            folder: workspace.root.join(".venv"),
+            requirements: "validation/requirements.txt",
         }
-    };
-    // Nothing but what the file pins; `check` then tells if a pin is missing.
-    pip(&["install", "--no-deps", "--requirement", REQUIREMENTS])?;
-    pip(&["check"])?;
-    fs::write(&stamp, made_from)?;
-    Ok(())
+    }
+
+    /// A program in it, such as `python`.
+    pub fn program(&self, name: &str) -> PathBuf {
+        let programs = if cfg!(windows) { "Scripts" } else { "bin" };
+        let file = format!("{name}{}", std::env::consts::EXE_SUFFIX);
+        self.folder.join(programs).join(file)
+    }
+
+    /// Makes it from the pinned requirements, or leaves it as it is where nothing changed.
+    pub fn prepare(&self, workspace: &Workspace) -> Result<(), Box<dyn Error>> {
+        let (system, version) = find(workspace)?;
+        let pinned = self.requirements;
+        let requirements = fs::read_to_string(workspace.root.join(pinned))
+            .map_err(|e| format!("{pinned}: {e}"))?;
+        let made_from = format!("Python {}.{}\n{requirements}", version.0, version.1);
+        let shown = self.folder.strip_prefix(&workspace.root);
+        let shown = shown.unwrap_or(&self.folder).display();
+        let stamp = self.folder.join(STAMP);
+        let python = self.program("python");
+        if python.exists() && fs::read_to_string(&stamp).is_ok_and(|s| s == made_from) {
+            println!("{shown} is up to date");
+            return Ok(());
+        }
+        println!(
+            "making {shown} with Python {}.{} from {pinned}",
+            version.0, version.1
+        );
+        let status = workspace
+            .command(&system)
+            .args(["-m", "venv", "--clear"])
+            .arg(&self.folder)
+            .status()?;
+        if !status.success() {
+            return Err(format!(
+                "`{} -m venv` failed: Python's venv module is missing or broken (on Debian and Ubuntu: apt install python3-venv)",
+                system.display()
+            )
+            .into());
+        }
+        let pip = |arguments: &[&str]| -> Result<(), Box<dyn Error>> {
+            let status = workspace
+                .command(&python)
+                .args(["-m", "pip", "--disable-pip-version-check", "--quiet"])
+                .args(arguments)
+                .status()?;
+            if status.success() {
+                Ok(())
+            } else {
+                Err(format!("`pip {}` failed", arguments.join(" ")).into())
+            }
+        };
+        // Nothing but what the file pins; `check` then tells if a pin is missing.
+        pip(&["install", "--no-deps", "--requirement", pinned])?;
+        pip(&["check"])?;
+        fs::write(&stamp, made_from)?;
+        Ok(())
+    }
 }
 
 /// Builds the wheel of the package and installs it into `.venv`, as a user would install one.
 ///
 /// The profile is the one of the tests: nothing but the extension itself is compiled for it.
 pub fn install_package(workspace: &Workspace) -> Result<(), Box<dyn Error>> {
-    let python = interpreter(workspace);
+    let python = Environment::validation(workspace).program("python");
     let folder = workspace.target.join("wheels");
     if folder.exists() {
         fs::remove_dir_all(&folder)?;

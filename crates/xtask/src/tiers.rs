@@ -6,8 +6,9 @@ use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::counts::{Counts, Format};
+use crate::python::Environment;
 use crate::workspace::{Workspace, cargo};
-use crate::{python, tidy};
+use crate::{book, python, sessions, tidy};
 
 type Outcome = Result<Counts, Box<dyn Error>>;
 
@@ -115,10 +116,22 @@ const TIDINESS: Tier = Tier {
         Ok(counts)
     },
 };
+const SESSIONS: Tier = Tier {
+    name: "documents",
+    run: sessions::run,
+};
+const BOOK: Tier = Tier {
+    name: "book",
+    run: |w| {
+        let pages = book::build(w)?;
+        println!("{pages} pages");
+        Ok(ONE_PASSED)
+    },
+};
 const PYTHON: Tier = Tier {
     name: "Python environment",
     run: |w| {
-        python::prepare(w)?;
+        Environment::validation(w).prepare(w)?;
         Ok(ONE_PASSED)
     },
 };
@@ -149,6 +162,8 @@ pub fn test() -> Vec<Tier> {
         SOAK,
         COVERAGE,
         TIDINESS,
+        SESSIONS,
+        BOOK,
         PYTHON,
         PACKAGE,
         VALIDATION,
@@ -168,6 +183,11 @@ pub fn physics() -> Vec<Tier> {
 /// What `cargo xtask tidy` runs, on a workspace [as tested](Workspace::with_tested_binary).
 pub fn tidy() -> Vec<Tier> {
     vec![TESTED_BUILD, TIDINESS]
+}
+
+/// What `cargo xtask docs` runs.
+pub fn docs() -> Vec<Tier> {
+    vec![TESTED_BUILD, SESSIONS, BOOK]
 }
 
 /// What `cargo xtask python` runs, on a workspace [as tested](Workspace::with_tested_binary).
@@ -193,7 +213,7 @@ fn cargo_command(workspace: &Workspace, arguments: &[&str]) -> Command {
 }
 
 fn pytest(workspace: &Workspace, folder: &str, marked: &str) -> Command {
-    let mut command = workspace.command(python::interpreter(workspace));
+    let mut command = workspace.command(Environment::validation(workspace).program("python"));
     command
         .args(["-m", "pytest", folder, "-m", marked])
         .env("LENNARD_BINARY", workspace.binary())

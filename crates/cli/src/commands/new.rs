@@ -81,8 +81,8 @@ fn unknown(like: &Path) -> Failure {
     )
 }
 
-/// The text of a shipped scene as the text of `file`: with the command that runs this file, and with the base of a sweep by
-/// its shipped name.
+/// The text of a shipped scene as the text of `file`, with the command that runs this file. The base of a sweep has its shipped
+/// name.
 fn copy_of(scene: &Shipped, file: &Path) -> String {
     let verb = if scene.is_sweep() { "sweep" } else { "run" };
     let old = format!("cargo run --release -- {verb} inputs/{}.toml", scene.name);

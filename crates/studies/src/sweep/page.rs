@@ -56,7 +56,7 @@ pub(super) fn csv(record: &SweepRecord) -> Table {
 }
 
 /// The page of a sweep.
-pub(super) fn page(record: &SweepRecord, command: &str) -> Page {
+pub(super) fn page(record: &SweepRecord, command: &str, isotherms: Option<Picture>) -> Page {
     let finished = record
         .points
         .iter()
@@ -82,7 +82,7 @@ pub(super) fn page(record: &SweepRecord, command: &str) -> Page {
         .into_iter()
         .filter_map(|(quantity, title, unit)| differences(record, quantity, title, unit));
     let points = Section::new("Points")
-        .figures(drawn.collect())
+        .figures(isotherms.into_iter().chain(drawn).collect())
         .table(point_table(record));
     let mut sections = vec![together, points];
     let remarks = remarks(record);

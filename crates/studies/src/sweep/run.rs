@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::ran::{Found, Ran};
 use super::side_by_side::run_all;
-use super::{Agreement, Point, Sweep, SweepError, agreement, page};
+use super::{Agreement, Point, Sweep, SweepError, agreement, isotherms, page};
 use crate::Progress;
 use crate::compare::{ComparedRun, Row, RunFolder, StateOfMatter, compare};
 use crate::kept::same_scene;
@@ -18,7 +18,7 @@ use crate::kept::same_scene;
 const SWEEP_SCHEMA: &str = "lennard-sweep/1";
 
 /// The files that a sweep writes in its folder: record, table and page.
-pub const FILES: [&str; 3] = ["sweep.json", "table.csv", "report.html"];
+pub const FILES: [&str; 4] = ["sweep.json", "table.csv", "report.html", "pressure.svg"];
 
 /// How to run a sweep.
 pub struct SweepOptions<'a> {
@@ -153,13 +153,17 @@ pub fn run(
         .collect(),
         points,
     };
-    let [json, table, report] = FILES.map(|name| options.folder.join(name));
+    let [json, table, report, figure] = FILES.map(|name| options.folder.join(name));
     if ending == Ending::NotBegun {
         return Ok(record);
     }
     lennard_io::write_json_atomically(&json, &record)?;
     lennard_io::write_table_csv(&table, &page::csv(&record))?;
-    let html = page::page(&record, &options.command).to_html()?;
+    let isotherms = isotherms::picture(sweep, &record);
+    if let Some(picture) = &isotherms {
+        lennard_io::write_text_atomically(&figure, &picture.to_svg()?)?;
+    }
+    let html = page::page(&record, &options.command, isotherms).to_html()?;
     lennard_io::write_text_atomically(&report, &html)?;
     Ok(record)
 }

@@ -11,18 +11,19 @@ type Commands = BTreeMap<String, Vec<String>>;
 
 /// Folders that runs and builds make.
 const MADE_LATER: [&str; 3] = ["runs", "target", ".venv"];
-const XTASK: [&str; 10] = [
-    "test", "check", "physics", "tidy", "soak", "fuzz", "coverage", "accuracy", "python", "help",
+const XTASK: [&str; 11] = [
+    "docs", "test", "check", "physics", "tidy", "soak", "fuzz", "coverage", "accuracy", "python",
+    "help",
 ];
-const CARGO: [&str; 9] = [
-    "run", "xtask", "test", "build", "bench", "fmt", "clippy", "doc", "install",
+const CARGO: [&str; 10] = [
+    "check", "run", "xtask", "test", "build", "bench", "fmt", "clippy", "doc", "install",
 ];
 
 /// Reads the documents and asks the built program what it knows.
 pub fn faults_in_documents(workspace: &Workspace) -> Result<Vec<String>, Box<dyn Error>> {
     let commands = commands(workspace)?;
     let mut found = Vec::new();
-    for name in workspace.tracked(&["README.md", "docs/*.md"])? {
+    for name in workspace.tracked(&["README.md", "CONTRIBUTING.md", "docs/*.md"])? {
         let path = workspace.root.join(&name);
         let text = std::fs::read_to_string(&path).map_err(|e| format!("{name}: {e}"))?;
         let folder = path.parent().unwrap_or(&workspace.root);
@@ -30,6 +31,12 @@ pub fn faults_in_documents(workspace: &Workspace) -> Result<Vec<String>, Box<dyn
         found.extend(faults.into_iter().map(|fault| format!("{name}, {fault}")));
     }
     Ok(found)
+}
+
+/// The names of the commands of `lennard`.
+pub fn lennard_commands(workspace: &Workspace) -> Result<Vec<String>, Box<dyn Error>> {
+    let names = commands(workspace)?.into_keys();
+    Ok(names.filter(|name| name != "help").collect())
 }
 
 /// The commands of `lennard`, from its own help.
