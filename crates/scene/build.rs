@@ -42,8 +42,10 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
         } else if name.ends_with(".toml") && !name.ends_with(".lock.toml") {
             println!("cargo::rerun-if-changed={}", path.display());
             let text = fs::read_to_string(&path).expect("a scene is text");
-            // A start configuration is a second file, which the program does not hold.
-            if !text.lines().any(|line| line.starts_with("configuration")) {
+            // A start configuration or a table is a second file, which the program does not hold.
+            let names_a_file =
+                |line: &str| line.starts_with("configuration") || line.starts_with("file = ");
+            if !text.lines().any(names_a_file) {
                 files.push(path);
             }
         }

@@ -110,7 +110,8 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
     let card = no_reference
         .is_none()
         .then(|| card::card(run, &state, model))
-        .flatten();
+        .flatten()
+        .filter(StateCard::has_a_result);
     ComparedRun {
         card,
         run: run.folder.display().to_string(),

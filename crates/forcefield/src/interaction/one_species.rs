@@ -29,6 +29,7 @@ pub struct OwnCutoff<L> {
 
 impl<F: PairForm> Interaction for OneSpecies<F> {
     const RARE: bool = F::RARE;
+    const SHARES_LOOPS_OF_PARTS: bool = F::RARE;
     const UNIT: f64 = F::UNIT;
     type Numbers<T: Number> = Cutoff;
     type Own<L: Lanes> = OwnCutoff<L>;

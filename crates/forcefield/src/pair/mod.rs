@@ -57,6 +57,9 @@ pub trait PairPotential: Copy + std::fmt::Debug + Send + Sync + 'static {
     /// The unit of energy of the formula, ε. A common factor of every pair becomes a factor of the sums, where it costs
     /// nothing.
     const UNIT: f64 = 1.0;
+    /// Whether runs bend the end of the potential (force shift, switch) so seldom that their loops have few instances of it,
+    /// which are slower.
+    const SELDOM_BENT: bool = false;
     /// Whether mixtures use the potential so seldom that their loops have few instances of it, which are slower.
     const RARE_IN_MIXTURES: bool = true;
     /// U, −U′/r and U″ at r² = `r2` σ², in [`PairPotential::UNIT`]; `inv_r2` is 1/r².

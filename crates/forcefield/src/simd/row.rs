@@ -43,7 +43,7 @@ static BY_HALVES: [f64; MOST_SPECIES] = {
     while species < MOST_SPECIES {
         let k = species as u64 % 4;
         let sign = (species as u64 / 4) << 63;
-        padding[species] = f64::from_bits(sign | NORMAL | (2 * k + 1) << 32 | 2 * k);
+        padding[species] = f64::from_bits(sign | NORMAL | ((2 * k + 1) << 32) | (2 * k));
         species += 1;
     }
     padding
@@ -68,7 +68,7 @@ impl DoubleRow {
     #[inline(always)]
     pub fn species_by_halves(&self) -> usize {
         let bits = self.0[3].to_bits();
-        (bits as usize / 2 % 4) | (bits >> 63) as usize * 4
+        (bits as usize / 2 % 4) | ((bits >> 63) as usize * 4)
     }
 }
 

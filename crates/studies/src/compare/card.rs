@@ -26,6 +26,14 @@ pub struct StateCard {
     pub sentence: String,
 }
 
+impl StateCard {
+    /// Whether any property has a result: a run that was not in equilibrium has none.
+    pub(super) fn has_a_result(&self) -> bool {
+        let results = |row: &CardRow| row.standing != Standing::NoResult;
+        self.rows.iter().any(results)
+    }
+}
+
 /// An equation on a card.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CardEquation {

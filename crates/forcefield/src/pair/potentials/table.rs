@@ -179,6 +179,8 @@ impl Formula {
 }
 
 impl PairPotential for Formula {
+    const SELDOM_BENT: bool = true;
+
     #[inline(always)]
     fn eval<R: Real>(&self, r2: R, _inv_r2: R) -> Pair<R> {
         let (d, [u, g0, g1, g2]) = r2.look_up(self.table.rows());

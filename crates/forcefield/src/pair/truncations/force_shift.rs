@@ -55,6 +55,7 @@ impl<P: PairPotential> ForceShift<P> {
 }
 
 impl<P: PairPotential> PairForm for ForceShift<P> {
+    const RARE: bool = P::SELDOM_BENT;
     const UNIT: f64 = P::UNIT;
     #[inline(always)]
     fn constants(&self) -> Constants<f64> {

@@ -59,6 +59,7 @@ pub struct Switch<P> {
 }
 
 impl<P: PairPotential> PairForm for Switch<P> {
+    const RARE: bool = P::SELDOM_BENT;
     const UNIT: f64 = P::UNIT;
     #[inline(always)]
     fn constants(&self) -> Constants<f64> {

@@ -45,6 +45,7 @@ pub struct Xplor<P> {
 }
 
 impl<P: PairPotential> PairForm for Xplor<P> {
+    const RARE: bool = true;
     const UNIT: f64 = P::UNIT;
     #[inline(always)]
     fn constants(&self) -> Constants<f64> {
