@@ -1,6 +1,6 @@
 //! What must hold between tables.
 
-use lennard_core::{DVec3, PeriodicBox, Species, SpeciesTable};
+use lennard_core::{DVec3, PeriodicBox};
 
 use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
@@ -196,7 +196,8 @@ fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneErr
     let measured = scene.stages.iter().find(|stage| stage.measure);
     let dt = measured.map_or(scene.integrator.dt, |stage| scene.stage_dt(stage));
     let counts = scene.counts(n_atoms)?;
-    let mixture = scene.mixture_of(&scene.species_in_order(&counts));
+    let species = scene.species_in_order(&counts);
+    let mixture = scene.mixture_of(&species);
     let conditions = lennard_forcefield::Conditions {
         cell,
         n_atoms,
@@ -219,7 +220,7 @@ fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneErr
             every: table.every,
             r_cut: scene.longest_cutoff(),
             molecules: scene.molecules(),
-            species: SpeciesTable::one(Species::unnamed(), n_atoms),
+            species: species.clone(),
         };
         lennard_observables::build(&table.options, &context).map_err(|e| {
             scene
