@@ -210,8 +210,8 @@ fn from_configuration(
             pair.distance
         );
         let allowed = format!(
-            "no pair nearer than {:.4} σ",
-            SMALLEST_START_DISTANCE * pair.sigma
+            "no pair nearer than {} σ",
+            (SMALLEST_START_DISTANCE * pair.sigma * 1e4).round() / 1e4
         );
         return Err(scene
             .source

@@ -30,8 +30,16 @@ const EXPLAINED: &[(&str, &str)] = &[
         "options of the table hold the truncation, and its check needs the potential's own end",
     ),
     (
+        "forcefield/pair/tabulated",
+        "the knots of a file make the spline, and the check of the file takes the error that the spline states",
+    ),
+    (
         "forcefield/walls",
         "a file of a wall implements the trait that the list dispatches to",
+    ),
+    (
+        "literature/model",
+        "the list has the virial series, which stands beside the critical point of another entry",
     ),
     (
         "scene/accuracy",

@@ -29,6 +29,10 @@ const EXPLAINED: &[(&str, &str)] = &[
         "thermodynamics is in every run, and the MSD takes a viscosity of the literature",
     ),
     (
+        "crates/engine/src/curvature.rs",
+        "r²u″ follows from u and −ru′ where the truncation leaves the potential as it is up to r_cut",
+    ),
+    (
         "crates/scene/src/scene.rs",
         "the bit-reversible method needs canonical forces",
     ),
