@@ -142,3 +142,41 @@ fn what_an_equation_does_not_give_is_refused_by_name() {
         assert!(said.contains(words), "{arguments:?}: {said}");
     }
 }
+
+#[test]
+fn what_is_typed_wrongly_says_what_is_wanted() {
+    for (arguments, words) in [
+        (
+            &["-d", "x", "-T", "1"][..],
+            "`x` is no finite number; wanted a number",
+        ),
+        (
+            &["-d", "0:1:1e-9", "-T", "1"],
+            "the range has 1000000000 steps; at most 10000 are taken",
+        ),
+        (
+            &["thol-2016", "--saturation", "-T", "5"],
+            "nothing coexists there: thol-2016 has vapor and liquid",
+        ),
+        (
+            &["-d", "0.5", "-T", "1", "--exponents", "12"],
+            "a Mie potential has two exponents: --exponents 14,6",
+        ),
+        (
+            &["lisal-2004", "-d", "0.5", "-T", "2", "--bond", "5"],
+            "lisal-2004 is for bonds from",
+        ),
+    ] {
+        let said = refused(arguments);
+        assert!(said.contains(words), "{arguments:?}: {said}");
+    }
+    assert!(
+        refused(&["lisal-2004", "-d", "0.5", "-T", "2", "--bond", "5"])
+            .contains("σ, found --bond 5")
+    );
+    let twelve = refused(&["-d", "0.5", "-T", "1", "--exponents", "12"]);
+    assert!(
+        twelve.starts_with("error: evaluating an equation of state"),
+        "{twelve}"
+    );
+}

@@ -67,7 +67,9 @@ impl Wall for Hard {
             Some(e) if self.response == Response::Project && e > 0.0 => Err(OptionError {
                 key: "restitution",
                 found: format!("{e} with response = \"project\""),
-                allowed: "0, or nothing: a projection keeps no speed; \"billiard\" takes any restitution".to_owned(),
+                allowed:
+                    "0, or nothing: a projection keeps no speed; \"billiard\" takes any restitution"
+                        .to_owned(),
             }),
             _ => Ok(()),
         }

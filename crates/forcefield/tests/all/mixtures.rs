@@ -196,12 +196,15 @@ fn what_cannot_be_is_refused() {
     };
     for species in [0, lennard_core::MOST_SPECIES + 1] {
         let (key, text) = message(Mixture::new(species, unit, of(1)));
-        assert!(key == "species" && text.contains("1 to 8"), "{text}");
+        assert!(
+            key == "species" && text.contains("a mixture has 1 to 8 species, found"),
+            "{text}"
+        );
     }
     assert!(
         message(Mixture::new(2, unit, of(3)))
             .1
-            .contains("particle 2")
+            .contains("particle 2 has species 2, and there are 2")
     );
     let bad = [
         ("sigma", f64::NAN, 1.0, 2.5),
@@ -220,7 +223,8 @@ fn what_cannot_be_is_refused() {
         };
         let found = message(Mixture::new(2, pair, of(2)));
         assert_eq!(found.0, format!("pair.{key}"));
-        assert!(found.1.contains("0 and 1"), "{found:?}");
+        let words = format!("`{key}` of the pair of species 0 and 1 cannot be");
+        assert!(found.1.contains(&words), "{found:?}");
     }
     let cell = PeriodicBox::new(DVec3::splat(8.0)).unwrap();
     let mixture = |sigma: f64, r_cut| {
@@ -247,10 +251,13 @@ fn what_cannot_be_is_refused() {
         refused(&base, &mixture(1.1, 4.5), 10).key(),
         "truncation.r_cut"
     );
+    let other = refused(&base, &mixture(1.1, 2.5), 11);
+    assert_eq!(other.key(), "system.n_atoms");
     assert_eq!(
-        refused(&base, &mixture(1.1, 2.5), 11).key(),
-        "system.n_atoms"
+        other.to_string(),
+        "the mixture has 10 particles, and the system has 11"
     );
-    let inside = refused(&wca, &mixture(3.0, 2.5), 10);
-    assert!(inside.to_string().contains("0 and 1"), "{inside}");
+    let inside = refused(&wca, &mixture(3.0, 2.5), 10).to_string();
+    let words = "the pair of species 0 and 1, in units of its own σ and ε:";
+    assert!(inside.contains(words), "{inside}");
 }

@@ -90,6 +90,14 @@ fn molecular(method: &str) -> Scene {
     parse(&format!("{text}\n{tables}")).unwrap_or_else(|e| panic!("{e}"))
 }
 
+fn mixed(rule: &str) -> Scene {
+    let species = |name: &str| format!("[[species]]\nname = \"{name}\"\nfraction = 0.5\n");
+    let pair = "[[pair]]\na = \"A\"\nb = \"B\"\nsigma = 1.1\nepsilon = 0.9\n";
+    let (a, b) = (species("A"), species("B"));
+    let text = format!("{SMALL}\n{a}{b}[mixing]\nrule = \"{rule}\"\n{pair}");
+    parse(&text).unwrap_or_else(|e| panic!("{e}"))
+}
+
 /// The kinds that a table may have, from the code's own list.
 fn kinds(table: &str) -> Vec<&'static str> {
     let doc = |doc: &&reference::KeyDoc| doc.table == table && doc.key == "kind";
@@ -397,6 +405,7 @@ fn the_reference_states_the_defaults_that_the_code_takes() {
         };
         // The first stage of the small scene states its thermostat; the others their defaults.
         let scene = match (doc.method, doc.table, doc.key) {
+            (Some(rule), "mixing", _) => mixed(rule),
             (Some(kind), table, _) => with_method(table, kind),
             (None, "wall", _) => with_method("wall", "wca"),
             // A field of zero is none.
@@ -408,6 +417,9 @@ fn the_reference_states_the_defaults_that_the_code_takes() {
                 continue;
             }
             (None, "molecule" | "bonds", _) => molecular("direct"),
+            (None, "species" | "pair" | "mixing", _) | (None, "truncation", "r_cut_in") => {
+                mixed("geometric")
+            }
             _ => parse(SMALL).unwrap(),
         };
         let taken = value_in(&scene, doc.table, doc.key);

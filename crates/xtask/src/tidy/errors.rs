@@ -33,6 +33,22 @@ const NOT_FOR_USERS: &[&str] = &["crates/xtask", "crates/literature/examples"];
 /// Texts that no user can meet, each with the reason.
 const EXCEPTIONS: &[(&str, &str)] = &[
     (
+        "species of the particles",
+        "the writer gets the species of the state that it writes, which no input can make unlike",
+    ),
+    (
+        "one for every particle",
+        "the other half of the same refusal",
+    ),
+    (
+        "the calculator takes one species of particles",
+        "the calculator writes its scene itself, with one species",
+    ),
+    (
+        "it is no regular file of at most 256 MiB",
+        "a scene with a folder or a device for a table is refused when its path is resolved",
+    ),
+    (
         "an earlier run of this simulation ended in a bug of the program",
         "a simulation in Python after a panic, which no input causes",
     ),

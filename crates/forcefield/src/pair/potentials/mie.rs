@@ -132,10 +132,7 @@ mod tests {
         let lennard_jones = LennardJones {};
         for r in [0.9_f64, 1.0, 1.122_462, 1.7, 2.5] {
             let (r2, inv_r2) = (r * r, (r * r).recip());
-            let (a, b) = (
-                mie(12, 6).eval(r2, inv_r2),
-                lennard_jones.eval(r2, inv_r2),
-            );
+            let (a, b) = (mie(12, 6).eval(r2, inv_r2), lennard_jones.eval(r2, inv_r2));
             let unit = LennardJones::UNIT;
             for (a, b) in [
                 (a.energy, b.energy),

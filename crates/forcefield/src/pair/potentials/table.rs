@@ -74,8 +74,9 @@ impl Table {
             None => Err(OptionError {
                 key: "file",
                 found: format!("U ~ r^-{found:.3} at the end of the table, and no `tail_exponent`"),
-                allowed: "`tail_exponent` in [potential], or tail_correction = false in [truncation]"
-                    .to_owned(),
+                allowed:
+                    "`tail_exponent` in [potential], or tail_correction = false in [truncation]"
+                        .to_owned(),
             }),
         }
     }
@@ -173,7 +174,9 @@ impl Formula {
 
     /// By how much ∫ r² U dr beyond the table changes from the exponent of the options to the exponent at the end of the table.
     fn tail_error(&self) -> f64 {
-        let written = self.tail_exponent.map_or(0.0, |p| self.beyond(f64::from(p)));
+        let written = self
+            .tail_exponent
+            .map_or(0.0, |p| self.beyond(f64::from(p)));
         (written - self.beyond(self.table.exponent_at_end())).abs()
     }
 }
@@ -187,10 +190,7 @@ impl PairPotential for Formula {
         let number = |value: f64| r2.splat(value);
         let force = d.mul_add(d.mul_add(g2, g1), g0);
         // U is the integral of −½·force over d; U″ = 2·dU/ds + 4s·d²U/ds².
-        let integral = d.mul_add(
-            d.mul_add(g2 * number(1.0 / 3.0), g1 * number(0.5)),
-            g0,
-        );
+        let integral = d.mul_add(d.mul_add(g2 * number(1.0 / 3.0), g1 * number(0.5)), g0);
         let change = d.mul_add(g2 + g2, g1);
         Pair {
             energy: (d * number(-0.5)).mul_add(integral, u),
@@ -200,7 +200,9 @@ impl PairPotential for Formula {
     }
 
     fn tail_energy(&self, r_cut: f64) -> f64 {
-        let beyond = self.tail_exponent.map_or(0.0, |p| self.beyond(f64::from(p)));
+        let beyond = self
+            .tail_exponent
+            .map_or(0.0, |p| self.beyond(f64::from(p)));
         self.table.integral(r_cut) + beyond
     }
 
