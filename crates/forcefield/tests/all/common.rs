@@ -87,7 +87,7 @@ pub fn mixture(species: usize, r_cut: f64, n: usize) -> Mixture {
         SpeciesPair {
             sigma: 1.0 - 0.06 * a - 0.05 * b,
             epsilon: 1.0 + 0.3 * a - 0.1 * b,
-            r_cut: r_cut * (1.0 - 0.03 * a - 0.04 * b),
+            r_cut: r_cut * (1.0 - 0.06 * a - 0.04 * b),
         }
     };
     Mixture::new(species, pair, species_of(species, n)).unwrap()
