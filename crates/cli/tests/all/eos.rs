@@ -151,12 +151,12 @@ fn what_is_typed_wrongly_says_what_is_wanted() {
             "`x` is no finite number; wanted a number",
         ),
         (
-            &["-d", "0:1:1e-9", "-T", "1"],
-            "the range has 1000000000 steps; at most 10000 are taken",
+            &["-d", "0:1000000:1", "-T", "1"],
+            "the range has 1000000 steps; at most 10000 are taken",
         ),
         (
             &["thol-2016", "--saturation", "-T", "5"],
-            "nothing coexists there: thol-2016 has vapor and liquid",
+            "nothing coexists there: Thol 2016 has vapor and liquid",
         ),
         (
             &["-d", "0.5", "-T", "1", "--exponents", "12"],
