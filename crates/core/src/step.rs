@@ -11,7 +11,7 @@ use crate::{
 
 /// A step of a method: what its kicks, drifts and force evaluations act on.
 ///
-/// Fractions are those of the step h. A kick waits for the drift that may follow, so that both take one pass over memory.
+/// Fractions are parts of the step h. A kick waits for the drift that may follow, so that both take one pass over memory.
 pub struct Step<'a> {
     system: &'a System,
     state: &'a mut State,

@@ -128,7 +128,7 @@ fn pohl_lennard_jones() -> &'static dyn EquationOfState {
     pohl_2023(Mie::LENNARD_JONES.repulsive).expect("12 lies within 11 and 13")
 }
 
-/// Whether exponents of a Mie potential are those of Lennard-Jones.
+/// Whether the exponents of a Mie potential are 12 and 6.
 pub(crate) fn is_lennard_jones(repulsive: f64, attractive: f64) -> bool {
     let lj = Mie::LENNARD_JONES;
     repulsive == lj.repulsive && attractive == lj.attractive

@@ -79,7 +79,7 @@ impl Correlator {
     /// Takes one sample, one value for each channel.
     ///
     /// # Panics
-    /// Where their number is not that of the channels: that is a bug of the caller.
+    /// Where their number is not the number of channels: that is a bug of the caller.
     pub fn push(&mut self, sample: &[f64]) {
         assert_eq!(sample.len(), self.channels, "one value for each channel");
         self.products.begin_sample();

@@ -54,7 +54,7 @@ impl PairLaw {
 /// The truncated potentials of all pairs of species.
 #[derive(Clone, Debug)]
 pub struct Laws {
-    /// The formula; its constants are those of the first pair.
+    /// The formula, with the constants of the first pair.
     pub form: Form,
     /// The largest cutoff, σ.
     pub r_cut: f64,

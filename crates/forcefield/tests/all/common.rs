@@ -80,7 +80,7 @@ pub fn species_of(species: usize, n: usize) -> Vec<u8> {
     (0..n).map(|i| (i % species) as u8).collect()
 }
 
-/// A mixture in which each pair of species has σ, ε and a cutoff of its own, near those of the unit pair.
+/// A mixture in which each pair of species has σ, ε and a cutoff of its own, near σ = ε = 1.
 pub fn mixture(species: usize, r_cut: f64, n: usize) -> Mixture {
     let pair = |a: usize, b: usize| {
         let (a, b) = (a as f64, b as f64);

@@ -87,7 +87,7 @@ fn truncations_are_as_smooth_at_the_cutoff_as_they_claim() {
             }
             (_, TruncationKind::Switch) => {
                 assert!(end.energy.abs() < 1e-16 && end.force == 0.0 && end.curvature == 0.0);
-                // Where the switch begins, everything is still that of the plain potential.
+                // Where the switch begins, everything still has the values of the plain potential.
                 let begin = model.eval(4.0_f64);
                 let same = plain.eval(4.0_f64);
                 assert!((begin.energy - same.energy).abs() < 1e-16);

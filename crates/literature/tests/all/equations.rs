@@ -205,7 +205,7 @@ fn derivatives_are_those_of_finite_differences() {
                     -t * t * at_t(|s| s.residual_helmholtz),
                 ),
             ] {
-                // A few thousand times ε^{2/3}: third derivatives of the equations reach that, those of Johnson most.
+                // A few thousand times ε^{2/3}: third derivatives of the equations reach that, Johnson's most.
                 let bound = 3000.0 * f64::EPSILON.powf(2.0 / 3.0) * expected.abs().max(1.0);
                 assert!(
                     (found - expected).abs() < bound,

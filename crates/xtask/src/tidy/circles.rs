@@ -30,7 +30,7 @@ const EXPLAINED: &[(&str, &str)] = &[
         "options of the table hold the truncation, and its check needs the potential's own end",
     ),
     (
-        "forcefield/pair/tabulated",
+        "forcefield/pair/tabulated/spline",
         "the knots of a file make the spline, and the check of the file takes the error that the spline states",
     ),
     (
@@ -40,6 +40,18 @@ const EXPLAINED: &[(&str, &str)] = &[
     (
         "literature/model",
         "the list has the virial series, which stands beside the critical point of another entry",
+    ),
+    (
+        "observables/rdf",
+        "the part for pairs of species counts, and is written, with the observable that it belongs to",
+    ),
+    (
+        "observables/structure_factor",
+        "the part for pairs of species is written with the observable that it belongs to",
+    ),
+    (
+        "observables/thermodynamics",
+        "the temperature of each species is a part of the observable that it belongs to",
     ),
     (
         "scene/accuracy",

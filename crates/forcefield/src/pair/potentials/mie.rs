@@ -11,7 +11,7 @@ lennard_core::options! {
     /// G. Mie, "Zur kinetischen Theorie der einatomigen Körper", Ann. Phys. 316 (1903) 657.
     #[derive(Copy)]
     pub struct Mie {
-        /// The exponent n of the repulsion, above that of the attraction.
+        /// The exponent n of the repulsion, above the exponent of the attraction.
         repulsive: u32 = 14, Whole(SMALLEST_EXPONENT + 1, LARGEST_EXPONENT);
         /// The exponent m of the attraction.
         attractive: u32 = 6, Whole(SMALLEST_EXPONENT, LARGEST_EXPONENT - 1);
