@@ -70,7 +70,7 @@ impl Recipe for RdfOptions {
 /// molecules, and N − 1 is the number of sites of the others. The error of each bin comes from
 /// the scatter over successive blocks of the run.
 ///
-/// In a mixture, g_ab is the same for the pairs of species a and b ([`Partial`]).
+/// In a mixture, g_ab is the same for the pairs of species a and b.
 ///
 /// The coordination number is n(r) at the first minimum of g after its first peak. Both are extrema of cubics fitted
 /// around them, and their errors come from a jackknife over blocks of the run in which the extrema move along.

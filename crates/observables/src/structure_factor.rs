@@ -79,7 +79,7 @@ impl Recipe for StructureFactorOptions {
 ///
 /// In each shell of wave numbers, evenly spread directions are rounded to wave vectors that fit the box;
 /// the shells of a small box hold few different ones, some none. Each shell is told at the mean wave number
-/// of its vectors. For an ideal gas S = 1 at every k. A mixture also has the factors of its species ([`Partial`]).
+/// of its vectors. For an ideal gas S = 1 at every k. A mixture also has the factors of its species.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureFactor {
     seen: SeenBox,

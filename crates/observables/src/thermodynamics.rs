@@ -81,7 +81,7 @@ impl Recipe for ThermodynamicsOptions {
 /// - **Configurational temperature** T_conf = ⟨|∇U|²⟩/⟨∇²U⟩. A force that jumps at the cutoff adds a
 ///   delta function to ∇²U that no pair loop can see; its mean, −4πρ r_cut² U′(r_cut) per particle for
 ///   g(r_cut) = 1, is added where [`Thermodynamics::set_force_jump`] has told the jump.
-/// - **Temperature of each species** of a mixture ([`SpeciesTemperatures`]).
+/// - **Temperature of each species** of a mixture.
 ///
 /// All averages share one equilibration cut ([`Thermodynamics::equilibrium`]), so that they speak of the same samples.
 #[derive(Debug, Clone, PartialEq)]

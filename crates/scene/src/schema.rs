@@ -48,9 +48,10 @@ fn object_of(table: &str) -> Value {
             .entry(doc.key)
             .or_insert_with(|| property(table, &same));
     }
+    // A key of one method is not needed by the others.
     let needed: Vec<&str> = keys
         .iter()
-        .filter(|doc| doc.default == "needed" && !has_alternative(doc))
+        .filter(|doc| doc.method.is_none() && doc.default == "needed" && !has_alternative(doc))
         .map(|doc| doc.key)
         .collect();
     let mut object = json!({
