@@ -41,18 +41,12 @@ const EXPLAINED: &[(&str, &str)] = &[
         "literature/model",
         "the list has the virial series, which stands beside the critical point of another entry",
     ),
-    (
-        "observables/rdf",
-        "the part for pairs of species counts, and is written, with the observable that it belongs to",
-    ),
+    ("observables/rdf", "its part for pairs of species"),
     (
         "observables/structure_factor",
-        "the part for pairs of species is written with the observable that it belongs to",
+        "its part for pairs of species",
     ),
-    (
-        "observables/thermodynamics",
-        "the temperature of each species is a part of the observable that it belongs to",
-    ),
+    ("observables/thermodynamics", "its part for each species"),
     (
         "scene/accuracy",
         "an accuracy is read from, written into and checked with the scene that it belongs to",
