@@ -78,7 +78,7 @@ impl Mie {
     ///
     /// which is −(1/3)∫∫ f₁₂ f₁₃ f₂₃ in bipolar coordinates. Derivatives have ∂f/∂β = −u e^{−βu} in the place of one
     /// f. The integrands are even in r and s, so that sums over equal steps converge faster than any power of the step.
-    /// What lies beyond [`ThirdVirial::REACH`] is below 10⁻⁷ of the sum.
+    /// What lies beyond the reach of the integral is below 10⁻⁷ of the sum.
     #[must_use]
     pub fn third_virial(self, beta: f64) -> Jet {
         ThirdVirial::at(self, beta)
