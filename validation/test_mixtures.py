@@ -173,7 +173,6 @@ def reference() -> list[dict]:
 def test_kob_andersen_has_the_energy_and_pressure_of_other_programs(temperature, tmp_path):
     scene = lv.commands.ROOT / "inputs/mixture/kob-andersen.toml"
     settings = {
-        "system.n_atoms": 1372,
         "system.temperature": temperature,
         "stage.equilibrate.steps": 10_000,
         "stage.production.steps": 60_000,

@@ -27,12 +27,7 @@ pub(crate) fn of_force(scene: &Scene, species: &SpeciesTable) -> Result<f64, Eng
     let mut sum = 0.0;
     for [a, b] in scene.species_pairs() {
         let pair = scene.species_pair(a, b);
-        let r_cut = pair.r_cut / pair.sigma;
-        let in_own_units = TruncationOptions {
-            r_cut,
-            switch_from: own.switch_from.map(|from| from / own.r_cut * r_cut),
-            ..*own
-        };
+        let in_own_units = own.at_cutoff(pair.r_cut / pair.sigma);
         let order = if a == b { 1.0 } else { 2.0 };
         let share = order * species.fraction(a) * species.fraction(b);
         let slope = slope(&in_own_units)? * pair.epsilon / pair.sigma;

@@ -93,6 +93,20 @@ impl TruncationOptions {
         }
     }
 
+    /// The same truncation at another cutoff, σ; a switch keeps its share of it.
+    #[must_use]
+    pub fn at_cutoff(&self, r_cut: f64) -> Self {
+        if r_cut == self.r_cut {
+            return *self;
+        }
+        let share = |from: f64| from / self.r_cut * r_cut;
+        Self {
+            r_cut,
+            switch_from: self.switch_from.map(share),
+            ..*self
+        }
+    }
+
     /// A length of the truncation in words: `2.5 σ`, or `2.5 σ_ab`.
     pub(crate) fn length_in_words(&self, length: f64) -> String {
         let unit = match self.r_cut_in {

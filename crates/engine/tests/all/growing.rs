@@ -11,6 +11,8 @@ use lennard_engine::{
 use lennard_io::StartConfiguration;
 use lennard_scene::Scene;
 
+use crate::common;
+
 const SYSTEM: &str = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.1\nseed = 5\n\
                       [truncation]\nr_cut = 2.2\n[output]\nthermo_every = 5\n";
 const MELT: &str =
@@ -18,7 +20,7 @@ const MELT: &str =
 const MEASURE: &str = "[[stage]]\nname = \"measure\"\nsteps = 80\n";
 
 fn scene(text: &str) -> Scene {
-    Scene::parse(text, "scene", &[]).unwrap_or_else(|e| panic!("{e}"))
+    common::scene(text, &[])
 }
 
 fn run(simulation: &mut Simulation, recording: &mut Recording, until: Option<u64>) -> Ending {

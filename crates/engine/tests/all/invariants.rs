@@ -3,9 +3,10 @@
 use lennard_core::{DVec3, Persist, StateArchive, Want};
 use lennard_engine::{
     Action, EngineError, Follower, Operation, Schedule, Simulation, StopAt, Trigger, Unfollowed,
-    Verdict, begin, prepare, prepare_from,
+    Verdict, begin, prepare_from,
 };
-use lennard_scene::Scene;
+
+use crate::common::{self, bits, on_threads, prepared};
 
 /// A liquid near its triple point, 256 particles, one measured stage.
 const LIQUID: &str = r#"
@@ -28,16 +29,8 @@ const LIQUID: &str = r#"
     thermo_every = 10
 "#;
 
-fn scene(overrides: &[(&str, &str)]) -> Scene {
-    let overrides: Vec<_> = overrides
-        .iter()
-        .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
-        .collect();
-    Scene::parse(LIQUID, "liquid.toml", &overrides).unwrap_or_else(|e| panic!("{e}"))
-}
-
 fn build(overrides: &[(&str, &str)]) -> Simulation {
-    prepare(scene(overrides)).unwrap_or_else(|e| panic!("{e}"))
+    prepared(common::scene(LIQUID, overrides))
 }
 
 /// Everything that later steps depend on, to the bit.
@@ -58,21 +51,6 @@ fn differing(a: &Simulation, b: &Simulation) -> Vec<String> {
         .filter(|name| *name != "forces/seconds" && text(&a, name) != text(&b, name))
         .cloned()
         .collect()
-}
-
-/// Positions, velocities and forces as bits.
-fn bits(simulation: &Simulation) -> Vec<[u64; 3]> {
-    let s = &simulation.state;
-    let all = s.positions.iter().chain(&s.velocities).chain(&s.forces);
-    all.map(|v| v.to_array().map(f64::to_bits)).collect()
-}
-
-fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .unwrap()
-        .install(work)
 }
 
 #[test]
@@ -149,9 +127,7 @@ fn every_method_goes_on_from_a_saved_state_to_the_bit() {
         let method = entry.spec.name;
         // These two move the oscillator alone: a scene that names one is refused.
         if ["analytic", "spook"].contains(&method) {
-            assert!(
-                Scene::parse(LIQUID, "l", &[("integrator.kind".into(), method.into())]).is_err()
-            );
+            assert!(common::parse(LIQUID, &[("integrator.kind", method)]).is_err());
             continue;
         }
         // Small enough for explicit Euler, whose energy grows at any step.
@@ -467,10 +443,13 @@ fn a_hundred_thousand_bit_reversible_steps_of_864_particles_lead_back_to_the_las
 fn particles_nearly_on_top_of_each_other_are_relaxed_in_any_precision() {
     for precision in ["double", "mixed"] {
         for apart in [3e-3, 1e-5] {
-            let scene = scene(&[
-                ("system.lattice", "random"),
-                ("kernel.precision", precision),
-            ]);
+            let scene = common::scene(
+                LIQUID,
+                &[
+                    ("system.lattice", "random"),
+                    ("kernel.precision", precision),
+                ],
+            );
             let mut beginning = begin(&scene).unwrap_or_else(|e| panic!("{e}"));
             beginning.positions[1] = beginning.positions[0] + DVec3::new(0.0, apart, 0.0);
             let simulation = prepare_from(scene, beginning)

@@ -10,6 +10,8 @@ use lennard_forcefield::{
 };
 use lennard_scene::Scene;
 
+use crate::common;
+
 fn conditions() -> Conditions<'static> {
     Conditions {
         cell: PeriodicBox::new(DVec3::splat(10.0)).unwrap(),
@@ -189,7 +191,7 @@ fn scene(system: &str, more: &str) -> Scene {
     let text = format!(
         "[system]\n{system}\ntemperature = 1.0\n{more}\n[[stage]]\nname = \"a\"\nsteps = 10\n"
     );
-    Scene::parse(&text, "scene.toml", &[]).unwrap_or_else(|e| panic!("{e}"))
+    common::scene(&text, &[])
 }
 
 fn refused(scene: Scene) -> String {

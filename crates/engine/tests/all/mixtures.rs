@@ -7,6 +7,8 @@ use lennard_engine::{
 use lennard_io::{Frame, FrameStyle};
 use lennard_scene::Scene;
 
+use crate::common::{self, bits, on_threads, ran};
+
 /// A liquid of two species of unlike sizes, depths and masses.
 const MIXTURE: &str = r#"
     [system]
@@ -39,31 +41,8 @@ const MIXTURE: &str = r#"
     thermo_every = 10
 "#;
 
-fn scene_of(text: &str, overrides: &[(&str, &str)]) -> Scene {
-    let overrides: Vec<_> = overrides
-        .iter()
-        .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
-        .collect();
-    Scene::parse(text, "mixture.toml", &overrides).unwrap_or_else(|e| panic!("{e}"))
-}
-
 fn scene(overrides: &[(&str, &str)]) -> Scene {
-    scene_of(MIXTURE, overrides)
-}
-
-fn ran(scene: Scene) -> Simulation {
-    let mut simulation = prepare(scene).unwrap_or_else(|e| panic!("{e}"));
-    simulation
-        .run(&mut Unfollowed)
-        .unwrap_or_else(|e| panic!("{e}"));
-    simulation
-}
-
-/// Positions, velocities and forces as bits.
-fn bits(simulation: &Simulation) -> Vec<[u64; 3]> {
-    let s = &simulation.state;
-    let all = s.positions.iter().chain(&s.velocities).chain(&s.forces);
-    all.map(|v| v.to_array().map(f64::to_bits)).collect()
+    common::scene(MIXTURE, overrides)
 }
 
 #[test]
@@ -84,7 +63,7 @@ fn species_alike_in_all_but_name_have_the_bits_of_one() {
         let both = ran(scene(&[&common[..], &named(two)].concat()));
         let plain = MIXTURE.split("[[species]]").next().unwrap().to_owned()
             + "[integrator]\ndt = 0.003\n[[stage]]\nname = \"production\"\nsteps = 1000\n[output]\nthermo_every = 10\n";
-        let plain = ran(scene_of(&plain, &common));
+        let plain = ran(common::scene(&plain, &common));
         assert!(bits(&both) == bits(&plain), "{kind}");
         assert!(bits(&alone) == bits(&plain), "{kind}");
         assert_eq!(both.system.species().counts(), [102, 154]);
@@ -214,8 +193,7 @@ fn barostats_conserve_energy_with_the_tails_of_all_pairs() {
 #[test]
 fn the_bits_are_the_same_for_any_number_of_threads() {
     let run = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.unwrap().install(|| {
+        on_threads(threads, || {
             let steps = [("system.n_atoms", "500"), ("stage.0.steps", "100")];
             bits(&ran(scene(&steps)))
         })
@@ -264,7 +242,7 @@ fn a_file_of_a_mixture_gives_the_same_energy_and_the_same_species() {
         .replace("density = 0.9", "")
         .replace("fraction = 0.7", "")
         .replace("fraction = 0.3", "");
-    let evaluated = evaluate_energy(&scene_of(&system, &[])).unwrap_or_else(|e| panic!("{e}"));
+    let evaluated = evaluate_energy(&common::scene(&system, &[])).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(&evaluated.species, simulation.system.species());
     let there = simulation.state.energetics.potential_energy.unwrap();
     assert!((evaluated.report.potential_energy / there - 1.0).abs() < 1e-12);
@@ -273,7 +251,7 @@ fn a_file_of_a_mixture_gives_the_same_energy_and_the_same_species() {
         .unwrap()
         .replace("\nB ", "\nXe ");
     std::fs::write(&path, text).unwrap();
-    match evaluate_energy(&scene_of(&system, &[])) {
+    match evaluate_energy(&common::scene(&system, &[])) {
         Err(EngineError::Scene(e)) => {
             assert_eq!(e.key_path(), Some("system.configuration"), "{e}");
             assert!(e.to_string().contains("\"Xe\""), "{e}");

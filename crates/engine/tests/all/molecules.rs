@@ -6,6 +6,8 @@ use lennard_core::{
 use lennard_engine::{EngineError, Simulation, StopAt, Unfollowed, prepare};
 use lennard_scene::Scene;
 
+use crate::common::{self, bits, on_threads, prepared};
+
 /// A dense fluid of dumbbells, the force shifted to zero at the cutoff.
 const DUMBBELLS: &str = r#"
     [system]
@@ -114,26 +116,11 @@ const WAYS: &[&[(&str, &str)]] = &[
 ];
 
 fn scene(overrides: &[(&str, &str)]) -> Scene {
-    let owned = overrides
-        .iter()
-        .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()));
-    Scene::parse(DUMBBELLS, "dumbbells.toml", &owned.collect::<Vec<_>>())
-        .unwrap_or_else(|e| panic!("{e}"))
+    common::scene(DUMBBELLS, overrides)
 }
 
 fn build(overrides: &[(&str, &str)]) -> Simulation {
-    prepare(scene(overrides)).unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn bits(simulation: &Simulation) -> Vec<[u64; 3]> {
-    let s = &simulation.state;
-    let all = s.positions.iter().chain(&s.velocities).chain(&s.forces);
-    all.map(|v| v.to_array().map(f64::to_bits)).collect()
-}
-
-fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-    pool.build().unwrap().install(work)
+    prepared(scene(overrides))
 }
 
 #[test]

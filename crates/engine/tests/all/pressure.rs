@@ -4,6 +4,8 @@ use lennard_engine::{EngineError, Simulation, Unfollowed, prepare};
 use lennard_observables::ChangingBox;
 use lennard_scene::Scene;
 
+use crate::common;
+
 /// A liquid at T = 1.2 and P = 1.19, where the density is 0.75.
 const LIQUID: &str = r#"
     [system]
@@ -28,19 +30,11 @@ const LIQUID: &str = r#"
 "#;
 
 fn scene(overrides: &[(&str, &str)]) -> Scene {
-    let overrides: Vec<_> = overrides
-        .iter()
-        .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
-        .collect();
-    Scene::parse(LIQUID, "liquid.toml", &overrides).unwrap_or_else(|e| panic!("{e}"))
+    common::scene(LIQUID, overrides)
 }
 
 fn ran(overrides: &[(&str, &str)]) -> Simulation {
-    let mut simulation = prepare(scene(overrides)).unwrap_or_else(|e| panic!("{e}"));
-    simulation
-        .run(&mut Unfollowed)
-        .unwrap_or_else(|e| panic!("{e}"));
-    simulation
+    common::ran(scene(overrides))
 }
 
 /// Both stages with this barostat, and the bath that it goes with.
@@ -66,8 +60,7 @@ fn barostats() -> Vec<(String, &'static str)> {
 fn the_bits_and_the_box_are_the_same_for_any_number_of_threads() {
     for (barostat, bath) in barostats() {
         let run = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            pool.unwrap().install(|| {
+            common::on_threads(threads, || {
                 let state = ran(&with_barostat(&barostat, bath)).state;
                 (state.cell, state.positions, state.velocities, state.forces)
             })

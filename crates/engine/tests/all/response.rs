@@ -1,8 +1,8 @@
 //! Response functions of whole runs, where they are known exactly, and where there are none.
 
 use lennard_core::{Average, Findings, Observable};
-use lennard_engine::{Unfollowed, prepare};
-use lennard_scene::Scene;
+
+use crate::common;
 
 const FLUID: &str = r#"
     [system]
@@ -24,15 +24,7 @@ const FLUID: &str = r#"
 "#;
 
 fn findings(overrides: &[(&str, &str)]) -> Findings {
-    let overrides: Vec<_> = overrides
-        .iter()
-        .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
-        .collect();
-    let scene = Scene::parse(FLUID, "fluid.toml", &overrides).unwrap_or_else(|e| panic!("{e}"));
-    let mut simulation = prepare(scene).unwrap_or_else(|e| panic!("{e}"));
-    simulation
-        .run(&mut Unfollowed)
-        .unwrap_or_else(|e| panic!("{e}"));
+    let simulation = common::ran(common::scene(FLUID, overrides));
     simulation.thermodynamics().finish(0.0)
 }
 

@@ -9,7 +9,8 @@ use lennard_engine::{
     Ending, Outcome, Progress, ResumeOptions, RunOptions, Simulation, go_on, prepare, resume, run,
 };
 use lennard_io::{Existing, create_named_folder};
-use lennard_scene::Scene;
+
+use crate::common;
 
 /// A small liquid; short, since there are many of it.
 const LIQUID: &str = r#"
@@ -40,11 +41,7 @@ const LIQUID: &str = r#"
 const ALL_OBSERVABLES: &str = r#"[{kind="rdf", every=10}, {kind="msd", every=5}, {kind="vacf", every=5}, {kind="pressure-tensor", every=2}]"#;
 
 fn scene(overrides: &[(&str, &str)]) -> Option<Simulation> {
-    let overrides: Vec<_> = overrides
-        .iter()
-        .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
-        .collect();
-    let scene = Scene::parse(LIQUID, "liquid.toml", &overrides).ok()?;
+    let scene = common::parse(LIQUID, overrides).ok()?;
     prepare(scene).ok()
 }
 
@@ -367,8 +364,7 @@ fn a_run_goes_on_without_its_start_configuration() {
             &format!("configuration = \"{}\"", start.display()),
         )
         .replace("density = 0.8442", "");
-    let mut simulation =
-        prepare(Scene::parse(&text, "next.toml", &[]).unwrap()).unwrap_or_else(|e| panic!("{e}"));
+    let mut simulation = common::prepared(common::scene(&text, &[]));
     assert_eq!(
         until(
             &second,

@@ -5,9 +5,10 @@ use lennard_core::{
     Axis, DVec3, ForceSum, ForceTerm, Masses, Momentum, NoForces, PeriodicBox, Persist, State,
     StateArchive, System, WallReading, Want,
 };
-use lennard_engine::{Simulation, Unfollowed, prepare};
+use lennard_engine::{Simulation, Unfollowed};
 use lennard_forcefield::{ConstantField, SlitPlanes, WallContext, WallPair, Walls, walls};
-use lennard_scene::Scene;
+
+use crate::common::{self, prepared};
 
 const SLIT: &str = r#"
     [system]
@@ -26,10 +27,7 @@ const SLIT: &str = r#"
 "#;
 
 fn build(overrides: &[(&str, &str)]) -> Simulation {
-    let owned = |(key, value): &(&str, &str)| (key.to_string(), value.to_string());
-    let overrides: Vec<_> = overrides.iter().map(owned).collect();
-    let scene = Scene::parse(SLIT, "slit.toml", &overrides).unwrap_or_else(|e| panic!("{e}"));
-    prepare(scene).unwrap_or_else(|e| panic!("{e}"))
+    prepared(common::scene(SLIT, overrides))
 }
 
 pub(crate) fn method() -> lennard_core::Integrator {
@@ -140,10 +138,7 @@ fn any_number_of_threads_gives_the_bits_of_one() {
     let bits = |threads: usize, wall: &str| -> StateArchive {
         let tables = format!("[{{{wall}}}]");
         let mut simulation = build(&[("wall", &tables), ("stage.production.steps", "200")]);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.unwrap()
-            .install(|| simulation.run(&mut Unfollowed))
-            .unwrap();
+        common::on_threads(threads, || simulation.run(&mut Unfollowed)).unwrap();
         let mut archive = StateArchive::default();
         simulation.save(&mut archive.writer());
         archive.arrays.remove("forces/seconds");

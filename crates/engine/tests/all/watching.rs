@@ -7,10 +7,11 @@ use lennard_core::{
     ForceTerm, Part, PeriodicBox, Persist, RestoreError, StateArchive, StateReader, StateWriter,
     Want,
 };
-use lennard_engine::{EngineError, Simulation, Unfollowed, prepare};
+use lennard_engine::{EngineError, Simulation, Unfollowed};
 use lennard_engine::{Symptom, watchdog};
 use lennard_forcefield::Model;
-use lennard_scene::Scene;
+
+use crate::common::{self, prepared};
 
 const LIQUID: &str = r#"
     [system]
@@ -28,12 +29,7 @@ const LIQUID: &str = r#"
 "#;
 
 fn build(overrides: &[(&str, &str)]) -> Simulation {
-    let overrides: Vec<_> = overrides
-        .iter()
-        .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
-        .collect();
-    let scene = Scene::parse(LIQUID, "liquid.toml", &overrides).unwrap_or_else(|e| panic!("{e}"));
-    prepare(scene).unwrap_or_else(|e| panic!("{e}"))
+    prepared(common::scene(LIQUID, overrides))
 }
 
 /// The particle whose farthest neighbor a provider leaves out.
@@ -177,17 +173,16 @@ fn every_method_leaves_the_whole_force_which_is_checked_and_found_right() {
                 ("integrator.dt", "0.0005"),
                 ("kernel.precision", precision),
                 ("stage.0.steps", "130"),
-            ]
-            .map(|(k, v)| (k.to_owned(), v.to_owned()));
+            ];
             // Its equations are not to be solved with forces of mixed precision.
             if (entry.spec.name, precision) == ("implicit-euler", "mixed") {
                 continue;
             }
             // Some are not for fluids, or not for mixed precision.
-            let Ok(scene) = Scene::parse(LIQUID, "liquid.toml", &overrides) else {
+            let Ok(scene) = common::parse(LIQUID, &overrides) else {
                 continue;
             };
-            let mut simulation = prepare(scene).unwrap_or_else(|e| panic!("{e}"));
+            let mut simulation = prepared(scene);
             simulation
                 .run(&mut Unfollowed)
                 .unwrap_or_else(|e| panic!("{}: {e}", entry.spec.name));

@@ -131,27 +131,13 @@ fn in_epsilon<F: PairForm>(_form: &F, pair: Pair<f64>) -> Pair<f64> {
     pair.in_epsilon(F::UNIT)
 }
 
-/// The truncation at another cutoff; a switch keeps its share of it.
-fn of_pair(truncation: &TruncationOptions, r_cut: f64) -> TruncationOptions {
-    if r_cut == truncation.r_cut {
-        return *truncation;
-    }
-    TruncationOptions {
-        r_cut,
-        switch_from: truncation
-            .switch_from
-            .map(|from| from / truncation.r_cut * r_cut),
-        ..*truncation
-    }
-}
-
 /// The truncation of the one fluid that a mixture is where all its pairs have σ = ε = 1 and the same cutoff.
 pub fn as_one_fluid(
     truncation: &TruncationOptions,
     mixture: &Mixture,
 ) -> Option<TruncationOptions> {
     let pair = mixture.alike()?;
-    (*pair == SpeciesPair::unit(pair.r_cut)).then(|| of_pair(truncation, pair.r_cut))
+    (*pair == SpeciesPair::unit(pair.r_cut)).then(|| truncation.at_cutoff(pair.r_cut))
 }
 
 /// The model of a pair in units of its own σ and ε.
@@ -161,7 +147,7 @@ fn in_own_units(
     pair: &SpeciesPair,
     species: [usize; 2],
 ) -> Result<Model, ForceFieldError> {
-    let own = of_pair(truncation, pair.r_cut / pair.sigma);
+    let own = truncation.at_cutoff(pair.r_cut / pair.sigma);
     Model::new(potential, &own).map_err(|reason| ForceFieldError::OfPair {
         species,
         reason: Box::new(reason),
