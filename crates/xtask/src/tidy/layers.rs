@@ -14,7 +14,8 @@ enum May {
 
 /// The crates in the order in which data flows; each may use only crates above it.
 const TABLE: &[(&str, May)] = &[
-    ("sparse", May::Use(&[])),
+    ("features", May::Use(&[])),
+    ("sparse", May::Use(&["features"])),
     ("core", May::Use(&["sparse"])),
     ("neighbor", May::Use(&["core"])),
     ("forcefield", May::Use(&["core", "neighbor"])),
