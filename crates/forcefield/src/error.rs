@@ -33,8 +33,13 @@ pub enum ForceFieldError {
         end: OwnEnd,
     },
     /// A switch for a potential that ends by itself.
-    #[error("the {0} potential ends smoothly by itself and takes no switch")]
-    SwitchAtOwnEnd(&'static str),
+    #[error("the {title} potential ends smoothly by itself and takes no switch")]
+    SwitchAtOwnEnd {
+        /// The potential's name in sentences.
+        title: &'static str,
+        /// The truncation found.
+        kind: &'static str,
+    },
     /// A switch that does not begin between 0 and the cutoff.
     #[error("the switch must begin between 0 and r_cut = {r_cut}, found {found}")]
     BadSwitch {
@@ -135,7 +140,7 @@ impl ForceFieldError {
             Self::BadCutoff(_) | Self::CutoffOverHalfBox { .. } | Self::CutoffInsideEnd { .. } => {
                 "truncation.r_cut"
             }
-            Self::SwitchAtOwnEnd(_) => "truncation.kind",
+            Self::SwitchAtOwnEnd { .. } => "truncation.kind",
             Self::BadSwitch { .. } | Self::SwitchWithoutSwitch(_) => "truncation.switch_from",
             Self::TailWithoutCut(_) => "truncation.tail_correction",
             Self::BadPotential(option) => return format!("potential.{}", option.key),
@@ -155,6 +160,16 @@ impl ForceFieldError {
         key.to_owned()
     }
 
+    /// What is wrong with the value of the key, after its name: `is not allowed`.
+    #[must_use]
+    pub fn problem(&self) -> String {
+        match self {
+            // Key, value and range stand beside it.
+            Self::BadPotential(_) => "is not allowed".to_owned(),
+            other => format!("does not fit: {other}"),
+        }
+    }
+
     /// The value found.
     #[must_use]
     pub fn found(&self) -> String {
@@ -167,7 +182,7 @@ impl ForceFieldError {
             Self::CutoffOverHalfBox { r_cut, .. } | Self::CutoffInsideEnd { r_cut, .. } => {
                 r_cut.to_string()
             }
-            Self::SwitchAtOwnEnd(_) => "switch".into(),
+            Self::SwitchAtOwnEnd { kind, .. } => (*kind).into(),
             Self::BadSwitch { found, .. } | Self::BadSplit { found, .. } => found.to_string(),
             Self::TailWithoutCut(kind) => format!("true with kind = \"{kind}\""),
             Self::BadPotential(option) => option.found.clone(),
@@ -195,9 +210,11 @@ impl ForceFieldError {
                 "at least {} = {:.4}, or nothing at all",
                 end.in_words, end.r
             ),
-            Self::SwitchAtOwnEnd(_) => "cut or shift".into(),
+            Self::SwitchAtOwnEnd { .. } => "cut or shift".into(),
             Self::BadSwitch { r_cut, .. } => format!("above 0 and below r_cut = {r_cut}"),
-            Self::SwitchWithoutSwitch(_) => "only with kind = \"switch\"".into(),
+            Self::SwitchWithoutSwitch(_) => {
+                "only with kind = \"switch\" or kind = \"xplor\"".into()
+            }
             Self::TailWithoutCut(_) => "false, or kind = \"cut\"".into(),
             Self::BadPotential(option) => option.allowed.clone(),
             Self::BadSkin(_) => "a finite number, 0 or more".into(),

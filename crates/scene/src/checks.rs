@@ -208,7 +208,7 @@ fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneErr
     lennard_forcefield::check(&scene.force_field(), &conditions).map_err(|e| {
         scene
             .source
-            .refuse(&e.key(), format!("does not fit: {e}"))
+            .refuse(&e.key(), e.problem())
             .found(e.found())
             .allowed(e.allowed())
     })?;

@@ -106,8 +106,8 @@ impl Reader<'_> {
         if let Some(shape) = &shape
             && shape.len() != sites
         {
-            let found = format!("{} places", shape.len());
-            return refuse("shape", found, format!("one for each of {sites} sites"));
+            let found = shape.len().to_string();
+            return refuse("shape", found, format!("{sites} places, one for each site"));
         }
         let lengths = match (options.bond_length, &options.bond_lengths, &shape) {
             (Some(_), Some(_), _) => {

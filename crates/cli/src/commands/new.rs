@@ -19,6 +19,7 @@ pub fn new(args: &NewArgs) -> Result<u8, Failure> {
     let file = file_of(&args.name);
     let schema = file.with_file_name(SCHEMA);
     refuse_existing(&file, args.force)?;
+    refuse_missing_folder(&file)?;
     let mut text = copy_of(scene, &file);
     if args.schema {
         text = format!("#:schema ./{SCHEMA}\n{text}");
@@ -63,6 +64,22 @@ fn refuse_existing(file: &Path, force: bool) -> Result<(), Failure> {
         format!(
             "{}: it exists already\n  allowed: {allowed}",
             file.display()
+        ),
+        INPUT,
+    ))
+}
+
+fn refuse_missing_folder(file: &Path) -> Result<(), Failure> {
+    let folder = file.parent().filter(|folder| *folder != Path::new(""));
+    let Some(folder) = folder.filter(|folder| !folder.is_dir()) else {
+        return Ok(());
+    };
+    Err(Failure::new(
+        "writing a scene",
+        format!(
+            "{}: there is no folder {}\n  allowed: a name in a folder that exists",
+            file.display(),
+            folder.display()
         ),
         INPUT,
     ))

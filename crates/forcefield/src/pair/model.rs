@@ -65,7 +65,10 @@ fn check(
     };
     let title = potential.spec().title;
     if truncation.switch_from.is_some() || kind.spec().weights {
-        return Err(ForceFieldError::SwitchAtOwnEnd(title));
+        return Err(ForceFieldError::SwitchAtOwnEnd {
+            title,
+            kind: kind.name(),
+        });
     }
     if r_cut < end.r {
         return Err(ForceFieldError::CutoffInsideEnd { title, r_cut, end });

@@ -45,10 +45,6 @@ const EXCEPTIONS: &[(&str, &str)] = &[
         "the calculator writes its scene itself, with one species",
     ),
     (
-        "it is no regular file of at most 256 MiB",
-        "a scene with a folder or a device for a table is refused when its path is resolved",
-    ),
-    (
         "an earlier run of this simulation ended in a bug of the program",
         "a simulation in Python after a panic, which no input causes",
     ),
