@@ -22,7 +22,7 @@ const SETTINGS: &str = "docs/zensical.toml";
 const PAGES: &[(&str, &str)] = &[
     ("CHANGELOG.md", "changelog.md"),
     ("CONTRIBUTING.md", "contributing.md"),
-    ("benches/NOTES.md", "decisions.md"),
+    ("benches/NOTES.md", "measurements.md"),
     ("inputs/README.md", "scenes.md"),
     ("validation/README.md", "judges.md"),
 ];

@@ -2,6 +2,7 @@
 
 mod circles;
 mod errors;
+mod features;
 mod finding;
 mod layers;
 mod literals;
@@ -32,6 +33,10 @@ pub fn all(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {
     findings.push((
         "one test binary per crate",
         test_binaries::faults(&workspace.packages),
+    ));
+    findings.push((
+        "each library is compiled once",
+        features::faults(workspace)?,
     ));
     findings.push(("no circles of files", circles::faults(workspace)?));
     findings.push(("files fit a sitting", sizes::faults(workspace)?));
