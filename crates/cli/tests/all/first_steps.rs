@@ -70,7 +70,8 @@ fn a_new_scene_has_the_comments_of_its_model_and_its_own_command() {
     );
     let nowhere = place.output(&["new", "no-folder/my-fluid"]);
     assert_eq!(nowhere.status.code(), Some(2));
-    assert!(stderr(&nowhere).contains("there is no folder no-folder\n  allowed:"));
+    let wanted = "no-folder/my-fluid.toml: there is no folder no-folder\n  allowed: a name in a folder that exists";
+    assert!(stderr(&nowhere).contains(wanted), "{}", stderr(&nowhere));
     success(&mut place.command(&["new", "my-fluid.toml", "--force"]));
     assert!(!place.read("my-fluid.toml").starts_with("#:schema"));
     std::fs::create_dir(place.path("taken.toml")).unwrap();
