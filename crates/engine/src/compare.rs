@@ -3,7 +3,7 @@
 use lennard_core::{Average, Observable};
 use lennard_forcefield::{PotentialOptions, SpeciesPair, TruncationKind};
 use lennard_io::StatePoint;
-use lennard_literature::{EquationOfState, FiniteSize, Kept, ModelKind, OneFluid};
+use lennard_literature::{EquationOfState, FiniteSize, Kept, KobAndersen, ModelKind, OneFluid};
 use lennard_observables::Thermodynamics;
 use lennard_scene::Scene;
 
@@ -78,8 +78,26 @@ pub fn model_kind(scene: &Scene) -> ModelKind {
     }
 }
 
+/// Whether the scene has the pairs, the truncation and the masses of Kob and Andersen.
+fn is_kob_andersen(scene: &Scene) -> bool {
+    let species = scene.mixture.as_ref().map_or(&[][..], |m| &m.species);
+    let is_theirs = |[a, b]: [usize; 2]| {
+        let pair = scene.species_pair(a, b);
+        let [sigma, epsilon] = KobAndersen::pair(a, b);
+        (pair.sigma, pair.epsilon) == (sigma, epsilon) && pair.r_cut == KobAndersen::CUTOFF * sigma
+    };
+    scene.potential.spec().is_lennard_jones
+        && scene.truncation.kind == TruncationKind::Shift
+        && species.len() == 2
+        && species.iter().all(|s| s.mass == 1.0)
+        && scene.species_pairs().all(is_theirs)
+}
+
 /// The kind of a mixture: one that the one-fluid theory describes, or another.
 fn mixture_kind(scene: &Scene) -> ModelKind {
+    if is_kob_andersen(scene) {
+        return ModelKind::KobAndersen;
+    }
     let other = |potential| ModelKind::Other { potential };
     let full = scene.potential.spec().is_lennard_jones
         && scene.truncation.kind == TruncationKind::Cut
@@ -118,6 +136,7 @@ pub fn viscosity_for(scene: &Scene, density: f64) -> Option<f64> {
             | ModelKind::Mie { .. }
             | ModelKind::TwoCenter { .. }
             | ModelKind::Mixture { .. }
+            | ModelKind::KobAndersen
     );
     if is_another_fluid || scene.confined_by().is_some() {
         return None;

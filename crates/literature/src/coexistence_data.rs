@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use crate::saturation::Saturation;
-use crate::tables::reference_table;
+use crate::tables::rows;
 
 /// The columns that are read of the table `coexistence`.
 #[derive(Debug, Deserialize)]
@@ -19,21 +19,13 @@ struct Row {
 /// `coexistence`.
 #[must_use]
 pub fn coexistence_by_simulation() -> Vec<Saturation> {
-    let table = reference_table("coexistence").map_or("", |table| table.csv);
-    csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .from_reader(table.as_bytes())
-        .deserialize()
-        .map(|row| {
-            let row: Row = row.expect("the shipped table is well formed: a test reads it");
-            Saturation {
-                temperature: row.temperature,
-                pressure: row.psat,
-                vapor_density: row.rho_vap,
-                liquid_density: row.rho_liq,
-            }
-        })
-        .collect()
+    let saturation = |row: Row| Saturation {
+        temperature: row.temperature,
+        pressure: row.psat,
+        vapor_density: row.rho_vap,
+        liquid_density: row.rho_liq,
+    };
+    rows("coexistence").into_iter().map(saturation).collect()
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@ mod fluid_state;
 mod freezing;
 mod jet;
 mod johnson;
+mod kob_andersen;
 mod kolafa_nezbeda;
 mod made;
 mod model;
@@ -46,6 +47,9 @@ pub use fluid_state::{CriticalPoint, FluidState};
 pub use freezing::{FreezingLine, freezing_line};
 pub use jet::Jet;
 pub use johnson::Johnson;
+pub use kob_andersen::{
+    KobAndersen, KobAndersenQuantity, KobAndersenRow, kob_andersen_at, kob_andersen_states,
+};
 pub use kolafa_nezbeda::KolafaNezbeda;
 pub use model::{
     GOOD_TAIL_CUTOFF, ModelKind, NoReference, equation_of_state_for, equations_for, johnson_1993,

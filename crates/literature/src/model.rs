@@ -64,6 +64,8 @@ pub enum ModelKind {
         /// The shortest cutoff of two species, in units of their σ.
         r_cut: f64,
     },
+    /// The mixture of Kob and Andersen, cut and shifted at 2.5 σ_ab, at any composition.
+    KobAndersen,
     /// Another potential.
     Other {
         /// Its name.
@@ -254,6 +256,10 @@ pub fn equation_of_state_for(
         ModelKind::Mixture { size_ratio, .. } => none(
             format!("a mixture with a ratio of sizes of {size_ratio:.3}"),
             "the band of the one-fluid theory is stated for ratios up to 1.1",
+        ),
+        ModelKind::KobAndersen => none(
+            "the mixture of Kob and Andersen".to_owned(),
+            "single states of it stand in the table `kob-andersen`",
         ),
         ModelKind::Other { potential } => none(
             potential.to_owned(),

@@ -3,7 +3,7 @@
 //! Nothing here is quoted from memory: a number that was not read in its source or in a copy of it is left out. The
 //! printed table of Verlet's paper of 1967 was not to be had, and none of its numbers is here.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How the numbers of a table were obtained.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -119,7 +119,7 @@ static TABLES: [ReferenceTable; 8] = [
     },
     ReferenceTable {
         name: "kob-andersen",
-        summary: "Energy, virial and pressure of the Kob-Andersen mixture and its neighbors, cut and shifted at 2.5 σ_ab.",
+        summary: "Energy, virial, pressure, fluctuations, structure and diffusion of the Kob-Andersen mixture and its neighbors, cut and shifted at 2.5 σ_ab.",
         source: "U. R. Pedersen, T. B. Schrøder, J. C. Dyre, Phys. Rev. Lett. 120, 165501 (2018), data of the authors; runs that the gamdpy repository has",
         doi: Some("10.5281/zenodo.10047547"),
         status: Status::Verified,
@@ -138,4 +138,15 @@ pub fn reference_tables() -> &'static [ReferenceTable] {
 #[must_use]
 pub fn reference_table(name: &str) -> Option<&'static ReferenceTable> {
     TABLES.iter().find(|t| t.name == name)
+}
+
+/// The rows of a table that comes along.
+pub(crate) fn rows<T: for<'a> Deserialize<'a>>(name: &str) -> Vec<T> {
+    let text = reference_table(name).map_or("", |table| table.csv);
+    csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_reader(text.as_bytes())
+        .deserialize()
+        .collect::<Result<_, _>>()
+        .expect("the shipped tables are well formed: a test reads them")
 }

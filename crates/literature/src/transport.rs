@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-use crate::tables::reference_table;
+use crate::tables::rows;
 
 /// A transport coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -103,19 +103,6 @@ struct OtherRow {
     status: String,
 }
 
-fn rows<T: for<'a> Deserialize<'a>>(text: &str) -> Vec<T> {
-    csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .from_reader(text.as_bytes())
-        .deserialize()
-        .collect::<Result<_, _>>()
-        .expect("the shipped tables are well formed: a test reads them")
-}
-
-fn shipped(name: &str) -> &'static str {
-    reference_table(name).map_or("", |table| table.csv)
-}
-
 static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
     let files = [
         (TransportProperty::ShearViscosity, "shear-viscosity"),
@@ -127,7 +114,7 @@ static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
     ];
     let mut table = Vec::new();
     for (property, name) in files {
-        for row in rows::<ChaparroRow>(shipped(name)) {
+        for row in rows::<ChaparroRow>(name) {
             // Flagged rows contradict the equation of state; inside the dome a homogeneous value
             // has no meaning.
             if row.flag.is_some() || row.phase != "stable_fluid" {
@@ -146,7 +133,7 @@ static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
             });
         }
     }
-    for row in rows::<OtherRow>(shipped("transport-other")) {
+    for row in rows::<OtherRow>("transport-other") {
         table.push(Row {
             property: row.quantity,
             value: TransportValue {

@@ -4,6 +4,7 @@ mod card;
 mod phase;
 mod read;
 mod rows;
+mod runs_of_others;
 mod table;
 mod tail_bias;
 mod transport;
@@ -18,6 +19,7 @@ pub use verdict::{Row, Verdict};
 use lennard_literature::{equation_of_state_for, remark_for};
 use rows::Compared;
 pub(crate) use rows::HANSEN_VERLET;
+use runs_of_others::RunsOfOthers;
 use serde::Serialize;
 
 /// A quantity of the run record in words for a table.
@@ -94,6 +96,10 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
         Ok(_) => None,
     };
     remarks.extend(remark_for(model));
+    let others = RunsOfOthers::beside(run, model);
+    remarks.extend(others.remark());
+    // A run beside runs of others has references, whatever the equations say.
+    let missing = no_reference.clone().filter(|_| !others.are_there());
     let measured = run
         .scene
         .stages
@@ -106,6 +112,7 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
         state: &state,
         model,
         no_reference: no_reference.clone(),
+        others,
     });
     let card = no_reference
         .is_none()
@@ -124,7 +131,7 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
             .ok()
             .filter(|_| no_reference.is_none())
             .map(|e| e.spec().citation()),
-        headline: headline(&rows, no_reference.as_deref()),
+        headline: headline(&rows, missing.as_deref()),
         shared_reason: shared_reason(&rows).map(|row| row.reason.clone()),
         rows,
         state,

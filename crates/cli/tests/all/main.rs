@@ -10,6 +10,7 @@ mod faults;
 mod first_steps;
 mod literature;
 mod messages;
+mod mixtures;
 mod output_folders;
 mod restart;
 mod signals;

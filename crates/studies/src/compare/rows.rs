@@ -8,6 +8,7 @@ use lennard_scene::PressureControl;
 
 use super::card::spread;
 use super::read::HALF_STEPS;
+use super::runs_of_others::RunsOfOthers;
 use super::tail_bias::tail_bias;
 use super::verdict::Tolerance;
 use super::{Row, RunFolder, StateOfMatter, Verdict};
@@ -123,6 +124,8 @@ pub(super) struct Compared<'a> {
     pub(super) model: ModelKind,
     /// Why no reference for a homogeneous fluid applies; `None` where it does.
     pub(super) no_reference: Option<String>,
+    /// Runs of others at the same state.
+    pub(super) others: RunsOfOthers<'a>,
 }
 
 /// Every average of a run, the primary ones first.
@@ -137,6 +140,12 @@ pub(super) fn all(compared: &Compared<'_>) -> Vec<Row> {
         primary.extend(PRIMARY_BETWEEN_WALLS);
     } else {
         primary.extend(PRIMARY);
+    }
+    let of_others: Vec<String> = compared.others.names().collect();
+    for name in &of_others {
+        if !primary.contains(&name.as_str()) {
+            primary.push(name);
+        }
     }
     let others = run.record.averages.keys().map(String::as_str);
     let mut names = primary.clone();
@@ -156,7 +165,13 @@ pub(super) fn all(compared: &Compared<'_>) -> Vec<Row> {
 impl Compared<'_> {
     /// One quantity with what it is held against; `None` where the run has not measured it.
     fn row(&self, name: &str) -> Option<Row> {
-        let row = Row::measured(name, self.run.average(name)?);
+        let row = match self
+            .others
+            .row(Row::measured(name, self.run.average(name)?))
+        {
+            Ok(row) => return Some(row),
+            Err(row) => row,
+        };
         let reference = REFERENCES.iter().find(|(quantity, _)| *quantity == name);
         Some(match reference {
             Some((_, beside)) => beside(self, row),
