@@ -91,8 +91,8 @@ const SAME_COMPOSITION: f64 = 1e-4;
 
 static TABLE: LazyLock<Vec<KobAndersenRow>> = LazyLock::new(|| rows("kob-andersen"));
 
-/// What runs of others found at a state of the mixture: the rows of the table `kob-andersen` at this density (σ⁻³),
-/// temperature (ε/k_B) and mole fraction of A. Elsewhere there is no row, because nothing is taken between states.
+/// What runs of others found at a density (σ⁻³), a temperature (ε/k_B) and a mole fraction of A: rows of the table `kob-andersen`.
+/// Elsewhere there is no row, because nothing is taken between states.
 #[must_use]
 pub fn kob_andersen_at(
     density: f64,

@@ -165,13 +165,10 @@ pub(super) fn all(compared: &Compared<'_>) -> Vec<Row> {
 impl Compared<'_> {
     /// One quantity with what it is held against; `None` where the run has not measured it.
     fn row(&self, name: &str) -> Option<Row> {
-        let row = match self
-            .others
-            .row(Row::measured(name, self.run.average(name)?))
-        {
-            Ok(row) => return Some(row),
-            Err(row) => row,
-        };
+        let row = Row::measured(name, self.run.average(name)?);
+        if let Some(of_others) = self.others.of(name) {
+            return Some(self.others.hold(row, of_others));
+        }
         let reference = REFERENCES.iter().find(|(quantity, _)| *quantity == name);
         Some(match reference {
             Some((_, beside)) => beside(self, row),

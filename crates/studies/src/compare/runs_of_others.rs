@@ -79,17 +79,21 @@ impl<'a> RunsOfOthers<'a> {
         }
     }
 
-    /// A quantity beside its reference; handed back where it has none.
-    pub(super) fn row(&self, row: Row) -> Result<Row, Row> {
-        use KobAndersenQuantity as Q;
+    /// The reference of a quantity of the run record; `None` where it has none.
+    pub(super) fn of(&self, quantity: &str) -> Option<&'static KobAndersenRow> {
         // The pressure itself stands after the virial in the table, and is the better number.
-        let of_row = |r: &&&KobAndersenRow| self.name(r.quantity) == row.quantity;
-        let Some(reference) = self.rows.iter().rev().find(of_row) else {
-            return Err(row);
-        };
+        let mut from_behind = self.rows.iter().rev();
+        from_behind
+            .find(|row| self.name(row.quantity) == quantity)
+            .copied()
+    }
+
+    /// A quantity beside its reference.
+    pub(super) fn hold(&self, row: Row, reference: &KobAndersenRow) -> Row {
+        use KobAndersenQuantity as Q;
         let KobAndersenRow {
             temperature, rho, ..
-        } = **reference;
+        } = *reference;
         let (value, tolerance) = (reference.value, reference.tolerance);
         let (value, tolerance) = match reference.quantity {
             Q::Virial => (rho * (temperature + value), rho * tolerance),
@@ -97,13 +101,12 @@ impl<'a> RunsOfOthers<'a> {
                 let square = temperature * temperature;
                 (1.5 + value / square, tolerance / square)
             }
-            Q::DiffusionA | Q::DiffusionB => return Ok(self.diffusion(row, reference)),
+            Q::DiffusionA | Q::DiffusionB => return self.diffusion(row, reference),
             _ => (value, tolerance),
         };
         let allowed = Tolerance::new(ERRORS, tolerance, 0.0);
-        Ok(row
-            .against(value, None, allowed, &source(reference))
-            .noted(size_words(reference)))
+        row.against(value, None, allowed, &source(reference))
+            .noted(size_words(reference))
     }
 
     /// D in a periodic box is smaller than in an infinite one by ξT/(6πηL) (I.-C. Yeh and G. Hummer, J. Phys. Chem. B 108,
