@@ -111,7 +111,7 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
     println!("  {}", scene.model_name());
     println!(
         "  {}, dt = {} τ, {} steps in {}",
-        scene.integrator.method.name(),
+        scene.method_name(),
         scene.integrator.dt,
         scene.total_steps(),
         lennard_report::counted(scene.stages.len(), "stage")

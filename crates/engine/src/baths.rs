@@ -1,8 +1,10 @@
 //! The heat baths of the measured stages, and what they make of the run.
 
-use lennard_core::{Ramp, ThermostatSpec};
+use lennard_core::{Integrator, Ramp, ThermostatSpec};
 use lennard_observables::{Ensemble, HeldTemperature};
 use lennard_scene::{Scene, Stage};
+
+use crate::own::OwnParts;
 
 /// The thermostats of the measured stages.
 pub(crate) fn measured_baths(scene: &Scene) -> Vec<&'static ThermostatSpec> {
@@ -13,7 +15,7 @@ pub(crate) fn measured_baths(scene: &Scene) -> Vec<&'static ThermostatSpec> {
 }
 
 /// The ensemble that a stage samples; `None` where its dynamics sample none that is known.
-pub(crate) fn ensemble(scene: &Scene, stage: &Stage) -> Option<Ensemble> {
+pub(crate) fn ensemble(scene: &Scene, stage: &Stage, own: &OwnParts) -> Option<Ensemble> {
     if stage.is_ramp() {
         return None;
     }
@@ -29,11 +31,17 @@ pub(crate) fn ensemble(scene: &Scene, stage: &Stage) -> Option<Ensemble> {
     match &stage.thermostat {
         Some(bath) => bath.spec().canonical.then_some(Ensemble::Canonical),
         // A method that loses energy stays at no energy.
-        None => lennard_integrators::build(&scene.integrator.method)
+        None => method(scene, own)
             .spec()
             .symplectic
             .then_some(Ensemble::Microcanonical),
     }
+}
+
+/// A fresh method: of the program where it brings one, else of the scene.
+pub(crate) fn method(scene: &Scene, own: &OwnParts) -> Integrator {
+    own.make_method()
+        .unwrap_or_else(|| lennard_integrators::build(&scene.integrator.method))
 }
 
 /// The temperature that the bath of the measured stages holds; `None` where they have none, or not all the same.

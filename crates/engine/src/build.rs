@@ -8,16 +8,18 @@ use lennard_forcefield::{
 };
 use lennard_integrators::BondHolder;
 use lennard_integrators::fire::{self, FireOptions};
+use lennard_io::StartConfiguration;
 use lennard_observables::{BuildContext, ChangingBox, Confined, ObservableOptions, Thermodynamics};
 use lennard_scene::{ObservableTable, Scene, Stage};
 
 use crate::baths::{ensemble, held_temperature, measured_baths, measured_pressure};
-use crate::beginning::{Beginning, begin_with_remarks};
+use crate::beginning::{Beginning, begin_in_memory, begin_with_remarks};
 use crate::confinement::Confinement;
 use crate::curvature::curvature;
 use crate::error::misfit;
 use crate::force_check::ForceCheck;
 use crate::initial;
+use crate::own::OwnParts;
 use crate::schedule::Observer;
 use crate::simulation::Simulation;
 use crate::timers::Timers;
@@ -74,8 +76,23 @@ pub fn forces(
 /// # Errors
 /// [`EngineError`] for everything about the scene that can only be seen now.
 pub fn prepare(scene: Scene) -> Result<Simulation, EngineError> {
-    let (beginning, remarks) = begin_with_remarks(&scene)?;
-    let mut simulation = prepare_from(scene, beginning)?;
+    prepare_with(scene, None, OwnParts::none())
+}
+
+/// As [`prepare`], with a start in memory in the place of the file that the scene names, and with parts of a program.
+///
+/// # Errors
+/// As [`prepare`], and where a part does not keep its contract.
+pub fn prepare_with(
+    scene: Scene,
+    start: Option<StartConfiguration>,
+    own: OwnParts,
+) -> Result<Simulation, EngineError> {
+    let (beginning, remarks) = match start {
+        Some(start) => begin_in_memory(&scene, start)?,
+        None => begin_with_remarks(&scene)?,
+    };
+    let mut simulation = prepare_own_from(scene, beginning, own)?;
     simulation.remarks.splice(0..0, remarks);
     Ok(simulation)
 }
@@ -84,16 +101,33 @@ pub fn prepare(scene: Scene) -> Result<Simulation, EngineError> {
 ///
 /// # Errors
 /// As [`prepare`].
-pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation, EngineError> {
+pub fn prepare_from(scene: Scene, beginning: Beginning) -> Result<Simulation, EngineError> {
+    prepare_own_from(scene, beginning, OwnParts::none())
+}
+
+/// As [`prepare_from`], with parts of a program.
+pub(crate) fn prepare_own_from(
+    scene: Scene,
+    mut beginning: Beginning,
+    own: OwnParts,
+) -> Result<Simulation, EngineError> {
+    let scene = own.enter(scene)?;
     let n = beginning.positions.len();
     let cell = beginning.cell;
     let (options, provider) = forces(&scene, cell, &beginning.species)?;
-    let remarks = pressure::foresee(&scene, &cell, n, provider.plan().skin)?;
+    let mut remarks = pressure::foresee(&scene, &cell, n, provider.plan().skin)?;
+    if !scene.program.is_empty() {
+        let parts = scene.program.in_words();
+        remarks.push(format!(
+            "the program of this run brought {parts}; its scene file alone is another run"
+        ));
+    }
     if beginning.relax {
         relax(&scene, cell, &beginning.species, &mut beginning.positions)?;
     }
     let mixture = scene.mixture_of(&beginning.species);
     let (system, confinement) = Confinement::with_system(&scene, &cell, beginning.species);
+    let system = confinement.pushes(system, own.pushed());
     let streams = Streams::new(scene.system.seed);
     let velocities = match beginning.velocities {
         Some(mut given) => {
@@ -107,13 +141,14 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
             streams,
         ),
     };
-    let observers = observers(&scene, cell, system.species())?;
+    own.check_forces(&scene, &cell, &beginning.positions, &velocities)?;
+    let observers = observers(&scene, cell, system.species(), &own)?;
     let isa = provider.plan().isa.to_string();
     let list = planned_list(&scene, provider.plan());
     let all_pairs =
         AllPairs::new(&options, mixture.as_ref()).map_err(|e| misfit(&scene.source, &e))?;
-    let forces = with_springs(&scene, confinement.beside(provider));
-    Ok(Simulation {
+    let forces = with_others(&scene, confinement.beside(provider), &own);
+    let simulation = Simulation {
         state: State::new(cell, beginning.positions, velocities),
         scene,
         system,
@@ -130,7 +165,11 @@ pub fn prepare_from(scene: Scene, mut beginning: Beginning) -> Result<Simulation
         remarks,
         timers: Timers::default(),
         isa,
-    })
+        own,
+    };
+    simulation.keeps_own_method()?;
+    simulation.tells_observables_apart()?;
+    Ok(simulation)
 }
 
 /// What a scene must say to get the same list in other conditions, such as another temperature.
@@ -146,6 +185,19 @@ fn planned_list(scene: &Scene, plan: &ForcePlan) -> NeighborOptions {
             ..scene.neighbor
         },
     }
+}
+
+/// Adds the springs that hold bonds, where the scene has some, and the forces of the program.
+pub(crate) fn with_others<B: Backend>(
+    scene: &Scene,
+    forces: ForceSum<B>,
+    own: &OwnParts,
+) -> ForceSum<B> {
+    let mut forces = with_springs(scene, forces);
+    for term in own.make_forces() {
+        forces.push(term);
+    }
+    forces
 }
 
 /// Adds the springs that hold bonds, where the scene has some.
@@ -189,6 +241,7 @@ pub(crate) fn observers(
     scene: &Scene,
     cell: PeriodicBox,
     species: &SpeciesTable,
+    own: &OwnParts,
 ) -> Result<Vec<Observer>, EngineError> {
     let n_atoms = species.n_particles();
     let mut measured = scene.stages.iter().rev().filter(|s| s.measure);
@@ -217,7 +270,7 @@ pub(crate) fn observers(
     let mut thermodynamics = Thermodynamics::with_options(&options, &context(every));
     thermodynamics.set_force_jump(jump::of_force(scene, species)?);
     thermodynamics.set_curvature(curvature(scene)?);
-    thermodynamics.set_ensemble(measured.and_then(|stage| ensemble(scene, stage)));
+    thermodynamics.set_ensemble(measured.and_then(|stage| ensemble(scene, stage, own)));
     thermodynamics.set_bath(held_temperature(scene));
     thermodynamics.set_confined(scene.confined_by().map(|_| {
         Confined {
@@ -255,13 +308,14 @@ pub(crate) fn observers(
             observable,
         });
     }
-    // The last, so that the others stand as in the scene.
+    // Behind the others, so that these stand as in the scene.
     if let Some(pressure) = measured_pressure(scene) {
         observers.push(Observer {
             every,
             observable: Box::new(ChangingBox::new(pressure)),
         });
     }
+    observers.extend(own.make_observers());
     Ok(observers)
 }
 

@@ -21,6 +21,11 @@ pub struct Comparison {
 /// The model that a scene simulates, as far as the choice of a reference goes.
 #[must_use]
 pub fn model_kind(scene: &Scene) -> ModelKind {
+    if scene.program.have_forces() {
+        return ModelKind::Other {
+            potential: "a fluid with forces of a program",
+        };
+    }
     let Some(r_cut) = scene.cutoff_of_one_fluid() else {
         return mixture_kind(scene);
     };

@@ -28,6 +28,13 @@ impl Confinement {
         (system.pushed_along(pushed), confinement)
     }
 
+    /// The system of particles whose momentum other forces change too, along these axes.
+    #[must_use]
+    pub(crate) fn pushes(&self, system: System, others: [bool; 3]) -> System {
+        let own = self.properties().breaks_momentum;
+        system.pushed_along(std::array::from_fn(|axis| own[axis] || others[axis]))
+    }
+
     /// What kind of forces these are.
     #[must_use]
     pub fn properties(&self) -> ForceProperties {

@@ -7,6 +7,7 @@ use lennard_scene::Scene;
 use serde::Serialize;
 
 use crate::confinement::Confinement;
+use crate::own::OwnParts;
 use crate::{EngineError, build, initial};
 
 /// Where the kinetic part of the pressure comes from.
@@ -69,6 +70,7 @@ pub struct Evaluated {
 /// # Errors
 /// [`EngineError`] for everything that is wrong with the scene.
 pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
+    let scene = &OwnParts::none().enter(scene.clone())?;
     let (beginning, remarks) = crate::beginning::begin_with_remarks(scene)?;
     let n = beginning.positions.len();
     let cell = beginning.cell;

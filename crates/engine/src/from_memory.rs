@@ -1,26 +1,12 @@
-//! A start that came from memory, in the place of the file that the scene names.
+//! The file of a start that came from memory.
 
 use std::path::Path;
 
 use lennard_core::{DVec3, State};
 use lennard_io::{Frame, FrameStyle, StartConfiguration, WriteError};
-use lennard_scene::Scene;
 
-use crate::beginning::begin_in_memory;
-use crate::build::prepare_from;
+use crate::Simulation;
 use crate::files::style;
-use crate::{EngineError, Simulation};
-
-/// Builds the simulation around a start in memory.
-///
-/// # Errors
-/// As [`crate::prepare`].
-pub fn prepare_with(scene: Scene, start: StartConfiguration) -> Result<Simulation, EngineError> {
-    let (beginning, remarks) = begin_in_memory(&scene, start)?;
-    let mut simulation = prepare_from(scene, beginning)?;
-    simulation.remarks.splice(0..0, remarks);
-    Ok(simulation)
-}
 
 /// Writes a start that came from memory as a file that a scene can name, to the bit.
 ///

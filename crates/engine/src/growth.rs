@@ -38,7 +38,8 @@ impl Simulation {
         let skin = self.list.skin.unwrap_or(0.0);
         let remarks = pressure::foresee(&scene, &self.state.cell, n, skin)?;
         if measurement == Measurement::Anew {
-            self.observers = build::observers(&scene, self.start_cell, self.system.species())?;
+            self.observers =
+                build::observers(&scene, self.start_cell, self.system.species(), &self.own)?;
             self.measured_steps = 0;
         }
         for remark in remarks {

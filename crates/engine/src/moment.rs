@@ -87,7 +87,7 @@ impl Simulation {
             let species = self.system.species().clone();
             Confinement::with_system(scene, &self.start_cell, species)
         };
-        let mut terms = build::with_springs(scene, confinement.beside(provider));
+        let mut terms = build::with_others(scene, confinement.beside(provider), &self.own);
         let mut forces = vec![DVec3::ZERO; n];
         let at = Configuration {
             velocities: Some(&state.velocities),

@@ -210,7 +210,7 @@ fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [Plan
         None => How::Off("not asked for, or not a plain cutoff"),
     };
     let (kernel, isa, precision) = (forces.kernel, forces.isa, forces.precision.name());
-    let method = scene.integrator.method.spec().name;
+    let method = scene.method_name();
     let [pairs, integrator, energies] = [
         format!("every step, `{kernel}` loop, {isa} in {precision} precision"),
         format!("{method}, dt = {} τ", scene.integrator.dt),

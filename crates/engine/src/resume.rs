@@ -13,6 +13,7 @@ use crate::checkpointing::{self, Past};
 use crate::error::{ResumeError, again};
 use crate::files::Marks;
 use crate::names::{SCENE, THERMO, TRAJECTORY};
+use crate::own::OwnParts;
 use crate::{EngineError, Simulation};
 
 /// What may be different from the run as it was.
@@ -57,6 +58,18 @@ pub fn way_on(folder: &Path) -> String {
 /// [`EngineError::Resume`] where there is no checkpoint or it is refused, [`EngineError::Scene`] where
 /// `options` do not fit its scene.
 pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineError> {
+    resume_with(folder, options, &OwnParts::none())
+}
+
+/// As [`resume`], in a program that brings the parts that the run had.
+///
+/// # Errors
+/// As [`resume`], and where the run had other parts.
+pub fn resume_with(
+    folder: &Path,
+    options: &ResumeOptions,
+    own: &OwnParts,
+) -> Result<Resumed, EngineError> {
     let (path, checkpoint) = load(folder, options.older)?;
     same_program(&checkpoint, &path)?;
     let metadata = &checkpoint.metadata;
@@ -92,7 +105,12 @@ pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineE
         let steps = scene.stages[last].steps.saturating_add(options.more_steps);
         overrides.push((format!("stage.{last}.steps"), steps.to_string()));
     }
-    let (mut simulation, remark) = with_isa(&checkpoint, overrides, options.isa.as_deref(), &path)?;
+    let saved = Saved {
+        checkpoint: &checkpoint,
+        path: &path,
+        own,
+    };
+    let (mut simulation, remark) = saved.with_isa(overrides, options.isa.as_deref())?;
     let mut past = reinstated(&mut simulation, &checkpoint).map_err(misfit)?;
     past.remarks.extend(remark);
     Ok(Resumed {
@@ -108,8 +126,25 @@ pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineE
 /// # Errors
 /// [`EngineError::Resume`] where it is refused.
 pub fn restored(checkpoint: &Checkpoint, path: &Path) -> Result<Simulation, EngineError> {
+    restored_with(checkpoint, path, &OwnParts::none())
+}
+
+/// As [`restored`], in a program that brings the parts that the simulation had.
+///
+/// # Errors
+/// As [`restored`], and where the simulation had other parts.
+pub fn restored_with(
+    checkpoint: &Checkpoint,
+    path: &Path,
+    own: &OwnParts,
+) -> Result<Simulation, EngineError> {
     same_program(checkpoint, path)?;
-    let (mut simulation, _) = with_isa(checkpoint, Vec::new(), None, path)?;
+    let saved = Saved {
+        checkpoint,
+        path,
+        own,
+    };
+    let (mut simulation, _) = saved.with_isa(Vec::new(), None)?;
     let past =
         reinstated(&mut simulation, checkpoint).map_err(|reason| ResumeError::DoesNotFit {
             checkpoint: path.to_owned(),
@@ -206,98 +241,108 @@ fn same_scene(file: &Path, of_checkpoint: &Scene, checkpoint: &Path) -> Result<(
     Err(other(difference).into())
 }
 
-/// Builds the simulation for the instruction set that was used, or for the one that was asked for; in the
-/// second case with a remark that the bits may differ.
-fn with_isa(
-    checkpoint: &Checkpoint,
-    overrides: Vec<(String, String)>,
-    wanted: Option<&str>,
-    path: &Path,
-) -> Result<(Simulation, Option<String>), EngineError> {
-    let recorded = &checkpoint.metadata.isa;
-    let step = checkpoint.metadata.step;
-    let as_it_was = build_for(checkpoint, &overrides, path);
-    match (&as_it_was, wanted) {
-        (Ok(s), None) if s.isa == *recorded => return as_it_was.map(|s| (s, None)),
-        (Ok(s), Some(wanted)) if s.isa == *recorded && wanted == recorded => {
-            return as_it_was.map(|s| (s, None));
-        }
-        (Err(e), None) if !is_about_isa(e) => return as_it_was.map(|s| (s, None)),
-        (was, None) => {
-            let available = lennard_forcefield::available_isas();
-            let here = match was {
-                Ok(s) => format!("this machine would go on with {}", s.isa),
-                Err(_) => "this processor does not have it".to_owned(),
-            };
-            let advice = if available.contains(&recorded.as_str()) {
-                format!("to go on to the bit: --isa {recorded}")
-            } else {
-                format!(
-                    "to go on with bits that may differ: --isa {}",
-                    available.first().copied().unwrap_or("portable")
-                )
-            };
-            return Err(ResumeError::OtherIsa {
-                checkpoint: path.to_owned(),
-                recorded: recorded.clone(),
-                here,
-                advice,
+/// A checkpoint with its name in messages, and with the parts of the program that goes on from it.
+#[derive(Clone, Copy)]
+struct Saved<'a> {
+    checkpoint: &'a Checkpoint,
+    path: &'a Path,
+    own: &'a OwnParts,
+}
+
+impl Saved<'_> {
+    /// Builds the simulation for the instruction set that was used, or for the one that was asked for; in the
+    /// second case with a remark that the bits may differ.
+    fn with_isa(
+        &self,
+        overrides: Vec<(String, String)>,
+        wanted: Option<&str>,
+    ) -> Result<(Simulation, Option<String>), EngineError> {
+        let recorded = &self.checkpoint.metadata.isa;
+        let step = self.checkpoint.metadata.step;
+        let as_it_was = self.build(&overrides);
+        match (&as_it_was, wanted) {
+            (Ok(s), None) if s.isa == *recorded => return as_it_was.map(|s| (s, None)),
+            (Ok(s), Some(wanted)) if s.isa == *recorded && wanted == recorded => {
+                return as_it_was.map(|s| (s, None));
             }
-            .into());
+            (Err(e), None) if !is_about_isa(e) => return as_it_was.map(|s| (s, None)),
+            (was, None) => {
+                let available = lennard_forcefield::available_isas();
+                let here = match was {
+                    Ok(s) => format!("this machine would go on with {}", s.isa),
+                    Err(_) => "this processor does not have it".to_owned(),
+                };
+                let advice = if available.contains(&recorded.as_str()) {
+                    format!("to go on to the bit: --isa {recorded}")
+                } else {
+                    format!(
+                        "to go on with bits that may differ: --isa {}",
+                        available.first().copied().unwrap_or("portable")
+                    )
+                };
+                return Err(ResumeError::OtherIsa {
+                    checkpoint: self.path.to_owned(),
+                    recorded: recorded.clone(),
+                    here,
+                    advice,
+                }
+                .into());
+            }
+            (_, Some(_)) => {}
         }
-        (_, Some(_)) => {}
+        let isa = [(
+            "kernel.isa".to_owned(),
+            wanted.unwrap_or_default().to_owned(),
+        )];
+        let overrides: Vec<_> = overrides.into_iter().chain(isa).collect();
+        let simulation = self.build(&overrides)?;
+        let remark = (simulation.isa != *recorded).then(|| {
+            format!(
+                "from step {step} on with the instruction set {} in place of {recorded}: bits may differ from a run on one",
+                simulation.isa
+            )
+        });
+        Ok((simulation, remark))
     }
-    let isa = [(
-        "kernel.isa".to_owned(),
-        wanted.unwrap_or_default().to_owned(),
-    )];
-    let overrides: Vec<_> = overrides.into_iter().chain(isa).collect();
-    let simulation = build_for(checkpoint, &overrides, path)?;
-    let remark = (simulation.isa != *recorded).then(|| {
-        format!(
-            "from step {step} on with the instruction set {} in place of {recorded}: bits may differ from a run on one",
-            simulation.isa
-        )
-    });
-    Ok((simulation, remark))
+
+    /// A simulation for the scene and the start box of a checkpoint, its particles not yet in place.
+    ///
+    /// Neither a start configuration nor a relaxation is needed: positions come from the checkpoint.
+    fn build(&self, overrides: &[(String, String)]) -> Result<Simulation, EngineError> {
+        let Self {
+            checkpoint,
+            path,
+            own,
+        } = *self;
+        let misfit = |reason: String| ResumeError::DoesNotFit {
+            checkpoint: path.to_owned(),
+            reason,
+        };
+        let scene = Scene::parse(&checkpoint.scene, &path.display().to_string(), overrides)?;
+        let sides = checkpointing::saved_start_cell(&checkpoint.archive)
+            .map_err(|e| misfit(e.to_string()))?;
+        let cell = PeriodicBox::new(sides).map_err(|e| misfit(e.to_string()))?;
+        let state = checkpoint.archive.reader().section("state");
+        let n = state
+            .vec3("positions")
+            .map_err(|e| misfit(e.to_string()))?
+            .len();
+        if n == 0 {
+            return Err(misfit("it has no particles".into()).into());
+        }
+        let species = checkpointing::saved_species(&checkpoint.archive, &scene, n)
+            .map_err(|e| misfit(e.to_string()))?;
+        let beginning = Beginning {
+            cell,
+            positions: vec![DVec3::ZERO; n],
+            velocities: Some(vec![DVec3::ZERO; n]),
+            species,
+            relax: false,
+        };
+        build::prepare_own_from(scene, beginning, own.clone())
+    }
 }
 
 fn is_about_isa(error: &EngineError) -> bool {
-    matches!(error, EngineError::Scene(e) if e.to_string().contains("isa"))
-}
-
-/// A simulation for the scene and the start box of a checkpoint, its particles not yet in place.
-///
-/// Neither a start configuration nor a relaxation is needed: positions come from the checkpoint.
-fn build_for(
-    checkpoint: &Checkpoint,
-    overrides: &[(String, String)],
-    path: &Path,
-) -> Result<Simulation, EngineError> {
-    let misfit = |reason: String| ResumeError::DoesNotFit {
-        checkpoint: path.to_owned(),
-        reason,
-    };
-    let scene = Scene::parse(&checkpoint.scene, &path.display().to_string(), overrides)?;
-    let sides =
-        checkpointing::saved_start_cell(&checkpoint.archive).map_err(|e| misfit(e.to_string()))?;
-    let cell = PeriodicBox::new(sides).map_err(|e| misfit(e.to_string()))?;
-    let state = checkpoint.archive.reader().section("state");
-    let n = state
-        .vec3("positions")
-        .map_err(|e| misfit(e.to_string()))?
-        .len();
-    if n == 0 {
-        return Err(misfit("it has no particles".into()).into());
-    }
-    let species = checkpointing::saved_species(&checkpoint.archive, &scene, n)
-        .map_err(|e| misfit(e.to_string()))?;
-    let beginning = Beginning {
-        cell,
-        positions: vec![DVec3::ZERO; n],
-        velocities: Some(vec![DVec3::ZERO; n]),
-        species,
-        relax: false,
-    };
-    build::prepare_from(scene, beginning)
+    matches!(error, EngineError::Scene(e) if e.key_path() == Some("kernel.isa"))
 }

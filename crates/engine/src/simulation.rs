@@ -9,6 +9,7 @@ use lennard_observables::Thermodynamics;
 use lennard_scene::{Scene, Stage};
 
 use crate::force_check::ForceCheck;
+use crate::own::OwnParts;
 use crate::schedule::Observer;
 use crate::timers::Timers;
 
@@ -46,6 +47,8 @@ pub struct Simulation {
     pub timers: Timers,
     /// Instruction set of the pair kernel, for the record.
     pub isa: String,
+    /// What the program brings beside the scene.
+    pub own: OwnParts,
 }
 
 /// The stage under way: its integrator, and what its heat bath has put in.

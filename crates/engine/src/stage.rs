@@ -4,7 +4,7 @@ use lennard_core::{Integrator, Momentum, PressureBath, Want};
 use lennard_integrators::BondHolder;
 
 use crate::simulation::StageRun;
-use crate::{EngineError, Simulation, initial, pressure};
+use crate::{EngineError, Simulation, baths, initial, pressure};
 
 impl Simulation {
     /// Moves on to the next stage where the current one is done; `false` at the end of the scene.
@@ -84,7 +84,7 @@ impl Simulation {
     }
 
     fn method(&self) -> Integrator {
-        lennard_integrators::build(&self.scene.integrator.method)
+        baths::method(&self.scene, &self.own)
     }
 
     /// c_P = V²·P_tail in ε·σ³, which does not depend on the volume; 0 without tail.

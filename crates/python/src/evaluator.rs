@@ -9,7 +9,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 
-use crate::{errors, numbers, scenes};
+use crate::{errors, numbers};
 
 struct Inner {
     options: ForceFieldOptions,
@@ -42,9 +42,9 @@ impl Evaluator {
     /// Forces for `n` particles in a box with these sides; the scene's own start is not looked at.
     #[new]
     fn new(scene: &str, n: usize, lengths: [f64; 3], threads: Option<usize>) -> PyResult<Self> {
-        let overrides = scenes::Overrides::new();
-        let scene =
-            scenes::from_text(scene, "calculator", &overrides).map_err(|e| errors::of_scene(&e))?;
+        let overrides = Vec::new();
+        let scene = lennard_engine::from_text(scene, "calculator", &overrides)
+            .map_err(|e| errors::of_scene(&e))?;
         if scene.mixture.is_some() {
             return Err(PyValueError::new_err(
                 "the calculator takes one species of particles; run a mixture as a Simulation",

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lennard_core::{DVec3, PeriodicBox};
-use lennard_engine::{Measurement, Recording, Simulation};
+use lennard_engine::{Measurement, OwnParts, Recording, Simulation, planned_steps};
 use lennard_io::{Checkpoint, FoundSpecies, StartConfiguration};
 use lennard_scene::{Scene, SceneError};
 use numpy::PyReadonlyArray2;
@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use rayon::ThreadPool;
 
 use crate::view::View;
-use crate::{errors, numbers, scenes};
+use crate::{errors, numbers};
 
 /// Threads that live as long as a simulation.
 pub fn pool(threads: usize) -> PyResult<ThreadPool> {
@@ -92,10 +92,8 @@ impl Inner {
             threads,
             start,
         } = made;
-        let prepared = py.detach(|| match start.clone() {
-            None => lennard_engine::prepare(scene),
-            Some(start) => lennard_engine::prepare_with(scene, start),
-        });
+        let prepared =
+            py.detach(|| lennard_engine::prepare_with(scene, start.clone(), OwnParts::none()));
         let simulation = prepared.map_err(|e| errors::of_engine(e, from_file))?;
         Ok(Self {
             start,
@@ -146,7 +144,7 @@ impl Inner {
 
     /// Steps of the scene that are not done.
     pub fn steps_left(&self) -> u64 {
-        let steps = scenes::steps(&self.simulation.scene);
+        let steps = planned_steps(&self.simulation.scene);
         steps.saturating_sub(self.simulation.state.step)
     }
 }

@@ -4,7 +4,10 @@ use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use lennard_core::DVec3;
-use lennard_engine::{Measurement, MemoryOptions, run_in_memory};
+use lennard_engine::{
+    Addition, Measurement, MemoryOptions, ended, from_text, planned_stages, planned_steps,
+    planned_text, prolonged, run_in_memory, with_stage,
+};
 use lennard_io::Existing;
 use lennard_scene::{Scene, Start};
 use numpy::PyArray2;
@@ -13,7 +16,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use crate::inner::{self, Arrays, Inner, Made};
-use crate::scenes::{self, Addition, Overrides};
+use crate::scenes::Overrides;
 use crate::view::View;
 use crate::{errors, numbers, run};
 
@@ -94,7 +97,7 @@ impl Core {
         threads: Option<usize>,
         start: Option<Arrays<'_>>,
     ) -> PyResult<Self> {
-        let scene = scenes::from_text(text, name, &overrides).map_err(|e| errors::of_scene(&e))?;
+        let scene = from_text(text, name, &overrides).map_err(|e| errors::of_scene(&e))?;
         Inner::make(
             py,
             Made {
@@ -142,7 +145,7 @@ impl Core {
     /// The scene as TOML, every default written out.
     fn scene(&self) -> PyResult<String> {
         let inner = self.used()?;
-        Ok(scenes::text(&inner.simulation.scene))
+        Ok(planned_text(&inner.simulation.scene))
     }
 
     /// Writes the scene, and the start where it came as arrays, into a folder.
@@ -150,7 +153,7 @@ impl Core {
         let inner = self.used()?;
         let failed = |e: String| PyOSError::new_err(e);
         std::fs::create_dir_all(&folder)?;
-        let text = scenes::text(&inner.simulation.scene);
+        let text = planned_text(&inner.simulation.scene);
         lennard_io::write_text_atomically(&folder.join("scene.toml"), &text)
             .map_err(|e| failed(e.to_string()))?;
         let (Some(start), Start::Configuration { path, .. }) =
@@ -176,21 +179,21 @@ impl Core {
             observables,
             output,
         };
-        let scene = scenes::with_stage(&inner.simulation, &addition);
+        let scene = with_stage(&inner.simulation, &addition);
         inner.grow(scene, Measurement::Anew)
     }
 
     /// Makes the last stage longer.
     fn prolong(&self, steps: u64) -> PyResult<()> {
         let mut inner = self.whole()?;
-        let scene = scenes::prolonged(&inner.simulation, steps);
+        let scene = prolonged(&inner.simulation, steps);
         inner.grow(scene, Measurement::GoesOn)
     }
 
     /// Ends the stage under way here, and drops the stages after it.
     fn end_stage(&self) -> PyResult<()> {
         let mut inner = self.whole()?;
-        let scene = scenes::ended(&inner.simulation);
+        let scene = ended(&inner.simulation);
         inner.grow(Ok(scene), Measurement::GoesOn)
     }
 
@@ -208,7 +211,7 @@ impl Core {
             from_file,
             ..
         } = &mut *inner;
-        let end = scenes::steps(&simulation.scene);
+        let end = planned_steps(&simulation.scene);
         let until = Some(until.unwrap_or(end).min(end));
         let (done, raised) = run::watched(py, pool, callback.as_ref(), |stop, progress| {
             let options = MemoryOptions {
@@ -350,7 +353,7 @@ impl Core {
     fn stages(&self) -> PyResult<(Vec<StageEntry>, Option<usize>)> {
         let inner = self.used()?;
         let simulation = &inner.simulation;
-        let stages = scenes::stages(&simulation.scene).iter();
+        let stages = planned_stages(&simulation.scene).iter();
         let all = stages
             .map(|s| (s.name.clone(), s.steps, s.measure))
             .collect();

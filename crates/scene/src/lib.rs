@@ -8,6 +8,7 @@
 mod accuracy;
 mod bath_checks;
 mod baths;
+mod builder;
 mod checks;
 mod de;
 mod error;
@@ -18,6 +19,7 @@ mod molecule;
 mod molecule_checks;
 mod names;
 mod overrides;
+mod program;
 mod read;
 mod read_molecule;
 pub mod reference;
@@ -32,11 +34,13 @@ mod typed;
 mod walls;
 
 pub use accuracy::Accuracy;
+pub use builder::SceneBuilder;
 pub use error::{Place, SceneError, Source};
 pub use lock::{Chosen, Judged, Lock, UsedLock};
 pub use mixture::{Amount, MixtureTables, PairEntry, SpeciesEntry};
 pub use molecule::{Molecule, MoleculeKind, MoleculeOptions};
 pub use names::nearest;
+pub use program::ProgramParts;
 pub use scene::{
     Checkpoint, Geometry, IntegratorTable, Lattice, ObservableTable, Output, Placement,
     PressureControl, Scene, Stage, Start, System,

@@ -83,6 +83,15 @@ impl Scene {
     /// The model in words: potential, truncation, and molecules where there are some.
     #[must_use]
     pub fn model_name(&self) -> String {
+        let named = self.named_model();
+        match self.program.have_forces() {
+            true => format!("{named}; with forces of a program"),
+            false => named,
+        }
+    }
+
+    /// The model as far as the scene itself names it.
+    fn named_model(&self) -> String {
         let pairs = lennard_forcefield::model_name(&self.force_field());
         if let Some(species) = self.species_in_words() {
             return format!("{pairs}; {species}");

@@ -130,6 +130,7 @@ fn read(
         observables,
         output,
         checkpoint: reader.checkpoint()?,
+        program: reader.plain(WRITTEN_BY_RUNS)?,
         system,
         source: source.clone(),
     };
@@ -156,6 +157,9 @@ const TABLES: [&str; 13] = [
     "checkpoint",
 ];
 
+/// The table that a run writes where its program has parts of its own; no message offers it, and the reference has not got it.
+const WRITTEN_BY_RUNS: &str = "program";
+
 /// Those that may be written many times.
 const LISTS: [&str; 5] = ["species", "pair", "wall", "stage", "observable"];
 
@@ -181,7 +185,7 @@ impl<'a> Reader<'a> {
     fn known_tables(&self) -> Result<(), SceneError> {
         for entry in &self.root.0 {
             let key = entry.key.as_str();
-            if key == "name" {
+            if key == "name" || key == WRITTEN_BY_RUNS {
                 continue;
             }
             let heading = match (TABLES.contains(&key), LISTS.contains(&key)) {

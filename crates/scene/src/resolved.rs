@@ -12,7 +12,7 @@ use lennard_observables::ObservableOptions;
 use serde::Serialize;
 
 use crate::molecule::MoleculeOptions;
-use crate::{Accuracy, Amount, Geometry, MixtureTables, Scene, Start, WallTable};
+use crate::{Accuracy, Amount, Geometry, MixtureTables, ProgramParts, Scene, Start, WallTable};
 
 #[derive(Serialize)]
 struct Resolved<'a> {
@@ -44,6 +44,8 @@ struct Resolved<'a> {
     observable: Vec<Observable<'a>>,
     output: Output<'a>,
     checkpoint: Checkpoint,
+    #[serde(skip_serializing_if = "ProgramParts::is_empty")]
+    program: &'a ProgramParts,
 }
 
 #[derive(Serialize, Default)]
@@ -263,6 +265,7 @@ impl Scene {
                 every_steps: self.checkpoint.every_steps.unwrap_or(0),
                 every_seconds: self.checkpoint.every_seconds.unwrap_or(0.0),
             },
+            program: &self.program,
         }
     }
 

@@ -12,7 +12,7 @@ use lennard_integrators::{BarostatOptions, IntegratorOptions, ThermostatOptions}
 use lennard_observables::ObservableOptions;
 use serde::{Deserialize, Serialize};
 
-use crate::{Accuracy, MixtureTables, Molecule, Source, WallTable};
+use crate::{Accuracy, MixtureTables, Molecule, ProgramParts, Source, WallTable};
 
 /// A scene: everything that a run depends on but the machine. Reduced units throughout.
 #[derive(Debug, Clone)]
@@ -52,6 +52,8 @@ pub struct Scene {
     pub output: Output,
     /// When checkpoints are written.
     pub checkpoint: Checkpoint,
+    /// What the program of the run added; empty for a scene that runs by itself.
+    pub program: ProgramParts,
     /// Where each key was written.
     pub source: Source,
 }
@@ -77,6 +79,7 @@ impl PartialEq for Scene {
             observables,
             output,
             checkpoint,
+            program,
             source: _,
         } = self;
         *name == other.name
@@ -96,6 +99,7 @@ impl PartialEq for Scene {
             && *observables == other.observables
             && *output == other.output
             && *checkpoint == other.checkpoint
+            && *program == other.program
     }
 }
 

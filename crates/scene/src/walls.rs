@@ -115,7 +115,8 @@ impl Scene {
     /// What takes the fluid's homogeneity away, in words; `None` where it is periodic along all axes and in no field.
     #[must_use]
     pub fn confined_by(&self) -> Option<&'static str> {
-        match (self.walls.is_empty(), self.acceleration == DVec3::ZERO) {
+        let without_field = self.acceleration == DVec3::ZERO && self.program.fields.is_empty();
+        match (self.walls.is_empty(), without_field) {
             (true, true) => None,
             (false, true) => Some("walls"),
             (true, false) => Some("a field"),

@@ -3,6 +3,8 @@
 //! Every block that begins with ```` ```sh ```` is run, one document in one new folder, with `lennard` on the path. A block whose
 //! line before is a comment `<!-- not run: … -->` is left out. A block ```` ```toml title="NAME" ```` is written to the file NAME.
 //!
+//! A block ```` ```rust title="FILE" ```` shows a part of that example of the library, line by line.
+//!
 //! A ```` ```text ```` block behind commands shows what they print. Each row of its table with a ± must be in the output.
 //! Quantity and verdict are the same there, and the means agree within five of both standard errors.
 
@@ -13,6 +15,9 @@ use std::process::Command;
 
 use crate::counts::Counts;
 use crate::workspace::Workspace;
+
+/// Where the examples of the library are.
+const EXAMPLES: &str = "crates/lennard/examples";
 
 const DOCUMENTS: [&str; 2] = ["README.md", "docs/tutorials/*.md"];
 
@@ -25,6 +30,8 @@ enum Step {
     Run(usize, String),
     /// What the commands before print.
     Shown(String),
+    /// A part of an example of the library: its file and the text.
+    Excerpt(String, String),
 }
 
 /// Runs every document.
@@ -81,6 +88,14 @@ fn follow(workspace: &Workspace, folder: &Path, steps: &[Step]) -> Result<(), Bo
                     return Err(fault.into());
                 }
             }
+            Step::Excerpt(name, shown) => {
+                let example = workspace.root.join(EXAMPLES).join(name);
+                let text = fs::read_to_string(&example)
+                    .map_err(|e| format!("{}: {e}", example.display()))?;
+                if !text.contains(shown.as_str()) {
+                    return Err(format!("{name} does not have this part:\n{shown}").into());
+                }
+            }
         }
     }
     Ok(())
@@ -99,15 +114,17 @@ fn steps(text: &str) -> Vec<Step> {
                 .take_while(|line| *line != "```")
                 .collect();
             let body = body.join("\n") + "\n";
-            let file = kind
-                .strip_prefix("toml title=\"")
-                .and_then(|t| t.strip_suffix('"'));
-            match (kind, file) {
-                ("sh", _) if !before.starts_with("<!-- not run:") => {
+            let titled = |language: &str| {
+                let title = kind.strip_prefix(language)?.strip_prefix(" title=\"")?;
+                title.strip_suffix('"').map(str::to_owned)
+            };
+            match (kind, titled("toml"), titled("rust")) {
+                ("sh", ..) if !before.starts_with("<!-- not run:") => {
                     steps.push(Step::Run(number, body))
                 }
-                ("text", _) => steps.push(Step::Shown(body)),
-                (_, Some(name)) => steps.push(Step::File(name.to_owned(), body)),
+                ("text", ..) => steps.push(Step::Shown(body)),
+                (_, Some(name), _) => steps.push(Step::File(name, body)),
+                (_, _, Some(name)) => steps.push(Step::Excerpt(name, body)),
                 _ => {}
             }
         }
@@ -174,13 +191,14 @@ mod tests {
     #[test]
     fn blocks_of_a_document_are_files_commands_and_what_they_print() {
         let text = "# A\n\n```sh\nlennard run x\n```\n\nIt prints:\n\n```text\nout\n```\n\n\
-            ```toml title=\"x.toml\"\na = 1\n```\n\n<!-- not run: it installs -->\n```sh\nfalse\n```\n";
+            ```toml title=\"x.toml\"\na = 1\n```\n\n```rust title=\"x.rs\"\nfn x() {}\n```\n\n<!-- not run: it installs -->\n```sh\nfalse\n```\n";
         assert_eq!(
             steps(text),
             [
                 Step::Run(3, "lennard run x\n".into()),
                 Step::Shown("out\n".into()),
                 Step::File("x.toml".into(), "a = 1\n".into()),
+                Step::Excerpt("x.rs".into(), "fn x() {}\n".into()),
             ]
         );
     }

@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 
 use lennard_core::{DVec3, PeriodicBox};
 use lennard_engine::{
-    Ending, Measurement, MemoryOptions, Recording, Simulation, prepare, prepare_with, restored,
-    run_in_memory, snapshot,
+    Ending, Measurement, MemoryOptions, OwnParts, Recording, Simulation, prepare, prepare_with,
+    restored, run_in_memory, snapshot,
 };
 use lennard_io::StartConfiguration;
 use lennard_scene::Scene;
@@ -149,7 +149,7 @@ fn a_start_from_memory_needs_a_scene_that_names_a_configuration() {
         frames: 1,
     };
     let lattice = scene(&format!("{SYSTEM}{MEASURE}"));
-    let error = prepare_with(lattice, start.clone())
+    let error = prepare_with(lattice, Some(start.clone()), OwnParts::none())
         .err()
         .map(|e| e.to_string());
     let message = error.unwrap_or_default();
@@ -160,6 +160,7 @@ fn a_start_from_memory_needs_a_scene_that_names_a_configuration() {
     let text = format!(
         "[system]\nconfiguration = \"start.xyz\"\ntemperature = 1.0\n[truncation]\nr_cut = 2.5\n{MEASURE}"
     );
-    let simulation = prepare_with(scene(&text), start).unwrap_or_else(|e| panic!("{e}"));
+    let simulation =
+        prepare_with(scene(&text), Some(start), OwnParts::none()).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(simulation.state.positions[1], DVec3::splat(3.0));
 }

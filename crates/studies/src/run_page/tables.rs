@@ -47,7 +47,7 @@ pub(super) fn stages(run: &RunFolder) -> Table {
     let scene = &run.scene;
     let caption = format!(
         "Integrator: {}. Model: {}.",
-        scene.integrator.method.name(),
+        scene.method_name(),
         run.record.model
     );
     Table::rows_of("stages", &scene.stages)

@@ -28,6 +28,7 @@ const TABLE: &[(&str, May)] = &[
         May::Use(&["core", "forcefield", "integrators", "observables", "io"]),
     ),
     ("engine", May::UseAllAbove),
+    (LIBRARY, May::UseAllAbove),
     ("report", May::Use(&["core", "io", "literature"])),
     ("studies", May::UseAllAbove),
     ("cli", May::UseAllAbove),
@@ -38,6 +39,8 @@ const TABLE: &[(&str, May)] = &[
 ];
 
 const PREFIX: &str = "lennard-";
+/// The crate that others depend on: it has the name of the program.
+const LIBRARY: &str = "lennard";
 
 /// Every dependency that the table does not allow.
 pub fn faults(packages: &[Package]) -> Vec<String> {
@@ -46,7 +49,7 @@ pub fn faults(packages: &[Package]) -> Vec<String> {
     let mut faults = Vec::new();
     for package in packages {
         let name = short(&package.name);
-        if name == package.name {
+        if name == package.name && name != LIBRARY {
             faults.push(format!("{name} is not called {PREFIX}<folder>"));
         }
         let Some(own) = place(&name) else {
@@ -108,7 +111,13 @@ mod tests {
     }
 
     #[test]
-    fn a_crate_without_a_place_is_told() {
+    fn a_crate_without_a_place_or_without_the_prefix_is_told() {
         assert_eq!(faults(&[package("extras", &[])]).len(), 1);
+        let named = |name: &str| Package {
+            name: name.to_owned(),
+            ..package("io", &["core"])
+        };
+        assert_eq!(faults(&[named("io")]).len(), 1);
+        assert!(faults(&[named(LIBRARY)]).is_empty());
     }
 }

@@ -1,0 +1,92 @@
+//! An observable of one's own: the share of particles that are faster than twice the thermal speed.
+#![allow(clippy::print_stdout)] // printing is what this program is for
+
+use lennard::parts::{
+    Average, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
+    Suits, View, Want,
+};
+use lennard::prelude::*;
+use lennard::statistics;
+
+static SPEC: ObservableSpec = ObservableSpec {
+    name: "fast-share",
+    summary: "share of particles that are faster than twice the thermal speed √(T/m)",
+    equation: "⟨number of particles with v > 2·√(T/m)⟩ / N",
+    source: "the distribution of Maxwell: erfc(√2) + √(8/π)·exp(−2) = 0.26146",
+    dynamic: false,
+    suits: Suits::All,
+};
+
+#[derive(Clone)]
+struct FastShare {
+    temperature: f64,
+    samples: Vec<f64>,
+}
+
+impl Observable for FastShare {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want::NOTHING
+    }
+
+    fn sample(&mut self, view: &View<'_>) {
+        let velocities = &view.state.velocities;
+        let masses = &view.system.masses;
+        let is_fast =
+            |i: &usize| masses.of(*i) * velocities[*i].length_squared() > 4.0 * self.temperature;
+        let fast = (0..velocities.len()).filter(is_fast).count();
+        self.samples.push(fast as f64 / velocities.len() as f64);
+    }
+
+    fn finish(&self, discarded: f64) -> Findings {
+        let cut = (discarded * self.samples.len() as f64) as usize;
+        let estimate = statistics::estimate_after(&self.samples, cut);
+        Findings {
+            averages: vec![Average::new("fast_share", "", estimate)],
+            ..Findings::default()
+        }
+    }
+}
+
+impl Persist for FastShare {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        to.put_f64("samples", &self.samples);
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.samples = from.f64("samples")?.to_vec();
+        Ok(())
+    }
+}
+
+pub(crate) fn main() -> lennard::Result<()> {
+    let temperature = 1.5;
+    let scene = SceneBuilder::new()
+        .set("system.n_atoms", 256)
+        .set("system.density", 0.6)
+        .set("system.temperature", temperature)
+        .stages([
+            toml! { name = "melt" steps = 500 thermostat = { kind = "bussi", tau = 0.2 } },
+            toml! { name = "production" steps = 3000 thermostat = { kind = "bussi", tau = 0.2 } },
+        ])
+        .build()?;
+    let share = FastShare {
+        temperature,
+        samples: Vec::new(),
+    };
+    let mut fluid = Simulation::with_parts(scene, OwnParts::none().observable(10, share))?;
+    fluid.run()?;
+
+    let results = fluid.results();
+    let share = results.average("fast_share")?;
+    assert_eq!(share.reason, "", "nothing speaks against the mean");
+    println!(
+        "fast particles: {:.4} ± {:.4}, by Maxwell 0.2615",
+        share.mean, share.standard_error
+    );
+    assert!((share.mean - 0.261_46).abs() < 5.0 * share.standard_error);
+    Ok(())
+}

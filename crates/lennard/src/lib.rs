@@ -1,0 +1,60 @@
+//! Molecular dynamics of Lennard-Jones fluids, to depend on.
+//!
+//! A [`SceneBuilder`] makes a [`Scene`], and a [`Simulation`] runs it in memory or into a folder. The keys are the keys of a
+//! scene file, and so are defaults, checks and errors: the same scene has the bits of the command line, on any number of
+//! threads.
+//!
+//! ```
+//! use lennard::prelude::*;
+//!
+//! let scene = SceneBuilder::open("verlet-1967/liquid")
+//!     .set("system.n_atoms", 108)
+//!     .set("truncation.r_cut", 2.2)
+//!     .stages([toml! { name = "production" steps = 60 }])
+//!     .build()?;
+//! let mut liquid = Simulation::new(scene)?;
+//! liquid.run()?;
+//! let energy = liquid.results().average("potential_energy")?.mean;
+//! assert!((-8.0..-4.0).contains(&energy));
+//! # Ok::<(), lennard::Error>(())
+//! ```
+//!
+//! All numbers are in reduced units (ε = σ = m = k_B = 1): lengths in σ, times in τ = σ√(m/ε), energies in ε, pressures in
+//! ε/σ³. Energies are for each particle, or for each molecule where the scene has molecules.
+//!
+//! # Parts of your own
+//!
+//! [`OwnParts`] brings forces, an integrator and observables that no scene names. The module [`parts`] has the contracts
+//! that they keep. The folder `examples` of this crate has one of each, and the tutorials of the book explain them.
+
+mod error;
+mod results;
+mod simulation;
+
+pub use error::{Error, Result};
+pub use lennard_core::{DMat3, DVec3, PeriodicBox, State, Table};
+pub use lennard_engine::{Ending, EngineError, KeptFrame, Moment, OwnParts, Progress};
+pub use lennard_io::{AverageRecord, RunRecord};
+pub use lennard_literature as literature;
+pub use lennard_observables::statistics;
+pub use lennard_scene::{Scene, SceneBuilder, SceneError, shipped};
+pub use results::Results;
+pub use simulation::Simulation;
+pub use toml;
+
+/// What nearly every program needs.
+pub mod prelude {
+    pub use crate::{OwnParts, Results, Scene, SceneBuilder, Simulation};
+    pub use toml::toml;
+}
+
+/// The contracts of forces, integrators and observables, and what their implementations need.
+pub mod parts {
+    pub use lennard_core::parallel::{for_each_piece, ordered_sum};
+    pub use lennard_core::{
+        Array, Average, Configuration, DMat3, DVec3, Energetics, Estimate, Findings, ForceError,
+        ForceProperties, ForceTerm, IntegratorSpec, Method, Observable, ObservableSpec, Part,
+        PeriodicBox, Persist, RestoreError, StateReader, StateWriter, Step, StepError, Suits,
+        System, Table, View, Want, remembers_nothing,
+    };
+}

@@ -1,0 +1,6 @@
+//! Tests of the library `lennard`.
+
+mod bits;
+mod examples;
+mod own;
+mod refusals;

@@ -1,0 +1,109 @@
+//! What the library refuses, and in which words.
+
+use lennard::prelude::*;
+
+use crate::own::{PositionVerlet, SPRING, Spring, fluid, parts, prepared};
+
+fn refused(made: lennard::Result<Simulation>) -> String {
+    made.err().expect("refused").to_string()
+}
+
+#[track_caller]
+fn says(message: &str, wanted: &[&str]) {
+    for words in wanted {
+        assert!(message.contains(words), "wanted `{words}` in\n{message}");
+    }
+}
+
+fn with_fault(fault: &'static str) -> String {
+    let spring = Spring {
+        fault: Some(fault),
+        ..SPRING
+    };
+    refused(prepared(OwnParts::none().force("spring", spring)))
+}
+
+#[test]
+fn a_force_that_breaks_its_contract_is_refused_before_the_first_step() {
+    says(
+        &with_fault("no virial"),
+        &[
+            "`program.fields` does not fit",
+            "`spring`, which gives no virial",
+            "0 where it has none",
+        ],
+    );
+    says(
+        &with_fault("another force"),
+        &[
+            "whose `force_on` gives",
+            "the same force by both: the watchdog checks one by the other",
+        ],
+    );
+    says(
+        &with_fault("leaves one out"),
+        &[
+            "whose force on particle 4 is",
+            "a finite force for each particle",
+        ],
+    );
+}
+
+#[test]
+fn a_field_goes_with_no_tail_and_a_bath_inside_the_step_with_no_method_of_ones_own() {
+    let tail = fluid().set("truncation.kind", "cut").build().unwrap();
+    says(
+        &refused(Simulation::with_parts(tail, parts())),
+        &[
+            "`truncation.tail_correction` assumes a homogeneous fluid",
+            "with a field",
+        ],
+    );
+    let langevin = fluid()
+        .set("stage.melt.thermostat", "langevin")
+        .build()
+        .unwrap();
+    let own = OwnParts::none().method(PositionVerlet);
+    says(
+        &refused(Simulation::with_parts(langevin, own)),
+        &[
+            "`stage.0.thermostat` does not fit",
+            "`langevin`, which steps in the place of `position-verlet`",
+            "none, or a bath that acts between steps, such as `bussi`",
+        ],
+    );
+}
+
+#[test]
+fn a_name_that_no_result_has_is_told_with_the_nearest() {
+    let mut fluid = prepared(OwnParts::none()).unwrap();
+    fluid.step(100).unwrap();
+    let results = fluid.results();
+    says(
+        &results.average("presure").unwrap_err().to_string(),
+        &["the run has no average `presure`", "nearest: pressure"],
+    );
+    says(
+        &format!("{:?}", results.table("rdf").unwrap_err()),
+        &["the run has no table `rdf`"],
+    );
+}
+
+#[test]
+fn a_folder_takes_whole_runs_alone_and_none_that_is_there() {
+    let temporary = tempfile::tempdir().unwrap();
+    let mut begun = prepared(OwnParts::none()).unwrap();
+    begun.step(5).unwrap();
+    let folder = temporary.path().join("run");
+    let error = begun.run_in_folder(&folder).unwrap_err().to_string();
+    says(
+        &error,
+        &["a folder holds a run from its first step, and this simulation has done 5 steps"],
+    );
+    assert!(!folder.exists());
+    let error = Simulation::load(&folder)
+        .err()
+        .expect("refused")
+        .to_string();
+    says(&error, &["run"]);
+}
