@@ -28,6 +28,7 @@ mod main_loop;
 mod moment;
 mod names;
 mod own;
+mod own_in_stages;
 mod plan;
 mod pressure;
 mod record;

@@ -9,7 +9,6 @@ use lennard_core::{
 use lennard_scene::{ProgramParts, Scene, SceneError};
 
 use crate::schedule::Observer;
-use crate::{EngineError, Simulation};
 
 /// Forces, an integrator and observables of a program of one's own.
 ///
@@ -89,6 +88,16 @@ impl OwnParts {
         self
     }
 
+    /// The name of the method; `None` where the scene's own is used.
+    pub(crate) fn method_name(&self) -> Option<&'static str> {
+        self.method.as_ref().map(|m| m.name)
+    }
+
+    /// The names of the observables.
+    pub(crate) fn observable_names(&self) -> impl Iterator<Item = &'static str> {
+        self.observables.iter().map(|o| o.name)
+    }
+
     /// Their names, as the resolved scene has them.
     #[must_use]
     pub fn names(&self) -> ProgramParts {
@@ -99,8 +108,8 @@ impl OwnParts {
         ProgramParts {
             fields: of_kind(true),
             forces: of_kind(false),
-            integrator: self.method.as_ref().map(|m| m.name.to_owned()),
-            observables: self.observables.iter().map(|o| o.name.to_owned()).collect(),
+            integrator: self.method_name().map(str::to_owned),
+            observables: self.observable_names().map(str::to_owned).collect(),
         }
     }
 
@@ -231,49 +240,6 @@ impl OwnForce {
                     found,
                     "the same force by both: the watchdog checks one by the other",
                 ));
-            }
-        }
-        Ok(())
-    }
-}
-
-impl Simulation {
-    /// Refuses baths and barostats that take the place of a method of the program.
-    pub(crate) fn keeps_own_method(&self) -> Result<(), EngineError> {
-        let Some(own) = self.own.method.as_ref().map(|m| m.name) else {
-            return Ok(());
-        };
-        for (index, stage) in self.scene.stages.iter().enumerate() {
-            let there = self.stage_run_for(index).integrator.spec().name;
-            if there != own {
-                let key = match stage.barostat {
-                    Some(_) => "barostat",
-                    None => "thermostat",
-                };
-                let found = format!("`{there}`, which steps in the place of `{own}`");
-                let allowed = "none, or a bath that acts between steps, such as `bussi`";
-                let key = format!("stage.{index}.{key}");
-                return Err(self.scene.source.invalid(&key, found, allowed).into());
-            }
-        }
-        Ok(())
-    }
-
-    /// Refuses an observable of the program that has the name of another.
-    pub(crate) fn tells_observables_apart(&self) -> Result<(), EngineError> {
-        let names: Vec<&str> = self
-            .observers
-            .iter()
-            .map(|o| o.observable.spec().name)
-            .collect();
-        let own = self.own.observables.iter().map(|o| o.name);
-        for name in own {
-            if names.iter().filter(|n| **n == name).count() > 1 {
-                let allowed = "a name that no other observable of the run has";
-                let source = &self.scene.source;
-                return Err(source
-                    .invalid("program.observables", format!("`{name}`"), allowed)
-                    .into());
             }
         }
         Ok(())

@@ -34,11 +34,11 @@ pub enum Error {
     },
     /// A folder holds whole runs.
     #[error(
-        "a folder holds a run from its first step, and this simulation has done {0} steps\n  allowed: a new simulation of the same scene"
+        "a folder takes a whole run, and this simulation has done {0} steps\n  allowed: a new simulation of the same scene"
     )]
     Begun(u64),
     /// The system gives no threads.
-    #[error("threads cannot be started: {0}")]
+    #[error("starting threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 

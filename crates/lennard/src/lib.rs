@@ -1,7 +1,7 @@
 //! Molecular dynamics of Lennard-Jones fluids, to depend on.
 //!
-//! A [`SceneBuilder`] makes a [`Scene`], and a [`Simulation`] runs it in memory or into a folder. The keys are the keys of a
-//! scene file, and so are defaults, checks and errors: the same scene has the bits of the command line, on any number of
+//! A [`SceneBuilder`] makes a [`Scene`], and a [`Simulation`] runs it in memory or into a folder. Keys, defaults,
+//! checks and errors are the same as in a scene file. The same scene has the bits of the command line, on any number of
 //! threads.
 //!
 //! ```

@@ -8,8 +8,8 @@ use crate::{Error, Result};
 /// Means with their errors, and tables.
 #[derive(Debug, Clone)]
 pub struct Results {
-    /// All of it but the tables, as `run.json` of a run with files has it: the scene, the averages, the comparison with the
-    /// literature, how well the energy was conserved, and remarks.
+    /// All of it but the tables, as `run.json` of a run with files has it. It holds the scene, the averages, the comparison with
+    /// the literature, how well the energy was conserved, and remarks.
     pub record: RunRecord,
     /// The tables of the observables, such as `rdf`.
     pub tables: Vec<Table>,

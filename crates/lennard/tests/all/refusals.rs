@@ -1,8 +1,40 @@
 //! What the library refuses, and in which words.
 
+use lennard::parts::{Findings, Observable, ObservableSpec, Suits, View, Want, remembers_nothing};
 use lennard::prelude::*;
 
 use crate::own::{PositionVerlet, SPRING, Spring, fluid, parts, prepared};
+
+static SPEC: ObservableSpec = ObservableSpec {
+    name: "speed",
+    summary: "nothing",
+    equation: "0",
+    source: "none",
+    dynamic: false,
+    suits: Suits::All,
+};
+
+/// An observable that finds nothing.
+#[derive(Clone)]
+struct Speed;
+
+remembers_nothing!(Speed);
+
+impl Observable for Speed {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want::NOTHING
+    }
+
+    fn sample(&mut self, _view: &View<'_>) {}
+
+    fn finish(&self, _discarded: f64) -> Findings {
+        Findings::default()
+    }
+}
 
 fn refused(made: lennard::Result<Simulation>) -> String {
     made.err().expect("refused").to_string()
@@ -75,6 +107,20 @@ fn a_field_goes_with_no_tail_and_a_bath_inside_the_step_with_no_method_of_ones_o
 }
 
 #[test]
+fn two_observables_of_one_name_are_refused() {
+    let twice = OwnParts::none().observable(10, Speed).observable(20, Speed);
+    says(
+        &refused(prepared(twice)),
+        &[
+            "`program.observables` does not fit",
+            "`speed`",
+            "a name that no other observable",
+        ],
+    );
+    assert!(prepared(OwnParts::none().observable(10, Speed)).is_ok());
+}
+
+#[test]
 fn a_name_that_no_result_has_is_told_with_the_nearest() {
     let mut fluid = prepared(OwnParts::none()).unwrap();
     fluid.step(100).unwrap();
@@ -98,7 +144,7 @@ fn a_folder_takes_whole_runs_alone_and_none_that_is_there() {
     let error = begun.run_in_folder(&folder).unwrap_err().to_string();
     says(
         &error,
-        &["a folder holds a run from its first step, and this simulation has done 5 steps"],
+        &["a folder takes a whole run, and this simulation has done 5 steps"],
     );
     assert!(!folder.exists());
     let error = Simulation::load(&folder)
