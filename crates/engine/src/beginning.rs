@@ -10,7 +10,7 @@ use lennard_scene::{Geometry, Lattice, Scene, Start};
 use crate::EngineError;
 use crate::close_pairs::{Sizes, closest_pair};
 use crate::confinement::{Confinement, place_between_walls};
-use crate::{initial, species, starting_molecules};
+use crate::{initial, species, starting_molecules, starting_slab};
 
 /// Start positions nearer than this (σ) are refused: U(0.5 σ) = 16,128 ε would blow any step up.
 pub const SMALLEST_START_DISTANCE: f64 = 0.5;
@@ -85,6 +85,11 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
             };
             Ok((beginning, Vec::new()))
         }
+        Start::Slab(slab) => {
+            let placement = scene.placement()?.expect("a slab has a placement");
+            let beginning = starting_slab::begin(scene, slab, &placement)?;
+            Ok((beginning, Vec::new()))
+        }
         Start::Configuration { path, geometry } => {
             let given = match geometry {
                 Some(Geometry::Box(sides)) => {
@@ -127,7 +132,7 @@ pub(crate) fn begin_in_memory(
 ) -> Result<(Beginning, Vec<String>), EngineError> {
     match &scene.system.start {
         Start::Configuration { path, .. } => begin_at(scene, path, start, None),
-        Start::Lattice { .. } => {
+        Start::Lattice { .. } | Start::Slab(_) => {
             let found = "positions beside a lattice";
             let allowed = "a `configuration` in the place of `lattice`, `n_atoms` and `density`";
             Err(scene
@@ -143,10 +148,8 @@ pub(crate) fn begin_in_memory(
 /// # Errors
 /// [`EngineError`] where the start cannot be made.
 pub fn size_and_density(scene: &Scene) -> Result<(usize, f64), EngineError> {
-    let (n, cell) = match (&scene.system.start, scene.placement()?) {
-        (Start::Lattice { n_atoms, .. }, Some(placement)) => {
-            (*n_atoms * scene.molecules().sites(), placement.cell)
-        }
+    let (n, cell) = match (scene.system.start.count(), scene.placement()?) {
+        (Some(count), Some(placement)) => (count * scene.molecules().sites(), placement.cell),
         _ => {
             let beginning = begin(scene)?;
             (beginning.positions.len(), beginning.cell)

@@ -1,11 +1,10 @@
 //! A run beside the literature.
 
 use lennard_core::{Average, Observable};
-use lennard_forcefield::{PotentialOptions, SpeciesPair, TruncationKind};
 use lennard_io::StatePoint;
-use lennard_literature::{EquationOfState, FiniteSize, Kept, KobAndersen, ModelKind, OneFluid};
+use lennard_literature::{EquationOfState, FiniteSize, Kept, ModelKind};
 use lennard_observables::Thermodynamics;
-use lennard_scene::Scene;
+use lennard_scene::{Scene, model_kind};
 
 use crate::baths::measured_baths;
 
@@ -16,119 +15,6 @@ pub struct Comparison {
     pub entries: Vec<lennard_io::Comparison>,
     /// Remarks that belong beside them.
     pub remarks: Vec<String>,
-}
-
-/// The model that a scene simulates, as far as the choice of a reference goes.
-#[must_use]
-pub fn model_kind(scene: &Scene) -> ModelKind {
-    if scene.program.have_forces() {
-        return ModelKind::Other {
-            potential: "a fluid with forces of a program",
-        };
-    }
-    let Some(r_cut) = scene.cutoff_of_one_fluid() else {
-        return mixture_kind(scene);
-    };
-    let spec = scene.potential.spec();
-    let molecules = scene.molecules();
-    if !molecules.are_atoms() {
-        let is_two_center = molecules.are_rigid()
-            && molecules.bonds().len() == 1
-            && spec.is_lennard_jones
-            && scene.truncation.kind == TruncationKind::Cut
-            && scene.truncation.tail_correction;
-        return match is_two_center {
-            true => ModelKind::TwoCenter {
-                bond_length: molecules.bonds()[0].length,
-                r_cut,
-            },
-            false => ModelKind::Other {
-                potential: "molecules other than rigid Lennard-Jones dumbbells with tail correction",
-            },
-        };
-    }
-    if let PotentialOptions::Mie(mie) = scene.potential
-        && scene.truncation.kind == TruncationKind::Cut
-        && scene.truncation.tail_correction
-    {
-        let (repulsive, attractive) = (f64::from(mie.repulsive), f64::from(mie.attractive));
-        let potential = lennard_literature::Mie {
-            repulsive,
-            attractive,
-        };
-        return match potential == lennard_literature::Mie::LENNARD_JONES {
-            true => ModelKind::CutWithTail { r_cut },
-            false => ModelKind::Mie {
-                repulsive,
-                attractive,
-                r_cut,
-            },
-        };
-    }
-    if !spec.is_lennard_jones {
-        return ModelKind::Other {
-            potential: spec.title,
-        };
-    }
-    match scene.truncation.kind {
-        TruncationKind::Cut if scene.truncation.tail_correction => ModelKind::CutWithTail { r_cut },
-        TruncationKind::Cut => ModelKind::CutWithoutTail { r_cut },
-        TruncationKind::Shift => ModelKind::Shifted { r_cut },
-        TruncationKind::ForceShift => ModelKind::ForceShifted { r_cut },
-        TruncationKind::Switch => ModelKind::Switched { r_cut },
-        // No reference knows another truncation.
-        other => ModelKind::Other {
-            potential: other.spec().summary,
-        },
-    }
-}
-
-/// Whether the scene has the pairs, the truncation and the masses of Kob and Andersen.
-fn is_kob_andersen(scene: &Scene) -> bool {
-    let species = scene.mixture.as_ref().map_or(&[][..], |m| &m.species);
-    let is_theirs = |[a, b]: [usize; 2]| {
-        let pair = scene.species_pair(a, b);
-        let [sigma, epsilon] = KobAndersen::pair(a, b);
-        (pair.sigma, pair.epsilon) == (sigma, epsilon) && pair.r_cut == KobAndersen::CUTOFF * sigma
-    };
-    scene.potential.spec().is_lennard_jones
-        && scene.truncation.kind == TruncationKind::Shift
-        && species.len() == 2
-        && species.iter().all(|s| s.mass == 1.0)
-        && scene.species_pairs().all(is_theirs)
-}
-
-/// The kind of a mixture: one that the one-fluid theory describes, or another.
-fn mixture_kind(scene: &Scene) -> ModelKind {
-    if is_kob_andersen(scene) {
-        return ModelKind::KobAndersen;
-    }
-    let other = |potential| ModelKind::Other { potential };
-    let full = scene.potential.spec().is_lennard_jones
-        && scene.truncation.kind == TruncationKind::Cut
-        && scene.truncation.tail_correction;
-    if !full {
-        return other("mixtures other than Lennard-Jones with tail correction");
-    }
-    let Some(fractions) = scene.fractions() else {
-        return other("mixtures whose composition stands in a file");
-    };
-    let pair = |a, b| scene.species_pair(a, b);
-    let of_pairs = |of: &dyn Fn(SpeciesPair) -> f64| {
-        let values = scene.species_pairs().map(|[a, b]| of(pair(a, b)));
-        values.fold([f64::INFINITY, 0.0], |[least, most], x| {
-            [x.min(least), x.max(most)]
-        })
-    };
-    let [smallest, largest] = of_pairs(&|p| p.sigma);
-    ModelKind::Mixture {
-        fluid: OneFluid::of(&fractions, |a, b| {
-            let SpeciesPair { sigma, epsilon, .. } = pair(a, b);
-            [sigma, epsilon]
-        }),
-        size_ratio: largest / smallest,
-        r_cut: of_pairs(&|p| p.r_cut / p.sigma)[0],
-    }
 }
 
 /// The viscosity of the reference table near a scene's state, for the finite-size correction of D;

@@ -4,9 +4,9 @@ use lennard_core::{Average, Observable};
 use lennard_io::StatePoint;
 use lennard_literature::EquationOfState;
 use lennard_observables::{ChangingBox, Thermodynamics};
-use lennard_scene::Scene;
+use lennard_scene::{Scene, model_kind};
 
-use crate::compare::{Comparison, model_kind};
+use crate::compare::Comparison;
 
 /// Density and U of a run at constant pressure beside the equation of state at the pressure of the barostat.
 ///

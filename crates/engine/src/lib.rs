@@ -40,6 +40,7 @@ mod simulation;
 mod species;
 mod stage;
 mod starting_molecules;
+mod starting_slab;
 mod timers;
 mod watch;
 pub mod watchdog;
@@ -49,9 +50,7 @@ pub use baths::held_temperature;
 pub use beginning::{Beginning, SMALLEST_START_DISTANCE, begin, size_and_density};
 pub use build::{conditions, forces, prepare, prepare_from, prepare_with, recommended_threads};
 pub use checkpointing::{Past, capture, snapshot};
-pub use compare::{
-    Compared, Comparison, beside_equation_of_state, model_kind, with_equation_of_state,
-};
+pub use compare::{Compared, Comparison, beside_equation_of_state, with_equation_of_state};
 pub use compare_at_pressure::at_constant_pressure;
 pub use confinement::Confinement;
 pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};

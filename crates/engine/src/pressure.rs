@@ -3,9 +3,9 @@
 use lennard_core::PeriodicBox;
 use lennard_integrators::Coupling;
 use lennard_literature::{EquationOfState, Phase};
-use lennard_scene::{PressureControl, Scene, Stage, Start};
+use lennard_scene::{PressureControl, Scene, Stage, model_kind};
 
-use crate::{EngineError, compare};
+use crate::EngineError;
 
 /// Densities (σ⁻³) below this are called a gas where no equation of state tells.
 const GAS_BELOW: f64 = 0.3;
@@ -25,7 +25,7 @@ struct Foreseen {
 
 fn foreseen(scene: &Scene, stage: &Stage) -> Option<Foreseen> {
     let control = stage.barostat.as_ref()?;
-    let equation = lennard_literature::equation_of_state_for(compare::model_kind(scene)).ok()?;
+    let equation = lennard_literature::equation_of_state_for(model_kind(scene)).ok()?;
     let density = equation.density(control.pressure, stage.temperature)?;
     let state = equation.at(density, stage.temperature);
     Some(Foreseen {
@@ -86,7 +86,7 @@ fn keeps_its_shape(
     control: &PressureControl,
     foreseen: &Foreseen,
 ) -> Result<(), EngineError> {
-    let is_slab = matches!(scene.system.start, Start::Lattice { vacuum, .. } if vacuum > 0.0);
+    let is_slab = scene.surfaces().is_some();
     if control.options.coupling() != Coupling::XyZ || is_slab || !foreseen.phase.is_stable() {
         return Ok(());
     }

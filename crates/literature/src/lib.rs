@@ -38,6 +38,7 @@ mod terms;
 mod thol;
 mod transport;
 mod two_center;
+mod two_phases;
 mod virial;
 
 pub use coexistence_data::coexistence_by_simulation;
@@ -67,4 +68,5 @@ pub use transport::{
     self_diffusion_near, transport_near, viscosity_near,
 };
 pub use two_center::{BOND_LENGTHS, TwoCenter, two_center};
+pub use two_phases::{TwoPhaseSource, TwoPhases, surface_tensions_by_simulation};
 pub use virial::{Mie, VirialSeries, virial_series};

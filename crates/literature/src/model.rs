@@ -185,7 +185,7 @@ pub fn equations_for(model: ModelKind) -> Vec<&'static dyn EquationOfState> {
 }
 
 /// The cutoff in σ of the truncated-shifted model that Thol 2015 describes.
-const THOL_2015_CUTOFF: f64 = 2.5;
+pub(crate) const THOL_2015_CUTOFF: f64 = 2.5;
 
 /// The cutoff in σ from which the tail's assumption g(r) = 1 is good enough for comparison to the
 /// equation's own accuracy: at 2.5 it biases p of the dense liquid by about −0.03.

@@ -53,7 +53,7 @@ const CHAPARRO_DOI: &str = "10.1021/acs.jpcb.3c06813";
 const NIST: &str = "work of the US Government, NIST open licence";
 const FACTS: &str = "single values, quoted as facts";
 
-static TABLES: [ReferenceTable; 8] = [
+static TABLES: [ReferenceTable; 9] = [
     ReferenceTable {
         name: "shear-viscosity",
         summary: "Shear viscosity of the full potential, with standard deviations.",
@@ -107,6 +107,15 @@ static TABLES: [ReferenceTable; 8] = [
         status: Status::Verified,
         licence: NIST,
         csv: include_str!("../data/nist-coexistence.csv"),
+    },
+    ReferenceTable {
+        name: "interfaces",
+        summary: "Surface tension, coexisting densities and vapor pressure of the potential truncated at 2.5 σ and shifted.",
+        source: "J. Vrabec, G. K. Kedia, G. Fuchs, H. Hasse, Comprehensive study of the vapour-liquid coexistence of the truncated and shifted Lennard-Jones fluid including planar and spherical interface properties (2006)",
+        doi: Some("10.1080/00268970600556774"),
+        status: Status::Secondary,
+        licence: FACTS,
+        csv: include_str!("../data/vrabec-2006-interfaces.csv"),
     },
     ReferenceTable {
         name: "critical-and-triple-points",

@@ -81,6 +81,8 @@ catalog! {
     WallPressure => crate::WallPressureOptions,
     /// The density along one axis.
     DensityProfile => crate::DensityProfileOptions,
+    /// A slab of liquid beside its vapor.
+    Interface => crate::InterfaceOptions,
     /// Total momentum.
     Momentum => crate::MomentumOptions,
     /// Temperatures, bonds and pressure of molecules.

@@ -3,11 +3,11 @@
 use lennard_forcefield::Kernel;
 use serde::{Deserialize, Serialize};
 
+use crate::Scene;
 use crate::error::SceneError;
 use crate::read::Reader;
 use crate::reference;
 use crate::tree::{Table, Value};
-use crate::{Scene, Start};
 
 /// The largest errors that are accepted; what is not named is not asked for.
 ///
@@ -128,17 +128,15 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     let Some(accuracy) = &scene.accuracy else {
         return Ok(());
     };
-    if let Start::Lattice { vacuum, .. } = scene.system.start
-        && vacuum > 0.0
-    {
+    if let Some(surfaces) = scene.surfaces() {
         return Err(scene
             .source
             .refuse(
                 "accuracy",
                 "is judged in a homogeneous fluid, and this one has surfaces",
             )
-            .found(format!("system.vacuum = {vacuum}"))
-            .allowed("a scene without vacuum, or settings written by hand and no `accuracy`"));
+            .found(surfaces)
+            .allowed("a scene without surfaces, or settings written by hand and no `accuracy`"));
     }
     if scene.system.temperature <= 0.0 {
         return Err(scene

@@ -6,7 +6,7 @@ use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
 use crate::{
     Geometry, Placement, Scene, SceneError, Start, accuracy, bath_checks, mixture, molecule_checks,
-    walls,
+    slab, walls,
 };
 
 impl Scene {
@@ -33,7 +33,8 @@ impl Scene {
             vacuum,
         } = &self.system.start
         else {
-            return Ok(None);
+            let slab = self.slab().map(|slab| self.slab_placement(slab));
+            return slab.transpose();
         };
         let (filled, key) = match geometry {
             Geometry::Density(density) => {
@@ -101,15 +102,11 @@ pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     bath_checks::barostats_fit(scene)?;
     accuracy::check(scene)?;
     walls::check(scene)?;
+    slab::check(scene)?;
     if let Some(placement) = scene.placement()? {
-        let Start::Lattice {
-            n_atoms, vacuum, ..
-        } = scene.system.start
-        else {
-            return Ok(());
-        };
-        homogeneous(scene, vacuum)?;
-        fits(scene, placement.cell, n_atoms * scene.molecules().sites())?;
+        homogeneous(scene)?;
+        let count = scene.system.start.count().unwrap_or(0);
+        fits(scene, placement.cell, count * scene.molecules().sites())?;
     }
     Ok(())
 }
@@ -166,8 +163,10 @@ fn stages(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn homogeneous(scene: &Scene, vacuum: f64) -> Result<(), SceneError> {
-    if vacuum > 0.0 && scene.truncation.tail_correction {
+fn homogeneous(scene: &Scene) -> Result<(), SceneError> {
+    if let Some(surfaces) = scene.surfaces()
+        && scene.truncation.tail_correction
+    {
         let key = "truncation.tail_correction";
         let found = match scene.source.wrote(key) {
             true => "true",
@@ -175,7 +174,7 @@ fn homogeneous(scene: &Scene, vacuum: f64) -> Result<(), SceneError> {
         };
         let place = match scene.source.wrote(key) {
             true => scene.source.place(key),
-            false => scene.source.place("system.vacuum"),
+            false => scene.source.place(scene.key_of_surfaces()),
         };
         return Err(scene
             .source
@@ -184,8 +183,8 @@ fn homogeneous(scene: &Scene, vacuum: f64) -> Result<(), SceneError> {
                 "assumes a homogeneous fluid, and this one has surfaces",
             )
             .at(place.cloned())
-            .found(format!("{found}, with system.vacuum = {vacuum}"))
-            .allowed("false where there is a vacuum"));
+            .found(format!("{found}, with {surfaces}"))
+            .allowed("false where there are surfaces"));
     }
     Ok(())
 }

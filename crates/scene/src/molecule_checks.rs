@@ -25,7 +25,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     }
     let lattice = match scene.system.start {
         Start::Lattice { lattice, .. } => Some(lattice),
-        Start::Configuration { .. } => None,
+        Start::Slab(_) | Start::Configuration { .. } => None,
     };
     let by_shape = molecule.options.kind == MoleculeKind::Sites;
     if lattice.is_some() && by_shape && molecule.options.shape.is_none() {

@@ -9,7 +9,7 @@ use crate::names::{nearest, not_yet};
 use crate::reference::{self, MOST_ENTRIES};
 use crate::tree::{self, Entry, Node, Table, Value};
 use crate::typed::Section;
-use crate::{MixtureTables, Scene, Source, accuracy, checks, overrides, shipped};
+use crate::{MixtureTables, Scene, Source, accuracy, checks, model_kind, overrides, shipped};
 
 impl Scene {
     /// Reads a scene file, with overrides such as `("stage.production.steps", "1000")` over it.
@@ -105,9 +105,14 @@ fn read(
     let reader = Reader::new(&root, &source);
     reader.known_tables()?;
     let mixture = reader.mixture()?;
+    let potential = reader.potential(resolve)?;
+    let truncation = reader.truncation(mixture.is_some())?;
     let system = reader.system(
         resolve,
         mixture.as_ref().and_then(MixtureTables::total_count),
+        mixture
+            .is_none()
+            .then(|| model_kind::of_atoms(&potential, &truncation, truncation.r_cut)),
     )?;
     let name = reader.name(file)?;
     let mut observables = reader.observables()?;
@@ -117,8 +122,8 @@ fn read(
         name,
         accuracy: reader.accuracy()?,
         free: Vec::new(),
-        potential: reader.potential(resolve)?,
-        truncation: reader.truncation(mixture.is_some())?,
+        potential,
+        truncation,
         neighbor: reader.plain("neighbor")?,
         kernel: reader.plain("kernel")?,
         integrator: reader.integrator()?,
@@ -141,8 +146,9 @@ fn read(
 }
 
 /// The tables of a scene file that are written once.
-const TABLES: [&str; 13] = [
+const TABLES: [&str; 14] = [
     "system",
+    "slab",
     "mixing",
     "molecule",
     "bonds",

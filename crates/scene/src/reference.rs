@@ -18,6 +18,8 @@ use crate::MoleculeOptions;
 pub(crate) const MOST_ATOMS: i64 = 1_000_000_000;
 /// The longest box side in σ: beyond it, image flags and the last digits of positions get scarce.
 pub(crate) const LONGEST_SIDE: f64 = 1e6;
+/// The shortest length of a slab, σ: below it there is no liquid.
+const SHORTEST_SIDE: f64 = 1.0;
 /// The lowest and the highest temperature of a heat bath, ε/k_B: far outside, numbers overflow or vanish on the way.
 pub(crate) const COLDEST: f64 = 1e-9;
 pub(crate) const HOTTEST: f64 = 1e6;
@@ -84,6 +86,12 @@ static SHARED: &[(&str, Keys)] = keys! {
         "configuration": Words("the path of a file that can be read"), "none", "", "Start from this file (extended XYZ or the NIST columns), relative to the scene file. Takes the place of `lattice`, `n_atoms` and `density`.";
         "temperature": ZeroOrBetween(COLDEST, HOTTEST), "needed", "ε/k_B", "Temperature of the first velocities (where no file gives them) and of every thermostat that names no other.";
         "seed": Whole(0, i64::MAX), "`1`", "", "Seed of every random stream.";
+    }
+    "slab" {
+        "liquid_density": Between(THINNEST, DENSEST), "saturation of the model at `system.temperature`", "σ⁻³", "Density of the liquid at the start.";
+        "vapor_density": Between(THINNEST, DENSEST), "saturation of the model at `system.temperature`", "σ⁻³", "Density of the vapor at the start.";
+        "thickness": Between(SHORTEST_SIDE, LONGEST_SIDE), "1.5 times the side of the cross-section, or a third of `length`", "σ", "Thickness of the liquid across z; 12 σ or more for the densities and the tension of bulk phases.";
+        "length": Between(SHORTEST_SIDE, LONGEST_SIDE), "3 times `thickness`", "σ", "Length of the box along z.";
     }
     "species" {
         "name": Words("letters, digits, `-` and `_`, beginning with a letter, and unlike any other species'"), "needed", "", "Its name in `[[pair]]`, results and overrides (`--set species.NAME.sigma=…`).";

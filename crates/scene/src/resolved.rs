@@ -12,12 +12,15 @@ use lennard_observables::ObservableOptions;
 use serde::Serialize;
 
 use crate::molecule::MoleculeOptions;
+use crate::slab::SlabTable;
 use crate::{Accuracy, Amount, Geometry, MixtureTables, ProgramParts, Scene, Start, WallTable};
 
 #[derive(Serialize)]
 struct Resolved<'a> {
     name: &'a str,
     system: System,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slab: Option<SlabTable>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     species: Vec<Species<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -225,6 +228,7 @@ impl Scene {
         Resolved {
             name: &self.name,
             system: self.resolved_system(),
+            slab: self.slab().map(SlabTable::from),
             species: self.mixture.as_ref().map_or(Vec::new(), resolved_species),
             mixing: self.mixture.as_ref().and_then(|m| m.rule.as_ref()),
             pair: self.mixture.as_ref().map_or(Vec::new(), resolved_pairs),
@@ -300,6 +304,7 @@ impl Scene {
                 }
                 system.vacuum = Some(*vacuum);
             }
+            Start::Slab(slab) => system.n_atoms = Some(slab.n_atoms),
             Start::Configuration { path, geometry } => {
                 if let Some(geometry) = geometry {
                     place(geometry);

@@ -12,7 +12,7 @@ use lennard_integrators::{BarostatOptions, IntegratorOptions, ThermostatOptions}
 use lennard_observables::ObservableOptions;
 use serde::{Deserialize, Serialize};
 
-use crate::{Accuracy, MixtureTables, Molecule, ProgramParts, Source, WallTable};
+use crate::{Accuracy, MixtureTables, Molecule, ProgramParts, Slab, Source, WallTable};
 
 /// A scene: everything that a run depends on but the machine. Reduced units throughout.
 #[derive(Debug, Clone)]
@@ -181,6 +181,8 @@ pub enum Start {
         /// 0 for a homogeneous fluid.
         vacuum: f64,
     },
+    /// Liquid between two parts of vapor.
+    Slab(Slab),
     /// As a file says.
     Configuration {
         /// The file: extended XYZ or the NIST columns.
@@ -188,6 +190,18 @@ pub enum Start {
         /// The box, for files that name none.
         geometry: Option<Geometry>,
     },
+}
+
+impl Start {
+    /// Number of particles, or of molecules where particles are bonded; `None` where a file has them.
+    #[must_use]
+    pub fn count(&self) -> Option<usize> {
+        match self {
+            Self::Lattice { n_atoms, .. } => Some(*n_atoms),
+            Self::Slab(slab) => Some(slab.n_atoms),
+            Self::Configuration { .. } => None,
+        }
+    }
 }
 
 /// The arrangement of the first positions.

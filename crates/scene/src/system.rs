@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use lennard_literature::ModelKind;
 use serde::{Deserialize, Deserializer};
 
 use crate::error::SceneError;
@@ -69,11 +70,13 @@ impl<'de> Deserialize<'de> for Sides {
 }
 
 impl Reader<'_> {
-    /// The table; `counted` is the number of particles that the species have together, where they are counted.
+    /// The table; `counted` is the number of particles that the species have together, where they are counted, and `model` is
+    /// that of atoms of one species.
     pub fn system(
         &self,
         resolve: Resolve<'_>,
         counted: Option<usize>,
+        model: Option<ModelKind>,
     ) -> Result<System, SceneError> {
         let node = self.node("system");
         if let Some(sides) = node.table().and_then(|table| table.get("box")) {
@@ -95,6 +98,15 @@ impl Reader<'_> {
         };
         let start = match table.configuration {
             Some(path) => {
+                if self.source.wrote("slab") {
+                    return Err(self
+                        .source
+                        .refuse("slab", "does not go with `configuration`")
+                        .found("`[slab]` and `configuration`")
+                        .allowed(
+                            "one of them: the configuration file says where the particles are",
+                        ));
+                }
                 for key in ["lattice", "n_atoms", "n_molecules", "density", "vacuum"] {
                     if given(key) {
                         return Err(self
@@ -106,6 +118,24 @@ impl Reader<'_> {
                 }
                 let path = resolve(self.source, "system.configuration", &path)?;
                 Start::Configuration { path, geometry }
+            }
+            None if self.source.wrote("slab") => {
+                for key in ["lattice", "density", "box", "vacuum"] {
+                    if let Some(found) = node.table().and_then(|t| t.get(key)) {
+                        return Err(self
+                            .source
+                            .refuse(&format!("system.{key}"), "does not go with `[slab]`")
+                            .found(found)
+                            .allowed(
+                                "nothing: the box follows from `n_atoms` and the keys of `[slab]`",
+                            ));
+                    }
+                }
+                let temperature = table
+                    .temperature
+                    .ok_or_else(|| self.needed("temperature"))?;
+                let n_atoms = self.count(table.n_atoms.or(counted), table.n_molecules)?;
+                Start::Slab(self.slab(n_atoms, temperature, model)?)
             }
             None => Start::Lattice {
                 lattice: table.lattice.unwrap_or_default(),

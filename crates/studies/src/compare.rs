@@ -8,6 +8,7 @@ mod runs_of_others;
 mod table;
 mod tail_bias;
 mod transport;
+mod two_phases;
 mod verdict;
 
 pub use card::{CardEquation, CardRow, Standing, StateCard, card_table};
@@ -66,7 +67,7 @@ pub struct ComparedRun {
 /// Compares a finished run.
 #[must_use]
 pub fn compare(run: &RunFolder) -> ComparedRun {
-    let model = lennard_engine::model_kind(&run.scene);
+    let model = lennard_scene::model_kind(&run.scene);
     let equation = equation_of_state_for(model);
     let mut state = state_of(run, equation.as_ref().ok().copied());
     if let Some(confined) = run.scene.confined_by() {
@@ -77,7 +78,7 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
         _ if let Some(confined) = run.scene.confined_by() => {
             Some(format!("the fluid has {confined}"))
         }
-        _ if run.has_vacuum() => Some("vapor and liquid side by side".to_owned()),
+        _ if run.has_two_phases() => Some("vapor and liquid side by side".to_owned()),
         Err(none) => {
             remarks.push(format!("not compared with any equation of state: {none}"));
             Some(format!("no equation of state for {}", none.model))
@@ -95,7 +96,9 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
         }
         Ok(_) => None,
     };
-    remarks.extend(remark_for(model));
+    if !run.has_two_phases() {
+        remarks.extend(remark_for(model));
+    }
     let others = RunsOfOthers::beside(run, model);
     remarks.extend(others.remark());
     // A run beside runs of others has references, whatever the equations say.

@@ -71,6 +71,7 @@ pub fn page(run: &RunFolder) -> Page {
             figures::time_series(run),
         ),
         ("Error bars", figures::ERROR_BARS, figures::blocking(run)),
+        ("Interface", figures::INTERFACE, figures::interface(run)),
         ("Structure", figures::STRUCTURE, figures::structure(run)),
         (
             "Motion and transport",

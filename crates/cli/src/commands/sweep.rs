@@ -95,7 +95,7 @@ fn keep_inputs(file: &Path, sweep: &Sweep, folder: &Path) -> Result<(), Failure>
         .iter()
         .filter_map(|point| match &point.scene.system.start {
             Start::Configuration { path, .. } => Some(path.clone()),
-            Start::Lattice { .. } => None,
+            Start::Lattice { .. } | Start::Slab(_) => None,
         });
     let mut inputs: Vec<PathBuf> = configurations.collect();
     inputs.dedup();

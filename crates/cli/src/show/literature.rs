@@ -30,7 +30,7 @@ pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) {
 }
 
 fn planned(point: &lennard_studies::sweep::Point) -> StateOfMatter {
-    let model = lennard_engine::model_kind(&point.scene);
+    let model = lennard_scene::model_kind(&point.scene);
     let equation = lennard_literature::equation_of_state_for(model).ok();
     StateOfMatter::new(point.density, point.scene.system.temperature, equation)
 }

@@ -25,6 +25,12 @@ pub(super) static TABLES: &[TableDoc] = &[
                   or as a `configuration` file says.",
     },
     TableDoc {
+        table: "slab",
+        heading: "`[slab]`",
+        meaning: "A start with a slab of liquid across z, and vapor on both sides. The cross-section is a square, and its side follows from \
+                  `n_atoms`. An empty table takes every default.",
+    },
+    TableDoc {
         table: "species",
         heading: "`[[species]]`",
         meaning: "A species of a mixture, at most eight. Without such a table all particles have σ = ε = m = 1. \

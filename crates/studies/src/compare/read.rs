@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use lennard_core::Table;
 use lennard_io::{AverageRecord, FormatError, RunRecord};
-use lennard_scene::{Scene, SceneError, Start};
+use lennard_scene::{Scene, SceneError};
 
 /// The average of the temperature on half steps.
 pub(super) const HALF_STEPS: &str = "temperature_half_steps";
@@ -118,10 +118,10 @@ impl RunFolder {
         Ok(run)
     }
 
-    /// Whether the box has an empty part beside its filled one: vapor and liquid stand side by side.
+    /// Whether vapor and liquid stand side by side: the start has surfaces, or two phases were found by the run.
     #[must_use]
-    pub fn has_vacuum(&self) -> bool {
-        matches!(self.scene.system.start, Start::Lattice { vacuum, .. } if vacuum > 0.0)
+    pub fn has_two_phases(&self) -> bool {
+        self.scene.surfaces().is_some() || self.average("liquid_density").is_some()
     }
 
     /// Number of molecules; of particles where there are none.

@@ -20,8 +20,6 @@ const PRESSURE: Tolerance = Tolerance::new(4.0, 0.005, 0.0);
 const DENSITY: Tolerance = Tolerance::new(4.0, 0.0, 0.003);
 /// The pressure beside the pressure of the barostat, which the mean meets exactly.
 const HELD_PRESSURE: Tolerance = Tolerance::new(4.0, 0.003, 0.0);
-/// Vapor pressure beside the normal pressure of a slab: the equation of state may itself be off by so much.
-const VAPOR_PRESSURE: Tolerance = Tolerance::new(4.0, 0.002, 0.0);
 /// The kinetic temperature beside the temperature of its bath. A run that is off by more says so of all its means.
 const BATH: Tolerance = Tolerance::new(HeldTemperature::ERRORS, 0.0, HeldTemperature::PART);
 const HEAT_CAPACITY: Tolerance = Tolerance::new(2.0, 0.0, 0.02);
@@ -37,7 +35,7 @@ const RESPONSE_PART: f64 = 0.02;
 type Beside = fn(&Compared<'_>, Row) -> Row;
 
 /// Every quantity that has a reference, with the way in which it is held against it.
-const REFERENCES: [(&str, Beside); 23] = [
+const REFERENCES: [(&str, Beside); 28] = [
     ("temperature", |c, row| c.beside_bath(row, false)),
     (HALF_STEPS, |c, row| c.beside_bath(row, true)),
     ("potential_energy", |c, row| c.potential_energy(row)),
@@ -72,7 +70,12 @@ const REFERENCES: [(&str, Beside); 23] = [
         c.cross_check(row, "thermal_conductivity")
     }),
     ("structure_factor_first_peak", |_, row| freezing_height(row)),
-    ("pressure_zz", |c, row| c.vapor_pressure(row)),
+    ("pressure_zz", |c, row| c.beside_two_phases(row)),
+    ("surface_tension_z", |c, row| c.beside_two_phases(row)),
+    ("liquid_density", |c, row| c.beside_two_phases(row)),
+    ("vapor_density", |c, row| c.beside_two_phases(row)),
+    ("vapor_pressure", |c, row| c.beside_two_phases(row)),
+    ("surface_tension", |c, row| c.beside_two_phases(row)),
 ];
 
 /// Height of the main peak of S(k) at freezing.
@@ -96,7 +99,11 @@ const PRIMARY: [&str; 11] = [
 ];
 
 /// The quantities that readers look for where vapor and liquid stand side by side.
-const PRIMARY_OF_A_SLAB: [&str; 4] = [
+const PRIMARY_OF_A_SLAB: [&str; 8] = [
+    "liquid_density",
+    "vapor_density",
+    "vapor_pressure",
+    "surface_tension",
     "potential_energy",
     "pressure_zz",
     "surface_tension_z",
@@ -132,7 +139,7 @@ pub(super) struct Compared<'a> {
 pub(super) fn all(compared: &Compared<'_>) -> Vec<Row> {
     let run = compared.run;
     let of_positions = run.temperature_name();
-    let is_slab = run.has_vacuum();
+    let is_slab = run.has_two_phases();
     let mut primary = vec![of_positions];
     if is_slab {
         primary.extend(PRIMARY_OF_A_SLAB);
@@ -356,29 +363,6 @@ impl Compared<'_> {
             TEMPERATURES,
             "the kinetic temperature of the same run (of half steps where the method has them)",
         )
-    }
-
-    /// The normal pressure of a slab beside the vapor pressure: a flat interface has the same pressure on both sides.
-    fn vapor_pressure(&self, row: Row) -> Row {
-        if !self.run.has_vacuum() {
-            return row;
-        }
-        let Ok(equation) = equation_of_state_for(self.model) else {
-            return row;
-        };
-        let Some(saturation) = equation.saturation(self.state.temperature) else {
-            return row;
-        };
-        row.against(
-            saturation.pressure,
-            None,
-            VAPOR_PRESSURE,
-            &format!("vapor pressure by {}", equation.spec().citation()),
-        )
-        .noted(format!(
-            "by the equation the coexisting densities are {:.4} and {:.4} σ⁻³",
-            saturation.vapor_density, saturation.liquid_density
-        ))
     }
 }
 

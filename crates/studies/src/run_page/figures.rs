@@ -9,6 +9,7 @@ pub(super) const TIME_SERIES: &str = "Measured stages only. What lies left of th
 pub(super) const ERROR_BARS: &str = "Apparent standard error of the mean when successive samples are averaged in blocks: it rises until the blocks are longer than \
      the correlation, and the plateau is the error.";
 pub(super) const STRUCTURE: &str = "Pair distribution and static structure factor. A liquid freezes where the first peak of S(k) reaches 2.85 (Hansen and Verlet 1969).";
+pub(super) const INTERFACE: &str = "Density across the slab about its own middle, with the fit of two hyperbolic tangents that both densities and the thickness come from.";
 pub(super) const MOTION: &str = "Mean-square displacement, velocity autocorrelation, and the correlations of stress and heat flux whose integrals are the viscosity and the \
      conductivity.";
 
@@ -165,6 +166,40 @@ pub(super) fn structure(run: &RunFolder) -> Vec<Picture> {
         .into_iter()
         .flatten()
         .collect()
+}
+
+/// The density across a slab with its fit.
+pub(super) fn interface(run: &RunFolder) -> Vec<Picture> {
+    let draw = || {
+        let table = run.table("interface_profile")?;
+        let place = table.columns.first()?.name.clone();
+        let columns = [place.as_str(), "density", "standard error"];
+        let density = with_errors(&table, columns)?;
+        let mut figure = Figure::new(
+            "interface_profile",
+            "Density across the slab",
+            Axis::linear(format!("{place} from the middle / σ")),
+            Axis::linear("ρ / σ⁻³"),
+        )
+        .with(Series::new(
+            "measured",
+            Look::Points(Symbol::Disc),
+            0,
+            density,
+        ));
+        if let Some(fit) = curve(&table, &place, "fit") {
+            figure = figure.with(Series::new("fit", LINE, 1, fit));
+        }
+        let caption = said_of(run, "liquid_density", "ρ of the liquid {} σ⁻³, ")
+            + &said_of(run, "vapor_density", "of the vapor {} σ⁻³; ")
+            + &said_of(
+                run,
+                "interface_thickness",
+                "thickness from 10 % to 90 % {} σ.",
+            );
+        Some(Picture::new(figure, caption, "interface_profile.csv"))
+    };
+    draw().into_iter().collect()
 }
 
 fn pair_distribution(run: &RunFolder) -> Option<Picture> {

@@ -28,7 +28,7 @@ const RUN: usize = 1;
 
 /// T against ρ, and P against T; none where no equation describes the model.
 pub(super) fn phase_diagram(run: &RunFolder, compared: &ComparedRun) -> Vec<Picture> {
-    let Ok(equation) = equation_of_state_for(lennard_engine::model_kind(&run.scene)) else {
+    let Ok(equation) = equation_of_state_for(lennard_scene::model_kind(&run.scene)) else {
         return Vec::new();
     };
     let lines = Lines::of(equation, compared.state.temperature);
@@ -133,15 +133,23 @@ impl Lines {
             .temperature()
             .filter(|t| t.is_sound())
             .map(|t| t.standard_error);
-        let here = Point {
-            error,
-            ..Point::from((state.density, state.temperature))
+        let phases = ["vapor_density", "liquid_density"].map(|name| run.average(name));
+        let densities = match phases {
+            [Some(vapor), Some(liquid)] => vec![vapor.mean, liquid.mean],
+            _ => vec![state.density],
         };
+        let here: Vec<Point> = densities
+            .into_iter()
+            .map(|density| Point {
+                error,
+                ..Point::from((density, state.temperature))
+            })
+            .collect();
         let figure = figure.with(Series::new(
             "this run",
             Look::Points(Symbol::Square),
             RUN,
-            [here],
+            here,
         ));
         let triple = self
             .freezing

@@ -29,7 +29,7 @@ pub(super) fn picture(sweep: &Sweep, record: &SweepRecord) -> Option<Picture> {
     if isotherms.is_empty() || isotherms.len() > MOST {
         return None;
     }
-    let model = lennard_engine::model_kind(&sweep.points.first()?.scene);
+    let model = lennard_scene::model_kind(&sweep.points.first()?.scene);
     let equation = lennard_literature::equation_of_state_for(model).ok();
     let mut figure = Figure::new(
         "pressure",

@@ -197,7 +197,7 @@ fn is_kept(point: &SweptPoint, folder: &Path) -> bool {
 }
 
 fn conclude(point: &Point, outcome: Result<Ran, String>, folder: &Path) -> SweptPoint {
-    let model = lennard_engine::model_kind(&point.scene);
+    let model = lennard_scene::model_kind(&point.scene);
     let equation = lennard_literature::equation_of_state_for(model).ok();
     let mut swept = SweptPoint {
         name: point.name.clone(),

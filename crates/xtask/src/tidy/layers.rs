@@ -25,7 +25,14 @@ const TABLE: &[(&str, May)] = &[
     ("io", May::Use(&["core"])),
     (
         "scene",
-        May::Use(&["core", "forcefield", "integrators", "observables", "io"]),
+        May::Use(&[
+            "core",
+            "forcefield",
+            "integrators",
+            "observables",
+            "literature",
+            "io",
+        ]),
     ),
     ("engine", May::UseAllAbove),
     (LIBRARY, May::UseAllAbove),

@@ -21,7 +21,7 @@ const LISTS: &[(&str, &str)] = &[
 /// Files that may name methods, each with the reason.
 const EXPLAINED: &[(&str, &str)] = &[
     (
-        "crates/engine/src/compare.rs",
+        "crates/scene/src/model_kind.rs",
         "which truncation the literature describes",
     ),
     (

@@ -1,0 +1,348 @@
+//! Two flat interfaces between a slab of liquid and its vapor.
+
+mod fit;
+
+use std::f64::consts::TAU;
+
+use lennard_core::{
+    Average, Axis, DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
+    StateWriter, Table, View, Want,
+};
+
+use crate::averages::{of_blocks, of_series, tell_discarded};
+use crate::blocks::BlockedSums;
+use crate::pressure_tensor::PressureTensor;
+use crate::seen_box::SeenBox;
+use crate::series::{Series, impl_columns};
+use crate::{BuildContext, ObservableError, Recipe, Surroundings};
+
+const SPEC: ObservableSpec = ObservableSpec {
+    name: "interface",
+    summary: "a slab of liquid beside its vapor: both densities, vapor pressure, surface tension, and the density across it",
+    equation: "gamma = L_z/2 <P_N - P_T>, p_s = <P_N>; rho(z) = (rho_l + rho_v)/2 - (rho_l - rho_v)/2 tanh[2(|z| - z_0)/D]",
+    source: "J. P. R. B. Walton, D. J. Tildesley, J. S. Rowlinson and J. R. Henderson, Mol. Phys. 48, 1357 (1983); \
+             least thickness: S. Werth, S. V. Lishchuk, M. Horsch and H. Hasse, Physica A 392, 2359 (2013)",
+    dynamic: false,
+    suits: lennard_core::Suits::Atoms,
+};
+
+/// Blocks kept for the errors.
+const MOST_BLOCKS: usize = 64;
+/// Rows kept before neighbors are averaged in pairs.
+const MOST_ROWS: usize = 1 << 16;
+/// A contrast ρ_l − ρ_v below this part of the mean density is no slab: a fluid in one phase fluctuates so.
+const LEAST_CONTRAST: f64 = 0.5;
+/// The rise of a hyperbolic tangent from 10 % to 90 %, in units of D: artanh(0.8).
+const TEN_TO_NINETY: f64 = 1.098_612_288_668_109_8;
+/// Slabs thinner than this have a liquid that is less dense than bulk liquid, and a lower tension, σ.
+const THIN: f64 = 12.0;
+/// Across a shorter side the tension depends on the side, σ.
+const NARROW: f64 = 8.0;
+/// Vapor of less than so many widths D between two surfaces is not bulk vapor.
+const LEAST_VAPOR: f64 = 3.0;
+
+lennard_core::options! {
+    /// Options of [`Interface`].
+    pub struct InterfaceOptions {
+        /// Axis across which the surfaces lie.
+        axis: Axis = Axis::Z, Names(Axis::names);
+        /// Number of layers of equal width over the whole box.
+        bins: usize = 200, Whole(20, 10_000);
+    }
+}
+
+impl Recipe for InterfaceOptions {
+    const SPEC: &'static ObservableSpec = &SPEC;
+
+    fn default_every(&self) -> u64 {
+        10
+    }
+
+    fn surroundings(&self) -> Surroundings {
+        Surroundings::Periodic
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
+        Ok(Box::new(Interface::new(self, context)))
+    }
+}
+
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Rows {
+    time: Vec<f64>,
+    normal: Vec<f64>,
+    tangential: Vec<f64>,
+    tension: Vec<f64>,
+}
+
+impl_columns!(Rows {
+    time,
+    normal,
+    tangential,
+    tension
+});
+
+/// The density across a slab about its own middle, and what follows from it: ρ_l and ρ_v in σ⁻³, the 10–90 thickness of an
+/// interface in σ, the vapor pressure P_N in ε/σ³ and the surface tension γ in ε/σ².
+///
+/// The middle of a sample is the circular mean of all places, z_c = L/2π·arg Σ exp(2πi·z/L). It needs no force that holds the slab.
+/// Densities and widths come from a fit of two hyperbolic tangents to the mean profile, and their errors from a jackknife
+/// over blocks of the run. P_N is the normal component of the pressure tensor, the same in both phases. Truncation and tail are
+/// those of the run, and so are p_s and γ: a plain cutoff without tail has the interface of the shifted potential.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interface {
+    axis: Axis,
+    n_atoms: usize,
+    seen: SeenBox,
+    counts: BlockedSums,
+    series: Series<Rows>,
+}
+
+impl Interface {
+    /// Nothing seen yet.
+    #[must_use]
+    pub fn new(options: &InterfaceOptions, context: &BuildContext) -> Self {
+        Self {
+            axis: options.axis,
+            n_atoms: context.n_atoms,
+            seen: SeenBox::new(&context.cell),
+            counts: BlockedSums::new(options.bins, MOST_BLOCKS),
+            series: Series::new(Rows::default(), MOST_ROWS),
+        }
+    }
+
+    /// Counts particles in layers about the middle of the slab, which comes to lie in the middle of the box.
+    fn count(&mut self, positions: &[DVec3], length: f64) {
+        let axis = self.axis.index();
+        let turn = TAU / length;
+        let (sin, cos) = positions.iter().fold((0.0, 0.0), |(s, c), r| {
+            let (sin, cos) = (turn * r[axis]).sin_cos();
+            (s + sin, c + cos)
+        });
+        let middle = f64::atan2(sin, cos) / TAU;
+        let bins = self.counts.width();
+        self.counts.begin_sample();
+        let (sums, samples) = self.counts.current();
+        for r in positions {
+            let part = (r[axis] / length - middle + 0.5).rem_euclid(1.0);
+            sums[((part * bins as f64) as usize).min(bins - 1)] += 1.0;
+        }
+        for samples in samples {
+            *samples += 1;
+        }
+    }
+
+    /// What a fit of each block's complement says of one number of the slab.
+    fn of_fit(
+        &self,
+        counts: &BlockedSums,
+        name: &str,
+        unit: &str,
+        number: impl Fn(&fit::Slab) -> f64,
+    ) -> Option<Average> {
+        let (per_count, length) = (self.per_count(), self.length());
+        let density = |means: &[f64]| -> Vec<f64> { means.iter().map(|n| n * per_count).collect() };
+        let all: Option<Vec<f64>> = (0..counts.width()).map(|k| counts.mean(k)).collect();
+        let whole = fitted(&density(&all?), length)?;
+        let (value, pseudo) = counts.jackknife(|means| {
+            let slab = fit::Slab::fit(&density(means), length, whole)?;
+            Some(number(&slab))
+        })?;
+        Some(of_blocks(name, unit, value, &pseudo, 0.0))
+    }
+
+    /// The length of the box across the surfaces, σ.
+    fn length(&self) -> f64 {
+        self.seen.sides()[self.axis.index()]
+    }
+
+    /// Density of one particle in a layer, σ⁻³.
+    fn per_count(&self) -> f64 {
+        self.counts.width() as f64 / self.seen.volume()
+    }
+
+    fn mean_density(&self) -> f64 {
+        self.n_atoms as f64 / self.seen.volume()
+    }
+
+    /// The profile with its fit, where there is one.
+    fn profile(&self, counts: &BlockedSums, slab: Option<&fit::Slab>) -> Table {
+        let (bins, per_count, length) = (counts.width(), self.per_count(), self.length());
+        let place = |k: usize| (k as f64 + 0.5) * length / bins as f64;
+        let name = self.axis.name();
+        let column = |of: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..bins).map(of).collect() };
+        let table = Table::new(
+            "interface_profile",
+            format!("number density across {name}, counted from the middle of the slab, with standard errors from blocks of the run"),
+        )
+        .with(name, "σ", column(&|k| place(k) - 0.5 * length))
+        .with(
+            "density",
+            "σ⁻³",
+            column(&|k| counts.mean(k).unwrap_or(f64::NAN) * per_count),
+        )
+        .with(
+            "standard error",
+            "σ⁻³",
+            column(&|k| counts.standard_error(k) * per_count),
+        );
+        match slab {
+            Some(slab) => table.with("fit", "σ⁻³", column(&|k| slab.at(place(k)))),
+            None => table,
+        }
+    }
+
+    /// What keeps the numbers from being those of bulk phases.
+    fn remarks(&self, slab: &fit::Slab) -> Vec<String> {
+        let (thickness, vapor) = (slab.thickness(), self.length() - slab.thickness());
+        let sides = self.seen.sides();
+        let across = Axis::ALL.into_iter().filter(|axis| *axis != self.axis);
+        let side = across
+            .map(|axis| sides[axis.index()])
+            .fold(f64::INFINITY, f64::min);
+        let mut remarks = vec![format!(
+            "interface: the width of an interface grows with the cross-section, here {side:.1} σ; the numbers are of the \
+             truncation that was run"
+        )];
+        if thickness < THIN {
+            remarks.push(format!(
+                "interface: the slab is thin, {thickness:.1} σ; below {THIN} σ its density and its surface tension are lower than \
+                 in bulk"
+            ));
+        }
+        if vapor < LEAST_VAPOR * slab.width() {
+            remarks.push(format!(
+                "interface: only {vapor:.1} σ of vapor lie between the surfaces, which are {:.1} σ wide; take a longer box",
+                slab.width()
+            ));
+        }
+        if side < NARROW {
+            remarks.push(format!(
+                "interface: the cross-section is narrow, {side:.1} σ; below {NARROW} σ the surface tension depends on it"
+            ));
+        }
+        remarks
+    }
+}
+
+/// The fit to a profile with its liquid in the middle; `None` where there is no slab.
+fn fitted(density: &[f64], length: f64) -> Option<fit::Slab> {
+    let guess = fit::Slab::guess(density, length)?;
+    let slab = fit::Slab::fit(density, length, guess)?;
+    let mean = density.iter().sum::<f64>() / density.len() as f64;
+    (slab.contrast > LEAST_CONTRAST * mean).then_some(slab)
+}
+
+impl Observable for Interface {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want {
+            virial: true,
+            ..Want::NOTHING
+        }
+    }
+
+    /// # Panics
+    /// Where the state lacks what [`Observable::want`] asks for: that is a bug of the caller.
+    fn sample(&mut self, view: &View<'_>) {
+        let pressure =
+            PressureTensor::of(view).expect("the force evaluation gives what the observable wants");
+        let tail = view.tail.unwrap_or_default().pressure;
+        let cell = view.cell();
+        self.seen.see(cell);
+        let length = cell.lengths()[self.axis.index()];
+        self.count(&view.state.positions, length);
+        let diagonal = [
+            pressure.x_axis.x + tail,
+            pressure.y_axis.y + tail,
+            pressure.z_axis.z + tail,
+        ];
+        let normal = diagonal[self.axis.index()];
+        let tangential = 0.5 * (diagonal.iter().sum::<f64>() - normal);
+        self.series.push(&[
+            view.state.time,
+            normal,
+            tangential,
+            0.5 * length * (normal - tangential),
+        ]);
+    }
+
+    fn finish(&self, discarded: f64) -> Findings {
+        let counts = self.counts.after(discarded);
+        let all: Option<Vec<f64>> = (0..counts.width()).map(|k| counts.mean(k)).collect();
+        let density = all.map(|all| all.iter().map(|n| n * self.per_count()).collect::<Vec<_>>());
+        let slab = density.and_then(|density| fitted(&density, self.length()));
+        let mut findings = Findings {
+            tables: vec![self.profile(&counts, slab.as_ref())],
+            ..Findings::default()
+        };
+        let Some(slab) = slab else {
+            findings.remarks.push(format!(
+                "interface: no slab. The profile about its middle has no two surfaces across {}, at a mean density of {:.4} σ⁻³; \
+                 no coexisting densities, vapor pressure or surface tension",
+                self.axis.name(),
+                self.mean_density()
+            ));
+            return findings;
+        };
+        type Number = fn(&fit::Slab) -> f64;
+        let numbers: [(&str, &str, Number); 4] = [
+            ("liquid_density", "σ⁻³", fit::Slab::liquid),
+            ("vapor_density", "σ⁻³", |slab| slab.vapor),
+            ("interface_thickness", "σ", |slab| {
+                TEN_TO_NINETY * slab.width()
+            }),
+            ("slab_thickness", "σ", fit::Slab::thickness),
+        ];
+        findings.averages = numbers
+            .into_iter()
+            .filter_map(|(name, unit, number)| self.of_fit(&counts, name, unit, number))
+            .collect();
+        tell_discarded(&mut findings, self.counts.samples() - counts.samples());
+        let rows = self.series.rows();
+        let cut = (discarded * rows.time.len() as f64).ceil() as usize;
+        for (name, unit, column) in [
+            ("vapor_pressure", "ε/σ³", &rows.normal),
+            ("surface_tension", "ε/σ²", &rows.tension),
+        ] {
+            let mut average = of_series(name, unit, column, cut);
+            average.estimate.equilibration_cut *= self.series.stride();
+            findings.averages.push(average);
+        }
+        findings.tables.push(
+            Table::new(
+                "interface",
+                format!(
+                    "normal and tangential pressure and surface tension against time; each row is the mean of {} samples",
+                    self.series.stride()
+                ),
+            )
+            .with("time", "τ", rows.time.clone())
+            .with("normal", "ε/σ³", rows.normal.clone())
+            .with("tangential", "ε/σ³", rows.tangential.clone())
+            .with("tension", "ε/σ²", rows.tension.clone()),
+        );
+        findings.remarks = self.remarks(&slab);
+        findings
+    }
+}
+
+impl Persist for Interface {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.counts.save(&mut to.section("counts"));
+        self.series.save(&mut to.section("series"));
+        self.seen.save(&mut to.section("box"));
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.counts.restore(&from.section("counts"))?;
+        self.series.restore(&from.section("series"))?;
+        self.seen.restore(&from.section("box"))
+    }
+}
+
+#[cfg(test)]
+mod tests;

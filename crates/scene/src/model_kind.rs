@@ -1,0 +1,128 @@
+//! The model that a scene simulates, as the literature knows models.
+
+use lennard_forcefield::{PotentialOptions, SpeciesPair, TruncationKind, TruncationOptions};
+use lennard_literature::{KobAndersen, ModelKind, OneFluid};
+
+use crate::Scene;
+
+/// The model that a scene simulates, as far as the choice of a reference goes.
+#[must_use]
+pub fn model_kind(scene: &Scene) -> ModelKind {
+    if scene.program.have_forces() {
+        return ModelKind::Other {
+            potential: "a fluid with forces of a program",
+        };
+    }
+    let Some(r_cut) = scene.cutoff_of_one_fluid() else {
+        return mixture_kind(scene);
+    };
+    let molecules = scene.molecules();
+    if !molecules.are_atoms() {
+        let is_two_center = molecules.are_rigid()
+            && molecules.bonds().len() == 1
+            && scene.potential.spec().is_lennard_jones
+            && scene.truncation.kind == TruncationKind::Cut
+            && scene.truncation.tail_correction;
+        return match is_two_center {
+            true => ModelKind::TwoCenter {
+                bond_length: molecules.bonds()[0].length,
+                r_cut,
+            },
+            false => ModelKind::Other {
+                potential: "molecules other than rigid Lennard-Jones dumbbells with tail correction",
+            },
+        };
+    }
+    of_atoms(&scene.potential, &scene.truncation, r_cut)
+}
+
+/// The model of atoms of one species with a cutoff, σ.
+pub(crate) fn of_atoms(
+    potential: &PotentialOptions,
+    truncation: &TruncationOptions,
+    r_cut: f64,
+) -> ModelKind {
+    let spec = potential.spec();
+    if let PotentialOptions::Mie(mie) = *potential
+        && truncation.kind == TruncationKind::Cut
+        && truncation.tail_correction
+    {
+        let (repulsive, attractive) = (f64::from(mie.repulsive), f64::from(mie.attractive));
+        let potential = lennard_literature::Mie {
+            repulsive,
+            attractive,
+        };
+        return match potential == lennard_literature::Mie::LENNARD_JONES {
+            true => ModelKind::CutWithTail { r_cut },
+            false => ModelKind::Mie {
+                repulsive,
+                attractive,
+                r_cut,
+            },
+        };
+    }
+    if !spec.is_lennard_jones {
+        return ModelKind::Other {
+            potential: spec.title,
+        };
+    }
+    match truncation.kind {
+        TruncationKind::Cut if truncation.tail_correction => ModelKind::CutWithTail { r_cut },
+        TruncationKind::Cut => ModelKind::CutWithoutTail { r_cut },
+        TruncationKind::Shift => ModelKind::Shifted { r_cut },
+        TruncationKind::ForceShift => ModelKind::ForceShifted { r_cut },
+        TruncationKind::Switch => ModelKind::Switched { r_cut },
+        // No reference knows another truncation.
+        other => ModelKind::Other {
+            potential: other.spec().summary,
+        },
+    }
+}
+
+/// Whether the scene has the pairs, the truncation and the masses of Kob and Andersen.
+fn is_kob_andersen(scene: &Scene) -> bool {
+    let species = scene.mixture.as_ref().map_or(&[][..], |m| &m.species);
+    let is_theirs = |[a, b]: [usize; 2]| {
+        let pair = scene.species_pair(a, b);
+        let [sigma, epsilon] = KobAndersen::pair(a, b);
+        (pair.sigma, pair.epsilon) == (sigma, epsilon) && pair.r_cut == KobAndersen::CUTOFF * sigma
+    };
+    scene.potential.spec().is_lennard_jones
+        && scene.truncation.kind == TruncationKind::Shift
+        && species.len() == 2
+        && species.iter().all(|s| s.mass == 1.0)
+        && scene.species_pairs().all(is_theirs)
+}
+
+/// The kind of a mixture: one that the one-fluid theory describes, or another.
+fn mixture_kind(scene: &Scene) -> ModelKind {
+    if is_kob_andersen(scene) {
+        return ModelKind::KobAndersen;
+    }
+    let other = |potential| ModelKind::Other { potential };
+    let full = scene.potential.spec().is_lennard_jones
+        && scene.truncation.kind == TruncationKind::Cut
+        && scene.truncation.tail_correction;
+    if !full {
+        return other("mixtures other than Lennard-Jones with tail correction");
+    }
+    let Some(fractions) = scene.fractions() else {
+        return other("mixtures whose composition stands in a file");
+    };
+    let pair = |a, b| scene.species_pair(a, b);
+    let of_pairs = |of: &dyn Fn(SpeciesPair) -> f64| {
+        let values = scene.species_pairs().map(|[a, b]| of(pair(a, b)));
+        values.fold([f64::INFINITY, 0.0], |[least, most], x| {
+            [x.min(least), x.max(most)]
+        })
+    };
+    let [smallest, largest] = of_pairs(&|p| p.sigma);
+    ModelKind::Mixture {
+        fluid: OneFluid::of(&fractions, |a, b| {
+            let SpeciesPair { sigma, epsilon, .. } = pair(a, b);
+            [sigma, epsilon]
+        }),
+        size_ratio: largest / smallest,
+        r_cut: of_pairs(&|p| p.r_cut / p.sigma)[0],
+    }
+}

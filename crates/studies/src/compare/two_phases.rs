@@ -1,0 +1,54 @@
+//! A slab beside what the literature has for vapor and liquid in equilibrium.
+
+use lennard_literature::TwoPhaseSource;
+
+use super::Row;
+use super::rows::Compared;
+use super::verdict::Tolerance;
+
+const LIQUID_DENSITY: Tolerance = Tolerance::new(2.0, 0.0, 0.005);
+/// The vapor, its pressure and the surface tension change steeply with temperature: sources differ by so much.
+const STEEP: Tolerance = Tolerance::new(2.0, 0.0, 0.03);
+
+impl Compared<'_> {
+    /// A number of a slab beside the literature at the measured temperature.
+    ///
+    /// The normal pressure of a flat interface is the vapor pressure, since it is the same on both sides.
+    pub(super) fn beside_two_phases(&self, mut row: Row) -> Row {
+        if !self.run.has_two_phases() {
+            return row;
+        }
+        let source = match TwoPhaseSource::of(self.model) {
+            Ok(source) => source,
+            Err(none) => {
+                if row.is_sound() {
+                    row.reason = none.to_string();
+                }
+                return row;
+            }
+        };
+        let Some(phases) = source.at(self.state.temperature) else {
+            if row.is_sound() {
+                row.reason = format!("{} has no two phases at this temperature", source.name());
+            }
+            return row;
+        };
+        let saturation = phases.saturation;
+        let (reference, tolerance) = match row.quantity.as_str() {
+            "liquid_density" => (Some(saturation.liquid_density), LIQUID_DENSITY),
+            "vapor_density" => (Some(saturation.vapor_density), STEEP),
+            "vapor_pressure" | "pressure_zz" => (Some(saturation.pressure), STEEP),
+            _ => (phases.surface_tension, STEEP),
+        };
+        match reference {
+            Some(reference) => row.against(reference, None, tolerance, &phases.source),
+            None => {
+                if row.is_sound() {
+                    row.reason = "no source with a surface tension of this model was read".into();
+                }
+                row
+            }
+        }
+        .noted(format!("of {}", self.run.record.model))
+    }
+}
