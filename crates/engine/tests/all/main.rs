@@ -11,5 +11,6 @@ mod molecules;
 mod pressure;
 mod response;
 mod restart;
+mod slabs;
 mod walls;
 mod watching;
