@@ -52,14 +52,8 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
                         .invalid("system.box", e, "finite positive lengths")
                 })?;
                 let streams = Streams::new(scene.system.seed);
-                let points =
-                    initial::random_points(&filled, *n_atoms, streams).ok_or_else(|| {
-                        scene.source.invalid(
-                            "system.density",
-                            "points that do not fit at random",
-                            "a lower density",
-                        )
-                    })?;
+                let points = initial::random_points(&filled, *n_atoms, streams)
+                    .ok_or_else(|| initial::too_dense(scene, "system.density"))?;
                 let positions = points.into_iter().map(|r| r + placement.corner).collect();
                 let beginning = Beginning {
                     cell,
@@ -74,21 +68,12 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
             let centers =
                 initial::lattice_sites(placement.corner, placement.filled, cells, lattice.basis());
             let positions = starting_molecules::on_a_lattice(scene, &cell, centers)?;
-            let species = species::mixed(scene, positions.len())?;
-            let relax = species::overlap(scene, &cell, &positions, &species);
-            let beginning = Beginning {
-                cell,
-                positions,
-                velocities: None,
-                species,
-                relax,
-            };
-            Ok((beginning, Vec::new()))
+            Ok((placed(scene, cell, positions)?, Vec::new()))
         }
         Start::Slab(slab) => {
             let placement = scene.placement()?.expect("a slab has a placement");
-            let beginning = starting_slab::begin(scene, slab, &placement)?;
-            Ok((beginning, Vec::new()))
+            let positions = starting_slab::positions(scene, slab, &placement)?;
+            Ok((placed(scene, placement.cell, positions)?, Vec::new()))
         }
         Start::Configuration { path, geometry } => {
             let given = match geometry {
@@ -109,6 +94,23 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
             begin_at(scene, path, read, given)
         }
     }
+}
+
+/// The start from particles in their places, with species mixed at random.
+fn placed(
+    scene: &Scene,
+    cell: PeriodicBox,
+    positions: Vec<DVec3>,
+) -> Result<Beginning, EngineError> {
+    let species = species::mixed(scene, positions.len())?;
+    let relax = species::overlap(scene, &cell, &positions, &species);
+    Ok(Beginning {
+        cell,
+        positions,
+        velocities: None,
+        species,
+        relax,
+    })
 }
 
 /// The start from a configuration that was read, in the box that the scene gives, if it gives one.

@@ -2,9 +2,11 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{DVec3, Momentum, PeriodicBox, System, Topology, rigid};
+use lennard_scene::Scene;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 
+use crate::EngineError;
 use crate::close_pairs::Bins;
 
 /// Random sequential addition is dense enough to be slow beyond this many trials a particle.
@@ -137,6 +139,12 @@ pub fn random_points(cell: &PeriodicBox, n: usize, streams: Streams) -> Option<V
         points.push(point);
     }
     Some(points)
+}
+
+/// The error that points do not fit at random, by the key that makes them so dense.
+pub(crate) fn too_dense(scene: &Scene, key: &str) -> EngineError {
+    let found = "points that do not fit at random";
+    scene.source.invalid(key, found, "a lower density").into()
 }
 
 /// Velocities from the Maxwell–Boltzmann distribution at some positions, without a part along rigid bonds.

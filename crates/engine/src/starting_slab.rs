@@ -5,35 +5,26 @@ use lennard_core::{DVec3, PeriodicBox};
 use lennard_scene::{Lattice, Placement, Scene, Slab};
 use rand::seq::SliceRandom;
 
-use crate::beginning::Beginning;
-use crate::{EngineError, initial, species};
+use crate::{EngineError, initial};
 
 /// How far vapor keeps from the liquid at the start, σ.
-const GAP: f64 = 1.0;
+const GAP: f64 = Slab::LEAST_VAPOR / 4.0;
 /// How many cells more or less along an axis are looked at.
 const SPARE: usize = 3;
 
-/// Liquid on an fcc lattice that has a few sites left empty, and vapor at random beside it.
+/// Places of liquid on an fcc lattice that has a few sites left empty, and of vapor at random beside it.
 ///
-/// The lattice melts, since the density is below that of a crystal. Sites to be left empty are drawn from the seed.
-pub(crate) fn begin(
+/// The lattice melts, since a crystal is denser. Sites to be left empty are drawn from the seed.
+pub(crate) fn positions(
     scene: &Scene,
     slab: &Slab,
     placement: &Placement,
-) -> Result<Beginning, EngineError> {
+) -> Result<Vec<DVec3>, EngineError> {
     let n_vapor = slab.n_vapor();
     let streams = Streams::new(scene.system.seed);
     let mut positions = liquid(placement, slab.n_atoms - n_vapor, streams);
     positions.extend(vapor(scene, slab, placement, n_vapor, streams)?);
-    let species = species::mixed(scene, slab.n_atoms)?;
-    let relax = species::overlap(scene, &placement.cell, &positions, &species);
-    Ok(Beginning {
-        cell: placement.cell,
-        positions,
-        velocities: None,
-        species,
-        relax,
-    })
+    Ok(positions)
 }
 
 fn liquid(placement: &Placement, n: usize, streams: Streams) -> Vec<DVec3> {
@@ -54,8 +45,7 @@ fn liquid(placement: &Placement, n: usize, streams: Streams) -> Vec<DVec3> {
 
 /// Cells along each axis with room for `n` particles: nearly cubic, and few sites too many.
 ///
-/// Neither an empty site nor a stretched cell matters much: what is kept small is the square of the empty share plus the
-/// square of the stretch.
+/// Neither an empty site nor a stretched cell matters much. The sum of the squares of both is kept small.
 fn cells_for(n: usize, sides: DVec3, per_cell: usize) -> [usize; 3] {
     let edge = (sides.element_product() * per_cell as f64 / n.max(1) as f64).cbrt();
     let ideal = (sides / edge).to_array();
@@ -90,27 +80,12 @@ fn vapor(
     n: usize,
     streams: Streams,
 ) -> Result<Vec<DVec3>, EngineError> {
-    let refuse = |found: String, allowed: &str| {
-        let error = scene.source.invalid("slab.length", found, allowed);
-        EngineError::from(error)
-    };
-    if n == 0 {
-        return Ok(Vec::new());
-    }
     let sides = placement.cell.lengths();
     let room = DVec3::new(sides.x, sides.y, slab.length - slab.thickness - 2.0 * GAP);
-    let part = PeriodicBox::new(room).map_err(|_| {
-        refuse(
-            format!("{} σ, which leaves no room for vapor", slab.length),
-            "a longer box",
-        )
-    })?;
-    let points = initial::random_points(&part, n, streams).ok_or_else(|| {
-        refuse(
-            "vapor that does not fit at random".into(),
-            "a longer box, or a lower density of the vapor",
-        )
-    })?;
+    let points = PeriodicBox::new(room)
+        .ok()
+        .and_then(|part| initial::random_points(&part, n, streams))
+        .ok_or_else(|| initial::too_dense(scene, "slab.vapor_density"))?;
     let first = DVec3::new(0.0, 0.0, placement.corner.z + slab.thickness + GAP);
     Ok(points
         .into_iter()

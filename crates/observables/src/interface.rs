@@ -82,13 +82,13 @@ impl_columns!(Rows {
     tension
 });
 
-/// The density across a slab about its own middle, and what follows from it: ρ_l and ρ_v in σ⁻³, the 10–90 thickness of an
-/// interface in σ, the vapor pressure P_N in ε/σ³ and the surface tension γ in ε/σ².
+/// The density across a slab about its own middle, and what follows from it.
 ///
+/// It gives ρ_l and ρ_v in σ⁻³, the 10–90 thickness of an interface in σ, p_s = P_N in ε/σ³ and the surface tension γ in ε/σ².
 /// The middle of a sample is the circular mean of all places, z_c = L/2π·arg Σ exp(2πi·z/L). It needs no force that holds the slab.
-/// Densities and widths come from a fit of two hyperbolic tangents to the mean profile, and their errors from a jackknife
-/// over blocks of the run. P_N is the normal component of the pressure tensor, the same in both phases. Truncation and tail are
-/// those of the run, and so are p_s and γ: a plain cutoff without tail has the interface of the shifted potential.
+/// Densities and widths come from a fit of two hyperbolic tangents to the mean profile. Their errors come from a jackknife
+/// over blocks of the run. P_N is the normal component of the pressure tensor, the same in both phases. p_s and γ belong to the
+/// truncation and the tail of the run. A plain cutoff without tail has the interface of the shifted potential.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interface {
     axis: Axis,
@@ -192,7 +192,7 @@ impl Interface {
         }
     }
 
-    /// What keeps the numbers from being those of bulk phases.
+    /// What makes the numbers differ from bulk phases.
     fn remarks(&self, slab: &fit::Slab) -> Vec<String> {
         let (thickness, vapor) = (slab.thickness(), self.length() - slab.thickness());
         let sides = self.seen.sides();

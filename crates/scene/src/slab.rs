@@ -32,6 +32,9 @@ pub struct Slab {
 }
 
 impl Slab {
+    /// The least length of the vapor between the two surfaces, σ.
+    pub const LEAST_VAPOR: f64 = 4.0;
+
     /// The area of the cross-section, σ².
     #[must_use]
     pub fn area(&self) -> f64 {
@@ -80,7 +83,7 @@ impl From<&Slab> for SlabTable {
 }
 
 impl Reader<'_> {
-    /// The slab of `n_atoms` particles at a temperature (ε/k_B); densities that are not written are those of `model`.
+    /// The slab of `n_atoms` particles at a temperature (ε/k_B); the literature of `model` gives densities that are not written.
     pub fn slab(
         &self,
         n_atoms: usize,
@@ -113,12 +116,15 @@ impl Reader<'_> {
                 (thickness, LENGTH_OF_THICKNESS * thickness)
             }
         };
-        if thickness >= length {
+        if thickness + Slab::LEAST_VAPOR > length {
             return Err(self
                 .source
                 .refuse("slab.thickness", "leaves no room for vapor")
                 .found(thickness)
-                .allowed(format!("below the length of the box, {length} σ")));
+                .allowed(format!(
+                    "{} σ below the length of the box, {length} σ",
+                    Slab::LEAST_VAPOR
+                )));
         }
         Ok(Slab {
             n_atoms,

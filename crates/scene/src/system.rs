@@ -70,8 +70,8 @@ impl<'de> Deserialize<'de> for Sides {
 }
 
 impl Reader<'_> {
-    /// The table; `counted` is the number of particles that the species have together, where they are counted, and `model` is
-    /// that of atoms of one species.
+    /// The table; `counted` is the number of particles that the species have together, where they are counted, and `model`
+    /// the model of atoms of one species.
     pub fn system(
         &self,
         resolve: Resolve<'_>,
