@@ -9,7 +9,7 @@ use lennard_forcefield::{
 use lennard_integrators::BondHolder;
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
-use lennard_observables::{BuildContext, ChangingBox, Confined, ObservableOptions, Thermodynamics};
+use lennard_observables::{ChangingBox, Confined, ObservableOptions, Thermodynamics};
 use lennard_scene::{ObservableTable, Scene, Stage};
 
 use crate::baths::{ensemble, held_temperature, measured_baths, measured_pressure};
@@ -247,15 +247,7 @@ pub(crate) fn observers(
     let mut measured = scene.stages.iter().rev().filter(|s| s.measure);
     let measured = measured.next().or(scene.stages.last());
     let dt = measured.map_or(scene.integrator.dt, |s| scene.stage_dt(s));
-    let context = |every| BuildContext {
-        cell,
-        n_atoms,
-        dt,
-        every,
-        r_cut: scene.longest_cutoff(),
-        molecules: scene.molecules(),
-        species: species.clone(),
-    };
+    let context = |every| scene.observable_context(cell, species, dt, every);
     let of_thermodynamics = |table: &ObservableTable| match &table.options {
         ObservableOptions::Thermodynamics(options) => Some(options.clone()),
         _ => None,

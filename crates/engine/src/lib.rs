@@ -18,6 +18,7 @@ mod findings;
 mod follower;
 mod force_check;
 mod from_memory;
+mod frozen;
 mod growing_scenes;
 mod growth;
 mod in_memory;

@@ -10,6 +10,7 @@ use lennard_io::{
 };
 use lennard_observables::ChangingBox;
 
+use crate::frozen::frozen;
 use crate::{Simulation, at_constant_pressure, compare};
 
 /// The record of a run that has not ended, or not well; `remarks` say how it failed.
@@ -78,6 +79,7 @@ pub fn finished(
             .flat_map(|f| f.remarks.iter().cloned())
             .chain(compared.remarks)
             .chain(few_accepted(simulation))
+            .chain(frozen(simulation))
             .collect(),
         trajectory_frames,
         ..bare(simulation, threads)

@@ -42,6 +42,14 @@ macro_rules! catalog {
                 }
             }
 
+            /// Whether its equation needs a bath that holds one temperature.
+            #[must_use]
+            pub fn needs_temperature(&self) -> bool {
+                match self {
+                    $(Self::$variant(o) => o.needs_temperature(),)*
+                }
+            }
+
             /// The scene keys of every observable, by its name.
             #[must_use]
             pub fn keys() -> Vec<(&'static str, Keys)> {
@@ -95,6 +103,10 @@ catalog! {
     Vacf => crate::VacfOptions,
     /// The static structure factor S(k).
     StructureFactor => crate::StructureFactorOptions,
+    /// The order of the directions to neighbors.
+    BondOrder => crate::BondOrderOptions,
+    /// The residual chemical potential.
+    ChemicalPotential => crate::ChemicalPotentialOptions,
     /// The shear viscosity.
     ShearViscosity => crate::ShearViscosityOptions,
     /// The thermal conductivity.

@@ -10,8 +10,11 @@
 
 mod averages;
 mod blocks;
+mod bond_order;
 mod catalog;
+mod cells;
 mod changing_box;
+mod chemical_potential;
 mod correlator;
 mod density_profile;
 mod error;
@@ -42,8 +45,12 @@ mod vacf;
 mod wall_pressure;
 
 pub use blocks::BlockedSums;
+pub use bond_order::{BondOrder, BondOrderOptions, solid_share};
 pub use catalog::{ObservableOptions, build, observables};
 pub use changing_box::ChangingBox;
+pub use chemical_potential::{
+    ChemicalPotential, ChemicalPotentialOptions, Insertion, TrialEnergies,
+};
 pub use correlator::{Correlation, Correlator};
 pub use density_profile::{DensityProfile, DensityProfileOptions};
 pub use error::ObservableError;

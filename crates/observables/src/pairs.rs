@@ -3,16 +3,11 @@
 use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
 use rayon::prelude::*;
 
+use crate::cells::{BATCH, Cells, Points};
 use crate::species_pairs::SpeciesPair;
 
 /// Particles whose pairs one task counts. Counts are whole numbers, so that no result depends on it.
 const ROWS_A_TASK: usize = 64;
-
-/// Distances worked out before they are counted: the arithmetic runs in vector registers, the counting cannot.
-const BATCH: usize = 128;
-
-/// Cells along a side from which a grid of cells pays: with three, each cell would see all others.
-const FEWEST_CELLS: usize = 4;
 
 /// Counts the pairs (each once) whose minimum-image distance falls into each of `bins` equal bins of
 /// [0, r_max). Positions may be unwrapped; `r_max` is at most half the shortest side.
@@ -24,16 +19,12 @@ pub fn count_distances(
     bins: usize,
 ) -> Vec<u64> {
     let histogram = Histogram::new(cell, r_max, bins);
-    let wrapped = positions.iter().map(|r| cell.wrap(*r));
-    let cells = (cell.lengths() / r_max).floor().as_usizevec3();
-    if cells.min_element() < FEWEST_CELLS {
-        return histogram.all_pairs(&wrapped.collect());
+    let numbered: Vec<(u32, DVec3)> = (0_u32..).zip(positions.iter().copied()).collect();
+    let cells = Cells::new(&numbered, cell, r_max);
+    if cells.len() == 1 {
+        return histogram.all_pairs(cells.members(0));
     }
-    // More cells than particles would only be walked in vain.
-    let most = (positions.len() as f64).cbrt().ceil() as usize;
-    let most = most.max(FEWEST_CELLS);
-    let cells = [cells.x.min(most), cells.y.min(most), cells.z.min(most)];
-    histogram.pairs_in_cells(wrapped, cells)
+    histogram.pairs_in_cells(&cells)
 }
 
 /// The same counts for the pairs of each two species, in the order of [`SpeciesPair::all`]: the same bits decide about each
@@ -94,38 +85,6 @@ pub(crate) fn count_distances_inside(
     })
 }
 
-/// Coordinates by axis.
-#[derive(Default)]
-struct Points {
-    x: Vec<f64>,
-    y: Vec<f64>,
-    z: Vec<f64>,
-}
-
-impl Points {
-    fn push(&mut self, r: DVec3) {
-        self.x.push(r.x);
-        self.y.push(r.y);
-        self.z.push(r.z);
-    }
-
-    fn len(&self) -> usize {
-        self.x.len()
-    }
-
-    fn get(&self, i: usize) -> DVec3 {
-        DVec3::new(self.x[i], self.y[i], self.z[i])
-    }
-}
-
-impl FromIterator<DVec3> for Points {
-    fn from_iter<I: IntoIterator<Item = DVec3>>(positions: I) -> Self {
-        let mut points = Self::default();
-        positions.into_iter().for_each(|r| points.push(r));
-        points
-    }
-}
-
 struct Histogram {
     sides: DVec3,
     r_max: f64,
@@ -149,24 +108,17 @@ impl Histogram {
         let mut bins = [0_u32; BATCH];
         let last = self.bins as f64 - 1.0;
         let beyond = self.bins as f64;
-        let batches = to.x[first..]
-            .chunks(BATCH)
-            .zip(to.y[first..].chunks(BATCH))
-            .zip(to.z[first..].chunks(BATCH));
-        for ((x, y), z) in batches {
-            for (((bin, x), y), z) in bins.iter_mut().zip(x).zip(y).zip(z) {
-                // Both lie in the home box: the nearest image is the shorter way around.
-                let d = (from - DVec3::new(*x, *y, *z)).abs();
-                let d = d.min(self.sides - d);
-                let r = d.length();
+        to.squared_distances(from, self.sides, first, |_, squared| {
+            for (bin, r2) in bins.iter_mut().zip(squared) {
+                let r = r2.sqrt();
                 // Just below r_max the product can round up to the number of bins.
                 let place = (r * self.per_length).min(last);
                 *bin = if r < self.r_max { place } else { beyond } as u32;
             }
-            for bin in &bins[..x.len()] {
+            for bin in &bins[..squared.len()] {
                 counts[*bin as usize] += 1;
             }
-        }
+        });
     }
 
     /// Adds up what the tasks count.
@@ -200,40 +152,14 @@ impl Histogram {
     }
 
     /// Pairs within a cell and with half of the 26 cells around it.
-    fn pairs_in_cells(
-        &self,
-        positions: impl Iterator<Item = DVec3>,
-        cells: [usize; 3],
-    ) -> Vec<u64> {
-        let [nx, ny, nz] = cells;
-        let scale = DVec3::new(nx as f64, ny as f64, nz as f64) / self.sides;
-        let index = |x: usize, y: usize, z: usize| (x * ny + y) * nz + z;
-        let home = |r: &DVec3| {
-            let s = (*r * scale).as_usizevec3();
-            index(s.x.min(nx - 1), s.y.min(ny - 1), s.z.min(nz - 1))
-        };
-        let mut members: Vec<Points> = Vec::new();
-        members.resize_with(nx * ny * nz, Points::default);
-        for position in positions {
-            members[home(&position)].push(position);
-        }
-        let forward: Vec<[usize; 3]> = (0..27)
-            .map(|k| [k / 9, k / 3 % 3, k % 3])
-            .skip(14)
-            .collect();
-        self.over(members.len(), |c, counts| {
-            let (x, y, z) = (c / (ny * nz), c / nz % ny, c % nz);
-            for i in 0..members[c].len() {
-                let from = members[c].get(i);
-                self.count(counts, from, &members[c], i + 1);
-                // An offset of 0, 1, 2 stands for −1, 0, 1.
-                for [dx, dy, dz] in &forward {
-                    let other = index(
-                        (x + dx + nx - 1) % nx,
-                        (y + dy + ny - 1) % ny,
-                        (z + dz + nz - 1) % nz,
-                    );
-                    self.count(counts, from, &members[other], 0);
+    fn pairs_in_cells(&self, cells: &Cells) -> Vec<u64> {
+        self.over(cells.len(), |c, counts| {
+            let own = cells.members(c);
+            for i in 0..own.len() {
+                let from = own.get(i);
+                self.count(counts, from, own, i + 1);
+                for others in cells.forward(c) {
+                    self.count(counts, from, others, 0);
                 }
             }
         })

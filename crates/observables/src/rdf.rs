@@ -1,5 +1,6 @@
 //! The radial distribution function.
 
+mod entropy;
 mod partial;
 mod reading;
 
@@ -197,6 +198,7 @@ impl Observable for RadialDistribution {
         let running = reading.running(&counts, 0);
         reading.add_peaks(&counts, &mut findings, &g, &error);
         let partial = self.finish_partial(discarded, &mut findings);
+        findings.averages.extend(self.two_body_entropy(discarded));
         tell_discarded(&mut findings, self.counts.samples() - counts.samples());
         let valid = self.seen.half_shortest();
         if valid < self.r_max {

@@ -3,7 +3,7 @@
 use lennard_core::options::Options;
 use lennard_core::{Molecules, Observable, ObservableSpec, PeriodicBox, SpeciesTable};
 
-use crate::ObservableError;
+use crate::{Insertion, ObservableError};
 
 /// What an observable may know when it is built.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +22,8 @@ pub struct BuildContext {
     pub molecules: Molecules,
     /// The species, and the species of each particle.
     pub species: SpeciesTable,
+    /// What trial particles need; `None` where the measured stages hold no temperature.
+    pub insertion: Option<Insertion>,
 }
 
 impl BuildContext {
@@ -76,6 +78,11 @@ pub trait Recipe: Options {
     /// The surroundings in which the observable means what its equation says.
     fn surroundings(&self) -> Surroundings {
         Surroundings::Any
+    }
+
+    /// Whether its equation needs a bath that holds one temperature.
+    fn needs_temperature(&self) -> bool {
+        false
     }
 
     /// Builds the observable.

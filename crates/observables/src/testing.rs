@@ -15,6 +15,7 @@ pub(crate) fn context(side: f64, n_atoms: usize) -> BuildContext {
         r_cut: 2.5,
         molecules: lennard_core::Molecules::ATOMS,
         species: SpeciesTable::one(Species::unnamed(), n_atoms),
+        insertion: None,
     }
 }
 

@@ -8,6 +8,47 @@ use crate::{PressureControl, Scene, SceneError, Stage};
 /// The fewest relaxation times of the volume's proposals: below, the box jumps by more than it fluctuates.
 const FEWEST_INTERVALS: f64 = 20.0;
 
+/// Refuses observables whose equation needs a temperature that is held, where a measured stage holds none.
+pub(crate) fn temperatures_are_held(scene: &Scene) -> Result<(), SceneError> {
+    let free = scene.stages.iter();
+    let Some(free) = free
+        .filter(|s| s.measure)
+        .find(|s| !s.holds_one_temperature())
+    else {
+        return Ok(());
+    };
+    for (i, table) in scene.observables.iter().enumerate() {
+        if !table.options.needs_temperature() {
+            continue;
+        }
+        let found = match &free.thermostat {
+            None => "without thermostat".to_owned(),
+            Some(_) if free.temperature_from.is_some() => {
+                "with a ramp of the temperature".to_owned()
+            }
+            Some(bath) => format!("with thermostat {:?}", bath.name()),
+        };
+        let canonical = thermostats().iter().filter(|t| t.canonical);
+        let names: Vec<&str> = canonical.map(|t| t.name).collect();
+        return Err(scene
+            .source
+            .refuse(
+                &format!("observable.{i}.kind"),
+                "needs a temperature that is held",
+            )
+            .found(format!(
+                "{:?} in the measured stage {:?} {found}",
+                table.options.name(),
+                free.name
+            ))
+            .allowed(format!(
+                "thermostat = one of {}, at one temperature",
+                quoted(&names)
+            )));
+    }
+    Ok(())
+}
+
 /// Whether each barostat has the bath, the interval and the observables that it needs.
 pub(crate) fn barostats_fit(scene: &Scene) -> Result<(), SceneError> {
     for (i, stage) in scene.stages.iter().enumerate() {

@@ -100,6 +100,7 @@ pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     mixture::check(scene)?;
     molecule_checks::check(scene)?;
     bath_checks::barostats_fit(scene)?;
+    bath_checks::temperatures_are_held(scene)?;
     accuracy::check(scene)?;
     walls::check(scene)?;
     slab::check(scene)?;
@@ -212,15 +213,7 @@ fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneErr
             .allowed(e.allowed())
     })?;
     for (i, table) in scene.observables.iter().enumerate() {
-        let context = lennard_observables::BuildContext {
-            cell,
-            n_atoms,
-            dt,
-            every: table.every,
-            r_cut: scene.longest_cutoff(),
-            molecules: scene.molecules(),
-            species: species.clone(),
-        };
+        let context = scene.observable_context(cell, &species, dt, table.every);
         lennard_observables::build(&table.options, &context).map_err(|e| {
             scene
                 .source

@@ -12,6 +12,7 @@ mod builder;
 mod checks;
 mod de;
 mod error;
+mod insertion;
 mod lattice;
 mod lock;
 mod mixture;

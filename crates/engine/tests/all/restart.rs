@@ -261,6 +261,31 @@ fn every_observable_list_state_and_precision_goes_on_to_the_bit() {
 }
 
 #[test]
+fn trial_particles_go_on_to_the_bit_at_constant_temperature_and_pressure_and_in_mixtures() {
+    let trials = (
+        "observable",
+        r#"[{kind="chemical-potential", insertions=50}]"#,
+    );
+    let bath = ("stage.production.thermostat", "nose-hoover");
+    let barostat = r#"{ kind = "mtk", pressure = 4.0, tau = 0.5 }"#;
+    let species = r#"[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3 }]"#;
+    let mixing = r#"{ rule = "lorentz-berthelot" }"#;
+    assert!(in_parts(&[trials, bath]));
+    assert!(in_parts(&[
+        trials,
+        bath,
+        ("stage.production.barostat", barostat)
+    ]));
+    assert!(in_parts(&[
+        trials,
+        bath,
+        ("species", species),
+        ("mixing", mixing)
+    ]));
+    assert!(!in_parts(&[trials]), "at constant energy it is refused");
+}
+
+#[test]
 fn mixtures_go_on_to_the_bit() {
     let species = r#"[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3, sigma = 0.9, mass = 2.0 }]"#;
     for rule in lennard_forcefield::combining_rules() {

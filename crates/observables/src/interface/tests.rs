@@ -23,6 +23,7 @@ fn context(n_atoms: usize) -> BuildContext {
         r_cut: 2.5,
         molecules: Molecules::ATOMS,
         species: SpeciesTable::one(Species::unnamed(), n_atoms),
+        insertion: None,
     }
 }
 

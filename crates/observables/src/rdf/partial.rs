@@ -15,8 +15,8 @@ use crate::species_pairs::SpeciesPair;
 /// first minimum of g_ab. It is n_ba·N_b/N_a.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Partial {
-    species: SpeciesTable,
-    pairs: Vec<(SpeciesPair, BlockedSums)>,
+    pub(super) species: SpeciesTable,
+    pub(super) pairs: Vec<(SpeciesPair, BlockedSums)>,
 }
 
 impl Partial {

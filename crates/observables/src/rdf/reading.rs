@@ -5,6 +5,7 @@ use lennard_core::{Findings, Table};
 use crate::averages::of_blocks;
 use crate::blocks::BlockedSums;
 use crate::extrema::{Extremum, extrema, fitted_extremum, smoothed};
+use crate::statistics;
 
 /// A peak of g(r) counts where the curve has come down from it by this much, and by four standard errors.
 const SMALLEST_PROMINENCE: f64 = 0.02;
@@ -38,6 +39,8 @@ pub(super) struct Reading {
     width: f64,
     /// What the mean count of each bin, weighted by the volume of its sample, is multiplied by to give g.
     pub(super) normalisation: Vec<f64>,
+    /// Volume of the shell of each bin, σ³.
+    shells: Vec<f64>,
     /// The mean volume in first volumes: the mean weight of a sample.
     volume: f64,
     /// What the names of results end with, and neighbors of a particle for each pair in the box.
@@ -53,11 +56,13 @@ impl Reading {
     pub(super) fn new(radii: Vec<f64>, width: f64, scale: f64, ordered: f64, volume: f64) -> Self {
         let of_bin = |k: usize| {
             let (inner, outer) = (k as f64 * width, (k + 1) as f64 * width);
-            let shell = 4.0 / 3.0 * std::f64::consts::PI * (outer.powi(3) - inner.powi(3));
-            scale / (ordered * shell)
+            4.0 / 3.0 * std::f64::consts::PI * (outer.powi(3) - inner.powi(3))
         };
+        let shells: Vec<f64> = (0..radii.len()).map(of_bin).collect();
+        let normalisation = shells.iter().map(|shell| scale / (ordered * shell));
         Self {
-            normalisation: (0..radii.len()).map(of_bin).collect(),
+            normalisation: normalisation.collect(),
+            shells,
             radii,
             width,
             volume,
@@ -120,6 +125,31 @@ impl Reading {
     fn distribution_from(&self, pairs: &[f64]) -> Vec<f64> {
         let both = pairs.iter().zip(&self.normalisation);
         both.map(|(p, factor)| p * factor).collect()
+    }
+
+    /// −2πρ ∫ (g·ln g − g + 1) r² dr up to the last bin, k_B, with its pseudo-values block by block. `density` is ρ, σ⁻³.
+    ///
+    /// Noise of g lowers it by a term of second order, which the mean of the pseudo-values lacks.
+    pub(super) fn two_body_entropy(
+        &self,
+        counts: &BlockedSums,
+        density: f64,
+    ) -> Option<(f64, Vec<f64>)> {
+        let of_bin = |(g, shell): (f64, &f64)| {
+            let ordered = if g > 0.0 { g * g.ln() } else { 0.0 };
+            (ordered - g + 1.0) * shell
+        };
+        let entropy = |pairs: &[f64]| {
+            let bins = self.distribution_from(pairs).into_iter().zip(&self.shells);
+            Some(-0.5 * density * bins.map(of_bin).sum::<f64>())
+        };
+        let (whole, blocks) = counts.jackknife(entropy)?;
+        let value = if blocks.is_empty() {
+            whole
+        } else {
+            statistics::mean(&blocks)
+        };
+        Some((value, blocks))
     }
 
     fn half_width(&self, extremum: &Extremum) -> f64 {

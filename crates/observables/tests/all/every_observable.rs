@@ -6,7 +6,9 @@ use lennard_core::{
     Bonds, DMat3, DVec3, Energetics, Molecules, Observable, ObservableSpec, PeriodicBox, Species,
     SpeciesTable, State, StateArchive, Suits, System, View,
 };
-use lennard_observables::{BuildContext, MsdOptions, ObservableOptions, build, observables};
+use lennard_observables::{
+    BuildContext, Insertion, MsdOptions, ObservableOptions, TrialEnergies, build, observables,
+};
 use rand_distr::{Distribution, StandardNormal};
 
 const N: usize = 60;
@@ -24,6 +26,30 @@ fn context_of(n_atoms: usize) -> BuildContext {
         r_cut: 2.5,
         molecules: lennard_core::Molecules::ATOMS,
         species: species(n_atoms, 1),
+        insertion: Some(Insertion {
+            temperature: 2.0,
+            streams: Streams::new(3),
+            energies: std::sync::Arc::new(LennardJones),
+        }),
+    }
+}
+
+/// Trial particles that see all species alike.
+#[derive(Debug)]
+struct LennardJones;
+
+impl TrialEnergies for LennardJones {
+    fn cutoff(&self, _a: usize, _b: usize) -> f64 {
+        2.5
+    }
+
+    fn sum(&self, _a: usize, _b: usize, squared_distances: &[f64]) -> f64 {
+        let sixth = squared_distances.iter().map(|r2| r2.powi(-3));
+        sixth.map(|x| 4.0 * x * (x - 1.0)).sum()
+    }
+
+    fn tail(&self, _a: usize) -> f64 {
+        -30.0
     }
 }
 

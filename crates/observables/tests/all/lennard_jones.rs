@@ -120,6 +120,7 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
         r_cut: R_CUT,
         molecules: lennard_core::Molecules::ATOMS,
         species: SpeciesTable::one(Species::unnamed(), 256),
+        insertion: None,
     };
     let mut thermodynamics = Thermodynamics::new(&context);
     thermodynamics.set_force_jump(derivatives(R_CUT * R_CUT).0);

@@ -13,6 +13,7 @@ fn an_option_that_does_not_suit_the_run_is_named_with_what_is_allowed() {
         r_cut: 2.5,
         molecules: lennard_core::Molecules::ATOMS,
         species: SpeciesTable::one(Species::unnamed(), 100),
+        insertion: None,
     };
     for (options, wanted) in [
         (

@@ -17,6 +17,7 @@ fn context(n_atoms: usize, side: f64) -> BuildContext {
         r_cut: 2.5,
         molecules: lennard_core::Molecules::ATOMS,
         species: SpeciesTable::one(Species::unnamed(), n_atoms),
+        insertion: None,
     }
 }
 

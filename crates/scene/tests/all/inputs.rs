@@ -34,6 +34,7 @@ fn good_scenes() -> Vec<PathBuf> {
         "inputs/npt",
         "inputs/potential",
         "inputs/mixture",
+        "inputs/thermodynamics",
     ]
     .into_iter()
     .flat_map(scenes_in)

@@ -58,6 +58,14 @@ fn with_method(table: &str, kind: &str) -> Scene {
             let wall = "[[wall]]\nkind = \"wca\"\n[truncation]\nkind = \"shift\"\n";
             format!("[[observable]]\nkind = \"{kind}\"\n{wall}")
         }
+        "observable" if kind == "chemical-potential" => {
+            let observable = format!("[{{ kind = {kind:?} }}]");
+            let held = [
+                ("observable", observable.as_str()),
+                ("stage.production.thermostat", "bussi"),
+            ];
+            return with(&held).unwrap();
+        }
         "observable" => format!("[[observable]]\nkind = \"{kind}\"\n"),
         "bonds" => return molecular(kind),
         "potential" if kind == "table" => format!(

@@ -10,6 +10,16 @@ use super::{RunFolder, StateOfMatter};
 /// Means that are compared at the number of particles of the run, and stand in the comparison for that reason.
 const OF_THE_WHOLE_SYSTEM: [&str; 2] = ["total_energy", "enthalpy"];
 
+/// Means that are a part of a property: the mean, the property, and the name in tables. They stand beside it, and judge nothing.
+const PARTS: [(&str, &str, &str); 1] = [(
+    "two_body_entropy",
+    "residual_entropy",
+    "two-body entropy s₂, beside s_res",
+)];
+
+/// Means that belong to the temperature of the bath, and not to the measured one: trial particles have weights of that.
+const AT_THE_BATH: [&str; 1] = ["residual_chemical_potential"];
+
 /// A run is sharper than the literature where its error is below this part of the band.
 const SHARPER: f64 = 0.5;
 /// Errors by which a value must leave the band to be said to lie outside.
@@ -113,12 +123,20 @@ pub fn card(run: &RunFolder, state: &StateOfMatter, model: ModelKind) -> Option<
         .into_iter()
         .filter(|e| e.check(rho, t).is_ok())
         .collect();
-    let states: Vec<_> = equations.iter().map(|e| e.at(rho, t)).collect();
+    let states_at = |t| equations.iter().map(|e| e.at(rho, t)).collect();
+    let states: Vec<_> = states_at(t);
+    let at_the_bath: Vec<_> = states_at(run.bath_temperature().unwrap_or(t));
     let counts: Vec<bool> = equations.iter().map(|e| counts(*e)).collect();
-    let row = |property: &Property| -> Option<CardRow> {
-        let average = run.average(property.key)?;
+    let row = |mean: &str, name: &str, property: &Property, judged: bool| -> Option<CardRow> {
+        let average = run.average(mean)?;
+        let states = if AT_THE_BATH.contains(&mean) {
+            &at_the_bath
+        } else {
+            &states
+        };
         let values: Vec<f64> = states.iter().map(property.of).collect();
         let counted = values.iter().zip(&counts).filter(|(_, counts)| **counts);
+        let counted = counted.filter(|_| judged);
         let band = band(counted.map(|(value, _)| *value));
         let error = if average.is_sound() {
             average.standard_error
@@ -126,8 +144,8 @@ pub fn card(run: &RunFolder, state: &StateOfMatter, model: ModelKind) -> Option<
             f64::NAN
         };
         Some(CardRow {
-            property: property.key.to_owned(),
-            name: property.name.to_owned(),
+            property: mean.to_owned(),
+            name: name.to_owned(),
             unit: property.unit.to_owned(),
             measured: average.mean,
             standard_error: error,
@@ -136,11 +154,14 @@ pub fn card(run: &RunFolder, state: &StateOfMatter, model: ModelKind) -> Option<
             band,
         })
     };
-    let rows: Vec<CardRow> = PROPERTIES
+    let mut rows: Vec<CardRow> = PROPERTIES
         .iter()
         .filter(|p| !OF_THE_WHOLE_SYSTEM.contains(&p.key))
-        .filter_map(row)
+        .filter_map(|p| row(p.key, p.name, p, true))
         .collect();
+    rows.extend(PARTS.iter().filter_map(|(mean, whole, name)| {
+        row(mean, name, lennard_literature::property(whole)?, false)
+    }));
     if equations.is_empty() || rows.is_empty() {
         return None;
     }
@@ -235,7 +256,7 @@ fn sentence(rows: &[CardRow]) -> String {
 /// The card for a reader.
 #[must_use]
 pub fn card_table(card: &StateCard) -> Table {
-    let caption = "Every measured property beside every equation at the measured density and temperature, for an infinite system. The band reaches from the smallest to the \
+    let caption = "Every measured property beside every equation at the measured density and temperature, for an infinite system; a chemical potential is at the temperature of the bath. The band reaches from the smallest to the \
                    largest value of the equations that count; what is greyed does not count.";
     let mut table = Table::rows_of("state_card", &card.rows)
         .caption(caption)

@@ -158,6 +158,20 @@ impl RunFolder {
         }
     }
 
+    /// The temperature that the bath gives the positions, ε/k_B. Half steps and whole steps differ by a ratio that hardly
+    /// fluctuates. `None` without a bath that holds a temperature.
+    #[must_use]
+    pub(super) fn bath_temperature(&self) -> Option<f64> {
+        let bath = lennard_engine::held_temperature(&self.scene)?;
+        let held = if bath.half_steps {
+            HALF_STEPS
+        } else {
+            "temperature"
+        };
+        let ratio = self.temperature()?.mean / self.average(held)?.mean;
+        Some(bath.temperature * ratio)
+    }
+
     /// A table of the folder; `None` where the run has none of that name.
     #[must_use]
     pub fn table(&self, name: &str) -> Option<Table> {

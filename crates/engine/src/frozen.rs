@@ -1,0 +1,26 @@
+//! Whether the last state of a run is a crystal, which no equation of a fluid describes.
+
+use lennard_observables::solid_share;
+
+use crate::Simulation;
+
+/// Above this share of solid-like particles a state is no liquid: dense liquids have some hundredths.
+const FROZEN: f64 = 0.3;
+/// Fewer particles say nothing.
+const FEWEST_PARTICLES: usize = 100;
+
+/// The remark that belongs beside the means of a run whose last state is a crystal, or has one in it.
+pub(crate) fn frozen(simulation: &Simulation) -> Option<String> {
+    let state = &simulation.state;
+    if !simulation.system.molecules.are_atoms() || state.len() < FEWEST_PARTICLES {
+        return None;
+    }
+    let share = solid_share(&state.cell, &state.positions);
+    (share > FROZEN).then(|| {
+        format!(
+            "frozen: {:.0} % of the particles of the last state are solid-like, by the directions to their neighbors; \
+             equations and tables of fluids do not describe a crystal",
+            100.0 * share
+        )
+    })
+}

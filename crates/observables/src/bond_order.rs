@@ -1,0 +1,266 @@
+//! Bond-orientational order: how the directions to neighbors are arranged, and which particles are solid-like.
+
+mod harmonics;
+mod particles;
+
+use lennard_core::{
+    DVec3, Findings, Observable, ObservableSpec, PeriodicBox, Persist, RestoreError, StateReader,
+    StateWriter, Table, View, Want, parallel,
+};
+
+use crate::averages::of_series;
+use crate::error::positive;
+use crate::series::{Series, impl_columns};
+use crate::{BuildContext, ObservableError, Recipe};
+
+use harmonics::Harmonics;
+use particles::{Bonds, SolidRule, TEN_WOLDE, usual_reach};
+
+const SPEC: ObservableSpec = ObservableSpec {
+    name: "bond-order",
+    summary: "Steinhardt's Q4, Q6, W4, W6 of all bonds and of each particle, averaged over neighbors too, and the share of solid-like particles",
+    equation: "Q_l = sqrt(4 pi/(2 l + 1) sum_m |q_lm|^2), q_lm = <Y_lm> over bonds; solid-like: q6(i).q6*(j)/|q6(i)||q6(j)| > 0.5 for 7 neighbors",
+    source: "P. J. Steinhardt, D. R. Nelson and M. Ronchetti, Phys. Rev. B 28, 784 (1983); P. R. ten Wolde, M. J. Ruiz-Montero and D. Frenkel, J. Chem. Phys. 104, 9932 (1996); W. Lechner and C. Dellago, J. Chem. Phys. 129, 114707 (2008)",
+    dynamic: false,
+    suits: lennard_core::Suits::Atoms,
+};
+
+/// Rows kept before neighbors are averaged in pairs.
+const MOST_ROWS: usize = 1 << 14;
+
+lennard_core::options! {
+    /// Options of [`BondOrder`].
+    pub struct BondOrderOptions {
+        /// Distance up to which particles are neighbors.
+        r_max: Option<f64> = None, else "1.42/ρ^(1/3) of the box at each sample: the first minimum of g(r)", Words("a number above 0, at most half the shortest box side"), in "σ";
+        /// Two neighbors are in order above this product of their moments of order 6.
+        threshold: f64 = TEN_WOLDE.threshold, Between(0.0, 1.0);
+        /// Fewest neighbors in order with a solid-like particle.
+        bonds: usize = TEN_WOLDE.bonds, Whole(1, 100);
+    }
+}
+
+impl Recipe for BondOrderOptions {
+    const SPEC: &'static ObservableSpec = &SPEC;
+
+    fn default_every(&self) -> u64 {
+        100
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
+        Ok(Box::new(BondOrder::new(self, context)?))
+    }
+}
+
+/// One row for each sample.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Rows {
+    time: Vec<f64>,
+    q4: Vec<f64>,
+    q6: Vec<f64>,
+    w4: Vec<f64>,
+    w6: Vec<f64>,
+    local_q4: Vec<f64>,
+    local_q6: Vec<f64>,
+    averaged_q4: Vec<f64>,
+    averaged_q6: Vec<f64>,
+    averaged_w4: Vec<f64>,
+    averaged_w6: Vec<f64>,
+    solid: Vec<f64>,
+    neighbors: Vec<f64>,
+}
+impl_columns!(Rows {
+    time,
+    q4,
+    q6,
+    w4,
+    w6,
+    local_q4,
+    local_q6,
+    averaged_q4,
+    averaged_q6,
+    averaged_w4,
+    averaged_w6,
+    solid,
+    neighbors
+});
+
+/// Bond-orientational order of orders 4 and 6.
+///
+/// A bond joins a particle with a neighbor, and q_lm(i) is the mean of Y_lm over the bonds of particle i. From its moments come
+///
+/// Q_l = √(4π/(2l + 1)·Σ_m |q_lm|²) and W_l = Σ (l l l; m₁ m₂ m₃)·q_lm₁·q_lm₂·q_lm₃/(Σ_m |q_lm|²)^{3/2}.
+///
+/// `bond_order_q6` is of the mean over all bonds. It is 0.57 in a face-centred crystal, 0.48 in a hexagonal one, and 0.51 in a
+/// body-centred one with 14 neighbors. In a liquid it is of order 1/√(bonds). `local_q6` is the mean of Q₆ over particles, each
+/// with its own bonds. For `averaged_q6` the moments of a particle are first averaged over itself and its neighbors. A particle is
+/// solid-like where the moments of order 6 are alike at it and at seven of its neighbors at least.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BondOrder {
+    r_max: Option<f64>,
+    rule: SolidRule,
+    orders: [Harmonics; 2],
+    series: Series<Rows>,
+}
+
+impl BondOrder {
+    /// Nothing seen yet.
+    ///
+    /// # Errors
+    /// [`ObservableError`] where `r_max` is beyond half the shortest side.
+    pub fn new(
+        options: &BondOrderOptions,
+        context: &BuildContext,
+    ) -> Result<Self, ObservableError> {
+        positive("r_max", options.r_max)?;
+        let largest = context.cell.largest_cutoff();
+        if let Some(r_max) = options.r_max.filter(|r| *r > largest) {
+            let allowed = format!("at most half the shortest side of the box, {largest}");
+            return Err(ObservableError::new("r_max", r_max, allowed));
+        }
+        Ok(Self {
+            r_max: options.r_max,
+            rule: SolidRule {
+                threshold: options.threshold,
+                bonds: options.bonds,
+            },
+            orders: [Harmonics::new(4), Harmonics::new(6)],
+            series: Series::new(Rows::default(), MOST_ROWS),
+        })
+    }
+
+    /// What each sample gives: the columns after the time.
+    fn look(&self, cell: &PeriodicBox, positions: &[DVec3]) -> [f64; 12] {
+        let reach = self.r_max.map(|r| r.min(cell.largest_cutoff()));
+        let reach = reach.unwrap_or_else(|| usual_reach(cell, positions.len()));
+        let [four, six] = &self.orders;
+        let bonds = Bonds::new([four, six], cell, positions, reach);
+        let [all_four, all_six] = bonds.of_all();
+        // Chunks are constant: sums have one order on any number of threads.
+        let sums: Means = parallel::ordered_sum(positions.len(), |range| {
+            range
+                .map(|i| {
+                    let [own_four, own_six] = &bonds.moments[i];
+                    let [mean_four, mean_six] = &bonds.averaged(i);
+                    Means([
+                        four.q(own_four),
+                        six.q(own_six),
+                        four.q(mean_four),
+                        six.q(mean_six),
+                        four.w(mean_four),
+                        six.w(mean_six),
+                        bonds.neighbors[i].len() as f64,
+                    ])
+                })
+                .sum()
+        });
+        let n = positions.len() as f64;
+        let [q4, q6, mean_q4, mean_q6, mean_w4, mean_w6, neighbors] = sums.0.map(|sum| sum / n);
+        [
+            four.q(&all_four),
+            six.q(&all_six),
+            four.w(&all_four),
+            six.w(&all_six),
+            q4,
+            q6,
+            mean_q4,
+            mean_q6,
+            mean_w4,
+            mean_w6,
+            bonds.solid(self.rule) as f64 / n,
+            neighbors,
+        ]
+    }
+}
+
+/// Sums over particles, one for each mean.
+struct Means([f64; 7]);
+
+impl std::ops::Add for Means {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] + other.0[k]))
+    }
+}
+
+impl std::iter::Sum for Means {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self([0.0; 7]), |sum, one| sum + one)
+    }
+}
+
+/// The share of solid-like particles in a configuration, by the rule of ten Wolde, Ruiz-Montero and Frenkel (1996).
+///
+/// Neighbors are particles up to 1.42·ρ^{−1/3}. A crystal at rest has 1, a dense liquid some hundredths.
+#[must_use]
+pub fn solid_share(cell: &PeriodicBox, positions: &[DVec3]) -> f64 {
+    let orders = [Harmonics::new(4), Harmonics::new(6)];
+    let [four, six] = &orders;
+    let reach = usual_reach(cell, positions.len());
+    let bonds = Bonds::new([four, six], cell, positions, reach);
+    bonds.solid(TEN_WOLDE) as f64 / positions.len().max(1) as f64
+}
+
+impl Observable for BondOrder {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want::NOTHING
+    }
+
+    fn sample(&mut self, view: &View<'_>) {
+        let mut row = [view.state.time; 13];
+        row[1..].copy_from_slice(&self.look(view.cell(), &view.state.positions));
+        self.series.push(&row);
+    }
+
+    fn finish(&self, discarded: f64) -> Findings {
+        let (rows, stride) = (self.series.rows(), self.series.stride());
+        let cut = (discarded * self.series.len() as f64).round() as usize;
+        let named = [
+            ("bond_order_q4", &rows.q4),
+            ("bond_order_q6", &rows.q6),
+            ("bond_order_w4", &rows.w4),
+            ("bond_order_w6", &rows.w6),
+            ("local_q4", &rows.local_q4),
+            ("local_q6", &rows.local_q6),
+            ("averaged_q4", &rows.averaged_q4),
+            ("averaged_q6", &rows.averaged_q6),
+            ("averaged_w4", &rows.averaged_w4),
+            ("averaged_w6", &rows.averaged_w6),
+            ("solid_share", &rows.solid),
+            ("neighbors_in_reach", &rows.neighbors),
+        ];
+        let averages = named.map(|(name, column)| {
+            let mut average = of_series(name, "", column, cut);
+            average.estimate.equilibration_cut *= stride;
+            average
+        });
+        let caption =
+            format!("order of bonds against time; each row is the mean of {stride} samples");
+        let table = Table::new("bond_order", caption).with("time", "τ", rows.time.clone());
+        let table = named.into_iter().fold(table, |table, (name, column)| {
+            table.with(name, "", column.clone())
+        });
+        Findings {
+            averages: averages.into(),
+            tables: vec![table],
+            ..Findings::default()
+        }
+    }
+}
+
+impl Persist for BondOrder {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.series.save(&mut to.section("series"));
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.series.restore(&from.section("series"))
+    }
+}
+
+#[cfg(test)]
+mod tests;
