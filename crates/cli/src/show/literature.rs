@@ -119,6 +119,9 @@ fn narrow(run: &ComparedRun) -> Table {
         .measured("Measured", |r| Some((r.measured, r.standard_error)))
         .column("Reference", |r| rounded(r.reference))
         .column("Difference", |r| {
+            if r.is_in_range() {
+                return Some(Cell::words("in range"));
+            }
             let figures = r.difference.map(|d| signed(d, 2));
             figures.map(Cell::figures)
         })

@@ -26,6 +26,9 @@ pub fn table(rows: &[&Row], verdict: impl Fn(&Row) -> String) -> Table {
             with_or_without_error(r.reference, r.reference_error)
         })
         .column("Difference", |r| {
+            if r.is_in_range() {
+                return Cell::words("in range");
+            }
             with_or_without_error(r.difference, r.combined_error)
         })
         .column("Difference / s.e.", |r| {

@@ -315,6 +315,12 @@ impl Row {
         self
     }
 
+    /// Whether the reference lies in the range that the measurement stands for.
+    #[must_use]
+    pub fn is_in_range(&self) -> bool {
+        self.measured_range.is_some() && self.difference == Some(0.0)
+    }
+
     /// What the difference is taken from, where that is a range and not the measured value.
     #[must_use]
     pub fn range_words(&self) -> Option<String> {
