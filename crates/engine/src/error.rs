@@ -33,10 +33,17 @@ pub enum EngineError {
 }
 
 impl EngineError {
+    /// Whether another process has taken over the output folder.
+    #[must_use]
+    pub fn is_of_lost_folder(&self) -> bool {
+        matches!(self, Self::Folder(lennard_io::FolderError::Lost { .. }))
+    }
+
     /// The exit code of the command line: 2 for input, 3 for physics, 1 for anything else.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
+            Self::Folder(_) if self.is_of_lost_folder() => 1,
             Self::Scene(_) | Self::Configuration(_) | Self::Folder(_) | Self::Resume(_) => 2,
             Self::Physics(_) => 3,
             Self::Write(_) => 1,

@@ -151,6 +151,10 @@ fn drive(
         ending: Ending::Finished,
     };
     if let Err(mut error) = recorder.follow(simulation) {
+        if error.is_of_lost_folder() {
+            // The folder belongs to another process now.
+            return Err(error);
+        }
         if let EngineError::Physics(failure) = &mut error {
             recorder.keep_evidence(simulation, failure);
         }
@@ -324,6 +328,8 @@ impl Follower for Recorder<'_> {
     }
 
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+        let held = self.options.folder.still_held();
+        held.map_err(EngineError::Folder)?;
         let clock = Instant::now();
         self.write(simulation)?;
         let step = simulation.state.step;

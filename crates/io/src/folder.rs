@@ -4,8 +4,9 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::claim::{CLAIM_FILE, Claim, Unclaimed};
+use crate::claim::{Claim, Unclaimed, is_of_claim};
 use crate::error::advice_for;
+use crate::holder::Holder;
 
 /// What to do with an output folder that is there already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,12 +36,18 @@ pub enum FolderError {
         path: PathBuf,
     },
     /// A process is at work there.
-    #[error("the output folder {} is in use: {} is at work there\n  allowed: another folder, or this one when that process has ended", path.display(), name_of(process))]
+    #[error("the output folder {} is in use: {} is at work there\n  allowed: another folder, or this one when that process has ended", path.display(), name_of(holder.as_ref()))]
     Busy {
         /// The folder.
         path: PathBuf,
-        /// The number of the process, where it is known.
-        process: Option<u32>,
+        /// The process, where it is known.
+        holder: Option<Holder>,
+    },
+    /// Another process has begun there.
+    #[error("the output folder {} is lost: this process slept for minutes, and another one has begun there\n  allowed: one process in a folder; the other one goes on", path.display())]
+    Lost {
+        /// The folder.
+        path: PathBuf,
     },
     /// The operating system refuses.
     #[error("the output folder {} cannot be {action}: {source}; {}", path.display(), advice_for(source.kind()))]
@@ -54,11 +61,8 @@ pub enum FolderError {
     },
 }
 
-fn name_of(process: &Option<u32>) -> String {
-    process.map_or_else(
-        || "another process".to_owned(),
-        |id| format!("process {id}"),
-    )
+fn name_of(holder: Option<&Holder>) -> String {
+    holder.map_or_else(|| "another process".to_owned(), ToString::to_string)
 }
 
 /// Endings of the files that a run writes.
@@ -99,6 +103,19 @@ impl OutputFolder {
         self.was_empty
     }
 
+    /// Refuses to go on where another process has taken the folder over.
+    ///
+    /// # Errors
+    /// [`FolderError::Lost`], within half a minute after it happened.
+    pub fn still_held(&self) -> Result<(), FolderError> {
+        if self.claim.is_lost() {
+            return Err(FolderError::Lost {
+                path: self.path.clone(),
+            });
+        }
+        Ok(())
+    }
+
     /// Removes the claim, and the folders that were made for it as far as they are empty: for a process that is about
     /// to end. Dropping the value does the same.
     pub fn leave(&self) {
@@ -124,10 +141,10 @@ impl OutputFolder {
                         was_empty: is_empty_folder(path),
                     });
                 }
-                Err(Unclaimed::Busy(process)) => {
+                Err(Unclaimed::Busy(holder)) => {
                     return Err(FolderError::Busy {
                         path: path.to_path_buf(),
-                        process,
+                        holder,
                     });
                 }
                 // Another process made it, wrote nothing, and has just removed it.
@@ -184,7 +201,7 @@ fn content(path: &Path) -> io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in fs::read_dir(path)? {
         let entry = entry?;
-        if entry.file_name() != CLAIM_FILE {
+        if !is_of_claim(&entry.file_name()) {
             files.push(entry.path());
         }
     }
@@ -268,6 +285,7 @@ pub fn create_named_folder(path: &Path, existing: Existing) -> Result<OutputFold
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::claim::CLAIM_FILE;
 
     #[test]
     fn the_first_free_number_is_taken() {
@@ -356,6 +374,56 @@ mod tests {
         fs::write(root.path().join(CLAIM_FILE), "1\n").unwrap();
         let held = create_named_folder(root.path(), Existing::Refuse).unwrap();
         assert!(is_empty_folder(held.path()));
+    }
+
+    #[test]
+    fn the_claim_of_another_machine_holds_until_it_is_no_longer_renewed() {
+        let root = tempfile::tempdir().unwrap();
+        let claim = root.path().join(CLAIM_FILE);
+        fs::write(&claim, "17\nnode-7\nanother-start\n").unwrap();
+        let error = create_named_folder(root.path(), Existing::Keep).unwrap_err();
+        let wanted = "is in use: process 17 on node-7 is at work there";
+        assert!(error.to_string().contains(wanted), "{error}");
+        assert_eq!(
+            fs::read_dir(root.path()).unwrap().count(),
+            1,
+            "no trace is left"
+        );
+        let long_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(301);
+        fs::File::options()
+            .write(true)
+            .open(&claim)
+            .unwrap()
+            .set_modified(long_ago)
+            .unwrap();
+        let held = create_named_folder(root.path(), Existing::Keep).unwrap();
+        held.still_held().unwrap();
+        assert!(
+            fs::read_to_string(&claim)
+                .unwrap()
+                .starts_with(&std::process::id().to_string())
+        );
+        drop(held);
+        assert_eq!(fs::read_dir(root.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn of_many_threads_that_find_a_dead_claim_one_takes_the_folder() {
+        for _ in 0..50 {
+            let root = tempfile::tempdir().unwrap();
+            fs::write(root.path().join(CLAIM_FILE), "1\n").unwrap();
+            let taken: Vec<_> = std::thread::scope(|scope| {
+                let tries: Vec<_> = (0..8)
+                    .map(|_| scope.spawn(|| create_named_folder(root.path(), Existing::Keep).ok()))
+                    .collect();
+                tries
+                    .into_iter()
+                    .filter_map(|t| t.join().unwrap())
+                    .collect()
+            });
+            assert_eq!(taken.len(), 1);
+            taken[0].still_held().unwrap();
+        }
     }
 
     #[test]

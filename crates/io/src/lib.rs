@@ -19,6 +19,7 @@ mod extended_xyz;
 mod folder;
 mod found;
 mod frame_text;
+mod holder;
 mod host;
 mod lines;
 mod mixture_record;
@@ -48,6 +49,7 @@ pub use folder::{
     Existing, FolderError, OutputFolder, create_named_folder, create_numbered_folder,
     is_empty_folder,
 };
+pub use holder::Holder;
 pub use found::{FoundSpecies, StartConfiguration, TrajectoryFrame};
 pub use frame_text::{Frame, FrameStyle, is_element_symbol};
 pub use host::cpu_name;
