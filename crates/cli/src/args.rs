@@ -84,7 +84,12 @@ pub enum Command {
     #[command(after_help = "Examples:\n  \
         lennard sweep inputs/sweep/isotherm.toml\n  \
         lennard sweep inputs/verlet-1967/table.toml --out runs/verlet-2.5\n  \
-        lennard sweep inputs/verlet-1967/table.toml --out runs/verlet-4 --set truncation.r_cut=4")]
+        lennard sweep inputs/verlet-1967/table.toml --out runs/verlet-4 --set truncation.r_cut=4\n\n\
+        On many machines, each process runs points of its own in one common folder:\n  \
+        lennard sweep sweep/isotherm --points\n  \
+        lennard sweep sweep/isotherm --out runs/iso --point 3\n  \
+        lennard sweep sweep/isotherm --out runs/iso --collect\n  \
+        lennard sweep sweep/isotherm --out runs/iso --emit slurm > iso.sbatch")]
     Sweep(SweepArgs),
     /// Find the cheapest settings for the accuracy that a scene asks for, and keep them in a lock file.
     #[command(after_help = "The scene says how wrong the results may be:\n  \

@@ -103,6 +103,31 @@ impl OutputFolder {
         self.was_empty
     }
 
+    /// Removes the output files of the run that the folder holds, where it holds one; anything else is left alone.
+    ///
+    /// # Errors
+    /// Where the operating system refuses.
+    pub fn remove_run(&mut self) -> Result<(), FolderError> {
+        let path = &self.path;
+        let files = content(path).map_err(fail(path, "read"))?;
+        let ends_with = |file: &Path, endings: &[&str]| {
+            file.extension()
+                .is_some_and(|found| endings.iter().any(|e| found == *e))
+        };
+        let holds_run = files.iter().any(|file| {
+            file.file_name().is_some_and(|name| name == "run.json") || ends_with(file, &["lennard"])
+        });
+        if holds_run {
+            for file in files {
+                if ends_with(&file, &OUTPUT_ENDINGS) && file.is_file() {
+                    fs::remove_file(&file).map_err(fail(path, "emptied"))?;
+                }
+            }
+            self.was_empty = is_empty_folder(path);
+        }
+        Ok(())
+    }
+
     /// Refuses to go on where another process has taken the folder over.
     ///
     /// # Errors
@@ -264,20 +289,8 @@ pub fn create_named_folder(path: &Path, existing: Existing) -> Result<OutputFold
     if refuse && !files.is_empty() {
         return Err(exists());
     }
-    let ends_with = |file: &Path, endings: &[&str]| {
-        file.extension()
-            .is_some_and(|found| endings.iter().any(|e| found == *e))
-    };
-    let holds_run = files.iter().any(|file| {
-        file.file_name().is_some_and(|name| name == "run.json") || ends_with(file, &["lennard"])
-    });
-    if holds_run && existing == Existing::Replace {
-        for file in files {
-            if ends_with(&file, &OUTPUT_ENDINGS) && file.is_file() {
-                fs::remove_file(&file).map_err(fail(path, "emptied"))?;
-            }
-        }
-        folder.was_empty = is_empty_folder(path);
+    if existing == Existing::Replace {
+        folder.remove_run()?;
     }
     Ok(folder)
 }

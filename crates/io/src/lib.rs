@@ -49,9 +49,9 @@ pub use folder::{
     Existing, FolderError, OutputFolder, create_named_folder, create_numbered_folder,
     is_empty_folder,
 };
-pub use holder::Holder;
 pub use found::{FoundSpecies, StartConfiguration, TrajectoryFrame};
 pub use frame_text::{Frame, FrameStyle, is_element_symbol};
+pub use holder::Holder;
 pub use host::cpu_name;
 pub use mixture_record::{PairRecord, SpeciesRecord};
 pub use record::{

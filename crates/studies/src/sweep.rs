@@ -1,22 +1,28 @@
 //! Many state points from one file, side by side, and what they say together.
 
 mod agreement;
+mod collect;
 mod file;
 mod isotherms;
 mod page;
+mod plan;
 mod points;
 mod ran;
 mod run;
+mod script;
 mod side_by_side;
 mod threads;
 
 use std::path::PathBuf;
 
 pub use agreement::{Agreement, agreement, probability_words};
-pub use file::{SweepError, load};
+pub use collect::collect;
+pub use file::{SweepError, load, plan};
 pub use page::{CHI_SQUARED, agreement_table, point_table};
-pub use points::Point;
-pub use run::{Ending, FILES, SweepOptions, SweepRecord, SweptPoint, run};
+pub use plan::Plan;
+pub use points::{PlannedPoint, Point};
+pub use run::{Ending, FILES, SweepOptions, SweepRecord, SweptPoint, ending_of, run, run_points};
+pub use script::{Scheduler, Script};
 pub use threads::workers;
 
 /// A sweep, read and checked.

@@ -1,6 +1,7 @@
 //! What can be typed after the commands that compare, time and search.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 
@@ -106,6 +107,17 @@ pub struct ChartArgs {
     pub quiet: bool,
 }
 
+/// Programs that run the tasks of a sweep.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+pub enum SchedulerName {
+    /// Slurm: a job array.
+    Slurm,
+    /// GNU parallel.
+    Parallel,
+    /// Snakemake.
+    Snakemake,
+}
+
 /// Arguments of `sweep`.
 #[derive(Debug, Args)]
 pub struct SweepArgs {
@@ -119,6 +131,24 @@ pub struct SweepArgs {
     /// the first free n.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// List the points with their numbers, names and values, and run nothing.
+    #[arg(long, group = "part")]
+    pub points: bool,
+    /// Run one point, by number from 0 or by name, beside other processes that run other points. Needs --out.
+    #[arg(long, value_name = "K", group = "part", requires = "out")]
+    pub point: Option<String>,
+    /// With --point K: run the points K·N to K·N + N − 1. With --emit: N points in each task.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), default_value_t = 1)]
+    pub chunk: u32,
+    /// Write table and page of the points that are finished, and run nothing. Needs --out.
+    #[arg(long, group = "part", requires = "out")]
+    pub collect: bool,
+    /// Print a script that gives the points to a scheduler, and run nothing. Needs --out.
+    #[arg(long, value_name = "SCHEDULER", group = "part", requires = "out")]
+    pub emit: Option<SchedulerName>,
+    /// Stop after this time with checkpoints and exit code 4: 90s, 10m, 2h. With --emit: the time of one task.
+    #[arg(long, value_name = "TIME", value_parser = super::wall_time, allow_hyphen_values = true)]
+    pub max_walltime: Option<Duration>,
     /// Replace runs of the same points with another scene.
     #[arg(long)]
     pub force: bool,

@@ -14,6 +14,7 @@ pub mod resume;
 pub mod run;
 pub mod stability;
 pub mod sweep;
+mod sweep_tasks;
 pub mod tune;
 
 use std::path::Path;

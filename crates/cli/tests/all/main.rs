@@ -13,6 +13,7 @@ mod messages;
 mod mixtures;
 mod output_folders;
 mod restart;
+mod shared_sweeps;
 mod signals;
 mod starts_and_ends;
 mod tables;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use lennard_scene::{SceneError, shipped};
 use serde::Deserialize;
 
-use super::{Sweep, points};
+use super::{Plan, Sweep, points};
 
 /// Why a sweep cannot be run.
 #[derive(Debug, thiserror::Error)]
@@ -43,6 +43,18 @@ pub enum SweepError {
         /// What it may say.
         allowed: String,
     },
+    /// No point has this number or name.
+    #[error("{}: there is no point `{found}`\n  allowed: a number from 0 to {last}, or the name of a point{}", file.display(), nearest_point(nearest.as_ref()))]
+    NoPoint {
+        /// The file.
+        file: PathBuf,
+        /// What was asked for.
+        found: String,
+        /// The number of the last point.
+        last: usize,
+        /// The name that may be meant.
+        nearest: Option<String>,
+    },
     /// The scene of a point is wrong.
     #[error("point {point}: {source}")]
     Scene {
@@ -76,6 +88,10 @@ pub enum SweepError {
     /// A figure cannot be drawn.
     #[error(transparent)]
     Report(#[from] lennard_report::ReportError),
+}
+
+fn nearest_point(name: Option<&String>) -> String {
+    name.map_or_else(String::new, |name| format!("\n  nearest: {name}"))
 }
 
 /// A line with the shipped sweep that may be meant.
@@ -131,6 +147,14 @@ struct File {
 /// # Errors
 /// [`SweepError`] where the file or the scene of a point is wrong.
 pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Sweep, SweepError> {
+    plan(path, overrides)?.sweep()
+}
+
+/// Reads a sweep file with overrides for every point, and no scene.
+///
+/// # Errors
+/// [`SweepError`] where the file is wrong.
+pub fn plan(path: &Path, overrides: &[(String, String)]) -> Result<Plan, SweepError> {
     let text = shipped::read(path)
         .and_then(|bytes| {
             String::from_utf8(bytes).map_err(|e| io::Error::new(io::ErrorKind::InvalidData, e))
@@ -152,10 +176,12 @@ pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Sweep, SweepE
     let mut common: Vec<(String, String)> = Vec::new();
     flatten(&file.set, "", &mut common);
     common.extend(overrides.iter().cloned());
-    let points = points::expand(path, &base, &common, &file.point, file.grid.as_ref())?;
-    Ok(Sweep {
+    let points = points::expand(path, &file.point, file.grid.as_ref())?;
+    Ok(Plan {
         name: file.name.unwrap_or(stem),
+        file: path.to_owned(),
         base,
+        common,
         points,
     })
 }

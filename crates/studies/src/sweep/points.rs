@@ -26,6 +26,22 @@ pub struct Point {
     pub density: f64,
 }
 
+/// A point before its scene is read: its name, and the values of its keys.
+#[derive(Debug, Clone)]
+pub struct PlannedPoint {
+    /// The name that the point has.
+    pub name: String,
+    choice: Choice,
+}
+
+impl PlannedPoint {
+    /// The keys of the sweep file that the point sets, with their values.
+    pub fn values(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        let chosen = KEYS.iter().zip(&self.choice);
+        chosen.filter_map(|(key, value)| Some((key.name, value.as_deref()?)))
+    }
+}
+
 /// A key of the sweep with its scene key and its short form in names.
 struct Key {
     name: &'static str,
@@ -96,11 +112,9 @@ fn product(axes: &Axes) -> Vec<Choice> {
 /// All points: each `[[point]]` with its lists, times the grid.
 pub(super) fn expand(
     file: &Path,
-    base: &Path,
-    common: &[(String, String)],
     points: &[Axes],
     grid: Option<&Axes>,
-) -> Result<Vec<Point>, SweepError> {
+) -> Result<Vec<PlannedPoint>, SweepError> {
     let value = |key: String, found: String, allowed: &str| SweepError::Value {
         file: file.to_owned(),
         key,
@@ -167,18 +181,26 @@ pub(super) fn expand(
     }
     let mut names = BTreeSet::new();
     choices
-        .iter()
+        .into_iter()
         .map(|choice| {
-            let point = point(base, common, choice)?;
-            if !names.insert(point.name.clone()) {
+            let name = name_of(&chosen(&choice), |key| key.scene.is_some());
+            if !names.insert(name.clone()) {
                 return Err(value(
                     "point".into(),
-                    format!("{} twice", point.name),
+                    format!("{name} twice"),
                     "each point once",
                 ));
             }
-            Ok(point)
+            Ok(PlannedPoint { name, choice })
         })
+        .collect()
+}
+
+/// The keys that have a value, with their values.
+fn chosen(choice: &Choice) -> Vec<(&'static Key, &String)> {
+    KEYS.iter()
+        .zip(choice)
+        .filter_map(|(k, v)| Some((k, v.as_ref()?)))
         .collect()
 }
 
@@ -202,13 +224,14 @@ fn seed_of_point(seed: u64, name: &str) -> u64 {
     Streams::new(seed).sequential(&stream).next_u64() >> 1
 }
 
-fn point(base: &Path, common: &[(String, String)], choice: &Choice) -> Result<Point, SweepError> {
-    let chosen: Vec<(&Key, &String)> = KEYS
-        .iter()
-        .zip(choice)
-        .filter_map(|(k, v)| Some((k, v.as_ref()?)))
-        .collect();
-    let name = name_of(&chosen, |key| key.scene.is_some());
+/// Reads the scene of a point, and checks it.
+pub(super) fn point(
+    base: &Path,
+    common: &[(String, String)],
+    planned: &PlannedPoint,
+) -> Result<Point, SweepError> {
+    let chosen = chosen(&planned.choice);
+    let name = planned.name.clone();
     let mut overrides: Vec<(String, String)> = chosen
         .iter()
         .filter_map(|(key, value)| Some((key.scene?.to_owned(), (*value).clone())))
@@ -228,7 +251,10 @@ fn point(base: &Path, common: &[(String, String)], choice: &Choice) -> Result<Po
     let mut scene = Scene::load(base, &all).map_err(refused)?;
     let state = name_of(&chosen, |key| key.scene.is_some() && key.name != "seed");
     scene.system.seed = seed_of_point(scene.system.seed, &state);
-    if let Some(longer) = choice[LONGER].as_ref().and_then(|x| x.parse::<f64>().ok()) {
+    if let Some(longer) = planned.choice[LONGER]
+        .as_ref()
+        .and_then(|x| x.parse::<f64>().ok())
+    {
         for stage in scene.stages.iter_mut().filter(|stage| stage.measure) {
             stage.steps = (stage.steps as f64 * longer).round() as u64;
         }

@@ -14,11 +14,16 @@ pub(super) enum Found {
 }
 
 /// How the run of one point ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Ran {
+    /// It had been finished before.
     Kept,
+    /// It was run to its end.
     Finished,
+    /// It can go on.
     Stopped,
+    /// Another process is at work there; which, in words.
+    Elsewhere(String),
 }
 
 impl Ran {

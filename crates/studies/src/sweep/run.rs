@@ -2,7 +2,8 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
 use lennard_io::{CheckpointFolder, Existing, RunRecord};
 use serde::Serialize;
@@ -33,6 +34,8 @@ pub struct SweepOptions<'a> {
     pub reports: bool,
     /// Set from outside to stop: the points at work write checkpoints, and those that start are given up.
     pub stop: Arc<AtomicBool>,
+    /// When to stop by itself, likewise.
+    pub deadline: Option<Instant>,
     /// The command, for the page.
     pub command: String,
 }
@@ -45,8 +48,12 @@ pub enum Ending {
     Finished,
     /// It was asked to stop; the same command goes on.
     Stopped,
+    /// What was there was collected, and some points are not finished.
+    Incomplete,
     /// It was asked to stop before any point had a step that could be kept; nothing was written.
     NotBegun,
+    /// Other processes are at work on some points.
+    Elsewhere,
     /// Some points failed.
     Failed,
 }
@@ -62,6 +69,9 @@ pub struct SweptPoint {
     pub kept: bool,
     /// Why it has no result, where it has none.
     pub failure: Option<String>,
+    /// The process that is at work on it, where that is another one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elsewhere: Option<String>,
     /// The run beside the literature.
     pub compared: Option<ComparedRun>,
     /// Wall time of the run in s.
@@ -71,6 +81,12 @@ pub struct SweptPoint {
 }
 
 impl SweptPoint {
+    /// Whether it has neither a result nor a failure.
+    #[must_use]
+    pub fn is_unfinished(&self) -> bool {
+        self.compared.is_none() && self.failure.is_none() && self.elsewhere.is_none()
+    }
+
     /// One quantity of the run beside the literature, where there is one.
     #[must_use]
     pub fn row(&self, quantity: &str) -> Option<&Row> {
@@ -110,38 +126,68 @@ pub fn run(
     options: &SweepOptions<'_>,
     progress: &mut dyn Progress,
 ) -> Result<SweepRecord, SweepError> {
+    let points = run_points(sweep, options, progress)?;
+    let ending = ending_of(&points, options.folder);
+    let record = record(sweep, points, ending, options.threads);
+    if ending != Ending::NotBegun {
+        write(sweep, &record, options.folder, &options.command)?;
+    }
+    Ok(record)
+}
+
+/// Runs what is not finished yet, and writes nothing but the folders of the points: one of many processes that share a sweep.
+///
+/// # Errors
+/// [`SweepError`] where a folder holds something else. A point that fails is no error.
+pub fn run_points(
+    sweep: &Sweep,
+    options: &SweepOptions<'_>,
+    progress: &mut dyn Progress,
+) -> Result<Vec<SweptPoint>, SweepError> {
     let found: Vec<Found> = sweep
         .points
         .iter()
         .map(|point| look(&options.folder.join(&point.name), point, options.replace))
         .collect::<Result<_, _>>()?;
     let outcomes = run_all(&sweep.points, found, options, progress);
-    let points: Vec<SweptPoint> = sweep
-        .points
-        .iter()
-        .zip(outcomes)
+    let points = sweep.points.iter().zip(outcomes);
+    Ok(points
         .map(|(point, outcome)| conclude(point, outcome, &options.folder.join(&point.name)))
-        .collect();
-    let stopped =
-        options.stop.load(Ordering::Relaxed) && points.iter().any(|p| p.compared.is_none());
-    let ending = if stopped {
-        if points.iter().any(|p| is_kept(p, options.folder)) {
+        .collect())
+}
+
+/// How points ended that were run in a folder.
+#[must_use]
+pub fn ending_of(points: &[SweptPoint], folder: &Path) -> Ending {
+    if points.iter().any(SweptPoint::is_unfinished) {
+        if points.iter().any(|p| is_kept(p, folder)) {
             Ending::Stopped
         } else {
             Ending::NotBegun
         }
     } else if points.iter().any(|p| p.failure.is_some()) {
         Ending::Failed
+    } else if points.iter().any(|p| p.elsewhere.is_some()) {
+        Ending::Elsewhere
     } else {
         Ending::Finished
-    };
-    let record = SweepRecord {
+    }
+}
+
+/// The record of a sweep.
+pub(super) fn record(
+    sweep: &Sweep,
+    points: Vec<SweptPoint>,
+    ending: Ending,
+    threads: usize,
+) -> SweepRecord {
+    SweepRecord {
         schema: SWEEP_SCHEMA,
         name: sweep.name.clone(),
         ending,
         version: env!("CARGO_PKG_VERSION"),
         cpu: lennard_io::cpu_name(),
-        threads: options.threads,
+        threads,
         agreement: [
             "potential_energy",
             "pressure",
@@ -152,42 +198,58 @@ pub fn run(
         .filter_map(|q| agreement(&points, q))
         .collect(),
         points,
-    };
-    let [json, table, report, figure] = FILES.map(|name| options.folder.join(name));
-    if ending == Ending::NotBegun {
-        return Ok(record);
     }
-    lennard_io::write_json_atomically(&json, &record)?;
-    lennard_io::write_table_csv(&table, &page::csv(&record))?;
-    let isotherms = isotherms::picture(sweep, &record);
+}
+
+/// Writes record, table, figure and page.
+pub(super) fn write(
+    sweep: &Sweep,
+    record: &SweepRecord,
+    folder: &Path,
+    command: &str,
+) -> Result<(), SweepError> {
+    let [json, table, report, figure] = FILES.map(|name| folder.join(name));
+    lennard_io::write_json_atomically(&json, record)?;
+    lennard_io::write_table_csv(&table, &page::csv(record))?;
+    let isotherms = isotherms::picture(sweep, record);
     if let Some(picture) = &isotherms {
         lennard_io::write_text_atomically(&figure, &picture.to_svg()?)?;
     }
-    let html = page::page(&record, &options.command, isotherms).to_html()?;
+    let html = page::page(record, command, isotherms).to_html()?;
     lennard_io::write_text_atomically(&report, &html)?;
-    Ok(record)
+    Ok(())
 }
 
 /// Finds out what an earlier sweep has left, before anything is written.
 fn look(folder: &Path, point: &Point, replace: bool) -> Result<Found, SweepError> {
-    if !folder.join("run.json").exists() {
-        return Ok(Found::Nothing);
-    }
-    let other = |found: String| SweepError::Folder {
-        folder: folder.to_owned(),
-        found,
-    };
-    let same = same_scene(folder, &point.scene) == Some(true);
-    let found = match (lennard_io::read_run_record(&folder.join("run.json")), same) {
-        (Ok(RunRecord { finished: true, .. }), true) => return Ok(Found::Finished),
-        (Ok(_), true) => Found::Begun,
-        _ if replace => Found::Nothing,
-        (Ok(_), false) => return Err(other("it holds the run of another scene".into())),
-        (Err(e), _) => return Err(other(format!("its run.json cannot be read: {e}"))),
+    let found = match found_in(folder, point) {
+        Ok(found @ (Found::Finished | Found::Nothing)) => return Ok(found),
+        Ok(Found::Begun) => Found::Begun,
+        Err(_) if replace => Found::Nothing,
+        Err(found) => {
+            let folder = folder.to_owned();
+            return Err(SweepError::Folder { folder, found });
+        }
     };
     // A run that a process goes on with by itself shows before any point is begun.
     drop(lennard_io::create_named_folder(folder, Existing::Keep)?);
     Ok(found)
+}
+
+/// What the folder of a point holds; an error says what else it holds.
+pub(super) fn found_in(folder: &Path, point: &Point) -> Result<Found, String> {
+    let record = folder.join("run.json");
+    if !record.exists() {
+        return Ok(Found::Nothing);
+    }
+    match lennard_io::read_run_record(&record) {
+        Err(e) => Err(format!("its run.json cannot be read: {e}")),
+        Ok(_) if same_scene(folder, &point.scene) != Some(true) => {
+            Err("it holds the run of another scene".into())
+        }
+        Ok(RunRecord { finished: true, .. }) => Ok(Found::Finished),
+        Ok(_) => Ok(Found::Begun),
+    }
 }
 
 /// Whether a point has a result, or a checkpoint from which it goes on.
@@ -196,7 +258,7 @@ fn is_kept(point: &SweptPoint, folder: &Path) -> bool {
     point.compared.is_some() || checkpoints.list().is_ok_and(|all| !all.is_empty())
 }
 
-fn conclude(point: &Point, outcome: Result<Ran, String>, folder: &Path) -> SweptPoint {
+pub(super) fn conclude(point: &Point, outcome: Result<Ran, String>, folder: &Path) -> SweptPoint {
     let model = lennard_scene::model_kind(&point.scene);
     let equation = lennard_literature::equation_of_state_for(model).ok();
     let mut swept = SweptPoint {
@@ -204,6 +266,7 @@ fn conclude(point: &Point, outcome: Result<Ran, String>, folder: &Path) -> Swept
         planned: StateOfMatter::new(point.density, point.scene.system.temperature, equation),
         kept: matches!(outcome, Ok(Ran::Kept)),
         failure: None,
+        elsewhere: None,
         compared: None,
         wall_s: f64::NAN,
         ns_per_atom_step: f64::NAN,
@@ -211,6 +274,7 @@ fn conclude(point: &Point, outcome: Result<Ran, String>, folder: &Path) -> Swept
     match outcome {
         Err(failure) => swept.failure = Some(failure),
         Ok(Ran::Stopped) => {}
+        Ok(Ran::Elsewhere(process)) => swept.elsewhere = Some(process),
         Ok(Ran::Kept | Ran::Finished) => match RunFolder::open(folder) {
             Err(e) => swept.failure = Some(e.to_string()),
             Ok(run) => {

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use lennard_engine::{EngineError, ResumeOptions, RunOptions};
-use lennard_io::{Existing, OutputFolder};
+use lennard_io::{Existing, FolderError, OutputFolder};
 
 use super::ran::{Found, Ran};
+use super::run::found_in;
 use super::threads::{threads_of, workers};
 use super::{Point, SweepOptions};
 use crate::jobs::pool;
@@ -26,6 +27,7 @@ struct Shared {
     workers: usize,
     reports: bool,
     stop: Arc<AtomicBool>,
+    deadline: Option<Instant>,
     /// The next point to take.
     next: AtomicUsize,
     /// Workers that are not done.
@@ -61,6 +63,7 @@ pub(super) fn run_all(
         workers,
         reports: options.reports,
         stop: Arc::clone(&options.stop),
+        deadline: options.deadline,
         next: AtomicUsize::new(0),
         left: AtomicUsize::new(workers),
         starting: AtomicUsize::new(0),
@@ -137,14 +140,20 @@ impl Shared {
         if self.found[i] == Found::Finished {
             return Ok(Ran::Kept);
         }
-        if self.is_told_to_stop() {
+        let is_late = self.deadline.is_some_and(|end| Instant::now() >= end);
+        if self.is_told_to_stop() || is_late {
             return Ok(Ran::Stopped);
         }
         let folder = self.folder.join(&self.points[i].name);
         let ran = pool(threads)
             .map_err(|e| e.to_string())?
-            .install(|| self.start_or_go_on(i, threads, &folder))
-            .map_err(|error| error.to_string())?;
+            .install(|| self.start_or_go_on(i, threads, &folder));
+        let ran = match ran {
+            Err(EngineError::Folder(busy @ FolderError::Busy { .. })) => {
+                return Ok(Ran::Elsewhere(busy.to_string()));
+            }
+            ran => ran.map_err(|error| error.to_string())?,
+        };
         if ran == Ran::Finished && self.reports {
             run_page::write(&folder).map_err(|e| e.to_string())?;
         }
@@ -160,15 +169,19 @@ impl Shared {
     }
 
     fn start_or_go_on(&self, i: usize, threads: usize, folder: &Path) -> Result<Ran, EngineError> {
-        let claim = |existing| {
-            lennard_io::create_named_folder(folder, existing).map_err(EngineError::Folder)
-        };
+        let claim =
+            || lennard_io::create_named_folder(folder, Existing::Keep).map_err(EngineError::Folder);
+        let point = &self.points[i];
         let mut counter = Counter {
             done: &self.done[i],
-            atoms: self.points[i].atoms as u64,
+            atoms: point.atoms as u64,
         };
         if self.found[i] == Found::Begun {
-            let held = claim(Existing::Keep)?;
+            let held = claim()?;
+            // Another process may have finished it since.
+            if found_in(folder, point) == Ok(Found::Finished) {
+                return Ok(Ran::Kept);
+            }
             let options = ResumeOptions::default();
             let Some(resumed) = self.start(|| lennard_engine::resume(folder, &options)) else {
                 return Ok(Ran::Stopped);
@@ -178,12 +191,16 @@ impl Shared {
                 return Ok(Ran::of(lennard_engine::go_on(&mut resumed, how)?.ending));
             }
         }
-        let scene = self.points[i].scene.clone();
+        let scene = point.scene.clone();
         let Some(simulation) = self.start(|| lennard_engine::prepare(scene)) else {
             return Ok(Ran::Stopped);
         };
         let mut simulation = simulation?;
-        let held = claim(Existing::Replace)?;
+        let mut held = claim()?;
+        if found_in(folder, point) == Ok(Found::Finished) {
+            return Ok(Ran::Kept);
+        }
+        held.remove_run().map_err(EngineError::Folder)?;
         let how = self.how(&held, threads, &mut counter);
         Ok(Ran::of(lennard_engine::run(&mut simulation, how)?.ending))
     }
@@ -198,7 +215,7 @@ impl Shared {
             folder,
             threads,
             stop: &self.stop,
-            deadline: None,
+            deadline: self.deadline,
             progress,
         }
     }
