@@ -144,7 +144,16 @@ const PACKAGE: Tier = Tier {
 };
 const VALIDATION: Tier = Tier {
     name: "validation",
-    run: |w| by_counts(pytest(w, "validation", "not physics"), Format::Pytest),
+    run: |w| {
+        by_counts(
+            pytest(w, "validation", "not physics and not cluster"),
+            Format::Pytest,
+        )
+    },
+};
+const CLUSTER: Tier = Tier {
+    name: "cluster",
+    run: |w| by_counts(pytest(w, "validation", "cluster"), Format::Pytest),
 };
 const PHYSICS: Tier = Tier {
     name: "physics",
@@ -178,6 +187,11 @@ pub fn check() -> Vec<Tier> {
 /// What `cargo xtask physics` runs.
 pub fn physics() -> Vec<Tier> {
     vec![RELEASE_BUILD, PYTHON, PHYSICS, LONG_RUST_TESTS]
+}
+
+/// What `cargo xtask cluster` runs.
+pub fn cluster() -> Vec<Tier> {
+    vec![RELEASE_BUILD, PYTHON, CLUSTER]
 }
 
 /// What `cargo xtask tidy` runs, on a workspace [as tested](Workspace::with_tested_binary).
