@@ -14,6 +14,7 @@ mod legend;
 mod number;
 mod page;
 mod palette;
+mod particles;
 mod picture;
 mod table;
 
@@ -26,6 +27,7 @@ pub use number::{
 };
 pub use page::{Block, Page, Section};
 pub use palette::{COLORS, Dash, Symbol};
+pub use particles::{ParticleFigure, Sphere};
 pub use picture::{Drawing, Picture};
 pub use table::{ErrorStyle, cell_text, heading, is_numeric};
 

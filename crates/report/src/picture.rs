@@ -1,6 +1,6 @@
 //! A drawing with the words below it.
 
-use crate::{BarFigure, Figure, ReportError};
+use crate::{BarFigure, Figure, ParticleFigure, ReportError};
 
 /// A drawing of any kind.
 #[derive(Debug, Clone, PartialEq)]
@@ -9,6 +9,8 @@ pub enum Drawing {
     Plot(Figure),
     /// Bars in groups.
     Bars(BarFigure),
+    /// Particles in their box.
+    Particles(ParticleFigure),
 }
 
 impl From<Figure> for Drawing {
@@ -20,6 +22,12 @@ impl From<Figure> for Drawing {
 impl From<BarFigure> for Drawing {
     fn from(figure: BarFigure) -> Self {
         Self::Bars(figure)
+    }
+}
+
+impl From<ParticleFigure> for Drawing {
+    fn from(figure: ParticleFigure) -> Self {
+        Self::Particles(figure)
     }
 }
 
@@ -55,6 +63,7 @@ impl Picture {
         match &self.drawing {
             Drawing::Plot(figure) => &figure.name,
             Drawing::Bars(figure) => &figure.name,
+            Drawing::Particles(figure) => &figure.name,
         }
     }
 
@@ -66,6 +75,7 @@ impl Picture {
         match &self.drawing {
             Drawing::Plot(figure) => figure.to_svg(),
             Drawing::Bars(figure) => figure.to_svg(),
+            Drawing::Particles(figure) => figure.to_svg(),
         }
     }
 }

@@ -1,12 +1,13 @@
 //! The page of a run: made from its folder alone, so that it can be made again at any time.
 
 mod figures;
+mod particles;
 mod phase_diagram;
 mod tables;
 
 use std::path::Path;
 
-use lennard_report::{Page, ReportError, Section};
+use lennard_report::{Page, ParticleFigure, ReportError, Section};
 
 use crate::compare::{ReadError, RunFolder, compare};
 
@@ -24,12 +25,17 @@ pub enum PageError {
     Write(#[from] lennard_io::WriteError),
 }
 
-/// Makes `report.html` of a finished run from its folder.
+/// Makes `report.html` of a finished run from its folder, and `particles.svg`, which the page shows too.
 ///
 /// # Errors
 /// [`PageError`] where the run did not finish, or a file cannot be read or written.
 pub fn write(folder: &Path) -> Result<(), PageError> {
-    let html = page(&RunFolder::open(folder)?).to_html()?;
+    let run = RunFolder::open(folder)?;
+    let particles = particles::particles(&run);
+    let html = page_with(&run, particles.as_ref()).to_html()?;
+    if let Some(figure) = particles {
+        lennard_io::write_text_atomically(&folder.join("particles.svg"), &figure.to_svg()?)?;
+    }
     lennard_io::write_text_atomically(&folder.join("report.html"), &html)?;
     Ok(())
 }
@@ -37,6 +43,10 @@ pub fn write(folder: &Path) -> Result<(), PageError> {
 /// The page of a finished run.
 #[must_use]
 pub fn page(run: &RunFolder) -> Page {
+    page_with(run, particles::particles(run).as_ref())
+}
+
+fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
     let compared = compare(run);
     let record = &run.record;
     let particles = lennard_report::particles(compared.atoms as usize, compared.molecules as usize);
@@ -60,6 +70,7 @@ pub fn page(run: &RunFolder) -> Page {
         Section::new("Averages").table(tables::averages(&compared, record)),
     ];
     let drawn = [
+        ("Particles", particles::PARTICLES, particles::pictures(last)),
         (
             "Phase diagram",
             phase_diagram::PHASE_DIAGRAM,

@@ -62,12 +62,23 @@ fn a_run_writes_its_folder_and_prints_the_same_record_as_json() {
         "topology.gro",
         "trajectory.xyz",
         "final.xyz",
+        "particles.svg",
     ] {
         assert!(
             out.join(file).metadata().is_ok_and(|m| m.len() > 0),
             "{file}"
         );
     }
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    let picture = std::fs::read_to_string(out.join("particles.svg")).unwrap();
+    assert!(
+        picture.contains("The particles at step 600"),
+        "{picture:.500}"
+    );
+    assert!(
+        page.contains(&picture),
+        "the page has the picture of the particles"
+    );
     let thermo = std::fs::read_to_string(out.join("thermo.csv")).unwrap();
     assert!(thermo.starts_with("step,time [τ],stage,"), "{thermo}");
     assert_eq!(
