@@ -1,5 +1,7 @@
 //! The readers, each with what must hold for any bytes.
 
+use std::io::Write;
+
 use lennard_core::Array;
 use lennard_io::{read_checkpoint_bytes, read_configuration_bytes, read_trajectory_bytes};
 use lennard_scene::Scene;
@@ -44,7 +46,28 @@ pub const TARGETS: &[Target] = &[
     },
     Target {
         name: "nist",
-        body: nist,
+        body: start,
+        repair: None,
+        reshape: None,
+        words: XYZ_WORDS,
+    },
+    Target {
+        name: "lammps-dump",
+        body: start,
+        repair: None,
+        reshape: None,
+        words: LAMMPS_WORDS,
+    },
+    Target {
+        name: "lammps-data",
+        body: start,
+        repair: None,
+        reshape: None,
+        words: LAMMPS_WORDS,
+    },
+    Target {
+        name: "gzip",
+        body: gzip,
         repair: None,
         reshape: None,
         words: XYZ_WORDS,
@@ -157,6 +180,41 @@ const XYZ_WORDS: &[&str] = &[
     "\t",
 ];
 
+const LAMMPS_WORDS: &[&str] = &[
+    "18446744073709551615",
+    "4294967296",
+    "-1",
+    "0",
+    "nan",
+    "1e999",
+    "-1e308",
+    "1e-320",
+    "2147483647 2147483647 2147483647",
+    "ITEM: TIMESTEP\n",
+    "ITEM: NUMBER OF ATOMS\n",
+    "ITEM: BOX BOUNDS pp pp pp\n",
+    "ITEM: BOX BOUNDS xy xz yz pp pp pp\n",
+    "ITEM: UNITS\nlj\n",
+    "ITEM: TIME\n",
+    "ITEM: ATOMS ",
+    "id type x y z ix iy iz",
+    "xsu ysu zsu ",
+    "element mass ",
+    "Masses\n\n",
+    "Atoms # atomic\n\n",
+    "Velocities\n\n",
+    "Atom Type Labels\n\n",
+    "Pair Coeffs\n\n",
+    " xlo xhi\n",
+    " xy xz yz\n",
+    " atoms\n",
+    " bonds\n",
+    "#",
+    "\r\n",
+    "\n\n\n",
+    "\t",
+];
+
 const CHECKPOINT_WORDS: &[&str] = &[
     "\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}",
     "\u{1}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}",
@@ -219,8 +277,8 @@ pub fn extended_xyz(bytes: &[u8]) -> bool {
     }
 }
 
-/// A start configuration in the NIST columns (or whatever else the bytes look like).
-pub fn nist(bytes: &[u8]) -> bool {
+/// A start configuration in NIST columns, LAMMPS dump or data, or whatever else the bytes look like.
+pub fn start(bytes: &[u8]) -> bool {
     match read_configuration_bytes(bytes) {
         Ok(start) => {
             assert!(!start.positions.is_empty() && start.positions.iter().all(|r| r.is_finite()));
@@ -237,6 +295,26 @@ pub fn nist(bytes: &[u8]) -> bool {
             false
         }
     }
+}
+
+/// Gzip of whatever bytes is read as the bytes themselves; bytes that begin like gzip are read as they are.
+pub fn gzip(bytes: &[u8]) -> bool {
+    let accepted = start(bytes);
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    let compressed = encoder.write_all(bytes).and_then(|()| encoder.finish());
+    let compressed = compressed.expect("memory takes all bytes");
+    let twice = bytes.starts_with(&[0x1f, 0x8b]);
+    match (
+        read_configuration_bytes(bytes),
+        read_configuration_bytes(&compressed),
+    ) {
+        (Ok(plain), Ok(inflated)) => assert_eq!(plain, inflated),
+        (Err(_), Err(_)) => {}
+        // Text within gzip within gzip is not looked for.
+        (Ok(_), Err(_)) if twice => {}
+        (plain, inflated) => panic!("{plain:?} as it is, {inflated:?} from gzip"),
+    }
+    accepted
 }
 
 /// A checkpoint: arrays no larger than the bytes that they came from, or an error.

@@ -12,7 +12,7 @@ use lennard_io::{Checkpoint, CheckpointFolder, CheckpointMetadata, FileMark, Wri
 use lennard_scene::Scene;
 
 use crate::files::Marks;
-use crate::names::{THERMO, TRAJECTORY};
+use crate::names::THERMO;
 use crate::timers::Timers;
 use crate::{EngineError, Simulation};
 
@@ -50,7 +50,8 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
     run.put_u64("owes_output", &[u64::from(past.owes_output)]);
     let text = past.remarks.join("\n");
     run.put_u64("remarks", &text.bytes().map(u64::from).collect::<Vec<_>>());
-    let trajectory = marks.trajectory.map(|mark| (TRAJECTORY.to_owned(), mark));
+    let name = simulation.scene.output.format.spec().file;
+    let trajectory = marks.trajectory.map(|mark| (name.to_owned(), mark));
     Checkpoint {
         metadata: CheckpointMetadata {
             program_version: env!("CARGO_PKG_VERSION").to_owned(),

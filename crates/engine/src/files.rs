@@ -5,8 +5,8 @@
 //! | `scene.toml` | the scene as resolved, every default written out |
 //! | `run.json` | the run record; `finished` is true only at the very end |
 //! | `thermo.csv` | instantaneous values, every stage |
-//! | `trajectory.xyz` | frames of the measured stages, if asked for |
-//! | `topology.gro` | names and box for mdtraj, beside a trajectory |
+//! | `trajectory.xyz` | frames of the measured stages, if asked for; another format has another ending |
+//! | `topology.gro` | names, box and start positions for readers of trajectories, beside one |
 //! | `rdf.csv`, … | tables of the observables |
 //! | `final.xyz` | the last state, from which another run can start |
 //! | `failed.xyz` | the state of a run at the step at which physics stopped it |
@@ -18,10 +18,11 @@ use std::path::{Path, PathBuf};
 
 use lennard_core::{Cell, Energetics, State, Table};
 use lennard_io::{
-    FileMark, Frame, FrameStyle, OutputFolder, RunRecord, TableWriter, TrajectoryWriter, WriteError,
+    FileMark, Frame, FrameStyle, OutputFolder, RunRecord, TableWriter, TrajectoryFormat,
+    TrajectoryWriter, WriteError,
 };
 
-use crate::names::{RECORD, SCENE, THERMO, TOPOLOGY, TRAJECTORY};
+use crate::names::{RECORD, SCENE, THERMO, TOPOLOGY};
 use crate::{EngineError, Simulation};
 
 /// Energies over the number of particles, or of molecules.
@@ -106,10 +107,11 @@ pub struct RunFiles {
 pub struct Marks {
     /// Of `thermo.csv`.
     pub thermo: FileMark,
-    /// Of `trajectory.xyz`.
+    /// Of the trajectory.
     pub trajectory: Option<FileMark>,
 }
 
+/// The style of the trajectory.
 pub(crate) fn style(simulation: &Simulation) -> FrameStyle {
     let output = &simulation.scene.output;
     FrameStyle {
@@ -117,7 +119,9 @@ pub(crate) fn style(simulation: &Simulation) -> FrameStyle {
         velocities: output.velocities,
         forces: output.forces,
         wrapped: !output.unwrapped,
+        for_ase: output.ase,
         length_scale: output.length_scale,
+        precision: output.precision,
         sites_per_molecule: simulation.system.molecules.sites(),
     }
 }
@@ -131,12 +135,13 @@ impl RunFiles {
         remove_half_written(folder);
         write_descriptions(folder, simulation)?;
         let style = style(simulation);
+        let format = simulation.scene.output.format;
         let thermo = TableWriter::create(&folder.join(THERMO), &thermo_columns(simulation))?;
         let trajectory = simulation
             .scene
             .output
             .trajectory_every
-            .map(|_| TrajectoryWriter::create(&folder.join(TRAJECTORY), &style))
+            .map(|_| TrajectoryWriter::create(&folder.join(format.spec().file), format, &style))
             .transpose()?;
         Ok(Self {
             folder: folder.to_owned(),
@@ -156,11 +161,14 @@ impl RunFiles {
         marks: Marks,
     ) -> Result<Self, EngineError> {
         let style = style(simulation);
+        let format = simulation.scene.output.format;
         let columns = thermo_columns(simulation);
         let thermo = TableWriter::resume_at(&folder.join(THERMO), &columns, marks.thermo)?;
         let trajectory = marks
             .trajectory
-            .map(|mark| TrajectoryWriter::resume_at(&folder.join(TRAJECTORY), &style, mark))
+            .map(|mark| {
+                TrajectoryWriter::resume_at(&folder.join(format.spec().file), format, &style, mark)
+            })
             .transpose()?;
         Ok(Self {
             folder: folder.to_owned(),
@@ -236,11 +244,9 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where it cannot be written.
     pub fn write_state(&self, name: &str, simulation: &Simulation) -> Result<(), WriteError> {
-        // A start configuration needs velocities and reduced units whatever the trajectory has.
         let style = FrameStyle {
-            velocities: true,
-            length_scale: 1.0,
-            ..self.style.clone()
+            forces: self.style.forces,
+            ..self.start_style()
         };
         let frame = Frame {
             state: &simulation.state,
@@ -254,17 +260,21 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where it cannot be written.
     pub fn write_earlier_state(&self, name: &str, state: &State) -> Result<(), WriteError> {
-        let style = FrameStyle {
+        lennard_io::write_frame(
+            &self.folder.join(name),
+            &self.start_style(),
+            &Frame { state, extra: &[] },
+        )
+    }
+
+    /// The style of a start configuration, which needs velocities and reduced units whatever the trajectory has.
+    fn start_style(&self) -> FrameStyle {
+        FrameStyle {
             velocities: true,
             forces: false,
             length_scale: 1.0,
             ..self.style.clone()
-        };
-        lennard_io::write_frame(
-            &self.folder.join(name),
-            &style,
-            &Frame { state, extra: &[] },
-        )
+        }
     }
 
     /// Frames written so far, where there is a trajectory.
@@ -300,7 +310,11 @@ impl RunFiles {
 pub fn discard(folder: &OutputFolder) {
     if folder.was_empty() {
         remove_half_written(folder.path());
-        for name in [RECORD, SCENE, THERMO, TRAJECTORY, TOPOLOGY] {
+        let trajectories = TrajectoryFormat::ALL.iter().map(|f| f.spec().file);
+        for name in [RECORD, SCENE, THERMO, TOPOLOGY]
+            .into_iter()
+            .chain(trajectories)
+        {
             // One that is not there need not be removed, and the rest is seen to have no step.
             let _ = std::fs::remove_file(folder.path().join(name));
         }
@@ -327,19 +341,23 @@ fn remove_half_written(folder: &Path) {
     }
 }
 
-/// The scene as resolved, and names and box beside a trajectory.
+/// The scene as resolved, and names, box and start positions beside a trajectory.
 fn write_descriptions(folder: &Path, simulation: &Simulation) -> Result<(), WriteError> {
     lennard_io::write_text_atomically(&folder.join(SCENE), &simulation.scene.resolved_toml())?;
-    if simulation.scene.output.trajectory_every.is_some() {
-        let n = simulation.state.len();
-        lennard_io::write_topology_gro(
-            &folder.join(TOPOLOGY),
-            n,
-            &simulation.start_cell,
-            &style(simulation),
-        )?;
+    let topology = folder.join(TOPOLOGY);
+    // A run that goes on has left its start behind: the file is kept as it is.
+    if simulation.scene.output.trajectory_every.is_none()
+        || simulation.state.step > 0 && topology.exists()
+    {
+        return Ok(());
     }
-    Ok(())
+    lennard_io::write_topology_gro(
+        &topology,
+        &simulation.state.positions,
+        &simulation.start_cell,
+        simulation.scene.output.format,
+        &style(simulation),
+    )
 }
 
 /// The temperature of half steps, for methods that kick by halves.

@@ -6,9 +6,6 @@ pub(crate) const SCENE: &str = "scene.toml";
 /// Instantaneous values.
 pub(crate) const THERMO: &str = "thermo.csv";
 
-/// Frames.
-pub(crate) const TRAJECTORY: &str = "trajectory.xyz";
-
 /// The run record.
 pub(crate) const RECORD: &str = "run.json";
 

@@ -12,7 +12,7 @@ use crate::build;
 use crate::checkpointing::{self, Past};
 use crate::error::{ResumeError, again};
 use crate::files::Marks;
-use crate::names::{SCENE, THERMO, TRAJECTORY};
+use crate::names::{SCENE, THERMO};
 use crate::own::OwnParts;
 use crate::{EngineError, Simulation};
 
@@ -81,14 +81,15 @@ pub fn resume_with(
     let scene = Scene::parse(&checkpoint.scene, &name, &[]).map_err(|e| misfit(e.to_string()))?;
     same_scene(&folder.join(SCENE), &scene, &path)?;
     let mark = |file: &str| metadata.files.get(file).copied();
+    let trajectory = scene.output.format.spec().file;
     let marks = Marks {
         thermo: mark(THERMO)
             .ok_or_else(|| misfit(format!("it does not say how long {THERMO} was")))?,
-        trajectory: mark(TRAJECTORY),
+        trajectory: mark(trajectory),
     };
     if scene.output.trajectory_every.is_some() != marks.trajectory.is_some() {
         return Err(misfit(format!(
-            "scene and checkpoint disagree whether there is a {TRAJECTORY}"
+            "scene and checkpoint disagree whether there is a {trajectory}"
         ))
         .into());
     }

@@ -91,12 +91,17 @@ pub(crate) fn of_file(
     Ok(scene.species_table(n, &of_particle))
 }
 
-/// The number of the species of each name of a file, or the name that is of none.
+/// The number of the species of each name of a file, or the name that is of none. A type of LAMMPS is a number: the species in
+/// the order of the scene.
 fn numbers(mixture: &MixtureTables, found: &FoundSpecies) -> Result<Vec<usize>, String> {
     let numbers = found.names.iter().map(|name| {
         let by_name = mixture.species.iter().position(|s| s.name == *name);
         let by_element = || mixture.species.iter().position(|s| s.element == *name);
-        by_name.or_else(by_element).ok_or_else(|| name.clone())
+        let by_number = || name.parse::<usize>().ok()?.checked_sub(1);
+        by_name
+            .or_else(by_element)
+            .or_else(|| by_number().filter(|a| *a < mixture.species.len()))
+            .ok_or_else(|| name.clone())
     });
     numbers.collect()
 }

@@ -20,26 +20,6 @@ const HEADER_LINES: u64 = 1;
 /// Positions further than this many boxes away have no image flags in 32 bits.
 const MOST_BOXES_AWAY: f64 = 2_147_483_647.0;
 
-/// Goes to the first line of the next frame; false where the file ends, blank lines at its end aside.
-pub(crate) fn find_frame<R: BufRead>(lines: &mut Lines<R>) -> Result<bool, FormatError> {
-    let mut blank = None;
-    while lines.advance()? {
-        match (lines.is_blank(), blank) {
-            (true, None) => blank = Some(lines.number()),
-            (true, Some(_)) => {}
-            (false, None) => return Ok(true),
-            (false, Some(line)) => {
-                return Err(lines.refuse_at(
-                    line,
-                    "a blank line",
-                    "the number of particles of the next frame, or the end of the file",
-                ));
-            }
-        }
-    }
-    Ok(false)
-}
-
 /// Passes over the frame whose count is the current line.
 pub(crate) fn skip_frame<R: BufRead>(lines: &mut Lines<R>) -> Result<(), FormatError> {
     let n = lines.particle_count(HEADER_LINES, LEAST_BYTES_A_PARTICLE)?;

@@ -66,7 +66,17 @@ fn name_of(holder: Option<&Holder>) -> String {
 }
 
 /// Endings of the files that a run writes.
-const OUTPUT_ENDINGS: [&str; 6] = ["xyz", "csv", "json", "toml", "gro", "lennard"];
+const OUTPUT_ENDINGS: [&str; 9] = [
+    "xyz",
+    "gz",
+    "lammpstrj",
+    "xtc",
+    "csv",
+    "json",
+    "toml",
+    "gro",
+    "lennard",
+];
 
 fn fail(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> FolderError {
     let path = path.to_path_buf();

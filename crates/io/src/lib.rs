@@ -1,4 +1,4 @@
-//! File formats: extended XYZ and NIST columns, tables, the run record, checkpoints.
+//! File formats: trajectories, start configurations, tables, the run record, checkpoints.
 //!
 //! What is written is written whole: a growing file gets whole frames or whole rows and is cut back
 //! to the last whole one where a write fails; a file written once goes to a hidden neighbor first,
@@ -17,14 +17,19 @@ mod configuration;
 mod error;
 mod extended_xyz;
 mod folder;
+mod formats;
 mod found;
-mod frame_text;
+mod frame;
 mod holder;
 mod host;
+mod lammps;
+mod lammps_data;
+mod lammps_dump;
 mod lines;
 mod mixture_record;
 mod nist;
 mod record;
+mod rewind;
 mod sink;
 mod species_reader;
 mod tables;
@@ -49,8 +54,9 @@ pub use folder::{
     Existing, FolderError, OutputFolder, create_named_folder, create_numbered_folder,
     is_empty_folder,
 };
+pub use formats::{FormatSpec, Limits, TrajectoryFormat};
 pub use found::{FoundSpecies, StartConfiguration, TrajectoryFrame};
-pub use frame_text::{Frame, FrameStyle, is_element_symbol};
+pub use frame::{DEFAULT_PRECISION, Frame, FrameStyle, is_element_symbol};
 pub use holder::Holder;
 pub use host::cpu_name;
 pub use mixture_record::{PairRecord, SpeciesRecord};

@@ -96,8 +96,12 @@ impl WholeFile {
         }
     }
 
-    /// Goes on after `mark`: everything behind it is cut off.
-    pub(crate) fn resume_at(path: &Path, mark: FileMark) -> Result<Self, WriteError> {
+    /// Goes on after `mark`: everything behind it is cut off. Where records end with a line, one must end there.
+    pub(crate) fn resume_at(
+        path: &Path,
+        mark: FileMark,
+        ends_with_line: bool,
+    ) -> Result<Self, WriteError> {
         let refuse = |reason: String| WriteError::NotResumable {
             path: path.to_path_buf(),
             wanted: mark.bytes,
@@ -113,7 +117,7 @@ impl WholeFile {
         if length < mark.bytes {
             return Err(refuse(format!("the file has only {length} bytes")));
         }
-        if mark.bytes > 0 {
+        if mark.bytes > 0 && ends_with_line {
             let mut last = [0];
             file.seek(SeekFrom::Start(mark.bytes - 1)).map_err(open)?;
             file.read_exact(&mut last).map_err(open)?;
@@ -332,7 +336,7 @@ mod tests {
         let mark = file.mark();
         file.append(b"b\nhalf a reco").unwrap();
         drop(file);
-        let mut file = WholeFile::resume_at(&path, mark).unwrap();
+        let mut file = WholeFile::resume_at(&path, mark, true).unwrap();
         file.append(b"c\n").unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"a\nc\n");
         assert_eq!(
@@ -343,7 +347,8 @@ mod tests {
             }
         );
         for (bytes, reason) in [(9, "only 4 bytes"), (3, "no line ends there")] {
-            let error = WholeFile::resume_at(&path, FileMark { bytes, records: 2 }).unwrap_err();
+            let error =
+                WholeFile::resume_at(&path, FileMark { bytes, records: 2 }, true).unwrap_err();
             assert!(error.to_string().contains(reason), "{error}");
         }
         assert_eq!(

@@ -235,7 +235,7 @@ impl TableWriter {
             });
         }
         Ok(Self {
-            file: WholeFile::resume_at(path, mark)?,
+            file: WholeFile::resume_at(path, mark, true)?,
             columns: columns.len(),
             text: Vec::new(),
         })

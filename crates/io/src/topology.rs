@@ -1,48 +1,59 @@
-//! The sidecar file that gives mdtraj what extended XYZ does not: names, residues and the box.
+//! The sidecar file that gives readers of trajectories what those lack: names, residues and the box.
 
 use std::path::Path;
 
+use glam::DVec3;
 use lennard_core::PeriodicBox;
 
 use crate::atomic::write_bytes_atomically;
 use crate::text::{push_float, push_integer};
-use crate::{FrameStyle, WriteError};
-
-/// Readers take the lengths of an XYZ file for Å and hold them in nm: 1 nm = 10 Å.
-const ANGSTROM_A_NANOMETER: f64 = 10.0;
+use crate::{FrameStyle, TrajectoryFormat, WriteError};
 
 /// Residue and atom numbers have five columns and start over from 0 there.
 const NUMBERS_START_OVER: usize = 100_000;
 
-/// Writes `topology.gro` for `n` particles, named by the elements of the species; each molecule is a residue.
+/// Coordinates have eight columns, three of them behind the point: from here on they take more.
+const COORDINATES_END: f64 = 9999.9995;
+
+/// Writes `topology.gro` for particles at `positions` (σ), named by the elements of the species; each molecule is a residue.
 ///
-/// Lengths in a .gro file are nm. The box is written as `length_scale·L/10`, the value that mdtraj gives
-/// the lengths of the trajectory beside it, with all digits. The positions are zeros: they are in the
-/// trajectory. `mdtraj.load("trajectory.xyz", top="topology.gro")` then has the right names but no
-/// unit cell; take its lengths from `mdtraj.load("topology.gro").unitcell_lengths`.
+/// Lengths are in nm, as readers understand the trajectory beside it: `length_scale·L/10` beside text, whose unit they
+/// take for Å, and `length_scale·L` beside XTC. Positions are folded into the box and have the three decimals of the
+/// format. The box has all digits. mdtraj then has the right names for
+/// `mdtraj.load("trajectory.xyz", top="topology.gro")`, but no unit cell; take its lengths from
+/// `mdtraj.load("topology.gro").unitcell_lengths`. In a box too long for the columns, positions are zeros.
 ///
 /// # Errors
 /// Where the style holds an impossible value or the operating system refuses.
 pub fn write_topology_gro(
     path: &Path,
-    n: usize,
+    positions: &[DVec3],
     cell: &PeriodicBox,
+    format: TrajectoryFormat,
     style: &FrameStyle,
 ) -> Result<(), WriteError> {
     style.check(path)?;
+    let to_nm = style.length_scale * format.spec().nanometers;
+    let sides = cell.lengths() * to_nm;
+    let fits = sides.max_element() < COORDINATES_END;
     let mut text = Vec::new();
-    text.extend_from_slice(b"Lennard: names and box only, positions are in the trajectory\n");
-    push_integer(&mut text, n);
+    text.extend_from_slice(match fits {
+        true => b"Lennard: names, box, and rounded positions of the start\n".as_slice(),
+        false => b"Lennard: names and box; positions are too long for this format\n",
+    });
+    push_integer(&mut text, positions.len());
     text.push(b'\n');
-    for i in 1..=n {
-        let number = i % NUMBERS_START_OVER;
-        let element = &style.species.species(style.species.of(i - 1)).element;
-        let residue = ((i - 1) / style.sites_per_molecule.max(1) + 1) % NUMBERS_START_OVER;
-        let line =
-            format!("{residue:5}{element:<5}{element:>5}{number:5}   0.000   0.000   0.000\n");
+    for (i, position) in positions.iter().enumerate() {
+        let number = (i + 1) % NUMBERS_START_OVER;
+        let element = &style.species_of(i).element;
+        let residue = (i / style.sites_per_molecule.max(1) + 1) % NUMBERS_START_OVER;
+        let [x, y, z] = match fits {
+            true => (cell.split(*position).0 * to_nm).to_array(),
+            false => [0.0; 3],
+        };
+        let line = format!("{residue:5}{element:<5}{element:>5}{number:5}{x:8.3}{y:8.3}{z:8.3}\n");
         text.extend_from_slice(line.as_bytes());
     }
-    let sides = cell.lengths() * style.length_scale / ANGSTROM_A_NANOMETER;
     for side in sides.to_array() {
         text.push(b' ');
         push_float(&mut text, side);
@@ -65,13 +76,37 @@ mod tests {
             length_scale: 2.0,
             ..FrameStyle::default()
         };
-        write_topology_gro(&path, 2, &cell, &style).unwrap();
+        let positions = [DVec3::new(1.5, 2.0, 3.0), DVec3::new(-1.0, 20.5, 29.999)];
+        write_topology_gro(&path, &positions, &cell, TrajectoryFormat::Xyz, &style).unwrap();
         assert_eq!(
             std::fs::read_to_string(&path).unwrap(),
-            "Lennard: names and box only, positions are in the trajectory\n2\n\
-             \x20   1Ar      Ar    1   0.000   0.000   0.000\n\
-             \x20   2Ar      Ar    2   0.000   0.000   0.000\n 2.0 4.0 6.0\n"
+            "Lennard: names, box, and rounded positions of the start\n2\n\
+             \x20   1Ar      Ar    1   0.300   0.400   0.600\n\
+             \x20   2Ar      Ar    2   1.800   0.100   6.000\n 2.0 4.0 6.0\n"
         );
+        write_topology_gro(&path, &positions, &cell, TrajectoryFormat::Xtc, &style).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains("   3.000   4.000   6.000\n"), "{text}");
+        assert!(text.ends_with(" 20.0 40.0 60.0\n"), "{text}");
+    }
+
+    #[test]
+    fn positions_too_long_for_their_columns_are_zeros_and_the_title_says_so() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("topology.gro");
+        let cell = PeriodicBox::new(DVec3::splat(2e5)).unwrap();
+        let positions = [DVec3::splat(1e5)];
+        write_topology_gro(
+            &path,
+            &positions,
+            &cell,
+            TrajectoryFormat::Xyz,
+            &FrameStyle::default(),
+        )
+        .unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains("too long"), "{text}");
+        assert!(text.contains("    1   0.000   0.000   0.000\n"), "{text}");
     }
 
     #[test]
@@ -83,7 +118,14 @@ mod tests {
             sites_per_molecule: 2,
             ..FrameStyle::default()
         };
-        write_topology_gro(&path, 4, &cell, &style).unwrap();
+        write_topology_gro(
+            &path,
+            &[DVec3::ZERO; 4],
+            &cell,
+            TrajectoryFormat::Xyz,
+            &style,
+        )
+        .unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let rows: Vec<&str> = text.lines().skip(2).take(4).collect();
         let residues: Vec<&str> = rows.iter().map(|row| row[..5].trim()).collect();
@@ -96,7 +138,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("topology.gro");
         let cell = PeriodicBox::new(DVec3::splat(50.0)).unwrap();
-        write_topology_gro(&path, 100_001, &cell, &FrameStyle::default()).unwrap();
+        write_topology_gro(
+            &path,
+            &[DVec3::ONE; 100_001],
+            &cell,
+            TrajectoryFormat::Xyz,
+            &FrameStyle::default(),
+        )
+        .unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let rows: Vec<&str> = text.lines().skip(2).collect();
         assert!(rows[..100_001].iter().all(|row| row.len() == rows[0].len()));

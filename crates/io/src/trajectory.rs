@@ -3,23 +3,24 @@
 use std::path::Path;
 
 use crate::atomic::write_bytes_atomically;
-use crate::frame_text::push_frame;
+use crate::formats::push_frame;
 use crate::sink::WholeFile;
-use crate::{FileMark, Frame, FrameStyle, Sink, WriteError};
+use crate::{FileMark, Frame, FrameStyle, Sink, TrajectoryFormat, WriteError};
 
-/// Text kept allocated between frames, in bytes: the frames of small systems follow each other quickly and
-/// should not allocate; those of large ones are rare and should not hold memory while the run goes on.
+/// Bytes kept allocated between frames. Small frames follow each other quickly and should not allocate. Large frames are rare,
+/// and should not hold memory while the run goes on.
 const KEPT_BUFFER: usize = 16 << 20;
 
-/// Writes a trajectory in extended XYZ, whole frames only.
+/// Writes a trajectory, whole frames only.
 ///
-/// A frame is formatted in memory and written with one write. Where that fails, the file is cut back
+/// A frame is made in memory and written with one write. Where that fails, the file is cut back
 /// to its last whole frame.
 #[derive(Debug)]
 pub struct TrajectoryWriter {
     file: WholeFile,
+    format: TrajectoryFormat,
     style: FrameStyle,
-    text: Vec<u8>,
+    bytes: Vec<u8>,
 }
 
 impl TrajectoryWriter {
@@ -27,18 +28,32 @@ impl TrajectoryWriter {
     ///
     /// # Errors
     /// Where the file cannot be created or the style holds an impossible value.
-    pub fn create(path: &Path, style: &FrameStyle) -> Result<Self, WriteError> {
+    pub fn create(
+        path: &Path,
+        format: TrajectoryFormat,
+        style: &FrameStyle,
+    ) -> Result<Self, WriteError> {
         style.check(path)?;
-        Ok(Self::over(WholeFile::create(path)?, style))
+        Ok(Self::over(WholeFile::create(path)?, format, style))
     }
 
     /// Goes on after `mark` (from a checkpoint): later frames, whole or not, are cut off.
     ///
     /// # Errors
-    /// Where the file cannot be opened, is shorter than the mark, or has no line end there.
-    pub fn resume_at(path: &Path, style: &FrameStyle, mark: FileMark) -> Result<Self, WriteError> {
+    /// Where the file cannot be opened, is shorter than the mark, or, in a format of lines, has no line end there.
+    pub fn resume_at(
+        path: &Path,
+        format: TrajectoryFormat,
+        style: &FrameStyle,
+        mark: FileMark,
+    ) -> Result<Self, WriteError> {
         style.check(path)?;
-        Ok(Self::over(WholeFile::resume_at(path, mark)?, style))
+        let ends_with_line = format.spec().ends_with_line;
+        Ok(Self::over(
+            WholeFile::resume_at(path, mark, ends_with_line)?,
+            format,
+            style,
+        ))
     }
 
     /// A trajectory to any sink: for tests that make writes fail.
@@ -47,18 +62,20 @@ impl TrajectoryWriter {
     /// Where the style holds an impossible value.
     pub fn to_sink(
         path: &Path,
+        format: TrajectoryFormat,
         style: &FrameStyle,
         sink: Box<dyn Sink>,
     ) -> Result<Self, WriteError> {
         style.check(path)?;
-        Ok(Self::over(WholeFile::over(path, sink), style))
+        Ok(Self::over(WholeFile::over(path, sink), format, style))
     }
 
-    fn over(file: WholeFile, style: &FrameStyle) -> Self {
+    fn over(file: WholeFile, format: TrajectoryFormat, style: &FrameStyle) -> Self {
         Self {
             file,
+            format,
             style: style.clone(),
-            text: Vec::new(),
+            bytes: Vec::new(),
         }
     }
 
@@ -68,11 +85,17 @@ impl TrajectoryWriter {
     /// Where a number is not finite or the operating system refuses; the file then holds the
     /// frames before this one and nothing else.
     pub fn write(&mut self, frame: &Frame<'_>) -> Result<(), WriteError> {
-        self.text.clear();
-        push_frame(&mut self.text, self.file.path(), &self.style, frame)?;
-        let appended = self.file.append(&self.text);
-        if self.text.capacity() > KEPT_BUFFER {
-            self.text = Vec::new();
+        self.bytes.clear();
+        push_frame(
+            &mut self.bytes,
+            self.file.path(),
+            self.format,
+            &self.style,
+            frame,
+        )?;
+        let appended = self.file.append(&self.bytes);
+        if self.bytes.capacity() > KEPT_BUFFER {
+            self.bytes = Vec::new();
         }
         appended
     }
@@ -101,14 +124,14 @@ impl TrajectoryWriter {
     }
 }
 
-/// Writes a file that holds one frame: to a hidden neighbor first, synced, then renamed.
+/// Writes a file of extended XYZ that holds one frame: to a hidden neighbor first, synced, then renamed.
 ///
 /// # Errors
 /// Where a number is not finite or the operating system refuses; what stood at `path` before is
 /// then still there.
 pub fn write_frame(path: &Path, style: &FrameStyle, frame: &Frame<'_>) -> Result<(), WriteError> {
     style.check(path)?;
-    let mut text = Vec::new();
-    push_frame(&mut text, path, style, frame)?;
-    write_bytes_atomically(path, &text)
+    let mut bytes = Vec::new();
+    push_frame(&mut bytes, path, TrajectoryFormat::Xyz, style, frame)?;
+    write_bytes_atomically(path, &bytes)
 }

@@ -1,13 +1,61 @@
 //! Reading trajectories frame by frame.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Cursor, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, Cursor};
 use std::path::Path;
 
-use crate::extended_xyz::{find_frame, parse_frame, skip_frame};
 use crate::found::TrajectoryFrame;
 use crate::lines::{Lines, open_regular};
-use crate::{FileMark, FormatError};
+use crate::rewind::Rewind;
+use crate::{FileMark, FormatError, extended_xyz, lammps_dump};
+
+/// What frames of text look like.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Grammar {
+    ExtendedXyz,
+    LammpsDump,
+}
+
+impl Grammar {
+    /// What a frame begins with.
+    fn beginning(self) -> &'static str {
+        match self {
+            Self::ExtendedXyz => "the number of particles of the next frame",
+            Self::LammpsDump => "`ITEM: TIMESTEP` of the next frame",
+        }
+    }
+
+    /// Goes to the first line of the next frame; false where the file ends, blank lines at its end aside.
+    fn find<R: BufRead>(self, lines: &mut Lines<R>) -> Result<bool, FormatError> {
+        let mut blank = None;
+        while lines.advance()? {
+            match (lines.is_blank(), blank) {
+                (true, None) => blank = Some(lines.number()),
+                (true, Some(_)) => {}
+                (false, None) => return Ok(true),
+                (false, Some(line)) => {
+                    let allowed = format!("{}, or the end of the file", self.beginning());
+                    return Err(lines.refuse_at(line, "a blank line", allowed));
+                }
+            }
+        }
+        Ok(false)
+    }
+
+    fn skip<R: BufRead>(self, lines: &mut Lines<R>) -> Result<(), FormatError> {
+        match self {
+            Self::ExtendedXyz => extended_xyz::skip_frame(lines),
+            Self::LammpsDump => lammps_dump::skip_frame(lines),
+        }
+    }
+
+    fn parse<R: BufRead>(self, lines: &mut Lines<R>) -> Result<TrajectoryFrame, FormatError> {
+        match self {
+            Self::ExtendedXyz => extended_xyz::parse_frame(lines),
+            Self::LammpsDump => lammps_dump::parse_frame(lines),
+        }
+    }
+}
 
 /// Reads the frames of an extended XYZ file one after another, one in memory at a time.
 ///
@@ -16,6 +64,7 @@ use crate::{FileMark, FormatError};
 #[derive(Debug)]
 pub struct TrajectoryReader<R> {
     lines: Lines<R>,
+    grammar: Grammar,
     ended: bool,
 }
 
@@ -26,7 +75,7 @@ impl TrajectoryReader<BufReader<File>> {
     /// Where the file cannot be opened or is no regular file.
     pub fn open(path: &Path) -> Result<Self, FormatError> {
         let (reader, size) = open_regular(path)?;
-        Ok(Self::new(reader, size, path))
+        Ok(Self::new(reader, size, path, Grammar::ExtendedXyz))
     }
 }
 
@@ -34,14 +83,20 @@ impl<'a> TrajectoryReader<Cursor<&'a [u8]>> {
     /// Reads from memory; `path` is for messages.
     #[must_use]
     pub fn over(bytes: &'a [u8], path: &Path) -> Self {
-        Self::new(Cursor::new(bytes), bytes.len() as u64, path)
+        Self::new(
+            Cursor::new(bytes),
+            bytes.len() as u64,
+            path,
+            Grammar::ExtendedXyz,
+        )
     }
 }
 
 impl<R: BufRead> TrajectoryReader<R> {
-    fn new(reader: R, size: u64, path: &Path) -> Self {
+    fn new(reader: R, size: u64, path: &Path, grammar: Grammar) -> Self {
         Self {
             lines: Lines::new(reader, size, path),
+            grammar,
             ended: false,
         }
     }
@@ -53,7 +108,7 @@ impl<R: BufRead> TrajectoryReader<R> {
         if self.ended {
             return Ok(None);
         }
-        let result = match find_frame(&mut self.lines) {
+        let result = match self.grammar.find(&mut self.lines) {
             Ok(true) => work(&mut self.lines).map(Some),
             Ok(false) => Ok(None),
             Err(error) => Err(error),
@@ -67,7 +122,8 @@ impl<R: BufRead> TrajectoryReader<R> {
     /// # Errors
     /// Where the frame is truncated or holds what its header does not allow.
     pub fn next_frame(&mut self) -> Result<Option<TrajectoryFrame>, FormatError> {
-        self.at_frame(parse_frame)
+        let grammar = self.grammar;
+        self.at_frame(|lines| grammar.parse(lines))
     }
 
     /// Passes over the next frame, looking at its count and its lines but not into them; false at the end.
@@ -75,7 +131,8 @@ impl<R: BufRead> TrajectoryReader<R> {
     /// # Errors
     /// Where the frame is truncated or its count is impossible.
     pub fn skip_frame(&mut self) -> Result<bool, FormatError> {
-        Ok(self.at_frame(skip_frame)?.is_some())
+        let grammar = self.grammar;
+        Ok(self.at_frame(|lines| grammar.skip(lines))?.is_some())
     }
 }
 
@@ -88,15 +145,16 @@ impl<R: BufRead> Iterator for TrajectoryReader<R> {
 }
 
 /// The last frame and the line that it starts at, without looking into those before; `None` where
-/// there is no frame.
-pub(crate) fn last_frame<R: BufRead + Seek>(
+/// there is no frame. `size` is the most bytes that the text can have.
+pub(crate) fn last_frame<R: Rewind>(
     mut reader: R,
     size: u64,
     path: &Path,
+    grammar: Grammar,
 ) -> Result<Option<(TrajectoryFrame, u64, u64)>, FormatError> {
     let mut start = None;
     let mut frames = 0;
-    let mut scan = TrajectoryReader::new(&mut reader, size, path);
+    let mut scan = TrajectoryReader::new(&mut reader, size, path, grammar);
     loop {
         let before = (scan.lines.offset(), scan.lines.number());
         if !scan.skip_frame()? {
@@ -105,13 +163,12 @@ pub(crate) fn last_frame<R: BufRead + Seek>(
         start = Some(before);
         frames += 1;
     }
+    let length = scan.lines.offset();
     let Some((offset, line)) = start else {
         return Ok(None);
     };
-    reader
-        .seek(SeekFrom::Start(offset))
-        .map_err(|e| FormatError::io(path, e))?;
-    let mut last = TrajectoryReader::new(reader, size, path);
+    reader.go_to(offset).map_err(|e| FormatError::io(path, e))?;
+    let mut last = TrajectoryReader::new(reader, length, path, grammar);
     last.lines.start_at(offset, line);
     Ok(last.next_frame()?.map(|frame| (frame, line + 1, frames)))
 }

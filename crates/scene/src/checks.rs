@@ -1,6 +1,7 @@
 //! What must hold between tables.
 
 use lennard_core::{DVec3, PeriodicBox};
+use lennard_io::Limits;
 
 use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
@@ -97,6 +98,7 @@ impl Scene {
 /// Everything that can be said before a configuration file is read.
 pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     stages(scene)?;
+    trajectory_steps(scene)?;
     mixture::check(scene)?;
     molecule_checks::check(scene)?;
     bath_checks::barostats_fit(scene)?;
@@ -190,8 +192,51 @@ fn homogeneous(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Whether cutoff, skin and observables fit the box.
+/// What a trajectory that rounds positions can hold; `None` where no such one is written.
+fn limits_of_trajectory(scene: &Scene) -> Option<&'static Limits> {
+    scene.output.trajectory_every?;
+    scene.output.format.spec().limits
+}
+
+/// Whether the steps of the run can stand in the trajectory.
+fn trajectory_steps(scene: &Scene) -> Result<(), SceneError> {
+    let total = scene.total_steps();
+    match limits_of_trajectory(scene) {
+        Some(limits) if total > limits.last_step => Err(scene
+            .source
+            .refuse("output.format", "cannot count the steps of the run")
+            .found(format!(
+                "{total} steps, with format {:?}",
+                scene.output.format.name()
+            ))
+            .allowed(format!(
+                "at most {} steps, or another format",
+                limits.last_step
+            ))),
+        _ => Ok(()),
+    }
+}
+
+/// Whether positions in the box can stand in the trajectory with the precision asked for.
+fn trajectory_fits(scene: &Scene, cell: PeriodicBox) -> Result<(), SceneError> {
+    let precision = scene.output.precision;
+    let side = cell.lengths().max_element();
+    match limits_of_trajectory(scene) {
+        Some(limits) if side * precision >= limits.multiples => Err(scene
+            .source
+            .refuse(
+                "output.precision",
+                "is finer than single precision in this box",
+            )
+            .found(format!("{precision}, with a side of {side} σ"))
+            .allowed(format!("at most {:.1}", limits.multiples / side))),
+        _ => Ok(()),
+    }
+}
+
+/// Whether cutoff, skin, observables and trajectory fit the box.
 fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneError> {
+    trajectory_fits(scene, cell)?;
     // Measured stages are alike, so one stands for all.
     let measured = scene.stages.iter().find(|stage| stage.measure);
     let dt = measured.map_or(scene.integrator.dt, |stage| scene.stage_dt(stage));
@@ -223,13 +268,4 @@ fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneErr
         })?;
     }
     Ok(())
-}
-
-/// Whether a text is the symbol of an element, or X for none.
-pub(crate) fn is_element(symbol: &str) -> bool {
-    const ELEMENTS: &str = "X H He Li Be B C N O F Ne Na Mg Al Si P S Cl Ar K Ca Sc Ti V Cr Mn Fe Co Ni Cu Zn Ga Ge As Se \
-        Br Kr Rb Sr Y Zr Nb Mo Tc Ru Rh Pd Ag Cd In Sn Sb Te I Xe Cs Ba La Ce Pr Nd Pm Sm Eu Gd Tb Dy Ho Er Tm Yb \
-        Lu Hf Ta W Re Os Ir Pt Au Hg Tl Pb Bi Po At Rn Fr Ra Ac Th Pa U Np Pu Am Cm Bk Cf Es Fm Md No Lr Rf Db Sg \
-        Bh Hs Mt Ds Rg Cn Nh Fl Mc Lv Ts Og";
-    ELEMENTS.split_whitespace().any(|element| element == symbol)
 }

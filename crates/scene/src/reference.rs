@@ -83,7 +83,7 @@ static SHARED: &[(&str, Keys)] = keys! {
         "density": Between(THINNEST, DENSEST), "this or `box`", "σ⁻³", "Number density of the start; the box is a cube.";
         "box": Words("one side, or three sides [Lx, Ly, Lz], each a finite number above 0"), "this or `density`", "σ", "Box sides. With a `configuration`, the box of a file that names none.";
         "vacuum": NotNegative, "`0.0`", "σ", "Empty length added to the box along z, with the particles in the middle: a slab between two surfaces. `density` and `box` then describe the filled part.";
-        "configuration": Words("the path of a file that can be read"), "none", "", "Start from this file (extended XYZ or the NIST columns), relative to the scene file. Takes the place of `lattice`, `n_atoms` and `density`.";
+        "configuration": Words("the path of a file that can be read"), "none", "", "Start from this file (extended XYZ, LAMMPS dump or data, or the NIST columns; each may be compressed by gzip), relative to the scene file. Takes the place of `lattice`, `n_atoms` and `density`.";
         "temperature": ZeroOrBetween(COLDEST, HOTTEST), "needed", "ε/k_B", "Temperature of the first velocities (where no file gives them) and of every thermostat that names no other.";
         "seed": Whole(0, i64::MAX), "`1`", "", "Seed of every random stream.";
     }
@@ -183,13 +183,16 @@ static SHARED: &[(&str, Keys)] = keys! {
         "every": Whole(1, MOST_STEPS), "that of the kind", "steps", "Steps between two samples.";
     }
     "output" {
-        "trajectory_every": Whole(0, MOST_STEPS), "`0`", "steps", "Steps between two frames of `trajectory.xyz`; 0 for no trajectory.";
+        "trajectory_every": Whole(0, MOST_STEPS), "`0`", "steps", "Steps between two frames of the trajectory; 0 for no trajectory.";
+        "format": Names(lennard_io::TrajectoryFormat::names), "`\"xyz\"`", "", "Format of the trajectory. `xyz` is extended XYZ as text, and `xyz.gz` the same compressed; `lammps-dump` is the text of LAMMPS, and `xtc` has rounded positions alone.";
+        "precision": Between(10.0, 1e6), "10,000 for \"xtc\"", "per σ", "Positions in XTC are multiples of 1/`precision`, with format \"xtc\" alone.";
+        "ase": Flag, "`false`", "", "Whether frames hold momenta, masses and the energy under the names that ASE reads, in reduced units; with formats \"xyz\" and \"xyz.gz\" alone.";
         "thermo_every": Whole(1, MOST_STEPS), "`10`", "steps", "Steps between two samples of the thermodynamics, each a line of `thermo.csv`; the `every` of a `thermodynamics` observable is the same number.";
         "element": Words("an element symbol, or \"X\""), "`\"Ar\"`", "", "Symbol of the particles in the files, for tools that know only elements.";
-        "velocities": Flag, "`true`", "", "Whether frames hold velocities.";
-        "forces": Flag, "`false`", "", "Whether frames hold forces.";
+        "velocities": Flag, "`true`; `false` for \"xtc\", which has none", "", "Whether frames hold velocities.";
+        "forces": Flag, "`false`", "", "Whether frames hold forces; not with \"xtc\".";
         "unwrapped": Flag, "`false`", "", "Positions as they moved, rather than folded into the box with image flags.";
-        "length_scale": Between(1e-12, 1e12), "`1.0`", "file units per σ", "Lengths in the trajectory are multiplied by it (3.405 gives ångström for argon).";
+        "length_scale": Between(1e-12, 1e12), "`1.0`", "file units per σ", "Lengths in the trajectory are multiplied by it (3.405 gives ångström for argon, 0.3405 the nm of XTC); 1 with \"lammps-dump\", whose files do not name it.";
     }
     "checkpoint" {
         "every_steps": Whole(0, MOST_STEPS), "`0`", "steps", "Steps between two checkpoints; 0 for none.";

@@ -8,6 +8,7 @@ use lennard_forcefield::{
     WallOptions,
 };
 use lennard_integrators::{BarostatOptions, BondOptions, IntegratorOptions, ThermostatOptions};
+use lennard_io::TrajectoryFormat;
 use lennard_observables::ObservableOptions;
 use serde::Serialize;
 
@@ -175,6 +176,11 @@ struct Observable<'a> {
 #[derive(Serialize)]
 struct Output<'a> {
     trajectory_every: u64,
+    format: TrajectoryFormat,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    precision: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ase: Option<bool>,
     thermo_every: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     element: Option<&'a str>,
@@ -225,6 +231,7 @@ impl Scene {
     }
 
     fn resolved(&self) -> Resolved<'_> {
+        let format = self.output.format.spec();
         Resolved {
             name: &self.name,
             system: self.resolved_system(),
@@ -258,6 +265,9 @@ impl Scene {
                 .collect(),
             output: Output {
                 trajectory_every: self.output.trajectory_every.unwrap_or(0),
+                format: self.output.format,
+                precision: format.limits.map(|_| self.output.precision),
+                ase: format.holds_ase.then_some(self.output.ase),
                 thermo_every: self.output.thermo_every,
                 element: self.mixture.is_none().then_some(&self.output.element),
                 velocities: self.output.velocities,

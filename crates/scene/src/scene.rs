@@ -9,6 +9,7 @@ use lennard_forcefield::{
     TruncationOptions,
 };
 use lennard_integrators::{BarostatOptions, IntegratorOptions, ThermostatOptions};
+use lennard_io::TrajectoryFormat;
 use lennard_observables::ObservableOptions;
 use serde::{Deserialize, Serialize};
 
@@ -185,7 +186,7 @@ pub enum Start {
     Slab(Slab),
     /// As a file says.
     Configuration {
-        /// The file: extended XYZ or the NIST columns.
+        /// The file: extended XYZ, LAMMPS dump or data, or the NIST columns.
         path: PathBuf,
         /// The box, for files that name none.
         geometry: Option<Geometry>,
@@ -341,8 +342,14 @@ pub struct ObservableTable {
 /// The table `[output]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Output {
-    /// Steps between two frames of `trajectory.xyz`; `None` for no trajectory.
+    /// Steps between two frames of the trajectory; `None` for no trajectory.
     pub trajectory_every: Option<u64>,
+    /// The format of the trajectory.
+    pub format: TrajectoryFormat,
+    /// Positions of a format that rounds them are multiples of σ over this number.
+    pub precision: f64,
+    /// Whether frames hold too what ASE looks for: momenta, masses and the energy.
+    pub ase: bool,
     /// Steps between two lines of `thermo.csv`.
     pub thermo_every: u64,
     /// Element symbol of the particles in files.

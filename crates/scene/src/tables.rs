@@ -2,6 +2,7 @@
 
 use lennard_forcefield::SplitOptions;
 use lennard_integrators::{IntegratorEntry, IntegratorOptions, OscillatorModel, ThermostatOptions};
+use lennard_io::{FormatSpec, TrajectoryFormat};
 use lennard_observables::ObservableOptions;
 use serde::Deserialize;
 
@@ -10,7 +11,7 @@ use crate::read::{Reader, take, with_kind};
 use crate::reference::quoted;
 use crate::tree::{Node, Value};
 use crate::typed::Section;
-use crate::{Checkpoint, IntegratorTable, ObservableTable, Output, Stage, checks};
+use crate::{Checkpoint, IntegratorTable, ObservableTable, Output, Stage};
 
 /// The customary time step of Lennard-Jones fluids, τ.
 const DEFAULT_DT: f64 = 0.004;
@@ -39,6 +40,9 @@ struct StageTable {
 #[serde(deny_unknown_fields)]
 struct OutputTable {
     trajectory_every: Option<u64>,
+    format: Option<TrajectoryFormat>,
+    precision: Option<f64>,
+    ase: Option<bool>,
     thermo_every: Option<u64>,
     element: Option<String>,
     velocities: Option<bool>,
@@ -266,20 +270,85 @@ impl Reader<'_> {
         let node = self.node("output");
         let table: OutputTable = self.section("output").read(node)?;
         let element = table.element.unwrap_or_else(|| DEFAULT_ELEMENT.to_owned());
-        if !checks::is_element(&element) {
+        if !lennard_io::is_element_symbol(&element) {
             let written = node.table().and_then(|t| t.get("element"));
             let written = written.unwrap_or(&self.empty);
             return Err(self.refuse_value("output", "element", "output.element", written));
         }
-        Ok(Output {
+        let format = table.format.unwrap_or_default();
+        let spec = format.spec();
+        let output = Output {
             trajectory_every: table.trajectory_every.filter(|every| *every > 0),
+            format,
+            precision: table.precision.unwrap_or(lennard_io::DEFAULT_PRECISION),
+            ase: table.ase.unwrap_or(false),
             thermo_every: table.thermo_every.unwrap_or(DEFAULT_THERMO_EVERY),
             element,
-            velocities: table.velocities.unwrap_or(true),
+            velocities: table.velocities.unwrap_or(spec.holds_vectors),
             forces: table.forces.unwrap_or(false),
             unwrapped: table.unwrapped.unwrap_or(false),
             length_scale: table.length_scale.unwrap_or(1.0),
-        })
+        };
+        self.fits_format(&output, table.precision.is_some())?;
+        Ok(output)
+    }
+
+    /// Refuses keys that the format of the trajectory has no place for.
+    fn fits_format(&self, output: &Output, has_precision: bool) -> Result<(), SceneError> {
+        let spec = output.format.spec();
+        let name = output.format.name();
+        let refuse = |key: &str, found: String, allowed: &str| {
+            let key = format!("output.{key}");
+            let error = self.source.refuse(&key, "does not go with the format");
+            Err(error
+                .found(format!("{found}, with format {name:?}"))
+                .allowed(allowed))
+        };
+        let fitting = |fits: fn(&FormatSpec) -> bool| {
+            let all = TrajectoryFormat::ALL.iter().filter(|f| fits(f.spec()));
+            quoted(&all.map(|f| f.name()).collect::<Vec<_>>())
+        };
+        for (key, there) in [("velocities", output.velocities), ("forces", output.forces)] {
+            if there && !spec.holds_vectors {
+                let formats = fitting(|spec| spec.holds_vectors);
+                return refuse(
+                    key,
+                    "true".into(),
+                    &format!("false, or a format of {formats}"),
+                );
+            }
+        }
+        if has_precision && spec.limits.is_none() {
+            let found = output.precision.to_string();
+            let formats = fitting(|spec| spec.limits.is_some());
+            return refuse(
+                "precision",
+                found,
+                &format!("the format {formats}, or no such key"),
+            );
+        }
+        if output.ase && !spec.holds_ase {
+            let formats = fitting(|spec| spec.holds_ase);
+            return refuse(
+                "ase",
+                "true".into(),
+                &format!("false, or a format of {formats}"),
+            );
+        }
+        if output.length_scale != 1.0 && !spec.names_scale {
+            let found = output.length_scale.to_string();
+            let formats = fitting(|spec| spec.names_scale);
+            return refuse(
+                "length_scale",
+                found,
+                &format!("1, or a format of {formats}"),
+            );
+        }
+        if output.ase && output.length_scale != 1.0 {
+            let found = format!("true, with length_scale = {}", output.length_scale);
+            return refuse("ase", found, "`length_scale = 1`: energies are in ε");
+        }
+        Ok(())
     }
 
     pub fn checkpoint(&self) -> Result<Checkpoint, SceneError> {

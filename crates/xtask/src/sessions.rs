@@ -1,4 +1,4 @@
-//! The commands of README.md and of the tutorials, run as a reader runs them.
+//! The commands of README.md, of the page of formats and of the tutorials, run as a reader runs them.
 //!
 //! Every block that begins with ```` ```sh ```` is run, one document in one new folder, with `lennard` on the path. A block whose
 //! line before is a comment `<!-- not run: … -->` is left out. A block ```` ```toml title="NAME" ```` is written to the file NAME.
@@ -19,7 +19,7 @@ use crate::workspace::Workspace;
 /// Where the examples of the library are.
 const EXAMPLES: &str = "crates/lennard/examples";
 
-const DOCUMENTS: [&str; 2] = ["README.md", "docs/tutorials/*.md"];
+const DOCUMENTS: [&str; 3] = ["README.md", "docs/formats.md", "docs/tutorials/*.md"];
 
 /// One step of a document.
 #[derive(Debug, PartialEq)]

@@ -260,6 +260,8 @@ pub enum Listed {
     Bonds,
     /// Walls at both ends of an axis.
     Walls,
+    /// Formats of trajectories.
+    Formats,
     /// What results are compared with.
     EquationsOfState,
     /// Tables of reference values that come along.

@@ -1,5 +1,6 @@
 //! `lennard list`: the methods that a scene can name.
 
+use lennard_io::TrajectoryFormat;
 use lennard_literature::EquationOfState;
 
 use crate::args::{ListArgs, Listed};
@@ -54,6 +55,7 @@ pub fn list(args: &ListArgs) -> Result<u8, Failure> {
             .iter()
             .map(|s| plain(s.name, s.summary, s.equation, s.source))
             .collect(),
+        Listed::Formats => formats(),
         Listed::EquationsOfState => equations_of_state(),
         Listed::ReferenceTables => reference_tables(),
     };
@@ -128,6 +130,26 @@ fn integrators() -> Vec<Entry> {
                     "largest stable ωh": s.stability_limit,
                 },
                 ..plain(s.name, s.summary, s.equations, s.source)
+            }
+        })
+        .collect()
+}
+
+fn formats() -> Vec<Entry> {
+    TrajectoryFormat::ALL
+        .iter()
+        .map(|format| {
+            let s = format.spec();
+            Entry {
+                name: format.name().into(),
+                summary: s.summary.into(),
+                equation: None,
+                properties: properties! {
+                    "file": s.file,
+                    "velocities and forces": s.holds_vectors,
+                    "rounds positions": s.limits.is_some(),
+                },
+                source: s.readers.into(),
             }
         })
         .collect()

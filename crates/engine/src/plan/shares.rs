@@ -323,7 +323,8 @@ fn frame(bare: &Simulation) -> f64 {
         extra: &extra,
     };
     let nowhere = Path::new("nowhere");
-    match TrajectoryWriter::to_sink(nowhere, &style(bare), Box::new(Nowhere)) {
+    let format = bare.scene.output.format;
+    match TrajectoryWriter::to_sink(nowhere, format, &style(bare), Box::new(Nowhere)) {
         Ok(mut writer) => median(|| drop(writer.write(&frame))),
         Err(_) => 0.0,
     }

@@ -286,6 +286,17 @@ fn trial_particles_go_on_to_the_bit_at_constant_temperature_and_pressure_and_in_
 }
 
 #[test]
+fn trajectories_of_every_format_go_on_to_the_byte() {
+    for format in lennard_io::TrajectoryFormat::ALL {
+        let name = ("output.format", format.name());
+        assert!(in_parts(&[name]), "{name:?}");
+        if format.spec().holds_ase {
+            assert!(in_parts(&[name, ("output.ase", "true")]), "{name:?}");
+        }
+    }
+}
+
+#[test]
 fn mixtures_go_on_to_the_bit() {
     let species = r#"[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3, sigma = 0.9, mass = 2.0 }]"#;
     for rule in lennard_forcefield::combining_rules() {

@@ -2,7 +2,9 @@
 
 mod checkpoints;
 mod common;
+mod formats;
 mod hostile;
+mod lammps;
 mod messages;
 mod reading;
 mod tables_and_record;

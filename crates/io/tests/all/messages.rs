@@ -4,9 +4,9 @@ use std::fs;
 
 use lennard_core::{State, Table};
 use lennard_io::{
-    Checkpoint, Existing, Frame, FrameStyle, TableWriter, TrajectoryWriter, create_named_folder,
-    read_checkpoint, read_checkpoint_bytes, read_configuration_bytes, read_table_csv_bytes,
-    write_checkpoint, write_frame, write_table_csv, write_text_atomically,
+    Checkpoint, Existing, Frame, FrameStyle, TableWriter, TrajectoryFormat, TrajectoryWriter,
+    create_named_folder, read_checkpoint, read_checkpoint_bytes, read_configuration_bytes,
+    read_table_csv_bytes, write_checkpoint, write_frame, write_table_csv, write_text_atomically,
 };
 
 const BOX: &str = "Lattice=\"4 0 0 0 5 0 0 0 6\"";
@@ -18,7 +18,8 @@ fn readers_say_what_they_would_take() {
     for (text, wanted) in [
         (
             "two words\n".into(),
-            "the number of particles (extended XYZ) or three box sides (NIST columns)",
+            "the number of particles (extended XYZ), three box sides (NIST columns), `ITEM: TIMESTEP` (LAMMPS dump), \
+             or a title before `N atoms` (LAMMPS data)",
         ),
         (
             "4\n1 10 9 8 0 0 0\n".into(),
@@ -298,7 +299,8 @@ fn files_that_were_changed_are_not_gone_on_with_and_the_reason_is_given() {
         state: &state,
         extra: &[],
     };
-    let mut trajectory = TrajectoryWriter::create(&path, &FrameStyle::default()).unwrap();
+    let mut trajectory =
+        TrajectoryWriter::create(&path, TrajectoryFormat::Xyz, &FrameStyle::default()).unwrap();
     fs::remove_file(&path).unwrap();
     let message = trajectory.write(&frame).unwrap_err().to_string();
     assert!(

@@ -76,7 +76,7 @@ fn every_bad_file_is_refused_with_line_found_and_allowed() {
             String::new(),
             1,
             "the end of the file",
-            "extended XYZ or NIST columns",
+            "extended XYZ, LAMMPS dump or data, or NIST columns",
         ),
         (
             "hello world\n".into(),
@@ -185,7 +185,7 @@ fn every_bad_file_is_refused_with_line_found_and_allowed() {
             with("pbc=\"T T F\""),
             2,
             "pbc=`T T F`",
-            "not periodic in all directions are not there yet",
+            "\"T T T\"; boxes that are not periodic in all directions are not there yet",
         ),
         (with("pbc=\"T T\""), 2, "pbc=`T T`", "three of T or F"),
         (with("units=metal"), 2, "units=`metal`", "units=lj"),

@@ -4,8 +4,8 @@ use crate::common::{cell, system};
 use glam::DVec3;
 use lennard_core::{PeriodicBox, Species, SpeciesTable, State};
 use lennard_io::{
-    FileMark, Frame, FrameStyle, TrajectoryWriter, WriteError, read_configuration,
-    read_configuration_in, read_trajectory, whole_frames, write_frame,
+    FileMark, Frame, FrameStyle, TrajectoryFormat, TrajectoryWriter, WriteError,
+    read_configuration, read_configuration_in, read_trajectory, whole_frames, write_frame,
 };
 use proptest::prelude::*;
 
@@ -57,7 +57,7 @@ fn the_dialect_is_written_byte_for_byte() {
         forces: true,
         wrapped: false,
         length_scale: 2.0,
-        sites_per_molecule: 1,
+        ..FrameStyle::default()
     };
     assert_eq!(
         text_of(&other, &self::frame(&state)),
@@ -160,13 +160,13 @@ fn a_resumed_trajectory_is_byte_identical_to_one_that_was_never_stopped() {
     let folder = tempfile::tempdir().unwrap();
     let (whole, split) = (folder.path().join("a.xyz"), folder.path().join("b.xyz"));
     let states: Vec<State> = (0..6).map(|seed| system(30, 2.0, seed)).collect();
-    let mut writer = TrajectoryWriter::create(&whole, &style()).unwrap();
+    let mut writer = TrajectoryWriter::create(&whole, TrajectoryFormat::Xyz, &style()).unwrap();
     for state in &states {
         writer.write(&frame(state)).unwrap();
     }
     assert_eq!(writer.finish().unwrap().records, 6);
 
-    let mut writer = TrajectoryWriter::create(&split, &style()).unwrap();
+    let mut writer = TrajectoryWriter::create(&split, TrajectoryFormat::Xyz, &style()).unwrap();
     let mut mark = FileMark::default();
     for (i, state) in states[..5].iter().enumerate() {
         writer.write(&frame(state)).unwrap();
@@ -177,7 +177,8 @@ fn a_resumed_trajectory_is_byte_identical_to_one_that_was_never_stopped() {
     drop(writer);
     let killed = std::fs::read(&split).unwrap();
     std::fs::write(&split, &killed[..killed.len() - 17]).unwrap();
-    let mut writer = TrajectoryWriter::resume_at(&split, &style(), mark).unwrap();
+    let mut writer =
+        TrajectoryWriter::resume_at(&split, TrajectoryFormat::Xyz, &style(), mark).unwrap();
     for state in &states[3..] {
         writer.write(&frame(state)).unwrap();
     }
@@ -189,7 +190,7 @@ fn a_resumed_trajectory_is_byte_identical_to_one_that_was_never_stopped() {
 fn whole_frames_are_told_from_a_truncated_one_wherever_it_is_cut() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.xyz");
-    let mut writer = TrajectoryWriter::create(&path, &style()).unwrap();
+    let mut writer = TrajectoryWriter::create(&path, TrajectoryFormat::Xyz, &style()).unwrap();
     let mut ends = vec![0];
     for seed in 0..3 {
         writer.write(&frame(&system(3, 2.0, seed))).unwrap();
@@ -209,7 +210,7 @@ fn whole_frames_are_told_from_a_truncated_one_wherever_it_is_cut() {
 fn a_start_configuration_is_the_last_frame() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.xyz");
-    let mut writer = TrajectoryWriter::create(&path, &style()).unwrap();
+    let mut writer = TrajectoryWriter::create(&path, TrajectoryFormat::Xyz, &style()).unwrap();
     for seed in 0..3 {
         let mut state = system(10, 0.9, seed);
         state.step = seed;
@@ -230,7 +231,7 @@ fn a_start_configuration_is_the_last_frame() {
 fn numbers_that_are_not_finite_are_never_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.xyz");
-    let mut writer = TrajectoryWriter::create(&path, &style()).unwrap();
+    let mut writer = TrajectoryWriter::create(&path, TrajectoryFormat::Xyz, &style()).unwrap();
     writer.write(&frame(&system(5000, 1.0, 0))).unwrap();
     let before = std::fs::read(&path).unwrap();
     for bad in [f64::NAN, f64::INFINITY] {
@@ -322,7 +323,7 @@ fn what_readers_would_take_for_something_else_is_refused() {
             species: named(element),
             ..style()
         };
-        let error = TrajectoryWriter::create(&path, &style).unwrap_err();
+        let error = TrajectoryWriter::create(&path, TrajectoryFormat::Xyz, &style).unwrap_err();
         assert!(error.to_string().contains("chemical symbol"), "{error}");
     }
     for key in ["energy", "Lattice", "a b", "", "1st", "a=b"] {
@@ -346,7 +347,7 @@ fn time_for_frames_of_a_million_atoms() {
     let state = system(1_000_000, 2.0, 1);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.xyz");
-    let mut writer = TrajectoryWriter::create(&path, &style()).unwrap();
+    let mut writer = TrajectoryWriter::create(&path, TrajectoryFormat::Xyz, &style()).unwrap();
     for _ in 0..2 {
         let start = std::time::Instant::now();
         writer.write(&frame(&state)).unwrap();

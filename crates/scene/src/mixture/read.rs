@@ -5,12 +5,12 @@ use lennard_forcefield::{CombiningOptions, combining_rules};
 use serde::Deserialize;
 
 use super::{Amount, MixtureTables, PairEntry, SpeciesEntry};
-use crate::checks::is_element;
 use crate::error::SceneError;
 use crate::names::nearest;
 use crate::read::Reader;
 use crate::reference::quoted;
 use crate::typed::Section;
+use lennard_io::is_element_symbol;
 
 /// Symbols of species that name none and are called like no element.
 const USUAL_ELEMENTS: [&str; MOST_SPECIES] = ["Ar", "Kr", "Xe", "Ne", "He", "Rn", "H", "Li"];
@@ -119,14 +119,14 @@ impl Reader<'_> {
         let mut elements: Vec<Option<String>> = Vec::new();
         for (a, row) in rows.iter().enumerate() {
             let key = format!("species.{a}.element");
-            if let Some(element) = row.element.as_ref().filter(|e| !is_element(e)) {
+            if let Some(element) = row.element.as_ref().filter(|e| !is_element_symbol(e)) {
                 return Err(self
                     .source
                     .refuse(&key, "is not allowed")
                     .found(format!("{element:?}"))
                     .allowed("an element symbol, or \"X\""));
             }
-            let named = is_element(&row.name).then(|| row.name.clone());
+            let named = is_element_symbol(&row.name).then(|| row.name.clone());
             let element = row.element.clone().or(named);
             let twin = elements.iter().position(|e| e.is_some() && *e == element);
             if let (Some(first), Some(element)) = (twin, &element) {

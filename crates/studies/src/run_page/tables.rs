@@ -92,7 +92,10 @@ pub(super) fn left_out(run: &RunFolder) -> Vec<String> {
         format!("Not asked for, and not computed: {}.", missing.join(", "))
     }];
     match run.record.trajectory_frames {
-        Some(frames) => points.push(format!("{frames} frames are in `trajectory.xyz`.")),
+        Some(frames) => {
+            let file = run.scene.output.format.spec().file;
+            points.push(format!("{frames} frames are in `{file}`."));
+        }
         None => points.push("No trajectory was written.".into()),
     }
     points

@@ -9,7 +9,7 @@ use crate::tidy::lennard_commands;
 use crate::workspace::Workspace;
 
 /// The lists of `lennard list` with their headings.
-const LISTS: [(&str, &str); 11] = [
+const LISTS: [(&str, &str); 12] = [
     ("observables", "Observables"),
     ("integrators", "Integrators"),
     ("thermostats", "Thermostats"),
@@ -19,6 +19,7 @@ const LISTS: [(&str, &str); 11] = [
     ("walls", "Walls"),
     ("bonds", "Ways to hold bonds"),
     ("equations-of-state", "Equations of state"),
+    ("formats", "Formats of trajectories"),
     ("reference-tables", "Reference tables"),
     ("scenes", "Scenes that come with the program"),
 ];

@@ -1,0 +1,71 @@
+//! Lines of particles as text, on all threads.
+
+use std::path::Path;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::WriteError;
+use crate::frame::NotFinite;
+use crate::text::{push_float, push_integer};
+
+/// Particles formatted by one task: enough to be worth a task, little enough to balance.
+const PARTICLES_A_TASK: usize = 2048;
+
+/// Tasks formatted before their text is joined: bounds the memory besides the frame itself to a few MiB.
+const TASKS_A_ROUND: usize = 32;
+
+/// Typical length of a vector as text, three numbers of up to 20 characters: a first guess only.
+const BYTES_A_VECTOR: usize = 60;
+
+/// Appends the lines of `n` particles, which `push` writes one by one; `vectors` of them stand in a line.
+pub(super) fn push_lines(
+    to: &mut Vec<u8>,
+    path: &Path,
+    n: usize,
+    vectors: usize,
+    push: impl Fn(&mut Vec<u8>, usize) -> Result<(), NotFinite> + Sync,
+) -> Result<(), WriteError> {
+    to.reserve(n * (10 + vectors * BYTES_A_VECTOR));
+    let starts: Vec<usize> = (0..n).step_by(PARTICLES_A_TASK).collect();
+    let one_task = |&first: &usize, text: &mut Vec<u8>| {
+        text.clear();
+        (first..(first + PARTICLES_A_TASK).min(n)).try_for_each(|i| push(text, i))
+    };
+    let mut texts: Vec<Vec<u8>> = vec![Vec::new(); starts.len().min(TASKS_A_ROUND)];
+    for round in starts.chunks(TASKS_A_ROUND) {
+        let texts = &mut texts[..round.len()];
+        if let ([first], [text]) = (round, &mut *texts) {
+            one_task(first, text).map_err(|bad| bad.in_file(path))?;
+        } else {
+            // All results are looked at in order, so that the particle named is always the first.
+            let results: Vec<Result<(), NotFinite>> = round
+                .par_iter()
+                .zip(texts.par_iter_mut())
+                .map(|(first, text)| one_task(first, text))
+                .collect();
+            results
+                .into_iter()
+                .collect::<Result<(), _>>()
+                .map_err(|bad| bad.in_file(path))?;
+        }
+        for text in texts.iter() {
+            to.extend_from_slice(text);
+        }
+    }
+    Ok(())
+}
+
+/// Appends three numbers, each with a blank before it.
+pub(super) fn push_vector(to: &mut Vec<u8>, vector: DVec3) {
+    for component in vector.to_array() {
+        to.push(b' ');
+        push_float(to, component);
+    }
+}
+
+/// Appends an integer with a blank before it.
+pub(super) fn push_field(to: &mut Vec<u8>, value: impl itoa::Integer) {
+    to.push(b' ');
+    push_integer(to, value);
+}

@@ -1,0 +1,116 @@
+//! The list of trajectory formats: one file and one line each.
+
+mod lines;
+
+use std::path::Path;
+
+use crate::{Frame, FrameStyle, WriteError};
+
+/// Appends a frame, which has all that the style asks for, to bytes; the path is for messages.
+type Push = fn(&mut Vec<u8>, &Path, &FrameStyle, &Frame<'_>) -> Result<(), WriteError>;
+
+/// What a format that rounds positions can hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// The last step.
+    pub last_step: u64,
+    /// Coordinates are below this number of multiples of the precision.
+    pub multiples: f64,
+}
+
+/// What a format declares about itself.
+#[derive(Debug, Clone, Copy)]
+pub struct FormatSpec {
+    /// The file in an output folder.
+    pub file: &'static str,
+    /// One sentence.
+    pub summary: &'static str,
+    /// The programs that read it, with what they get.
+    pub readers: &'static str,
+    /// Whether it can hold velocities and forces.
+    pub holds_vectors: bool,
+    /// Whether the file says which length σ is written as; otherwise it is written in σ alone, or in units of its own.
+    pub names_scale: bool,
+    /// Whether it can hold what ASE looks for.
+    pub holds_ase: bool,
+    /// What a format that rounds positions to a precision can hold; `None` for a format that does not.
+    pub limits: Option<&'static Limits>,
+    /// The nm that readers take one unit of length for.
+    pub nanometers: f64,
+    /// Whether every frame ends with a line.
+    pub(crate) ends_with_line: bool,
+    /// Appends a frame.
+    pub(crate) push: Push,
+}
+
+/// Makes the choice and its descriptions from lines `Variant = "name": module,`.
+macro_rules! list_of_formats {
+    ($($(#[$doc:meta])* $variant:ident = $name:literal: $module:ident,)*) => {
+        $(mod $module;)*
+
+        lennard_core::choices! {
+            /// The format of a trajectory.
+            pub enum TrajectoryFormat {
+                $($(#[$doc])* $variant = $name,)*
+            }
+        }
+
+        impl TrajectoryFormat {
+            /// Every format, in the order of the list.
+            pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
+
+            /// What the format declares about itself.
+            #[must_use]
+            pub fn spec(self) -> &'static FormatSpec {
+                match self {
+                    $(Self::$variant => &$module::SPEC,)*
+                }
+            }
+        }
+    };
+}
+
+list_of_formats! {
+    /// Extended XYZ, as text.
+    #[default]
+    Xyz = "xyz": xyz,
+    /// Extended XYZ, compressed by gzip.
+    XyzGz = "xyz.gz": xyz_gz,
+    /// The text of LAMMPS' `dump custom`.
+    LammpsDump = "lammps-dump": lammps_dump,
+    /// The compressed positions of GROMACS.
+    Xtc = "xtc": xtc,
+}
+
+/// Appends a frame; the path is for messages.
+pub(crate) fn push_frame(
+    to: &mut Vec<u8>,
+    path: &Path,
+    format: TrajectoryFormat,
+    style: &FrameStyle,
+    frame: &Frame<'_>,
+) -> Result<(), WriteError> {
+    style.check_frame(path, frame)?;
+    (format.spec().push)(to, path, style, frame)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_have_names_and_files_of_their_own() {
+        let mut names: Vec<&str> = TrajectoryFormat::names();
+        let mut files: Vec<&str> = TrajectoryFormat::ALL
+            .iter()
+            .map(|f| f.spec().file)
+            .collect();
+        for all in [&mut names, &mut files] {
+            let count = all.len();
+            all.sort_unstable();
+            all.dedup();
+            assert_eq!(all.len(), count);
+        }
+        assert_eq!(TrajectoryFormat::default().spec().file, "trajectory.xyz");
+    }
+}

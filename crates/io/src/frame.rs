@@ -1,0 +1,229 @@
+//! What a frame is made of, and how frames are written.
+
+use std::path::Path;
+
+use glam::{DVec3, IVec3};
+use lennard_core::{Species, SpeciesTable, State};
+
+use crate::WriteError;
+
+/// Positions of XTC are multiples of this share of a σ where nothing else is asked for: an error of 5·10⁻⁵ σ at most.
+pub const DEFAULT_PRECISION: f64 = 1e4;
+
+/// How frames are written.
+///
+/// The dialect of extended XYZ has one header line and one line a particle:
+///
+/// ```text
+/// 864
+/// Lattice="Lx 0.0 0.0 0.0 Ly 0.0 0.0 0.0 Lz" Properties=species:S:1:pos:R:3:velo:R:3:map_shift:I:3 pbc="T T T" Time=0.5 Step=100 potential_energy=-5.5 units=lj
+/// Ar x y z vx vy vz ix iy iz
+/// ```
+///
+/// Floating-point numbers are the shortest text that reads back to the same bits. Velocities and
+/// unwrapped positions are therefore exact. A wrapped position with its image flags, r = w + k·L, is exact
+/// too, but where −L/2 < r < 0, or where r lies within rounding of a face: there the wrapped
+/// coordinate has fewer bits below the point than r had, and the position read back differs by less
+/// than one unit in the last place of L (or of r, where that is larger).
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameStyle {
+    /// The species, whose chemical symbol (or `X`) stands in the first column: readers refuse anything else. The header of a
+    /// mixture names the species of each symbol (`species_names="Ar=A Kr=B"`), and each line has a mass (`masses:R:1`).
+    pub species: SpeciesTable,
+    /// Whether velocities are written (`velo:R:3`, σ/τ).
+    pub velocities: bool,
+    /// Whether forces are written (`forces:R:3`, ε/σ).
+    pub forces: bool,
+    /// Whether positions are folded into the home box `[0, L)` and image flags written beside
+    /// (`map_shift:I:3`, r = pos + map_shift·L); otherwise positions are written as they are.
+    pub wrapped: bool,
+    /// Whether extended XYZ holds too what ASE looks for: momenta (`momenta:R:3`, m σ/τ), masses (`masses:R:1`, m), and the
+    /// potential energy (`energy`, ε for the whole system).
+    pub for_ase: bool,
+    /// The length that one σ is written as. 1 writes reduced units; 3.405 writes the Å of argon, and the
+    /// header then says `length_scale=3.405`. Positions, box and velocities (length/τ) are multiplied by
+    /// it, forces (ε/length) divided; our own reader takes it out again, to within rounding.
+    pub length_scale: f64,
+    /// Positions of XTC are whole multiples of σ over this number.
+    pub precision: f64,
+    /// Consecutive particles that make up a molecule. Above 1, each line ends with the number of its molecule, from 1
+    /// (`molecule:I:1`).
+    pub sites_per_molecule: usize,
+}
+
+impl Default for FrameStyle {
+    fn default() -> Self {
+        Self {
+            species: SpeciesTable::one(Species::unnamed(), 0),
+            velocities: true,
+            forces: false,
+            wrapped: true,
+            for_ase: false,
+            length_scale: 1.0,
+            precision: DEFAULT_PRECISION,
+            sites_per_molecule: 1,
+        }
+    }
+}
+
+/// What a frame holds.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame<'a> {
+    /// Box, positions, velocities, forces, step and time.
+    pub state: &'a State,
+    /// More numbers for the header line (`potential_energy`, ε for the whole system unless the
+    /// caller says otherwise). Not `energy`, `free_energy`, `stress`: ASE takes those for eV.
+    pub extra: &'a [(&'a str, f64)],
+}
+
+/// Chemical symbols of the elements 1 to 118.
+const ELEMENTS: &str = "H He Li Be B C N O F Ne Na Mg Al Si P S Cl Ar K Ca Sc Ti V Cr Mn Fe Co Ni Cu \
+    Zn Ga Ge As Se Br Kr Rb Sr Y Zr Nb Mo Tc Ru Rh Pd Ag Cd In Sn Sb Te I Xe Cs Ba La Ce Pr Nd Pm \
+    Sm Eu Gd Tb Dy Ho Er Tm Yb Lu Hf Ta W Re Os Ir Pt Au Hg Tl Pb Bi Po At Rn Fr Ra Ac Th Pa U Np \
+    Pu Am Cm Bk Cf Es Fm Md No Lr Rf Db Sg Bh Hs Mt Ds Rg Cn Nh Fl Mc Lv Ts Og";
+
+/// Whether readers know this particle name: a chemical symbol, or `X` for none.
+#[must_use]
+pub fn is_element_symbol(name: &str) -> bool {
+    name == "X"
+        || ELEMENTS
+            .split_ascii_whitespace()
+            .any(|symbol| symbol == name)
+}
+
+/// What cannot be written of a file at `path`.
+pub(crate) fn unwritable(
+    path: &Path,
+    what: &'static str,
+    found: impl Into<String>,
+    allowed: impl Into<String>,
+) -> WriteError {
+    WriteError::Unwritable {
+        path: path.to_path_buf(),
+        what,
+        found: found.into(),
+        allowed: allowed.into(),
+    }
+}
+
+impl FrameStyle {
+    /// Checks what does not depend on the frame.
+    pub(crate) fn check(&self, path: &Path) -> Result<(), WriteError> {
+        for Species { element, .. } in self.species.all() {
+            if !is_element_symbol(element) {
+                return Err(unwritable(
+                    path,
+                    "element",
+                    format!("`{}`", element.escape_debug()),
+                    "a chemical symbol (Ar, Kr, …) or X",
+                ));
+            }
+        }
+        for (what, number) in [
+            ("length scale", self.length_scale),
+            ("precision", self.precision),
+        ] {
+            if !(number.is_finite() && number > 0.0) {
+                let found = number.to_string();
+                return Err(unwritable(path, what, found, "a finite positive number"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that a frame has all that the style asks for.
+    pub(crate) fn check_frame(&self, path: &Path, frame: &Frame<'_>) -> Result<(), WriteError> {
+        let state = frame.state;
+        let n = state.len();
+        if n == 0 {
+            return Err(unwritable(path, "number of particles", "0", "at least 1"));
+        }
+        // A state that was set aside has none.
+        let has_forces = self.forces || !state.forces.is_empty();
+        let with_species = self.species.of_particles().map_or(n, <[u8]>::len);
+        if with_species != n {
+            return Err(unwritable(
+                path,
+                "species of the particles",
+                format!("{with_species} for {n} particles"),
+                "one for every particle",
+            ));
+        }
+        if state.velocities.len() != n || has_forces && state.forces.len() != n {
+            return Err(unwritable(
+                path,
+                "arrays of the state",
+                format!(
+                    "{n} positions, {} velocities, {} forces",
+                    state.velocities.len(),
+                    state.forces.len()
+                ),
+                "one of each for every particle",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Whether lines have a mass: where not all masses are 1, and where ASE would take the mass of the element.
+    pub(crate) fn has_masses(&self) -> bool {
+        self.for_ase || self.species.is_mixture() || self.species.species(0).mass != 1.0
+    }
+
+    /// The species of a particle.
+    pub(crate) fn species_of(&self, i: usize) -> &Species {
+        self.species.species(self.species.of(i))
+    }
+
+    /// Position of a particle in σ, folded into the box with its image flags where the style says so.
+    pub(crate) fn place(
+        &self,
+        frame: &Frame<'_>,
+        i: usize,
+    ) -> Result<(DVec3, Option<IVec3>), NotFinite> {
+        let position = finite("position", i, frame.state.positions[i])?;
+        if !self.wrapped {
+            return Ok((position, None));
+        }
+        let (wrapped, image) = frame.state.cell.split(position);
+        // The conversion to 32 bits saturates there: the flag would be wrong.
+        if let Some(axis) = (0..3).find(|&a| matches!(image[a], i32::MIN | i32::MAX)) {
+            return Err(NotFinite {
+                quantity: "position",
+                particle: i,
+                value: position[axis],
+            });
+        }
+        Ok((wrapped, Some(image)))
+    }
+}
+
+/// A number of a particle that is not written.
+pub(crate) struct NotFinite {
+    quantity: &'static str,
+    particle: usize,
+    value: f64,
+}
+
+impl NotFinite {
+    /// As the error of a file.
+    pub(crate) fn in_file(self, path: &Path) -> WriteError {
+        WriteError::NotFinite {
+            path: path.to_path_buf(),
+            quantity: self.quantity,
+            particle: self.particle,
+            value: self.value,
+        }
+    }
+}
+
+/// The vector of particle `i`, where all its components are finite.
+pub(crate) fn finite(quantity: &'static str, i: usize, vector: DVec3) -> Result<DVec3, NotFinite> {
+    match vector.to_array().iter().find(|c| !c.is_finite()) {
+        None => Ok(vector),
+        Some(&value) => Err(NotFinite {
+            quantity,
+            particle: i,
+            value,
+        }),
+    }
+}

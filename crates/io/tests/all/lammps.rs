@@ -1,0 +1,293 @@
+//! LAMMPS' dumps and data files as start configurations: what is taken, and what is refused with which words.
+
+use glam::DVec3;
+use lennard_io::read_configuration_bytes;
+
+use crate::common::{mutate, noise};
+
+const DUMP: &str = "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n3\nITEM: BOX BOUNDS pp pp pp\n-1.0 7.0\n0 8.5\n0.5 9\n\
+    ITEM: ATOMS id type x y z ix iy iz vx vy vz\n\
+    3 2 1.0 2.0 3.0 0 -1 0 0.3 0 0\n1 1 0.0 1.0 1.5 0 0 0 0.1 0 0\n2 1 6.0 3.0 8.5 1 0 -1 0.2 0 0\n";
+
+const DATA: &str = "three atoms of two kinds, written by hand\n\n3 atoms\n2 atom types\n0 bonds\n\n\
+    -1.0 7.0 xlo xhi\n0.0 8.5 ylo yhi # a comment\n0.5 9.0 zlo zhi\n0 0 0 xy xz yz\n\n\
+    Masses\n\n1 1.0 # Ar\n2 2.5\n\nPair Coeffs # lj/cut\n\n1 1.0 1.0\n2 1.0 1.1\n\n\
+    Atoms # atomic\n\n3 2 1.0 2.0 3.0 0 -1 0\n1 1 0.0 1.0 1.5 0 0 0\n2 1 6.0 3.0 8.5 1 0 -1\n\n\
+    Velocities\n\n1 0.1 0 0\n2 0.2 0 0\n3 0.3 0 0\n";
+
+#[test]
+fn dumps_and_data_files_are_read_from_their_corner_and_in_the_order_of_their_numbers() {
+    for text in [DUMP, DATA] {
+        let start = read_configuration_bytes(text.as_bytes()).unwrap();
+        assert_eq!(start.cell.lengths(), DVec3::new(8.0, 8.5, 8.5));
+        let wanted = [
+            DVec3::new(1.0, 1.0, 1.0),
+            DVec3::new(15.0, 3.0, -0.5),
+            DVec3::new(2.0, -6.5, 2.5),
+        ];
+        assert_eq!(start.positions, wanted);
+        let velocities = start.velocities.unwrap();
+        assert_eq!(velocities.map_x(), [0.1, 0.2, 0.3]);
+        let name = |i: usize| start.species.names[start.species.of(i)].as_str();
+        assert_eq!([name(0), name(1), name(2)], ["1", "1", "2"]);
+    }
+    let data = read_configuration_bytes(DATA.as_bytes()).unwrap();
+    let heavy = data.species.of(2);
+    assert_eq!((data.species.masses[heavy], data.step), (2.5, None));
+    assert_eq!(
+        read_configuration_bytes(DUMP.as_bytes()).unwrap().step,
+        Some(7)
+    );
+}
+
+trait MapX {
+    fn map_x(&self) -> Vec<f64>;
+}
+
+impl MapX for Vec<DVec3> {
+    fn map_x(&self) -> Vec<f64> {
+        self.iter().map(|v| v.x).collect()
+    }
+}
+
+#[test]
+fn coordinates_may_be_unwrapped_or_scaled_and_the_last_frame_counts() {
+    let frame = |step: u64, columns: &str, row: &str| {
+        format!(
+            "ITEM: UNITS\nlj\nITEM: TIME\n0.5\nITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n1\n\
+             ITEM: BOX BOUNDS pp pp pp\n1 5\n0 8\n0 8\nITEM: ATOMS {columns}\n{row}\n"
+        )
+    };
+    let at = |columns: &str, row: &str| {
+        let text = frame(1, "id element x y z", "1 Kr 2 2 2") + &frame(2, columns, row);
+        let start = read_configuration_bytes(text.as_bytes()).unwrap();
+        assert_eq!(
+            (start.step, start.frames, start.velocities),
+            (Some(2), 2, None)
+        );
+        start.positions[0]
+    };
+    assert_eq!(at("xu yu zu", "9 -3 4"), DVec3::new(8.0, -3.0, 4.0));
+    assert_eq!(at("id xs ys zs", "1 0.25 0.5 1"), DVec3::new(1.0, 4.0, 8.0));
+    assert_eq!(
+        at("xsu ysu zsu q", "-0.25 0.5 2 9"),
+        DVec3::new(-1.0, 4.0, 16.0)
+    );
+    assert_eq!(
+        at("xu yu zu ix iy iz", "9 -3 4 1 1 1"),
+        DVec3::new(8.0, -3.0, 4.0)
+    );
+}
+
+#[test]
+fn labels_name_the_types_of_a_data_file() {
+    let text = DATA.replace(
+        "Masses\n\n1 1.0 # Ar\n2 2.5\n",
+        "Atom Type Labels\n\n1 Ar\n2 Kr\n\nMasses\n\nAr 1.0\nKr 2.5\n",
+    );
+    // Rows of Masses begin with a letter now, which only sections do.
+    let error = read_configuration_bytes(text.as_bytes())
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("the section `Ar 1.0`"), "{error}");
+    let text = text.replace("\nAr 1.0\nKr 2.5\n", "\n1 1.0\n2 2.5\n");
+    let start = read_configuration_bytes(text.as_bytes()).unwrap();
+    assert_eq!(start.species.names, ["Kr", "Ar"]);
+    assert_eq!(start.species.masses, [2.5, 1.0]);
+}
+
+/// A changed file, the line at fault, what the message says was found and what is allowed.
+#[test]
+fn what_is_not_read_is_refused_with_line_found_and_allowed() {
+    let dump = |from: &str, to: &str| DUMP.replace(from, to);
+    let data = |from: &str, to: &str| DATA.replace(from, to);
+    let table: Vec<(String, u64, &str, &str)> = vec![
+        (
+            dump("pp pp pp", "pp pp ff"),
+            5,
+            "the boundary `ff`",
+            "pp pp pp; boxes that are not periodic in all directions are not there yet",
+        ),
+        (
+            dump("pp pp pp", "xy xz yz pp pp pp"),
+            5,
+            "a triclinic box",
+            "orthorhombic",
+        ),
+        (dump("-1.0 7.0", "7.0 -1.0"), 8, "a box from", "positive"),
+        (dump("\n7\n", "\n-7\n"), 2, "`-7`", "at least 0"),
+        (
+            dump("\n3\nITEM", "\n4\nITEM"),
+            13,
+            "the end of the file",
+            "particle 4 of 4",
+        ),
+        (
+            dump("\n3\nITEM", "\n9999\nITEM"),
+            4,
+            "`9999` particles",
+            "bytes left",
+        ),
+        (
+            dump("x y z ix", "x y w ix"),
+            9,
+            "ITEM: ATOMS",
+            "x y z, xu yu zu",
+        ),
+        (
+            dump("2 1 6.0", "1 1 6.0"),
+            12,
+            "two particles with the number 1",
+            "a number of its own for each particle",
+        ),
+        (dump("0.2 0 0", "0.2 0"), 12, "10 columns", "11 columns"),
+        (dump("0.2 0 0", "nan 0 0"), 12, "`nan`", "a finite number"),
+        (
+            dump("ITEM: TIMESTEP", "ITEM: UNITS\nmetal\nITEM: TIMESTEP"),
+            2,
+            "units `metal`",
+            "lj",
+        ),
+        (
+            dump("ITEM: BOX", "ITEM: CELL"),
+            5,
+            "`ITEM: CELL",
+            "BOX BOUNDS or ATOMS",
+        ),
+        (data("0 bonds", "2 bonds"), 5, "`2 bonds`", "atoms alone"),
+        (
+            data("# atomic", "# full"),
+            22,
+            "the atom style `full`",
+            "`atomic`",
+        ),
+        (
+            data("1 1 0.0 1.0 1.5 0 0 0", "1 1 1 0.0 1.0 1.5"),
+            25,
+            "6 columns",
+            "`id type x y z`, with or without `ix iy iz` (atom_style atomic)",
+        ),
+        (
+            data("0 0 0 xy", "0 0.5 0 xy"),
+            10,
+            "a triclinic box",
+            "orthorhombic",
+        ),
+        (
+            data("3 atoms\n", "4 atoms\n"),
+            33,
+            "the end of the file",
+            "4 rows in the section Atoms, where it has 3: the file is truncated",
+        ),
+        (
+            data("3 atoms\n", "2 atoms\n"),
+            26,
+            "a row after 2 atoms",
+            "as the header says",
+        ),
+        (
+            data("3 atoms\n", "99999 atoms\n"),
+            3,
+            "99999 atoms",
+            "bytes left",
+        ),
+        (
+            data("3 0.3 0 0\n", ""),
+            32,
+            "the end of the file",
+            "a row in the section Velocities for every atom",
+        ),
+        (
+            data("Pair Coeffs", "Bonds"),
+            17,
+            "the section `Bonds",
+            "Masses, Atoms",
+        ),
+        (
+            data("0.0 8.5 ylo yhi", ""),
+            33,
+            "the end of the file",
+            "box sides before it: `xlo xhi`, `ylo yhi`, `zlo zhi`",
+        ),
+        (
+            dump("-1.0 7.0", "-1.0 high"),
+            6,
+            "`-1.0 high`",
+            "two finite numbers, where the box begins and where it ends",
+        ),
+        (
+            dump("\n3\nITEM: BOX", "\n3\nBOX"),
+            5,
+            "`BOX BOUNDS",
+            "a line `ITEM: …`",
+        ),
+        (
+            dump("ITEM: TIMESTEP\n7\n", ""),
+            7,
+            "particles before `ITEM: TIMESTEP`",
+            "`ITEM: TIMESTEP` before them",
+        ),
+        (
+            dump("0 8.5\n", "0 1e308\n").replace("3.0 0 -1 0", "3.0 0 -99 0"),
+            10,
+            "`3 2 1.0",
+            "a position that stays finite",
+        ),
+        (
+            data("0.0 8.5 y", "0.0 1e308 y").replace("3.0 0 -1 0", "3.0 0 -99 0"),
+            33,
+            "the end of the file",
+            "positions that stay finite, unlike the one of atom 3",
+        ),
+        (
+            data(
+                "Pair Coeffs # lj/cut\n\n1 1.0 1.0",
+                "Atom Type Labels\n\n1 Ar Kr",
+            ),
+            19,
+            "3 columns",
+            "`type label`",
+        ),
+        (
+            data("2 0.2 0 0", "2 0.2 0"),
+            31,
+            "3 columns in `2 0.2 0`",
+            "`id vx vy vz`",
+        ),
+        (data("2 2.5", "2"), 15, "1 columns in `2`", "`type mass`"),
+        (
+            data("2 2.5\n", ""),
+            32,
+            "the end of the file",
+            "a row in the section Masses for the type 2",
+        ),
+        (
+            data("2 2.5", "2 -2.5"),
+            15,
+            "the mass `-2.5`",
+            "a positive number",
+        ),
+    ];
+    for (text, line, found, allowed) in table {
+        let error = read_configuration_bytes(text.as_bytes()).expect_err(&text);
+        let message = error.to_string();
+        assert_eq!(error.line(), Some(line), "{message}");
+        for word in [found, allowed] {
+            assert!(message.contains(word), "wanted `{word}` in {message}");
+        }
+    }
+}
+
+#[test]
+fn hostile_files_are_refused_or_finite() {
+    let mut noise = noise(23);
+    for round in 0..6000 {
+        let text = if round % 2 == 0 { DUMP } else { DATA };
+        let bytes = mutate(text.as_bytes(), &mut noise);
+        if let Ok(start) = read_configuration_bytes(&bytes) {
+            let velocities = start.velocities.iter().flatten();
+            let all = start.positions.iter().chain(velocities);
+            assert!(all.into_iter().all(|v| v.is_finite()));
+        }
+    }
+}
