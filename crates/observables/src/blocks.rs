@@ -191,29 +191,43 @@ impl BlockedSums {
     /// without which it has none is left out.
     #[must_use]
     pub fn jackknife(&self, quantity: impl Fn(&[f64]) -> Option<f64>) -> Option<(f64, Vec<f64>)> {
+        let of = |means: &[f64]| vec![quantity(means).unwrap_or(f64::NAN)];
+        let found = self.jackknife_of_each(of).pop()?;
+        (!found.0.is_nan()).then_some(found)
+    }
+
+    /// [`BlockedSums::jackknife`] of several quantities at once, each not a number where it has no value.
+    #[must_use]
+    pub fn jackknife_of_each(
+        &self,
+        quantities: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> Vec<(f64, Vec<f64>)> {
         let (sums, counts): (Vec<f64>, Vec<u64>) = (0..self.width).map(|k| self.total(k)).unzip();
         let means = |sums: &[f64], counts: &[u64]| -> Vec<f64> {
             let pairs = sums.iter().zip(counts);
             pairs.map(|(sum, count)| sum / *count as f64).collect()
         };
-        let whole = quantity(&means(&sums, &counts))?;
+        let whole = quantities(&means(&sums, &counts));
         let blocks = self.complete_blocks();
         let n = blocks as f64;
-        let pseudo = (0..blocks)
-            .filter_map(|b| {
-                let less = |all: &[f64], block: &[f64]| -> Vec<f64> {
-                    all.iter().zip(block).map(|(x, y)| x - y).collect()
-                };
-                let left: Vec<u64> = counts
-                    .iter()
-                    .zip(&self.counts[b])
-                    .map(|(x, y)| x - y)
-                    .collect();
-                let without = quantity(&means(&less(&sums, &self.sums[b]), &left))?;
-                Some(n * whole - (n - 1.0) * without)
-            })
-            .collect();
-        Some((whole, pseudo))
+        let mut found: Vec<(f64, Vec<f64>)> = whole.iter().map(|q| (*q, Vec::new())).collect();
+        for b in 0..blocks {
+            let less = |all: &[f64], block: &[f64]| -> Vec<f64> {
+                all.iter().zip(block).map(|(x, y)| x - y).collect()
+            };
+            let left: Vec<u64> = counts
+                .iter()
+                .zip(&self.counts[b])
+                .map(|(x, y)| x - y)
+                .collect();
+            let without = quantities(&means(&less(&sums, &self.sums[b]), &left));
+            for ((whole, pseudo), without) in found.iter_mut().zip(without) {
+                if !without.is_nan() {
+                    pseudo.push(n * *whole - (n - 1.0) * without);
+                }
+            }
+        }
+        found
     }
 }
 

@@ -1,5 +1,7 @@
 //! The list of observables: one line for each.
 
+use std::ops::RangeInclusive;
+
 use lennard_core::options::{Keys, Options};
 use lennard_core::{Observable, ObservableSpec};
 use serde::{Deserialize, Serialize};
@@ -47,6 +49,22 @@ macro_rules! catalog {
             pub fn needs_temperature(&self) -> bool {
                 match self {
                     $(Self::$variant(o) => o.needs_temperature(),)*
+                }
+            }
+
+            /// Whether the observable is right in a box that a barostat changes.
+            #[must_use]
+            pub fn follows_changing_box(&self) -> bool {
+                match self {
+                    $(Self::$variant(o) => o.follows_changing_box(),)*
+                }
+            }
+
+            /// The numbers of species that the observable is right for.
+            #[must_use]
+            pub fn species(&self) -> RangeInclusive<usize> {
+                match self {
+                    $(Self::$variant(o) => o.species(),)*
                 }
             }
 
@@ -107,6 +125,10 @@ catalog! {
     BondOrder => crate::BondOrderOptions,
     /// The residual chemical potential.
     ChemicalPotential => crate::ChemicalPotentialOptions,
+    /// Kirkwood–Buff integrals of the species.
+    KirkwoodBuff => crate::KirkwoodBuffOptions,
+    /// The mutual diffusion coefficient of two species.
+    MutualDiffusion => crate::MutualDiffusionOptions,
     /// The shear viscosity.
     ShearViscosity => crate::ShearViscosityOptions,
     /// The thermal conductivity.

@@ -21,6 +21,7 @@ mod error;
 mod extrema;
 mod heat_capacity;
 mod interface;
+mod kirkwood_buff;
 mod linear_regime;
 mod molecules;
 mod momentum;
@@ -43,6 +44,7 @@ mod tracked;
 mod transport;
 mod vacf;
 mod wall_pressure;
+mod wave_vectors;
 
 pub use blocks::BlockedSums;
 pub use bond_order::{BondOrder, BondOrderOptions, solid_share};
@@ -56,6 +58,7 @@ pub use density_profile::{DensityProfile, DensityProfileOptions};
 pub use error::ObservableError;
 pub use heat_capacity::Ensemble;
 pub use interface::{Interface, InterfaceOptions};
+pub use kirkwood_buff::{KirkwoodBuff, KirkwoodBuffOptions};
 pub use molecules::{MolecularMotion, MolecularMotionOptions};
 pub use momentum::{Momentum, MomentumOptions};
 pub use msd::{MeanSquareDisplacement, MsdOptions, YEH_HUMMER_XI};
@@ -71,7 +74,8 @@ pub use thermodynamics::{
     Confined, Conservation, Equilibrium, HeldTemperature, Thermodynamics, ThermodynamicsOptions,
 };
 pub use transport::{
-    ShearViscosity, ShearViscosityOptions, ThermalConductivity, ThermalConductivityOptions,
+    MutualDiffusion, MutualDiffusionOptions, ShearViscosity, ShearViscosityOptions,
+    ThermalConductivity, ThermalConductivityOptions,
 };
 pub use vacf::{VacfOptions, VelocityAutocorrelation};
 pub use wall_pressure::{WallPressure, WallPressureOptions};

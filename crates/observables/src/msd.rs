@@ -1,20 +1,24 @@
 //! The mean-square displacement and the diffusion coefficient.
 
+mod diffusion;
+mod paths;
+
 use std::collections::VecDeque;
-use std::f64::consts::PI;
 
 use lennard_core::{
-    DVec3, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
-    StateWriter, Table, View, Want,
+    DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
+    Table, View, Want,
 };
 
-use crate::averages::{of_blocks, tell_discarded, with_choice};
+use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
-use crate::linear_regime::{LagCurve, LinearFit, fit_linear_regime};
+use crate::linear_regime::{LagCurve, LinearFit};
 use crate::seen_box::SeenBox;
-use crate::tracked::{DEFAULT_TRACKED, Tracked, mean_over_members, sum_over_pairs};
+use crate::tracked::{DEFAULT_TRACKED, OfSpecies, Tracked, sum_over_pairs};
 use crate::{BuildContext, ObservableError, Recipe};
+
+use paths::Paths;
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "msd",
@@ -34,9 +38,6 @@ const POINTS: u64 = 16;
 
 /// Blocks of the run from which the errors come.
 const BLOCKS: usize = 64;
-
-/// Relative difference of two sides below which a box counts as a cube.
-const CUBE_TOLERANCE: f64 = 1e-9;
 
 lennard_core::options! {
     /// Options of [`MeanSquareDisplacement`].
@@ -61,6 +62,10 @@ impl Recipe for MsdOptions {
         10
     }
 
+    fn follows_changing_box(&self) -> bool {
+        true
+    }
+
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(MeanSquareDisplacement::new(self, context)?))
     }
@@ -76,12 +81,15 @@ impl Recipe for MsdOptions {
 /// the slope no longer changes. Its error comes from the same fit to successive blocks of the run. The
 /// motion of the centre of mass is taken out, which is nothing at zero momentum, and with a heat bath that
 /// kicks the whole system lowers D by 1/N. In a mixture each species has its own D, with the same term for finite size.
+///
+/// In a box that changes, a displacement is the sum of L̄·Δ(r/L) between samples: what the box moves is no diffusion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeanSquareDisplacement {
     options: MsdOptions,
     context: BuildContext,
     tracked: Tracked,
     seen: SeenBox,
+    paths: Paths,
     samples: u64,
     levels: Vec<VecDeque<Vec<DVec3>>>,
     displacements: BlockedSums,
@@ -89,16 +97,6 @@ pub struct MeanSquareDisplacement {
     of_species: Vec<OfSpecies>,
     /// Sum of the temperatures of all samples.
     temperatures: f64,
-}
-
-/// The displacements of the particles of one species, relative to the centre of mass of all.
-#[derive(Debug, Clone, PartialEq)]
-struct OfSpecies {
-    /// What the names of results end with.
-    suffix: String,
-    /// Places among the particles that are followed.
-    members: Vec<usize>,
-    displacements: BlockedSums,
 }
 
 impl MeanSquareDisplacement {
@@ -126,22 +124,17 @@ impl MeanSquareDisplacement {
         let levels = (longest / POINTS as f64).log2().ceil().clamp(0.0, 40.0) as usize + 1;
         let tracked = Tracked::new(context.n_atoms, options.particles);
         let sums = || BlockedSums::new(levels * POINTS as usize, BLOCKS);
-        let of_species = tracked.by_species(&context.species);
+        let of_species = tracked.sums_by_species(&context.species, sums);
         Ok(Self {
             options: options.clone(),
             context: context.clone(),
             tracked,
             seen: SeenBox::new(&context.cell),
+            paths: Paths::new(&context.cell),
             samples: 0,
             levels: vec![VecDeque::new(); levels],
             displacements: sums(),
-            of_species: of_species
-                .map(|(a, members)| OfSpecies {
-                    suffix: format!("_{}", context.species.name(a)),
-                    members,
-                    displacements: sums(),
-                })
-                .collect(),
+            of_species,
             temperatures: 0.0,
         })
     }
@@ -181,82 +174,6 @@ impl MeanSquareDisplacement {
             duration: displacements.samples().saturating_sub(1) as f64 * interval,
         }
     }
-
-    /// The mean-square displacement, of which the diffusion coefficient is added.
-    fn fitted(
-        &self,
-        displacements: &BlockedSums,
-        suffix: &str,
-        findings: &mut Findings,
-    ) -> LagCurve {
-        let curve = self.curve(displacements);
-        let lags = self.reached_lags(displacements).into_iter();
-        let quantities: Vec<usize> = lags.map(|(_, k)| k).collect();
-        let blocks = |end: usize| displacements.complete_rows(&quantities[..end]);
-        match fit_linear_regime(&curve, blocks, self.options.fit_from, self.options.fit_to) {
-            Some(fit) => self.report(&fit, suffix, findings),
-            None => findings.remarks.push(format!(
-                "no diffusion coefficient{}: too few samples for a fit",
-                suffix.replace('_', " of ")
-            )),
-        }
-        curve
-    }
-
-    fn is_cubic(&self) -> bool {
-        let sides = self.seen.sides();
-        (sides.max_element() - sides.min_element()) / sides.max_element() < CUBE_TOLERANCE
-    }
-
-    /// What finite size takes away from D in a periodic cube, 2.837297 T/(6πηL), in σ²/τ.
-    fn finite_size_correction(&self, viscosity: f64) -> f64 {
-        let temperature = self.temperatures / self.samples as f64;
-        YEH_HUMMER_XI * temperature / (6.0 * PI * viscosity * self.seen.sides().x)
-    }
-
-    fn report(&self, fit: &LinearFit, suffix: &str, findings: &mut Findings) {
-        let blocks: Vec<f64> = fit.block_slopes.iter().map(|s| s / 6.0).collect();
-        let unsettled = (!fit.settled).then(|| {
-            Doubt::Incomplete(
-                "the slope of the mean-square displacement still changes at the longest lags"
-                    .into(),
-            )
-        });
-        let mut add = |name: &str, value: f64| {
-            let name = format!("{name}{suffix}");
-            let average = of_blocks(&name, "σ²/τ", value, &blocks, fit.overlap);
-            let average = with_choice(average, fit.change / 6.0);
-            findings.averages.push(average.doubted(unsettled.clone()));
-        };
-        let uncorrected = fit.slope / 6.0;
-        let remark = match self.options.viscosity {
-            Some(viscosity) if self.is_cubic() => {
-                let correction = self.finite_size_correction(viscosity);
-                add("diffusion_coefficient", uncorrected + correction);
-                add("diffusion_coefficient_uncorrected", uncorrected);
-                format!(
-                    "diffusion_coefficient{suffix} is corrected for finite size after Yeh and Hummer: +{correction:.6} σ²/τ with viscosity {viscosity} ε τ/σ³, whose own error is not counted"
-                )
-            }
-            Some(_) => {
-                add("diffusion_coefficient", uncorrected);
-                format!(
-                    "diffusion_coefficient{suffix} is not corrected for finite size: the correction is known for cubic boxes only"
-                )
-            }
-            None => {
-                add("diffusion_coefficient", uncorrected);
-                format!(
-                    "diffusion_coefficient{suffix} is not corrected for finite size: no viscosity is given"
-                )
-            }
-        };
-        findings.remarks.push(remark);
-        findings.remarks.push(format!(
-            "diffusion_coefficient{suffix} is a sixth of the slope of the mean-square displacement between {:.3} and {:.3} τ",
-            fit.from, fit.to
-        ));
-    }
 }
 
 impl Observable for MeanSquareDisplacement {
@@ -270,13 +187,15 @@ impl Observable for MeanSquareDisplacement {
 
     fn sample(&mut self, view: &View<'_>) {
         self.seen.see(view.cell());
-        let now = self
+        let mut now = self
             .tracked
             .relative_to_centre_of_mass(view.system, &view.state.positions);
+        self.paths
+            .follow(view.cell(), &mut now, self.levels[0].front());
         let weight = 1.0 / now.len().max(1) as f64;
         self.displacements.begin_sample();
         for species in &mut self.of_species {
-            species.displacements.begin_sample();
+            species.sums.begin_sample();
         }
         for (level, history) in self.levels.iter_mut().enumerate() {
             if !self.samples.is_multiple_of(1 << level) {
@@ -290,8 +209,7 @@ impl Observable for MeanSquareDisplacement {
                 let k = level * POINTS as usize + back;
                 self.displacements.add(k, sum * weight, 1);
                 for species in &mut self.of_species {
-                    let mean = mean_over_members(&species.members, &now, then, square);
-                    species.displacements.add(k, mean, 1);
+                    species.add_mean(k, &now, then, square);
                 }
             }
             history.truncate(POINTS as usize - 1);
@@ -306,26 +224,24 @@ impl Observable for MeanSquareDisplacement {
     fn finish(&self, discarded: f64) -> Findings {
         let displacements = self.displacements.after(discarded);
         let mut findings = Findings::default();
-        let curve = self.fitted(&displacements, "", &mut findings);
-        let species: Vec<(&str, LagCurve)> = self
-            .of_species
-            .iter()
-            .map(
-                |OfSpecies {
-                     suffix,
-                     displacements,
-                     ..
-                 }| {
-                    let displacements = displacements.after(discarded);
-                    (
-                        suffix.as_str(),
-                        self.fitted(&displacements, suffix, &mut findings),
-                    )
-                },
-            )
-            .collect();
+        let curve = self.curve(&displacements);
+        let fit = self.fit(&curve, &displacements);
+        self.report(fit.as_ref(), "", &mut findings);
+        let of_species = self.of_species.iter().map(|species| {
+            let displacements = species.sums.after(discarded);
+            let curve = self.curve(&displacements);
+            (species, self.fit(&curve, &displacements), curve)
+        });
+        let of_species: Vec<(&OfSpecies, Option<LinearFit>, LagCurve)> = of_species.collect();
+        for (species, fit, _) in &of_species {
+            self.report(fit.as_ref(), &species.suffix, &mut findings);
+        }
+        if let [(a, Some(fit_a), _), (b, Some(fit_b), _)] = &of_species[..] {
+            self.report_darken([(a, fit_a), (b, fit_b)], &mut findings);
+        }
         tell_discarded(&mut findings, self.samples - displacements.samples());
         findings.remarks.extend(self.tracked.remark());
+        findings.remarks.extend(self.paths.remark());
         let diffusion = curve
             .times
             .iter()
@@ -340,15 +256,17 @@ impl Observable for MeanSquareDisplacement {
         .with("msd", "σ²", curve.values)
         .with("standard_error", "σ²", curve.errors)
         .with("msd_over_6t", "σ²/τ", diffusion);
+        let with = |table: Table, (species, _, curve): (&OfSpecies, _, LagCurve)| {
+            let name = |of: &str| species.section(of);
+            table.with(name("msd"), "σ²", curve.values).with(
+                name("standard_error"),
+                "σ²",
+                curve.errors,
+            )
+        };
         findings
             .tables
-            .push(species.into_iter().fold(table, |table, (suffix, curve)| {
-                table.with(format!("msd{suffix}"), "σ²", curve.values).with(
-                    format!("standard_error{suffix}"),
-                    "σ²",
-                    curve.errors,
-                )
-            }));
+            .push(of_species.into_iter().fold(table, with));
         findings
     }
 }
@@ -359,10 +277,11 @@ impl Persist for MeanSquareDisplacement {
         to.put_f64("temperatures", &[self.temperatures]);
         self.displacements.save(&mut to.section("displacements"));
         for species in &self.of_species {
-            let section = format!("displacements{}", species.suffix);
-            species.displacements.save(&mut to.section(&section));
+            let section = species.section("displacements");
+            species.sums.save(&mut to.section(&section));
         }
         self.seen.save(&mut to.section("box"));
+        self.paths.save(&mut to.section("paths"));
         for (level, history) in self.levels.iter().enumerate() {
             let all: Vec<DVec3> = history.iter().flatten().copied().collect();
             to.put_vec3(&format!("level_{level}"), &all);
@@ -374,11 +293,12 @@ impl Persist for MeanSquareDisplacement {
         [self.temperatures] = from.f64s("temperatures")?;
         self.displacements.restore(&from.section("displacements"))?;
         for species in &mut self.of_species {
-            let section = format!("displacements{}", species.suffix);
-            species.displacements.restore(&from.section(&section))?;
+            let section = species.section("displacements");
+            species.sums.restore(&from.section(&section))?;
         }
         self.seen.restore(&from.section("box"))?;
         let n = self.tracked.len();
+        self.paths.restore(&from.section("paths"), n)?;
         for (level, history) in self.levels.iter_mut().enumerate() {
             let name = format!("level_{level}");
             let all = from.vec3(&name)?;

@@ -1,7 +1,11 @@
 //! What the file of an observable provides, and what it may know.
 
+use std::ops::RangeInclusive;
+
 use lennard_core::options::Options;
-use lennard_core::{Molecules, Observable, ObservableSpec, PeriodicBox, SpeciesTable};
+use lennard_core::{
+    MOST_SPECIES, Molecules, Observable, ObservableSpec, PeriodicBox, SpeciesTable,
+};
 
 use crate::{Insertion, ObservableError};
 
@@ -49,6 +53,22 @@ impl BuildContext {
         }
     }
 
+    /// Refuses other numbers of species.
+    pub(crate) fn has_species(
+        &self,
+        wanted: &RangeInclusive<usize>,
+    ) -> Result<(), ObservableError> {
+        let found = self.species.n_species();
+        if wanted.contains(&found) {
+            return Ok(());
+        }
+        let allowed = match (wanted.start(), wanted.end()) {
+            (least, most) if least == most => format!("{least} species"),
+            (least, most) => format!("{least} to {most} species"),
+        };
+        Err(ObservableError::new("kind", found as f64, allowed))
+    }
+
     /// The time between two samples, every·dt, in τ.
     #[must_use]
     pub fn sample_interval(&self) -> f64 {
@@ -83,6 +103,16 @@ pub trait Recipe: Options {
     /// Whether its equation needs a bath that holds one temperature.
     fn needs_temperature(&self) -> bool {
         false
+    }
+
+    /// Whether it is right in a box that a barostat changes. What follows the motion is not, unless it says so.
+    fn follows_changing_box(&self) -> bool {
+        !Self::SPEC.dynamic
+    }
+
+    /// The numbers of species that it is right for, beside what [`ObservableSpec::suits`] says.
+    fn species(&self) -> RangeInclusive<usize> {
+        1..=MOST_SPECIES
     }
 
     /// Builds the observable.

@@ -5,16 +5,16 @@ mod partial;
 use std::f64::consts::PI;
 
 use lennard_core::{
-    DVec3, Findings, Observable, ObservableSpec, PeriodicBox, Persist, RestoreError, StateReader,
-    StateWriter, Table, View, Want,
+    Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter, Table,
+    View, Want,
 };
-use rayon::prelude::*;
 
 use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::extrema::{extrema, fitted_extremum};
 use crate::seen_box::SeenBox;
+use crate::wave_vectors::WaveVectors;
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
 use partial::Partial;
@@ -31,9 +31,6 @@ const SPEC: ObservableSpec = ObservableSpec {
 
 /// Blocks of the run from which the errors come.
 const BLOCKS: usize = 64;
-
-/// Particles whose phases are summed at once: constant, part of the definition of the sum.
-const PARTICLES_A_CHUNK: usize = 256;
 
 /// A peak counts where the curve has come down from it by this much, and by four standard errors.
 const SMALLEST_PROMINENCE: f64 = 0.05;
@@ -83,16 +80,9 @@ impl Recipe for StructureFactorOptions {
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureFactor {
     seen: SeenBox,
-    vectors: Vec<WaveVector>,
+    vectors: WaveVectors,
     factors: BlockedSums,
     partial: Option<Partial>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct WaveVector {
-    /// Multiples of 2π/L along the three axes; the first is not negative (S is even).
-    multiples: [i32; 3],
-    shell: usize,
 }
 
 impl StructureFactor {
@@ -118,40 +108,8 @@ impl StructureFactor {
                 format!("from {smallest} to {largest} σ⁻¹ in this box"),
             ));
         }
-        let mut vectors: Vec<WaveVector> = Vec::new();
-        let width = options.k_max / options.shells as f64;
-        for shell in 0..options.shells {
-            for k in 0..options.directions {
-                let wanted = direction(k, options.directions) * (shell as f64 + 0.5) * width;
-                let mut n = (wanted / unit).round().as_ivec3();
-                let length = (n.as_dvec3() * unit).length();
-                if n.to_array()
-                    .into_iter()
-                    .find(|c| *c != 0)
-                    .is_some_and(|c| c < 0)
-                {
-                    n = -n;
-                }
-                if length > 0.0 && length <= options.k_max {
-                    vectors.push(WaveVector {
-                        multiples: n.to_array(),
-                        shell: ((length / width) as usize).min(options.shells - 1),
-                    });
-                }
-            }
-        }
-        vectors.sort_by_key(|v| (v.shell, v.multiples));
-        vectors.dedup();
-        // Shells without a vector are left out: the others are numbered anew.
-        let mut shells = 0;
-        let mut last = None;
-        for v in &mut vectors {
-            if last != Some(v.shell) {
-                last = Some(v.shell);
-                shells += 1;
-            }
-            v.shell = shells - 1;
-        }
+        let vectors = WaveVectors::in_shells(unit, options);
+        let shells = vectors.shells();
         Ok(Self {
             seen: SeenBox::new(&context.cell),
             factors: BlockedSums::new(shells, BLOCKS),
@@ -159,109 +117,6 @@ impl StructureFactor {
             vectors,
         })
     }
-
-    /// Mean wave number of each shell in σ⁻¹, for the mean sides of the box.
-    fn wave_numbers(&self) -> Vec<f64> {
-        let unit = 2.0 * PI / self.seen.sides();
-        let mut means = vec![0.0; self.factors.width()];
-        let mut members = vec![0.0; means.len()];
-        for v in &self.vectors {
-            let length = (glam::IVec3::from_array(v.multiples).as_dvec3() * unit).length();
-            members[v.shell] += 1.0;
-            means[v.shell] += (length - means[v.shell]) / members[v.shell];
-        }
-        means
-    }
-
-    /// Σ_j exp(−i k·r_j) for each wave vector, as real and imaginary part.
-    fn densities(&self, positions: &[DVec3], cell: &PeriodicBox) -> Vec<[f64; 2]> {
-        let highest = |axis: usize| {
-            self.vectors
-                .iter()
-                .map(|v| v.multiples[axis].unsigned_abs() as usize)
-                .max()
-                .unwrap_or(0)
-        };
-        let highest = [highest(0), highest(1), highest(2)];
-        let parts: Vec<Vec<[f64; 2]>> = positions
-            .par_chunks(PARTICLES_A_CHUNK)
-            .map(|chunk| {
-                let phases: [Phases; 3] =
-                    std::array::from_fn(|axis| Phases::new(chunk, cell, axis, highest[axis]));
-                self.vectors
-                    .iter()
-                    .map(|v| {
-                        let [x, y, z] =
-                            std::array::from_fn(|axis| phases[axis].of(v.multiples[axis]));
-                        sum_of_products(x, y, z)
-                    })
-                    .collect()
-            })
-            .collect();
-        let mut total = vec![[0.0; 2]; self.vectors.len()];
-        for part in parts {
-            for (t, p) in total.iter_mut().zip(part) {
-                t[0] += p[0];
-                t[1] += p[1];
-            }
-        }
-        total
-    }
-}
-
-/// Evenly spread directions: the k-th of `n` points of the Fibonacci spiral on the sphere.
-fn direction(k: usize, n: usize) -> DVec3 {
-    let golden_angle = PI * (3.0 - 5.0_f64.sqrt());
-    let z = 1.0 - (2.0 * k as f64 + 1.0) / n as f64;
-    let radius = (1.0 - z * z).sqrt();
-    let angle = golden_angle * k as f64;
-    DVec3::new(radius * angle.cos(), radius * angle.sin(), z)
-}
-
-/// exp(−2πi n x/L) of a chunk of particles along one axis for n = 0, 1, …: cosines and sines.
-struct Phases {
-    powers: Vec<(Vec<f64>, Vec<f64>)>,
-}
-
-impl Phases {
-    fn new(chunk: &[DVec3], cell: &PeriodicBox, axis: usize, highest: usize) -> Self {
-        let side = cell.lengths()[axis];
-        let (sin, cos): (Vec<f64>, Vec<f64>) = chunk
-            .iter()
-            .map(|r| (-2.0 * PI * cell.wrap(*r)[axis] / side).sin_cos())
-            .unzip();
-        let mut powers = vec![(vec![1.0; chunk.len()], vec![0.0; chunk.len()])];
-        for n in 0..highest {
-            let (c, s) = &powers[n];
-            // One multiplication a power: the rounding grows as n·2⁻⁵³.
-            let next = (0..chunk.len())
-                .map(|j| (c[j] * cos[j] - s[j] * sin[j], c[j] * sin[j] + s[j] * cos[j]))
-                .unzip();
-            powers.push(next);
-        }
-        Self { powers }
-    }
-
-    /// Cosines, sines and the sign of the latter: a negative multiple is the complex conjugate.
-    fn of(&self, multiple: i32) -> (&[f64], &[f64], f64) {
-        let (c, s) = &self.powers[multiple.unsigned_abs() as usize];
-        (c, s, if multiple < 0 { -1.0 } else { 1.0 })
-    }
-}
-
-type Phase<'a> = (&'a [f64], &'a [f64], f64);
-
-fn sum_of_products(x: Phase<'_>, y: Phase<'_>, z: Phase<'_>) -> [f64; 2] {
-    let (mut re, mut im) = (0.0, 0.0);
-    for j in 0..x.0.len() {
-        let (cx, sx) = (x.0[j], x.2 * x.1[j]);
-        let (cy, sy) = (y.0[j], y.2 * y.1[j]);
-        let (cz, sz) = (z.0[j], z.2 * z.1[j]);
-        let (cxy, sxy) = (cx * cy - sx * sy, cx * sy + sx * cy);
-        re += cxy * cz - sxy * sz;
-        im += cxy * sz + sxy * cz;
-    }
-    [re, im]
 }
 
 impl Observable for StructureFactor {
@@ -289,7 +144,7 @@ impl Observable for StructureFactor {
         if factors.samples() == 0 {
             return findings;
         }
-        let wave_numbers = self.wave_numbers();
+        let wave_numbers = self.vectors.wave_numbers(self.seen.sides());
         let shells = 0..wave_numbers.len();
         let values: Vec<f64> = shells
             .clone()

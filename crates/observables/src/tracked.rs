@@ -2,6 +2,8 @@
 
 use lennard_core::{DVec3, SpeciesTable, System, parallel};
 
+use crate::blocks::BlockedSums;
+
 /// The largest number of particles that are followed unless the scene says otherwise. The histories of
 /// more of them would take more memory than the run itself; the error of D falls only as 1/√(particles).
 pub(crate) const DEFAULT_TRACKED: usize = 16_384;
@@ -11,6 +13,37 @@ pub(crate) const DEFAULT_TRACKED: usize = 16_384;
 pub(crate) struct Tracked {
     indices: Vec<u32>,
     n: usize,
+}
+
+/// Sums over the particles of one species.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct OfSpecies {
+    /// Number of the species.
+    pub number: usize,
+    /// What the names of results end with.
+    pub suffix: String,
+    /// Places among the particles that are followed.
+    pub members: Vec<usize>,
+    pub sums: BlockedSums,
+}
+
+impl OfSpecies {
+    /// Adds the mean of `pair(a_i, b_i)` over the particles of the species to quantity `k`.
+    pub(crate) fn add_mean(
+        &mut self,
+        k: usize,
+        a: &[DVec3],
+        b: &[DVec3],
+        pair: impl Fn(DVec3, DVec3) -> f64 + Sync,
+    ) {
+        let mean = mean_over_members(&self.members, a, b, pair);
+        self.sums.add(k, mean, 1);
+    }
+
+    /// The name of a section of the saved state.
+    pub(crate) fn section(&self, of: &str) -> String {
+        format!("{of}{}", self.suffix)
+    }
 }
 
 impl Tracked {
@@ -24,12 +57,13 @@ impl Tracked {
         self.indices.len()
     }
 
-    /// The species of a mixture, with the places of their particles among the ones followed. A species of which none is
-    /// followed is left out; one species alone gives nothing.
-    pub(crate) fn by_species(
+    /// Empty sums for each species of a mixture. A species of which no particle is followed is left out; one species alone gives
+    /// nothing.
+    pub(crate) fn sums_by_species(
         &self,
         species: &SpeciesTable,
-    ) -> impl Iterator<Item = (usize, Vec<usize>)> + use<> {
+        empty: impl Fn() -> BlockedSums,
+    ) -> Vec<OfSpecies> {
         let mut members = vec![Vec::new(); species.n_species()];
         if species.is_mixture() {
             for (place, i) in self.indices.iter().enumerate() {
@@ -38,6 +72,13 @@ impl Tracked {
         }
         let all = members.into_iter().enumerate();
         all.filter(|(_, members)| !members.is_empty())
+            .map(|(a, members)| OfSpecies {
+                number: a,
+                suffix: format!("_{}", species.name(a)),
+                members,
+                sums: empty(),
+            })
+            .collect()
     }
 
     /// A remark where not every particle is followed.
@@ -86,7 +127,7 @@ pub(crate) fn sum_over_pairs(
 }
 
 /// The mean of `pair(a_i, b_i)` over some places i, in constant chunks and constant order.
-pub(crate) fn mean_over_members(
+fn mean_over_members(
     members: &[usize],
     a: &[DVec3],
     b: &[DVec3],

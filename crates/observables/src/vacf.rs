@@ -10,7 +10,7 @@ use lennard_core::{
 use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
-use crate::tracked::{DEFAULT_TRACKED, Tracked, sum_over_pairs};
+use crate::tracked::{DEFAULT_TRACKED, OfSpecies, Tracked, sum_over_pairs};
 use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -55,6 +55,10 @@ impl Recipe for VacfOptions {
         5
     }
 
+    fn follows_changing_box(&self) -> bool {
+        true
+    }
+
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(VelocityAutocorrelation::new(self, context)?))
     }
@@ -65,6 +69,9 @@ impl Recipe for VacfOptions {
 ///
 /// For unit masses C(0) = 3T·(N − 1)/N. D from here and from the mean-square displacement are the same
 /// number by two roads; neither is corrected for finite size here.
+///
+/// In a mixture each species has its own function and its own D. C(0) of a species is 3T/m_a, but for the centre of mass.
+/// A box that changes leaves the function as it is: velocities are those relative to the box.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VelocityAutocorrelation {
     interval: f64,
@@ -75,6 +82,15 @@ pub struct VelocityAutocorrelation {
     /// Time origins, oldest first: number of the sample and velocities there.
     origins: VecDeque<(u64, Vec<DVec3>)>,
     products: BlockedSums,
+    /// The species of a mixture; empty where there is one.
+    of_species: Vec<OfSpecies>,
+}
+
+/// What was found of all particles, or of one species.
+struct Curve {
+    c: Vec<f64>,
+    errors: Vec<f64>,
+    integral: Vec<f64>,
 }
 
 impl VelocityAutocorrelation {
@@ -98,14 +114,17 @@ impl VelocityAutocorrelation {
         within("origins", options.origins, 1..=MOST_LAGS)?;
         within("particles", options.particles, 1..=usize::MAX)?;
         let lags = steps as usize + 1;
+        let tracked = Tracked::new(context.n_atoms, options.particles);
+        let sums = || BlockedSums::new(lags, BLOCKS);
         Ok(Self {
             interval,
             lags,
             spacing: lags.div_ceil(options.origins) as u64,
-            tracked: Tracked::new(context.n_atoms, options.particles),
+            of_species: tracked.sums_by_species(&context.species, sums),
+            tracked,
             samples: 0,
             origins: VecDeque::new(),
-            products: BlockedSums::new(lags, BLOCKS),
+            products: sums(),
         })
     }
 
@@ -125,6 +144,48 @@ impl VelocityAutocorrelation {
                 sum
             })
             .collect()
+    }
+
+    /// The function of all particles or of a species, of which the diffusion coefficient is added; `None` where the run is
+    /// shorter than the window.
+    fn report(
+        &self,
+        products: &BlockedSums,
+        suffix: &str,
+        findings: &mut Findings,
+    ) -> Option<Curve> {
+        let means = (0..self.lags).map(|k| products.mean(k));
+        let c = means.collect::<Option<Vec<f64>>>()?;
+        let errors: Vec<f64> = (0..self.lags).map(|k| products.standard_error(k)).collect();
+        let integral = self.running_integral(&c);
+        let every_lag: Vec<usize> = (0..self.lags).collect();
+        let blocks: Vec<f64> = products
+            .complete_rows(&every_lag)
+            .iter()
+            .map(|c| self.running_integral(c)[self.lags - 1])
+            .collect();
+        let last = self.lags - 1;
+        let undecayed = (c[last].abs() > (DECAYED * c[0]).max(3.0 * errors[last])).then(|| {
+            Doubt::Incomplete(format!(
+                "the velocity autocorrelation has not decayed at the end of its window, {:.3} τ",
+                last as f64 * self.interval
+            ))
+        });
+        findings.averages.push(
+            of_blocks(
+                &format!("diffusion_coefficient_green_kubo{suffix}"),
+                "σ²/τ",
+                integral[last],
+                &blocks,
+                last as f64 * blocks.len() as f64 / products.samples() as f64,
+            )
+            .doubted(undecayed),
+        );
+        Some(Curve {
+            c,
+            errors,
+            integral,
+        })
     }
 }
 
@@ -150,10 +211,16 @@ impl Observable for VelocityAutocorrelation {
             self.origins.push_back((self.samples, now.clone()));
         }
         self.products.begin_sample();
+        for species in &mut self.of_species {
+            species.sums.begin_sample();
+        }
         for (born, then) in &self.origins {
             let lag = (self.samples - born) as usize;
             let sum = sum_over_pairs(&now, then, DVec3::dot);
             self.products.add(lag, sum * weight, 1);
+            for species in &mut self.of_species {
+                species.add_mean(lag, &now, then, DVec3::dot);
+            }
         }
         self.samples += 1;
     }
@@ -162,40 +229,17 @@ impl Observable for VelocityAutocorrelation {
         let mut findings = Findings::default();
         findings.remarks.extend(self.tracked.remark());
         let products = self.products.after(discarded);
-        let Some(c) = (0..self.lags)
-            .map(|k| products.mean(k))
-            .collect::<Option<Vec<f64>>>()
+        let Some(Curve {
+            c,
+            errors,
+            integral,
+        }) = self.report(&products, "", &mut findings)
         else {
             findings
                 .remarks
                 .push("no velocity autocorrelation: the run is shorter than its window".into());
             return findings;
         };
-        let errors: Vec<f64> = (0..self.lags).map(|k| products.standard_error(k)).collect();
-        let integral = self.running_integral(&c);
-        let every_lag: Vec<usize> = (0..self.lags).collect();
-        let blocks: Vec<f64> = products
-            .complete_rows(&every_lag)
-            .iter()
-            .map(|c| self.running_integral(c)[self.lags - 1])
-            .collect();
-        let last = self.lags - 1;
-        let undecayed = (c[last].abs() > (DECAYED * c[0]).max(3.0 * errors[last])).then(|| {
-            Doubt::Incomplete(format!(
-                "the velocity autocorrelation has not decayed at the end of its window, {:.3} τ",
-                last as f64 * self.interval
-            ))
-        });
-        findings.averages.push(
-            of_blocks(
-                "diffusion_coefficient_green_kubo",
-                "σ²/τ",
-                integral[last],
-                &blocks,
-                last as f64 * blocks.len() as f64 / products.samples() as f64,
-            )
-            .doubted(undecayed),
-        );
         findings
             .remarks
             .push("diffusion_coefficient_green_kubo is not corrected for finite size".into());
@@ -204,19 +248,29 @@ impl Observable for VelocityAutocorrelation {
                 "the velocity autocorrelation falls by half in one sampling interval: sample more often for a good integral".into(),
             );
         }
-        tell_discarded(&mut findings, self.samples - products.samples());
         let normalised = c.iter().map(|value| value / c[0]).collect();
-        findings.tables.push(
-            Table::new(
-                "vacf",
-                "velocity autocorrelation function against lag, and a third of its running integral",
-            )
-            .with("time", "τ", self.times())
-            .with("vacf", "σ²/τ²", c)
-            .with("standard_error", "σ²/τ²", errors)
-            .with("normalised", "", normalised)
-            .with("diffusion", "σ²/τ", integral),
-        );
+        let mut table = Table::new(
+            "vacf",
+            "velocity autocorrelation function against lag, and a third of its running integral",
+        )
+        .with("time", "τ", self.times())
+        .with("vacf", "σ²/τ²", c)
+        .with("standard_error", "σ²/τ²", errors)
+        .with("normalised", "", normalised)
+        .with("diffusion", "σ²/τ", integral);
+        for species in &self.of_species {
+            let products = species.sums.after(discarded);
+            let found = self.report(&products, &species.suffix, &mut findings);
+            if let Some(curve) = found {
+                let name = |of: &str| species.section(of);
+                table = table
+                    .with(name("vacf"), "σ²/τ²", curve.c)
+                    .with(name("standard_error"), "σ²/τ²", curve.errors)
+                    .with(name("diffusion"), "σ²/τ", curve.integral);
+            }
+        }
+        tell_discarded(&mut findings, self.samples - products.samples());
+        findings.tables.push(table);
         findings
     }
 }
@@ -225,6 +279,10 @@ impl Persist for VelocityAutocorrelation {
     fn save(&self, to: &mut StateWriter<'_>) {
         to.put_u64("samples", &[self.samples]);
         self.products.save(&mut to.section("products"));
+        for species in &self.of_species {
+            let section = species.section("products");
+            species.sums.save(&mut to.section(&section));
+        }
         let born: Vec<u64> = self.origins.iter().map(|(born, _)| *born).collect();
         to.put_u64("origins", &born);
         let all: Vec<DVec3> = self.origins.iter().flat_map(|(_, v)| v).copied().collect();
@@ -234,6 +292,10 @@ impl Persist for VelocityAutocorrelation {
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         [self.samples] = from.u64s("samples")?;
         self.products.restore(&from.section("products"))?;
+        for species in &mut self.of_species {
+            let section = species.section("products");
+            species.sums.restore(&from.section(&section))?;
+        }
         let born = from.u64("origins")?;
         let all = from.vec3("velocities")?;
         let n = self.tracked.len();
@@ -253,79 +315,4 @@ impl Persist for VelocityAutocorrelation {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::statistics;
-    use crate::testing::{context, normal};
-    use lennard_core::{State, System};
-
-    /// Langevin velocities: C(t) = 3T e^{−γt} per particle, D = T/γ; relative to the centre of mass
-    /// both lose 1/N.
-    fn ornstein_uhlenbeck(seed: u64, samples: u64) -> Findings {
-        let (n, gamma, temperature) = (50, 3.0_f64, 0.8_f64);
-        let context = BuildContext {
-            dt: 0.05,
-            ..context(10.0, n)
-        };
-        let decay = (-gamma * context.dt).exp();
-        let kick = (temperature * (1.0 - decay * decay)).sqrt();
-        let start = (0..n)
-            .map(|i| temperature.sqrt() * normal(seed, u64::MAX, i))
-            .collect();
-        let mut state = State::new(context.cell, vec![DVec3::ZERO; n], start);
-        let mut vacf = VelocityAutocorrelation::new(&VacfOptions::default(), &context).unwrap();
-        for s in 0..samples {
-            vacf.sample(&View::of(&state, &System::atoms(n)));
-            for (i, v) in state.velocities.iter_mut().enumerate() {
-                *v = decay * *v + kick * normal(seed, s, i);
-            }
-        }
-        vacf.finish(0.0)
-    }
-
-    #[test]
-    fn langevin_velocities_decay_exponentially_and_integrate_to_their_diffusion_coefficient() {
-        let (gamma, temperature, h) = (3.0_f64, 0.8, 0.05);
-        let relative = 1.0 - 1.0 / 50.0;
-        let mut values = Vec::new();
-        let mut squares = Vec::new();
-        for seed in 0..24 {
-            let findings = ornstein_uhlenbeck(seed, 3000);
-            let estimate = findings.averages[0].estimate;
-            values.push(estimate.mean);
-            squares.push(estimate.standard_error.powi(2));
-            let table = &findings.tables[0];
-            for k in [0, 4, 20] {
-                let exact = 3.0 * temperature * relative * (-gamma * h * k as f64).exp();
-                let error = table.columns[2].numbers()[k];
-                assert!((table.columns[1].numbers()[k] - exact).abs() < 5.0 * error);
-            }
-        }
-        // The trapezoidal sum of e^{−γt} is h/2·coth(γh/2) in place of 1/γ.
-        let exact = temperature * relative * 0.5 * h / (0.5 * gamma * h).tanh();
-        let printed = statistics::mean(&squares).sqrt();
-        let spread = (statistics::variance(&values) * 24.0 / 23.0).sqrt();
-        assert!((statistics::mean(&values) - exact).abs() < 4.0 * printed / 24.0_f64.sqrt());
-        // 24 seeds know their spread to 1/√46 = 15 %: three of these.
-        assert!((spread / printed - 1.0).abs() < 0.45, "{spread} {printed}");
-    }
-
-    #[test]
-    fn a_run_shorter_than_the_window_gives_no_number() {
-        let findings = ornstein_uhlenbeck(1, 50);
-        assert!(findings.averages.is_empty() && findings.remarks.len() == 1);
-    }
-
-    #[test]
-    fn a_window_that_is_too_coarse_or_too_long_is_refused() {
-        let context = context(10.0, 5);
-        for window in [0.001, 1e9, f64::NAN, -1.0] {
-            let options = VacfOptions {
-                window,
-                ..VacfOptions::default()
-            };
-            let error = VelocityAutocorrelation::new(&options, &context).unwrap_err();
-            assert_eq!(error.key(), "window");
-        }
-    }
-}
+mod tests;

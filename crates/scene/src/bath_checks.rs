@@ -58,7 +58,7 @@ pub(crate) fn barostats_fit(scene: &Scene) -> Result<(), SceneError> {
         has_its_thermostat(scene, i, stage, control)?;
         is_slow_enough(scene, i, stage, control)?;
         if stage.measure {
-            measures_no_motion(scene, i)?;
+            measures_no_flux(scene, i)?;
         }
     }
     Ok(())
@@ -121,17 +121,16 @@ fn is_slow_enough(
         )))
 }
 
-/// Refuses observables that follow particles through time.
-fn measures_no_motion(scene: &Scene, index: usize) -> Result<(), SceneError> {
-    let specs = lennard_observables::observables();
+/// Refuses observables of fluxes through a box that changes.
+fn measures_no_flux(scene: &Scene, index: usize) -> Result<(), SceneError> {
     for (i, table) in scene.observables.iter().enumerate() {
         let name = table.options.name();
-        if specs.iter().any(|spec| spec.name == name && spec.dynamic) {
+        if !table.options.follows_changing_box() {
             return Err(scene
                 .source
                 .refuse(
                     &format!("observable.{i}.kind"),
-                    "follows the motion, which a changing box rescales",
+                    "follows a flux, which a changing box disturbs",
                 )
                 .found(format!(
                     "{name:?} with a barostat in the measured stage {:?}",

@@ -183,6 +183,11 @@ fn each_species_has_its_displacement_and_its_diffusion_coefficient() {
         assert!(found.standard_error < 0.1 * exact);
     }
     assert!((all - 0.1).abs() < 0.01, "{all}");
+    // x_b·D_a + x_a·D_b with x_a = 2/3: the slow species counts for its small share of the others.
+    let darken = average(&findings, "mutual_diffusion_darken");
+    assert!((darken.mean - (found[0].mean / 3.0 + 2.0 * found[1].mean / 3.0)).abs() < 1e-12);
+    assert!((darken.mean - 0.15).abs() < 4.0 * darken.standard_error);
+    assert!(darken.standard_error < 0.015, "{darken:?}");
     // The mean of all is made of its parts at each lag.
     let column = |name: &str| {
         let found = findings.tables[0].columns.iter().find(|c| c.name == name);
@@ -192,4 +197,77 @@ fn each_species_has_its_displacement_and_its_diffusion_coefficient() {
     for k in 0..whole.len() {
         assert!(((2.0 * a[k] + b[k]) / 3.0 / whole[k] - 1.0).abs() < 1e-12);
     }
+}
+
+/// Shows positions in boxes that change.
+fn follow_in_boxes(
+    context: &BuildContext,
+    samples: u64,
+    mut of: impl FnMut(u64) -> (DVec3, Vec<DVec3>),
+) -> MeanSquareDisplacement {
+    let mut msd = MeanSquareDisplacement::new(&MsdOptions::default(), context).unwrap();
+    for s in 0..samples {
+        let (sides, positions) = of(s);
+        let cell = lennard_core::PeriodicBox::new(sides).unwrap();
+        crate::testing::view_of(&cell, positions, |view| msd.sample(view));
+    }
+    msd
+}
+
+/// The sides of a box whose axes change by a few per cent, each in its own way.
+fn sides(s: u64) -> DVec3 {
+    let t = s as f64;
+    10.0 * (DVec3::ONE + 0.05 * DVec3::new((0.3 * t).sin(), (0.17 * t).cos(), (0.05 * t).sin()))
+}
+
+#[test]
+fn what_a_changing_box_moves_is_no_displacement() {
+    let n = 20;
+    let context = context(10.0, n);
+    let at = crate::testing::random_positions(n, 30.0, 5);
+    let msd = follow_in_boxes(&context, 300, |s| {
+        let scaled = at.iter().map(|r| *r / 10.0 * sides(s)).collect();
+        (sides(s), scaled)
+    });
+    let findings = msd.finish(0.0);
+    let curve = findings.tables[0].columns[1].numbers();
+    // Roundings of positions of 30 σ.
+    assert!(curve.iter().all(|m| *m < 1e-24), "{curve:?}");
+    assert!(
+        findings
+            .remarks
+            .iter()
+            .any(|r| r.starts_with("the box changed"))
+    );
+}
+
+#[test]
+fn particles_diffuse_in_a_changing_box_as_in_one_that_stays() {
+    let (n, samples) = (50, 3000);
+    let context = context(10.0, n);
+    let step = |s: u64, i: usize| 0.03 * normal(21, s, i);
+    let mut path = vec![DVec3::ZERO; n];
+    let still = follow_in_boxes(&context, samples, |s| {
+        path.iter_mut()
+            .enumerate()
+            .for_each(|(i, r)| *r += step(s, i));
+        (DVec3::splat(10.0), path.clone())
+    });
+    // The same steps, in a box that scales all positions after each of them.
+    let mut path = vec![DVec3::ZERO; n];
+    let changing = follow_in_boxes(&context, samples, |s| {
+        path.iter_mut()
+            .enumerate()
+            .for_each(|(i, r)| *r += step(s, i));
+        let shown = (sides(s), path.clone());
+        path.iter_mut().for_each(|r| *r *= sides(s + 1) / sides(s));
+        shown
+    });
+    let curve = |msd: &MeanSquareDisplacement| msd.finish(0.0).tables[0].columns[1].numbers();
+    let (still, changing) = (curve(&still), curve(&changing));
+    for (k, (a, b)) in still.iter().zip(&changing).enumerate() {
+        // Half of a per cent of change of the box between two samples, in no direction that counts.
+        assert!((a / b - 1.0).abs() < 0.01, "{k}: {a} {b}");
+    }
+    assert!(*still.last().unwrap() > 1.0);
 }

@@ -4,10 +4,11 @@ use lennard_core::{
     DVec3, Findings, PeriodicBox, Persist, RestoreError, SpeciesTable, StateReader, StateWriter,
 };
 
-use super::{BLOCKS, StructureFactor, WaveVector};
+use super::{BLOCKS, StructureFactor};
 use crate::averages::of_blocks;
 use crate::blocks::BlockedSums;
 use crate::species_pairs::SpeciesPair;
+use crate::wave_vectors::{WaveVectors, real_product};
 
 /// The composition of a mixture varies over long distances more than twice as much as in an ideal mixture: its species gather.
 const GATHERS: f64 = 2.0;
@@ -82,11 +83,6 @@ impl Complex for [f64; 2] {
     }
 }
 
-/// Re x·y*.
-fn real_product(x: [f64; 2], y: [f64; 2]) -> f64 {
-    x[0] * y[0] + x[1] * y[1]
-}
-
 impl Partial {
     /// Nothing seen yet; `None` where there is one species.
     pub(super) fn new(species: &SpeciesTable, shells: usize) -> Option<Self> {
@@ -108,7 +104,7 @@ impl Partial {
     /// Adds a sample; gives ρ(k) of all particles.
     pub(super) fn sample(
         &mut self,
-        vectors: &[WaveVector],
+        vectors: &WaveVectors,
         positions: &[DVec3],
         densities: impl Fn(&[DVec3]) -> Vec<[f64; 2]>,
     ) -> Vec<[f64; 2]> {
@@ -180,9 +176,11 @@ impl StructureFactor {
         cell: &PeriodicBox,
     ) -> Vec<[f64; 2]> {
         let Some(mut partial) = self.partial.take() else {
-            return self.densities(positions, cell);
+            return self.vectors.densities(positions, cell);
         };
-        let total = partial.sample(&self.vectors, positions, |r| self.densities(r, cell));
+        let total = partial.sample(&self.vectors, positions, |r| {
+            self.vectors.densities(r, cell)
+        });
         self.partial = Some(partial);
         total
     }

@@ -1,5 +1,6 @@
 use super::*;
 use crate::testing::{context, fcc, mixture, normal, random_positions, shuffled, view_of};
+use lennard_core::{DVec3, PeriodicBox};
 
 #[test]
 fn an_ideal_gas_scatters_with_one_at_every_wave_number() {
@@ -44,7 +45,7 @@ fn a_face_centred_lattice_scatters_with_n_at_its_reciprocal_vectors_and_nothing_
     for (v, [re, im]) in factor
         .vectors
         .iter()
-        .zip(factor.densities(&positions, &context.cell))
+        .zip(factor.vectors.densities(&positions, &context.cell))
     {
         let s = (re * re + im * im) / n as f64;
         let cubic = v.multiples.iter().all(|m| m % 4 == 0);
@@ -66,7 +67,7 @@ fn a_negative_multiple_is_summed_as_the_plain_definition_has_it() {
         .into_iter()
         .map(|r| r + DVec3::new(12.0, -6.0, 0.0))
         .collect();
-    let found = factor.densities(&positions, &context.cell);
+    let found = factor.vectors.densities(&positions, &context.cell);
     assert!(factor.vectors.iter().any(|v| v.multiples[2] < 0));
     for (v, [re, im]) in factor.vectors.iter().zip(found) {
         let k = glam::IVec3::from_array(v.multiples).as_dvec3() * (2.0 * PI / 6.0);

@@ -3,9 +3,11 @@
 mod conductivity;
 mod green_kubo;
 mod helfand;
+mod mutual_diffusion;
 mod viscosity;
 
 pub use conductivity::{ThermalConductivity, ThermalConductivityOptions};
+pub use mutual_diffusion::{MutualDiffusion, MutualDiffusionOptions};
 pub use viscosity::{ShearViscosity, ShearViscosityOptions};
 
 use crate::error::positive;

@@ -7,7 +7,8 @@ use crate::{Scene, SceneError};
 /// Whether the species fit the rest of the scene.
 pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     let source = &scene.source;
-    let Some(mixture) = &scene.mixture else {
+    observables_fit(scene)?;
+    if scene.mixture.is_none() {
         return match scene.truncation.r_cut_in {
             None | Some(CutoffUnit::Sigma) => Ok(()),
             Some(unit) => Err(source
@@ -18,7 +19,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
                 .found(format!("{:?} without `[[species]]`", unit.name()))
                 .allowed("a table `[[species]]` for each species, or no such key")),
         };
-    };
+    }
     let beside = |key: &str, what: &str, allowed: &str| {
         Err(source
             .refuse(key, "does not go with species")
@@ -46,18 +47,30 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
         let allowed = "`element` of each species";
         return beside("output.element", "`element` in `[output]`", allowed);
     }
+    Ok(())
+}
+
+/// Refuses observables that are for another number of species.
+fn observables_fit(scene: &Scene) -> Result<(), SceneError> {
+    let n = scene.mixture.as_ref().map_or(1, |m| m.species.len());
     for (i, table) in scene.observables.iter().enumerate() {
-        let spec = table.options.spec();
-        if mixture.species.len() > 1 && !spec.suits.includes_mixtures() {
-            return Err(source
-                .refuse(&format!("observable.{i}.kind"), "is for one species alone")
-                .found(format!(
-                    "{:?} with {} species",
-                    spec.name,
-                    mixture.species.len()
-                ))
-                .allowed("a scene of one species"));
-        }
+        let (spec, fits) = (table.options.spec(), table.options.species());
+        let (what, allowed) = if n > 1 && !spec.suits.includes_mixtures() {
+            (
+                "is for one species alone",
+                "a scene of one species".to_owned(),
+            )
+        } else if !fits.contains(&n) {
+            let allowed = format!("a scene with {} tables `[[species]]`", fits.start());
+            ("is for another number of species", allowed)
+        } else {
+            continue;
+        };
+        return Err(scene
+            .source
+            .refuse(&format!("observable.{i}.kind"), what)
+            .found(format!("{:?} with {n} species", spec.name))
+            .allowed(allowed));
     }
     Ok(())
 }

@@ -66,6 +66,10 @@ fn with_method(table: &str, kind: &str) -> Scene {
             ];
             return with(&held).unwrap();
         }
+        "observable" if kind == "mutual-diffusion" => {
+            let observable = format!("[[observable]]\nkind = \"{kind}\"\n");
+            observable + &two_species() + "[mixing]\nrule = \"geometric\"\n"
+        }
         "observable" => format!("[[observable]]\nkind = \"{kind}\"\n"),
         "bonds" => return molecular(kind),
         "potential" if kind == "table" => format!(
@@ -98,11 +102,16 @@ fn molecular(method: &str) -> Scene {
     parse(&format!("{text}\n{tables}")).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn mixed(rule: &str) -> Scene {
+/// The tables of two species.
+fn two_species() -> String {
     let species = |name: &str| format!("[[species]]\nname = \"{name}\"\nfraction = 0.5\n");
+    species("A") + &species("B")
+}
+
+fn mixed(rule: &str) -> Scene {
     let pair = "[[pair]]\na = \"A\"\nb = \"B\"\nsigma = 1.1\nepsilon = 0.9\n";
-    let (a, b) = (species("A"), species("B"));
-    let text = format!("{SMALL}\n{a}{b}[mixing]\nrule = \"{rule}\"\n{pair}");
+    let species = two_species();
+    let text = format!("{SMALL}\n{species}[mixing]\nrule = \"{rule}\"\n{pair}");
     parse(&text).unwrap_or_else(|e| panic!("{e}"))
 }
 

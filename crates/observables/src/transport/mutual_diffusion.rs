@@ -1,0 +1,197 @@
+//! The mutual diffusion of two species.
+
+use lennard_core::{
+    DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, SpeciesTable, StateReader,
+    StateWriter, View, Want, parallel,
+};
+
+use super::green_kubo::{GreenKubo, Words};
+use super::{DEFAULT_WINDOW, checked_interval};
+use crate::{BuildContext, ObservableError, Recipe};
+
+const SPEC: ObservableSpec = ObservableSpec {
+    name: "mutual-diffusion",
+    summary: "Maxwell–Stefan diffusion coefficient of two species from the correlation of their relative velocity (Green–Kubo), with its Einstein–Helfand cross-check",
+    equation: "Đ = (N x_a x_b/3) ∫₀^∞ ⟨u(0)·u(t)⟩ dt, u = Σ_{i∈a} v_i/N_a − Σ_{i∈b} v_i/N_b",
+    source: "M. Schoen and C. Hoheisel, Mol. Phys. 52, 33 (1984); R. Krishna and J. M. van Baten, Ind. Eng. Chem. Res. 44, 6939 (2005)",
+    dynamic: true,
+    suits: lennard_core::Suits::Atoms,
+};
+
+const WORDS: Words = Words {
+    name: "mutual_diffusion",
+    plain: "mutual diffusion",
+    unit: "σ²/τ",
+    correlation_unit: "σ²/τ²",
+};
+
+lennard_core::options! {
+    /// Options of [`MutualDiffusion`].
+    pub struct MutualDiffusionOptions {
+        /// Longest lag of the correlation of the relative velocity.
+        window: f64 = DEFAULT_WINDOW, Positive, in "τ";
+    }
+}
+
+impl Recipe for MutualDiffusionOptions {
+    const SPEC: &'static ObservableSpec = &SPEC;
+
+    fn default_every(&self) -> u64 {
+        4
+    }
+
+    /// Velocities alone are followed, and a barostat leaves those as they are.
+    fn follows_changing_box(&self) -> bool {
+        true
+    }
+
+    fn species(&self) -> std::ops::RangeInclusive<usize> {
+        2..=2
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
+        Ok(Box::new(MutualDiffusion::new(self, context)?))
+    }
+}
+
+/// The Maxwell–Stefan diffusion coefficient Đ of two species, in σ²/τ.
+///
+/// u is the mean velocity of one species relative to the other, in any frame. Particles that move independently have
+/// Đ = x_b·D_a + x_a·D_b (Darken); what differs from it are correlations between different particles.
+///
+/// The flux that a gradient of composition drives is Fick's, with the coefficient Γ·Đ. The thermodynamic factor Γ is one of the
+/// results of `kirkwood-buff`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MutualDiffusion {
+    species: SpeciesTable,
+    flux: GreenKubo,
+}
+
+impl MutualDiffusion {
+    /// Nothing seen yet.
+    ///
+    /// # Errors
+    /// [`ObservableError`] where the window is no positive number or shorter than 32 samples, or there are not two species.
+    pub fn new(
+        options: &MutualDiffusionOptions,
+        context: &BuildContext,
+    ) -> Result<Self, ObservableError> {
+        let interval = checked_interval(options.window, context)?;
+        context.has_species(&options.species())?;
+        Ok(Self {
+            species: context.species.clone(),
+            flux: GreenKubo::new(3, interval, options.window),
+        })
+    }
+
+    /// The mean velocity of one species relative to the other, σ/τ.
+    fn relative_velocity(&self, velocities: &[DVec3]) -> DVec3 {
+        let of = |i: usize| match self.species.of(i) {
+            0 => velocities[i] / self.species.count(0) as f64,
+            _ => velocities[i] / -(self.species.count(1) as f64),
+        };
+        parallel::ordered_sum(velocities.len(), |range| range.map(of).sum())
+    }
+}
+
+impl Observable for MutualDiffusion {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want::NOTHING
+    }
+
+    fn sample(&mut self, view: &View<'_>) {
+        let u = self.relative_velocity(&view.state.velocities);
+        self.flux.push(&u.to_array(), view.temperature());
+    }
+
+    fn finish(&self, discarded: f64) -> Findings {
+        let (x_a, x_b) = (self.species.fraction(0), self.species.fraction(1));
+        let prefactor = self.species.n_particles() as f64 * x_a * x_b;
+        let mut findings = self.flux.findings(discarded, prefactor, WORDS);
+        findings.remarks.push(
+            "mutual_diffusion is the Maxwell–Stefan coefficient, not corrected for finite size; Fick's is the thermodynamic factor times it"
+                .into(),
+        );
+        findings
+    }
+}
+
+impl Persist for MutualDiffusion {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.flux.save(to);
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.flux.restore(from)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{context, mixture, normal};
+    use lennard_core::{State, System};
+
+    /// Velocities that decay independently: D_a = T/(m_a·γ_a) each, and Đ is Darken's, but for the centre of mass.
+    #[test]
+    fn independent_particles_have_the_coefficient_of_darken() {
+        let (n, temperature, dt) = (30, 0.8_f64, 0.05);
+        let species = mixture(n, |i| usize::from(i % 3 == 0));
+        let context = BuildContext {
+            dt,
+            species: species.clone(),
+            ..context(10.0, n)
+        };
+        let options = MutualDiffusionOptions { window: 4.0 };
+        let mut found = MutualDiffusion::new(&options, &context).unwrap();
+        let system = System::of_species(species.clone());
+        let gamma = [3.0_f64, 5.0];
+        let of = |i: usize| {
+            let a = species.of(i);
+            let width = (temperature / species.species(a).mass).sqrt();
+            (width, (-gamma[a] * dt).exp())
+        };
+        let start = (0..n).map(|i| of(i).0 * normal(1, u64::MAX, i)).collect();
+        let mut state = State::new(context.cell, vec![DVec3::ZERO; n], start);
+        for s in 0..40_000 {
+            found.sample(&View::of(&state, &system));
+            for (i, v) in state.velocities.iter_mut().enumerate() {
+                let (width, decay) = of(i);
+                *v = decay * *v + width * (1.0 - decay * decay).sqrt() * normal(1, s, i);
+            }
+        }
+        // The trapezoidal sum of e^{−γt} is h/2·coth(γh/2) in place of 1/γ.
+        let d = |a: usize| {
+            temperature / species.species(a).mass * 0.5 * dt / (0.5 * gamma[a] * dt).tanh()
+        };
+        let darken = species.fraction(1) * d(0) + species.fraction(0) * d(1);
+        let findings = found.finish(0.0);
+        for name in ["mutual_diffusion", "mutual_diffusion_einstein_helfand"] {
+            let average = findings.averages.iter().find(|a| a.name == name).unwrap();
+            let estimate = average.estimate;
+            let off = (estimate.mean - darken).abs();
+            assert!(estimate.standard_error < 0.06 * darken, "{estimate:?}");
+            // What is left of the correlation beyond the lag at which it is lost in noise.
+            assert!(
+                off < 4.0 * estimate.standard_error + 0.02 * darken,
+                "{name}: {estimate:?} {darken}"
+            );
+        }
+    }
+
+    #[test]
+    fn one_species_and_three_have_no_such_coefficient() {
+        for kinds in [1, 3] {
+            let context = BuildContext {
+                species: mixture(9, |i| i % kinds),
+                ..context(10.0, 9)
+            };
+            let error = MutualDiffusion::new(&MutualDiffusionOptions { window: 4.0 }, &context);
+            assert_eq!(error.unwrap_err().key(), "kind");
+        }
+    }
+}
