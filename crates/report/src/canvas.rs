@@ -8,7 +8,7 @@ use plotters::style::{
     Color, FontFamily, FontStyle, FontTransform, IntoTextStyle, TextStyle, WHITE,
 };
 
-use crate::escape::escape;
+use crate::escape::{escape, is_near};
 use crate::{COLORS, Dash, ReportError, Symbol};
 
 /// Radius of marks, design units.
@@ -267,6 +267,8 @@ impl<'a> Sheet<'a> {
 pub(crate) struct Hint {
     pub(crate) at: Place,
     pub(crate) note: String,
+    /// The page that a click opens.
+    pub(crate) link: Option<String>,
 }
 
 /// Makes the drawn text scale with its surroundings, names it for screen readers, adds the hints.
@@ -287,11 +289,18 @@ fn dress(svg: &str, title: &str, hints: &[Hint]) -> String {
         let mut body = body.to_owned();
         for hint in hints {
             let (x, y) = fine(hint.at);
+            let link = hint.link.as_deref().filter(|link| is_near(link));
+            if let Some(link) = link {
+                body.push_str(&format!("<a href=\"{}\">", escape(link)));
+            }
             body.push_str(&format!(
                 "<circle class=\"hint\" cx=\"{x}\" cy=\"{y}\" r=\"{}\" fill=\"#000\" fill-opacity=\"0\"><title>{}</title></circle>\n",
                 6 * FINE,
                 escape(&hint.note)
             ));
+            if link.is_some() {
+                body.push_str("</a>\n");
+            }
         }
         out = body + "</svg>";
     }

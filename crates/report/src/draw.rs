@@ -242,6 +242,7 @@ fn draw_series(
             hints.push(Hint {
                 at: frame.at(fx.clamp(0.0, 1.0), fy.clamp(0.0, 1.0)),
                 note: note.clone(),
+                link: point.link.clone(),
             });
         }
     }
@@ -256,7 +257,11 @@ fn draw_series(
             let row = 9.0 + 11.0 * (series.color % crate::COLORS.len()) as f64;
             let at = (px, py + row);
             sheet.failure(at, 0.95 * MARK, paint)?;
-            hints.extend(failure.note.clone().map(|note| Hint { at, note }));
+            hints.extend(failure.note.clone().map(|note| Hint {
+                at,
+                note,
+                link: None,
+            }));
         }
     }
     Ok(())

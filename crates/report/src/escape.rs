@@ -20,9 +20,37 @@ pub fn escape(text: &str) -> String {
     out
 }
 
-/// Escaped text in which `` `code` `` and `**bold**` become tags; a marker without its twin stays as it is.
+/// Whether a link leads to a page beside this one: a relative path of plain letters that ends with `.html`.
+pub(crate) fn is_near(link: &str) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./".contains(c);
+    link.ends_with(".html") && !link.starts_with('/') && link.chars().all(plain)
+}
+
+/// Escaped text in which `` `code` ``, `**bold**` and `[words](NAME.html)` become tags; a marker without its twin stays as it
+/// is, and so does a link that leads elsewhere than to a page beside this one.
 #[must_use]
 pub fn inline_markup(text: &str) -> String {
+    let linked = with_links(text);
+    linked.unwrap_or_else(|| without_links(text))
+}
+
+/// The text with its first link as a tag; `None` where it has none.
+fn with_links(text: &str) -> Option<String> {
+    let (before, rest) = text.split_once('[')?;
+    let (words, rest) = rest.split_once("](")?;
+    let (target, after) = rest.split_once(')')?;
+    is_near(target).then(|| {
+        format!(
+            "{}<a href=\"{}\">{}</a>{}",
+            without_links(before),
+            escape(target),
+            escape(words),
+            inline_markup(after)
+        )
+    })
+}
+
+fn without_links(text: &str) -> String {
     let coded = wrap_pairs(&escape(text), "`", "code");
     // Stars inside code are code.
     coded
@@ -89,5 +117,22 @@ mod tests {
         );
         assert_eq!(inline_markup("2 ** 3 and `open"), "2 ** 3 and `open");
         assert!(!inline_markup("`<script>`").contains("<script>"));
+    }
+
+    #[test]
+    fn links_lead_to_pages_beside_the_page_alone() {
+        assert_eq!(
+            inline_markup("see [T0.7 <x>](T0.7/report.html) and [b](c.html)"),
+            "see <a href=\"T0.7/report.html\">T0.7 &lt;x&gt;</a> and <a href=\"c.html\">b</a>"
+        );
+        for elsewhere in [
+            "[x](javascript:alert(1).html)",
+            "[x](https://a.html)",
+            "[x](/etc/a.html)",
+            "[x](a.svg)",
+            "r [σ] (1)",
+        ] {
+            assert!(!inline_markup(elsewhere).contains("<a"), "{elsewhere}");
+        }
     }
 }

@@ -13,6 +13,8 @@ pub struct Point {
     pub error: Option<f64>,
     /// What a reader sees who points at it.
     pub note: Option<String>,
+    /// A page that a click on it opens, beside the page with the figure.
+    pub link: Option<String>,
     /// Lowest and highest abscissa of a value that was measured many times, drawn as a bar without ends.
     pub x_range: Option<(f64, f64)>,
     /// A word or a number written beside it.

@@ -15,6 +15,7 @@ pub mod fluid_stability;
 mod jobs;
 mod kept;
 pub mod lab;
+mod lines;
 pub mod mechanics;
 mod progress;
 pub mod run_page;

@@ -1,12 +1,18 @@
 //! Many state points from one file, side by side, and what they say together.
 
 mod agreement;
+mod arrhenius;
+mod averaged;
+mod coexistence;
 mod collect;
+mod critical;
+mod figures;
 mod file;
 mod isotherms;
 mod page;
 mod plan;
 mod points;
+mod properties;
 mod ran;
 mod run;
 mod script;
@@ -17,10 +23,11 @@ use std::path::PathBuf;
 
 pub use agreement::{Agreement, agreement, probability_words};
 pub use collect::collect;
+pub use critical::CriticalEstimate;
 pub use file::{SweepError, load, plan};
 pub use page::{CHI_SQUARED, agreement_table, point_table};
 pub use plan::Plan;
-pub use points::{PlannedPoint, Point};
+pub use points::{PlannedPoint, Point, Setting};
 pub use run::{Ending, FILES, SweepOptions, SweepRecord, SweptPoint, ending_of, run, run_points};
 pub use script::{Scheduler, Script};
 pub use threads::workers;

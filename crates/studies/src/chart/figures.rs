@@ -161,6 +161,7 @@ fn one(chart: &Chart, point: &ChartedPoint, mark: &Mark, axis: Axis, color: usiz
             .filter(|_| axis == Axis::Wall)
             .map(|(low, high)| (1e6 * low, 1e6 * high)),
         label: label(point, mark, axis),
+        link: None,
     };
     Series::new("", look, color, vec![shown])
 }

@@ -68,6 +68,7 @@ fn marks(points: &[&SweptPoint]) -> Vec<Point> {
             y: row.measured,
             error: Some(row.standard_error).filter(|error| error.is_finite()),
             note: Some(point.name.clone()),
+            link: point.page.clone(),
             ..Point::default()
         })
     };

@@ -3,6 +3,7 @@
 use lennard_core::{Cell, Table, Tone};
 use lennard_report::{Axis, Figure, Look, Page, Picture, Point, Section, Series, Symbol};
 
+use super::figures::Pictures;
 use super::{SweepRecord, SweptPoint, probability_words};
 use crate::compare::{ComparedRun, Row, StateOfMatter, Verdict, quantity_words};
 
@@ -52,11 +53,61 @@ pub(super) fn csv(record: &SweepRecord) -> Table {
                 p.row(quantity).map(|r| r.verdict.words())
             });
     }
+    for quantity in others(record) {
+        table = table
+            .column(&quantity, |p| mean(p, &quantity))
+            .column(&format!("{quantity}_se"), |p| {
+                p.row(&quantity).map(|r| r.standard_error)
+            });
+        let reference = |p: &SweptPoint| p.row(&quantity).and_then(|r| r.reference);
+        if record.points.iter().any(|p| reference(p).is_some()) {
+            table = table
+                .column(&format!("{quantity}_reference"), reference)
+                .column(&format!("{quantity}_verdict"), |p| {
+                    p.row(&quantity).map(|r| r.verdict.words())
+                });
+        }
+    }
     table.table()
 }
 
+/// Every other quantity that any point has measured.
+fn others(record: &SweepRecord) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    let rows = record.points.iter().filter_map(|p| p.compared.as_ref());
+    for row in rows.flat_map(|c| &c.rows) {
+        let has_columns = QUANTITIES.iter().any(|(q, _)| *q == row.quantity)
+            || row.quantity == "density"
+            || row.quantity.starts_with("temperature");
+        if !has_columns && !names.contains(&row.quantity) {
+            names.push(row.quantity.clone());
+        }
+    }
+    names
+}
+
+/// Whether its points are slabs of liquid beside their vapor.
+fn is_of_slabs(record: &SweepRecord) -> bool {
+    record
+        .points
+        .iter()
+        .any(|p| p.row("liquid_density").is_some())
+}
+
+/// The table of points with a link from each name to its page.
+fn linked(mut table: Table, record: &SweepRecord) -> Table {
+    if let Some(names) = table.columns.first_mut() {
+        for (cell, point) in names.cells.iter_mut().zip(&record.points) {
+            if let Some(page) = &point.page {
+                *cell = Cell::words(format!("[{}]({page})", point.name)).toned(cell.tone);
+            }
+        }
+    }
+    table
+}
+
 /// The page of a sweep.
-pub(super) fn page(record: &SweepRecord, command: &str, isotherms: Option<Picture>) -> Page {
+pub(super) fn page(record: &SweepRecord, command: &str, pictures: Pictures) -> Page {
     let finished = record
         .points
         .iter()
@@ -82,9 +133,15 @@ pub(super) fn page(record: &SweepRecord, command: &str, isotherms: Option<Pictur
         .into_iter()
         .filter_map(|(quantity, title, unit)| differences(record, quantity, title, unit));
     let points = Section::new("Points")
-        .figures(isotherms.into_iter().chain(drawn).collect())
-        .table(point_table(record));
-    let mut sections = vec![together, points];
+        .figures(pictures.together.into_iter().chain(drawn).collect())
+        .table(linked(point_table(record), record));
+    let mut sections = match is_of_slabs(record) {
+        true => vec![points],
+        false => vec![together, points],
+    };
+    if !pictures.properties.is_empty() {
+        sections.push(Section::new("Each property").figures(pictures.properties));
+    }
     let remarks = remarks(record);
     if !remarks.is_empty() {
         sections.push(Section::new("Remarks").list(remarks));
@@ -92,9 +149,9 @@ pub(super) fn page(record: &SweepRecord, command: &str, isotherms: Option<Pictur
     Page {
         title: format!("Sweep {}", record.name),
         lead: format!(
-            "{finished} of {} points are finished. Each is compared with the equation of state that describes its model, at the measured \
-             temperature that belongs to its positions (of half steps where the method has them) and for as many particles in a closed box; the error of a difference counts that U, P and T fluctuate together.",
-            record.points.len()
+            "{finished} of {} points are finished. {}",
+            record.points.len(),
+            compared_with(record)
         ),
         command: None,
         sections,
@@ -107,6 +164,21 @@ pub(super) fn page(record: &SweepRecord, command: &str, isotherms: Option<Pictur
                 record.threads.to_string(),
             ),
         ],
+    }
+}
+
+/// What the points stand beside.
+fn compared_with(record: &SweepRecord) -> &'static str {
+    match is_of_slabs(record) {
+        true => {
+            "Each is a slab of liquid beside its vapor. It is compared with two coexisting phases of its model at the measured \
+             temperature."
+        }
+        false => {
+            "Each is compared with the equation of state that describes its model, at the measured temperature that belongs to its \
+             positions (of half steps where the method has them) and for as many particles in a closed box; the error of a \
+             difference counts that U, P and T fluctuate together."
+        }
     }
 }
 
@@ -129,6 +201,7 @@ fn differences(record: &SweepRecord, quantity: &str, title: &str, unit: &str) ->
                         "{}: T = {:.4}, {}",
                         point.name, state.temperature, state.words
                     )),
+                    link: point.page.clone(),
                     ..Point::default()
                 })
             })
@@ -202,11 +275,7 @@ pub fn point_table(record: &SweepRecord) -> Table {
         .column("Point", |p| &p.name)
         .column("T, whole steps", |p| mean(p, "temperature"))
         .column("T, half steps", |p| mean(p, "temperature_half_steps"));
-    for (quantity, heading, beside) in [
-        ("potential_energy", "U [ε]", "U − equation"),
-        ("pressure", "P [(ε/σ³)]", "P − equation"),
-        ("heat_capacity", "c_v [k_B]", "c_v − equation"),
-    ] {
+    for (quantity, heading, beside) in columns(record) {
         table = table
             .measured(heading, |p| {
                 p.row(quantity).map(|r| (r.measured, r.standard_error))
@@ -217,8 +286,16 @@ pub fn point_table(record: &SweepRecord) -> Table {
                 Some(cell.toned(row.verdict.tone()))
             });
     }
+    let shown: Vec<&str> = columns(record)
+        .iter()
+        .map(|(quantity, ..)| *quantity)
+        .collect();
+    let heading = match is_of_slabs(record) {
+        true => "Verdicts of ρ, p_s, γ",
+        false => "Verdicts of U, P, c_v",
+    };
     table
-        .column("Verdicts of U, P, c_v", verdicts)
+        .column(heading, |p| verdicts(p, &shown))
         .column("State", |p| {
             let state = state(p);
             Cell::words(&state.words).toned(if state.is_single_stable_phase() {
@@ -230,16 +307,37 @@ pub fn point_table(record: &SweepRecord) -> Table {
         .table()
 }
 
+/// A quantity of the table, its heading, and the heading of its difference.
+type Shown = (&'static str, &'static str, &'static str);
+
+/// The quantities of the table of points.
+fn columns(record: &SweepRecord) -> &'static [Shown] {
+    match is_of_slabs(record) {
+        true => &[
+            ("liquid_density", "ρ of liquid [σ⁻³]", "ρ_l − literature"),
+            ("vapor_density", "ρ of vapor [σ⁻³]", "ρ_v − literature"),
+            ("vapor_pressure", "p_s [(ε/σ³)]", "p_s − literature"),
+            ("surface_tension", "γ [(ε/σ²)]", "γ − literature"),
+        ],
+        false => &[
+            ("potential_energy", "U [ε]", "U − equation"),
+            ("pressure", "P [(ε/σ³)]", "P − equation"),
+            ("heat_capacity", "c_v [k_B]", "c_v − equation"),
+        ],
+    }
+}
+
 /// The verdicts of a point, or why there are none.
-fn verdicts(point: &SweptPoint) -> Cell {
+fn verdicts(point: &SweptPoint, shown: &[&str]) -> Cell {
     let Some(compared) = &point.compared else {
         let why = point.failure.as_deref().and_then(|why| why.lines().next());
         return Cell::words(why.unwrap_or("not finished")).toned(Tone::Bad);
     };
-    if !compared.state.is_single_stable_phase() {
+    let rows = || shown.iter().filter_map(|quantity| point.row(quantity));
+    if !compared.state.is_single_stable_phase() && !rows().any(|r| r.verdict.is_judged()) {
         return Cell::words("not judged").toned(Tone::Careful);
     }
-    let rows = QUANTITIES.iter().filter_map(|(q, _)| point.row(q));
+    let rows = rows();
     let words = rows.map(|r| match r.verdict {
         Verdict::PredictedBias => r.verdict_words(),
         other => other.words().to_owned(),

@@ -6,6 +6,7 @@ use std::path::Path;
 use lennard_core::random::Streams;
 use lennard_scene::Scene;
 use rand::Rng;
+use serde::Serialize;
 
 use super::SweepError;
 use super::file::{Axes, OneOrMany};
@@ -13,11 +14,22 @@ use super::file::{Axes, OneOrMany};
 /// The most points of one sweep.
 const MOST_POINTS: usize = 10_000;
 
+/// What a sweep chose for one key of a point.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Setting {
+    /// The key of the sweep.
+    pub key: &'static str,
+    /// Its value.
+    pub value: f64,
+}
+
 /// One state point.
 #[derive(Debug, Clone)]
 pub struct Point {
     /// Its name and the name of its folder: `rho0.85-T1.128`.
     pub name: String,
+    /// What the sweep chose for it, without the seed.
+    pub settings: Vec<Setting>,
     /// Its scene.
     pub scene: Scene,
     /// Number of particles.
@@ -50,13 +62,16 @@ struct Key {
     short: &'static str,
 }
 
+/// The key that makes independent runs of one state.
+const SEED: &str = "seed";
+
 const KEYS: [Key; 7] = [
     Key::new("density", Some("system.density"), "rho"),
     Key::new("temperature", Some("system.temperature"), "T"),
     Key::new("n_atoms", Some("system.n_atoms"), "N"),
     Key::new("r_cut", Some("truncation.r_cut"), "rc"),
     Key::new("dt", Some("integrator.dt"), "dt"),
-    Key::new("seed", Some("system.seed"), "seed"),
+    Key::new(SEED, Some("system.seed"), "seed"),
     Key::new("longer", None, ""),
 ];
 
@@ -249,7 +264,7 @@ pub(super) fn point(
         source,
     };
     let mut scene = Scene::load(base, &all).map_err(refused)?;
-    let state = name_of(&chosen, |key| key.scene.is_some() && key.name != "seed");
+    let state = name_of(&chosen, |key| key.scene.is_some() && key.name != SEED);
     scene.system.seed = seed_of_point(scene.system.seed, &state);
     if let Some(longer) = planned.choice[LONGER]
         .as_ref()
@@ -266,8 +281,19 @@ pub(super) fn point(
             point: name.clone(),
             source: Box::new(source),
         })?;
+    let settings = chosen
+        .iter()
+        .filter(|(key, _)| key.scene.is_some() && key.name != SEED)
+        .filter_map(|(key, value)| {
+            Some(Setting {
+                key: key.name,
+                value: value.parse().ok()?,
+            })
+        })
+        .collect();
     Ok(Point {
         name,
+        settings,
         scene,
         atoms,
         density,

@@ -10,7 +10,10 @@ use serde::Serialize;
 
 use super::ran::{Found, Ran};
 use super::side_by_side::run_all;
-use super::{Agreement, Point, Sweep, SweepError, agreement, isotherms, page};
+use super::{
+    Agreement, CriticalEstimate, Point, Setting, Sweep, SweepError, agreement, coexistence,
+    figures, page,
+};
 use crate::Progress;
 use crate::compare::{ComparedRun, Row, RunFolder, StateOfMatter, compare};
 use crate::kept::same_scene;
@@ -18,8 +21,17 @@ use crate::kept::same_scene;
 /// Name and version of the schema of [`SweepRecord`].
 const SWEEP_SCHEMA: &str = "lennard-sweep/1";
 
-/// The files that a sweep writes in its folder: record, table and page.
-pub const FILES: [&str; 4] = ["sweep.json", "table.csv", "report.html", "pressure.svg"];
+/// The files that a sweep writes in its folder: record, table, page, and figures.
+pub const FILES: [&str; 8] = [
+    "sweep.json",
+    "table.csv",
+    "report.html",
+    "pressure.svg",
+    "coexistence.svg",
+    "vapor_pressure.svg",
+    "surface_tension.svg",
+    "arrhenius.svg",
+];
 
 /// How to run a sweep.
 pub struct SweepOptions<'a> {
@@ -63,6 +75,10 @@ pub enum Ending {
 pub struct SweptPoint {
     /// Its name and the name of its folder.
     pub name: String,
+    /// What the sweep chose for it, without the seed.
+    pub settings: Vec<Setting>,
+    /// Its page, relative to the folder of the sweep; `None` where it has none.
+    pub page: Option<String>,
     /// Where it was to lie: density and temperature asked for.
     pub planned: StateOfMatter,
     /// Whether it had been finished before, and was not run again.
@@ -114,6 +130,8 @@ pub struct SweepRecord {
     pub points: Vec<SweptPoint>,
     /// All points together, quantity by quantity.
     pub agreement: Vec<Agreement>,
+    /// The critical point from slabs at three temperatures or more; `None` without them.
+    pub critical_point: Option<CriticalEstimate>,
 }
 
 /// Runs what is not finished yet, and writes table, page and record.
@@ -197,25 +215,26 @@ pub(super) fn record(
         .iter()
         .filter_map(|q| agreement(&points, q))
         .collect(),
+        critical_point: coexistence::critical_point(&points),
         points,
     }
 }
 
-/// Writes record, table, figure and page.
+/// Writes record, table, figures and page.
 pub(super) fn write(
     sweep: &Sweep,
     record: &SweepRecord,
     folder: &Path,
     command: &str,
 ) -> Result<(), SweepError> {
-    let [json, table, report, figure] = FILES.map(|name| folder.join(name));
+    let [json, table, report, ..] = FILES.map(|name| folder.join(name));
     lennard_io::write_json_atomically(&json, record)?;
     lennard_io::write_table_csv(&table, &page::csv(record))?;
-    let isotherms = isotherms::picture(sweep, record);
-    if let Some(picture) = &isotherms {
-        lennard_io::write_text_atomically(&figure, &picture.to_svg()?)?;
+    let pictures = figures::all(sweep, record);
+    for (file, picture) in pictures.files() {
+        lennard_io::write_text_atomically(&folder.join(file), &picture.to_svg()?)?;
     }
-    let html = page::page(record, command, isotherms).to_html()?;
+    let html = page::page(record, command, pictures).to_html()?;
     lennard_io::write_text_atomically(&report, &html)?;
     Ok(())
 }
@@ -263,6 +282,11 @@ pub(super) fn conclude(point: &Point, outcome: Result<Ran, String>, folder: &Pat
     let equation = lennard_literature::equation_of_state_for(model).ok();
     let mut swept = SweptPoint {
         name: point.name.clone(),
+        settings: point.settings.clone(),
+        page: folder
+            .join("report.html")
+            .exists()
+            .then(|| format!("{}/report.html", point.name)),
         planned: StateOfMatter::new(point.density, point.scene.system.temperature, equation),
         kept: matches!(outcome, Ok(Ran::Kept)),
         failure: None,

@@ -1,0 +1,111 @@
+//! Diffusion against the inverse temperature.
+
+use lennard_report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
+
+use super::SweepRecord;
+use super::averaged::{Averaged, averaged};
+use super::properties::{label_of, series_of};
+use crate::lines::WeightedLine;
+
+/// The fewest temperatures that make a line.
+const FEWEST: usize = 3;
+const QUANTITY: &str = "diffusion_coefficient";
+
+/// One line of Arrhenius, D = D₀·exp(−E/T).
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Arrhenius {
+    line: WeightedLine,
+}
+
+impl Arrhenius {
+    /// Through points (T, D, standard error of D).
+    fn through(points: &[(f64, f64, f64)]) -> Option<Self> {
+        let logarithms: Vec<(f64, f64, f64)> = points
+            .iter()
+            .map(|(t, d, error)| (1.0 / t, d.ln(), error / d))
+            .collect();
+        let line = WeightedLine::through(&logarithms).filter(|_| points.len() >= FEWEST)?;
+        Some(Self { line })
+    }
+
+    /// E in ε with its standard error.
+    fn energy(&self) -> (f64, f64) {
+        (-self.line.slope, self.line.error_of_slope())
+    }
+
+    /// D₀ in σ²/τ with its standard error.
+    fn factor(&self) -> (f64, f64) {
+        let factor = self.line.at(0.0).exp();
+        (factor, factor * self.line.error_at(0.0))
+    }
+}
+
+/// D against 1/T with a line for each fluid; `None` where no fluid has D at three temperatures.
+pub(super) fn picture(record: &SweepRecord) -> Option<Picture> {
+    let points = averaged(&record.points);
+    let mut figure = Figure::new(
+        "arrhenius",
+        "Diffusion coefficient against inverse temperature",
+        Axis::linear("1/T / (k_B/ε)"),
+        Axis::logarithmic("D / (σ²/τ)"),
+    );
+    let mut fits = Vec::new();
+    for (color, group) in series_of(&points, "temperature").into_iter().enumerate() {
+        let measured: Vec<(f64, f64, f64, &Averaged<'_>)> = group
+            .iter()
+            .filter_map(|p| {
+                let mean = p.mean(QUANTITY)?;
+                Some((p.temperature()?, mean.value, mean.error?, *p))
+            })
+            .filter(|(_, d, ..)| *d > 0.0)
+            .collect();
+        let plain: Vec<(f64, f64, f64)> = measured.iter().map(|m| (m.0, m.1, m.2)).collect();
+        let Some(fit) = Arrhenius::through(&plain) else {
+            continue;
+        };
+        let label = label_of(group[0], "temperature");
+        let marks = measured.iter().map(|(t, d, error, point)| Point {
+            error: Some(*error),
+            note: Some(point.name()),
+            link: point.page(),
+            ..Point::from((1.0 / t, *d))
+        });
+        let look = Look::Points(Symbol::Disc);
+        figure = figure.with(Series::new(label.clone(), look, color, marks));
+        let ends = plain.iter().map(|(t, ..)| 1.0 / t);
+        let (low, high) = ends.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| {
+            (low.min(x), high.max(x))
+        });
+        let line = [low, high].map(|x| (x, fit.line.at(x).exp()));
+        figure = figure.with(Series::new("", Look::Line(Dash::Solid), color, line));
+        let (energy, factor) = (fit.energy(), fit.factor());
+        fits.push(format!(
+            "{label}: E = {} ε, D₀ = {} σ²/τ",
+            with_error(energy.0, energy.1),
+            with_error(factor.0, factor.1)
+        ));
+    }
+    let caption = format!(
+        "Bars are one standard error. Lines are D = D₀·exp(−E/T). {}.",
+        fits.join("; ")
+    );
+    (!fits.is_empty()).then(|| Picture::new(figure, caption, "table.csv"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_diffusion_gives_its_energy_and_factor() {
+        let points = [0.8, 1.0, 1.3].map(|t: f64| {
+            let d = 0.3 * (-2.1 / t).exp();
+            (t, d, 0.01 * d)
+        });
+        let fit = Arrhenius::through(&points).unwrap();
+        assert!((fit.energy().0 - 2.1).abs() < 1e-12);
+        assert!((fit.factor().0 - 0.3).abs() < 1e-12);
+        assert!(fit.energy().1 > 0.0 && fit.factor().1 > 0.0);
+        assert_eq!(Arrhenius::through(&points[..2]), None);
+    }
+}

@@ -1,0 +1,155 @@
+//! Points of a sweep that differ in their seeds alone, taken together.
+
+use super::SweptPoint;
+use super::points::Setting;
+
+/// From so many seeds on, their scatter is an error of its own.
+const FEWEST_SEEDS: usize = 4;
+
+/// Points with the same settings, whatever their seeds.
+pub(super) struct Averaged<'a> {
+    /// What was chosen for these points, without the seed.
+    pub settings: &'a [Setting],
+    /// The points.
+    pub points: Vec<&'a SweptPoint>,
+}
+
+/// A mean over seeds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Mean {
+    /// The mean.
+    pub value: f64,
+    /// Its standard error; `None` where a run gives none.
+    pub error: Option<f64>,
+}
+
+/// The points of a sweep, seeds together, in the order of the sweep.
+pub(super) fn averaged(points: &[SweptPoint]) -> Vec<Averaged<'_>> {
+    let mut all: Vec<Averaged<'_>> = Vec::new();
+    for point in points {
+        match all.iter_mut().find(|a| a.settings == point.settings) {
+            Some(same) => same.points.push(point),
+            None => all.push(Averaged {
+                settings: &point.settings,
+                points: vec![point],
+            }),
+        }
+    }
+    all
+}
+
+impl Averaged<'_> {
+    /// What was chosen for a key.
+    pub fn setting(&self, key: &str) -> Option<f64> {
+        let setting = self.settings.iter().find(|s| s.key == key);
+        setting.map(|s| s.value)
+    }
+
+    /// The mean of a quantity over the seeds; `None` where no run has measured it.
+    ///
+    /// Its error is √Σs²/n of the printed errors, or the scatter of the seeds where it is larger and there are four seeds or more.
+    /// Runs without an error are left out where others have one.
+    pub fn mean(&self, quantity: &str) -> Option<Mean> {
+        let rows = || self.points.iter().filter_map(|p| p.row(quantity));
+        let sound: Vec<[f64; 2]> = rows()
+            .filter(|r| r.standard_error.is_finite())
+            .map(|r| [r.measured, r.standard_error])
+            .collect();
+        if sound.is_empty() {
+            let values: Vec<f64> = rows().map(|r| r.measured).collect();
+            return (!values.is_empty()).then(|| Mean {
+                value: values.iter().sum::<f64>() / values.len() as f64,
+                error: None,
+            });
+        }
+        Some(mean_of(&sound))
+    }
+
+    /// The mean measured temperature, ε/k_B; `None` where no run has ended.
+    pub fn temperature(&self) -> Option<f64> {
+        let measured: Vec<f64> = self
+            .points
+            .iter()
+            .filter_map(|p| Some(p.compared.as_ref()?.state.temperature))
+            .collect();
+        (!measured.is_empty()).then(|| measured.iter().sum::<f64>() / measured.len() as f64)
+    }
+
+    /// The name of the first of the points, and how many there are.
+    pub fn name(&self) -> String {
+        let first = &self.points[0].name;
+        match self.points.len() {
+            1 => first.clone(),
+            n => format!("{first} and {} more seeds", n - 1),
+        }
+    }
+
+    /// The page of the first of the points.
+    pub fn page(&self) -> Option<String> {
+        self.points.iter().find_map(|p| p.page.clone())
+    }
+}
+
+/// The mean of values with errors.
+fn mean_of(sound: &[[f64; 2]]) -> Mean {
+    let n = sound.len() as f64;
+    let value = sound.iter().map(|[x, _]| x).sum::<f64>() / n;
+    let printed = sound.iter().map(|[_, s]| s * s).sum::<f64>().sqrt() / n;
+    let squares: f64 = sound.iter().map(|[x, _]| (x - value).powi(2)).sum();
+    let scatter = (squares / (n * (n - 1.0))).sqrt();
+    let error = if sound.len() >= FEWEST_SEEDS {
+        printed.max(scatter)
+    } else {
+        printed
+    };
+    Mean {
+        value,
+        error: Some(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_error_of_seeds_is_the_printed_one_or_their_scatter_where_it_is_larger() {
+        let two = mean_of(&[[1.0, 0.3], [2.0, 0.4]]);
+        assert_eq!(two.value, 1.5);
+        assert!((two.error.unwrap() - 0.25).abs() < 1e-15);
+        // Four seeds scatter by far more than they print.
+        let four = mean_of(&[[0.0, 0.1], [2.0, 0.1], [0.0, 0.1], [2.0, 0.1]]);
+        assert!((four.error.unwrap() - (4.0_f64 / 12.0).sqrt()).abs() < 1e-15);
+        let quiet = mean_of(&[[1.0, 0.1]; 4]);
+        assert!((quiet.error.unwrap() - 0.05).abs() < 1e-15);
+    }
+
+    #[test]
+    fn points_that_differ_in_their_seeds_stand_together() {
+        let point = |name: &str, density: f64| SweptPoint {
+            name: name.to_owned(),
+            settings: vec![Setting {
+                key: "density",
+                value: density,
+            }],
+            page: None,
+            planned: crate::compare::StateOfMatter::new(density, 1.0, None),
+            kept: false,
+            failure: None,
+            compared: None,
+            wall_s: 0.0,
+            ns_per_atom_step: 0.0,
+        };
+        let points = [
+            point("rho0.1-seed1", 0.1),
+            point("rho0.2-seed1", 0.2),
+            point("rho0.1-seed2", 0.1),
+        ];
+        let together = averaged(&points);
+        assert_eq!(together.len(), 2);
+        assert_eq!(together[0].name(), "rho0.1-seed1 and 1 more seeds");
+        assert_eq!(together[1].setting("density"), Some(0.2));
+        assert_eq!(together[0].mean("pressure"), None);
+        assert_eq!(together[0].temperature(), None);
+    }
+}
