@@ -26,8 +26,9 @@ pub(crate) fn is_near(link: &str) -> bool {
     link.ends_with(".html") && !link.starts_with('/') && link.chars().all(plain)
 }
 
-/// Escaped text in which `` `code` ``, `**bold**` and `[words](NAME.html)` become tags; a marker without its twin stays as it
-/// is, and so does a link that leads elsewhere than to a page beside this one.
+/// Escaped text in which `` `code` ``, `**bold**` and `[words](NAME.html)` become tags.
+///
+/// A marker without its twin stays as it is. So does a link that leads elsewhere than to a page beside this one.
 #[must_use]
 pub fn inline_markup(text: &str) -> String {
     let linked = with_links(text);

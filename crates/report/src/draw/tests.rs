@@ -26,6 +26,7 @@ fn example() -> Figure {
                 y: 9.0,
                 error: Some(20.0),
                 note: Some("n < 3".into()),
+                link: None,
                 x_range: Some((2.5, 3.5)),
                 label: Some("17".into()),
             }],
