@@ -136,6 +136,7 @@ mod tests {
             planned: crate::compare::StateOfMatter::new(density, 1.0, None),
             kept: false,
             failure: None,
+            elsewhere: None,
             compared: None,
             wall_s: 0.0,
             ns_per_atom_step: 0.0,
