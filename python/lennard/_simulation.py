@@ -51,8 +51,8 @@ def changes(set: Mapping[str, Any] | None, tables: Mapping[str, Any]) -> list[tu
 class Simulation:
     """A simulation of a scene.
 
-    ``scene`` is the path of a scene file, TOML text, or the same as dictionaries. ``set`` changes keys
-    (``set={"truncation.r_cut": 4}``), and so do tables given by name (``truncation={"r_cut": 4}``). A scene that is no
+    ``scene`` is the path of a scene file, the name of a scene that comes with the program (``"fluid/gas"``), TOML text,
+    or the same as dictionaries. ``set`` changes keys (``set={"truncation.r_cut": 4}``), and so do tables given by name (``truncation={"r_cut": 4}``). A scene that is no
     file may come without stages: ``run(steps)`` adds them.
 
     All numbers are in reduced units. Energies are for each particle, or each molecule where the scene has molecules.

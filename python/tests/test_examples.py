@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -32,6 +34,27 @@ def test_the_code_of_the_documentation_runs(tmp_path):
     script.write_text("\n".join(blocks), encoding="utf-8")
     made = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=300)
     assert made.returncode == 0, made.stderr
+
+
+TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
+WITH_PYTHON = [path for path in TUTORIALS if "\n```python\n" in path.read_text(encoding="utf-8")]
+
+
+def test_a_tutorial_has_code():
+    assert WITH_PYTHON
+
+
+@pytest.mark.parametrize("tutorial", WITH_PYTHON, ids=lambda path: path.stem)
+def test_the_commands_and_the_code_of_a_tutorial_run(tutorial, tmp_path):
+    blocks = re.findall(r"^```(sh|python)\n(.*?)^```", tutorial.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    programs = os.pathsep.join([os.fspath(Path(sys.executable).parent), os.environ["PATH"]])
+    environment = {**os.environ, "PATH": programs, "MPLBACKEND": "svg"}
+    for kind, code in blocks:
+        command = ["bash", "-e", "-c", code] if kind == "sh" else [sys.executable, "-c", code]
+        made = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)
+        assert made.returncode == 0, made.stderr
+    drawn = [path.stat().st_size for path in tmp_path.rglob("g_ab.svg")]
+    assert drawn and drawn[0] > 1000
 
 
 def test_the_example_in_the_package_runs():

@@ -1,7 +1,7 @@
 //! Scenes from TOML text and files.
 
 use lennard_engine::{from_text, planned_text};
-use lennard_scene::{Scene, reference};
+use lennard_scene::{Scene, reference, shipped};
 use pyo3::prelude::*;
 use serde_json::json;
 
@@ -20,6 +20,7 @@ pub fn resolve(text: &str, name: &str, overrides: Overrides) -> PyResult<String>
 /// The same of a scene file.
 #[pyfunction]
 pub fn resolve_file(path: std::path::PathBuf, overrides: Overrides) -> PyResult<String> {
+    let path = shipped::locate(&path);
     let loaded = Scene::load_settled(&path, &overrides, None);
     let (scene, _) = loaded.map_err(|e| errors::of_scene(&e))?;
     Ok(scene.resolved_toml())

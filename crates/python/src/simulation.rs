@@ -9,7 +9,7 @@ use lennard_engine::{
     planned_text, prolonged, run_in_memory, with_stage,
 };
 use lennard_io::Existing;
-use lennard_scene::{Scene, Start};
+use lennard_scene::{Scene, Start, shipped};
 use numpy::PyArray2;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -60,7 +60,7 @@ impl Core {
 
 #[pymethods]
 impl Core {
-    /// A simulation of a scene file, with the settings of its lock file where it asks for an accuracy.
+    /// A simulation of a scene file or of a scene that comes with the program, with the settings of its lock file where it asks for an accuracy.
     #[staticmethod]
     #[pyo3(signature = (path, overrides, lock, threads))]
     fn open(
@@ -70,6 +70,7 @@ impl Core {
         lock: Option<PathBuf>,
         threads: Option<usize>,
     ) -> PyResult<Self> {
+        let path = shipped::locate(&path);
         let loaded = Scene::load_settled(&path, &overrides, lock.as_deref());
         let (scene, lock) = loaded.map_err(|e| errors::of_scene(&e))?;
         let processors = lennard_core::parallel::processors();
