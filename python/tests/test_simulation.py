@@ -27,6 +27,13 @@ def test_the_state_before_the_first_step_has_forces_and_energy(liquid):
     assert np.array_equal(simulation.positions, apart.positions), "a look changes no bit"
 
 
+def test_a_scene_that_comes_with_the_program_is_found_by_its_name():
+    simulation = lennard.Simulation("verlet-1967/triple-point", set={"system.n_atoms": 256})
+    assert simulation.name == "triple-point" and len(simulation.positions) == 256
+    with pytest.raises(lennard.SceneError, match="nearest: verlet-1967/triple-point"):
+        lennard.Simulation("verlet-1967/tripel-point")
+
+
 def test_copies_are_the_readers_own(liquid):
     simulation = lennard.Simulation(liquid)
     positions = simulation.positions
