@@ -60,7 +60,8 @@ impl Core {
 
 #[pymethods]
 impl Core {
-    /// A simulation of a scene file or of a scene that comes with the program, with the settings of its lock file where it asks for an accuracy.
+    /// A simulation of a scene file or of a scene that comes with the program. A lock file brings the settings of one that asks
+    /// for an accuracy.
     #[staticmethod]
     #[pyo3(signature = (path, overrides, lock, threads))]
     fn open(
