@@ -26,13 +26,13 @@ pub(crate) fn is_near(link: &str) -> bool {
     link.ends_with(".html") && !link.starts_with('/') && link.chars().all(plain)
 }
 
-/// Escaped text in which `` `code` ``, `**bold**` and `[words](NAME.html)` become tags.
+/// Escaped text in which `` `code` ``, `**bold**` and `[words](NAME.html)` become tags, and each DOI a link.
 ///
 /// A marker without its twin stays as it is. So does a link that leads elsewhere than to a page beside this one.
 #[must_use]
 pub fn inline_markup(text: &str) -> String {
-    let linked = with_links(text);
-    linked.unwrap_or_else(|| without_links(text))
+    let with_links = with_links(text);
+    with_links.unwrap_or_else(|| without_links(text))
 }
 
 /// The text with its first link as a tag; `None` where it has none.
@@ -53,14 +53,39 @@ fn with_links(text: &str) -> Option<String> {
 
 fn without_links(text: &str) -> String {
     let coded = wrap_pairs(&escape(text), "`", "code");
+    let marked = |text: &str| with_dois(&wrap_pairs(text, "**", "strong"));
     // Stars inside code are code.
     coded
         .split_inclusive("</code>")
         .map(|part| match part.split_once("<code>") {
-            Some((before, code)) => format!("{}<code>{code}", wrap_pairs(before, "**", "strong")),
-            None => wrap_pairs(part, "**", "strong"),
+            Some((before, code)) => format!("{}<code>{code}", marked(before)),
+            None => marked(part),
         })
         .collect()
+}
+
+/// The text with a link for each DOI: `doi:10.1063/1.4945000` or `DOI 10.1063/1.4945000`.
+fn with_dois(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find("10.") {
+        let (before, after) = rest.split_at(at);
+        let end = after.find(|c: char| c.is_whitespace() || ";,<\"".contains(c));
+        let (found, tail) = after.split_at(end.unwrap_or(after.len()));
+        let name = found.trim_end_matches(['.', ')']);
+        let is_doi = name.contains('/') && (before.ends_with("doi:") || before.ends_with("DOI "));
+        out.push_str(before);
+        if is_doi {
+            let end = &found[name.len()..];
+            out.push_str(&format!(
+                "<a href=\"https://doi.org/{name}\">{name}</a>{end}"
+            ));
+        } else {
+            out.push_str(found);
+        }
+        rest = tail;
+    }
+    out + rest
 }
 
 fn wrap_pairs(text: &str, marker: &str, tag: &str) -> String {
@@ -85,7 +110,7 @@ fn wrap_pairs(text: &str, marker: &str, tag: &str) -> String {
 /// The small print below figures and tables: where the numbers are and what made them.
 pub(crate) fn made_by(command: Option<&str>, data: Option<&str>) -> String {
     let parts: Vec<String> = [
-        data.map(|d| format!("numbers: <code>{}</code>", escape(d))),
+        data.map(|d| format!("numbers: <a href=\"{0}\"><code>{0}</code></a>", escape(d))),
         command.map(|c| format!("made by <code>{}</code>", escape(c))),
     ]
     .into_iter()
@@ -118,6 +143,10 @@ mod tests {
         );
         assert_eq!(inline_markup("2 ** 3 and `open"), "2 ** 3 and `open");
         assert!(!inline_markup("`<script>`").contains("<script>"));
+        assert_eq!(
+            inline_markup("(doi:10.1063/1.4945000), 10.5 and `doi:10.1/x`"),
+            "(doi:<a href=\"https://doi.org/10.1063/1.4945000\">10.1063/1.4945000</a>), 10.5 and <code>doi:10.1/x</code>"
+        );
     }
 
     #[test]

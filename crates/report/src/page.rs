@@ -263,7 +263,7 @@ mod tests {
             "<strong>strongly</strong>",
             "<td class=\"bad\">&lt;img src=x onerror=y&gt;</td>",
             "made by <code>lennard stability --out &quot;&lt;dir&gt;&quot;</code>",
-            "numbers: <code>numbers.csv</code>",
+            "numbers: <a href=\"numbers.csv\"><code>numbers.csv</code></a>",
         ] {
             assert!(html.contains(text), "{text}");
         }

@@ -72,8 +72,13 @@ pub fn is_numeric(column: &Column) -> bool {
 
 /// The table as a figure of a page, with the command that made it.
 pub(crate) fn to_html(table: &Table, command: Option<&str>) -> String {
-    let mut html = String::from(
-        "<figure class=\"table\">\n<div class=\"scroll\" tabindex=\"0\"><table>\n<thead><tr>",
+    let judged = if ends_with_verdicts(table) {
+        " class=\"judged\""
+    } else {
+        ""
+    };
+    let mut html = format!(
+        "<figure class=\"table\">\n<div class=\"scroll\" tabindex=\"0\"><table{judged}>\n<thead><tr>"
     );
     for column in &table.columns {
         let class = if is_numeric(column) {
@@ -104,6 +109,12 @@ pub(crate) fn to_html(table: &Table, command: Option<&str>) -> String {
     html.push_str(&made_by(command, None));
     html.push_str("</figcaption>\n</figure>\n");
     html
+}
+
+/// Whether the last column has tones: it then stays in sight on a narrow screen.
+fn ends_with_verdicts(table: &Table) -> bool {
+    let is_judged = |cell: &Cell| !matches!(cell.tone, Tone::Plain | Tone::Faint);
+    (table.columns.last()).is_some_and(|last| last.cells.iter().any(is_judged))
 }
 
 /// The class of a cell: its tone, and where it stands.

@@ -31,6 +31,12 @@ pub fn quantity_words(name: &str) -> String {
     match name {
         "temperature" => "T, whole steps".into(),
         read::HALF_STEPS => "T, half steps".into(),
+        "heat_capacity_pressure" => "heat capacity c_p".into(),
+        "joule_thomson_coefficient" => "Joule–Thomson coefficient".into(),
+        "grueneisen_parameter" => "Grüneisen parameter".into(),
+        "density_scaling_exponent" => "density-scaling exponent".into(),
+        "energy_virial_correlation" => "correlation of energy and virial".into(),
+        "rdf_first_peak" => "first peak of g(r)".into(),
         other => other.replace('_', " "),
     }
 }

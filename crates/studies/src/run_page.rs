@@ -7,7 +7,7 @@ mod tables;
 
 use std::path::Path;
 
-use lennard_report::{Page, ParticleFigure, ReportError, Section};
+use lennard_report::{Page, ParticleFigure, Picture, ReportError, Section};
 
 use crate::compare::{ReadError, RunFolder, compare};
 
@@ -59,23 +59,20 @@ fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
         compared.state.temperature,
         compared.headline,
     );
-    let mut sections = vec![
-        Section::new("Beside the literature")
-            .table(tables::comparison(&compared))
-            .list(tables::sources(&compared)),
-        tables::state_card(&compared),
-        Section::new("What was run, and what was left out")
-            .table(tables::stages(run))
-            .list(tables::left_out(run)),
-        Section::new("Averages").table(tables::averages(&compared, record)),
-    ];
-    let drawn = [
+    let drawn = |(title, text, figures): (&str, &str, Vec<Picture>)| {
+        let section = Section::new(title).text(text);
+        (!figures.is_empty()).then(|| section.figures(figures))
+    };
+    let at_a_glance = [
         ("Particles", particles::PARTICLES, particles::pictures(last)),
         (
             "Phase diagram",
             phase_diagram::PHASE_DIAGRAM,
             phase_diagram::phase_diagram(run, &compared),
         ),
+    ];
+    let figures = [
+        ("All stages", figures::ALL_STAGES, figures::all_stages(run)),
         (
             "Time series",
             figures::TIME_SERIES,
@@ -90,12 +87,20 @@ fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
             figures::motion(run),
         ),
     ];
-    let drawn = drawn
-        .into_iter()
-        .filter(|(.., figures)| !figures.is_empty());
-    sections.extend(
-        drawn.map(|(title, text, figures)| Section::new(title).text(text).figures(figures)),
+    let mut sections: Vec<Section> = at_a_glance.into_iter().filter_map(drawn).collect();
+    sections.push(
+        Section::new("Beside the literature")
+            .table(tables::comparison(&compared))
+            .list(tables::sources(&compared)),
     );
+    sections.push(tables::state_card(&compared));
+    sections.extend(figures.into_iter().filter_map(drawn));
+    sections.push(
+        Section::new("What was run, and what was left out")
+            .table(tables::stages(run))
+            .list(tables::left_out(run)),
+    );
+    sections.push(Section::new("Averages").table(tables::averages(&compared, record)));
     sections.push(Section::new("Performance").table(tables::performance(record)));
     if !record.remarks.is_empty() {
         sections.push(Section::new("Remarks").list(record.remarks.clone()));
@@ -106,9 +111,14 @@ fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
         command: None,
         sections,
         provenance: vec![
+            ("finished".into(), finished_on(run)),
             (
                 "scene".into(),
                 "`scene.toml` beside this page, every default written out".into(),
+            ),
+            (
+                "the same bits again".into(),
+                "`lennard run scene.toml`".into(),
             ),
             ("seed".into(), record.seed.to_string()),
             ("version".into(), record.version.clone()),
@@ -124,4 +134,13 @@ fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
             ),
         ],
     }
+}
+
+/// The day on which the record of the run was written.
+fn finished_on(run: &RunFolder) -> String {
+    let record = run.folder.join("run.json");
+    let written = std::fs::metadata(record).and_then(|about| about.modified());
+    let time = written.map(|time| humantime::format_rfc3339_seconds(time).to_string());
+    let day = time.map(|text| text.split('T').next().unwrap_or_default().to_owned());
+    day.unwrap_or_else(|_| "on a day that is not known".into())
 }

@@ -120,7 +120,7 @@ fn narrow(run: &ComparedRun) -> Table {
         .column("Reference", |r| rounded(r.reference))
         .column("Difference", |r| {
             if r.is_in_range() {
-                return Some(Cell::words("in range"));
+                return Some(Cell::figures("in range"));
             }
             let figures = r.difference.map(|d| signed(d, 2));
             figures.map(Cell::figures)

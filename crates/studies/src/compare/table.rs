@@ -27,7 +27,7 @@ pub fn table(rows: &[&Row], verdict: impl Fn(&Row) -> String) -> Table {
         })
         .column("Difference", |r| {
             if r.is_in_range() {
-                return Cell::words("in range");
+                return Cell::figures("in range");
             }
             with_or_without_error(r.difference, r.combined_error)
         })

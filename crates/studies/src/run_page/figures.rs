@@ -6,6 +6,8 @@ use lennard_report::{Axis, Dash, Figure, Guide, Look, Picture, Point, Series, Sy
 use crate::compare::{HANSEN_VERLET, RunFolder};
 
 pub(super) const TIME_SERIES: &str = "Measured stages only. What lies left of the dashed line is the start that all averages leave out.";
+pub(super) const ALL_STAGES: &str =
+    "The whole run from its start. Dashed lines are the beginnings of stages.";
 pub(super) const ERROR_BARS: &str = "Apparent standard error of the mean when successive samples are averaged in blocks: it rises until the blocks are longer than \
      the correlation, and the plateau is the error.";
 pub(super) const STRUCTURE: &str = "Pair distribution and static structure factor. A liquid freezes where the first peak of S(k) reaches 2.85 (Hansen and Verlet 1969).";
@@ -120,6 +122,54 @@ pub(super) fn time_series(run: &RunFolder) -> Vec<Picture> {
             "Conserved energy",
             "(E − heat)/N / ε",
         ),
+    ]
+    .into_iter()
+    .filter_map(draw)
+    .collect()
+}
+
+/// Temperature, energy and pressure against time through all stages; nothing where there is one stage.
+pub(super) fn all_stages(run: &RunFolder) -> Vec<Picture> {
+    let stages = &run.scene.stages;
+    let Some(table) = run.table("thermo").filter(|_| stages.len() > 1) else {
+        return Vec::new();
+    };
+    let times = table.numbers("time").unwrap_or_default();
+    let numbers = table.numbers("stage").unwrap_or_default();
+    let begins = |stage: usize| {
+        let mut rows = times.iter().zip(&numbers);
+        let first = rows.find(|(_, number)| **number == stage as f64)?;
+        // Names of short stages would lie on each other.
+        let name = if stages[stage].measure {
+            stages[stage].name.clone()
+        } else {
+            String::new()
+        };
+        Some(Guide::Vertical(*first.0, name))
+    };
+    let guides: Vec<Guide> = (1..stages.len()).filter_map(begins).collect();
+    let draw = |(name, title, label): (&str, &str, &str)| {
+        let curve = curve(&table, "time", name)?;
+        let figure = Figure::new(
+            format!("all_stages_{name}"),
+            title,
+            Axis::linear("time / τ"),
+            Axis::linear(label),
+        );
+        let figure = guides
+            .iter()
+            .cloned()
+            .fold(figure.with(series(LINE, curve)), Figure::guided);
+        Some(Picture::new(figure, "", "thermo.csv"))
+    };
+    [
+        ("temperature", "Temperature, all stages", "T / (ε/k_B)"),
+        (
+            "potential_energy",
+            "Potential energy, all stages",
+            "U/N / ε",
+        ),
+        ("pressure", "Pressure, all stages", "P / (ε/σ³)"),
     ]
     .into_iter()
     .filter_map(draw)
@@ -270,6 +320,7 @@ pub(super) fn motion(run: &RunFolder) -> Vec<Picture> {
     [
         displacement(run),
         autocorrelation(run),
+        running_integral(run),
         green_kubo(run, viscosity),
         green_kubo(run, conductivity),
     ]
@@ -305,6 +356,21 @@ fn autocorrelation(run: &RunFolder) -> Option<Picture> {
     let integral = "D = {} σ²/τ from its integral.";
     let caption = said_of(run, "diffusion_coefficient_green_kubo", integral);
     Some(Picture::new(figure, caption, "vacf.csv"))
+}
+
+fn running_integral(run: &RunFolder) -> Option<Picture> {
+    let integral = curve(&run.table("vacf")?, "time", "diffusion")?;
+    let mut figure = Figure::new(
+        "vacf_integral",
+        "Running integral of the velocity autocorrelation",
+        Axis::linear("upper limit / τ"),
+        Axis::linear("D(t) / (σ²/τ)"),
+    )
+    .with(series(LINE, integral));
+    if let Some(d) = run.average("diffusion_coefficient_green_kubo") {
+        figure = figure.level(d.mean, "D");
+    }
+    Some(Picture::new(figure, "", "vacf.csv"))
 }
 
 fn green_kubo(run: &RunFolder, [name, words, label]: [&str; 3]) -> Option<Picture> {

@@ -26,19 +26,24 @@ pub(super) fn state_card(compared: &ComparedRun) -> Section {
     }
 }
 
-/// Sources and remarks, quantity by quantity.
+/// Sources and remarks: quantities with the same ones share a line.
 pub(super) fn sources(compared: &ComparedRun) -> Vec<String> {
-    compared
-        .rows
-        .iter()
-        .filter_map(|r| {
-            let notes: Vec<&str> = [r.source.as_str(), r.remark.as_str()]
-                .into_iter()
-                .filter(|t| !t.is_empty())
-                .collect();
-            (!notes.is_empty())
-                .then(|| format!("**{}**: {}", quantity_words(&r.quantity), notes.join("; ")))
-        })
+    let mut shared: Vec<(String, Vec<String>)> = Vec::new();
+    for row in &compared.rows {
+        let notes = [row.source.as_str(), row.remark.as_str()];
+        let notes: Vec<&str> = notes.into_iter().filter(|t| !t.is_empty()).collect();
+        if notes.is_empty() {
+            continue;
+        }
+        let (notes, words) = (notes.join("; "), quantity_words(&row.quantity));
+        match shared.iter_mut().find(|(known, _)| *known == notes) {
+            Some((_, quantities)) => quantities.push(words),
+            None => shared.push((notes, vec![words])),
+        }
+    }
+    shared
+        .into_iter()
+        .map(|(notes, quantities)| format!("**{}**: {notes}", quantities.join(", ")))
         .chain(compared.remarks.iter().cloned())
         .collect()
 }
