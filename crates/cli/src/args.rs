@@ -63,6 +63,13 @@ pub enum Command {
         lennard energy inputs/fluid/from-configuration.toml\n  \
         lennard energy inputs/fluid/from-configuration.toml --forces forces.xyz --json")]
     Energy(EnergyArgs),
+    /// Write a scene, or the last state of a run, as the input of another program: LAMMPS.
+    #[command(after_help = "Examples:\n  \
+        lennard export verlet-1967/liquid lammps-liquid\n  \
+        lennard export runs/liquid-1 lammps-later        the last state of a run\n\n\
+        It writes start.data and in.lammps: the same state, potential, truncation, stages and baths.\n\
+        Where energies depend on something that LAMMPS does not have, it is refused; anything else is named in the script.")]
+    Export(ExportArgs),
     /// Measure where each integrator fails, on the oscillator and on the fluid, beside theory.
     #[command(
         after_help = "Examples:\n  lennard stability --out runs/stability\n  lennard stability --quick"

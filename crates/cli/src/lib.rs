@@ -39,6 +39,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Resume(args) => commands::resume::resume(args),
         Command::Plan(args) => commands::plan::plan(args),
         Command::Energy(args) => commands::energy::energy(args),
+        Command::Export(args) => commands::export::export(args),
         Command::Stability(args) => commands::stability::stability(args),
         Command::Mechanics(args) => commands::stability::mechanics(args),
         Command::Chart(args) => commands::chart::chart(args),

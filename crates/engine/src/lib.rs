@@ -25,6 +25,7 @@ mod in_memory;
 pub mod initial;
 mod instant;
 mod jump;
+mod lammps;
 mod main_loop;
 mod moment;
 mod names;
@@ -66,6 +67,7 @@ pub use growing_scenes::{
 };
 pub use growth::Measurement;
 pub use in_memory::{KeptFrame, MemoryOptions, Recording, run_in_memory};
+pub use lammps::{LammpsExport, export_to_lammps};
 pub use moment::Moment;
 pub use own::OwnParts;
 pub use plan::{Plan, PlanItem, plan, watching_seconds};

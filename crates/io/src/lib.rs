@@ -24,6 +24,7 @@ mod holder;
 mod host;
 mod lammps;
 mod lammps_data;
+mod lammps_data_writer;
 mod lammps_dump;
 mod lines;
 mod mixture_record;
@@ -59,6 +60,7 @@ pub use found::{FoundSpecies, StartConfiguration, TrajectoryFrame};
 pub use frame::{DEFAULT_PRECISION, Frame, FrameStyle, is_element_symbol};
 pub use holder::Holder;
 pub use host::cpu_name;
+pub use lammps_data_writer::write_lammps_data;
 pub use mixture_record::{PairRecord, SpeciesRecord};
 pub use record::{
     AverageRecord, BarostatRecord, Comparison, Conservation, Host, NeighborRecord, Performance,

@@ -43,6 +43,30 @@ pub struct EnergyArgs {
     pub forces: Option<PathBuf>,
 }
 
+/// Arguments of `export`.
+#[derive(Debug, Args)]
+pub struct ExportArgs {
+    /// Scene, or the output folder of a run; overrides, threads.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The folder to write to: one that is not there yet or is empty.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// The program to write for.
+    #[arg(long, value_enum, default_value_t = ExportFormat::Lammps)]
+    pub format: ExportFormat,
+    /// Write into a folder that holds something, over files of the same names.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Programs that `export` writes for.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum ExportFormat {
+    /// A data file and an input script for LAMMPS.
+    Lammps,
+}
+
 /// Arguments of `stability` and `mechanics`.
 #[derive(Debug, Args)]
 pub struct StabilityArgs {

@@ -6,6 +6,7 @@ pub mod compare;
 pub mod documents;
 pub mod energy;
 pub mod eos;
+pub mod export;
 mod inputs;
 pub mod list;
 pub mod new;

@@ -6,6 +6,7 @@ mod chart;
 mod commands;
 mod common;
 mod eos;
+mod export;
 mod faults;
 mod first_steps;
 mod literature;

@@ -44,6 +44,10 @@ const EXPLAINED: &[(&str, &str)] = &[
         "crates/studies/src/",
         "a study compares the methods that it is about",
     ),
+    (
+        "crates/engine/src/lammps/",
+        "each potential, truncation and bath that LAMMPS has too, by its name there",
+    ),
     ("crates/cli/src/", "examples in the help"),
     ("benches/", "cases of the benchmarks"),
     ("fuzz/", "seeds of the fuzzers"),

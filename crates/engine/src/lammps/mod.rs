@@ -1,0 +1,162 @@
+//! A simulation as an input of LAMMPS: the same state, potential, truncation, stages and baths, as far as LAMMPS has them.
+//!
+//! What changes energies or forces and has no equal is refused. What changes the way of a run alone gets the nearest fix, and a
+//! remark names it. Source: LAMMPS documentation, one page for each command.
+
+mod pairs;
+mod stages;
+
+use std::path::{Path, PathBuf};
+
+use lennard_core::Axis;
+use lennard_scene::Scene;
+
+use crate::{EngineError, Simulation};
+
+/// The state in a folder of an export.
+const DATA: &str = "start.data";
+/// The commands in a folder of an export.
+const SCRIPT: &str = "in.lammps";
+
+/// Skin of LAMMPS' units lj, σ, where the simulation has no list.
+const USUAL_SKIN: f64 = 0.3;
+
+/// What was exported.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LammpsExport {
+    /// The files written.
+    pub files: [PathBuf; 2],
+    /// What is not the same in LAMMPS, one sentence each; the script has them too.
+    pub remarks: Vec<String>,
+}
+
+/// Writes the state of a simulation and an input script into an existing folder.
+///
+/// The script evaluates the state once (`run 0`) and then runs the stages that are left; of a finished run, the last stage
+/// once more.
+///
+/// # Errors
+/// [`EngineError::Scene`] where LAMMPS has no equal of something that energies or forces depend on, [`EngineError::Write`]
+/// where a file cannot be written.
+pub fn export_to_lammps(
+    folder: &Path,
+    simulation: &Simulation,
+) -> Result<LammpsExport, EngineError> {
+    let scene = &simulation.scene;
+    refuse_what_has_no_equal(scene)?;
+    let mut script = Script::default();
+    head(&mut script, simulation);
+    pairs::write(&mut script, scene)?;
+    middle(&mut script, simulation);
+    stages::write(&mut script, simulation)?;
+    let Script { text, remarks } = script;
+    let (data, input) = (folder.join(DATA), folder.join(SCRIPT));
+    let title = format!(
+        "Lennard {}: scene {}, step {}, units lj",
+        env!("CARGO_PKG_VERSION"),
+        scene.name,
+        simulation.state.step
+    );
+    let species = simulation.system.species();
+    lennard_io::write_lammps_data(&data, &title, species, &simulation.state)?;
+    lennard_io::write_text_atomically(&input, &text)?;
+    Ok(LammpsExport {
+        files: [data, input],
+        remarks,
+    })
+}
+
+/// The commands so far, and what is to be known of them.
+#[derive(Default)]
+struct Script {
+    text: String,
+    remarks: Vec<String>,
+}
+
+impl Script {
+    /// A command with its arguments.
+    fn command(&mut self, name: &str, arguments: impl AsRef<str>) {
+        self.text += format!("{name:<15} {}", arguments.as_ref()).trim_end();
+        self.text.push('\n');
+    }
+
+    /// A line that LAMMPS passes over.
+    fn comment(&mut self, words: impl AsRef<str>) {
+        self.text += format!("# {}", words.as_ref()).trim_end();
+        self.text.push('\n');
+    }
+
+    /// A blank line.
+    fn gap(&mut self) {
+        self.text.push('\n');
+    }
+
+    /// Something that is not the same in LAMMPS: a comment here, and a remark for the user.
+    fn remark(&mut self, words: impl Into<String>) {
+        let words = words.into();
+        self.comment(format!("Not the same: {words}"));
+        if !self.remarks.contains(&words) {
+            self.remarks.push(words);
+        }
+    }
+}
+
+fn refuse_what_has_no_equal(scene: &Scene) -> Result<(), EngineError> {
+    if scene.molecule.is_some() {
+        return Err(scene
+            .source
+            .invalid("molecule", "molecules, in an export to LAMMPS", "atoms")
+            .into());
+    }
+    if let Some(wall) = scene.walls.first() {
+        let axis: &str = Axis::name(wall.axis);
+        return Err(scene
+            .source
+            .invalid(
+                "wall.0.kind",
+                format!("walls across {axis}, in an export to LAMMPS"),
+                "a box that is periodic in all directions",
+            )
+            .into());
+    }
+    Ok(())
+}
+
+fn head(script: &mut Script, simulation: &Simulation) {
+    let scene = &simulation.scene;
+    let version = env!("CARGO_PKG_VERSION");
+    script.comment(format!("Lennard {version}: scene {}", scene.name));
+    script.comment(scene.model_name());
+    script.comment(format!("lmp -in {SCRIPT}"));
+    script.gap();
+    script.command("units", "lj");
+    script.command("atom_style", "atomic");
+    script.command("atom_modify", "map array");
+    script.command("boundary", "p p p");
+    script.command("read_data", DATA);
+    script.gap();
+}
+
+fn middle(script: &mut Script, simulation: &Simulation) {
+    let scene = &simulation.scene;
+    let skin = simulation.list.skin.unwrap_or(USUAL_SKIN);
+    script.gap();
+    script.command("neighbor", format!("{skin:?} bin"));
+    script.command("neigh_modify", "delay 0 every 1 check yes");
+    script.gap();
+    script.command(
+        "thermo_style",
+        "custom step time temp pe ke etotal press vol",
+    );
+    script.command("thermo_modify", "norm no format float %.15g");
+    script.command("thermo", scene.output.thermo_every.to_string());
+    script.gap();
+    let step = simulation.state.step;
+    script.comment("One evaluation. Energies are of the whole system, tails included.");
+    script.command("reset_timestep", step.to_string());
+    script.command("run", "0");
+    for observable in &scene.observables {
+        let name = observable.options.name();
+        script.remark(format!("the observable {name} is not exported"));
+    }
+}
