@@ -4,6 +4,7 @@
 //! remark names it. Source: LAMMPS documentation, one page for each command.
 
 mod pairs;
+mod script;
 mod stages;
 
 use std::path::{Path, PathBuf};
@@ -11,6 +12,7 @@ use std::path::{Path, PathBuf};
 use lennard_core::Axis;
 use lennard_scene::Scene;
 
+use crate::lammps::script::Script;
 use crate::{EngineError, Simulation};
 
 /// The state in a folder of an export.
@@ -64,41 +66,6 @@ pub fn export_to_lammps(
         files: [data, input],
         remarks,
     })
-}
-
-/// The commands so far, and what is to be known of them.
-#[derive(Default)]
-struct Script {
-    text: String,
-    remarks: Vec<String>,
-}
-
-impl Script {
-    /// A command with its arguments.
-    fn command(&mut self, name: &str, arguments: impl AsRef<str>) {
-        self.text += format!("{name:<15} {}", arguments.as_ref()).trim_end();
-        self.text.push('\n');
-    }
-
-    /// A line that LAMMPS passes over.
-    fn comment(&mut self, words: impl AsRef<str>) {
-        self.text += format!("# {}", words.as_ref()).trim_end();
-        self.text.push('\n');
-    }
-
-    /// A blank line.
-    fn gap(&mut self) {
-        self.text.push('\n');
-    }
-
-    /// Something that is not the same in LAMMPS: a comment here, and a remark for the user.
-    fn remark(&mut self, words: impl Into<String>) {
-        let words = words.into();
-        self.comment(format!("Not the same: {words}"));
-        if !self.remarks.contains(&words) {
-            self.remarks.push(words);
-        }
-    }
 }
 
 fn refuse_what_has_no_equal(scene: &Scene) -> Result<(), EngineError> {

@@ -3,7 +3,7 @@
 use lennard_forcefield::{PotentialOptions, SpeciesPair, TruncationKind};
 use lennard_scene::Scene;
 
-use super::Script;
+use super::script::Script;
 use crate::EngineError;
 
 /// Where the WCA potential ends, in σ_ab: 2^(1/6).

@@ -6,7 +6,7 @@ use lennard_integrators::{
 };
 use lennard_scene::{PressureControl, Scene, Stage};
 
-use super::Script;
+use super::script::Script;
 use crate::{EngineError, Simulation};
 
 /// Seeds of LAMMPS are positive and have 31 bits; some fixes add to them.
