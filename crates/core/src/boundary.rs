@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::Masses;
+use crate::{Masses, PeriodicBox};
 
 /// One plane of a pair of walls, with what particles have done to it.
 ///
@@ -47,6 +47,8 @@ impl WallReading {
 /// Particles in free flight over a time h.
 #[derive(Debug)]
 pub struct Flight<'a> {
+    /// The box.
+    pub cell: &'a PeriodicBox,
     /// Unwrapped positions, `[N]`, σ.
     pub positions: &'a mut [DVec3],
     /// Velocities, `[N]`, σ/τ.
@@ -63,9 +65,9 @@ pub struct Flight<'a> {
     pub is_later: bool,
 }
 
-/// What bounds the flight of particles: walls that particles hit.
+/// What acts on particles in flight: walls and other particles that they hit, and dashpots.
 pub trait Boundary {
-    /// Moves particles by h·v along straight lines from hit to hit, and changes velocities at hits.
+    /// Moves particles by h·v along straight lines from hit to hit, and changes velocities at hits. Held particles stay.
     ///
     /// Returns the kinetic energy in ε that hits put in: E minus its sum is conserved.
     fn fly(&mut self, flight: Flight<'_>) -> f64;

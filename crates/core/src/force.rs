@@ -46,6 +46,20 @@ pub enum ForceError {
         /// Distance beyond the plane, σ.
         depth: f64,
     },
+    /// Two bodies in contact overlap so deeply that they would pass through each other.
+    #[error("particles {first} and {second} overlap by {depth:.4} σ at ({:.3}, {:.3}, {:.3}) σ: deeper than {deepest:.4} σ, half their contact distance", .at.x, .at.y, .at.z)]
+    ContactTooDeep {
+        /// Index of the first particle, from 0.
+        first: usize,
+        /// Index of the second.
+        second: usize,
+        /// The depth of the overlap, σ.
+        depth: f64,
+        /// The deepest overlap that is allowed, σ.
+        deepest: f64,
+        /// The middle between the two, σ.
+        at: DVec3,
+    },
     /// The forces have no near and far part.
     #[error("these forces cannot be split into a near and a far part")]
     NotSplit,
@@ -65,7 +79,7 @@ pub struct ForceProperties {
     pub splits: bool,
     /// Axes x, y, z along which the force changes the total momentum: walls and fields do, pairs do not.
     pub breaks_momentum: [bool; 3],
-    /// Particles hit walls in flight ([`ForceTerm::boundary`]).
+    /// Particles hit something in flight, or a dashpot acts there ([`ForceTerm::boundary`]).
     pub bounds_flight: bool,
 }
 

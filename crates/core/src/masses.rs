@@ -2,7 +2,7 @@
 
 use crate::species::SpeciesTable;
 
-/// The masses of the particles.
+/// The masses of the particles. A held particle, which never moves, has an infinite mass.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Masses {
     /// All particles have this mass.
@@ -30,6 +30,39 @@ impl Masses {
         match self {
             Self::Uniform(m) => *m,
             Self::Each(m) => m[i],
+        }
+    }
+
+    /// Whether particle `i` is held: its mass is infinite, so that no force moves it.
+    #[inline]
+    #[must_use]
+    pub fn is_held(&self, i: usize) -> bool {
+        self.of(i).is_infinite()
+    }
+
+    /// The mass of particle `i` in sums of energy, momentum and weight: 0 for a held particle, which has none of them.
+    #[inline]
+    #[must_use]
+    pub fn moving(&self, i: usize) -> f64 {
+        match self {
+            Self::Uniform(m) => *m,
+            Self::Each(m) if m[i].is_infinite() => 0.0,
+            Self::Each(m) => m[i],
+        }
+    }
+
+    /// The reduced mass m_i·m_j/(m_i + m_j) of two particles, of which one at most is held.
+    #[must_use]
+    pub fn reduced(&self, i: usize, j: usize) -> f64 {
+        (self.of(i).recip() + self.of(j).recip()).recip()
+    }
+
+    /// The number of held particles.
+    #[must_use]
+    pub fn n_held(&self) -> usize {
+        match self {
+            Self::Uniform(_) => 0,
+            Self::Each(m) => m.iter().filter(|m| m.is_infinite()).count(),
         }
     }
 }

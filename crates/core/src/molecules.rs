@@ -145,9 +145,15 @@ impl Molecules {
         });
     }
 
-    /// The centre of mass of the molecule whose first site is particle `first`, from positions of its sites, σ.
+    /// The centre of mass of the molecule whose first site is particle `first`, from positions of its sites, σ. Held sites, whose
+    /// mass is infinite, have it among them.
     #[must_use]
     pub fn center(&self, masses: &Masses, first: usize, sites: &[DVec3]) -> DVec3 {
+        let held = || (0..sites.len()).filter(|k| masses.is_held(first + k));
+        let n_held = held().count();
+        if n_held > 0 {
+            return held().map(|k| sites[k]).sum::<DVec3>() / n_held as f64;
+        }
         let mass: f64 = (0..sites.len()).map(|k| masses.of(first + k)).sum();
         let weighted = sites.iter().enumerate();
         weighted

@@ -171,6 +171,7 @@ impl<'a> Step<'a> {
         let state = &mut *self.state;
         if let Some(boundary) = self.backend.boundary() {
             self.report.heat += boundary.fly(Flight {
+                cell: &state.cell,
                 positions: &mut state.positions,
                 velocities: &mut state.velocities,
                 forces: &state.forces,

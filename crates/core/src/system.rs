@@ -83,6 +83,24 @@ impl System {
         }
     }
 
+    /// The same system with some particles held in their places: their mass is infinite. A held particle takes up any momentum,
+    /// so that no component of the total momentum is kept.
+    #[must_use]
+    pub fn holding(self, held: &[usize]) -> Self {
+        if held.is_empty() {
+            return self;
+        }
+        let mut masses: Vec<f64> = (0..self.len()).map(|i| self.masses.of(i)).collect();
+        for i in held {
+            masses[*i] = f64::INFINITY;
+        }
+        Self {
+            masses: Masses::Each(masses),
+            keeps_momentum: [false; 3],
+            ..self
+        }
+    }
+
     /// A velocity without its components along the axes on which the forces change the total momentum.
     #[must_use]
     pub fn kept_part(&self, v: DVec3) -> DVec3 {
@@ -150,7 +168,8 @@ impl System {
 
     /// Degrees of freedom n_dof in T = 2K/n_dof: three per particle, less one for each rigid constraint. One less too for each
     /// component of the total momentum that method and forces conserve, which is zero. A single particle keeps its three: it
-    /// has nothing to share its momentum with. A constraint of compliance ε > 0 is a spring, which takes no degree of freedom away.
+    /// has nothing to share its momentum with. A held particle has none. A constraint of compliance ε > 0 is a spring, which takes
+    /// no degree of freedom away.
     #[must_use]
     pub fn n_dof(&self, momentum: Momentum) -> f64 {
         let mut rigid = self
@@ -167,7 +186,7 @@ impl System {
             }
             _ => 0,
         };
-        3.0 * self.len() as f64 - (rigid + kept) as f64
+        3.0 * (self.len() - self.masses.n_held()) as f64 - (rigid + kept) as f64
     }
 
     /// The kinetic energy K = Σ ½ m v² in ε, summed in the order of the particles.
@@ -175,7 +194,7 @@ impl System {
     pub fn kinetic_energy(&self, velocities: &[DVec3]) -> f64 {
         crate::parallel::ordered_sum(velocities.len(), |range| {
             range
-                .map(|i| 0.5 * self.masses.of(i) * velocities[i].length_squared())
+                .map(|i| 0.5 * self.masses.moving(i) * velocities[i].length_squared())
                 .sum()
         })
     }
@@ -190,7 +209,9 @@ impl System {
     #[must_use]
     pub fn momentum(&self, velocities: &[DVec3]) -> DVec3 {
         crate::parallel::ordered_sum(velocities.len(), |range| {
-            range.map(|i| self.masses.of(i) * velocities[i]).sum()
+            range
+                .map(|i| self.masses.moving(i) * velocities[i])
+                .sum()
         })
     }
 }
@@ -253,5 +274,25 @@ mod tests {
         assert_eq!(slit.n_dof(Momentum::Conserved), 28.0);
         assert_eq!(slit.n_dof(Momentum::Free), 30.0);
         assert_eq!(slit.kept_part(DVec3::ONE), DVec3::new(1.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn held_particles_have_no_degree_of_freedom_no_energy_and_no_momentum() {
+        let pendulum = System::of_molecules(2, Molecules::chains(2, 1.0, Bonds::Rigid));
+        assert_eq!(pendulum.n_dof(Momentum::Conserved), 2.0);
+        let pendulum = pendulum.holding(&[0]);
+        assert_eq!(pendulum.n_dof(Momentum::Conserved), 2.0);
+        assert_eq!(pendulum.n_dof(Momentum::Free), 2.0);
+        let v = [DVec3::ZERO, 2.0 * DVec3::X];
+        assert_eq!(pendulum.kinetic_energy(&v), 2.0);
+        assert_eq!(pendulum.momentum(&v), v[1]);
+        assert_eq!(pendulum.kept_part(v[1]), DVec3::ZERO);
+        assert!(pendulum.masses.is_held(0) && !pendulum.masses.is_held(1));
+        assert_eq!(pendulum.masses.reduced(0, 1), 1.0);
+        // The centre of an infinite mass is where that mass is.
+        let sites = [DVec3::X, 5.0 * DVec3::X];
+        let center = pendulum.molecules.center(&pendulum.masses, 0, &sites);
+        assert_eq!(center, DVec3::X);
+        assert_eq!(System::atoms(3).holding(&[]).masses, Masses::Uniform(1.0));
     }
 }

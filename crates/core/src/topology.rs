@@ -219,9 +219,14 @@ impl Topology {
     /// own. Four sites of a square with both diagonals have one, three sites on a line with three
     /// bonds have one.
     ///
-    /// It is a pivot of A = G·Gᵀ for unit masses and directions u = d/|d| that vanishes.
+    /// It is a pivot of A = G·M⁻¹·Gᵀ for directions u = d/|d| that vanishes, with unit masses and infinite ones of held sites. A
+    /// bond between two held sites is such a bond too.
     #[must_use]
-    pub fn redundant_bond(&self, positions: &[DVec3]) -> Option<usize> {
+    pub fn redundant_bond(
+        &self,
+        positions: &[DVec3],
+        is_held: impl Fn(usize) -> bool,
+    ) -> Option<usize> {
         /// Rounding of positions in a file leaves pivots near 10⁻⁷; bonds that meet at one degree leave 3·10⁻⁴.
         const SMALLEST_PIVOT: f64 = 1e-6;
         let n = self.bonds.len();
@@ -230,13 +235,15 @@ impl Topology {
             .iter()
             .map(|bond| bond.vector(positions).normalize_or_zero())
             .collect();
+        let inverse_mass = |site: usize| if is_held(site) { 0.0 } else { 1.0 };
         let mut a = vec![0.0; n * n];
-        for c in 0..n {
-            a[c * n + c] = 2.0 * units[c].length_squared();
+        for (c, bond) in self.bonds.iter().enumerate() {
+            let both: f64 = bond.sites.into_iter().map(inverse_mass).sum();
+            a[c * n + c] = both * units[c].length_squared();
         }
         for coupling in &self.couplings {
             let [c, d] = coupling.bonds;
-            let value = coupling.sign * units[c].dot(units[d]);
+            let value = coupling.sign * units[c].dot(units[d]) * inverse_mass(coupling.site);
             a[c * n + d] = value;
             a[d * n + c] = value;
         }
@@ -326,17 +333,24 @@ mod tests {
         let square = square.map(|[x, y]| DVec3::new(x, y, 0.0));
         let sides = [[0, 1], [1, 2], [2, 3], [3, 0]];
         let ring = Topology::new(4, bonds(&sides)).unwrap();
-        assert_eq!(ring.redundant_bond(&square), None);
+        let free = |_: usize| false;
+        assert_eq!(ring.redundant_bond(&square, free), None);
         let one = [&sides[..], &[[0, 2]]].concat();
         let one = Topology::new(4, bonds(&one)).unwrap();
-        assert_eq!(one.redundant_bond(&square), None);
+        assert_eq!(one.redundant_bond(&square, free), None);
         let both = [&sides[..], &[[0, 2], [1, 3]]].concat();
         let both = Topology::new(4, bonds(&both)).unwrap();
-        assert_eq!(both.redundant_bond(&square), Some(5));
+        assert_eq!(both.redundant_bond(&square, free), Some(5));
         let triangle = Topology::new(3, bonds(&[[0, 1], [1, 2], [2, 0]])).unwrap();
         let line = [0.0, 1.0, 2.0].map(|x| DVec3::new(x, 0.3 * x, 0.0));
-        assert_eq!(triangle.redundant_bond(&line), Some(2));
-        assert_eq!(Topology::chain(3, 1.0).redundant_bond(&line), None);
+        assert_eq!(triangle.redundant_bond(&line, free), Some(2));
+        let chain = Topology::chain(3, 1.0);
+        assert_eq!(chain.redundant_bond(&line, free), None);
+        // A straight chain between two held ends has one bond too many, a bent one has not.
+        let ends = |site: usize| site != 1;
+        assert_eq!(chain.redundant_bond(&line, ends), Some(1));
+        assert_eq!(chain.redundant_bond(&square, ends), None);
+        assert_eq!(chain.redundant_bond(&square, |site| site < 2), Some(0));
     }
 
     #[test]

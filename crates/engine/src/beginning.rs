@@ -5,15 +5,12 @@ use std::path::Path;
 use lennard_core::random::Streams;
 use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
 use lennard_io::StartConfiguration;
-use lennard_scene::{Geometry, Lattice, Scene, Start};
+use lennard_scene::{Geometry, Lattice, Placement, Scene, Start};
 
 use crate::EngineError;
-use crate::close_pairs::{Sizes, closest_pair};
 use crate::confinement::{Confinement, place_between_walls};
-use crate::{initial, species, starting_molecules, starting_slab};
-
-/// Start positions nearer than this (σ) are refused: U(0.5 σ) = 16,128 ε would blow any step up.
-pub const SMALLEST_START_DISTANCE: f64 = 0.5;
+use crate::starting_molecules::Origin;
+use crate::{initial, overlaps, species, starting_molecules, starting_slab};
 
 /// Where the particles are, and how fast, before the first step.
 pub struct Beginning {
@@ -67,13 +64,25 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
             let cells = placement.cells.expect("a lattice has cells");
             let centers =
                 initial::lattice_sites(placement.corner, placement.filled, cells, lattice.basis());
-            let positions = starting_molecules::on_a_lattice(scene, &cell, centers)?;
+            let mut positions = starting_molecules::on_a_lattice(scene, &cell, centers)?;
+            if scene.molecule.is_some() {
+                place_between_walls(scene, &cell, &mut positions)?;
+            }
             Ok((placed(scene, cell, positions)?, Vec::new()))
         }
         Start::Slab(slab) => {
             let placement = scene.placement()?.expect("a slab has a placement");
             let positions = starting_slab::positions(scene, slab, &placement)?;
             Ok((placed(scene, placement.cell, positions)?, Vec::new()))
+        }
+        Start::Listed {
+            positions,
+            velocities,
+            ..
+        } => {
+            let placement = scene.placement()?.expect("listed particles have a box");
+            let beginning = as_listed(scene, placement, positions, velocities.clone())?;
+            Ok((beginning, Vec::new()))
         }
         Start::Configuration { path, geometry } => {
             let given = match geometry {
@@ -104,6 +113,14 @@ fn placed(
 ) -> Result<Beginning, EngineError> {
     let species = species::mixed(scene, positions.len())?;
     let relax = species::overlap(scene, &cell, &positions, &species);
+    if !scene.system.held.is_empty() {
+        let origin = Origin {
+            key: "system.held",
+            name: "the start".to_owned(),
+        };
+        starting_molecules::check(scene, &origin, &cell, &positions)?;
+    }
+    overlaps::contacts(scene, "system", &cell, &positions, &species)?;
     Ok(Beginning {
         cell,
         positions,
@@ -134,8 +151,11 @@ pub(crate) fn begin_in_memory(
 ) -> Result<(Beginning, Vec<String>), EngineError> {
     match &scene.system.start {
         Start::Configuration { path, .. } => begin_at(scene, path, start, None),
-        Start::Lattice { .. } | Start::Slab(_) => {
-            let found = "positions beside a lattice";
+        Start::Lattice { .. } | Start::Slab(_) | Start::Listed { .. } => {
+            let found = match scene.system.start {
+                Start::Listed { .. } => "positions beside those that the scene lists",
+                _ => "positions beside a lattice",
+            };
             let allowed = "a `configuration` in the place of `lattice`, `n_atoms` and `density`";
             Err(scene
                 .source
@@ -172,6 +192,33 @@ fn remarks(scene: &Scene, path: &Path, frames: u64, beginning: &Beginning) -> Ve
     frame.into_iter().chain(drift).collect()
 }
 
+/// The start of particles that the scene lists. Along walled axes their positions count from the lower wall.
+fn as_listed(
+    scene: &Scene,
+    placement: Placement,
+    positions: &[DVec3],
+    velocities: Option<Vec<DVec3>>,
+) -> Result<Beginning, EngineError> {
+    let cell = placement.cell;
+    let mut positions: Vec<DVec3> = positions.iter().map(|r| *r + placement.corner).collect();
+    let origin = Origin {
+        key: "system.positions",
+        name: "the scene".to_owned(),
+    };
+    starting_molecules::check(scene, &origin, &cell, &positions)?;
+    let species = scene.species_in_order(&scene.counts(positions.len())?);
+    overlaps::pairs(scene, &origin, &cell, &positions, &species)?;
+    overlaps::contacts(scene, origin.key, &cell, &positions, &species)?;
+    place_between_walls(scene, &cell, &mut positions)?;
+    Ok(Beginning {
+        cell,
+        positions,
+        velocities,
+        species,
+        relax: false,
+    })
+}
+
 fn from_configuration(
     scene: &Scene,
     path: &Path,
@@ -197,32 +244,17 @@ fn from_configuration(
             .into());
     }
     let mut read = read;
-    starting_molecules::take(scene, path, &mut read)?;
+    let origin = Origin {
+        key: "system.configuration",
+        name: path.display().to_string(),
+    };
+    scene.held_are_among(read.positions.len())?;
+    scene.contact_fits(&read.cell)?;
+    starting_molecules::unfold(scene, path, &read.cell, &mut read.positions)?;
+    starting_molecules::check(scene, &origin, &read.cell, &read.positions)?;
     let species = species::of_file(scene, path, &read.species, read.positions.len())?;
-    let exclusions = scene.molecules().exclusions();
-    if let Some(pair) = closest_pair(
-        &read.cell,
-        &read.positions,
-        &exclusions,
-        &Sizes::of(scene, &species),
-        SMALLEST_START_DISTANCE,
-    ) {
-        let found = format!(
-            "particles {} and {} of {} at a distance of {:.4} σ (counted from 1)",
-            pair.i + 1,
-            pair.j + 1,
-            path.display(),
-            pair.distance
-        );
-        let allowed = format!(
-            "no pair nearer than {} σ",
-            (SMALLEST_START_DISTANCE * pair.sigma * 1e4).round() / 1e4
-        );
-        return Err(scene
-            .source
-            .invalid("system.configuration", found, allowed)
-            .into());
-    }
+    overlaps::pairs(scene, &origin, &read.cell, &read.positions, &species)?;
+    overlaps::contacts(scene, origin.key, &read.cell, &read.positions, &species)?;
     Ok(Beginning {
         cell: read.cell,
         positions: read.positions,

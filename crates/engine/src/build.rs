@@ -175,7 +175,7 @@ pub(crate) fn prepare_own_from(
 /// What a scene must say to get the same list in other conditions, such as another temperature.
 fn planned_list(scene: &Scene, plan: &ForcePlan) -> NeighborOptions {
     match plan.search {
-        Search::Reference => scene.neighbor,
+        Search::Nothing | Search::Reference => scene.neighbor,
         Search::Direct => NeighborOptions {
             mode: ListMode::Direct,
             skin: None,
@@ -264,14 +264,15 @@ pub(crate) fn observers(
     thermodynamics.set_curvature(curvature(scene)?);
     thermodynamics.set_ensemble(measured.and_then(|stage| ensemble(scene, stage, own)));
     thermodynamics.set_bath(held_temperature(scene));
-    thermodynamics.set_confined(scene.confined_by().map(|_| {
-        Confined {
-            by_hits: Confinement::with_system(scene, &cell, species.clone())
-                .1
-                .properties()
-                .bounds_flight,
-        }
-    }));
+    let is_confined = scene.confined_by().is_some();
+    let confined = (is_confined || scene.contacts_act_in_flight()).then(|| Confined {
+        is_inhomogeneous: is_confined,
+        by_hits: Confinement::with_system(scene, &cell, species.clone())
+            .1
+            .properties()
+            .bounds_flight,
+    });
+    thermodynamics.set_confined(confined);
     let mut observers = vec![Observer {
         every,
         observable: Box::new(thermodynamics),
@@ -304,7 +305,7 @@ pub(crate) fn observers(
     if let Some(pressure) = measured_pressure(scene) {
         observers.push(Observer {
             every,
-            observable: Box::new(ChangingBox::new(pressure)),
+            observable: Box::new(ChangingBox::new(pressure, scene.molecules().energy_unit())),
         });
     }
     observers.extend(own.make_observers());

@@ -10,6 +10,7 @@ use crate::compare::Comparison;
 
 /// Density and U of a run at constant pressure beside the equation of state at the pressure of the barostat.
 ///
+/// `n_dof` counts the degrees of freedom of centres of mass, of `atoms` particles or molecules.
 /// Velocities without total momentum sample V^{N−1}: the mean of ρT + W/(3V) + P_tail is then P₀ + T/V, and the equation is
 /// taken at that pressure. The temperature is the measured one that belongs to the positions.
 #[must_use]

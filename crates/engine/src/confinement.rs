@@ -1,5 +1,6 @@
 //! Walls and fields of a scene: force terms beside the pairs, and what must hold of the start.
 
+use lennard_contacts::Contacts;
 use lennard_core::{
     DVec3, ForceProperties, ForceSum, ForceTerm, PeriodicBox, SpeciesTable, System,
 };
@@ -8,24 +9,40 @@ use lennard_scene::Scene;
 
 use crate::EngineError;
 
-/// The forces on single particles: walls and field.
+/// The forces beside those of pairs: walls and field on single particles, and contacts of bodies.
 #[derive(Debug, Clone, Default)]
 pub struct Confinement {
     walls: Option<Walls>,
+    /// Contacts have the walls among them.
+    contacts: Option<Contacts>,
     field: Option<ConstantField>,
 }
 
 impl Confinement {
-    /// Walls and field of a scene in a box, and the system of particles whose momentum they change.
+    /// Walls, contacts and field of a scene in a box, and the system of particles whose momentum they change.
+    ///
+    /// Velocities that the scene lists keep their total momentum: its components then count as degrees of freedom.
     #[must_use]
     pub fn with_system(scene: &Scene, cell: &PeriodicBox, species: SpeciesTable) -> (System, Self) {
-        let system = System::of_species(species).bonded(scene.molecules());
-        let confinement = Self {
-            walls: scene.walls_in(cell),
-            field: scene.field_on(&system.masses),
+        let walls = scene.walls_in(cell);
+        let (walls, contacts) = match scene.contacts_beside(&species, walls) {
+            Ok(contacts) => (None, Some(contacts)),
+            Err(walls) => (walls, None),
         };
+        let system = System::of_species(species).bonded(scene.molecules());
+        // Held particles before the field, which they do not feel.
+        let held = system.holding(&scene.system.held);
+        let confinement = Self {
+            walls,
+            contacts,
+            field: scene.field_on(&held.masses),
+        };
+        let anchored = scene.system.start.lists_velocities() || !scene.system.held.is_empty();
         let pushed = confinement.properties().breaks_momentum;
-        (system.pushed_along(pushed), confinement)
+        (
+            held.pushed_along(pushed.map(|pushed| pushed || anchored)),
+            confinement,
+        )
     }
 
     /// The system of particles whose momentum other forces change too, along these axes.
@@ -39,8 +56,9 @@ impl Confinement {
     #[must_use]
     pub fn properties(&self) -> ForceProperties {
         let walls = self.walls.as_ref().map(ForceTerm::properties);
+        let contacts = self.contacts.as_ref().map(ForceTerm::properties);
         let field = self.field.as_ref().map(ForceTerm::properties);
-        let terms = walls.into_iter().chain(field);
+        let terms = walls.into_iter().chain(contacts).chain(field);
         terms.fold(ForceProperties::default(), ForceProperties::with_term)
     }
 
@@ -50,6 +68,9 @@ impl Confinement {
         let mut sum = ForceSum::new(pairs);
         if let Some(walls) = self.walls {
             sum = sum.with(walls);
+        }
+        if let Some(contacts) = self.contacts {
+            sum = sum.with(contacts);
         }
         match self.field {
             Some(field) => sum.with(field),

@@ -32,6 +32,8 @@ pub enum Symptom {
         particle: usize,
         /// Distance of one step, σ.
         distance: f64,
+        /// The longest legal one, σ.
+        largest: f64,
     },
     /// The conserved energy has run away.
     EnergyRunAway {
@@ -106,9 +108,13 @@ impl std::fmt::Display for PhysicsFailure {
         )?;
         match &self.symptom {
             Symptom::NonFinite(e) => write!(f, "{e}")?,
-            Symptom::TooFast { particle, distance } => write!(
+            Symptom::TooFast {
+                particle,
+                distance,
+                largest,
+            } => write!(
                 f,
-                "particle {particle} moves {distance:.3e} σ in one step, more than {LARGEST_MOVE} σ"
+                "particle {particle} moves {distance:.3e} σ in one step, more than {largest} σ"
             )?,
             Symptom::EnergyRunAway { from, to } => write!(
                 f,
@@ -177,6 +183,12 @@ impl PhysicsFailure {
         if let Symptom::NonFinite(ForceError::BeyondWall { .. }) = self.symptom {
             return format!(
                 "the wall is too weak for a particle so fast, or dt = {} τ is too large: take a stiffer wall or a smaller dt",
+                self.dt
+            );
+        }
+        if let Symptom::NonFinite(ForceError::ContactTooDeep { .. }) = self.symptom {
+            return format!(
+                "the spring of the contact is too weak for bodies so fast or so heavy, or dt = {} τ is too large: take a larger `contact.stiffness` or a smaller dt",
                 self.dt
             );
         }

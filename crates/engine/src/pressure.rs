@@ -66,6 +66,7 @@ pub(crate) fn foresee(
     n_atoms: usize,
     skin: f64,
 ) -> Result<Vec<String>, EngineError> {
+    let n_atoms = n_atoms / scene.molecules().sites();
     let mut remarks = Vec::new();
     for (index, stage) in scene.stages.iter().enumerate() {
         let (Some(control), Some(foreseen)) = (&stage.barostat, foreseen(scene, stage)) else {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use lennard_core::Findings;
+use lennard_integrators::dof_of_centers;
 use lennard_io::{
     AverageRecord, BarostatRecord, Conservation, Host, NeighborRecord, PairRecord, Performance,
     RUN_SCHEMA, RunRecord, SpeciesRecord, StageSeconds, ThermostatRecord,
@@ -39,7 +40,7 @@ pub fn finished(
     let thermodynamics = simulation.thermodynamics();
     let compared = match simulation.observable::<ChangingBox>() {
         Some(changing) => {
-            let n_dof = simulation.view().n_dof();
+            let n_dof = dof_of_centers(&simulation.system, simulation.view().n_dof());
             at_constant_pressure(scene, molecules, n_dof, thermodynamics, changing)
         }
         None => {

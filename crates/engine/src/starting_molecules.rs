@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use lennard_core::{Bond, DVec3, PeriodicBox, Topology};
-use lennard_io::StartConfiguration;
 use lennard_scene::{MoleculeKind, Scene};
 
 use crate::EngineError;
@@ -29,6 +28,9 @@ pub fn on_a_lattice(
     };
     /// U(0.8 σ) is 43 ε: nearer sites of a lattice would heat the fluid beyond use.
     const SMALLEST_ON_A_LATTICE: f64 = 0.8;
+    if scene.longest_cutoff() == 0.0 {
+        return Ok(positions);
+    }
     let within = SMALLEST_ON_A_LATTICE;
     let exclusions = molecule.molecules().exclusions();
     match closest_pair(cell, &positions, &exclusions, &Sizes::ONE, within) {
@@ -51,50 +53,83 @@ pub fn on_a_lattice(
     }
 }
 
-/// Moves the sites of each molecule of a file together, and checks its bonds: they have the right length, and none follows from
-/// others.
+/// Moves the sites of each molecule of a file together. A file may have folded them into the box.
 ///
 /// # Errors
-/// [`EngineError`] for the first molecule that is none.
-pub fn take(scene: &Scene, path: &Path, read: &mut StartConfiguration) -> Result<(), EngineError> {
+/// [`EngineError`] where the file has no whole number of molecules.
+pub fn unfold(
+    scene: &Scene,
+    path: &Path,
+    cell: &PeriodicBox,
+    positions: &mut [DVec3],
+) -> Result<(), EngineError> {
     let molecules = scene.molecules();
     let Some(topology) = molecules.topology() else {
         return Ok(());
     };
-    let (n, sites) = (read.positions.len(), topology.sites());
-    let refuse = |found: String, allowed: String| -> EngineError {
-        let key = "system.configuration";
-        scene.source.invalid(key, found, allowed).into()
-    };
+    let (n, sites) = (positions.len(), topology.sites());
     if !n.is_multiple_of(sites) {
-        return Err(refuse(
-            format!("{n} particles in {}", path.display()),
-            format!("a multiple of molecule.sites = {sites}"),
-        ));
+        let found = format!("{n} particles in {}", path.display());
+        let allowed = format!("a multiple of molecule.sites = {sites}");
+        return Err(scene
+            .source
+            .invalid("system.configuration", found, allowed)
+            .into());
     }
-    initial::unfold_molecules(&read.cell, topology, &mut read.positions);
-    for (m, positions) in read.positions.chunks(sites).enumerate() {
+    initial::unfold_molecules(cell, topology, positions);
+    Ok(())
+}
+
+/// Checks the bonds of each molecule: they have the right length, and none follows from others.
+///
+/// # Errors
+/// [`EngineError`] for the first molecule that is none.
+pub fn check(
+    scene: &Scene,
+    origin: &Origin<'_>,
+    cell: &PeriodicBox,
+    positions: &[DVec3],
+) -> Result<(), EngineError> {
+    let molecules = scene.molecules();
+    let Some(topology) = molecules.topology() else {
+        return Ok(());
+    };
+    let sites = topology.sites();
+    let refuse = |found: String, allowed: String| -> EngineError {
+        scene.source.invalid(origin.key, found, allowed).into()
+    };
+    for (m, positions) in positions.chunks(sites).enumerate() {
         let fault = match molecules.are_rigid() {
             true => wrong_length(topology, positions),
-            false => through_the_box(&read.cell, topology, positions),
+            false => through_the_box(cell, topology, positions),
         };
         if let Some((bond, allowed)) = fault {
             let length = bond.vector(positions).length();
             let [i, j] = bond.sites.map(|site| m * sites + site + 1);
-            let path = path.display();
             let found = format!(
-                "a bond of {length:.6} σ between particles {i} and {j} of {path} (counted from 1)"
+                "a bond of {length:.6} σ between particles {i} and {j} of {} (counted from 1)",
+                origin.name
             );
             return Err(refuse(found, allowed));
         }
         if molecules.are_rigid()
-            && let Some(bond) = topology.redundant_bond(positions)
+            && let Some(bond) = topology.redundant_bond(positions, |site| {
+                scene.system.held.contains(&(m * sites + site))
+            })
         {
-            let found = format!("molecule {} of {}", m + 1, path.display());
+            let found = format!("molecule {} of {}", m + 1, origin.name);
             return Err(scene.redundant(bond, &found).into());
         }
     }
     Ok(())
+}
+
+/// Where positions were written.
+pub struct Origin<'a> {
+    /// The key of the scene.
+    pub key: &'a str,
+    /// The file, or what stands for it.
+    pub name: String,
 }
 
 /// Bonds of a file may be off by this share: the first step brings them to their length.

@@ -3,7 +3,7 @@
 use lennard_core::{Configuration, StepError};
 
 use crate::close_pairs::Sizes;
-use crate::failure::{PhysicsFailure, Symptom};
+use crate::failure::{LARGEST_MOVE, PhysicsFailure, Symptom};
 use crate::force_check::Seen;
 use crate::schedule::{Action, Operation, Trigger};
 use crate::watchdog::{self, Circumstances};
@@ -32,13 +32,15 @@ impl Simulation {
             self.force_check.count(seen);
             return Ok(());
         }
-        watchdog::check_speeds(&self.state, dt).map_err(|s| self.diagnosed(s))
+        watchdog::check_speeds(&self.state, dt, self.largest_move()).map_err(|s| self.diagnosed(s))
     }
 
     /// Looks at speeds and at forces of a few particles whatever the step, and counts nothing: what a run counts must not
     /// depend on where checkpoints are.
     pub(crate) fn watch_closely(&self) -> Result<Seen, EngineError> {
-        watchdog::check_speeds(&self.state, self.stage_run().dt).map_err(|s| self.diagnosed(s))?;
+        let dt = self.stage_run().dt;
+        watchdog::check_speeds(&self.state, dt, self.largest_move())
+            .map_err(|s| self.diagnosed(s))?;
         let state = &self.state;
         let at = Configuration {
             velocities: Some(&state.velocities),
@@ -48,6 +50,12 @@ impl Simulation {
         let other = |particle| self.forces.force_on(particle, at);
         let seen = self.force_check.look(state, other);
         seen.map_err(|s| self.diagnosed(s))
+    }
+
+    /// The longest legal move of a particle in one step, σ: soft bodies must not pass through each other between two looks.
+    fn largest_move(&self) -> f64 {
+        let contact = self.scene.contact.as_ref();
+        contact.map_or(LARGEST_MOVE, |table| LARGEST_MOVE.min(0.25 * table.diameter))
     }
 
     pub(crate) fn failed(&self, error: StepError) -> EngineError {
@@ -90,6 +98,7 @@ impl Simulation {
             dt: stage.dt,
             dt_limit: spec
                 .stability_limit
+                .filter(|_| self.scene.longest_cutoff() > 0.0)
                 .map(|limit| self.rough_stable_dt(plan.temperature, limit)),
             steps_into_stage: stage.steps_done,
             temperature: plan.temperature,

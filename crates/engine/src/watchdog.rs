@@ -8,7 +8,7 @@
 use lennard_core::{DVec3, Exclusions, State, parallel};
 
 use crate::close_pairs::{Sizes, closest_pair};
-use crate::failure::{LARGEST_ENERGY_CHANGE, LARGEST_MOVE, PhysicsFailure, Symptom};
+use crate::failure::{LARGEST_ENERGY_CHANGE, PhysicsFailure, Symptom};
 use crate::schedule::SET_ASIDE_EVERY;
 
 /// Steps between two looks at the speeds: at a displacement limit of a fifth of σ a step nothing can
@@ -74,18 +74,19 @@ fn largest_squared_speed(velocities: &[DVec3]) -> f64 {
     .0
 }
 
-/// Fails where a particle moves more than `LARGEST_MOVE` in one step.
+/// Fails where a particle moves more than `largest` σ in one step.
 ///
 /// # Errors
 /// The symptom.
-pub fn check_speeds(state: &State, dt: f64) -> Result<(), Symptom> {
-    if largest_squared_speed(&state.velocities) * dt * dt <= LARGEST_MOVE * LARGEST_MOVE {
+pub fn check_speeds(state: &State, dt: f64, largest: f64) -> Result<(), Symptom> {
+    if largest_squared_speed(&state.velocities) * dt * dt <= largest * largest {
         return Ok(());
     }
     let (particle, speed) = fastest(state).unwrap_or((0, f64::INFINITY));
     Err(Symptom::TooFast {
         particle,
         distance: speed * dt,
+        largest,
     })
 }
 
@@ -152,6 +153,7 @@ pub fn rough_stable_dt(temperature: f64, limit: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::failure::LARGEST_MOVE;
     use lennard_core::PeriodicBox;
 
     fn state(speed: f64) -> State {
@@ -167,13 +169,13 @@ mod tests {
     #[test]
     fn a_particle_is_stopped_just_past_the_limit_and_not_just_below() {
         let dt = 0.01;
-        assert!(check_speeds(&state(0.999 * LARGEST_MOVE / dt), dt).is_ok());
-        let found = check_speeds(&state(1.001 * LARGEST_MOVE / dt), dt);
+        assert!(check_speeds(&state(0.999 * LARGEST_MOVE / dt), dt, LARGEST_MOVE).is_ok());
+        let found = check_speeds(&state(1.001 * LARGEST_MOVE / dt), dt, LARGEST_MOVE);
         assert!(
             matches!(found, Err(Symptom::TooFast { particle: 1, .. })),
             "{found:?}"
         );
-        assert!(check_speeds(&state(f64::NAN), dt).is_err());
+        assert!(check_speeds(&state(f64::NAN), dt, LARGEST_MOVE).is_err());
         assert!(check_energy(-4.0, f64::NAN).is_err());
     }
 
@@ -193,6 +195,7 @@ mod tests {
         let symptom = Symptom::TooFast {
             particle: 1,
             distance: 3.0,
+            largest: LARGEST_MOVE,
         };
         let overlap = diagnose(&state(3e3), at, symptom.clone());
         assert!(

@@ -30,10 +30,10 @@ impl ConstantField {
         }
     }
 
-    /// Force on particle `i`, ε/σ.
+    /// Force on particle `i`, ε/σ: none on a held one.
     #[must_use]
     fn weight(&self, i: usize) -> DVec3 {
-        self.masses.of(i) * self.acceleration
+        self.masses.moving(i) * self.acceleration
     }
 
     fn energy_of(&self, i: usize, r: DVec3) -> f64 {

@@ -57,6 +57,8 @@ pub struct Conditions<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Search {
+    /// None: the scene has no pair potential.
+    Nothing,
     /// All pairs, by the serial reference loop.
     Reference,
     /// All pairs.
@@ -140,7 +142,9 @@ pub(crate) fn decide(
         },
     ))?;
     // Beyond the smallest cutoff, the near part of a pair would end with a jump.
-    check_split(o, laws.as_ref().map_or(r_cut, |laws| laws.smallest_r_cut))?;
+    if r_cut > 0.0 {
+        check_split(o, laws.as_ref().map_or(r_cut, |laws| laws.smallest_r_cut))?;
+    }
     let tie = largest - r_cut < TIE_MARGIN * largest;
     let listed = match o.kernel.precision {
         _ if o.canonical || tie => Loop::Canonical,
@@ -155,6 +159,7 @@ pub(crate) fn decide(
         o.kernel.precision
     };
     let kernel = match (search, listed) {
+        (Search::Nothing, _) => "none",
         (Search::Reference, _) => "reference",
         (Search::Direct, _) => "direct",
         (Search::Verlet, Loop::Canonical) => "canonical",
@@ -228,7 +233,7 @@ fn check_split(o: &ForceFieldOptions, r_cut: f64) -> Result<(), ForceFieldError>
     Ok(())
 }
 
-/// Chooses the search for pairs, the skin of a list for this loop, and gives the reason.
+/// Chooses the search for pairs, none of which is nearer than a cutoff of 0, the skin of a list for this loop, and gives the reason.
 fn search(
     o: &ForceFieldOptions,
     c: &Conditions<'_>,
@@ -250,6 +255,13 @@ fn search(
                 largest: largest_skin,
             });
         }
+    }
+    if r_cut == 0.0 {
+        return Ok((
+            Search::Nothing,
+            0.0,
+            "no pair potential: there is nothing to search".into(),
+        ));
     }
     if o.kernel.kernel == Kernel::Reference {
         return Ok((

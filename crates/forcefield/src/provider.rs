@@ -24,6 +24,7 @@ use crate::sums::Totals;
 
 /// The search for pairs, with the arrays that it needs.
 enum Strategy {
+    Nothing,
     Reference,
     Direct { wrapped: Vec<DVec3> },
     Verlet(Box<Listed>),
@@ -71,6 +72,7 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions<'_>) -> Result<PairForces, Fo
         ))
     };
     let strategy = match plan.search {
+        Search::Nothing => Strategy::Nothing,
         Search::Reference => Strategy::Reference,
         Search::Direct => Strategy::Direct {
             wrapped: Vec::new(),
@@ -130,7 +132,7 @@ impl PairForces {
     pub(crate) fn rebuild(&mut self, at: Configuration<'_>) -> Result<bool, ForceError> {
         match &mut self.strategy {
             Strategy::Verlet(listed) => listed.build(at.cell, at.positions).map(|()| true),
-            Strategy::Reference | Strategy::Direct { .. } => Ok(false),
+            Strategy::Nothing | Strategy::Reference | Strategy::Direct { .. } => Ok(false),
         }
     }
 
@@ -140,6 +142,7 @@ impl PairForces {
             Strategy::Verlet(listed) => listed.lanes(),
             Strategy::Direct { .. } => 2 * all_pairs(self.n_atoms),
             Strategy::Reference => all_pairs(self.n_atoms),
+            Strategy::Nothing => 0,
         }
     }
 
@@ -150,6 +153,24 @@ impl PairForces {
             return Ok(());
         }
         Err(ForceError::CutoffOverHalfBox { r_cut, largest })
+    }
+
+    /// No force on any particle.
+    fn nothing(
+        &mut self,
+        at: Configuration<'_>,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        self.evaluations += 1;
+        if !at.positions.iter().all(|r| r.is_finite()) {
+            return Err(non_finite::position(at.positions));
+        }
+        forces.fill(DVec3::ZERO);
+        let each = want
+            .per_particle
+            .then(|| vec![(0.0, DMat3::ZERO); self.n_atoms]);
+        Ok(Totals::NOTHING.deliver(want, 0.0, each))
     }
 
     /// Evaluates the whole force.
@@ -243,6 +264,9 @@ impl ForceTerm for PairForces {
             (self.n_atoms, self.n_atoms),
             "the forces were built for another number of particles"
         );
+        if matches!(self.strategy, Strategy::Nothing) {
+            return self.nothing(at, want, forces);
+        }
         self.check_cutoff(at.cell)?;
         let split = match (part, &self.split) {
             (Part::All, _) => None,
@@ -282,7 +306,7 @@ impl ForceTerm for PairForces {
         ForceProperties {
             velocity_dependent: false,
             linear: false,
-            splits: self.split.is_some(),
+            splits: self.split.is_some() || matches!(self.strategy, Strategy::Nothing),
             ..ForceProperties::default()
         }
     }
@@ -311,6 +335,7 @@ impl ForceTerm for PairForces {
                 statistics.listed_pairs = all_pairs(self.n_atoms);
             }
             Strategy::Reference => statistics.listed_pairs = all_pairs(self.n_atoms),
+            Strategy::Nothing => {}
         }
         statistics
     }

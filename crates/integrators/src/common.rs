@@ -3,7 +3,7 @@
 use lennard_core::options::Options;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
-use lennard_core::{DVec3, Integrator, Parts, Ramp, Step};
+use lennard_core::{DVec3, Integrator, Parts, Ramp, Step, System};
 
 /// How a method is given the harmonic oscillator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,4 +50,9 @@ pub(crate) fn multiply(velocities: &mut [DVec3], factor: f64) {
             *v *= factor;
         }
     });
+}
+
+/// Whether drifts act on the bonds of a system: they are rigid, or springs of impulses.
+pub(crate) fn acts_on_bonds(system: &System) -> bool {
+    system.molecules.are_rigid() || system.molecules.hide_forces()
 }

@@ -20,6 +20,8 @@ pub struct Contact {
     pub gap: f64,
 }
 
+/// Changes smaller than this share of the largest rate are rounding of a sum over few contacts.
+const ROUNDED_SUM: f64 = 4.0 * f64::EPSILON;
 /// Sweeps after which a solution is taken as it is.
 const MOST_SWEEPS: usize = 200_000;
 /// Impacts in turn after which bodies are taken to rest on each other.
@@ -79,7 +81,7 @@ fn complementary(contacts: &[Contact], masses: &Masses, sigma: f64, b: &[f64]) -
             largest = largest.max((next - solution[i]).abs() * row[i]);
             solution[i] = next;
         }
-        if largest <= 1e-16 * scale {
+        if largest <= ROUNDED_SUM * scale {
             break;
         }
     }

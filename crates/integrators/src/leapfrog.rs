@@ -2,11 +2,11 @@
 
 use lennard_core::parallel::for_each_piece;
 use lennard_core::{
-    DVec3, Integrator, IntegratorSpec, Method, Parts, Persist, RestoreError, StateReader,
-    StateWriter, Step, StepError, sweeps,
+    DVec3, ForceProperties, Integrator, IntegratorSpec, Method, Parts, Persist, RestoreError,
+    StateReader, StateWriter, Step, StepError, System, rigid_bonds_alone, sweeps,
 };
 
-use crate::common::MethodOptions;
+use crate::common::{MethodOptions, acts_on_bonds};
 use crate::velocity_verlet::oscillator_map;
 
 lennard_core::options! {
@@ -28,7 +28,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     conserves_momentum: true,
     half_kicks: true,
     is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
+    holds_rigid_bonds: true,
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: Some(oscillator_map),
@@ -61,9 +61,32 @@ impl Persist for Leapfrog {
     }
 }
 
+impl Leapfrog {
+    /// The same step by kick and drift of the step itself, which hold bonds.
+    fn step_with_bonds(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let dt = s.dt();
+        let velocities = &mut s.parts().state.velocities;
+        velocities.copy_from_slice(&self.half_step_velocities);
+        s.kick(0.5 * (self.last_dt + dt) / dt);
+        s.drift(1.0);
+        self.half_step_velocities
+            .copy_from_slice(&s.parts().state.velocities);
+        self.last_dt = dt;
+        s.forces()?;
+        s.kick(0.5);
+        Ok(())
+    }
+}
+
 impl Method for Leapfrog {
     fn spec(&self) -> &'static IntegratorSpec {
         &SPEC
+    }
+
+    /// A drift that holds bonds corrects along the bonds before it, whatever the part of v(t − h/2) along them: the bonds of SHAKE.
+    /// The published velocity has no part along them.
+    fn suits(&self, system: &System, _forces: ForceProperties) -> Result<(), String> {
+        rigid_bonds_alone(system)
     }
 
     fn remember(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
@@ -78,6 +101,9 @@ impl Method for Leapfrog {
 
     fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
         let dt = s.dt();
+        if acts_on_bonds(s.system()) {
+            return self.step_with_bonds(s);
+        }
         let masses = &s.system().masses;
         let state = s.parts().state;
         sweeps::kick_and_drift(

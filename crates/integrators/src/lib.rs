@@ -44,7 +44,7 @@ pub mod langevin;
 pub mod nose_hoover;
 pub mod rescale;
 
-pub use barostats::{BarostatOptions, Coupling, barostats};
+pub use barostats::{BarostatOptions, Coupling, barostats, dof_of_centers};
 pub use bonds::{BondHolder, BondOptions, BondSpec, bond_methods};
 pub use common::OscillatorModel;
 pub use list::{

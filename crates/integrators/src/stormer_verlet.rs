@@ -2,11 +2,11 @@
 
 use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
 use lennard_core::{
-    DVec3, Integrator, IntegratorSpec, Method, Parts, Persist, RestoreError, StateReader,
-    StateWriter, Step, StepError,
+    DVec3, ForceProperties, Integrator, IntegratorSpec, Method, Parts, Persist, RestoreError,
+    StateReader, StateWriter, Step, StepError, System, rigid_bonds_alone, without_constraints,
 };
 
-use crate::common::MethodOptions;
+use crate::common::{MethodOptions, acts_on_bonds};
 use crate::velocity_verlet::oscillator_map;
 
 lennard_core::options! {
@@ -28,7 +28,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     conserves_momentum: true,
     half_kicks: true,
     is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
+    holds_rigid_bonds: true,
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: Some(oscillator_map),
@@ -81,6 +81,30 @@ impl Recurrence {
     }
 }
 
+impl Recurrence {
+    /// The same step by kick and drift of the step itself, which hold bonds: v(t − h/2) follows from the positions.
+    fn step_with_bonds(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let dt = s.dt();
+        let state = s.parts().state;
+        let positions = state.positions.iter().zip(&mut self.previous);
+        for (v, (x, previous)) in state.velocities.iter_mut().zip(positions) {
+            *v = (*x - *previous) / dt;
+            *previous = *x;
+        }
+        s.kick(1.0);
+        s.drift(1.0);
+        self.last_dt = dt;
+        let state = s.parts().state;
+        let ends = state.positions.iter().zip(&self.previous);
+        for (v, (x, previous)) in state.velocities.iter_mut().zip(ends) {
+            *v = (*x - *previous) / dt;
+        }
+        s.forces()?;
+        s.kick(0.5);
+        Ok(())
+    }
+}
+
 impl MethodOptions for Options {
     fn build(&self) -> Integrator {
         Integrator::new(Recurrence::new(StepRule::Plain, &SPEC))
@@ -90,6 +114,18 @@ impl MethodOptions for Options {
 impl Method for Recurrence {
     fn spec(&self) -> &'static IntegratorSpec {
         self.spec
+    }
+
+    /// SHAKE: the next positions are corrected along the bonds as they are, and the published velocity has no part along them. A
+    /// step that changes, and impulses of springs, ask for velocities.
+    fn suits(&self, system: &System, _forces: ForceProperties) -> Result<(), String> {
+        if system.molecules.hide_forces() {
+            return Err("its springs leave velocities that positions do not tell".to_owned());
+        }
+        match self.spec.holds_rigid_bonds {
+            true => rigid_bonds_alone(system),
+            false => without_constraints(system),
+        }
     }
 
     /// The Taylor start, x(−h) = x(0) − h·v(0) + ½h²·a(0).
@@ -108,6 +144,9 @@ impl Method for Recurrence {
 
     fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
         let dt = s.dt();
+        if acts_on_bonds(s.system()) {
+            return self.step_with_bonds(s);
+        }
         let (inertia, force_factor) = self.rule.factors(dt, self.last_dt);
         self.last_dt = dt;
         let masses = &s.system().masses;

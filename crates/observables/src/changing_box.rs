@@ -41,21 +41,23 @@ impl_columns!(Columns {
     side_z,
 });
 
-/// Volume, density and enthalpy per particle of a run at constant pressure; every such run has it.
+/// Volume, density and enthalpy of a run at constant pressure, per particle or per molecule; every such run has it.
 ///
 /// The enthalpy is h = (K + U + P₀V)/N with the pressure P₀ of the barostat, U with its tail at the present volume.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChangingBox {
     pressure: Ramp,
+    energy_unit: &'static str,
     series: Series<Columns>,
 }
 
 impl ChangingBox {
-    /// For a barostat that holds this pressure, ε/σ³.
+    /// For a barostat that holds this pressure, ε/σ³, with energies in ε per particle or per molecule.
     #[must_use]
-    pub fn new(pressure: Ramp) -> Self {
+    pub fn new(pressure: Ramp, energy_unit: &'static str) -> Self {
         Self {
             pressure,
+            energy_unit,
             series: Series::new(Columns::default(), MOST_ROWS),
         }
     }
@@ -84,7 +86,7 @@ impl Observable for ChangingBox {
     /// # Panics
     /// Where the state lacks the energy: that is a bug of the caller.
     fn sample(&mut self, view: &View<'_>) {
-        let n = view.state.len() as f64;
+        let n = view.system.n_molecules() as f64;
         let (volume, sides) = (view.cell().volume(), view.cell().lengths());
         let potential = view.state.energetics.potential_energy;
         let potential = potential.expect("the force evaluation gives what the observable wants");
@@ -111,7 +113,7 @@ impl Observable for ChangingBox {
         let mut averages = vec![
             of_series("volume", "σ³", &rows.volume, cut),
             self.density(discarded),
-            of_series("enthalpy", "ε per particle", &rows.enthalpy, cut),
+            of_series("enthalpy", self.energy_unit, &rows.enthalpy, cut),
         ];
         for average in &mut averages {
             average.estimate.equilibration_cut *= stride;
@@ -121,7 +123,7 @@ impl Observable for ChangingBox {
             .with("time", "τ", rows.time.clone())
             .with("volume", "σ³", rows.volume.clone())
             .with("density", "σ⁻³", rows.density.clone())
-            .with("enthalpy", "ε per particle", rows.enthalpy.clone())
+            .with("enthalpy", self.energy_unit, rows.enthalpy.clone())
             .with("side_x", "σ", rows.side_x.clone())
             .with("side_y", "σ", rows.side_y.clone())
             .with("side_z", "σ", rows.side_z.clone());
@@ -150,7 +152,7 @@ mod tests {
 
     #[test]
     fn volume_density_and_enthalpy_follow_the_box_at_each_sample() {
-        let mut seen = ChangingBox::new(0.5.into());
+        let mut seen = ChangingBox::new(0.5.into(), "ε per particle");
         let system = System::atoms(2);
         for side in [4.0, 5.0] {
             let cell = PeriodicBox::new(DVec3::new(side, 2.0, 1.0)).unwrap();

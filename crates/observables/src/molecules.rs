@@ -7,7 +7,7 @@ use lennard_core::{
 
 use crate::averages::of_series;
 use crate::series::{Series, impl_columns};
-use crate::{BuildContext, ObservableError, Recipe};
+use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "molecules",
@@ -31,6 +31,10 @@ impl Recipe for MolecularMotionOptions {
 
     fn default_every(&self) -> u64 {
         10
+    }
+
+    fn surroundings(&self) -> Surroundings {
+        Surroundings::Periodic
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {

@@ -81,7 +81,7 @@ impl BuildContext {
 pub enum Surroundings {
     /// It holds in any.
     Any,
-    /// The fluid is periodic along all axes, without walls and fields.
+    /// The fluid is periodic along all axes, without walls, fields and held particles.
     Periodic,
     /// The fluid is between walls.
     Walls,

@@ -232,7 +232,7 @@ impl Observable for Thermodynamics {
         self.n_dof = view.n_dof();
         if self.mass.is_nan() {
             let all = 0..view.state.len();
-            self.mass = all.map(|i| view.system.masses.of(i)).sum::<f64>() / n;
+            self.mass = all.map(|i| view.system.masses.moving(i)).sum::<f64>() / n;
         }
         self.half_steps = view.half_kick_step.is_some();
         self.energy_line.push(state.time, conserved_energy);

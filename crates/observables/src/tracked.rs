@@ -101,8 +101,8 @@ impl Tracked {
     ) -> Vec<DVec3> {
         let masses = &system.masses;
         let weighted: DVec3 =
-            parallel::ordered_sum(values.len(), |r| r.map(|i| masses.of(i) * values[i]).sum());
-        let total: f64 = parallel::ordered_sum(values.len(), |r| r.map(|i| masses.of(i)).sum());
+            parallel::ordered_sum(values.len(), |r| r.map(|i| masses.moving(i) * values[i]).sum());
+        let total: f64 = parallel::ordered_sum(values.len(), |r| r.map(|i| masses.moving(i)).sum());
         let mean = weighted / total;
         self.indices
             .iter()

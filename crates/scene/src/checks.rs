@@ -6,8 +6,8 @@ use lennard_io::Limits;
 use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
 use crate::{
-    Geometry, Placement, Scene, SceneError, Start, accuracy, bath_checks, mixture, molecule_checks,
-    slab, walls,
+    Geometry, Placement, Scene, SceneError, Start, accuracy, bath_checks, bodies, contact, mixture,
+    molecule_checks, slab, walls,
 };
 
 impl Scene {
@@ -20,22 +20,25 @@ impl Scene {
         whole_scene(self)
     }
 
-    /// The box and the part of it that particles fill at the start; `None` for a start from a
-    /// configuration file.
+    /// The box and the part of it that particles fill at the start, which is the part between the walls for a start that the scene
+    /// lists; `None` for a start from a configuration file.
     ///
     /// # Errors
     /// [`SceneError`] where the particles make no whole lattice or the box cannot be; never for a scene
     /// that was read from a file, which was checked then.
     pub fn placement(&self) -> Result<Option<Placement>, SceneError> {
-        let Start::Lattice {
-            lattice,
-            n_atoms,
-            geometry,
-            vacuum,
-        } = &self.system.start
-        else {
-            let slab = self.slab().map(|slab| self.slab_placement(slab));
-            return slab.transpose();
+        let (lattice, n_atoms, geometry, vacuum) = match &self.system.start {
+            Start::Lattice {
+                lattice,
+                n_atoms,
+                geometry,
+                vacuum,
+            } => (Some(lattice), n_atoms, geometry, vacuum),
+            Start::Slab(slab) => return self.slab_placement(slab).map(Some),
+            Start::Listed {
+                sides, positions, ..
+            } => (None, &positions.len(), &Geometry::Box(*sides), &0.0),
+            Start::Configuration { .. } => return Ok(None),
         };
         let (filled, key) = match geometry {
             Geometry::Density(density) => {
@@ -46,7 +49,7 @@ impl Scene {
         };
         let mut lengths = filled;
         lengths.z += vacuum;
-        let (room, clear) = self.room_of_walls();
+        let (room, clear) = self.room_of_walls(lattice.is_some());
         lengths += room;
         let refuse = |found: f64| {
             let key = if filled.max_element() > LONGEST_SIDE || *vacuum == 0.0 {
@@ -65,8 +68,11 @@ impl Scene {
             }
         }
         let cell = PeriodicBox::new(lengths).map_err(|_| refuse(f64::NAN))?;
-        let cells =
-            cells(*lattice, *n_atoms, filled).map_err(|none| self.no_lattice(*n_atoms, &none))?;
+        let cells = match lattice {
+            Some(lattice) => cells(*lattice, *n_atoms, filled)
+                .map_err(|none| self.no_lattice(*n_atoms, &none))?,
+            None => None,
+        };
         Ok(Some(Placement {
             cell,
             corner: clear + DVec3::new(0.0, 0.0, 0.5 * vacuum),
@@ -104,12 +110,13 @@ pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     bath_checks::barostats_fit(scene)?;
     bath_checks::temperatures_are_held(scene)?;
     accuracy::check(scene)?;
+    bodies::check(scene)?;
     walls::check(scene)?;
     slab::check(scene)?;
+    contact::check(scene)?;
     if let Some(placement) = scene.placement()? {
         homogeneous(scene)?;
-        let count = scene.system.start.count().unwrap_or(0);
-        fits(scene, placement.cell, count * scene.molecules().sites())?;
+        fits(scene, placement.cell, scene.n_particles().unwrap_or(0))?;
     }
     Ok(())
 }
@@ -240,6 +247,7 @@ fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneErr
     // Measured stages are alike, so one stands for all.
     let measured = scene.stages.iter().find(|stage| stage.measure);
     let dt = measured.map_or(scene.integrator.dt, |stage| scene.stage_dt(stage));
+    scene.contact_fits(&cell)?;
     let counts = scene.counts(n_atoms)?;
     let species = scene.species_in_order(&counts);
     let mixture = scene.mixture_of(&species);

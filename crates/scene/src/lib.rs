@@ -8,8 +8,10 @@
 mod accuracy;
 mod bath_checks;
 mod baths;
+mod bodies;
 mod builder;
 mod checks;
+mod contact;
 mod de;
 mod error;
 mod insertion;
@@ -38,6 +40,7 @@ mod walls;
 
 pub use accuracy::Accuracy;
 pub use builder::SceneBuilder;
+pub use contact::ContactTable;
 pub use error::{Place, SceneError, Source};
 pub use lock::{Chosen, Judged, Lock, UsedLock};
 pub use mixture::{Amount, MixtureTables, PairEntry, SpeciesEntry};

@@ -13,6 +13,11 @@ pub fn model_kind(scene: &Scene) -> ModelKind {
             potential: "a fluid with forces of a program",
         };
     }
+    if scene.contact.is_some() {
+        return ModelKind::Other {
+            potential: "bodies that touch",
+        };
+    }
     let Some(r_cut) = scene.cutoff_of_one_fluid() else {
         return mixture_kind(scene);
     };

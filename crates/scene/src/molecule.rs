@@ -83,7 +83,10 @@ impl Scene {
     /// The model in words: potential, truncation, and molecules where there are some.
     #[must_use]
     pub fn model_name(&self) -> String {
-        let named = self.named_model();
+        let mut named = self.named_model();
+        if let Some(contacts) = self.contacts_in_words() {
+            named = format!("{named}; {contacts}");
+        }
         match self.program.have_forces() {
             true => format!("{named}; with forces of a program"),
             false => named,

@@ -1,10 +1,12 @@
 //! Whether molecules and the ways to hold their bonds fit the rest of a scene.
 
 use lennard_core::{Bonds, IntegratorSpec};
-use lennard_integrators::{BondOptions, spook};
+use lennard_forcefield::WallContext;
+use lennard_integrators::{BarostatOptions, BondOptions, spook, stormer_verlet};
 
 use crate::error::SceneError;
 use crate::molecule::{Molecule, MoleculeKind};
+use crate::reference::quoted;
 use crate::{Lattice, Scene, Start};
 
 /// Whether molecules fit the rest of the scene.
@@ -17,7 +19,8 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     let lengths = molecule.topology.bonds().iter().map(|bond| bond.length);
     let length = lengths.fold(0.0, f64::max);
     let r_cut = scene.truncation.r_cut;
-    if length >= r_cut {
+    let acts = scene.potential.own_end().is_none_or(|end| end.r > 0.0);
+    if acts && length >= r_cut {
         return Err(source
             .refuse(molecule.key_of_size(), "is not below the cutoff")
             .found(length)
@@ -25,7 +28,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     }
     let lattice = match scene.system.start {
         Start::Lattice { lattice, .. } => Some(lattice),
-        Start::Slab(_) | Start::Configuration { .. } => None,
+        Start::Slab(_) | Start::Listed { .. } | Start::Configuration { .. } => None,
     };
     let by_shape = molecule.options.kind == MoleculeKind::Sites;
     if lattice.is_some() && by_shape && molecule.options.shape.is_none() {
@@ -42,18 +45,20 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
             .found("\"random\"")
             .allowed("\"fcc\", \"sc\" or \"bcc\", or `configuration` with a file"));
     }
-    if !scene.walls.is_empty() {
-        return Err(source
-            .refuse("wall", "does not go with molecules")
-            .found("`[[wall]]` and `[molecule]`")
-            .allowed("atoms between walls, or molecules in a periodic box"));
-    }
+    between_walls(scene, molecule)?;
     for (i, stage) in scene.stages.iter().enumerate() {
-        if stage.barostat.is_some() {
+        if let Some(control) = &stage.barostat
+            && !control.options.moves_molecules()
+        {
+            let name = control.options.name();
+            let moves = |options: &BarostatOptions| options.moves_molecules();
+            let fit: Vec<&str> = (BarostatOptions::all().iter().filter(|o| moves(o)))
+                .map(BarostatOptions::name)
+                .collect();
             return Err(source
                 .refuse(&format!("stage.{i}.barostat"), "does not go with molecules")
-                .found("a barostat and `[molecule]`")
-                .allowed("a fixed box: barostats here scale sites, which would stretch bonds"));
+                .found(format!("{name:?}, which scales sites and would stretch bonds"))
+                .allowed(format!("{}, which moves whole molecules", quoted(&fit))));
         }
     }
     if scene.accuracy.is_some() {
@@ -70,6 +75,33 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     })?;
     suited_methods(scene, molecule)?;
     stable_springs(scene, molecule)
+}
+
+/// Refuses walls that act in drifts, where bonds are held too.
+fn between_walls(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> {
+    // Springs that are forces leave drifts alone.
+    if molecule.bonds.bonds() == Bonds::Springs {
+        return Ok(());
+    }
+    let context = WallContext {
+        temperature: scene.system.temperature,
+    };
+    for (i, table) in scene.walls.iter().enumerate() {
+        let surface = table.options.surface(&context, false);
+        if surface.rule().is_none() && surface.dashpot().is_none() {
+            continue;
+        }
+        return Err(scene
+            .source
+            .refuse(&format!("wall.{i}.kind"), "does not go with molecules")
+            .found(format!(
+                "{:?}, which acts in drifts, and [bonds] method = {:?}",
+                table.options.spec().name,
+                molecule.bonds.name()
+            ))
+            .allowed("a wall that only exerts a force: \"lennard-jones-9-3\", \"lennard-jones-10-4\", \"wca\", or \"soft\" with restitution = 1"));
+    }
+    Ok(())
 }
 
 /// Refuses observables for atoms in a scene of molecules, and the other way round.
@@ -102,7 +134,12 @@ fn suited_methods(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> 
     let by_spook = matches!(molecule.bonds, BondOptions::Spook(_));
     let suits = |spec: &IntegratorSpec| match by_spook {
         true => spec.name == spook::SPEC.name,
-        false => spec.holds_rigid_bonds || molecule.bonds.bonds() == Bonds::Springs,
+        false => match molecule.bonds.bonds() {
+            Bonds::Springs => true,
+            Bonds::Rigid => spec.holds_rigid_bonds,
+            // A method on positions alone forgets the velocities that impulses leave.
+            Bonds::Impulses => spec.holds_rigid_bonds && spec.name != stormer_verlet::SPEC.name,
+        },
     };
     for (i, stage) in scene.stages.iter().enumerate() {
         let spec = scene.method_of(stage).spec();

@@ -106,7 +106,7 @@ fn read(
     reader.known_tables()?;
     let mixture = reader.mixture()?;
     let potential = reader.potential(resolve)?;
-    let truncation = reader.truncation(mixture.is_some())?;
+    let truncation = reader.truncation(mixture.is_some(), &potential)?;
     let system = reader.system(
         resolve,
         mixture.as_ref().and_then(MixtureTables::total_count),
@@ -128,6 +128,7 @@ fn read(
         kernel: reader.plain("kernel")?,
         integrator: reader.integrator()?,
         walls: Vec::new(),
+        contact: reader.contact()?,
         acceleration: reader.field()?,
         stages: reader.stages(system.temperature)?,
         molecule: reader.molecule()?,
@@ -146,7 +147,7 @@ fn read(
 }
 
 /// The tables of a scene file that are written once.
-const TABLES: [&str; 14] = [
+const TABLES: [&str; 15] = [
     "system",
     "slab",
     "mixing",
@@ -158,6 +159,7 @@ const TABLES: [&str; 14] = [
     "neighbor",
     "kernel",
     "integrator",
+    "contact",
     "field",
     "output",
     "checkpoint",
@@ -291,9 +293,18 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// The truncation; cutoffs of a mixture are in σ of the scene unless it says otherwise.
-    fn truncation(&self, has_species: bool) -> Result<TruncationOptions, SceneError> {
+    /// The truncation; cutoffs of a mixture are in σ of the scene unless it says otherwise. Where there is no potential, there is
+    /// no tail.
+    fn truncation(
+        &self,
+        has_species: bool,
+        potential: &PotentialOptions,
+    ) -> Result<TruncationOptions, SceneError> {
         let mut truncation: TruncationOptions = self.plain("truncation")?;
+        let acts = potential.own_end().is_none_or(|end| end.r > 0.0);
+        if !acts && !self.source.wrote("truncation.tail_correction") {
+            truncation.tail_correction = false;
+        }
         if has_species {
             truncation.r_cut_in.get_or_insert_default();
         }

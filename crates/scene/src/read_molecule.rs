@@ -42,7 +42,7 @@ impl Reader<'_> {
             topology: Arc::new(topology),
         };
         if let (Bonds::Rigid, Some(shape)) = (molecule.bonds.bonds(), molecule.shape())
-            && let Some(bond) = molecule.topology.redundant_bond(&shape)
+            && let Some(bond) = molecule.topology.redundant_bond(&shape, |_| false)
         {
             return Err(redundant(&molecule, self.source, bond, "the shape"));
         }

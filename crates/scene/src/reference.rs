@@ -84,7 +84,10 @@ static SHARED: &[(&str, Keys)] = keys! {
         "box": Words("one side, or three sides [Lx, Ly, Lz], each a finite number above 0"), "this or `density`", "σ", "Box sides. With a `configuration`, the box of a file that names none.";
         "vacuum": NotNegative, "`0.0`", "σ", "Empty length added to the box along z, with the particles in the middle: a slab between two surfaces. `density` and `box` then describe the filled part.";
         "configuration": Words("the path of a file that can be read"), "none", "", "Start from this file (extended XYZ, LAMMPS dump or data, or the NIST columns; each may be compressed by gzip), relative to the scene file. Takes the place of `lattice`, `n_atoms` and `density`.";
-        "temperature": ZeroOrBetween(COLDEST, HOTTEST), "needed", "ε/k_B", "Temperature of the first velocities (where no file gives them) and of every thermostat that names no other.";
+        "positions": Words("a list with one position [x, y, z] for each particle"), "none", "σ", "Start from these positions, in the `box`. Takes the place of `lattice`, `n_atoms` and `density`. With molecules, the sites of each follow each other. Along an axis with walls they count from the lower wall.";
+        "velocities": Words("a list with one velocity [vx, vy, vz] for each of `positions`"), "velocities of `temperature`", "σ/τ", "Velocities of the `positions`. Their total momentum is kept.";
+        "held": Words("a list of numbers of particles, from 1, each once, and not all of them"), "none", "", "Particles that never move: their mass is infinite.";
+        "temperature": ZeroOrBetween(COLDEST, HOTTEST), "needed; `0.0` with `positions`", "ε/k_B", "Temperature of the first velocities (where neither scene nor file gives them) and of every thermostat that names no other.";
         "seed": Whole(0, i64::MAX), "`1`", "", "Seed of every random stream.";
     }
     "slab" {
@@ -150,6 +153,10 @@ static SHARED: &[(&str, Keys)] = keys! {
         "kind": Names(|| lennard_forcefield::walls().iter().map(|w| w.name).collect()), "needed", "", "What the walls do to particles.";
         "axis": Names(lennard_core::Axis::names), "`\"z\"`", "", "The axis across which the walls stand.";
         "thickness": Positive, "`r_cut` + 1.0", "σ", "Length of the box behind the planes, which keeps the fluid out of reach of its images; at least `r_cut` + 0.1.";
+    }
+    "contact" {
+        "kind": Names(|| lennard_contacts::contacts().iter().map(|c| c.name).collect()), "`\"soft\"`", "", "What happens where two bodies touch.";
+        "diameter": Between(0.01, 100.0), "`1.0`", "σ", "Distance of two centres at which bodies touch; that of two species is times their σ. At most half the shortest box side.";
     }
     "field" {
         "acceleration": Words("three finite numbers [gx, gy, gz]; 0 along an axis without walls"), "`[0.0, 0.0, 0.0]`", "σ/τ²", "Acceleration of every particle.";
@@ -229,6 +236,7 @@ fn of_methods(table: &str) -> Vec<(&'static str, Keys)> {
             all.push((lennard_integrators::respa::SPEC.name, SPLIT));
             all
         }
+        "contact" => lennard_contacts::ContactOptions::keys(),
         "wall" => lennard_forcefield::WallOptions::keys(),
         "stage.barostat" => lennard_integrators::BarostatOptions::keys(),
         "stage.thermostat" => lennard_integrators::ThermostatOptions::keys(),

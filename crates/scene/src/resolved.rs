@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use lennard_contacts::ContactOptions;
 use lennard_core::DVec3;
 use lennard_forcefield::{
     CombiningOptions, KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions,
@@ -41,6 +42,8 @@ struct Resolved<'a> {
     integrator: Integrator<'a>,
     #[serde(skip_serializing_if = "Option::is_none")]
     field: Option<Field>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    contact: Option<Contact<'a>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     wall: Vec<Wall<'a>>,
     stage: Vec<Stage<'a>>,
@@ -54,6 +57,12 @@ struct Resolved<'a> {
 
 #[derive(Serialize, Default)]
 struct System {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    positions: Option<Vec<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    velocities: Option<Vec<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    held: Vec<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     configuration: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -115,6 +124,13 @@ struct Integrator<'a> {
 #[derive(Serialize)]
 struct Field {
     acceleration: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct Contact<'a> {
+    #[serde(flatten)]
+    options: &'a ContactOptions,
+    diameter: f64,
 }
 
 #[derive(Serialize)]
@@ -253,6 +269,10 @@ impl Scene {
                 split_width: self.integrator.split.map(|split| split.width),
             },
             field: self.confining_field(),
+            contact: self.contact.as_ref().map(|table| Contact {
+                options: &table.options,
+                diameter: table.diameter,
+            }),
             wall: self.walls.iter().map(resolved_wall).collect(),
             stage: self.stages.iter().map(resolved_stage).collect(),
             observable: self
@@ -293,6 +313,7 @@ impl Scene {
         let mut system = System {
             temperature: self.system.temperature,
             seed: self.system.seed,
+            held: self.system.held.iter().map(|i| i + 1).collect(),
             ..System::default()
         };
         let mut place = |geometry: &Geometry| match geometry {
@@ -315,6 +336,16 @@ impl Scene {
                 system.vacuum = Some(*vacuum);
             }
             Start::Slab(slab) => system.n_atoms = Some(slab.n_atoms),
+            Start::Listed {
+                sides,
+                positions,
+                velocities,
+            } => {
+                let in_rows = |all: &Vec<DVec3>| all.iter().map(DVec3::to_array).collect();
+                place(&Geometry::Box(*sides));
+                system.positions = Some(in_rows(positions));
+                system.velocities = velocities.as_ref().map(in_rows);
+            }
             Start::Configuration { path, geometry } => {
                 if let Some(geometry) = geometry {
                     place(geometry);

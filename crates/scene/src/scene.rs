@@ -13,7 +13,9 @@ use lennard_io::TrajectoryFormat;
 use lennard_observables::ObservableOptions;
 use serde::{Deserialize, Serialize};
 
-use crate::{Accuracy, MixtureTables, Molecule, ProgramParts, Slab, Source, WallTable};
+use crate::{
+    Accuracy, ContactTable, MixtureTables, Molecule, ProgramParts, Slab, Source, WallTable,
+};
 
 /// A scene: everything that a run depends on but the machine. Reduced units throughout.
 #[derive(Debug, Clone)]
@@ -43,6 +45,8 @@ pub struct Scene {
     pub integrator: IntegratorTable,
     /// Walls, one pair per axis at most; empty for a periodic fluid.
     pub walls: Vec<WallTable>,
+    /// Contacts between bodies; `None` where particles are points.
+    pub contact: Option<ContactTable>,
     /// Acceleration by a constant field, σ/τ²; zero without one.
     pub acceleration: DVec3,
     /// What happens one after the other; at least one.
@@ -75,6 +79,7 @@ impl PartialEq for Scene {
             kernel,
             integrator,
             walls,
+            contact,
             acceleration,
             stages,
             observables,
@@ -95,6 +100,7 @@ impl PartialEq for Scene {
             && *kernel == other.kernel
             && *integrator == other.integrator
             && *walls == other.walls
+            && *contact == other.contact
             && *acceleration == other.acceleration
             && *stages == other.stages
             && *observables == other.observables
@@ -165,6 +171,8 @@ pub struct System {
     pub temperature: f64,
     /// Seed of every random stream.
     pub seed: u64,
+    /// Particles that never move, by their numbers from 0, ascending.
+    pub held: Vec<usize>,
 }
 
 /// How the particles are placed.
@@ -184,6 +192,15 @@ pub enum Start {
     },
     /// Liquid between two parts of vapor.
     Slab(Slab),
+    /// As the scene lists them.
+    Listed {
+        /// Sides of the box, σ; of the part between the walls, where there are walls.
+        sides: [f64; 3],
+        /// A position for each particle, σ. Along a walled axis they count from the lower wall.
+        positions: Vec<DVec3>,
+        /// A velocity for each particle, σ/τ; `None` for velocities of the system's temperature.
+        velocities: Option<Vec<DVec3>>,
+    },
     /// As a file says.
     Configuration {
         /// The file: extended XYZ, LAMMPS dump or data, or the NIST columns.
@@ -194,14 +211,27 @@ pub enum Start {
 }
 
 impl Start {
-    /// Number of particles, or of molecules where particles are bonded; `None` where a file has them.
+    /// Number of particles, or of molecules where particles are bonded on a lattice; `None` where a file has it.
     #[must_use]
     pub fn count(&self) -> Option<usize> {
         match self {
             Self::Lattice { n_atoms, .. } => Some(*n_atoms),
             Self::Slab(slab) => Some(slab.n_atoms),
+            Self::Listed { positions, .. } => Some(positions.len()),
             Self::Configuration { .. } => None,
         }
+    }
+
+    /// Whether each particle has the velocity that the scene lists, total momentum included.
+    #[must_use]
+    pub fn lists_velocities(&self) -> bool {
+        matches!(
+            self,
+            Self::Listed {
+                velocities: Some(_),
+                ..
+            }
+        )
     }
 }
 

@@ -190,9 +190,7 @@ mod tests {
                 .contains(&json!("bussi"))
         );
         assert_eq!(bath[1]["required"], json!(["kind"]));
-        assert_eq!(
-            schema["properties"]["system"]["required"],
-            json!(["temperature"])
-        );
+        let wall = &schema["properties"]["wall"]["items"];
+        assert_eq!(wall["required"], json!(["kind"]));
     }
 }

@@ -176,7 +176,7 @@ impl Scene {
     pub fn slab(&self) -> Option<&Slab> {
         match &self.system.start {
             Start::Slab(slab) => Some(slab),
-            Start::Lattice { .. } | Start::Configuration { .. } => None,
+            Start::Lattice { .. } | Start::Listed { .. } | Start::Configuration { .. } => None,
         }
     }
 
@@ -188,7 +188,7 @@ impl Scene {
                 Some(format!("system.vacuum = {vacuum}"))
             }
             Start::Slab(_) => Some("`[slab]`".to_owned()),
-            Start::Lattice { .. } | Start::Configuration { .. } => None,
+            Start::Lattice { .. } | Start::Listed { .. } | Start::Configuration { .. } => None,
         }
     }
 
@@ -196,7 +196,7 @@ impl Scene {
     pub(crate) fn key_of_surfaces(&self) -> &'static str {
         match self.system.start {
             Start::Slab(_) => "slab",
-            Start::Lattice { .. } | Start::Configuration { .. } => "system.vacuum",
+            Start::Lattice { .. } | Start::Listed { .. } | Start::Configuration { .. } => "system.vacuum",
         }
     }
 
@@ -234,7 +234,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
         return Err(refuse("`[molecule]`"));
     }
     if let Some(confined) = scene.confined_by() {
-        return Err(refuse(confined));
+        return Err(refuse(&confined));
     }
     Ok(())
 }

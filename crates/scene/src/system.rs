@@ -23,6 +23,10 @@ struct SystemTable {
     #[serde(rename = "box")]
     sides: Option<Sides>,
     vacuum: Option<f64>,
+    positions: Option<Vec<[f64; 3]>>,
+    velocities: Option<Vec<[f64; 3]>>,
+    #[serde(default)]
+    held: Vec<u64>,
     configuration: Option<PathBuf>,
     temperature: Option<f64>,
     seed: Option<u64>,
@@ -96,48 +100,63 @@ impl Reader<'_> {
             (None, Some(Sides(sides))) => Some(Geometry::Box(sides)),
             (None, None) => None,
         };
-        let start = match table.configuration {
-            Some(path) => {
-                if self.source.wrote("slab") {
-                    return Err(self
-                        .source
-                        .refuse("slab", "does not go with `configuration`")
-                        .found("`[slab]` and `configuration`")
-                        .allowed(
-                            "one of them: the configuration file says where the particles are",
-                        ));
-                }
-                for key in ["lattice", "n_atoms", "n_molecules", "density", "vacuum"] {
-                    if given(key) {
-                        return Err(self
-                            .source
-                            .refuse(&format!("system.{key}"), "does not go with `configuration`")
-                            .found(node.table().and_then(|t| t.get(key)).unwrap_or(&self.empty))
-                            .allowed("nothing: the configuration file says it"));
-                    }
-                }
+        const OF_LATTICES: [&str; 5] = ["lattice", "n_atoms", "n_molecules", "density", "vacuum"];
+        let excludes = |own: &str, keys: &[&str], allowed: &str| {
+            let Some(key) = keys.iter().find(|key| given(key)) else {
+                return Ok(());
+            };
+            Err(self
+                .source
+                .refuse(&format!("system.{key}"), format!("does not go with `{own}`"))
+                .found(node.table().and_then(|t| t.get(key)).unwrap_or(&self.empty))
+                .allowed(allowed))
+        };
+        if table.velocities.is_some() && table.positions.is_none() {
+            return Err(self
+                .source
+                .refuse("system.velocities", "has no positions beside it")
+                .found("`velocities` alone")
+                .allowed("`positions` with one position for each velocity"));
+        }
+        let is_listed = table.positions.is_some();
+        if self.source.wrote("slab") && (is_listed || table.configuration.is_some()) {
+            let (own, says) = match is_listed {
+                true => ("positions", "positions say"),
+                false => ("configuration", "configuration file says"),
+            };
+            return Err(self
+                .source
+                .refuse("slab", format!("does not go with `{own}`"))
+                .found(format!("`[slab]` and `{own}`"))
+                .allowed(format!("one of them: the {says} where the particles are")));
+        }
+        let start = match (table.configuration, &table.positions) {
+            (None, Some(positions)) => {
+                excludes("positions", &OF_LATTICES, "nothing: the positions say it")?;
+                self.listed(positions, table.velocities.as_deref(), geometry)?
+            }
+            (Some(path), _) => {
+                excludes(
+                    "configuration",
+                    &[&OF_LATTICES[..], &["positions"]].concat(),
+                    "nothing: the configuration file says it",
+                )?;
                 let path = resolve(self.source, "system.configuration", &path)?;
                 Start::Configuration { path, geometry }
             }
-            None if self.source.wrote("slab") => {
-                for key in ["lattice", "density", "box", "vacuum"] {
-                    if let Some(found) = node.table().and_then(|t| t.get(key)) {
-                        return Err(self
-                            .source
-                            .refuse(&format!("system.{key}"), "does not go with `[slab]`")
-                            .found(found)
-                            .allowed(
-                                "nothing: the box follows from `n_atoms` and the keys of `[slab]`",
-                            ));
-                    }
-                }
+            (None, None) if self.source.wrote("slab") => {
+                excludes(
+                    "[slab]",
+                    &["lattice", "density", "box", "vacuum"],
+                    "nothing: the box follows from `n_atoms` and the keys of `[slab]`",
+                )?;
                 let temperature = table
                     .temperature
                     .ok_or_else(|| self.needed("temperature"))?;
                 let n_atoms = self.count(table.n_atoms.or(counted), table.n_molecules)?;
                 Start::Slab(self.slab(n_atoms, temperature, model)?)
             }
-            None => Start::Lattice {
+            (None, None) => Start::Lattice {
                 lattice: table.lattice.unwrap_or_default(),
                 n_atoms: self.count(table.n_atoms.or(counted), table.n_molecules)?,
                 geometry: geometry.ok_or_else(|| self.needed("density"))?,
@@ -146,10 +165,13 @@ impl Reader<'_> {
         };
         Ok(System {
             start,
-            temperature: table
-                .temperature
-                .ok_or_else(|| self.needed("temperature"))?,
+            temperature: match table.temperature {
+                // Bodies that are listed are at rest unless the scene says otherwise.
+                None if is_listed => 0.0,
+                temperature => temperature.ok_or_else(|| self.needed("temperature"))?,
+            },
             seed: table.seed.unwrap_or(DEFAULT_SEED),
+            held: self.held(&table.held)?,
         })
     }
 
@@ -179,7 +201,7 @@ impl Reader<'_> {
         let allowed = reference::find("system", None, key).map(|doc| doc.allowed.text());
         let or = match key {
             "density" => ", or `box` with three sides",
-            "n_atoms" | "n_molecules" => ", or `configuration` with a file",
+            "n_atoms" | "n_molecules" => ", or `positions`, or `configuration` with a file",
             _ => "",
         };
         self.source

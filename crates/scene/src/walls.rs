@@ -106,35 +106,53 @@ impl Reader<'_> {
 }
 
 impl Scene {
-    /// Where the pair force ends, σ: its own end, or the cutoff.
+    /// Where pair forces and contacts end, σ: the own end of the potential or the cutoff, or the largest contact distance.
     pub(crate) fn end_of_pairs(&self) -> f64 {
         let own = self.potential.own_end();
-        own.map_or(self.truncation.r_cut, |end| end.r)
+        let end = own.map_or(self.truncation.r_cut, |end| end.r);
+        end.max(self.largest_contact())
     }
 
-    /// What takes the fluid's homogeneity away, in words; `None` where it is periodic along all axes and in no field.
+    /// What takes the fluid's homogeneity away, in words with the key of each.
+    fn confining(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let all = [
+            (!self.walls.is_empty(), "wall", "walls"),
+            (
+                self.acceleration != DVec3::ZERO || !self.program.fields.is_empty(),
+                "field",
+                "a field",
+            ),
+            (!self.system.held.is_empty(), "system.held", "held particles"),
+        ];
+        all.into_iter()
+            .filter_map(|(there, key, words)| there.then_some((key, words)))
+    }
+
+    /// What takes the fluid's homogeneity away, in words; `None` where it is periodic along all axes, in no field and free to move.
     #[must_use]
-    pub fn confined_by(&self) -> Option<&'static str> {
-        let without_field = self.acceleration == DVec3::ZERO && self.program.fields.is_empty();
-        match (self.walls.is_empty(), without_field) {
-            (true, true) => None,
-            (false, true) => Some("walls"),
-            (true, false) => Some("a field"),
-            (false, false) => Some("walls and a field"),
+    pub fn confined_by(&self) -> Option<String> {
+        let words: Vec<&str> = self.confining().map(|(_, words)| words).collect();
+        match words.split_last()? {
+            (last, []) => Some((*last).to_owned()),
+            (last, others) => Some(format!("{} and {last}", others.join(", "))),
         }
     }
 
-    /// Refuses molecules, species, and a fluid between walls or in a field, for a study of homogeneous fluids of atoms.
+    /// Refuses molecules, species, contacts, and a fluid between walls or in a field, for a study of homogeneous fluids of atoms.
     ///
     /// # Errors
     /// [`SceneError`] with the table that confines the fluid.
     pub fn homogeneous_for(&self, study: &str) -> Result<(), SceneError> {
-        let (key, found) = match (self.confined_by(), &self.molecule, &self.mixture) {
-            (Some(confined), ..) if self.walls.is_empty() => ("field", confined),
-            (Some(confined), ..) => ("wall", confined),
-            (None, Some(_), _) => ("molecule", "molecules"),
-            (None, None, Some(_)) => ("species", "species"),
-            (None, None, None) => return Ok(()),
+        let others = [
+            (self.contact.is_some(), "contact", "contacts"),
+            (self.molecule.is_some(), "molecule", "molecules"),
+            (self.mixture.is_some(), "species", "species"),
+        ];
+        let other = others.into_iter().find(|(there, ..)| *there);
+        let (key, found) = match (self.confining().next(), self.confined_by(), other) {
+            (Some((key, _)), Some(confined), _) => (key, confined),
+            (_, _, Some((_, key, words))) => (key, words.to_owned()),
+            _ => return Ok(()),
         };
         Err(self
             .source
@@ -176,15 +194,18 @@ impl Scene {
         (g != DVec3::ZERO).then(|| ConstantField::new(g, masses.clone()))
     }
 
-    /// What the walls add to the box and to the lower corner of the filled part, σ.
-    pub(crate) fn room_of_walls(&self) -> (DVec3, DVec3) {
+    /// What the walls add to the box and to the lower corner of the filled part, σ; a lattice stands clear of them.
+    pub(crate) fn room_of_walls(&self, is_lattice: bool) -> (DVec3, DVec3) {
         let (mut sides, mut corner) = (DVec3::ZERO, DVec3::ZERO);
         for table in &self.walls {
             let axis = table.axis.index();
             let context = WallContext {
                 temperature: self.system.temperature,
             };
-            let clearance = table.options.surface(&context, false).clearance();
+            let clearance = match is_lattice {
+                true => table.options.surface(&context, false).clearance(),
+                false => 0.0,
+            };
             sides[axis] += table.thickness + 2.0 * clearance;
             corner[axis] += 0.5 * table.thickness + clearance;
         }
@@ -221,6 +242,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     let Some(confined) = scene.confined_by() else {
         return Ok(());
     };
+    let confined = confined.as_str();
     let source = &scene.source;
     for (i, stage) in scene.stages.iter().enumerate() {
         if stage.barostat.is_some() {
@@ -238,16 +260,16 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     }
     if scene.truncation.tail_correction {
         let key = "truncation.tail_correction";
-        let (found, place) = match (source.wrote(key), scene.walls.is_empty()) {
-            (true, _) => ("true", key),
-            (false, true) => ("true, the default with kind \"cut\"", "field"),
-            (false, false) => ("true, the default with kind \"cut\"", "wall"),
+        let first = scene.confining().next().map_or(key, |(key, _)| key);
+        let (found, place) = match source.wrote(key) {
+            true => ("true", key),
+            false => ("true, the default with kind \"cut\"", first),
         };
         return Err(source
             .refuse(key, "assumes a homogeneous fluid")
             .at(source.place(place).cloned())
             .found(format!("{found}, with {confined}"))
-            .allowed("false with walls or a field"));
+            .allowed("false with walls, a field or held particles"));
     }
     if let Start::Lattice {
         lattice, vacuum, ..
@@ -285,7 +307,8 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     }
     for axis in Axis::ALL {
         let g = scene.acceleration[axis.index()];
-        let bounded = scene.walls.iter().any(|table| table.axis == axis);
+        let bounded =
+            scene.all_are_tethered() || scene.walls.iter().any(|table| table.axis == axis);
         let axis = axis.name();
         if g != 0.0 && !bounded {
             return Err(source
@@ -370,7 +393,7 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
                 )));
         }
     }
-    let is_single = matches!(scene.system.start, Start::Lattice { n_atoms: 1, .. });
+    let is_single = scene.system.start.count() == Some(1);
     if rule == HitRule::OnParabolas && !is_single {
         return Err(scene
             .source

@@ -284,6 +284,8 @@ pub enum Listed {
     Bonds,
     /// Walls at both ends of an axis.
     Walls,
+    /// Contacts between bodies.
+    Contacts,
     /// Formats of trajectories.
     Formats,
     /// What results are compared with.

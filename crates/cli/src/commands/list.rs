@@ -51,6 +51,10 @@ pub fn list(args: &ListArgs) -> Result<u8, Failure> {
             .iter()
             .map(|s| plain(s.name, s.summary, s.equation, s.source))
             .collect(),
+        Listed::Contacts => lennard_contacts::contacts()
+            .iter()
+            .map(|s| plain(s.name, s.summary, s.equation, s.source))
+            .collect(),
         Listed::Observables => lennard_observables::observables()
             .iter()
             .map(|s| plain(s.name, s.summary, s.equation, s.source))

@@ -268,7 +268,7 @@ impl Workspace {
         }
         let total = self.total.iter().enumerate();
         sums.squared_forces = total
-            .map(|(k, a)| masses.of(first + k) * a.length_squared())
+            .map(|(k, a)| masses.moving(first + k) * a.length_squared())
             .sum();
         sums
     }

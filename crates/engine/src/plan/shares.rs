@@ -14,6 +14,7 @@ use crate::bare::bare;
 use crate::beginning::Beginning;
 use crate::build::prepare_from;
 use crate::files::{header, style};
+use crate::failure::LARGEST_MOVE;
 use crate::follower::{Follower, StopAt, Verdict};
 use crate::run::{aside, set_aside};
 use crate::schedule::{Action, Observer, Operation, Schedule, Trigger};
@@ -247,7 +248,7 @@ pub fn watching_seconds(simulation: &Simulation) -> f64 {
     };
     let dt = simulation.stage_run().dt;
     let mut before = aside(state);
-    per_call(&mut || drop(watchdog::check_speeds(state, dt))) / watchdog::EVERY as f64
+    per_call(&mut || drop(watchdog::check_speeds(state, dt, LARGEST_MOVE))) / watchdog::EVERY as f64
         + per_call(&mut || {
             drop(
                 simulation

@@ -84,6 +84,39 @@ const WAYS: &[&[(&str, &str)]] = &[
     ],
     &[("bonds.method", "spook"), ("integrator.kind", "spook")],
     &[("bonds.method", "direct"), ("kernel.precision", "mixed")],
+    &[("bonds.method", "direct"), ("integrator.kind", "leapfrog")],
+    &[
+        ("bonds.method", "relaxation"),
+        ("integrator.kind", "stormer-verlet"),
+    ],
+    &[
+        ("bonds.method", "spring"),
+        ("bonds.scheme", "midpoint"),
+        ("integrator.kind", "leapfrog"),
+    ],
+    &[
+        ("wall", "[{ kind = \"wca\" }]"),
+        ("observable", "[]"),
+    ],
+    &[
+        ("bonds.method", "spring"),
+        ("wall", "[{ kind = \"hard\" }]"),
+        ("observable", "[]"),
+    ],
+    &[
+        ("stage.0.thermostat", "bussi"),
+        (
+            "stage.0.barostat",
+            "{ kind = \"stochastic-cell-rescaling\", pressure = 1.0, tau = 0.5, interval = 5 }",
+        ),
+    ],
+    &[
+        ("contact.diameter", "0.8"),
+        ("contact.stiffness", "500.0"),
+        ("system.held", "[1, 40]"),
+        ("truncation.tail_correction", "false"),
+        ("observable", "[]"),
+    ],
     &[
         ("molecule.kind", "chain"),
         ("molecule.sites", "4"),
@@ -372,4 +405,57 @@ fn a_bond_that_turns_too_far_stops_the_run() {
     };
     let text = failure.to_string();
     assert!(text.contains("turned too far in one step"), "{text}");
+}
+
+#[test]
+fn a_barostat_moves_molecules_by_their_centres_and_keeps_what_is_inside() {
+    let barostat =
+        "{ kind = \"stochastic-cell-rescaling\", pressure = 1.0, tau = 0.2, interval = 5 }";
+    for way in [
+        &[("bonds.method", "direct")][..],
+        &[("bonds.method", "spring")],
+        &with_shape(TRIANGLE, ("bonds.method", "direct"), PLAIN),
+    ] {
+        let mut overrides = vec![
+            ("stage.0.thermostat", "bussi"),
+            ("stage.0.barostat", barostat),
+            ("observable", "[]"),
+        ];
+        overrides.extend_from_slice(way);
+        let mut s = build(&overrides);
+        let start = s.state.cell.volume();
+        s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        assert!((s.state.cell.volume() / start - 1.0).abs() > 1e-3, "{way:?}");
+        let molecules = &s.system.molecules;
+        let longest = |x: &[DVec3]| {
+            let strain = |bond: &lennard_core::Bond| (bond.vector(x).length() / bond.length - 1.0).abs();
+            molecules.bonds().iter().map(strain).fold(0.0, f64::max)
+        };
+        let strain = (s.state.positions.chunks(molecules.sites())).map(longest).fold(0.0, f64::max);
+        let limit = if molecules.are_rigid() { 1e-9 } else { 0.2 };
+        assert!(strain < limit, "{strain} {way:?}");
+    }
+}
+
+#[test]
+fn an_ideal_gas_of_rigid_dumbbells_has_the_volume_of_its_centres() {
+    // Without pair forces p(V) ∝ V^(M − 1)·e^(−P₀V/T) for M molecules without total momentum: ⟨V⟩ = M·T/P₀.
+    let barostat =
+        "{ kind = \"stochastic-cell-rescaling\", pressure = 0.5, tau = 0.05, interval = 1, compressibility = 2.0 }";
+    let mut s = build(&[
+        ("system.n_molecules", "32"),
+        ("system.density", "0.25"),
+        ("potential", "{ kind = \"none\" }"),
+        ("truncation", "{}"),
+        ("stage.0.thermostat", "bussi"),
+        ("stage.0.barostat", barostat),
+        ("stage.0.steps", "60000"),
+        ("observable", "[]"),
+    ]);
+    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    let changing: &lennard_observables::ChangingBox = s.observable().unwrap();
+    let found = lennard_core::Observable::finish(changing, 0.05);
+    let volume = found.averages.iter().find(|a| a.name == "volume").unwrap();
+    let (mean, error) = (volume.estimate.mean, volume.estimate.standard_error);
+    assert!(error < 1.5 && (mean - 128.0).abs() < 4.0 * error, "{mean} ± {error}");
 }

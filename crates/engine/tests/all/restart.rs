@@ -337,6 +337,67 @@ fn every_wall_goes_on_to_the_bit() {
     }
 }
 
+/// Contacts of every kind, as overrides of the liquid.
+const CONTACTS: [(&str, &[(&str, &str)]); 4] = [
+    ("soft", &[("contact.stiffness", "200.0")]),
+    (
+        "soft",
+        &[("contact.law", "hertz"), ("contact.restitution", "0.8")],
+    ),
+    ("hard", &[("contact.restitution", "0.9")]),
+    ("hard", &[("wall", "[{kind=\"thermal\"}]")]),
+];
+
+#[test]
+fn every_contact_goes_on_to_the_bit_between_walls_too() {
+    for spec in lennard_contacts::contacts() {
+        assert!(CONTACTS.iter().any(|(kind, _)| *kind == spec.name));
+    }
+    for (kind, more) in CONTACTS {
+        for bath in ["bussi", "langevin"] {
+            let scene = [
+                ("contact.kind", kind),
+                ("contact.diameter", "0.9"),
+                ("stage.production.thermostat", bath),
+            ];
+            assert!(in_parts(&[&scene[..], more].concat()), "{kind} {more:?}");
+        }
+    }
+    // Bodies without a pair potential, some of them held.
+    assert!(in_parts(&[
+        ("potential", "{ kind = \"none\" }"),
+        ("truncation", "{}"),
+        ("contact.kind", "hard"),
+        ("system.held", "[1, 2, 30]"),
+    ]));
+}
+
+#[test]
+fn contacts_have_the_same_bits_on_any_number_of_threads() {
+    for (kind, more) in CONTACTS {
+        let run = |threads| {
+            common::on_threads(threads, || {
+                let scene = [
+                    ("contact.kind", kind),
+                    ("contact.diameter", "0.9"),
+                    ("system.n_atoms", "500"),
+                ];
+                let mut simulation = scene_of(&[&scene[..], more].concat());
+                simulation.run(&mut lennard_engine::Unfollowed).unwrap();
+                common::bits(&simulation)
+            })
+        };
+        let one = run(1);
+        for threads in [2, 3, 8] {
+            assert!(run(threads) == one, "{kind} {more:?} on {threads} threads");
+        }
+    }
+}
+
+fn scene_of(overrides: &[(&str, &str)]) -> Simulation {
+    scene(overrides).unwrap_or_else(|| panic!("{overrides:?}"))
+}
+
 #[test]
 fn checkpoints_on_the_way_change_no_bit() {
     let root = tempfile::tempdir().unwrap();

@@ -39,8 +39,8 @@ impl Walls {
         }
         if let Some((_, index)) = self.next_hit(*x, *v, left) {
             // Too many hits: the particle rests at the plane.
-            let reading = &mut self.readings[index];
-            reading.impulse += reading.outward() * mass * v[reading.axis];
+            let reading = self.readings[index];
+            self.take_momentum(index, reading.outward() * mass * v[reading.axis]);
             v[reading.axis] = 0.0;
         }
         *x += left * *v;
@@ -48,14 +48,36 @@ impl Walls {
         0.5 * mass * (v.length_squared() - before)
     }
 
+    /// The time and the plane of the next hit of a particle that flies straight from `x` (σ) with `v` (σ/τ) for `left` τ: the index
+    /// of the plane in [`lennard_core::ForceTerm::walls`].
+    #[must_use]
+    pub fn next_hit(&self, x: DVec3, v: DVec3, left: f64) -> Option<(f64, usize)> {
+        self.first_hit(x, left, |z, axis, outward| {
+            let towards = outward * v[axis];
+            (towards > 0.0).then(|| (z / towards).max(0.0))
+        })
+    }
+
+    /// Whether hits happen at other places than where a straight flight meets a plane.
+    #[must_use]
+    pub fn bend_flights(&self) -> bool {
+        self.follows_parabolas() || self.acts_at_end() || self.has_dashpots()
+    }
+
+    /// Random numbers of a particle in a flight that begins after `step` steps; a second flight of a step draws others.
+    #[must_use]
+    pub fn noise_of(&self, particle: usize, step: u64, is_later: bool) -> CounterRng {
+        let counter = 2 * step + u64::from(is_later);
+        self.noise.at(counter, particle as u32)
+    }
+
+    /// Counts the momentum, m·σ/τ along the outward normal, that a particle hands to a plane where it comes to rest.
+    pub fn take_momentum(&mut self, index: usize, momentum: f64) {
+        self.readings[index].impulse += momentum;
+    }
+
     /// Gives a particle at a plane the velocity after the hit, and the wall the momentum.
-    pub(super) fn strike(
-        &mut self,
-        index: usize,
-        v: &mut DVec3,
-        mass: f64,
-        random: &mut CounterRng,
-    ) {
+    pub fn strike(&mut self, index: usize, v: &mut DVec3, mass: f64, random: &mut CounterRng) {
         let Surface::Hit(wall) = &self.pairs[index / 2].surfaces[index % 2] else {
             return;
         };
@@ -74,21 +96,13 @@ impl Walls {
     }
 
     /// Takes off what rounding put behind a plane.
-    pub(super) fn clamp_between_planes(&self, x: &mut DVec3) {
+    pub fn clamp_between_planes(&self, x: &mut DVec3) {
         for pair in self.pairs.iter().filter(|pair| pair.is_hit_on_the_way()) {
             let SlitPlanes {
                 axis, lower, upper, ..
             } = pair.planes;
             x[axis] = x[axis].clamp(lower, upper);
         }
-    }
-
-    /// The time of the next hit within `left` τ, with the index of the wall.
-    fn next_hit(&self, x: DVec3, v: DVec3, left: f64) -> Option<(f64, usize)> {
-        self.first_hit(x, left, |z, axis, outward| {
-            let towards = outward * v[axis];
-            (towards > 0.0).then(|| (z / towards).max(0.0))
-        })
     }
 
     /// The earliest time within `left` τ at which a particle at x arrives at a wall that is hit, with the index of the wall.
@@ -123,14 +137,16 @@ impl Walls {
 
 impl Boundary for Walls {
     fn fly(&mut self, flight: Flight<'_>) -> f64 {
-        let counter = 2 * flight.step + u64::from(flight.is_later);
-        let (noise, along_parabolas) = (self.noise, self.follows_parabolas());
+        let along_parabolas = self.follows_parabolas();
         let (is_damped, acts_at_end) = (self.has_dashpots(), self.acts_at_end());
         let particles = flight.positions.iter_mut().zip(flight.velocities);
         let mut heat = 0.0;
         for (i, ((x, v), force)) in particles.zip(flight.forces).enumerate() {
+            if flight.masses.is_held(i) {
+                continue;
+            }
             let (mass, h) = (flight.masses.of(i), flight.h);
-            let mut random = noise.at(counter, i as u32);
+            let mut random = self.noise_of(i, flight.step, flight.is_later);
             let (start, half_kick) = (*x, 0.5 * h / mass * *force);
             if is_damped {
                 heat += self.damp(*x, v, mass, 0.5 * h);

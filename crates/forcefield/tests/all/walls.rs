@@ -299,6 +299,7 @@ fn thermal_walls_give_the_speeds_of_the_flux() {
         let mut positions = [DVec3::new(0.0, 0.0, 7.999)];
         let mut velocities = [DVec3::new(3.0, 0.0, 1.0)];
         heat += walls.boundary().unwrap().fly(lennard_core::Flight {
+            cell: &PeriodicBox::new(DVec3::splat(10.0)).unwrap(),
             positions: &mut positions,
             velocities: &mut velocities,
             forces: &[DVec3::ZERO],
@@ -337,6 +338,7 @@ fn a_gas_without_collisions_between_two_temperatures_conducts_as_theory_says() {
     let (mut temperature, mut flux, mut lower_half, mut samples) = (0.0, 0.0, 0.0, 0.0);
     for step in 0..3000 {
         walls.boundary().unwrap().fly(lennard_core::Flight {
+            cell: &PeriodicBox::new(DVec3::splat(10.0)).unwrap(),
             positions: &mut positions,
             velocities: &mut velocities,
             forces: &[DVec3::ZERO; N],
@@ -380,6 +382,7 @@ fn what_walls_felt_is_saved_and_a_state_of_other_walls_is_refused() {
     let mut positions = [DVec3::new(0.0, 0.0, 5.0)];
     let mut velocities = [DVec3::new(0.0, 0.0, 4.0)];
     saved.boundary().unwrap().fly(lennard_core::Flight {
+            cell: &PeriodicBox::new(DVec3::splat(10.0)).unwrap(),
         positions: &mut positions,
         velocities: &mut velocities,
         forces: &[DVec3::ZERO],

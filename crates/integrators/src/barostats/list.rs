@@ -40,6 +40,8 @@ pub(crate) trait BarostatParts: Options {
     fn coupling(&self) -> Coupling {
         Coupling::Isotropic
     }
+    /// Whether molecules move with their centres of mass, so that bonds keep their length in a box that changes.
+    const MOVES_MOLECULES: bool = false;
     /// The compressibility that the scene gives, σ³/ε.
     fn compressibility(&self) -> Option<f64> {
         None
@@ -99,6 +101,14 @@ macro_rules! list_of_barostats {
                 }
             }
 
+            /// Whether molecules move with their centres of mass, so that bonds keep their length in a box that changes.
+            #[must_use]
+            pub fn moves_molecules(&self) -> bool {
+                match self {
+                    $(Self::$variant(_) => <super::$module::Options as BarostatParts>::MOVES_MOLECULES,)*
+                }
+            }
+
             /// The compressibility that the scene gives, σ³/ε; `None` where it is to be estimated.
             #[must_use]
             pub fn compressibility(&self) -> Option<f64> {
@@ -121,6 +131,12 @@ macro_rules! list_of_barostats {
                 match self {
                     $(Self::$variant(options) => options.couple(method, thermostat, bath, noise),)*
                 }
+            }
+
+            /// Every barostat with its default options, in the order of the list.
+            #[must_use]
+            pub fn all() -> Vec<Self> {
+                vec![$(Self::$variant(super::$module::Options::default()),)*]
             }
 
             /// The scene keys of every entry of the list, by its name.

@@ -5,4 +5,6 @@ mod list;
 pub mod mtk;
 pub mod stochastic_cell_rescaling;
 
+pub use stochastic_cell_rescaling::dof_of_centers;
+
 pub use list::{BarostatOptions, Coupling, barostats};

@@ -1,11 +1,11 @@
 //! Stochastic cell rescaling: the volume follows its own Langevin equation, and Metropolis corrects each move.
 
-use lennard_core::parallel::for_each_piece;
+use lennard_core::parallel::{for_each_piece, ordered_sum};
 use lennard_core::random::NoiseStream;
 use lennard_core::{
     Barostat, BarostatSpec, BoxMoves, DVec3, Energetics, ForceError, Integrator, Part, Parts,
     PeriodicBox, Persist, PressureBath, RestoreError, StateReader, StateWriter, Step, StepError,
-    Want,
+    System, Want,
 };
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
@@ -29,6 +29,8 @@ lennard_core::options! {
 }
 
 impl BarostatParts for Options {
+    const MOVES_MOLECULES: bool = true;
+
     fn couple(
         &self,
         method: Integrator,
@@ -65,7 +67,7 @@ impl BarostatParts for Options {
 pub const SPEC: BarostatSpec = BarostatSpec {
     name: "stochastic-cell-rescaling",
     summary: "Stochastic cell rescaling between steps, each change accepted by Metropolis: exact at any interval.",
-    equation: "d(ln V) = -(kappa/tau)(P0 - P) dt + sqrt(2 T kappa/(V tau)) dW, P = (n_dof T/3 + W/3)/V + P_tail, with a Metropolis test",
+    equation: "d(ln V) = -(kappa/tau)(P0 - P) dt + sqrt(2 T kappa/(V tau)) dW, P = (n_dof T/3 + W/3)/V + P_tail, with a Metropolis test; for molecules, n_dof and W are those of their centres",
     thermostat: None,
     source: "Bernetti and Bussi, \"Pressure control using stochastic cell rescaling\", J. Chem. Phys. 153, 114107 (2020), equation 6; the Metropolis test is the exact one of the Euler proposal in √V",
 };
@@ -82,6 +84,10 @@ pub const SPEC: BarostatSpec = BarostatSpec {
 ///
 /// P = (n_dof·T/3 + W/3)/V + P_tail takes the temperature of the bath; velocities stay as they are.
 /// The volume is then sampled as p(V) ∝ V^{n_dof/3}·e^{−(U + P₀V)/T}.
+///
+/// Molecules move as a whole with their centres of mass, R ← R·(V′/V)^{1/3}. Bonds keep their length, and velocities and the
+/// inside of a molecule are as they were. The centres alone feel the volume: n_dof counts their degrees of freedom, and W is
+/// the molecular virial W − Σ (r_i − R)·F_i.
 #[derive(Debug, Clone)]
 pub struct StochasticCellRescaling {
     tau: f64,
@@ -160,11 +166,13 @@ impl StochasticCellRescaling {
         sides: Sides,
         cell: &PeriodicBox,
         energetics: &Energetics,
+        inside: DVec3,
     ) -> Option<AtVolume> {
         let (p0, t) = (self.bath.pressure.at(step), self.bath.temperature.at(step));
         let volume = cell.volume();
         let w = energetics.virial?;
-        let (xx, yy, zz) = (w.x_axis.x, w.y_axis.y, w.z_axis.z);
+        let diagonal = DVec3::new(w.x_axis.x, w.y_axis.y, w.z_axis.z);
+        let [xx, yy, zz] = (diagonal - inside).to_array();
         let virial = match sides {
             Sides::All => (xx + yy + zz) / 3.0,
             Sides::Z => zz,
@@ -182,19 +190,65 @@ impl StochasticCellRescaling {
 
     /// Scales positions and box; the positions before are kept.
     fn scale(&mut self, s: &mut Step<'_>, factors: DVec3) -> Result<(), StepError> {
-        let state = s.parts().state;
+        let Parts { system, state, .. } = s.parts();
         let scaled = state.cell.scaled(factors);
         // A box without volume, or beyond all numbers: positions there are none.
         let outside = |_| ForceError::NonFinitePosition { particle: 0 };
         state.cell = scaled.map_err(outside)?;
         self.before.clone_from(&state.positions);
-        for_each_piece(&mut state.positions, |_, chunk| {
-            for x in chunk {
-                *x *= factors;
-            }
+        let molecules = &system.molecules;
+        if molecules.are_atoms() {
+            for_each_piece(&mut state.positions, |_, chunk| {
+                for x in chunk {
+                    *x *= factors;
+                }
+            });
+            return Ok(());
+        }
+        let sites = molecules.sites();
+        molecules.for_each(sites, &mut state.positions, |m, own| {
+            let center = molecules.center(&system.masses, m * sites, own);
+            let shift = (factors - DVec3::ONE) * center;
+            own.iter_mut().for_each(|x| *x += shift);
         });
         Ok(())
     }
+}
+
+/// Degrees of freedom of the centres of mass, of the n_dof of all sites: three for each molecule, less one for each component of
+/// the total momentum that is conserved.
+#[must_use]
+pub fn dof_of_centers(system: &System, n_dof: f64) -> f64 {
+    let molecules = &system.molecules;
+    if molecules.are_atoms() {
+        return n_dof;
+    }
+    let n = system.n_molecules() as f64;
+    let rigid = match molecules.are_rigid() {
+        true => molecules.bonds().len() as f64 * n,
+        false => 0.0,
+    };
+    let conserved = 3.0 * system.len() as f64 - rigid - n_dof;
+    3.0 * n - conserved
+}
+
+/// Σ (r_i − R)·F_i for each axis, ε: what the molecular virial lacks of the virial of sites; zero for atoms.
+fn inside_molecules(system: &System, positions: &[DVec3], forces: &[DVec3]) -> DVec3 {
+    let molecules = &system.molecules;
+    if molecules.are_atoms() {
+        return DVec3::ZERO;
+    }
+    ordered_sum(system.n_molecules(), |range| {
+        range
+            .map(|m| {
+                let sites = molecules.sites_of(m);
+                let x = &positions[sites.clone()];
+                let center = molecules.center(&system.masses, sites.start, x);
+                let both = x.iter().zip(&forces[sites]);
+                both.map(|(r, f)| (*r - center) * *f).sum::<DVec3>()
+            })
+            .sum()
+    })
 }
 
 impl Persist for StochasticCellRescaling {
@@ -216,13 +270,15 @@ impl Barostat for StochasticCellRescaling {
     }
 
     fn apply(&mut self, s: &mut Step<'_>) -> Result<bool, StepError> {
-        let (n_dof, want) = (s.n_dof(), s.want() | Want::ENERGY_AND_VIRIAL);
+        let n_dof = dof_of_centers(s.system(), s.n_dof());
+        let want = s.want() | Want::ENERGY_AND_VIRIAL;
         let elapsed = self.interval as f64 * s.dt();
-        let Parts { state, .. } = s.parts();
+        let Parts { system, state, .. } = s.parts();
         let (step, cell) = (state.step, state.cell);
         let t = self.bath.temperature.at(step);
         let sides = self.sides(step);
-        let here = self.at_volume(step, n_dof, sides, &cell, &state.energetics);
+        let inside = inside_molecules(system, &state.positions, &state.forces);
+        let here = self.at_volume(step, n_dof, sides, &cell, &state.energetics, inside);
         let Some(old) = here else {
             return Ok(false);
         };
@@ -243,9 +299,12 @@ impl Barostat for StochasticCellRescaling {
         let mut forces = std::mem::take(&mut self.forces);
         forces.resize(self.before.len(), DVec3::ZERO);
         let found = s.part_of_forces(Part::All, 1.0, want, &mut forces);
-        let state = s.parts().state;
+        let Parts { system, state, .. } = s.parts();
         let new = match &found {
-            Ok(energetics) => self.at_volume(step, n_dof, sides, &state.cell, energetics),
+            Ok(energetics) => {
+                let inside = inside_molecules(system, &state.positions, &forces);
+                self.at_volume(step, n_dof, sides, &state.cell, energetics, inside)
+            }
             Err(_) => None,
         };
         let change = new.as_ref().map_or(f64::INFINITY, |new| {

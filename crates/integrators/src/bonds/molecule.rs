@@ -218,7 +218,7 @@ pub fn over_tasks(
 fn kinetic_energy(masses: &Masses, first: usize, v: &[DVec3]) -> f64 {
     let sites = v.iter().enumerate();
     sites
-        .map(|(k, v)| 0.5 * masses.of(first + k) * v.length_squared())
+        .map(|(k, v)| 0.5 * masses.moving(first + k) * v.length_squared())
         .sum()
 }
 

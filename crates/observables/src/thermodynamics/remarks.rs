@@ -4,15 +4,18 @@ use lennard_core::{Average, Doubt};
 
 use super::Thermodynamics;
 
-/// What takes the fluid's homogeneity away.
+/// What takes a meaning away from averages of a homogeneous fluid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Confined {
-    /// Whether particles hit walls: their momentum at the planes is in no force.
+    /// Whether walls, a field or held particles take the fluid's homogeneity away.
+    pub is_inhomogeneous: bool,
+    /// Whether particles hit walls or each other in flight: their momentum at hits is in no force.
     pub by_hits: bool,
 }
 
 impl Thermodynamics {
-    /// Tells that walls or a field confine the fluid: it then has no one pressure. `None` is the default.
+    /// Tells that walls or a field confine the fluid, which then has no one pressure, or that impulses are in no virial. `None` is the
+    /// default.
     pub fn set_confined(&mut self, confined: Option<Confined>) {
         self.confined = confined;
     }
@@ -36,6 +39,9 @@ impl Thermodynamics {
         };
         for average in averages {
             let why = match average.name.as_str() {
+                "pressure" | "pressure_without_tail" if !confined.is_inhomogeneous => {
+                    "the impulses of contacts in flight are not in the virial"
+                }
                 "pressure" | "pressure_without_tail" => {
                     "a fluid with walls or in a field has no one pressure: see `wall-pressure`"
                 }

@@ -43,16 +43,19 @@ impl SpeciesTemperatures {
     pub(super) fn sample(&mut self, view: &View<'_>) {
         let (velocities, masses) = (&view.state.velocities, &view.system.masses);
         let n = self.species.n_particles();
-        let kept = 3.0 * n as f64 - view.n_dof();
+        let moves = |i: usize| f64::from(u8::from(!masses.is_held(i)));
+        let moving = (n - masses.n_held()) as f64;
+        let kept = 3.0 * moving - view.n_dof();
         let sum = |of: &(dyn Fn(usize) -> f64 + Sync)| -> f64 {
             parallel::ordered_sum(n, |range| range.map(of).sum())
         };
-        let all = sum(&|i| masses.of(i));
+        let all = sum(&|i| masses.moving(i));
         for (a, series) in self.series.iter_mut().enumerate() {
             let of_species = |i: usize| f64::from(u8::from(self.species.of(i) == a));
-            let mass = sum(&|i| of_species(i) * masses.of(i));
-            let twice = sum(&|i| of_species(i) * masses.of(i) * velocities[i].length_squared());
-            let n_dof = 3.0 * self.species.count(a) as f64 - kept * mass / all;
+            let mass = sum(&|i| of_species(i) * masses.moving(i));
+            let twice = sum(&|i| of_species(i) * masses.moving(i) * velocities[i].length_squared());
+            let count = sum(&|i| of_species(i) * moves(i));
+            let n_dof = 3.0 * count - kept * mass / all;
             series.push(&[twice / n_dof]);
         }
     }

@@ -21,8 +21,8 @@ pub(super) static TABLES: &[TableDoc] = &[
     TableDoc {
         table: "system",
         heading: "`[system]`",
-        meaning: "Where the particles start: either on a lattice or at random (`n_atoms` with `density` or `box`), \
-                  or as a `configuration` file says.",
+        meaning: "Where the particles start: on a lattice or at random (`n_atoms` with `density` or `box`), \
+                  as `positions` in a `box`, or as a `configuration` file says.",
     },
     TableDoc {
         table: "slab",
@@ -94,6 +94,12 @@ pub(super) static TABLES: &[TableDoc] = &[
         heading: "`[[wall]]`",
         meaning: "Walls at both ends of an axis, at most one pair per axis. The fluid is not periodic along this axis: \
                   `density` and `box` describe the filled part, and the box is longer by the thickness of the walls.",
+    },
+    TableDoc {
+        table: "contact",
+        heading: "`[contact]`",
+        meaning: "Contacts: particles are spheres that push each other apart, or bounce. They add to the pair potential; \
+                  `potential.kind = \"none\"` leaves them alone.",
     },
     TableDoc {
         table: "field",

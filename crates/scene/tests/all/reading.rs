@@ -425,6 +425,7 @@ fn the_reference_states_the_defaults_that_the_code_takes() {
             (Some(rule), "mixing", _) => mixed(rule),
             (Some(kind), table, _) => with_method(table, kind),
             (None, "wall", _) => with_method("wall", "wca"),
+            (None, "contact", _) => with_method("contact", "soft"),
             // A field of zero is none.
             (None, "field", _) => continue,
             (None, "stage", "thermostat" | "barostat") => {

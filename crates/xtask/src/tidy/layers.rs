@@ -20,6 +20,10 @@ const TABLE: &[(&str, May)] = &[
     ("neighbor", May::Use(&["core"])),
     ("forcefield", May::Use(&["core", "neighbor"])),
     ("integrators", May::Use(&["core"])),
+    (
+        "contacts",
+        May::Use(&["core", "neighbor", "forcefield", "integrators"]),
+    ),
     ("observables", May::Use(&["core", "neighbor"])),
     ("literature", May::Use(&["core"])),
     ("io", May::Use(&["core"])),
@@ -29,6 +33,7 @@ const TABLE: &[(&str, May)] = &[
             "core",
             "forcefield",
             "integrators",
+            "contacts",
             "observables",
             "literature",
             "io",

@@ -113,9 +113,10 @@ pub struct OwnEnd {
 }
 
 /// Makes options, dispatch and lists from lines `file::Variant,`. A line `file::Variant ends,` is for a potential that is
-/// [`EndsByItself`]: kernels have one instance of it in place of one per truncation.
+/// [`EndsByItself`]: kernels have one instance of it in place of one per truncation. A name in scene files that does not follow
+/// from the variant stands at the end of the line, as `= "name"`.
 macro_rules! list_of_potentials {
-    ($d:tt $($(#[$doc:meta])* $file:ident::$variant:ident $($ends:ident)?,)*) => {
+    ($d:tt $($(#[$doc:meta])* $file:ident::$variant:ident $($ends:ident)? $(= $name:literal)?,)*) => {
         $(mod $file; pub use $file::$variant;)*
 
         /// The pair potential U(r), before any truncation, in reduced units: the scene's table `[potential]`.
@@ -123,7 +124,7 @@ macro_rules! list_of_potentials {
         #[serde(tag = "kind", rename_all = "kebab-case")]
         #[non_exhaustive]
         pub enum PotentialOptions {
-            $($(#[$doc])* $variant($variant),)*
+            $($(#[$doc])* $(#[serde(rename = $name)])? $variant($variant),)*
         }
 
         impl PotentialOptions {
@@ -275,6 +276,8 @@ list_of_potentials! { $
     soft_sphere::SoftSphere,
     /// A table of r, U and F.
     table::Table,
+    /// No pair potential at all.
+    none::NoPotential ends = "none",
 }
 
 impl Default for PotentialOptions {

@@ -1,0 +1,301 @@
+//! Contacts as a force term and as the boundary of flights, with the walls beside them.
+
+use lennard_core::{
+    Boundary, Configuration, DMat3, DVec3, Energetics, Flight, ForceError, ForceProperties,
+    ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, WallReading, Want,
+    sweeps,
+};
+use lennard_forcefield::Walls;
+
+use crate::dashpots::{Moving, damp};
+use crate::impacts;
+use crate::near::NearPairs;
+use crate::{Bodies, Response};
+
+/// The deepest overlap of a spring, as a share of the contact distance: beyond, bodies would come out on the other side.
+const DEEPEST: f64 = 0.5;
+
+/// What contacts have done since the start of a run.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ContactReading {
+    /// Impacts of hard contacts.
+    pub impacts: u64,
+}
+
+/// The contacts of all bodies, and the walls beside them.
+///
+/// Springs add F = F(δ)·n to each of two bodies that overlap by δ, and their energy and virial to those of the pairs. A dashpot
+/// acts half before a flight and half after it. Impacts happen in flights. Neither dashpots nor impacts are in the virial.
+#[derive(Debug, Clone)]
+pub struct Contacts {
+    response: Response,
+    bodies: Bodies,
+    walls: Option<Walls>,
+    near: NearPairs,
+    reading: ContactReading,
+}
+
+/// What one pair adds.
+struct Touch {
+    pair: [usize; 2],
+    energy: f64,
+    /// r_ij = r_i − r_j, σ.
+    apart: DVec3,
+    /// −U′/r, ε/σ².
+    force: f64,
+    /// ∇_i²U, ε/σ².
+    laplacian: f64,
+}
+
+impl Contacts {
+    /// Contacts of bodies, with the walls of the scene beside them.
+    #[must_use]
+    pub fn new(response: Response, bodies: Bodies, walls: Option<Walls>) -> Self {
+        Self {
+            near: NearPairs::of(&bodies),
+            response,
+            bodies,
+            walls,
+            reading: ContactReading::default(),
+        }
+    }
+
+    /// What the contacts have done so far.
+    #[must_use]
+    pub fn reading(&self) -> ContactReading {
+        self.reading
+    }
+
+    /// What two bodies feel where they overlap; `None` where they do not.
+    fn touch(&self, i: usize, j: usize, at: &Configuration<'_>) -> Option<Touch> {
+        let Response::Spring(law) = &self.response else {
+            return None;
+        };
+        let apart = at.cell.minimum_image(at.positions[i] - at.positions[j]);
+        let distance = self.bodies.distance(i, j);
+        let r2 = apart.length_squared();
+        if r2.is_nan() || r2 >= distance * distance {
+            return None;
+        }
+        let r = r2.sqrt();
+        let point = law.at(distance - r);
+        let force = point.force / r;
+        Some(Touch {
+            pair: [i, j],
+            energy: point.energy,
+            apart,
+            force,
+            laplacian: point.curvature - 2.0 * force,
+        })
+    }
+
+    fn touches(&mut self, at: &Configuration<'_>) -> Vec<Touch> {
+        if !matches!(self.response, Response::Spring(_)) {
+            return Vec::new();
+        }
+        let mut near = std::mem::replace(&mut self.near, NearPairs::of(&self.bodies));
+        let pairs = near.at(&self.bodies, at.cell, at.positions, 0.0);
+        let all = pairs.iter();
+        let found = all
+            .filter_map(|[i, j]| self.touch(*i as usize, *j as usize, at))
+            .collect();
+        self.near = near;
+        found
+    }
+
+    /// Refuses an overlap beyond half the contact distance.
+    fn too_deep(&self, touch: &Touch, at: &Configuration<'_>) -> Result<(), ForceError> {
+        let [first, second] = touch.pair;
+        let distance = self.bodies.distance(first, second);
+        let (depth, deepest) = (distance - touch.apart.length(), DEEPEST * distance);
+        if depth <= deepest {
+            return Ok(());
+        }
+        let middle = at.positions[first] - 0.5 * touch.apart;
+        Err(ForceError::ContactTooDeep {
+            first,
+            second,
+            depth,
+            deepest,
+            at: at.cell.wrap(middle),
+        })
+    }
+}
+
+fn virial_of(touch: &Touch) -> DMat3 {
+    let (r, f) = (touch.apart, touch.force * touch.apart);
+    DMat3::from_cols(r * f.x, r * f.y, r * f.z)
+}
+
+impl ForceTerm for Contacts {
+    fn evaluate(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        forces.fill(DVec3::ZERO);
+        self.add(at, part, want, &mut Vec::new(), forces)
+    }
+
+    /// Contacts change quickly in space: their force belongs to the near part.
+    fn add(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        scratch: &mut Vec<DVec3>,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        let touches = match part {
+            Part::Far => Vec::new(),
+            Part::All | Part::Near => self.touches(&at),
+        };
+        let mut each = want
+            .per_particle
+            .then(|| vec![(0.0, DMat3::ZERO); forces.len()]);
+        let (mut energy, mut virial, mut laplacian) = (0.0, DMat3::ZERO, 0.0);
+        for touch in &touches {
+            self.too_deep(touch, &at)?;
+            let ([i, j], force) = (touch.pair, touch.force * touch.apart);
+            forces[i] += force;
+            forces[j] -= force;
+            energy += touch.energy;
+            laplacian += 2.0 * touch.laplacian;
+            if want.virial || want.per_particle {
+                let own = virial_of(touch);
+                virial += own;
+                for slot in each.iter_mut() {
+                    for body in [i, j] {
+                        slot[body].0 += 0.5 * touch.energy;
+                        slot[body].1 += 0.5 * own;
+                    }
+                }
+            }
+        }
+        let own = Energetics {
+            potential_energy: want.energy.then_some(energy),
+            conserved_potential: want.energy.then_some(energy),
+            virial: want.virial.then_some(virial),
+            laplacian: want.laplacian.then_some(laplacian),
+            pairs: None,
+            per_particle: each,
+        };
+        match &mut self.walls {
+            None => Ok(own),
+            Some(walls) => Ok(own.with_term(&walls.add(at, part, want, scratch, forces)?)),
+        }
+    }
+
+    /// The sum over all other bodies: no list can hide one.
+    fn force_on(&self, particle: usize, at: Configuration<'_>) -> DVec3 {
+        let excluded = |j: usize| self.bodies.exclusions().exclude(particle, j);
+        // In the order of the pairs, so that the sum has the same bits.
+        let others = (0..at.positions.len()).filter(|j| *j != particle && !excluded(*j));
+        let contacts: DVec3 = others
+            .filter_map(|j| {
+                let pair = [particle.min(j), particle.max(j)];
+                let touch = self.touch(pair[0], pair[1], &at)?;
+                let force = touch.force * touch.apart;
+                Some(if particle == pair[0] { force } else { -force })
+            })
+            .sum();
+        let walls = self.walls.as_ref().map(|w| w.force_on(particle, at));
+        contacts + walls.unwrap_or_default()
+    }
+
+    fn properties(&self) -> ForceProperties {
+        let own = ForceProperties {
+            splits: true,
+            bounds_flight: self.response.acts_in_flight(),
+            ..ForceProperties::default()
+        };
+        match &self.walls {
+            None => own,
+            Some(walls) => own.with_term(walls.properties()),
+        }
+    }
+
+    fn walls(&self) -> &[WallReading] {
+        self.walls.as_ref().map_or(&[], |walls| walls.walls())
+    }
+
+    fn boundary(&mut self) -> Option<&mut dyn Boundary> {
+        if self.response.acts_in_flight() {
+            return Some(self);
+        }
+        self.walls.as_mut().and_then(|walls| walls.boundary())
+    }
+}
+
+impl Boundary for Contacts {
+    fn fly(&mut self, flight: Flight<'_>) -> f64 {
+        let (near, bodies) = (&mut self.near, &self.bodies);
+        match self.response {
+            Response::Impact { restitution } => {
+                let flown = impacts::fly(bodies, restitution, near, self.walls.as_mut(), flight);
+                self.reading.impacts += flown.impacts;
+                flown.heat
+            }
+            Response::Spring(law) => {
+                let Flight {
+                    cell,
+                    positions,
+                    velocities,
+                    masses,
+                    h,
+                    ..
+                } = flight;
+                let half = 0.5 * h;
+                let dashpots = |near: &mut NearPairs,
+                                positions: &[DVec3],
+                                velocities: &mut [DVec3],
+                                is_after: bool| {
+                    let pairs = near.at(bodies, cell, positions, 0.0);
+                    let mut moving = Moving {
+                        cell,
+                        positions,
+                        velocities,
+                        masses,
+                    };
+                    match is_after {
+                        false => damp(&law, bodies, pairs.iter(), &mut moving, half),
+                        true => damp(&law, bodies, pairs.iter().rev(), &mut moving, half),
+                    }
+                };
+                let before = dashpots(near, positions, velocities, false);
+                let on_the_way = match self.walls.as_mut().and_then(|walls| walls.boundary()) {
+                    Some(walls) => walls.fly(Flight {
+                        positions: &mut *positions,
+                        velocities: &mut *velocities,
+                        ..flight
+                    }),
+                    None => {
+                        sweeps::drift(positions, velocities, h);
+                        0.0
+                    }
+                };
+                let after = dashpots(near, positions, velocities, true);
+                before + on_the_way + after
+            }
+        }
+    }
+}
+
+impl Persist for Contacts {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        to.put_u64("impacts", &[self.reading.impacts]);
+        if let Some(walls) = &self.walls {
+            walls.save(&mut to.section("walls"));
+        }
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        [self.reading.impacts] = from.u64s("impacts")?;
+        match &mut self.walls {
+            Some(walls) => walls.restore(&from.section("walls")),
+            None => Ok(()),
+        }
+    }
+}

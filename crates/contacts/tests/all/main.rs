@@ -1,0 +1,5 @@
+//! Tests of contacts from outside: springs, dashpots, impacts, and bodies at rest.
+
+mod common;
+mod hard;
+mod soft;

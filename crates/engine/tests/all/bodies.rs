@@ -1,0 +1,125 @@
+//! The scenes of `inputs/mechanics` against closed forms and solutions of high precision.
+
+use lennard_core::DVec3;
+use lennard_engine::Simulation;
+use lennard_scene::Scene;
+
+use crate::common::ran;
+
+/// A scene of `inputs/mechanics` after its last step.
+fn of_inputs(name: &str, overrides: &[(&str, &str)]) -> Simulation {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../inputs/mechanics");
+    let owned = |(key, value): &(&str, &str)| ((*key).to_owned(), (*value).to_owned());
+    let overrides: Vec<_> = overrides.iter().map(owned).collect();
+    let scene = Scene::load(&root.join(format!("{name}.toml")), &overrides);
+    ran(scene.unwrap_or_else(|e| panic!("{e}")))
+}
+
+/// The errors of the last position over a step, half of it and a quarter, against what is known.
+fn errors(name: &str, dt: f64, steps: u64, body: usize, from_pivot: DVec3) -> [f64; 3] {
+    [1, 2, 4].map(|finer| {
+        let dt = (dt / f64::from(finer)).to_string();
+        let steps = (steps * u64::from(finer as u32)).to_string();
+        let run = of_inputs(name, &[("integrator.dt", &dt), ("stage.0.steps", &steps)]);
+        let x = &run.state.positions;
+        assert_eq!(x[0], DVec3::splat(5.0), "the held site stays to the bit");
+        assert_eq!(run.state.velocities[0], DVec3::ZERO);
+        (x[body] - x[0] - from_pivot).length()
+    })
+}
+
+/// Whether errors fall by 4 as the step is halved.
+fn is_of_order_two([coarse, fine, finest]: [f64; 3]) -> bool {
+    [coarse / fine, fine / finest].iter().all(|ratio| (ratio / 4.0 - 1.0).abs() < 0.05)
+}
+
+#[test]
+fn a_pendulum_has_the_period_of_the_elliptic_integral() {
+    // At the turning point an error of the period is of second order: a quarter of a period shows it better.
+    const PERIOD: f64 = 2.367_841_947_576_2;
+    let run = of_inputs("pendulum", &[]);
+    assert!((run.state.time - PERIOD).abs() < 1e-12);
+    assert!((run.state.positions[1] - DVec3::new(6.0, 5.0, 5.0)).length() < 1e-8);
+    let below = DVec3::new(0.0, 0.0, -1.0);
+    let quarter = errors("pendulum", PERIOD / 400.0, 100, 1, below);
+    assert!(is_of_order_two(quarter), "{quarter:?}");
+    assert!(quarter[2] < 1e-5, "{quarter:?}");
+    // The bond has its length at any time.
+    let d = run.state.positions[1] - run.state.positions[0];
+    assert!((d.length() - 1.0).abs() < 1e-14);
+}
+
+#[test]
+fn a_double_pendulum_meets_its_high_precision_solution_with_order_two() {
+    let inner = DVec3::new(-0.585_168_391_999, 0.0, -0.810_911_803_469);
+    let outer = DVec3::new(-1.444_818_849_943, 0.0, -1.321_794_461_381);
+    for (body, known) in [(1, inner), (2, outer)] {
+        let found = errors("double-pendulum", 0.001, 1000, body, known);
+        assert!(is_of_order_two(found) && found[2] < 1e-5, "{found:?}");
+    }
+}
+
+#[test]
+fn a_chain_meets_its_high_precision_solution_with_order_two() {
+    let end = DVec3::new(-0.056_664_541_268, 0.0, -0.975_802_326_581);
+    let found = errors("chain", 0.0005, 1000, 5, end);
+    assert!(is_of_order_two(found) && found[2] < 1e-4, "{found:?}");
+}
+
+fn speeds(run: &Simulation) -> Vec<f64> {
+    run.state.velocities.iter().map(|v| v.x).collect()
+}
+
+#[test]
+fn the_last_ball_of_a_hard_cradle_flies_off_alone() {
+    let run = of_inputs("cradle", &[]);
+    assert_eq!(speeds(&run), [0.0, 0.0, 0.0, 0.0, 1.0]);
+    // The first flew 1 σ to the row, and the last as far after it; all else stands where it was hit.
+    let x: Vec<f64> = run.state.positions.iter().map(|x| x.x).collect();
+    for (x, wanted) in x.iter().zip([5.0, 6.0, 7.0, 8.0, 10.0]) {
+        assert!((x - wanted).abs() < 1e-12, "{x} {wanted}");
+    }
+}
+
+#[test]
+fn balls_by_hertz_share_the_momentum_of_a_hit() {
+    let run = of_inputs("cradle-hertz", &[]);
+    for (v, wanted) in speeds(&run).iter().zip([-0.0711, -0.0303, -0.0145, 0.1270, 0.9888]) {
+        assert!((v - wanted).abs() < 2e-4, "{v} {wanted}");
+    }
+    let energy: f64 = run.state.velocities.iter().map(|v| v.length_squared()).sum();
+    assert!((energy - 1.0).abs() < 1e-6, "{energy}");
+}
+
+#[test]
+fn a_stack_at_rest_sinks_in_by_the_weight_above_over_the_stiffness() {
+    let run = of_inputs("stack", &[("stage.0.steps", "8000")]);
+    let floor = lennard_core::ForceTerm::walls(run.forces.as_ref())[0];
+    let z: Vec<f64> = run.state.positions.iter().map(|x| x.z - floor.position).collect();
+    let weight = 0.001;
+    for i in 0..5 {
+        let gap = match i {
+            0 => z[0],
+            _ => z[i] - z[i - 1] - 1.0,
+        };
+        let wanted = -weight * (5 - i) as f64;
+        assert!((gap / wanted - 1.0).abs() < 1e-6, "{i}: {gap} {wanted}");
+        assert!(run.state.velocities[i].length() < 1e-8);
+    }
+    assert!((floor.force / 5.0 - 1.0).abs() < 1e-6, "{floor:?}");
+}
+
+#[test]
+fn a_ball_that_loses_a_share_at_each_bounce_rises_to_the_squares_of_it() {
+    // Under the event rule heights are 2·0.81ⁿ: after the fall of 2 τ, bounce n + 1 comes 4·0.9ⁿ τ after bounce n.
+    let run = of_inputs("ball", &[("stage.0.steps", "200"), ("integrator.dt", "0.01")]);
+    let floor = lennard_core::ForceTerm::walls(run.forces.as_ref())[0].position;
+    let height = |run: &Simulation| run.state.positions[0].z - floor;
+    assert!(height(&run) < 1e-9);
+    for n in 1..4_i32 {
+        let top = 2.0 + (1..n).map(|k| 4.0 * 0.9_f64.powi(k)).sum::<f64>() + 2.0 * 0.9_f64.powi(n);
+        let steps = (top / 0.001).round().to_string();
+        let run = of_inputs("ball", &[("stage.0.steps", &steps), ("integrator.dt", "0.001")]);
+        assert!((height(&run) / (2.0 * 0.81_f64.powi(n)) - 1.0).abs() < 1e-5, "{n}");
+    }
+}

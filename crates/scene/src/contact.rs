@@ -1,0 +1,245 @@
+//! The table `[contact]`: bodies that touch, and what must hold of them.
+
+use lennard_contacts::{Bodies, ContactOptions, Contacts, Response};
+use lennard_core::{Bonds, PeriodicBox, SpeciesTable};
+use lennard_forcefield::{WallContext, Walls};
+use lennard_integrators::integrators;
+
+use crate::Scene;
+use crate::error::SceneError;
+use crate::read::{Reader, take};
+use crate::reference::{self, quoted};
+use crate::tree::Value;
+
+/// The table `[contact]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactTable {
+    /// Distance of two centres at which bodies touch, σ; times σ_ab for two species.
+    pub diameter: f64,
+    /// What happens then.
+    pub options: ContactOptions,
+}
+
+const DEFAULT_DIAMETER: f64 = 1.0;
+const DEFAULT_KIND: &str = "soft";
+
+impl Reader<'_> {
+    /// The contacts; `None` where the scene has no such table.
+    pub fn contact(&self) -> Result<Option<ContactTable>, SceneError> {
+        if !self.source.wrote("contact") {
+            return Ok(None);
+        }
+        let section = self.section("contact").with(&["kind", "diameter"]);
+        let mut node = crate::read::with_kind(self.node("contact"), DEFAULT_KIND);
+        let diameter = match take(&mut node, "diameter") {
+            None => DEFAULT_DIAMETER,
+            Some(entry) => {
+                let allowed = reference::find("contact", None, "diameter").map(|doc| doc.allowed);
+                let found = match entry.node.value {
+                    Value::Number(x) => Some(x),
+                    Value::Whole(x) => Some(x as f64),
+                    _ => None,
+                };
+                let fits = |x: &f64| allowed.is_none_or(|allowed| allowed.admits(*x));
+                found.filter(fits).ok_or_else(|| {
+                    let path = "contact.diameter";
+                    self.refuse_value("contact", "diameter", path, &entry.node)
+                })?
+            }
+        };
+        let options: ContactOptions = section.read(&node)?;
+        options
+            .check()
+            .map_err(|e| section.impossible(e.key, &e.found, &e.allowed))?;
+        Ok(Some(ContactTable { diameter, options }))
+    }
+}
+
+impl Scene {
+    /// The contact distance of two species, σ; 0 where bodies do not touch.
+    #[must_use]
+    pub fn contact_distance(&self, a: usize, b: usize) -> f64 {
+        let diameter = self.contact.as_ref().map_or(0.0, |table| table.diameter);
+        diameter * self.species_pair(a, b).sigma
+    }
+
+    /// The largest contact distance of all pairs of species, σ; 0 where bodies do not touch.
+    #[must_use]
+    pub fn largest_contact(&self) -> f64 {
+        match self.contact {
+            None => 0.0,
+            Some(_) => (self.species_pairs())
+                .map(|[a, b]| self.contact_distance(a, b))
+                .fold(0.0, f64::max),
+        }
+    }
+
+    /// Whether contacts act in flights: their impulses are then in no virial.
+    #[must_use]
+    pub fn contacts_act_in_flight(&self) -> bool {
+        let response = self.contact.as_ref().map(|table| table.options.response());
+        response.is_some_and(|response| response.acts_in_flight())
+    }
+
+    /// The contacts between particles of these species, with the walls beside them; the walls alone where there are no contacts.
+    ///
+    /// # Errors
+    /// The walls as they were, where the scene has no contacts.
+    pub fn contacts_beside(
+        &self,
+        species: &SpeciesTable,
+        walls: Option<Walls>,
+    ) -> Result<Contacts, Option<Walls>> {
+        let Some(table) = &self.contact else {
+            return Err(walls);
+        };
+        let exclusions = self.molecules().exclusions();
+        let bodies = match species.is_mixture() {
+            false => Bodies::alike(self.contact_distance(0, 0), exclusions),
+            true => Bodies::of_species(
+                species.clone(),
+                |a, b| self.contact_distance(a, b),
+                exclusions,
+            ),
+        };
+        Ok(Contacts::new(table.options.response(), bodies, walls))
+    }
+
+    /// Whether the contacts fit a box: a body touches one image of another at most.
+    ///
+    /// # Errors
+    /// [`SceneError`] where the largest contact distance exceeds half the shortest side.
+    pub fn contact_fits(&self, cell: &PeriodicBox) -> Result<(), SceneError> {
+        let (found, largest) = (self.largest_contact(), cell.largest_cutoff());
+        if found <= largest {
+            return Ok(());
+        }
+        Err(self
+            .source
+            .refuse("contact.diameter", "exceeds half the shortest box side")
+            .found(format!("bodies that touch at {found} σ"))
+            .allowed(format!("at most {largest:.4} σ, or a larger box")))
+    }
+
+    /// The contacts in words, at the end of a model's name.
+    pub(crate) fn contacts_in_words(&self) -> Option<String> {
+        let table = self.contact.as_ref()?;
+        let unit = if self.mixture.is_some() { "σ_ab" } else { "σ" };
+        let words = table.options.in_words();
+        Some(format!("{words}, at {} {unit}", table.diameter))
+    }
+}
+
+/// What must hold of contacts beside the other tables.
+pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
+    let Some(table) = &scene.contact else {
+        return Ok(());
+    };
+    let source = &scene.source;
+    if scene.accuracy.is_some() {
+        return Err(source
+            .refuse("accuracy", "does not go with contacts")
+            .found("`[accuracy]` and `[contact]`")
+            .allowed("settings of your own: the predictions of errors are for fluids without contacts"));
+    }
+    springs_are_stable(scene, table)?;
+    if table.options.response().acts_in_flight() {
+        acts_in_flight(scene, table)?;
+    }
+    Ok(())
+}
+
+/// Refuses springs that are too stiff for the step of a stage: ω·h must stay below the limit of the method.
+fn springs_are_stable(scene: &Scene, table: &ContactTable) -> Result<(), SceneError> {
+    let Response::Spring(law) = table.options.response() else {
+        return Ok(());
+    };
+    let masses = scene.mixture.iter().flat_map(|m| &m.species);
+    let lightest = masses.map(|s| s.mass).reduce(f64::min).unwrap_or(1.0);
+    // Two of the lightest bodies have half the mass of one.
+    let Some(omega) = law.frequency(0.5 * lightest) else {
+        return Ok(());
+    };
+    for stage in &scene.stages {
+        let limit = scene.method_of(stage).spec().stability_limit;
+        let (dt, limit) = (scene.stage_dt(stage), limit.unwrap_or(f64::INFINITY));
+        if omega * dt >= limit {
+            return Err(scene
+                .source
+                .refuse("contact.stiffness", "is too stiff for the step")
+                .found(format!(
+                    "ω·dt = {:.3} with ω = √(2k/m) = {omega:.3} per τ and dt = {dt}",
+                    omega * dt
+                ))
+                .allowed(format!(
+                    "a stiffness below {:.4e} ε/σ²; bodies in a row vibrate up to √2 times as fast",
+                    0.5 * lightest * (limit / dt).powi(2)
+                )));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses what does not go with impulses inside a drift.
+fn acts_in_flight(scene: &Scene, table: &ContactTable) -> Result<(), SceneError> {
+    let source = &scene.source;
+    let name = table.options.spec().name;
+    let is_hard = matches!(table.options.response(), Response::Impact { .. });
+    let key = if is_hard { "contact.kind" } else { "contact.restitution" };
+    let what = match is_hard {
+        true => "acts by impacts in drifts",
+        false => "below 1 acts by a dashpot in drifts",
+    };
+    for stage in &scene.stages {
+        let integrator = scene.method_of(stage);
+        if integrator.takes_hard_walls() {
+            continue;
+        }
+        let fit = integrators()
+            .iter()
+            .filter(|entry| entry.build().takes_hard_walls());
+        let names: Vec<&str> = fit.map(|entry| entry.spec.name).collect();
+        return Err(source
+            .refuse(key, format!("{what}, which the method does not make"))
+            .found(format!("{name:?} with {:?}", integrator.spec().name))
+            .allowed(format!(
+                "the integrators {}, or soft contacts with restitution = 1",
+                quoted(&names)
+            )));
+    }
+    if let Some(molecule) = &scene.molecule
+        && molecule.bonds.bonds() != Bonds::Springs
+    {
+        return Err(source
+            .refuse(key, format!("{what}, where the bonds are held too"))
+            .found(format!("{name:?} with [bonds] method = {:?}", molecule.bonds.name()))
+            .allowed("soft contacts with restitution = 1, or bonds that are explicit springs"));
+    }
+    for (i, stage) in scene.stages.iter().enumerate() {
+        if stage.barostat.is_some() {
+            return Err(source
+                .refuse(&format!("stage.{i}.barostat"), "needs a virial of all forces")
+                .found(format!("a barostat with contacts that {what}"))
+                .allowed("soft contacts with restitution = 1, or a fixed box"));
+        }
+    }
+    let context = WallContext {
+        temperature: scene.system.temperature,
+    };
+    for (i, wall) in scene.walls.iter().enumerate() {
+        let surface = wall.options.surface(&context, false);
+        let straight = surface.rule().is_none_or(|rule| rule == lennard_forcefield::HitRule::OnLines);
+        if is_hard && !(straight && surface.dashpot().is_none()) {
+            return Err(source
+                .refuse(&format!("wall.{i}.kind"), "does not go with hard contacts")
+                .found(format!(
+                    "{:?}, whose hits are not where a straight flight meets the plane",
+                    wall.options.spec().name
+                ))
+                .allowed(
+                    "\"hard\" with response \"billiard\", \"thermal\", or a wall that only exerts a force",
+                ));
+        }
+    }
+    Ok(())
+}
