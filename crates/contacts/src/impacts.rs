@@ -133,12 +133,9 @@ impl Run<'_> {
         self.limit = MARGIN * self.fastest();
         self.scale = self.scale.max(self.limit);
         let travel = (self.flight.h - time) * self.limit;
-        let pairs = self.near.at(
-            self.bodies,
-            self.flight.cell,
-            self.flight.positions,
-            travel,
-        );
+        let pairs = self
+            .near
+            .at(self.bodies, self.flight.cell, self.flight.positions, travel);
         self.pairs.clear();
         self.pairs.extend_from_slice(pairs);
         self.meetings = (0..self.pairs.len())

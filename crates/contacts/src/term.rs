@@ -2,8 +2,7 @@
 
 use lennard_core::{
     Boundary, Configuration, DMat3, DVec3, Energetics, Flight, ForceError, ForceProperties,
-    ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, WallReading, Want,
-    sweeps,
+    ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, WallReading, Want, sweeps,
 };
 use lennard_forcefield::Walls;
 

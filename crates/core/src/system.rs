@@ -209,9 +209,7 @@ impl System {
     #[must_use]
     pub fn momentum(&self, velocities: &[DVec3]) -> DVec3 {
         crate::parallel::ordered_sum(velocities.len(), |range| {
-            range
-                .map(|i| self.masses.moving(i) * velocities[i])
-                .sum()
+            range.map(|i| self.masses.moving(i) * velocities[i]).sum()
         })
     }
 }

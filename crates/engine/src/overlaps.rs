@@ -11,7 +11,6 @@ use crate::starting_molecules::Origin;
 /// Start positions nearer than this (σ) are refused: U(0.5 σ) = 16,128 ε would blow any step up.
 pub const SMALLEST_START_DISTANCE: f64 = 0.5;
 
-
 /// Springs of contacts may overlap by this share of their length at the start, where half of it ends a run.
 const DEEPEST_AT_START: f64 = 0.25;
 /// Hard bodies overlap where they are nearer than this share of their contact distance.
@@ -72,7 +71,10 @@ pub(crate) fn contacts(
         return Ok(());
     };
     let (share, what) = match table.options.response() {
-        Response::Spring(_) => (1.0 - DEEPEST_AT_START, "soft bodies overlap by a quarter at most"),
+        Response::Spring(_) => (
+            1.0 - DEEPEST_AT_START,
+            "soft bodies overlap by a quarter at most",
+        ),
         Response::Impact { .. } => (HARD, "hard bodies do not overlap"),
     };
     let exclusions = scene.molecules().exclusions();

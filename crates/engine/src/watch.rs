@@ -55,7 +55,9 @@ impl Simulation {
     /// The longest legal move of a particle in one step, σ: soft bodies must not pass through each other between two looks.
     fn largest_move(&self) -> f64 {
         let contact = self.scene.contact.as_ref();
-        contact.map_or(LARGEST_MOVE, |table| LARGEST_MOVE.min(0.25 * table.diameter))
+        contact.map_or(LARGEST_MOVE, |table| {
+            LARGEST_MOVE.min(0.25 * table.diameter)
+        })
     }
 
     pub(crate) fn failed(&self, error: StepError) -> EngineError {

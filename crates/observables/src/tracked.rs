@@ -100,8 +100,9 @@ impl Tracked {
         values: &[DVec3],
     ) -> Vec<DVec3> {
         let masses = &system.masses;
-        let weighted: DVec3 =
-            parallel::ordered_sum(values.len(), |r| r.map(|i| masses.moving(i) * values[i]).sum());
+        let weighted: DVec3 = parallel::ordered_sum(values.len(), |r| {
+            r.map(|i| masses.moving(i) * values[i]).sum()
+        });
         let total: f64 = parallel::ordered_sum(values.len(), |r| r.map(|i| masses.moving(i)).sum());
         let mean = weighted / total;
         self.indices

@@ -21,7 +21,11 @@ impl Reader<'_> {
     ) -> Result<Start, SceneError> {
         let refuse = |key: &str, message: &str, found: String, allowed: &str| {
             let key = format!("system.{key}");
-            Err(self.source.refuse(&key, message).found(found).allowed(allowed))
+            Err(self
+                .source
+                .refuse(&key, message)
+                .found(found)
+                .allowed(allowed))
         };
         let Some(Geometry::Box(sides)) = geometry else {
             let found = "`positions` without a box".to_owned();
@@ -30,10 +34,19 @@ impl Reader<'_> {
         };
         if positions.is_empty() {
             let found = "an empty list".to_owned();
-            return refuse("positions", "has no particle", found, "at least one position");
+            return refuse(
+                "positions",
+                "has no particle",
+                found,
+                "at least one position",
+            );
         }
         for (key, rows) in [("positions", Some(positions)), ("velocities", velocities)] {
-            let bad = rows.into_iter().flatten().flatten().find(|x| !x.is_finite());
+            let bad = rows
+                .into_iter()
+                .flatten()
+                .flatten()
+                .find(|x| !x.is_finite());
             if let Some(x) = bad {
                 return refuse(key, "is not allowed", x.to_string(), "finite numbers");
             }
@@ -41,7 +54,11 @@ impl Reader<'_> {
         if let Some(velocities) = velocities
             && velocities.len() != positions.len()
         {
-            let found = format!("{} velocities of {} particles", velocities.len(), positions.len());
+            let found = format!(
+                "{} velocities of {} particles",
+                velocities.len(),
+                positions.len()
+            );
             let allowed = "one velocity for each of `positions`";
             return refuse("velocities", "has another length", found, allowed);
         }

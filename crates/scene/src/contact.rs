@@ -124,7 +124,11 @@ impl Scene {
     /// The contacts in words, at the end of a model's name.
     pub(crate) fn contacts_in_words(&self) -> Option<String> {
         let table = self.contact.as_ref()?;
-        let unit = if self.mixture.is_some() { "σ_ab" } else { "σ" };
+        let unit = if self.mixture.is_some() {
+            "σ_ab"
+        } else {
+            "σ"
+        };
         let words = table.options.in_words();
         Some(format!("{words}, at {} {unit}", table.diameter))
     }
@@ -140,7 +144,9 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
         return Err(source
             .refuse("accuracy", "does not go with contacts")
             .found("`[accuracy]` and `[contact]`")
-            .allowed("settings of your own: the predictions of errors are for fluids without contacts"));
+            .allowed(
+                "settings of your own: the predictions of errors are for fluids without contacts",
+            ));
     }
     springs_are_stable(scene, table)?;
     if table.options.response().acts_in_flight() {
@@ -185,7 +191,11 @@ fn acts_in_flight(scene: &Scene, table: &ContactTable) -> Result<(), SceneError>
     let source = &scene.source;
     let name = table.options.spec().name;
     let is_hard = matches!(table.options.response(), Response::Impact { .. });
-    let key = if is_hard { "contact.kind" } else { "contact.restitution" };
+    let key = if is_hard {
+        "contact.kind"
+    } else {
+        "contact.restitution"
+    };
     let what = match is_hard {
         true => "acts by impacts in drifts",
         false => "below 1 acts by a dashpot in drifts",
@@ -212,13 +222,19 @@ fn acts_in_flight(scene: &Scene, table: &ContactTable) -> Result<(), SceneError>
     {
         return Err(source
             .refuse(key, format!("{what}, where the bonds are held too"))
-            .found(format!("{name:?} with [bonds] method = {:?}", molecule.bonds.name()))
+            .found(format!(
+                "{name:?} with [bonds] method = {:?}",
+                molecule.bonds.name()
+            ))
             .allowed("soft contacts with restitution = 1, or bonds that are explicit springs"));
     }
     for (i, stage) in scene.stages.iter().enumerate() {
         if stage.barostat.is_some() {
             return Err(source
-                .refuse(&format!("stage.{i}.barostat"), "needs a virial of all forces")
+                .refuse(
+                    &format!("stage.{i}.barostat"),
+                    "needs a virial of all forces",
+                )
                 .found(format!("a barostat with contacts that {what}"))
                 .allowed("soft contacts with restitution = 1, or a fixed box"));
         }
@@ -228,7 +244,9 @@ fn acts_in_flight(scene: &Scene, table: &ContactTable) -> Result<(), SceneError>
     };
     for (i, wall) in scene.walls.iter().enumerate() {
         let surface = wall.options.surface(&context, false);
-        let straight = surface.rule().is_none_or(|rule| rule == lennard_forcefield::HitRule::OnLines);
+        let straight = surface
+            .rule()
+            .is_none_or(|rule| rule == lennard_forcefield::HitRule::OnLines);
         if is_hard && !(straight && surface.dashpot().is_none()) {
             return Err(source
                 .refuse(&format!("wall.{i}.kind"), "does not go with hard contacts")

@@ -57,7 +57,9 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
                 .collect();
             return Err(source
                 .refuse(&format!("stage.{i}.barostat"), "does not go with molecules")
-                .found(format!("{name:?}, which scales sites and would stretch bonds"))
+                .found(format!(
+                    "{name:?}, which scales sites and would stretch bonds"
+                ))
                 .allowed(format!("{}, which moves whole molecules", quoted(&fit))));
         }
     }

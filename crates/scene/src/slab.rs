@@ -196,7 +196,9 @@ impl Scene {
     pub(crate) fn key_of_surfaces(&self) -> &'static str {
         match self.system.start {
             Start::Slab(_) => "slab",
-            Start::Lattice { .. } | Start::Listed { .. } | Start::Configuration { .. } => "system.vacuum",
+            Start::Lattice { .. } | Start::Listed { .. } | Start::Configuration { .. } => {
+                "system.vacuum"
+            }
         }
     }
 

@@ -107,7 +107,10 @@ impl Reader<'_> {
             };
             Err(self
                 .source
-                .refuse(&format!("system.{key}"), format!("does not go with `{own}`"))
+                .refuse(
+                    &format!("system.{key}"),
+                    format!("does not go with `{own}`"),
+                )
                 .found(node.table().and_then(|t| t.get(key)).unwrap_or(&self.empty))
                 .allowed(allowed))
         };

@@ -122,7 +122,11 @@ impl Scene {
                 "field",
                 "a field",
             ),
-            (!self.system.held.is_empty(), "system.held", "held particles"),
+            (
+                !self.system.held.is_empty(),
+                "system.held",
+                "held particles",
+            ),
         ];
         all.into_iter()
             .filter_map(|(there, key, words)| there.then_some((key, words)))

@@ -47,7 +47,12 @@ fn two_bodies_meet_at_the_exact_time_and_keep_the_share() {
             ];
             let start = [DVec3::splat(3.0), DVec3::new(4.5, 3.6, 3.0)];
             for i in 0..2 {
-                assert!((v[i] - wanted[i]).length() < 1e-13, "{e}: {} {}", v[i], wanted[i]);
+                assert!(
+                    (v[i] - wanted[i]).length() < 1e-13,
+                    "{e}: {} {}",
+                    v[i],
+                    wanted[i]
+                );
                 let place = start[i] + time * before[i] + (1.0 - time) * wanted[i];
                 assert!((x[i] - place).length() < 1e-13);
             }
@@ -198,6 +203,10 @@ fn hard_bodies_bounce_off_held_ones_and_held_ones_stay() {
         time += 0.1;
     }
     assert!((time - 4.0_f64).abs() < 1e-12);
-    assert!((x[1] - DVec3::new(4.0, 2.0, 2.0)).length() < 1e-12, "{}", x[1]);
+    assert!(
+        (x[1] - DVec3::new(4.0, 2.0, 2.0)).length() < 1e-12,
+        "{}",
+        x[1]
+    );
     assert_eq!((x[0], v[2]), (DVec3::splat(2.0), DVec3::ZERO));
 }

@@ -30,7 +30,9 @@ fn errors(name: &str, dt: f64, steps: u64, body: usize, from_pivot: DVec3) -> [f
 
 /// Whether errors fall by 4 as the step is halved.
 fn is_of_order_two([coarse, fine, finest]: [f64; 3]) -> bool {
-    [coarse / fine, fine / finest].iter().all(|ratio| (ratio / 4.0 - 1.0).abs() < 0.05)
+    [coarse / fine, fine / finest]
+        .iter()
+        .all(|ratio| (ratio / 4.0 - 1.0).abs() < 0.05)
 }
 
 #[test]
@@ -84,10 +86,18 @@ fn the_last_ball_of_a_hard_cradle_flies_off_alone() {
 #[test]
 fn balls_by_hertz_share_the_momentum_of_a_hit() {
     let run = of_inputs("cradle-hertz", &[]);
-    for (v, wanted) in speeds(&run).iter().zip([-0.0711, -0.0303, -0.0145, 0.1270, 0.9888]) {
+    for (v, wanted) in speeds(&run)
+        .iter()
+        .zip([-0.0711, -0.0303, -0.0145, 0.1270, 0.9888])
+    {
         assert!((v - wanted).abs() < 2e-4, "{v} {wanted}");
     }
-    let energy: f64 = run.state.velocities.iter().map(|v| v.length_squared()).sum();
+    let energy: f64 = run
+        .state
+        .velocities
+        .iter()
+        .map(|v| v.length_squared())
+        .sum();
     assert!((energy - 1.0).abs() < 1e-6, "{energy}");
 }
 
@@ -95,7 +105,12 @@ fn balls_by_hertz_share_the_momentum_of_a_hit() {
 fn a_stack_at_rest_sinks_in_by_the_weight_above_over_the_stiffness() {
     let run = of_inputs("stack", &[("stage.0.steps", "8000")]);
     let floor = lennard_core::ForceTerm::walls(run.forces.as_ref())[0];
-    let z: Vec<f64> = run.state.positions.iter().map(|x| x.z - floor.position).collect();
+    let z: Vec<f64> = run
+        .state
+        .positions
+        .iter()
+        .map(|x| x.z - floor.position)
+        .collect();
     let weight = 0.001;
     for i in 0..5 {
         let gap = match i {
@@ -112,14 +127,23 @@ fn a_stack_at_rest_sinks_in_by_the_weight_above_over_the_stiffness() {
 #[test]
 fn a_ball_that_loses_a_share_at_each_bounce_rises_to_the_squares_of_it() {
     // Under the event rule heights are 2·0.81ⁿ: after the fall of 2 τ, bounce n + 1 comes 4·0.9ⁿ τ after bounce n.
-    let run = of_inputs("ball", &[("stage.0.steps", "200"), ("integrator.dt", "0.01")]);
+    let run = of_inputs(
+        "ball",
+        &[("stage.0.steps", "200"), ("integrator.dt", "0.01")],
+    );
     let floor = lennard_core::ForceTerm::walls(run.forces.as_ref())[0].position;
     let height = |run: &Simulation| run.state.positions[0].z - floor;
     assert!(height(&run) < 1e-9);
     for n in 1..4_i32 {
         let top = 2.0 + (1..n).map(|k| 4.0 * 0.9_f64.powi(k)).sum::<f64>() + 2.0 * 0.9_f64.powi(n);
         let steps = (top / 0.001).round().to_string();
-        let run = of_inputs("ball", &[("stage.0.steps", &steps), ("integrator.dt", "0.001")]);
-        assert!((height(&run) / (2.0 * 0.81_f64.powi(n)) - 1.0).abs() < 1e-5, "{n}");
+        let run = of_inputs(
+            "ball",
+            &[("stage.0.steps", &steps), ("integrator.dt", "0.001")],
+        );
+        assert!(
+            (height(&run) / (2.0 * 0.81_f64.powi(n)) - 1.0).abs() < 1e-5,
+            "{n}"
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! Tests of runs from outside: invariants, restart, watching, hostile input, error texts.
 
-mod collisions;
 mod bodies;
+mod collisions;
 mod common;
 mod growing;
 mod hostile;

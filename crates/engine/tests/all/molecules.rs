@@ -94,10 +94,7 @@ const WAYS: &[&[(&str, &str)]] = &[
         ("bonds.scheme", "midpoint"),
         ("integrator.kind", "leapfrog"),
     ],
-    &[
-        ("wall", "[{ kind = \"wca\" }]"),
-        ("observable", "[]"),
-    ],
+    &[("wall", "[{ kind = \"wca\" }]"), ("observable", "[]")],
     &[
         ("bonds.method", "spring"),
         ("wall", "[{ kind = \"hard\" }]"),
@@ -425,13 +422,19 @@ fn a_barostat_moves_molecules_by_their_centres_and_keeps_what_is_inside() {
         let mut s = build(&overrides);
         let start = s.state.cell.volume();
         s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-        assert!((s.state.cell.volume() / start - 1.0).abs() > 1e-3, "{way:?}");
+        assert!(
+            (s.state.cell.volume() / start - 1.0).abs() > 1e-3,
+            "{way:?}"
+        );
         let molecules = &s.system.molecules;
         let longest = |x: &[DVec3]| {
-            let strain = |bond: &lennard_core::Bond| (bond.vector(x).length() / bond.length - 1.0).abs();
+            let strain =
+                |bond: &lennard_core::Bond| (bond.vector(x).length() / bond.length - 1.0).abs();
             molecules.bonds().iter().map(strain).fold(0.0, f64::max)
         };
-        let strain = (s.state.positions.chunks(molecules.sites())).map(longest).fold(0.0, f64::max);
+        let strain = (s.state.positions.chunks(molecules.sites()))
+            .map(longest)
+            .fold(0.0, f64::max);
         let limit = if molecules.are_rigid() { 1e-9 } else { 0.2 };
         assert!(strain < limit, "{strain} {way:?}");
     }
@@ -440,8 +443,7 @@ fn a_barostat_moves_molecules_by_their_centres_and_keeps_what_is_inside() {
 #[test]
 fn an_ideal_gas_of_rigid_dumbbells_has_the_volume_of_its_centres() {
     // Without pair forces p(V) ∝ V^(M − 1)·e^(−P₀V/T) for M molecules without total momentum: ⟨V⟩ = M·T/P₀.
-    let barostat =
-        "{ kind = \"stochastic-cell-rescaling\", pressure = 0.5, tau = 0.05, interval = 1, compressibility = 2.0 }";
+    let barostat = "{ kind = \"stochastic-cell-rescaling\", pressure = 0.5, tau = 0.05, interval = 1, compressibility = 2.0 }";
     let mut s = build(&[
         ("system.n_molecules", "32"),
         ("system.density", "0.25"),
@@ -457,5 +459,8 @@ fn an_ideal_gas_of_rigid_dumbbells_has_the_volume_of_its_centres() {
     let found = lennard_core::Observable::finish(changing, 0.05);
     let volume = found.averages.iter().find(|a| a.name == "volume").unwrap();
     let (mean, error) = (volume.estimate.mean, volume.estimate.standard_error);
-    assert!(error < 1.5 && (mean - 128.0).abs() < 4.0 * error, "{mean} ± {error}");
+    assert!(
+        error < 1.5 && (mean - 128.0).abs() < 4.0 * error,
+        "{mean} ± {error}"
+    );
 }

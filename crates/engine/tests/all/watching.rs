@@ -265,7 +265,8 @@ fn what_watching_costs() {
         let repeats = 100;
         let clock = Instant::now();
         for _ in 0..repeats {
-            watchdog::check_speeds(&simulation.state, 0.004, 0.2).unwrap_or_else(|e| panic!("{e:?}"));
+            watchdog::check_speeds(&simulation.state, 0.004, 0.2)
+                .unwrap_or_else(|e| panic!("{e:?}"));
         }
         let speeds = clock.elapsed().as_secs_f64() / f64::from(repeats);
         let clock = Instant::now();

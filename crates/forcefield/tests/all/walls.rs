@@ -382,7 +382,7 @@ fn what_walls_felt_is_saved_and_a_state_of_other_walls_is_refused() {
     let mut positions = [DVec3::new(0.0, 0.0, 5.0)];
     let mut velocities = [DVec3::new(0.0, 0.0, 4.0)];
     saved.boundary().unwrap().fly(lennard_core::Flight {
-            cell: &PeriodicBox::new(DVec3::splat(10.0)).unwrap(),
+        cell: &PeriodicBox::new(DVec3::splat(10.0)).unwrap(),
         positions: &mut positions,
         velocities: &mut velocities,
         forces: &[DVec3::ZERO],

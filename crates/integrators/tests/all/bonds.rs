@@ -656,7 +656,9 @@ fn leapfrog_and_positions_alone_hold_bonds_as_velocity_verlet_does() {
             };
             let mut method = method.with_bonds(solver);
             let want = Want::ENERGY;
-            method.start(&system, &mut state, &mut forces, dt, want).unwrap();
+            method
+                .start(&system, &mut state, &mut forces, dt, want)
+                .unwrap();
             for _ in 0..500 {
                 let report = method.step(&system, &mut state, &mut forces, dt, want);
                 assert!(report.unwrap().residual < 1e-13);

@@ -327,7 +327,11 @@ fn spook_with_a_compliance_takes_bonds_that_follow_from_others() {
     let pairs = [[0, 1], [1, 2], [2, 3], [3, 0], [0, 2], [1, 3]];
     let (system, mut state) = molecule(&square, &pairs, Bonds::Springs);
     assert_eq!(
-        system.molecules.topology().unwrap().redundant_bond(&square, |_| false),
+        system
+            .molecules
+            .topology()
+            .unwrap()
+            .redundant_bond(&square, |_| false),
         Some(5)
     );
     throw(&system, &mut state);

@@ -210,7 +210,8 @@ fn a_few_scenes_hold_every_key_of_every_table() {
     // Some keys exclude each other, and a scene has one potential and one integrator.
     let elsewhere = ["configuration", "box"];
     let other_method = |doc: &&reference::KeyDoc| {
-        ["potential", "integrator", "bonds", "wall", "contact"].contains(&doc.table) && doc.method.is_some()
+        ["potential", "integrator", "bonds", "wall", "contact"].contains(&doc.table)
+            && doc.method.is_some()
     };
     let missing: BTreeSet<String> = reference::keys()
         .iter()
