@@ -296,7 +296,7 @@ impl Run<'_> {
         self.random[body] = Some(random);
     }
 
-    /// Ends a sequence of very many impacts, each smaller than the one before: all bodies that touch take velocities at which none approaches, by
+    /// Ends a sequence of very many impacts, each smaller than the one before. All bodies that touch take velocities at which none approaches, by
     /// impacts without restitution, all at once.
     fn come_to_rest(&mut self, time: f64) {
         let n = self.flight.positions.len();

@@ -12,7 +12,7 @@ const SKIN: f64 = 0.3;
 
 /// Pairs (i, j) with i < j, ascending, among which are all that are nearer than a radius.
 ///
-/// What is computed from the pairs must not depend on those that do not touch: when a list was built is not a part of the state.
+/// What is computed must not depend on pairs that do not touch: the time of a build is no part of the state.
 #[derive(Debug, Clone)]
 pub struct NearPairs {
     pairs: Vec<[u32; 2]>,

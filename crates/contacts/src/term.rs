@@ -23,7 +23,7 @@ pub struct ContactReading {
 
 /// The contacts of all bodies, and the walls beside them.
 ///
-/// Springs add F = F(δ)·n to each of two bodies that overlap by δ, and their energy and virial to those of the pairs. A dashpot
+/// Springs add F = F(δ)·n to each of two bodies that overlap by δ, and their energy and virial to the sums over pairs. A dashpot
 /// acts half before a flight and half after it. Impacts happen in flights. Neither dashpots nor impacts are in the virial.
 #[derive(Debug, Clone)]
 pub struct Contacts {

@@ -9,13 +9,15 @@ use lennard_scene::Scene;
 
 use crate::EngineError;
 
-/// The forces beside those of pairs: walls and field on single particles, and contacts of bodies.
+/// The forces beside pair forces: walls and field on single particles, and contacts of bodies.
 #[derive(Debug, Clone, Default)]
 pub struct Confinement {
     walls: Option<Walls>,
     /// Contacts have the walls among them.
     contacts: Option<Contacts>,
     field: Option<ConstantField>,
+    /// Whether the total momentum is free along all axes: particles are held, or the scene lists velocities.
+    is_anchored: bool,
 }
 
 impl Confinement {
@@ -36,20 +38,17 @@ impl Confinement {
             walls,
             contacts,
             field: scene.field_on(&held.masses),
+            is_anchored: scene.system.start.lists_velocities() || !scene.system.held.is_empty(),
         };
-        let anchored = scene.system.start.lists_velocities() || !scene.system.held.is_empty();
-        let pushed = confinement.properties().breaks_momentum;
-        (
-            held.pushed_along(pushed.map(|pushed| pushed || anchored)),
-            confinement,
-        )
+        (confinement.pushes(held, [false; 3]), confinement)
     }
 
     /// The system of particles whose momentum other forces change too, along these axes.
     #[must_use]
     pub(crate) fn pushes(&self, system: System, others: [bool; 3]) -> System {
         let own = self.properties().breaks_momentum;
-        system.pushed_along(std::array::from_fn(|axis| own[axis] || others[axis]))
+        let pushed = |axis: usize| self.is_anchored || own[axis] || others[axis];
+        system.pushed_along(std::array::from_fn(pushed))
     }
 
     /// What kind of forces these are.

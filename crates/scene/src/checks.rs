@@ -20,8 +20,8 @@ impl Scene {
         whole_scene(self)
     }
 
-    /// The box and the part of it that particles fill at the start, which is the part between the walls for a start that the scene
-    /// lists; `None` for a start from a configuration file.
+    /// The box and the part of it that particles fill at the start; `None` for a start from a configuration file. A start that the
+    /// scene lists has the part between the walls.
     ///
     /// # Errors
     /// [`SceneError`] where the particles make no whole lattice or the box cannot be; never for a scene

@@ -11,6 +11,7 @@ mod baths;
 mod bodies;
 mod builder;
 mod checks;
+mod confined;
 mod contact;
 mod de;
 mod error;
@@ -28,10 +29,12 @@ mod read;
 mod read_molecule;
 pub mod reference;
 mod resolved;
+mod resolved_system;
 mod scene;
 mod schema;
 pub mod shipped;
 mod slab;
+mod start;
 mod system;
 mod tables;
 mod tree;
@@ -50,9 +53,10 @@ pub use names::nearest;
 pub use program::ProgramParts;
 pub use scene::{
     Checkpoint, Geometry, IntegratorTable, Lattice, ObservableTable, Output, Placement,
-    PressureControl, Scene, Stage, Start, System,
+    PressureControl, Scene, Stage, System,
 };
 pub use schema::schema;
 pub use slab::Slab;
+pub use start::Start;
 pub use tables::DEFAULT_SPLIT;
 pub use walls::WallTable;

@@ -682,6 +682,20 @@ fn leapfrog_and_positions_alone_hold_bonds_as_velocity_verlet_does() {
 }
 
 #[test]
+fn positions_alone_refuse_springs_of_impulses() {
+    let molecules = Molecules::chains(2, 1.0, Bonds::Impulses);
+    let x = vec![DVec3::ZERO, DVec3::X];
+    let (system, mut state) = start(&molecules, x, vec![DVec3::ZERO; 2]);
+    let mut method = build(&IntegratorOptions::StormerVerlet(Default::default()));
+    let refused = method.start(&system, &mut state, &mut NoForces, 0.01, Want::NOTHING);
+    let text = refused.unwrap_err().to_string();
+    assert!(
+        text.contains("its springs leave velocities that positions do not tell"),
+        "{text}"
+    );
+}
+
+#[test]
 fn methods_without_a_form_for_rigid_bonds_say_so() {
     for (method, words) in [
         (

@@ -14,6 +14,10 @@ use crate::workspace::Workspace;
 /// Circles that stay, each as one of its files and the reason.
 const EXPLAINED: &[(&str, &str)] = &[
     (
+        "contacts/kinds",
+        "a file of a contact implements the trait that the list dispatches to",
+    ),
+    (
         "cli/show",
         "a table of literature values is one of the pages that are shown",
     ),
