@@ -233,7 +233,7 @@ fn check_split(o: &ForceFieldOptions, r_cut: f64) -> Result<(), ForceFieldError>
     Ok(())
 }
 
-/// Chooses the search for pairs, none of which is nearer than a cutoff of 0, the skin of a list for this loop, and gives the reason.
+/// Chooses the search for pairs, the skin of a list for this loop, and gives the reason. No pair is nearer than a cutoff of 0.
 fn search(
     o: &ForceFieldOptions,
     c: &Conditions<'_>,

@@ -48,7 +48,7 @@ impl Walls {
         0.5 * mass * (v.length_squared() - before)
     }
 
-    /// The time and the plane of the next hit of a particle that flies straight from `x` (σ) with `v` (σ/τ) for `left` τ: the index
+    /// The next hit of a particle that flies straight from `x` (σ) with `v` (σ/τ) for `left` τ: the time until then, τ, and the index
     /// of the plane in [`lennard_core::ForceTerm::walls`].
     #[must_use]
     pub fn next_hit(&self, x: DVec3, v: DVec3, left: f64) -> Option<(f64, usize)> {

@@ -215,8 +215,8 @@ impl StochasticCellRescaling {
     }
 }
 
-/// Degrees of freedom of the centres of mass, where all sites have n_dof: three for each molecule, less one for each conserved
-/// component of the total momentum.
+/// Degrees of freedom of the centres of mass, where all sites have n_dof. Each molecule has three, less one for each component of
+/// the total momentum that is conserved.
 #[must_use]
 pub fn dof_of_centers(system: &System, n_dof: f64) -> f64 {
     let molecules = &system.molecules;

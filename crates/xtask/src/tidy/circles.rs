@@ -13,10 +13,7 @@ use crate::workspace::Workspace;
 
 /// Circles that stay, each as one of its files and the reason.
 const EXPLAINED: &[(&str, &str)] = &[
-    (
-        "contacts/kinds",
-        "a file of a contact implements the trait that the list dispatches to",
-    ),
+    ("contacts/kinds", "a kind implements the trait of its list"),
     (
         "cli/show",
         "a table of literature values is one of the pages that are shown",
