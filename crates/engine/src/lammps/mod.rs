@@ -75,6 +75,18 @@ fn refuse_what_has_no_equal(scene: &Scene) -> Result<(), EngineError> {
             .invalid("molecule", "molecules, in an export to LAMMPS", "atoms")
             .into());
     }
+    let others = [
+        (scene.contact.is_some(), "contact", "contacts"),
+        (
+            !scene.system.held.is_empty(),
+            "system.held",
+            "held particles",
+        ),
+    ];
+    if let Some((_, key, words)) = others.iter().find(|(there, ..)| *there) {
+        let found = format!("{words}, in an export to LAMMPS");
+        return Err(scene.source.invalid(key, found, "a scene without").into());
+    }
     if let Some(wall) = scene.walls.first() {
         let axis: &str = Axis::name(wall.axis);
         return Err(scene
