@@ -1,12 +1,55 @@
-//! The file of a start that came from memory.
+//! A start that comes from memory, and the file that can stand for it.
 
 use std::path::Path;
 
-use lennard_core::{DVec3, State};
-use lennard_io::{Frame, FrameStyle, StartConfiguration, WriteError};
+use lennard_core::{BoxError, DVec3, PeriodicBox, State};
+use lennard_io::{FoundSpecies, Frame, FrameStyle, StartConfiguration, WriteError};
 
 use crate::Simulation;
 use crate::files::style;
+
+/// Why arrays are no start.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum StartError {
+    /// The arrays differ in length.
+    #[error("one velocity for each position is wanted")]
+    OneVelocityEach,
+    /// A number is not finite.
+    #[error("a position or velocity is not a finite number")]
+    NotFinite,
+    /// The sides make no box.
+    #[error(transparent)]
+    Box(#[from] BoxError),
+}
+
+/// A start from arrays: box sides and unwrapped positions in σ, velocities in σ/τ. Without velocities they are drawn for the
+/// temperature of the scene.
+///
+/// # Errors
+/// [`StartError`] where lengths differ, a number is not finite, or the sides make no box.
+pub fn start_from_arrays(
+    sides: DVec3,
+    positions: Vec<DVec3>,
+    velocities: Option<Vec<DVec3>>,
+) -> Result<StartConfiguration, StartError> {
+    let given = velocities.as_ref().map_or(positions.len(), Vec::len);
+    if given != positions.len() {
+        return Err(StartError::OneVelocityEach);
+    }
+    let mut all = positions.iter().chain(velocities.iter().flatten());
+    if !all.all(|v| v.is_finite()) {
+        return Err(StartError::NotFinite);
+    }
+    Ok(StartConfiguration {
+        cell: PeriodicBox::new(sides)?,
+        positions,
+        velocities,
+        species: FoundSpecies::default(),
+        step: None,
+        time: None,
+        frames: 1,
+    })
+}
 
 /// Writes a start that came from memory as a file that a scene can name, to the bit.
 ///

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use lennard_engine::EngineError;
+use lennard_engine::{EngineError, StartError};
 use lennard_io::CheckpointError;
 use lennard_scene::SceneError;
 
@@ -20,6 +20,9 @@ pub enum Error {
     /// A saved simulation cannot be read.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
+    /// Arrays are no start.
+    #[error(transparent)]
+    Start(#[from] StartError),
     /// The run has no such mean or table.
     #[error("the run has no {kind} `{name}`\n  allowed: {known}{}", hint(.nearest))]
     NoSuchResult {

@@ -33,7 +33,7 @@ mod simulation;
 
 pub use error::{Error, Result};
 pub use lennard_core::{DMat3, DVec3, PeriodicBox, State, Table};
-pub use lennard_engine::{Ending, EngineError, KeptFrame, Moment, OwnParts, Progress};
+pub use lennard_engine::{Ending, EngineError, KeptFrame, Moment, OwnParts, Progress, StartError};
 pub use lennard_io::{AverageRecord, RunRecord};
 pub use lennard_literature as literature;
 pub use lennard_observables::statistics;

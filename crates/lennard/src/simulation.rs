@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use lennard_core::{State, Table};
+use lennard_core::{DVec3, State, Table};
 use lennard_engine::{
     Addition, Ending, EngineError, KeptFrame, Measurement, MemoryOptions, Moment, OwnParts,
     Progress, Recording, RunOptions,
@@ -39,6 +39,24 @@ impl Simulation {
     /// As [`Simulation::new`], and where a part does not keep its contract or does not go with the scene.
     pub fn with_parts(scene: Scene, parts: OwnParts) -> Result<Self> {
         Self::around(lennard_engine::prepare_with(scene, None, parts)?)
+    }
+
+    /// A simulation that starts from arrays: box sides and positions in σ, velocities in σ/τ. Without velocities they are drawn
+    /// for the temperature of the scene.
+    ///
+    /// The scene names a file in their place, such as `system.configuration = "start.xyz"`; it is not read.
+    ///
+    /// # Errors
+    /// As [`Simulation::with_parts`]; [`Error::Start`] where the arrays differ in length or hold a number that is not finite.
+    pub fn from_arrays(
+        scene: Scene,
+        sides: DVec3,
+        positions: Vec<DVec3>,
+        velocities: Option<Vec<DVec3>>,
+        parts: OwnParts,
+    ) -> Result<Self> {
+        let start = lennard_engine::start_from_arrays(sides, positions, velocities)?;
+        Self::around(lennard_engine::prepare_with(scene, Some(start), parts)?)
     }
 
     /// A simulation as it was when it was saved, to the bit. A checkpoint of a run in a folder is such a file too.

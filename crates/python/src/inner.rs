@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use lennard_core::{DVec3, PeriodicBox};
+use lennard_core::DVec3;
 use lennard_engine::{Measurement, OwnParts, Recording, Simulation, planned_steps};
-use lennard_io::{Checkpoint, FoundSpecies, StartConfiguration};
+use lennard_io::{Checkpoint, StartConfiguration};
 use lennard_scene::{Scene, SceneError};
 use numpy::PyReadonlyArray2;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -57,30 +57,8 @@ pub fn start((positions, velocities, lengths): Arrays<'_>) -> PyResult<StartConf
     let velocities = velocities
         .map(|v| numbers::vectors(&v, "velocities"))
         .transpose()?;
-    if velocities
-        .as_ref()
-        .is_some_and(|v| v.len() != positions.len())
-    {
-        return Err(PyValueError::new_err(
-            "one velocity for each position is wanted",
-        ));
-    }
-    let mut all = positions.iter().chain(velocities.iter().flatten());
-    if !all.all(|v| v.is_finite()) {
-        return Err(PyValueError::new_err(
-            "a position or velocity is not a finite number",
-        ));
-    }
-    let cell = PeriodicBox::new(DVec3::from_array(lengths));
-    Ok(StartConfiguration {
-        cell: cell.map_err(|e| PyValueError::new_err(e.to_string()))?,
-        positions,
-        velocities,
-        species: FoundSpecies::default(),
-        step: None,
-        time: None,
-        frames: 1,
-    })
+    lennard_engine::start_from_arrays(DVec3::from_array(lengths), positions, velocities)
+        .map_err(|e| PyValueError::new_err(e.to_string()))
 }
 
 impl Inner {

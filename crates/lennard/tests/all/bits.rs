@@ -111,3 +111,40 @@ fn a_stage_that_is_added_is_measured_by_itself_and_stands_in_the_scene() {
     again.run().unwrap();
     assert_eq!(again.state(), liquid.state());
 }
+
+#[test]
+fn arrays_start_where_another_simulation_is() {
+    let mut first = prepared(&liquid());
+    first.step(50).unwrap();
+    let state = first.state().clone();
+    let scene = liquid_from("start.xyz").build().unwrap();
+    let started = |velocities| {
+        let (sides, positions) = (state.cell.lengths(), state.positions.clone());
+        Simulation::from_arrays(
+            scene.clone(),
+            sides,
+            positions,
+            velocities,
+            OwnParts::none(),
+        )
+    };
+    let mut second = started(Some(state.velocities.clone())).unwrap();
+    let [one, other] = [&mut first, &mut second].map(|s| s.moment().unwrap());
+    assert!((one.potential_energy - other.potential_energy).abs() < 1e-12);
+    second.run().unwrap();
+    assert_eq!(second.state().step, 30);
+    let short = started(Some(vec![])).err().expect("refused").to_string();
+    assert_eq!(short, "one velocity for each position is wanted");
+    let hot = vec![lennard::DVec3::NAN; state.len()];
+    let hot = started(Some(hot)).err().expect("refused").to_string();
+    assert_eq!(hot, "a position or velocity is not a finite number");
+}
+
+/// The same liquid from a file that is not there: arrays stand for it.
+fn liquid_from(file: &str) -> SceneBuilder {
+    SceneBuilder::new()
+        .set("system.configuration", file)
+        .set("system.temperature", 0.722)
+        .set("truncation.r_cut", 2.2)
+        .stages([toml! { name = "production" steps = 30 }])
+}
