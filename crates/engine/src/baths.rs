@@ -16,7 +16,7 @@ pub(crate) fn measured_baths(scene: &Scene) -> Vec<&'static ThermostatSpec> {
 
 /// The ensemble that a stage samples; `None` where its dynamics sample none that is known.
 pub(crate) fn ensemble(scene: &Scene, stage: &Stage, own: &OwnParts) -> Option<Ensemble> {
-    if stage.is_ramp() {
+    if stage.is_ramp() || stage.exchange.is_some() {
         return None;
     }
     let canonical = stage

@@ -23,7 +23,7 @@ use crate::own::OwnParts;
 use crate::schedule::Observer;
 use crate::simulation::Simulation;
 use crate::timers::Timers;
-use crate::{EngineError, compare, jump, pressure};
+use crate::{EngineError, compare, exchange, jump, pressure};
 
 /// The temperature and step for which the list is laid out: the hottest of all stages and the largest
 /// of all steps, since the list must serve them all.
@@ -306,6 +306,12 @@ pub(crate) fn observers(
         observers.push(Observer {
             every,
             observable: Box::new(ChangingBox::new(pressure, scene.molecules().energy_unit())),
+        });
+    }
+    if let Some(profile) = exchange::profile(scene, &context(every)) {
+        observers.push(Observer {
+            every,
+            observable: Box::new(profile),
         });
     }
     observers.extend(own.make_observers());

@@ -4,6 +4,7 @@ use lennard_core::{Average, Doubt, Findings, ThermostatSpec};
 
 use crate::Simulation;
 use crate::baths::measured_baths;
+use crate::exchange;
 
 /// Quantities that velocity scaling sets instead of sampling them.
 const SET_BY_SCALING: [&str; 3] = ["temperature", "temperature_half_steps", "kinetic_energy"];
@@ -16,12 +17,14 @@ impl Simulation {
     pub fn findings(&self) -> Vec<Findings> {
         let equilibrium = self.thermodynamics().equilibrium();
         let baths = measured_baths(&self.scene);
+        let by_exchange = exchange::doubt(&self.scene);
         self.observers
             .iter()
             .map(|observer| {
                 let observable = &observer.observable;
                 let mut findings = observable.finish(equilibrium.discarded);
                 let dynamic = observable.spec().dynamic;
+                let is_profile = exchange::is_profile(observable.as_ref());
                 findings.averages = findings
                     .averages
                     .into_iter()
@@ -33,7 +36,10 @@ impl Simulation {
                             doubt: equilibrium.doubt.clone(),
                             ..average
                         };
-                        with_error_if_earned(average.doubted(own).doubted(by_bath))
+                        let by_exchange = by_exchange.clone().filter(|_| !is_profile);
+                        with_error_if_earned(
+                            average.doubted(own).doubted(by_bath).doubted(by_exchange),
+                        )
                     })
                     .collect();
                 findings

@@ -81,6 +81,7 @@ fn with_stand_in(mut scene: Scene) -> Scene {
             dt: None,
             thermostat: None,
             barostat: None,
+            exchange: None,
             measure: true,
         });
     }

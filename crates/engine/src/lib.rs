@@ -12,6 +12,7 @@ mod confinement;
 mod curvature;
 mod energy;
 mod error;
+mod exchange;
 mod failure;
 mod files;
 mod findings;

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use lennard_core::Want;
 
+use crate::exchange;
 use crate::follower::{Follower, Verdict};
 use crate::instant::view;
 use crate::schedule::Observer;
@@ -32,6 +33,7 @@ impl Simulation {
             while self.steps_left() > 0 {
                 let next = self.next_due(follower);
                 self.advance_to(next, self.wanted_at(next, follower))?;
+                self.exchange();
                 self.watch()?;
                 self.sample();
                 if follower.after_step(self)? == Verdict::Stop {
@@ -46,11 +48,14 @@ impl Simulation {
         self.current_stage().steps - self.stage_run().steps_done
     }
 
-    /// The next step at which anything is due: an observable, the watchdog, the follower, or the end of the stage.
+    /// The next step at which anything is due: an observable, the watchdog, the follower, an exchange, or the end of the stage.
     fn next_due(&self, follower: &dyn Follower) -> u64 {
         let measured = self.current_stage().measure;
+        let exchange = self.current_stage().exchange.as_ref();
+        let exchange = exchange.map(exchange::trigger);
         let is_due = |step: &u64| {
             WATCH.trigger.is_due(*step, measured)
+                || exchange.is_some_and(|trigger| trigger.is_due(*step, measured))
                 || self
                     .observers
                     .iter()

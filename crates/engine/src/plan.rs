@@ -268,7 +268,21 @@ fn of_stage(stage: &Stage) -> impl Iterator<Item = PlanItem> {
         let how = format!("{}, {how}", control.pressure_in_words());
         item(&barostat_name(stage, control.options.name()), How::On(how))
     });
-    [itself].into_iter().chain(bath).chain(barostat)
+    let exchange = stage.exchange.as_ref().map(|exchange| {
+        let how = format!(
+            "of {} along {}, every {} steps, between 2 of {} slabs",
+            exchange.kind.name(),
+            exchange.axis.name(),
+            exchange.every,
+            exchange.slabs
+        );
+        item(&format!("exchange of {}", stage.name), How::On(how))
+    });
+    [itself]
+        .into_iter()
+        .chain(bath)
+        .chain(barostat)
+        .chain(exchange)
 }
 
 fn of_observables(scene: &Scene) -> Vec<PlanItem> {

@@ -13,6 +13,7 @@ mod chain;
 mod common;
 mod composition;
 pub mod contacts;
+mod exchange;
 pub mod fire;
 mod krylov;
 mod list;
@@ -47,6 +48,7 @@ pub mod rescale;
 pub use barostats::{BarostatOptions, Coupling, barostats, dof_of_centers};
 pub use bonds::{BondHolder, BondOptions, BondSpec, bond_methods};
 pub use common::OscillatorModel;
+pub use exchange::{ExchangeOptions, ExchangeSpec, Exchanged, exchanges};
 pub use list::{
     IntegratorEntry, IntegratorOptions, ThermostatOptions, build, integrators, thermostats,
 };

@@ -18,6 +18,7 @@ mod chemical_potential;
 mod correlator;
 mod density_profile;
 mod error;
+mod exchange_profile;
 mod extrema;
 mod heat_capacity;
 mod interface;
@@ -56,6 +57,7 @@ pub use chemical_potential::{
 pub use correlator::{Correlation, Correlator};
 pub use density_profile::{DensityProfile, DensityProfileOptions};
 pub use error::ObservableError;
+pub use exchange_profile::{Driven, ExchangeProfile};
 pub use heat_capacity::Ensemble;
 pub use interface::{Interface, InterfaceOptions};
 pub use kirkwood_buff::{KirkwoodBuff, KirkwoodBuffOptions};

@@ -6,8 +6,8 @@ use lennard_io::Limits;
 use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
 use crate::{
-    Geometry, Placement, Scene, SceneError, Start, accuracy, bath_checks, bodies, contact, mixture,
-    molecule_checks, slab, walls,
+    Geometry, Placement, Scene, SceneError, Start, accuracy, bath_checks, bodies, contact,
+    exchange, mixture, molecule_checks, slab, walls,
 };
 
 impl Scene {
@@ -109,6 +109,7 @@ pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     molecule_checks::check(scene)?;
     bath_checks::barostats_fit(scene)?;
     bath_checks::temperatures_are_held(scene)?;
+    exchange::exchanges_fit(scene)?;
     accuracy::check(scene)?;
     bodies::check(scene)?;
     walls::check(scene)?;
@@ -157,6 +158,7 @@ fn stages(scene: &Scene) -> Result<(), SceneError> {
         let alike = scene.stage_dt(stage) == scene.stage_dt(first)
             && stage.thermostat == first.thermostat
             && stage.barostat == first.barostat
+            && stage.exchange == first.exchange
             && stage.temperature_from == first.temperature_from
             && (stage.thermostat.is_none() || stage.temperature == first.temperature);
         if !alike {
@@ -164,10 +166,10 @@ fn stages(scene: &Scene) -> Result<(), SceneError> {
                 .source
                 .refuse(&format!("stage.{i}.measure"), "pools unlike samples")
                 .found(format!(
-                    "stages {:?} and {:?}, both measured, that differ in dt, thermostat, barostat or temperature",
+                    "stages {:?} and {:?}, both measured, that differ in dt, thermostat, barostat, exchange or temperature",
                     first.name, stage.name
                 ))
-                .allowed("measured stages that are alike in dt, thermostat, barostat and temperature"));
+                .allowed("measured stages that are alike in dt, thermostat, barostat, exchange and temperature"));
         }
     }
     Ok(())

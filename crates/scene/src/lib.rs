@@ -15,6 +15,7 @@ mod confined;
 mod contact;
 mod de;
 mod error;
+mod exchange;
 mod insertion;
 mod lattice;
 mod lock;

@@ -12,6 +12,8 @@ pub(crate) use lennard_core::options::{MOST_STEPS, quoted};
 use lennard_forcefield::CutoffUnit;
 pub use tables::TableDoc;
 
+use lennard_integrators::ExchangeOptions;
+
 use crate::MoleculeOptions;
 
 /// The most particles that a scene may ask for; their numbers must fit in 32 bits with room to spare.
@@ -166,6 +168,7 @@ static SHARED: &[(&str, Keys)] = keys! {
         "steps": Whole(1, MOST_STEPS), "needed", "", "Number of steps.";
         "thermostat": Words("\"none\", the name of a thermostat, or a table with `kind` and its keys"), "`\"none\"`", "", "The heat bath; none is constant energy.";
         "barostat": Words("\"none\", or a table with `kind`, `pressure` and its keys"), "`\"none\"`", "", "The pressure bath; none is constant volume.";
+        "exchange": Words("\"none\", \"heat\", \"momentum\", or a table"), "`\"none\"`", "", "An exchange of velocities between two slabs, which drives heat or momentum through the fluid.";
         "temperature": Between(COLDEST, HOTTEST), "`system.temperature`", "ε/k_B", "Temperature of the thermostat, or a ramp `{ from, to }`.";
         "dt": Between(SHORTEST_STEP, LONGEST_STEP), "`integrator.dt`", "τ", "Time step of this stage.";
         "measure": Flag, "`true` for the last stage, else `false`", "", "Whether observables and the trajectory look at this stage. Measured stages must be alike in dt, thermostat, barostat and temperature, since their samples are pooled.";
@@ -177,6 +180,7 @@ static SHARED: &[(&str, Keys)] = keys! {
         "kind": Names(|| lennard_integrators::barostats().iter().map(|b| b.name).collect()), "needed", "", "The barostat.";
         "pressure": ZeroOrBetween(LEAST_PRESSURE, LARGEST_PRESSURE), "needed", "ε/σ³", "Pressure to hold, or a ramp `{ from, to }`.";
     }
+    "stage.exchange" {}
     "stage.temperature" {
         "from": Between(COLDEST, HOTTEST), "needed", "ε/k_B", "Temperature at the start of the stage.";
         "to": Between(COLDEST, HOTTEST), "needed", "ε/k_B", "Temperature at its end.";
@@ -263,6 +267,7 @@ pub fn keys() -> &'static [KeyDoc] {
         for (table, shared) in SHARED {
             let own: Keys = match *table {
                 "molecule" => <MoleculeOptions as Options>::KEYS,
+                "stage.exchange" => <ExchangeOptions as Options>::KEYS,
                 _ => &[],
             };
             all.extend(

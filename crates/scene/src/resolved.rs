@@ -6,7 +6,9 @@ use lennard_forcefield::{
     CombiningOptions, KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions,
     WallOptions,
 };
-use lennard_integrators::{BarostatOptions, BondOptions, IntegratorOptions, ThermostatOptions};
+use lennard_integrators::{
+    BarostatOptions, BondOptions, ExchangeOptions, IntegratorOptions, ThermostatOptions,
+};
 use lennard_io::TrajectoryFormat;
 use lennard_observables::ObservableOptions;
 use serde::Serialize;
@@ -126,6 +128,8 @@ struct Stage<'a> {
     thermostat: Thermostat<'a>,
     #[serde(skip_serializing_if = "Option::is_none")]
     barostat: Option<Barostat<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    exchange: Option<&'a ExchangeOptions>,
 }
 
 #[derive(Serialize)]
@@ -343,5 +347,6 @@ fn resolved_stage(stage: &crate::Stage) -> Stage<'_> {
             pressure: Ramp::new(control.pressure_from, control.pressure),
             options: &control.options,
         }),
+        exchange: stage.exchange.as_ref(),
     }
 }

@@ -6,7 +6,7 @@ use lennard_forcefield::{
     ForceFieldOptions, KernelOptions, NeighborOptions, PotentialOptions, SplitOptions,
     TruncationOptions,
 };
-use lennard_integrators::{BarostatOptions, IntegratorOptions, ThermostatOptions};
+use lennard_integrators::{BarostatOptions, ExchangeOptions, IntegratorOptions, ThermostatOptions};
 use lennard_io::TrajectoryFormat;
 use lennard_observables::ObservableOptions;
 use serde::{Deserialize, Serialize};
@@ -238,6 +238,8 @@ pub struct Stage {
     pub thermostat: Option<ThermostatOptions>,
     /// The pressure bath; `None` is constant volume.
     pub barostat: Option<PressureControl>,
+    /// The exchange of velocities that drives a flow; `None` for a fluid at rest.
+    pub exchange: Option<ExchangeOptions>,
     /// Whether observables look at it.
     pub measure: bool,
 }

@@ -136,10 +136,12 @@ impl Reader<'_> {
         temperature: f64,
         last: bool,
     ) -> Result<Stage, SceneError> {
-        let section = Section::new(self.source, path, "stage").with(&["thermostat", "barostat"]);
+        let section =
+            Section::new(self.source, path, "stage").with(&["thermostat", "barostat", "exchange"]);
         let mut node = node.clone();
         let thermostat = take(&mut node, "thermostat");
         let barostat = take(&mut node, "barostat");
+        let exchange = take(&mut node, "exchange");
         let ramp = self.take_ramp(&mut node, "temperature", &section, "stage.temperature")?;
         let table: StageTable = section.read(&node)?;
         let good_name = |name: &str| {
@@ -158,6 +160,10 @@ impl Reader<'_> {
         };
         let barostat = match &barostat {
             Some(entry) => self.barostat(path, &entry.node)?,
+            None => None,
+        };
+        let exchange = match &exchange {
+            Some(entry) => self.exchange(path, &entry.node)?,
             None => None,
         };
         let written = ramp.map(|[from, to]| format!("from {from} to {to}"));
@@ -180,6 +186,7 @@ impl Reader<'_> {
             dt: table.dt,
             thermostat,
             barostat,
+            exchange,
             measure: table.measure.unwrap_or(last),
         })
     }

@@ -272,6 +272,8 @@ pub enum Listed {
     Thermostats,
     /// Barostats.
     Barostats,
+    /// Exchanges of velocities that drive a flow.
+    Exchanges,
     /// Pair potentials.
     Potentials,
     /// Ways to end a potential.

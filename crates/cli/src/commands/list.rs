@@ -31,6 +31,10 @@ pub fn list(args: &ListArgs) -> Result<u8, Failure> {
                 ..plain(s.name, s.summary, s.equation, s.source)
             })
             .collect(),
+        Listed::Exchanges => lennard_integrators::exchanges()
+            .iter()
+            .map(|s| plain(s.name, s.summary, s.equation, s.source))
+            .collect(),
         Listed::Potentials => lennard_forcefield::potentials()
             .iter()
             .map(|s| plain(s.name, s.summary, s.equation, s.source))

@@ -297,6 +297,20 @@ fn trajectories_of_every_format_go_on_to_the_byte() {
 }
 
 #[test]
+fn exchanges_go_on_to_the_bit() {
+    for spec in lennard_integrators::exchanges() {
+        let exchange = format!(
+            "{{ kind = {:?}, every = 7, slabs = 12, axis = \"y\" }}",
+            spec.name
+        );
+        assert!(in_parts(&[
+            ("stage.production.exchange", &exchange),
+            ("observable", ALL_OBSERVABLES),
+        ]));
+    }
+}
+
+#[test]
 fn mixtures_go_on_to_the_bit() {
     let species = r#"[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3, sigma = 0.9, mass = 2.0 }]"#;
     for rule in lennard_forcefield::combining_rules() {

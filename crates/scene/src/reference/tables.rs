@@ -122,6 +122,12 @@ pub(super) static TABLES: &[TableDoc] = &[
         meaning: "The pressure bath with its own keys. It needs a thermostat that samples the canonical ensemble.",
     },
     TableDoc {
+        table: "stage.exchange",
+        heading: "`exchange = { … }` of a stage",
+        meaning: "An exchange of velocities between the first and the middle slab of the box, at constant energy; a name alone \
+                  (`exchange = \"heat\"`) takes the defaults.",
+    },
+    TableDoc {
         table: "stage.temperature",
         heading: "`temperature = { from, to }` of a stage",
         meaning: "A ramp: the temperature of the thermostat changes linearly with the steps.",

@@ -183,6 +183,8 @@ fn a_few_scenes_hold_every_key_of_every_table() {
         "inputs/mechanics/cradle.toml",
         "inputs/mechanics/pendulum.toml",
         "inputs/npt/everything.toml",
+        // An exchange excludes baths.
+        "inputs/thermodynamics/heat-exchange.toml",
         // A slab excludes a lattice.
         "inputs/interface/everything.toml",
         "inputs/mixture/everything.toml",

@@ -428,10 +428,22 @@ fn the_reference_states_the_defaults_that_the_code_takes() {
             (None, "contact", _) => with_method("contact", "soft"),
             // A field of zero is none.
             (None, "field", _) => continue,
-            (None, "stage", "thermostat" | "barostat") => {
+            // A stage without exchange has no table of it.
+            (None, "stage.exchange", _) => {
+                let scene = with(&[
+                    ("stage.heat.thermostat", "none"),
+                    ("stage.heat.exchange", "heat"),
+                ])
+                .unwrap();
+                let taken = value_in(&scene, "stage.exchange", doc.key);
+                assert_eq!(taken.as_ref(), stated.get("x"), "{}", doc.key);
+                continue;
+            }
+            (None, "stage", "thermostat" | "barostat" | "exchange") => {
                 let scene = parse(SMALL).unwrap();
                 assert_eq!(scene.stages[1].thermostat, None);
                 assert_eq!(scene.stages[1].barostat, None);
+                assert_eq!(scene.stages[1].exchange, None);
                 continue;
             }
             (None, "molecule" | "bonds", _) => molecular("direct"),

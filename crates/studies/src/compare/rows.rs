@@ -35,7 +35,7 @@ const RESPONSE_PART: f64 = 0.02;
 type Beside = fn(&Compared<'_>, Row) -> Row;
 
 /// Every quantity that has a reference, with the way in which it is held against it.
-const REFERENCES: [(&str, Beside); 28] = [
+const REFERENCES: [(&str, Beside); 30] = [
     ("temperature", |c, row| c.beside_bath(row, false)),
     (HALF_STEPS, |c, row| c.beside_bath(row, true)),
     ("potential_energy", |c, row| c.potential_energy(row)),
@@ -69,6 +69,12 @@ const REFERENCES: [(&str, Beside); 28] = [
     ("thermal_conductivity_einstein_helfand", |c, row| {
         c.cross_check(row, "thermal_conductivity")
     }),
+    ("viscosity_by_exchange", |c, row| {
+        c.beside_table(row, TransportProperty::ShearViscosity)
+    }),
+    ("thermal_conductivity_by_exchange", |c, row| {
+        c.beside_table(row, TransportProperty::ThermalConductivity)
+    }),
     ("structure_factor_first_peak", |_, row| freezing_height(row)),
     ("pressure_zz", |c, row| c.beside_two_phases(row)),
     ("surface_tension_z", |c, row| c.beside_two_phases(row)),
@@ -84,7 +90,7 @@ const HANSEN_VERLET_SOURCE: &str =
     "J.-P. Hansen and L. Verlet, Phys. Rev. 184, 151 (1969), doi:10.1103/PhysRev.184.151";
 
 /// The quantities that readers look for first, in the order of a table.
-const PRIMARY: [&str; 11] = [
+const PRIMARY: [&str; 13] = [
     "potential_energy",
     "pressure",
     "density",
@@ -94,6 +100,8 @@ const PRIMARY: [&str; 11] = [
     "diffusion_coefficient",
     "shear_viscosity",
     "thermal_conductivity",
+    "viscosity_by_exchange",
+    "thermal_conductivity_by_exchange",
     "structure_factor_first_peak",
     "coordination_number",
 ];

@@ -51,7 +51,7 @@ impl Verdict {
             Self::NotInEquilibrium => "not in equilibrium",
             Self::TooShort => "too short",
             Self::Incomplete => "incomplete",
-            Self::Thermostat => "changed by the thermostat",
+            Self::Thermostat => "changed by a bath or an exchange",
             Self::NoReference => "no reference",
         }
     }

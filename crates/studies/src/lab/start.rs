@@ -51,6 +51,7 @@ impl Start {
                 temperature: measured_stage(scene).temperature,
                 temperature_from: None,
                 barostat: None,
+                exchange: None,
                 dt: None,
                 thermostat: Some(ThermostatOptions::Bussi(bussi::Options {
                     tau: RELAXATION_TIME,

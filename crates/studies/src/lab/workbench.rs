@@ -150,6 +150,7 @@ impl Workbench {
             // Settings are judged at the density of the scene.
             temperature_from: None,
             barostat: None,
+            exchange: None,
             ..measured.clone()
         };
         scene.stages = stages.iter().enumerate().map(stage).collect();

@@ -167,6 +167,7 @@ fn canonical_stage(temperature: f64, steps: u64, measure: bool) -> Stage {
         temperature,
         temperature_from: None,
         barostat: None,
+        exchange: None,
         dt: None,
         thermostat: Some(ThermostatOptions::Bussi(bussi::Options {
             tau: RELAXATION_TIME,

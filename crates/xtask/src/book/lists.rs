@@ -14,6 +14,7 @@ const LISTS: [(&str, &str); 12] = [
     ("integrators", "Integrators"),
     ("thermostats", "Thermostats"),
     ("barostats", "Barostats"),
+    ("exchanges", "Exchanges of velocities"),
     ("potentials", "Potentials"),
     ("truncations", "Truncations"),
     ("walls", "Walls"),

@@ -1,0 +1,311 @@
+//! The transport coefficient of a fluid through which an exchange of velocities drives heat or momentum.
+
+use lennard_core::{
+    Axis, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
+    Table, View, Want,
+};
+
+use crate::BuildContext;
+use crate::averages::{of_blocks, tell_discarded};
+use crate::blocks::BlockedSums;
+
+const SPEC: ObservableSpec = ObservableSpec {
+    name: "exchange-profile",
+    summary: "temperature or velocity across the slabs of an exchange, and the transport coefficient from their slope",
+    equation: "lambda or eta = carried/(2 A t |slope|)",
+    source: "F. Müller-Plathe, J. Chem. Phys. 106, 6082 (1997), and Phys. Rev. E 59, 4894 (1999)",
+    dynamic: false,
+    suits: lennard_core::Suits::OneSpecies,
+};
+
+/// Blocks kept for the errors.
+const MOST_BLOCKS: usize = 64;
+/// Slabs on each side of an exchanging one whose values are left out of the fit: velocities have not mixed there.
+const LEFT_OUT: usize = 1;
+
+/// What an exchange drives through the fluid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Driven {
+    /// Heat, from the middle slab to the first one: λ = E/(2At·dT/dz).
+    Heat,
+    /// Momentum along an axis, from the first slab to the middle one: η = p/(2At·|dv/dz|).
+    Momentum(Axis),
+}
+
+/// The profile across the slabs, and what the exchange carried.
+///
+/// What is carried from slab to slab flows back through the fluid on both sides, so that its flux is j = carried/(2At). The
+/// profile is folded about the two slabs. A line is fitted to it, without these slabs and their neighbors, and λ or η is j
+/// over its slope. The error is of a jackknife over blocks of the run, in which flux and slope move together.
+///
+/// T of a slab is ⟨m v²⟩/3, since nothing flows on average where heat is driven.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExchangeProfile {
+    driven: Driven,
+    axis: Axis,
+    slabs: usize,
+    /// Side along the axis, σ, and area across it, σ².
+    side: f64,
+    area: f64,
+    /// Time between two samples, τ.
+    interval: f64,
+    /// Value of each slab, and what was carried before each sample.
+    sums: BlockedSums,
+    /// Carried since the last sample; `None` before the first one.
+    carried: Option<f64>,
+}
+
+impl ExchangeProfile {
+    /// Nothing seen yet. `slabs` is even.
+    #[must_use]
+    pub fn new(driven: Driven, axis: Axis, slabs: usize, context: &BuildContext) -> Self {
+        let side = context.cell.lengths()[axis.index()];
+        Self {
+            driven,
+            axis,
+            slabs,
+            side,
+            area: context.cell.volume() / side,
+            interval: context.sample_interval(),
+            sums: BlockedSums::new(slabs + 1, MOST_BLOCKS),
+            carried: None,
+        }
+    }
+
+    /// Counts what an exchange carried, ε or mσ/τ.
+    pub fn add_carried(&mut self, amount: f64) {
+        if let Some(carried) = &mut self.carried {
+            *carried += amount;
+        }
+    }
+
+    /// Distances from the first slab of the slabs that are fitted, in slabs.
+    fn fitted(&self) -> std::ops::RangeInclusive<usize> {
+        1 + LEFT_OUT..=self.slabs / 2 - 1 - LEFT_OUT
+    }
+
+    /// The folded profile at the slabs of a range: distance from the middle of the first slab, σ, and value.
+    fn folded(&self, means: &[f64], range: std::ops::RangeInclusive<usize>) -> Vec<[f64; 2]> {
+        let width = self.side / self.slabs as f64;
+        range
+            .map(|k| [k as f64 * width, 0.5 * (means[k] + means[self.slabs - k])])
+            .collect()
+    }
+
+    /// The flux through the fluid, ε/(σ²τ) or ε/σ³.
+    fn flux(&self, means: &[f64]) -> f64 {
+        means[self.slabs] / (2.0 * self.area * self.interval)
+    }
+
+    /// The slope against the flux, with the sign that makes coefficients positive.
+    fn slope(&self, means: &[f64], range: std::ops::RangeInclusive<usize>) -> f64 {
+        let slope = slope_of(&self.folded(means, range));
+        match self.driven {
+            Driven::Heat => slope,
+            Driven::Momentum(_) => -slope,
+        }
+    }
+
+    fn add_remarks(&self, means: &[f64], findings: &mut Findings) {
+        let (first, last) = (*self.fitted().start(), *self.fitted().end());
+        let line = self.folded(means, self.fitted());
+        let (near, far) = (line[0][1], line[line.len() - 1][1]);
+        let (what, unit) = match self.driven {
+            Driven::Heat => ("T", "ε/k_B"),
+            Driven::Momentum(_) => ("the velocity", "σ/τ"),
+        };
+        findings.remarks.push(format!(
+            "{what} goes from {near:.4} to {far:.4} {unit} over the slabs that are fitted: the coefficient is a mean over these states"
+        ));
+        let middle = (first + last) / 2;
+        if middle > first && last > middle {
+            let halves = [first..=middle, middle..=last].map(|half| self.slope(means, half));
+            findings.remarks.push(format!(
+                "slope of the half near the first slab {:.4}, of the half near the middle slab {:.4} {unit} per σ",
+                halves[0], halves[1]
+            ));
+        }
+    }
+}
+
+/// The slope of the line of least squares.
+fn slope_of(points: &[[f64; 2]]) -> f64 {
+    let n = points.len() as f64;
+    let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / n;
+    let (x, y) = (mean(0), mean(1));
+    let products: f64 = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum();
+    products / points.iter().map(|p| (p[0] - x).powi(2)).sum::<f64>()
+}
+
+impl Observable for ExchangeProfile {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want::NOTHING
+    }
+
+    fn sample(&mut self, view: &View<'_>) {
+        // What was carried before the first sample belongs to no interval between two.
+        let Some(carried) = self.carried.replace(0.0) else {
+            return;
+        };
+        let (cell, masses) = (view.cell(), &view.system.masses);
+        let (slabs, axis) = (self.slabs, self.axis.index());
+        let per_length = slabs as f64 / cell.lengths()[axis];
+        self.sums.begin_sample();
+        let (sums, counts) = self.sums.current();
+        let particles = view.state.positions.iter().zip(&view.state.velocities);
+        for (i, (r, v)) in particles.enumerate() {
+            let slab = ((cell.wrap(*r)[axis] * per_length) as usize).min(slabs - 1);
+            sums[slab] += match self.driven {
+                Driven::Heat => masses.of(i) * v.length_squared() / 3.0,
+                Driven::Momentum(along) => v[along.index()],
+            };
+            counts[slab] += 1;
+        }
+        sums[slabs] += carried;
+        counts[slabs] += 1;
+    }
+
+    fn finish(&self, discarded: f64) -> Findings {
+        let sums = self.sums.after(discarded);
+        let (name, unit, flux_name, flux_unit, column, value_unit) = match self.driven {
+            Driven::Heat => (
+                "thermal_conductivity_by_exchange",
+                "k_B/(σ τ)",
+                "heat_flux",
+                "ε/(σ² τ)",
+                "temperature",
+                "ε/k_B",
+            ),
+            Driven::Momentum(_) => (
+                "viscosity_by_exchange",
+                "ε τ/σ³",
+                "momentum_flux",
+                "ε/σ³",
+                "velocity",
+                "σ/τ",
+            ),
+        };
+        let coefficient = |means: &[f64]| Some(self.flux(means) / self.slope(means, self.fitted()));
+        let flux = |means: &[f64]| Some(self.flux(means));
+        let mut findings = Findings::default();
+        if let Some((value, blocks)) = sums.jackknife(coefficient) {
+            let average = of_blocks(name, unit, value, &blocks, 0.0);
+            findings.averages.push(average);
+        }
+        if let Some((value, blocks)) = sums.jackknife(flux) {
+            let average = of_blocks(flux_name, flux_unit, value, &blocks, 0.0);
+            findings.averages.push(average);
+        }
+        if sums.samples() > 0 {
+            let means: Vec<f64> = (0..=self.slabs)
+                .map(|k| sums.mean(k).unwrap_or(f64::NAN))
+                .collect();
+            self.add_remarks(&means, &mut findings);
+        }
+        let width = self.side / self.slabs as f64;
+        let slab_volume = width * self.area * sums.samples() as f64;
+        let of_slabs = |of: &dyn Fn(usize) -> f64| (0..self.slabs).map(of).collect::<Vec<f64>>();
+        findings.tables.push(
+            Table::new(
+                "exchange_profile",
+                "profile across the slabs of the exchange, with standard errors from blocks of the run",
+            )
+            .with(self.axis.name(), "σ", of_slabs(&|k| (k as f64 + 0.5) * width))
+            .with("density", "σ⁻³", of_slabs(&|k| sums.total(k).1 as f64 / slab_volume))
+            .with(column, value_unit, of_slabs(&|k| sums.mean(k).unwrap_or(f64::NAN)))
+            .with("standard error", value_unit, of_slabs(&|k| sums.standard_error(k))),
+        );
+        tell_discarded(&mut findings, self.sums.samples() - sums.samples());
+        findings
+    }
+}
+
+impl Persist for ExchangeProfile {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.sums.save(&mut to.section("sums"));
+        to.put_u64("begun", &[u64::from(self.carried.is_some())]);
+        to.put_f64("carried", &[self.carried.unwrap_or(0.0)]);
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.sums.restore(&from.section("sums"))?;
+        let [begun] = from.u64s("begun")?;
+        let [carried] = from.f64s("carried")?;
+        self.carried = (begun == 1).then_some(carried);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{context, normal};
+    use lennard_core::{DVec3, State, StateArchive, System};
+
+    /// Samples of particles at rest in their slabs, whose mean value is linear between the first and the middle slab.
+    fn shown(driven: Driven, profile: &mut ExchangeProfile, steps: std::ops::Range<u64>) {
+        let context = context(10.0, 400);
+        let system = System::atoms(400);
+        for step in steps {
+            let place = |i: usize| DVec3::new(1.0, 1.0, 10.0 * (i as f64 + 0.5) / 400.0);
+            let positions: Vec<DVec3> = (0..400).map(place).collect();
+            let velocities = (0..400).map(|i| {
+                // Slab by slab, as the profile sees it: from 0 in the first slab to 5 in the middle one.
+                let slab = i / 40;
+                let distance = slab.min(10 - slab) as f64;
+                let noise = normal(7, step, i);
+                match driven {
+                    Driven::Heat => noise * (1.0 + 0.1 * distance).sqrt(),
+                    Driven::Momentum(_) => noise - DVec3::X * (0.2 * distance),
+                }
+            });
+            let mut state = State::new(context.cell, positions.clone(), velocities.collect());
+            state.step = step;
+            profile.add_carried(0.5);
+            profile.sample(&View::of(&state, &system));
+        }
+    }
+
+    #[test]
+    fn a_linear_profile_gives_flux_over_slope() {
+        for (driven, slope) in [(Driven::Heat, 0.1), (Driven::Momentum(Axis::X), 0.2)] {
+            let context = context(10.0, 400);
+            let mut profile = ExchangeProfile::new(driven, Axis::Z, 10, &context);
+            shown(driven, &mut profile, 0..400);
+            let findings = profile.finish(0.0);
+            // 0.5 for each interval of 0.01 through two areas of 100.
+            let flux = 0.5 / (2.0 * 100.0 * context.sample_interval());
+            assert!((findings.averages[1].estimate.mean - flux).abs() < 1e-12);
+            let found = findings.averages[0].estimate;
+            let exact = flux / slope;
+            assert!(
+                (found.mean - exact).abs() < 4.0 * found.standard_error,
+                "{found:?} {exact}"
+            );
+            assert!(found.standard_error < 0.05 * exact, "{found:?}");
+            let columns = &findings.tables[0].columns;
+            assert!((columns[1].numbers()[3] - 0.4).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_profile_restored_in_the_middle_ends_with_the_same_bits() {
+        let make = || ExchangeProfile::new(Driven::Heat, Axis::Z, 10, &context(10.0, 400));
+        let (mut whole, mut first, mut second) = (make(), make(), make());
+        shown(Driven::Heat, &mut whole, 0..50);
+        shown(Driven::Heat, &mut first, 0..20);
+        first.add_carried(0.25);
+        whole.add_carried(0.0);
+        let mut archive = StateArchive::default();
+        first.save(&mut archive.writer());
+        second.restore(&archive.reader()).unwrap();
+        assert_eq!(first, second);
+        second.add_carried(-0.25);
+        shown(Driven::Heat, &mut second, 20..50);
+        assert_eq!(whole, second);
+    }
+}
