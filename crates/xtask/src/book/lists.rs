@@ -9,7 +9,7 @@ use crate::tidy::lennard_commands;
 use crate::workspace::Workspace;
 
 /// The lists of `lennard list` with their headings.
-const LISTS: [(&str, &str); 12] = [
+const LISTS: [(&str, &str); 13] = [
     ("observables", "Observables"),
     ("integrators", "Integrators"),
     ("thermostats", "Thermostats"),
