@@ -4,7 +4,7 @@ use lennard_core::{
     Boundary, Configuration, DMat3, DVec3, Energetics, Flight, ForceError, ForceProperties,
     ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, WallReading, Want, sweeps,
 };
-use lennard_forcefield::Walls;
+use lennard_forcefield::{ContactLaw, Walls};
 
 use crate::dashpots::{Moving, damp};
 use crate::impacts;
@@ -46,6 +46,34 @@ struct Touch {
     laplacian: f64,
 }
 
+impl Touch {
+    /// What two bodies feel where they overlap; `None` where they do not.
+    fn of(
+        law: &ContactLaw,
+        bodies: &Bodies,
+        pair: [usize; 2],
+        at: &Configuration<'_>,
+    ) -> Option<Self> {
+        let [i, j] = pair;
+        let apart = at.cell.minimum_image(at.positions[i] - at.positions[j]);
+        let distance = bodies.distance(i, j);
+        let r2 = apart.length_squared();
+        if r2.is_nan() || r2 >= distance * distance {
+            return None;
+        }
+        let r = r2.sqrt();
+        let point = law.at(distance - r);
+        let force = point.force / r;
+        Some(Self {
+            pair,
+            energy: point.energy,
+            apart,
+            force,
+            laplacian: point.curvature - 2.0 * force,
+        })
+    }
+}
+
 impl Contacts {
     /// Contacts of bodies, with the walls of the scene beside them.
     #[must_use]
@@ -65,41 +93,14 @@ impl Contacts {
         self.reading
     }
 
-    /// What two bodies feel where they overlap; `None` where they do not.
-    fn touch(&self, i: usize, j: usize, at: &Configuration<'_>) -> Option<Touch> {
-        let Response::Spring(law) = &self.response else {
-            return None;
-        };
-        let apart = at.cell.minimum_image(at.positions[i] - at.positions[j]);
-        let distance = self.bodies.distance(i, j);
-        let r2 = apart.length_squared();
-        if r2.is_nan() || r2 >= distance * distance {
-            return None;
-        }
-        let r = r2.sqrt();
-        let point = law.at(distance - r);
-        let force = point.force / r;
-        Some(Touch {
-            pair: [i, j],
-            energy: point.energy,
-            apart,
-            force,
-            laplacian: point.curvature - 2.0 * force,
-        })
-    }
-
     fn touches(&mut self, at: &Configuration<'_>) -> Vec<Touch> {
-        if !matches!(self.response, Response::Spring(_)) {
+        let Response::Spring(law) = &self.response else {
             return Vec::new();
-        }
-        let mut near = std::mem::replace(&mut self.near, NearPairs::of(&self.bodies));
-        let pairs = near.at(&self.bodies, at.cell, at.positions, 0.0);
-        let all = pairs.iter();
-        let found = all
-            .filter_map(|[i, j]| self.touch(*i as usize, *j as usize, at))
-            .collect();
-        self.near = near;
-        found
+        };
+        let pairs = self.near.at(&self.bodies, at.cell, at.positions, 0.0);
+        let all = pairs.iter().map(|pair| pair.map(|body| body as usize));
+        all.filter_map(|pair| Touch::of(law, &self.bodies, pair, at))
+            .collect()
     }
 
     /// Refuses an overlap beyond half the contact distance.
@@ -194,8 +195,11 @@ impl ForceTerm for Contacts {
         let others = (0..at.positions.len()).filter(|j| *j != particle && !excluded(*j));
         let contacts: DVec3 = others
             .filter_map(|j| {
+                let Response::Spring(law) = &self.response else {
+                    return None;
+                };
                 let pair = [particle.min(j), particle.max(j)];
-                let touch = self.touch(pair[0], pair[1], &at)?;
+                let touch = Touch::of(law, &self.bodies, pair, &at)?;
                 let force = touch.force * touch.apart;
                 Some(if particle == pair[0] { force } else { -force })
             })

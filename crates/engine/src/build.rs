@@ -254,8 +254,10 @@ pub(crate) fn observers(
     };
     let options = scene.observables.iter().find_map(of_thermodynamics);
     let mut options = options.unwrap_or_default();
-    if scene.molecules().are_rigid() || scene.molecules().hide_forces() {
-        // Constraint forces are no gradient of a potential: ⟨|∇U|²⟩/⟨∇²U⟩ is no temperature.
+    let molecules = scene.molecules();
+    let has_no_force = scene.longest_cutoff() == 0.0;
+    if molecules.are_rigid() || molecules.hide_forces() || has_no_force {
+        // Constraint forces are no gradient of a potential: ⟨|∇U|²⟩/⟨∇²U⟩ is no temperature. Without pair forces it is 0/0.
         options.configurational_temperature = false;
     }
     let every = scene.output.thermo_every;

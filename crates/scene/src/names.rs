@@ -143,6 +143,21 @@ const BAROSTATS_LEFT_OUT: &[LeftOut] = &[
     },
 ];
 
+const CONTACTS_LEFT_OUT: &[LeftOut] = &[
+    LeftOut {
+        words: &["spook", "unilateral", "lcp", "complementarity"],
+        why: "no method of a scene solves for unilateral contacts: take `hard`, or `soft` for bodies that rest on each other",
+    },
+    LeftOut {
+        words: &["penalty", "spring", "linear", "hertz", "hooke"],
+        why: "its name here is `soft`, with `law = \"linear\"` or `\"hertz\"`",
+    },
+    LeftOut {
+        words: &["event", "elastic", "inelastic", "billiard", "impact"],
+        why: "its name here is `hard`, with a `restitution`",
+    },
+];
+
 /// Why a method that others have is not here, and what to take: `key` says what kind of method it is.
 pub(crate) fn left_out(key: &str, name: &str) -> Option<&'static str> {
     let list = if key.contains("thermostat") {
@@ -151,6 +166,8 @@ pub(crate) fn left_out(key: &str, name: &str) -> Option<&'static str> {
         BAROSTATS_LEFT_OUT
     } else if key.starts_with("bonds") {
         BONDS_LEFT_OUT
+    } else if key.starts_with("contact") {
+        CONTACTS_LEFT_OUT
     } else {
         return None;
     };

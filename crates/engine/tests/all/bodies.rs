@@ -1,10 +1,10 @@
 //! The scenes of `inputs/mechanics` against closed forms and solutions of high precision.
 
-use lennard_core::DVec3;
+use lennard_core::{DVec3, Observable};
 use lennard_engine::Simulation;
 use lennard_scene::Scene;
 
-use crate::common::ran;
+use crate::common::{self, ran};
 
 /// A scene of `inputs/mechanics` after its last step.
 fn of_inputs(name: &str, overrides: &[(&str, &str)]) -> Simulation {
@@ -145,5 +145,90 @@ fn a_ball_that_loses_a_share_at_each_bounce_rises_to_the_squares_of_it() {
             (height(&run) / (2.0 * 0.81_f64.powi(n)) - 1.0).abs() < 1e-5,
             "{n}"
         );
+    }
+}
+
+/// A liquid at constant energy whose force ends smoothly.
+const LIQUID: &str = r#"
+    [system]
+    n_atoms = 108
+    density = 0.7
+    temperature = 1.2
+    [truncation]
+    kind = "switch"
+    r_cut = 2.2
+    [integrator]
+    dt = 0.002
+    [[stage]]
+    name = "production"
+    steps = 500
+"#;
+
+fn held_to(simulation: &Simulation) -> f64 {
+    let rows = simulation.thermodynamics().series();
+    let energies = &rows.conserved_energy;
+    energies
+        .iter()
+        .map(|e| (e - energies[0]).abs())
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn a_fluid_with_held_particles_keeps_its_energy_and_they_their_places() {
+    let run = ran(common::scene(LIQUID, &[("system.held", "[2, 3, 50, 108]")]));
+    let start = common::prepared(common::scene(LIQUID, &[]));
+    for i in [1, 2, 49, 107] {
+        assert_eq!(run.state.positions[i], start.state.positions[i]);
+        assert_eq!(run.state.velocities[i], DVec3::ZERO);
+    }
+    assert_eq!(run.view().n_dof(), 3.0 * 104.0);
+    assert!(held_to(&run) < 1e-3, "{}", held_to(&run));
+    let pressure = run.thermodynamics().finish(0.0).averages;
+    let pressure = pressure.iter().find(|a| a.name == "pressure").unwrap();
+    assert!(
+        pressure.doubt.is_some(),
+        "no one pressure with held particles"
+    );
+}
+
+#[test]
+fn molecules_between_walls_that_exert_forces_keep_their_energy_and_their_bonds() {
+    let run = ran(common::scene(
+        LIQUID,
+        &[
+            (
+                "system",
+                "{ n_molecules = 108, density = 0.3, temperature = 1.5 }",
+            ),
+            ("molecule.bond_length", "0.7"),
+            (
+                "wall",
+                "[{ kind = \"lennard-jones-9-3\" }, { kind = \"wca\", axis = \"x\" }]",
+            ),
+        ],
+    ));
+    assert_eq!(run.view().n_dof(), 6.0 * 108.0 - 108.0 - 1.0);
+    assert!(held_to(&run) < 2e-3, "{}", held_to(&run));
+    let residual = run.view().constraint_sums().largest_residual;
+    assert!(residual < 1e-10, "{residual}");
+}
+
+#[test]
+fn a_contact_too_weak_for_its_load_stops_the_run_and_says_who_and_where() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../inputs/mechanics");
+    let weak = [("contact.stiffness".to_owned(), "3.0".to_owned())];
+    let scene = Scene::load(&root.join("stack.toml"), &weak).unwrap();
+    let mut run = common::prepared(scene);
+    let error = run
+        .run(&mut lennard_engine::Unfollowed)
+        .unwrap_err()
+        .to_string();
+    for words in [
+        "particles 0 and 1 overlap by 0.5",
+        "half their contact distance",
+        "the spring of the contact is too weak for bodies so fast or so heavy",
+        "contact.stiffness",
+    ] {
+        assert!(error.contains(words), "{words}: {error}");
     }
 }
