@@ -98,6 +98,14 @@ def test_ase_reads_from_gzip_what_it_reads_from_text(runs, frames):
         np.testing.assert_array_equal(ours.get_forces(), theirs.get_forces())
 
 
+def test_the_helpers_read_gzip_and_refuse_what_has_no_headers(runs, frames):
+    helped = lv.load_frames(runs["xyz.gz"].folder)
+    assert [frame.info["Step"] for frame in helped] == [frame.info["Step"] for frame in frames]
+    assert lv.load_trajectory(runs["xyz.gz"].folder).n_frames == FRAMES
+    with pytest.raises(lv.BadTrajectory, match="in the format xtc; this reads xyz and xyz.gz"):
+        lv.load_frames(runs["xtc"].folder)
+
+
 def test_mdtraj_and_mdanalysis_read_positions_from_gzip(runs, frames):
     positions = of(frames, lambda frame: frame.positions)
     trajectory = mdtraj.load(path(runs, "xyz.gz"), top=topology(runs, "xyz.gz"))

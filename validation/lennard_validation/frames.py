@@ -6,12 +6,17 @@ so the frames are counted here, and box and times are set.
 
 from __future__ import annotations
 
+import gzip
 import re
 from pathlib import Path
 
 import numpy as np
 
 from .commands import Run, open_run
+
+
+#: Formats of text with headers, and their files.
+FILES = {"xyz": "trajectory.xyz", "xyz.gz": "trajectory.xyz.gz"}
 
 
 class BadTrajectory(Exception):
@@ -37,7 +42,7 @@ def expected_steps(run: Run) -> list[int]:
 def _headers(path: Path) -> list[tuple[int, str]]:
     """Number of particles and comment line of each frame; every frame must be whole."""
     headers = []
-    with open(path, encoding="utf-8") as file:
+    with (gzip.open if path.suffix == ".gz" else open)(path, "rt", encoding="utf-8") as file:
         while first := file.readline():
             if not re.fullmatch(r"\d+\n", first):
                 raise BadTrajectory(f"{path}: frame {len(headers)} begins with {first!r}, not with a count")
@@ -62,7 +67,10 @@ def _value(comment: str, key: str) -> str:
 
 def _checked(folder: str | Path) -> tuple[Run, Path, list[str]]:
     run = open_run(folder)
-    path = run.folder / "trajectory.xyz"
+    form = run.scene["output"]["format"]
+    if form not in FILES:
+        raise BadTrajectory(f"{folder}: its trajectory is in the format {form}; this reads {' and '.join(FILES)}")
+    path = run.folder / FILES[form]
     steps = expected_steps(run)
     if not steps:
         raise BadTrajectory(f"{folder}: the scene asks for no trajectory")

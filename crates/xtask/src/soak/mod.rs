@@ -73,6 +73,8 @@ const VARIANTS: &[(&str, &[&str])] = &[
         "PEFRL, forces in the trajectory",
         &["integrator.kind=pefrl", "output.forces=true"],
     ),
+    ("a compressed trajectory", &["output.format=xyz.gz"]),
+    ("a trajectory in XTC", &["output.format=xtc"]),
 ];
 
 /// How much is done.
