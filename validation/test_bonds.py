@@ -92,6 +92,7 @@ WAYS = {
     "direct-leapfrog": 'method = "direct"',
     "direct-stormer-verlet": 'method = "direct"',
 }
+SPRINGS = ("spring", "midpoint")
 BATHS = {
     "langevin": '{ kind = "langevin", friction = 0.5 }',
     "bussi": '{ kind = "bussi", tau = 0.2 }',
@@ -145,13 +146,16 @@ def test_all_ways_to_hold_a_bond_sample_one_fluid_with_one_temperature(bath, tmp
         if bath == "langevin" and "-" in way:
             # This bath is a method of its own.
             continue
+        if bath == "bussi" and way in SPRINGS:
+            # A stiff spring hardly exchanges energy with the rest, and this bath leaves the shares as they are.
+            continue
         (tmp_path / f"{way}.toml").write_text(liquid(way, bath), encoding="utf-8")
         found = lv.run(tmp_path / f"{way}.toml", out=tmp_path / way).averages
         measured[way] = found
         # Equipartition. Temperatures of whole steps lie some (ωh)² lower, which is below 0.002 at this step.
         for part in ("temperature_of_centers", "temperature_inside_molecules"):
-            if way in ("spring", "midpoint") and part == "temperature_inside_molecules":
-                # A stiff spring's own vibration is cold on whole steps by (ωh)²/4, and exchanges energy slowly.
+            if way in SPRINGS and part == "temperature_inside_molecules":
+                # The vibration of a stiff spring is cold on whole steps by (ωh)²/4.
                 continue
             mean, error = found[part]["mean"], found[part]["standard_error"]
             assert abs(mean - 2.0) < 3 * error + 0.004, (way, part, mean, error)
@@ -159,4 +163,7 @@ def test_all_ways_to_hold_a_bond_sample_one_fluid_with_one_temperature(bath, tmp
         for name, model in (("potential_energy", 0.01), ("pressure", 0.01)):
             a, b = measured[one][name], measured[other][name]
             error = np.hypot(a["standard_error"], b["standard_error"])
-            assert abs(a["mean"] - b["mean"]) < 3 * error + model, (one, other, name, a, b)
+            # A spring has the mean energy T/2 of its own.
+            of_bonds = sum(sign * (way in SPRINGS) for way, sign in ((one, 1.0), (other, -1.0)))
+            difference = a["mean"] - b["mean"] - (of_bonds if name == "potential_energy" else 0.0)
+            assert abs(difference) < 3 * error + model, (one, other, name, a, b)

@@ -1,6 +1,7 @@
 //! Finished runs beside the literature: every quantity with its difference in standard errors and a verdict.
 
 mod card;
+mod missing;
 mod phase;
 mod read;
 mod rows;

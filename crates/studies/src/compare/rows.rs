@@ -7,6 +7,7 @@ use lennard_observables::HeldTemperature;
 use lennard_scene::PressureControl;
 
 use super::card::spread;
+use super::missing::missing_centers;
 use super::read::HALF_STEPS;
 use super::runs_of_others::RunsOfOthers;
 use super::tail_bias::tail_bias;
@@ -274,7 +275,8 @@ impl Compared<'_> {
             return row;
         }
         // With N_f/3 = N − 1 the mean of ρT + W/(3V) + P_tail is above P₀ by T/V.
-        let missing = self.run.record.atoms as f64 - self.run.record.n_dof as f64 / 3.0;
+        let record = &self.run.record;
+        let missing = missing_centers(record.atoms, record.n_dof, &self.run.scene.molecules());
         let volume = self.run.average("volume").map_or(f64::INFINITY, |v| v.mean);
         let shift = missing * self.state.temperature / volume;
         row.against(
