@@ -1,6 +1,6 @@
 //! Mixtures: the bits of one species, mixed starts, equipartition, splits and resumes, files, and what is refused.
 
-use lennard_core::{DVec3, Persist, StateArchive, System};
+use lennard_core::{Configuration, DVec3, ForceTerm, Part, Persist, StateArchive, System, Want};
 use lennard_engine::{
     EngineError, Simulation, StopAt, Unfollowed, begin, evaluate_energy, prepare,
 };
@@ -245,6 +245,51 @@ fn parts_make_the_whole(overrides: &[(&str, &str)]) {
         let found = |simulation: &Simulation| format!("{:?}", simulation.findings());
         assert_eq!(found(other), found(&whole));
     }
+}
+
+/// RESPA with one split for all pairs of species, below each of their cutoffs.
+const SPLIT: [(&str, &str); 2] = [
+    (
+        "integrator",
+        r#"{ kind = "respa", dt = 0.006, inner_steps = 3, r_split = 1.8, split_width = 0.3 }"#,
+    ),
+    ("stage.0.steps", "800"),
+];
+
+#[test]
+fn near_and_far_forces_of_all_pairs_of_species_make_up_the_whole() {
+    let scene = scene(&SPLIT);
+    let simulation = prepare(scene.clone()).unwrap_or_else(|e| panic!("{e}"));
+    let (state, species) = (&simulation.state, simulation.system.species());
+    let (_, mut terms) =
+        lennard_engine::forces(&scene, state.cell, species).unwrap_or_else(|e| panic!("{e}"));
+    let mut of = |part| {
+        let mut forces = vec![DVec3::ZERO; state.len()];
+        let at = Configuration::at_rest(&state.cell, &state.positions);
+        let found = terms.evaluate(at, part, Want::ENERGY_AND_VIRIAL, &mut forces);
+        let e = found.unwrap_or_else(|e| panic!("{e}"));
+        let energies = [e.potential_energy, e.conserved_potential, e.scalar_virial()];
+        (forces, energies.map(Option::unwrap))
+    };
+    let [whole, near, far] = [Part::All, Part::Near, Part::Far].map(&mut of);
+    let largest = whole.0.iter().map(|f| f.length()).fold(0.0, f64::max);
+    for (i, whole) in whole.0.iter().enumerate() {
+        assert!((near.0[i] + far.0[i] - *whole).length() < 1e-12 * largest);
+    }
+    for (k, whole) in whole.1.iter().enumerate() {
+        assert!(((near.1[k] + far.1[k]) / whole - 1.0).abs() < 1e-12);
+    }
+    assert!(near.1[0] != 0.0 && far.1[0] != 0.0);
+}
+
+#[test]
+fn respa_conserves_the_energy_of_a_mixture_and_goes_on_to_the_bit() {
+    let simulation = ran(scene(&SPLIT));
+    let kept = simulation.thermodynamics().conservation();
+    assert!(kept.energy_rms_per_atom < 2e-3, "{kept:?}");
+    parts_make_the_whole(&SPLIT);
+    let on = |threads| on_threads(threads, || bits(&ran(scene(&SPLIT))));
+    assert!(on(1) == on(3));
 }
 
 #[test]

@@ -38,11 +38,6 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
         let allowed = "settings of your own: the predictions of errors are for one species";
         return beside("accuracy", "`[accuracy]`", allowed);
     }
-    if scene.integrator.split.is_some() {
-        let name = format!("{:?}", scene.integrator.method.name());
-        let allowed = "a method with one step for all forces, such as \"velocity-verlet\"";
-        return beside("integrator.kind", &name, allowed);
-    }
     if source.wrote("output.element") {
         let allowed = "`element` of each species";
         return beside("output.element", "`element` in `[output]`", allowed);
