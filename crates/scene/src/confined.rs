@@ -35,7 +35,7 @@ impl Scene {
         }
     }
 
-    /// Refuses molecules, species, contacts, and a fluid between walls or in a field, for a study of homogeneous fluids of atoms.
+    /// Refuses molecules, contacts, and a fluid between walls or in a field, for a study of homogeneous fluids of atoms.
     ///
     /// # Errors
     /// [`SceneError`] with the table that confines the fluid.
@@ -43,7 +43,6 @@ impl Scene {
         let others = [
             (self.contact.is_some(), "contact", "contacts"),
             (self.molecule.is_some(), "molecule", "molecules"),
-            (self.mixture.is_some(), "species", "species"),
         ];
         let other = others.into_iter().find(|(there, ..)| *there);
         let (key, found) = match (self.confining().next(), self.confined_by(), other) {
@@ -55,6 +54,6 @@ impl Scene {
             .source
             .refuse(key, format!("does not go with `{study}`"))
             .found(format!("a fluid with {found}"))
-            .allowed("a scene of atoms of one kind, without walls and field"))
+            .allowed("a scene of atoms, without walls and field"))
     }
 }

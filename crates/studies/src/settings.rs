@@ -174,6 +174,7 @@ impl Settings {
         Self {
             truncation: TruncationOptions {
                 tail_correction: tail,
+                r_cut_in: self.truncation.r_cut_in,
                 ..TruncationOptions::new(kind, r_cut)
             },
             ..self.clone()

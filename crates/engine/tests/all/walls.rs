@@ -331,7 +331,7 @@ fn a_study_of_a_homogeneous_fluid_refuses_walls_and_fields() {
         "{error}"
     );
     assert!(
-        error.contains("a scene of atoms of one kind, without walls and field"),
+        error.contains("a scene of atoms, without walls and field"),
         "{error}"
     );
     assert!(error.contains("a fluid with walls"), "{error}");

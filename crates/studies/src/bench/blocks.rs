@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use lennard_core::stopwatch::{Spread, in_turn, timed};
-use lennard_core::{Momentum, System, Want};
+use lennard_core::{Momentum, Want};
 use lennard_engine::{EngineError, Simulation, take};
 use lennard_forcefield::measure;
 use lennard_scene::Scene;
@@ -73,7 +73,8 @@ impl Blocks {
 
     /// Temperature of the state, ε/k_B.
     pub(super) fn temperature(&self) -> f64 {
-        System::atoms(self.start.len()).temperature(&self.start.velocities, Momentum::Conserved)
+        let system = self.start.system();
+        system.temperature(&self.start.velocities, Momentum::Conserved)
     }
 
     /// A simulation of a scene from this state; its list is built and its memory is touched.

@@ -255,9 +255,11 @@ fn block(on: &On, scene: &Scene, blocks: &Blocks, scratch: &Path) -> Result<f64,
     };
     match on {
         On::Bare => {
-            let (integrator, state) = (&scene.integrator.method, blocks.start.state());
+            let start = &blocks.start;
+            let integrator = &scene.integrator.method;
+            let at = (start.system(), start.state());
             let dt = scene.stage_dt(&scene.stages[0]);
-            let mut fluid = ByHand::start(integrator, blocks.start.forces(scene)?, state, dt)?;
+            let mut fluid = ByHand::start(integrator, start.forces(scene)?, at, dt)?;
             fluid.steps(SETTLING)?;
             let watch = Stopwatch::start();
             fluid.steps(blocks.steps)?;

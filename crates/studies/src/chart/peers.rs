@@ -63,6 +63,9 @@ fn suits(bench: &Workbench) -> Result<(), String> {
             "the measured stage has a heat bath, and only constant energy is set up for it".into(),
         );
     }
+    if bench.scene().mixture.is_some() {
+        return Err("only fluids of one species are set up for it".into());
+    }
     if !bench.scene().potential.spec().is_lennard_jones {
         return Err("only the Lennard-Jones potential is set up for it".into());
     }

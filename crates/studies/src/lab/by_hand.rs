@@ -15,15 +15,15 @@ pub(crate) struct ByHand {
 }
 
 impl ByHand {
-    /// Starts a method on a state, with time step `dt` in τ.
+    /// Starts a method on a state of a system, with time step `dt` in τ.
     pub(crate) fn start(
         integrator: &IntegratorOptions,
         forces: PairForces,
-        state: State,
+        (system, state): (System, State),
         dt: f64,
     ) -> Result<Self, StepError> {
         let mut fluid = Self {
-            system: System::atoms(state.len()),
+            system,
             method: lennard_integrators::build(integrator),
             forces,
             state,

@@ -39,7 +39,7 @@ impl Workbench {
     /// [`StudyError`] where the potential cannot be.
     pub fn untruncated(&self) -> Result<&Untruncated, StudyError> {
         if self.untruncated.get().is_none() {
-            let found = Untruncated::at(self.start(), &self.scene().potential)?;
+            let found = Untruncated::at(self.start(), self.scene())?;
             // Another thread may have been faster, with the same numbers.
             let _ = self.untruncated.set(found);
         }
@@ -102,7 +102,9 @@ impl Workbench {
     ) -> Result<Vec<DVec3>, StudyError> {
         let start = self.start();
         let scene = settings.apply(self.scene())?;
-        let conditions = lennard_engine::conditions(&scene, start.cell, start.len(), None);
+        let mixture = scene.mixture_of(&start.species);
+        let (cell, n) = (start.cell, start.len());
+        let conditions = lennard_engine::conditions(&scene, cell, n, mixture.as_ref());
         let mut forces = lennard_forcefield::build(options, &conditions)?;
         let found = start.evaluate(&mut forces, Part::All, Want::NOTHING);
         Ok(found.map_err(|source| failed_forces(settings, source))?.1)
@@ -115,6 +117,29 @@ mod tests {
 
     use super::*;
     use crate::settings::tests::scene;
+
+    #[test]
+    fn forces_of_a_mixture_are_judged_by_the_pairs_of_its_species() {
+        let scene = scene(&[
+            ("stage.equilibrate.steps", "100"),
+            (
+                "species",
+                r#"[{ name = "A", fraction = 0.5 }, { name = "B", fraction = 0.5, sigma = 0.8, epsilon = 2.0 }]"#,
+            ),
+            ("mixing", r#"{ rule = "lorentz-berthelot" }"#),
+            ("truncation.r_cut_in", "pair"),
+        ]);
+        let bench = Workbench::new(&scene).unwrap();
+        let base = Settings::of(&scene);
+        let errors = bench.force_errors(&base).unwrap();
+        assert!(errors.same_model < 1e-13, "{errors:?}");
+        let whole = errors.untruncated.unwrap();
+        assert!((1e-4..0.1).contains(&whole), "{whole}");
+        // The cutoff stays in σ of each pair.
+        let longer = base.with_truncation(TruncationKind::Cut, 3.0, true);
+        assert!(bench.force_errors(&longer).unwrap().untruncated.unwrap() < 0.8 * whole);
+        assert_eq!(longer.truncation.r_cut_in, base.truncation.r_cut_in);
+    }
 
     #[test]
     fn force_errors_tell_precision_and_truncation_apart() {

@@ -133,8 +133,9 @@ impl Workbench {
         dt: f64,
     ) -> Result<State, StudyError> {
         let forces = self.forces(settings)?;
+        let at = (self.start().system(), state);
         let run = || {
-            let mut fluid = ByHand::start(&settings.integrator, forces, state, dt)?;
+            let mut fluid = ByHand::start(&settings.integrator, forces, at, dt)?;
             fluid.steps(steps)?;
             Ok(fluid.state)
         };

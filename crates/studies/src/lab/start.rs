@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 use lennard_core::{
-    Configuration, Energetics, ForceError, ForceTerm, Part, PeriodicBox, State, Want,
+    Configuration, Energetics, ForceError, ForceTerm, Part, PeriodicBox, SpeciesTable, State,
+    System, Want,
 };
 use lennard_engine::{
     Beginning, EngineError, Simulation, Unfollowed, measured_stage, prepare_from,
@@ -27,6 +28,8 @@ pub struct Start {
     pub positions: Vec<DVec3>,
     /// Velocities, `[N]`, σ/τ.
     pub velocities: Vec<DVec3>,
+    /// The species of each particle.
+    pub species: SpeciesTable,
 }
 
 impl Start {
@@ -87,6 +90,11 @@ impl Start {
         Configuration::at_rest(&self.cell, &self.positions)
     }
 
+    /// Masses and species of the particles.
+    pub(crate) fn system(&self) -> System {
+        System::of_species(self.species.clone())
+    }
+
     /// The start as the state of a run.
     pub(crate) fn state(&self) -> State {
         State::new(self.cell, self.positions.clone(), self.velocities.clone())
@@ -98,7 +106,7 @@ impl Start {
             cell: self.cell,
             positions: self.positions.clone(),
             velocities: Some(self.velocities.clone()),
-            species: scene.one_species(self.len()),
+            species: self.species.clone(),
             relax: false,
         };
         prepare_from(scene, beginning)
@@ -106,7 +114,7 @@ impl Start {
 
     /// The forces of a scene in this box.
     pub(crate) fn forces(&self, scene: &Scene) -> Result<PairForces, EngineError> {
-        Ok(lennard_engine::forces(scene, self.cell, &scene.one_species(self.len()))?.1)
+        Ok(lennard_engine::forces(scene, self.cell, &self.species)?.1)
     }
 
     /// Energies at the start by one part of the forces, and that part of the forces, `[N]` in ε/σ.
@@ -128,6 +136,7 @@ impl From<Simulation> for Start {
             cell: simulation.state.cell,
             positions: simulation.state.positions,
             velocities: simulation.state.velocities,
+            species: simulation.system.species().clone(),
         }
     }
 }

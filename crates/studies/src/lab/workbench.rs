@@ -116,8 +116,9 @@ impl Workbench {
     /// [`StudyError::Settings`] with the reason.
     pub fn check(&self, settings: &Settings) -> Result<(), StudyError> {
         let scene = settings.apply(&self.scene)?;
-        let conditions =
-            lennard_engine::conditions(&scene, self.start.cell, self.start.len(), None);
+        let (cell, n) = (self.start.cell, self.start.len());
+        let mixture = scene.mixture_of(&self.start.species);
+        let conditions = lennard_engine::conditions(&scene, cell, n, mixture.as_ref());
         lennard_forcefield::check(&scene.force_field(), &conditions).map_err(|e| {
             StudyError::Settings {
                 label: settings.label(),
