@@ -121,6 +121,16 @@ fn placed(
         starting_molecules::check(scene, &origin, &cell, &positions)?;
     }
     overlaps::contacts(scene, "system", &cell, &positions, &species)?;
+    if relax && !scene.walls.is_empty() {
+        return Err(scene
+            .source
+            .invalid(
+                "system.density",
+                "a lattice between walls that is too narrow for the largest species",
+                "a lower density, or a start from a file: relaxation knows no walls",
+            )
+            .into());
+    }
     Ok(Beginning {
         cell,
         positions,

@@ -106,11 +106,9 @@ impl Reader<'_> {
 }
 
 impl Scene {
-    /// Where pair forces and contacts end, σ: the own end of the potential or the cutoff, or the largest contact distance.
+    /// Where pair forces and contacts end, σ: the longest cutoff of two species, or the largest contact distance.
     pub(crate) fn end_of_pairs(&self) -> f64 {
-        let own = self.potential.own_end();
-        let end = own.map_or(self.truncation.r_cut, |end| end.r);
-        end.max(self.largest_contact())
+        self.longest_cutoff().max(self.largest_contact())
     }
 
     /// The walls of this scene in a box; `None` where it has none.
@@ -284,6 +282,9 @@ fn springs_are_stable(scene: &Scene, i: usize, table: &WallTable) -> Result<(), 
     let Some(omega) = surface.frequency() else {
         return Ok(());
     };
+    let species = scene.mixture.iter().flat_map(|m| &m.species);
+    let lightest = species.map(|s| s.mass).fold(1.0, f64::min);
+    let omega = omega / lightest.sqrt();
     for stage in &scene.stages {
         let limit = scene.method_of(stage).spec().stability_limit;
         let (dt, limit) = (scene.stage_dt(stage), limit.unwrap_or(f64::INFINITY));
@@ -300,8 +301,8 @@ fn springs_are_stable(scene: &Scene, i: usize, table: &WallTable) -> Result<(), 
                 ))
                 .allowed(format!(
                     "a stiffness below {:.4e} ε/σ²; hits keep their energy to 10⁻⁴ below {:.4e} ε/σ²",
-                    (limit / dt).powi(2),
-                    (ACCURATE_PHASE / dt).powi(2)
+                    lightest * (limit / dt).powi(2),
+                    lightest * (ACCURATE_PHASE / dt).powi(2)
                 )));
         }
     }

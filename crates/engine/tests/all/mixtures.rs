@@ -247,6 +247,46 @@ fn parts_make_the_whole(overrides: &[(&str, &str)]) {
     }
 }
 
+#[test]
+fn walls_that_are_hit_or_are_springs_take_particles_of_all_species() {
+    let between = |wall: &str, steps: &str| {
+        ran(scene(&[
+            ("system.n_atoms", "108"),
+            ("system.density", "0.4"),
+            ("wall", wall),
+            ("stage.0.steps", steps),
+        ]))
+    };
+    for wall in [
+        r#"[{ kind = "hard" }]"#,
+        r#"[{ kind = "soft", stiffness = 500.0 }]"#,
+        r#"[{ kind = "hard", restitution = 0.9 }]"#,
+    ] {
+        let simulation = between(wall, "2000");
+        let kept = simulation.thermodynamics().conservation();
+        assert!(kept.energy_rms_per_atom < 1e-3, "{wall}: {kept:?}");
+    }
+    // A wall at a temperature gives heavy and light particles this one.
+    let mut simulation = prepare(scene(&[
+        ("system.n_atoms", "108"),
+        ("system.density", "0.4"),
+        ("wall", r#"[{ kind = "thermal", temperature = 3.0 }]"#),
+        ("stage.0.steps", "40000"),
+    ]))
+    .unwrap_or_else(|e| panic!("{e}"));
+    let mut means = [0.0; 2];
+    for sample in 1..=40 {
+        simulation
+            .run(&mut StopAt::new(20_000 + 500 * sample))
+            .unwrap_or_else(|e| panic!("{e}"));
+        let t = temperatures(&simulation.system, &simulation.state.velocities);
+        means[0] += t[0] / 40.0;
+        means[1] += t[1] / 40.0;
+    }
+    // 40 samples of 32 particles: σ_T = T·√(2/96)/√40 = 0.07.
+    assert!(means.iter().all(|t| (t - 3.0).abs() < 0.3), "{means:?}");
+}
+
 /// RESPA with one split for all pairs of species, below each of their cutoffs.
 const SPLIT: [(&str, &str); 2] = [
     (

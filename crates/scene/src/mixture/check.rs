@@ -1,14 +1,14 @@
 //! What must hold between a mixture and the rest of the scene.
 
-use lennard_forcefield::CutoffUnit;
+use lennard_forcefield::{CutoffUnit, Surface, WallContext};
 
-use crate::{Scene, SceneError};
+use crate::{Scene, SceneError, WallTable};
 
 /// Whether the species fit the rest of the scene.
 pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     let source = &scene.source;
     observables_fit(scene)?;
-    if scene.mixture.is_none() {
+    let Some(mixture) = &scene.mixture else {
         return match scene.truncation.r_cut_in {
             None | Some(CutoffUnit::Sigma) => Ok(()),
             Some(unit) => Err(source
@@ -19,7 +19,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
                 .found(format!("{:?} without `[[species]]`", unit.name()))
                 .allowed("a table `[[species]]` for each species, or no such key")),
         };
-    }
+    };
     let beside = |key: &str, what: &str, allowed: &str| {
         Err(source
             .refuse(key, "does not go with species")
@@ -30,9 +30,12 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
         let allowed = "atoms of several species, or molecules of one";
         return beside("molecule", "`[molecule]`", allowed);
     }
-    if !scene.walls.is_empty() {
-        let allowed = "one species between walls: walls have no σ and ε for others";
-        return beside("wall", "`[[wall]]`", allowed);
+    for (i, table) in scene.walls.iter().enumerate() {
+        if mixture.species.len() > 1 && has_sites(scene, table) {
+            let kind = format!("{:?}", table.options.spec().name);
+            let allowed = "\"hard\", \"thermal\" or \"soft\", which act on the centers of all particles: others have no σ and ε for each species";
+            return beside(&format!("wall.{i}.kind"), &kind, allowed);
+        }
     }
     if scene.accuracy.is_some() {
         let allowed = "settings of your own: the predictions of errors are for one species";
@@ -43,6 +46,17 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
         return beside("output.element", "`element` in `[output]`", allowed);
     }
     Ok(())
+}
+
+/// Whether a wall acts as sites do, with a σ and an ε of its own: it is neither hit nor a spring.
+fn has_sites(scene: &Scene, table: &WallTable) -> bool {
+    let context = WallContext {
+        temperature: scene.system.temperature,
+    };
+    match table.options.surface(&context, false) {
+        Surface::Hit(_) => false,
+        Surface::Exerts(wall) => wall.contact().is_none(),
+    }
 }
 
 /// Refuses observables that are for another number of species.
