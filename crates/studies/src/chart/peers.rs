@@ -222,5 +222,15 @@ mod tests {
             suits(&bench(&[cut, ("potential.kind", "\"wca\"")])).unwrap_err(),
             "only the Lennard-Jones potential is set up for it"
         );
+        let two = r#"[{ name = "A", fraction = 0.5 }, { name = "B", fraction = 0.5 }]"#;
+        let mixed = [
+            ("species", two),
+            ("mixing", "{ rule = \"geometric\" }"),
+            cut,
+        ];
+        assert_eq!(
+            suits(&bench(&mixed)).unwrap_err(),
+            "only fluids of one species are set up for it"
+        );
     }
 }
