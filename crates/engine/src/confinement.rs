@@ -8,14 +8,16 @@ use lennard_forcefield::{ConstantField, PairForces, Walls};
 use lennard_scene::Scene;
 
 use crate::EngineError;
+use crate::planar_tail::PlanarTail;
 
-/// The forces beside pair forces: walls and field on single particles, and contacts of bodies.
+/// The forces beside pair forces: walls and field on single particles, contacts of bodies, and the tail across flat surfaces.
 #[derive(Debug, Clone, Default)]
 pub struct Confinement {
     walls: Option<Walls>,
     /// Contacts have the walls among them.
     contacts: Option<Contacts>,
     field: Option<ConstantField>,
+    planar_tail: Option<PlanarTail>,
     /// Whether the total momentum is free along all axes: particles are held, or the scene lists velocities.
     is_anchored: bool,
 }
@@ -38,6 +40,7 @@ impl Confinement {
             walls,
             contacts,
             field: scene.field_on(&held.masses),
+            planar_tail: PlanarTail::of(scene, cell),
             is_anchored: scene.system.start.lists_velocities() || !scene.system.held.is_empty(),
         };
         (confinement.pushes(held, [false; 3]), confinement)
@@ -71,8 +74,11 @@ impl Confinement {
         if let Some(contacts) = self.contacts {
             sum = sum.with(contacts);
         }
-        match self.field {
-            Some(field) => sum.with(field),
+        if let Some(field) = self.field {
+            sum = sum.with(field);
+        }
+        match self.planar_tail {
+            Some(tail) => sum.with(tail),
             None => sum,
         }
     }

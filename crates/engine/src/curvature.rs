@@ -15,6 +15,10 @@ const ROUNDING: f64 = 1e-9;
 /// The line r²u″ = a·(−r u′) − b·u of the scene's potential, which holds for Mie potentials and powers; `None` for other
 /// potentials, and for truncations that bend the potential.
 pub(crate) fn curvature(scene: &Scene) -> Result<Option<Curvature>, EngineError> {
+    // What acts across the surfaces is no sum over pairs.
+    if scene.planar_tail {
+        return Ok(None);
+    }
     let truncation = &scene.truncation;
     // Each pair of species has a shift of its own, which the mean energy does not tell.
     if scene.mixture.is_some() && truncation.kind == TruncationKind::Shift {

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::confinement::Confinement;
 use crate::own::OwnParts;
+use crate::planar_tail::PlanarTail;
 use crate::{EngineError, build, initial};
 
 /// Where the kinetic part of the pressure comes from.
@@ -78,6 +79,7 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
     let has_velocities = beginning.velocities.is_some();
     let mixture = scene.mixture_of(&beginning.species);
     let (system, confinement) = Confinement::with_system(scene, &cell, beginning.species);
+    let planar_tail = PlanarTail::of(scene, &cell);
     let mut forces = build::with_springs(scene, confinement.beside(provider));
     let mut velocities = beginning.velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]);
     // The velocities that a run starts with.
@@ -100,8 +102,11 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
         (scene.system.temperature, KineticSource::SceneTemperature)
     };
     let tail = lennard_forcefield::tail_in(&options, mixture.as_ref(), n, cell.volume());
-    let (tail_energy, tail_virial) = tail.map_or((0.0, 0.0), |t| (t.energy, t.virial));
-    let virial = energetics.scalar_virial().unwrap_or(f64::NAN);
+    let planar = planar_tail.map_or((0.0, 0.0), |tail| {
+        tail.energy_and_virial(&cell, &state.positions)
+    });
+    let (tail_energy, tail_virial) = tail.map_or(planar, |t| (t.energy, t.virial));
+    let virial = energetics.scalar_virial().unwrap_or(f64::NAN) - planar.1;
     let volume = cell.volume();
     let inside = rigid::intramolecular_virial(&system, &state.positions, &state.forces);
     let report = EnergyReport {
@@ -110,7 +115,7 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
         atoms: n,
         molecules: system.n_molecules(),
         lengths: cell.lengths().to_array(),
-        potential_energy: energetics.potential_energy.unwrap_or(f64::NAN),
+        potential_energy: energetics.potential_energy.unwrap_or(f64::NAN) - planar.0,
         tail_energy,
         virial,
         tail_virial,

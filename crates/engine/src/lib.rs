@@ -34,6 +34,7 @@ mod overlaps;
 mod own;
 mod own_in_stages;
 mod plan;
+mod planar_tail;
 mod pressure;
 mod record;
 mod resume;

@@ -7,6 +7,7 @@ use lennard_forcefield::{ForcePlan, Search};
 use lennard_scene::{Scene, Stage};
 use serde::Serialize;
 
+use crate::planar_tail::PlanarTail;
 use crate::run::SET_ASIDE_BYTES;
 use crate::simulation::Simulation;
 use crate::watchdog;
@@ -206,6 +207,13 @@ fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [Plan
             simulation.system.molecules.energy_unit(),
             tail.pressure
         )),
+        None if scene.planar_tail => {
+            let tail = PlanarTail::of(scene, &simulation.state.cell);
+            How::On(format!(
+                "a force across the surfaces, of {} waves along z, on every step; steps are not fused",
+                tail.map_or(0, |tail| tail.n_modes())
+            ))
+        }
         None if scene.truncation.tail_correction => How::Off("the potential has none"),
         None => How::Off("not asked for, or not a plain cutoff"),
     };

@@ -7,7 +7,7 @@ use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
 use crate::{
     Geometry, Placement, Scene, SceneError, Start, accuracy, bath_checks, bodies, contact,
-    exchange, mixture, molecule_checks, slab, walls,
+    exchange, mixture, molecule_checks, planar, slab, walls,
 };
 
 impl Scene {
@@ -115,6 +115,7 @@ pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     walls::check(scene)?;
     slab::check(scene)?;
     contact::check(scene)?;
+    planar::check(scene)?;
     if let Some(placement) = scene.placement()? {
         homogeneous(scene)?;
         fits(scene, placement.cell, scene.n_particles().unwrap_or(0))?;
@@ -196,7 +197,7 @@ fn homogeneous(scene: &Scene) -> Result<(), SceneError> {
             )
             .at(place.cloned())
             .found(format!("{found}, with {surfaces}"))
-            .allowed("false where there are surfaces"));
+            .allowed("\"planar\" with kind \"cut\", or false"));
     }
     Ok(())
 }

@@ -40,6 +40,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] with the table that confines the fluid.
     pub fn homogeneous_for(&self, study: &str) -> Result<(), SceneError> {
+        self.planar_tail_for(study)?;
         let others = [
             (self.contact.is_some(), "contact", "contacts"),
             (self.molecule.is_some(), "molecule", "molecules"),

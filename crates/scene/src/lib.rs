@@ -25,6 +25,7 @@ mod molecule;
 mod molecule_checks;
 mod names;
 mod overrides;
+mod planar;
 mod program;
 mod read;
 mod read_molecule;

@@ -38,19 +38,26 @@ pub fn model_kind(scene: &Scene) -> ModelKind {
             },
         };
     }
-    of_atoms(&scene.potential, &scene.truncation, r_cut)
+    of_atoms(
+        &scene.potential,
+        &scene.truncation,
+        r_cut,
+        scene.planar_tail,
+    )
 }
 
-/// The model of atoms of one species with a cutoff, σ.
+/// The model of atoms of one species with a cutoff, σ, and perhaps a planar tail.
 pub(crate) fn of_atoms(
     potential: &PotentialOptions,
     truncation: &TruncationOptions,
     r_cut: f64,
+    planar_tail: bool,
 ) -> ModelKind {
+    let has_tail = truncation.tail_correction || planar_tail;
     let spec = potential.spec();
     if let PotentialOptions::Mie(mie) = *potential
         && truncation.kind == TruncationKind::Cut
-        && truncation.tail_correction
+        && has_tail
     {
         let (repulsive, attractive) = (f64::from(mie.repulsive), f64::from(mie.attractive));
         let potential = lennard_literature::Mie {
@@ -72,7 +79,7 @@ pub(crate) fn of_atoms(
         };
     }
     match truncation.kind {
-        TruncationKind::Cut if truncation.tail_correction => ModelKind::CutWithTail { r_cut },
+        TruncationKind::Cut if has_tail => ModelKind::CutWithTail { r_cut },
         TruncationKind::Cut => ModelKind::CutWithoutTail { r_cut },
         TruncationKind::Shift => ModelKind::Shifted { r_cut },
         TruncationKind::ForceShift => ModelKind::ForceShifted { r_cut },

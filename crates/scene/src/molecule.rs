@@ -95,7 +95,10 @@ impl Scene {
 
     /// The model as far as the scene itself names it.
     fn named_model(&self) -> String {
-        let pairs = lennard_forcefield::model_name(&self.force_field());
+        let mut pairs = lennard_forcefield::model_name(&self.force_field());
+        if self.planar_tail {
+            pairs = pairs.replace("without tail correction", "with planar tail correction");
+        }
         if let Some(species) = self.species_in_words() {
             return format!("{pairs}; {species}");
         }

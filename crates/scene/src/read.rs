@@ -9,7 +9,9 @@ use crate::names::{nearest, not_yet};
 use crate::reference::{self, MOST_ENTRIES};
 use crate::tree::{self, Entry, Node, Table, Value};
 use crate::typed::Section;
-use crate::{MixtureTables, Scene, Source, accuracy, checks, model_kind, overrides, shipped};
+use crate::{
+    MixtureTables, Scene, Source, accuracy, checks, model_kind, overrides, planar, shipped,
+};
 
 impl Scene {
     /// Reads a scene file, with overrides such as `("stage.production.steps", "1000")` over it.
@@ -106,13 +108,13 @@ fn read(
     reader.known_tables()?;
     let mixture = reader.mixture()?;
     let potential = reader.potential(resolve)?;
-    let truncation = reader.truncation(mixture.is_some(), &potential)?;
+    let (truncation, planar_tail) = reader.truncation(mixture.is_some(), &potential)?;
     let system = reader.system(
         resolve,
         mixture.as_ref().and_then(MixtureTables::total_count),
         mixture
             .is_none()
-            .then(|| model_kind::of_atoms(&potential, &truncation, truncation.r_cut)),
+            .then(|| model_kind::of_atoms(&potential, &truncation, truncation.r_cut, planar_tail)),
     )?;
     let name = reader.name(file)?;
     let mut observables = reader.observables()?;
@@ -124,6 +126,7 @@ fn read(
         free: Vec::new(),
         potential,
         truncation,
+        planar_tail,
         neighbor: reader.plain("neighbor")?,
         kernel: reader.plain("kernel")?,
         integrator: reader.integrator()?,
@@ -293,14 +296,25 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// The truncation; cutoffs of a mixture are in σ of the scene unless it says otherwise. Where there is no potential, there is
-    /// no tail.
+    /// The truncation, and whether its tail is planar; cutoffs of a mixture are in σ of the scene unless it says otherwise.
+    /// Where there is no potential, there is no tail.
     fn truncation(
         &self,
         has_species: bool,
         potential: &PotentialOptions,
-    ) -> Result<TruncationOptions, SceneError> {
-        let mut truncation: TruncationOptions = self.plain("truncation")?;
+    ) -> Result<(TruncationOptions, bool), SceneError> {
+        let mut node = self.node("truncation").clone();
+        let tail = match &mut node.value {
+            Value::Table(table) => table.get_mut("tail_correction"),
+            _ => None,
+        };
+        let tail = tail.filter(|tail| tail.text() == Some(planar::PLANAR));
+        let is_planar = tail.is_some();
+        if let Some(tail) = tail {
+            // The tail is a force beside the pairs, and no number is added to means.
+            tail.value = Value::Flag(false);
+        }
+        let mut truncation: TruncationOptions = self.section("truncation").read(&node)?;
         let acts = potential.own_end().is_none_or(|end| end.r > 0.0);
         if !acts && !self.source.wrote("truncation.tail_correction") {
             truncation.tail_correction = false;
@@ -308,7 +322,7 @@ impl<'a> Reader<'a> {
         if has_species {
             truncation.r_cut_in.get_or_insert_default();
         }
-        Ok(truncation)
+        Ok((truncation, is_planar))
     }
 
     fn name(&self, file: &str) -> Result<String, SceneError> {

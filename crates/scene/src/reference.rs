@@ -136,7 +136,7 @@ static SHARED: &[(&str, Keys)] = keys! {
         "r_cut": Between(SHORTEST_CUTOFF, LONGEST_SIDE), "`2.5`", "σ", "Cutoff radius; at most half the shortest box side.";
         "r_cut_in": Names(CutoffUnit::names), "`\"sigma\"`", "", "Unit of the cutoffs of a mixture: σ of the scene, or σ_ab of each pair of species.";
         "switch_from": Words("a number between 0 and `r_cut`, with kind \"switch\" or \"xplor\" alone"), "0.8·`r_cut`", "σ", "Where the switch begins.";
-        "tail_correction": Words("true or false; true with kind \"cut\" alone, and only in a homogeneous fluid"), "`true` for `\"cut\"`, else `false`", "", "Whether U and P are corrected for the fluid beyond the cutoff.";
+        "tail_correction": Words("true, false or \"planar\"; true and \"planar\" with kind \"cut\" alone, true only in a homogeneous fluid, \"planar\" only with surfaces across z"), "`true` for `\"cut\"`, else `false`", "", "Whether U and P are corrected for the fluid beyond the cutoff. `\"planar\"` makes the correction a force across flat surfaces.";
     }
     "neighbor" {
         "mode": Names(|| vec!["auto", "direct", "verlet"]), "`\"auto\"`", "", "Every pair each time, or a Verlet list over a cell grid; `auto` chooses from the scene.";

@@ -3,8 +3,7 @@
 use lennard_contacts::ContactOptions;
 use lennard_core::DVec3;
 use lennard_forcefield::{
-    CombiningOptions, KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions,
-    WallOptions,
+    CombiningOptions, KernelOptions, NeighborOptions, PotentialOptions, WallOptions,
 };
 use lennard_integrators::{
     BarostatOptions, BondOptions, ExchangeOptions, IntegratorOptions, ThermostatOptions,
@@ -14,6 +13,7 @@ use lennard_observables::ObservableOptions;
 use serde::Serialize;
 
 use crate::molecule::MoleculeOptions;
+use crate::planar::ResolvedTruncation;
 use crate::resolved_system::ResolvedSystem;
 use crate::slab::SlabTable;
 use crate::{Accuracy, Amount, MixtureTables, ProgramParts, Scene, WallTable};
@@ -37,7 +37,7 @@ struct Resolved<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     accuracy: Option<&'a Accuracy>,
     potential: &'a PotentialOptions,
-    truncation: &'a TruncationOptions,
+    truncation: ResolvedTruncation<'a>,
     neighbor: &'a NeighborOptions,
     kernel: &'a KernelOptions,
     integrator: Integrator<'a>,
@@ -236,7 +236,7 @@ impl Scene {
             bonds: self.molecule.as_ref().map(|m| &m.bonds),
             accuracy: self.accuracy.as_ref(),
             potential: &self.potential,
-            truncation: &self.truncation,
+            truncation: ResolvedTruncation::of(self),
             neighbor: &self.neighbor,
             kernel: &self.kernel,
             integrator: Integrator {

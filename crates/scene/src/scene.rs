@@ -35,6 +35,8 @@ pub struct Scene {
     pub potential: PotentialOptions,
     /// How the potential ends.
     pub truncation: TruncationOptions,
+    /// Whether what lies beyond the cutoff acts as a force across flat surfaces, in place of a number added to means.
+    pub planar_tail: bool,
     /// How neighbors are found.
     pub neighbor: NeighborOptions,
     /// Which pair kernel computes them.
@@ -73,6 +75,7 @@ impl PartialEq for Scene {
             free,
             potential,
             truncation,
+            planar_tail,
             neighbor,
             kernel,
             integrator,
@@ -94,6 +97,7 @@ impl PartialEq for Scene {
             && *free == other.free
             && *potential == other.potential
             && *truncation == other.truncation
+            && *planar_tail == other.planar_tail
             && *neighbor == other.neighbor
             && *kernel == other.kernel
             && *integrator == other.integrator

@@ -16,6 +16,7 @@ use crate::build::prepare_from;
 use crate::failure::LARGEST_MOVE;
 use crate::files::{header, style};
 use crate::follower::{Follower, StopAt, Verdict};
+use crate::planar_tail::PlanarTail;
 use crate::run::{aside, set_aside};
 use crate::schedule::{Action, Observer, Operation, Schedule, Trigger};
 use crate::simulation::Simulation;
@@ -42,6 +43,8 @@ pub(super) struct Costs {
     force: f64,
     /// List building of such a step.
     neighbor: f64,
+    /// A planar tail of such a step; 0 without one.
+    tail: f64,
     /// Bytes that the forces hold; fused steps are included where the scene has steps without an observer.
     pub(super) force_bytes: u64,
     /// Bytes of what a checkpoint is put together in.
@@ -92,6 +95,10 @@ impl Costs {
             });
             fault.map_or(Ok(time), |e| Err(bare.failed(e.into())))
         };
+        let tail = PlanarTail::of(&bare.scene, &bare.state.cell).map_or(0.0, |tail| {
+            let mut forces = bare.state.forces.clone();
+            median(|| drop(tail.push(&bare.state.cell, &bare.state.positions, &mut forces)))
+        });
         let forces = evaluate(&mut bare, Want::NOTHING)?;
         let energies = evaluate(&mut bare, Want::ENERGY_AND_VIRIAL)?;
         let laplacian = evaluate(&mut bare, Want::TOTALS)?;
@@ -126,6 +133,7 @@ impl Costs {
             median_step: Spread::of(times).map_or(f64::NAN, |steps| steps.median),
             force: statistics.force_seconds / all,
             neighbor: statistics.neighbor_seconds / all,
+            tail,
             force_bytes: bare.forces.statistics().bytes,
             checkpoint_bytes: checkpoint_bytes(&bare),
             evaluation: energies,
@@ -154,8 +162,11 @@ impl Costs {
             add("neighbor list", steps * self.neighbor);
             add(
                 "integrator",
-                steps * (self.step - self.force - self.neighbor - self.watch),
+                steps * (self.step - self.force - self.neighbor - self.tail - self.watch),
             );
+            if self.tail > 0.0 {
+                add("tail correction", steps * self.tail);
+            }
             add("watchdog", steps * self.watch);
             add("energy and virial", steps / rows as f64 * self.totals);
             if let Some(thermostat) = &stage.thermostat {

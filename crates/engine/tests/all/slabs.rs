@@ -63,24 +63,44 @@ fn a_slab_has_its_particles_its_two_densities_and_no_overlap() {
     }
 }
 
+/// The full potential with its tail as a force, in one step and in the two of RESPA.
+const TAILS: [&[(&str, &str)]; 3] = [
+    &[],
+    &[
+        ("truncation.kind", "cut"),
+        ("truncation.tail_correction", "planar"),
+    ],
+    &[
+        ("truncation.kind", "cut"),
+        ("truncation.tail_correction", "planar"),
+        ("integrator.kind", "respa"),
+    ],
+];
+
 #[test]
 fn a_slab_has_the_same_bits_on_any_number_of_threads_and_in_two_parts() {
+    for overrides in TAILS {
+        same_in_parts_and_on_threads(overrides);
+    }
+}
+
+fn same_in_parts_and_on_threads(overrides: &[(&str, &str)]) {
     let run = |threads| {
         on_threads(threads, || {
-            let mut s = build(&[]);
+            let mut s = build(overrides);
             s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
             (bits(&s), findings(&s))
         })
     };
     let one = run(1);
     assert!(run(3) == one);
-    let mut first = build(&[]);
+    let mut first = build(overrides);
     first
         .run(&mut StopAt::new(50))
         .unwrap_or_else(|e| panic!("{e}"));
     let mut archive = StateArchive::default();
     first.save(&mut archive.writer());
-    let mut second = build(&[]);
+    let mut second = build(overrides);
     second.restore(&archive.reader()).unwrap();
     second
         .run(&mut Unfollowed)
@@ -94,4 +114,46 @@ fn findings(simulation: &Simulation) -> String {
     let found = lennard_core::Observable::finish(interface.unwrap(), 0.0);
     assert!(found.averages.iter().any(|a| a.name == "surface_tension"));
     format!("{found:?}")
+}
+
+#[test]
+fn the_planar_tail_is_conserved_with_the_rest_and_keeps_the_middle_of_the_box() {
+    let overrides = [
+        ("truncation.kind", "cut"),
+        ("truncation.tail_correction", "planar"),
+        ("stage.production.thermostat", "none"),
+        ("stage.production.steps", "400"),
+        ("integrator.dt", "0.002"),
+    ];
+    let mut s = build(&overrides);
+    assert!(s.tail().is_none(), "no number is added to means");
+    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    let start = s.stage_run().start_energy;
+    let want = lennard_core::Want::ENERGY_AND_VIRIAL;
+    let mut forces = vec![lennard_core::DVec3::ZERO; s.state.len()];
+    let at = lennard_core::Configuration::at_rest(&s.state.cell, &s.state.positions);
+    let found = s
+        .forces
+        .evaluate(at, lennard_core::Part::All, want, &mut forces)
+        .unwrap();
+    s.state.energetics = found;
+    let now = s.conserved_energy_per_particle().unwrap();
+    // A tail that were left out of the energy would show with some 0.1.
+    assert!((now - start).abs() < 2e-4, "{now} {start}");
+    let momentum = s.system.momentum(&s.state.velocities);
+    assert!(momentum.length() < 1e-9, "{momentum}");
+}
+
+#[test]
+fn a_study_of_homogeneous_fluids_refuses_a_planar_tail() {
+    let scene = common::scene(SLAB, TAILS[1]);
+    let error = scene.homogeneous_for("lennard bench").unwrap_err();
+    let text = error.to_string();
+    for words in [
+        "`truncation.tail_correction` does not go with `lennard bench`",
+        "found:   \"planar\"",
+        "allowed: a homogeneous fluid, with true or false",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
 }

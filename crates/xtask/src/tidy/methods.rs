@@ -26,6 +26,10 @@ const EXPLAINED: &[(&str, &str)] = &[
         "which truncation the literature describes",
     ),
     (
+        "crates/scene/src/planar.rs",
+        "which potentials and which truncation have a planar tail",
+    ),
+    (
         "crates/engine/src/build.rs",
         "thermodynamics is in every run, and the MSD takes a viscosity of the literature",
     ),

@@ -14,6 +14,7 @@ fn costs(observers: Vec<(Want, f64)>, baths: Vec<f64>) -> Costs {
         step: 10.0,
         median_step: 10.0,
         force: 6.0,
+        tail: 0.0,
         neighbor: 2.0,
         force_bytes: 0,
         checkpoint_bytes: 0,

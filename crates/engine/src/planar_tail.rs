@@ -1,0 +1,310 @@
+//! The tail beyond the cutoff of a fluid with flat surfaces across z, as a potential between its particles.
+
+mod transform;
+
+use std::f64::consts::TAU;
+
+use lennard_core::parallel::{for_each_piece, ordered_sum};
+use lennard_core::{
+    Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
+    PeriodicBox, Want, remembers_nothing,
+};
+use lennard_forcefield::{ForceFieldOptions, Model, TruncationOptions, tail_correction};
+use lennard_scene::Scene;
+
+/// The largest wave number of the sum, σ⁻¹: beyond it neither the transform nor the profile of a slab has anything left.
+const LARGEST_WAVE_NUMBER: f64 = 4.0;
+/// Particles that are summed side by side.
+const LANES: usize = 8;
+/// The axis across the surfaces.
+const Z: usize = 2;
+
+/// One wave exp(ikz) of the box.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Mode {
+    /// k = 2πn/L_z, σ⁻¹.
+    k: f64,
+    /// φ̂(k), ε·σ³, of the potential that the forces come from.
+    phi: f64,
+    /// The same of the energy that is reported, without the shift at the cutoff.
+    reported: f64,
+    /// k·φ̂′(k), ε·σ³.
+    slope: f64,
+}
+
+/// The tail of a plain cutoff in a fluid that is homogeneous along x and y, summed over waves along z:
+///
+/// E = (1/2V)·[φ̂(0)·N² + 2·Σ_n φ̂(k_n)·|S_n|²] with S_n = Σ_j exp(i·k_n·z_j) and k_n = 2πn/L_z.
+///
+/// What the cutoff leaves out of the forces is w(r) = u(r) beyond it and u(r_cut) inside. φ(ξ) is its average over the plane, for
+/// two particles at a distance ξ along z. Every finite sum over waves is the energy of a
+/// Hamiltonian. F_z = −∂E/∂z is exact, and momentum is kept. W_xx = W_yy = E and W_zz = E + (1/V)·Σ_n k_n·φ̂′(k_n)·|S_n|²
+/// are exact too. A homogeneous fluid has S_n = 0, and then E = V·P_tail and W/(3V) = P_tail of the usual tail correction.
+/// The energy that is reported has u beyond the cutoff alone, as the usual correction has.
+///
+/// Source: J. Janeček, J. Phys. Chem. B 110, 6264 (2006), for the average over the plane.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlanarTail {
+    /// L_z of the waves, σ.
+    length: f64,
+    /// k = 0.
+    homogeneous: Mode,
+    /// k_1, k_2, …
+    modes: Vec<Mode>,
+}
+
+remembers_nothing!(PlanarTail);
+
+/// Σ cos and Σ sin of each mode.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Waves(Vec<[f64; 2]>);
+
+impl std::ops::Add for Waves {
+    type Output = Self;
+
+    fn add(mut self, other: Self) -> Self {
+        for (sum, part) in self.0.iter_mut().zip(other.0) {
+            sum[0] += part[0];
+            sum[1] += part[1];
+        }
+        self
+    }
+}
+
+impl std::iter::Sum for Waves {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        parts.reduce(|a, b| a + b).unwrap_or_default()
+    }
+}
+
+impl PlanarTail {
+    /// The tail of a scene in a box; `None` where the scene has no planar tail, or no model that could have one.
+    #[must_use]
+    pub fn of(scene: &Scene, cell: &PeriodicBox) -> Option<Self> {
+        let options = scene.force_field();
+        let planar = scene.planar_tail.then(|| Self::new(&options, cell));
+        planar.flatten()
+    }
+
+    /// The tail beyond the cutoff of some options in a box; `None` where the options make no model.
+    #[must_use]
+    pub fn new(options: &ForceFieldOptions, cell: &PeriodicBox) -> Option<Self> {
+        let r_cut = options.truncation.r_cut;
+        // The formula itself, as far as the transform looks.
+        let uncut = TruncationOptions {
+            r_cut: transform::FARTHEST * r_cut,
+            tail_correction: false,
+            ..options.truncation
+        };
+        let model = Model::new(&options.potential, &uncut).ok()?;
+        let slope = |r: f64| -model.eval(r * r).force * r;
+        let at_cutoff = model.eval(r_cut * r_cut).energy;
+        let mut with_tail = *options;
+        with_tail.truncation.tail_correction = true;
+        let tail = tail_correction(&with_tail, 1, 1.0)?;
+        let length = cell.lengths()[Z];
+        let mode = |n: usize| {
+            let k = TAU * n as f64 / length;
+            let found = transform::transform(&slope, r_cut, k);
+            let inside = at_cutoff * transform::of_sphere(r_cut, k);
+            Mode {
+                k,
+                phi: found.value,
+                reported: found.value - inside,
+                slope: found.slope,
+            }
+        };
+        let most = (LARGEST_WAVE_NUMBER * length / TAU).ceil() as usize;
+        Some(Self {
+            length,
+            homogeneous: Mode {
+                k: 0.0,
+                phi: 2.0 * tail.pressure,
+                reported: 2.0 * tail.energy,
+                slope: 0.0,
+            },
+            modes: (1..=most).map(mode).collect(),
+        })
+    }
+
+    /// How many waves are summed.
+    #[must_use]
+    pub fn n_modes(&self) -> usize {
+        self.modes.len()
+    }
+
+    /// Adds F_z to the forces.
+    pub(crate) fn push(
+        &self,
+        cell: &PeriodicBox,
+        positions: &[DVec3],
+        forces: &mut [DVec3],
+    ) -> Waves {
+        let waves = self.waves(positions);
+        let coefficients = self.coefficients(&waves, cell.volume());
+        for_each_piece(forces, |first, piece| {
+            let positions = &positions[first..first + piece.len()];
+            self.add_forces(&coefficients, positions, piece);
+        });
+        waves
+    }
+
+    /// The energy that is reported, and the scalar virial W, of some positions, ε.
+    pub(crate) fn energy_and_virial(&self, cell: &PeriodicBox, positions: &[DVec3]) -> (f64, f64) {
+        let waves = self.waves(positions);
+        let want = Want::ENERGY_AND_VIRIAL;
+        let found = self.energetics(&waves, positions.len(), cell.volume(), want);
+        let (energy, virial) = (found.potential_energy, found.scalar_virial());
+        (energy.unwrap_or(f64::NAN), virial.unwrap_or(f64::NAN))
+    }
+
+    /// S_n of each mode: the same bits for any number of threads.
+    fn waves(&self, positions: &[DVec3]) -> Waves {
+        let turn = TAU / self.length;
+        ordered_sum(positions.len(), |range| {
+            let mut sums = vec![[[0.0; LANES]; 2]; self.modes.len()];
+            for block in positions[range].chunks(LANES) {
+                let (mut twice, mut c, mut s) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+                let (mut c_before, mut s_before) = ([0.0; LANES], [0.0; LANES]);
+                for (lane, r) in block.iter().enumerate() {
+                    let (sin, cos) = (turn * r[Z]).sin_cos();
+                    (twice[lane], c[lane], s[lane]) = (2.0 * cos, cos, sin);
+                    c_before[lane] = 1.0;
+                }
+                // cos (n+1)θ = 2·cos θ·cos nθ − cos (n−1)θ, and likewise the sine; lanes without a particle stay zero.
+                for [cosines, sines] in &mut sums {
+                    for lane in 0..LANES {
+                        cosines[lane] += c[lane];
+                        sines[lane] += s[lane];
+                        let c_next = twice[lane] * c[lane] - c_before[lane];
+                        let s_next = twice[lane] * s[lane] - s_before[lane];
+                        (c_before[lane], s_before[lane]) = (c[lane], s[lane]);
+                        (c[lane], s[lane]) = (c_next, s_next);
+                    }
+                }
+            }
+            Waves(
+                sums.iter()
+                    .map(|m| m.map(|lanes| lanes.iter().sum()))
+                    .collect(),
+            )
+        })
+    }
+
+    /// Coefficients of sin k_n·z and cos k_n·z in the force on a particle.
+    fn coefficients(&self, waves: &Waves, volume: f64) -> Vec<[f64; 2]> {
+        let both = self.modes.iter().zip(&waves.0);
+        both.map(|(mode, [re, im])| {
+            let strength = 2.0 * mode.phi * mode.k / volume;
+            [strength * re, -strength * im]
+        })
+        .collect()
+    }
+
+    /// F_z of particles, added to their forces, by the recurrence of Clenshaw.
+    fn add_forces(&self, coefficients: &[[f64; 2]], positions: &[DVec3], forces: &mut [DVec3]) {
+        let turn = TAU / self.length;
+        let blocks = positions.chunks(LANES).zip(forces.chunks_mut(LANES));
+        for (block, forces) in blocks {
+            let (mut cos, mut sin) = ([0.0; LANES], [0.0; LANES]);
+            for (lane, r) in block.iter().enumerate() {
+                (sin[lane], cos[lane]) = (turn * r[Z]).sin_cos();
+            }
+            let twice = cos.map(|c| 2.0 * c);
+            // Of the series of sines and of cosines: b_n and b_{n+1}.
+            let (mut s1, mut s2) = ([0.0; LANES], [0.0; LANES]);
+            let (mut c1, mut c2) = ([0.0; LANES], [0.0; LANES]);
+            for [of_sine, of_cosine] in coefficients.iter().rev() {
+                for lane in 0..LANES {
+                    let s = of_sine + twice[lane] * s1[lane] - s2[lane];
+                    let c = of_cosine + twice[lane] * c1[lane] - c2[lane];
+                    (s2[lane], s1[lane]) = (s1[lane], s);
+                    (c2[lane], c1[lane]) = (c1[lane], c);
+                }
+            }
+            for (lane, force) in forces.iter_mut().enumerate() {
+                force[Z] += sin[lane] * s1[lane] + cos[lane] * c1[lane] - c2[lane];
+            }
+        }
+    }
+
+    /// Energies, virial and Laplacian of the sums of `n` particles.
+    fn energetics(&self, waves: &Waves, n: usize, volume: f64, want: Want) -> Energetics {
+        let n = n as f64;
+        let sum = |of: &dyn Fn(&Mode, f64) -> f64| -> f64 {
+            let both = self.modes.iter().zip(&waves.0);
+            both.map(|(mode, [re, im])| of(mode, re * re + im * im))
+                .sum::<f64>()
+                / volume
+        };
+        let homogeneous = |phi: f64| 0.5 * phi * n * n / volume;
+        let energy = || homogeneous(self.homogeneous.phi) + sum(&|mode, square| mode.phi * square);
+        let virial = || {
+            let across = energy();
+            let along = across + sum(&|mode, square| mode.slope * square);
+            DMat3::from_diagonal(DVec3::new(across, across, along))
+        };
+        Energetics {
+            potential_energy: want.energy.then(|| {
+                homogeneous(self.homogeneous.reported) + sum(&|mode, square| mode.reported * square)
+            }),
+            conserved_potential: want.energy.then(energy),
+            virial: want.virial.then(virial),
+            laplacian: want
+                .laplacian
+                .then(|| sum(&|mode, square| 2.0 * mode.phi * mode.k * mode.k * (n - square))),
+            pairs: None,
+            per_particle: None,
+        }
+    }
+}
+
+impl ForceTerm for PlanarTail {
+    fn evaluate(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        forces.fill(DVec3::ZERO);
+        self.add(at, part, want, &mut Vec::new(), forces)
+    }
+
+    /// The tail is smooth: it belongs to the far part.
+    fn add(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        _scratch: &mut Vec<DVec3>,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        let (n, volume) = (at.positions.len(), at.cell.volume());
+        if part == Part::Near {
+            let nothing = Waves(vec![[0.0; 2]; self.modes.len()]);
+            return Ok(self.energetics(&nothing, 0, volume, want));
+        }
+        let waves = self.push(at.cell, at.positions, forces);
+        Ok(self.energetics(&waves, n, volume, want))
+    }
+
+    fn force_on(&self, particle: usize, at: Configuration<'_>) -> DVec3 {
+        let waves = self.waves(at.positions);
+        let coefficients = self.coefficients(&waves, at.cell.volume());
+        let mut force = [DVec3::ZERO];
+        let position = [at.positions[particle]];
+        self.add_forces(&coefficients, &position, &mut force);
+        force[0]
+    }
+
+    fn properties(&self) -> ForceProperties {
+        ForceProperties {
+            splits: true,
+            ..ForceProperties::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
