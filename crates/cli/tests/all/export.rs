@@ -286,6 +286,17 @@ fn what_lammps_does_not_have_is_refused_and_nothing_is_written() {
             "a box that is periodic in all directions",
         ),
         (
+            vec![
+                (
+                    "kind = \"shift\"",
+                    "kind = \"cut\"\ntail_correction = \"planar\"",
+                ),
+                ("kind = \"rdf\"", "kind = \"momentum\""),
+            ],
+            "the planar tail, in an export to LAMMPS",
+            "a scene without",
+        ),
+        (
             vec![(measured, z)],
             "\"z\", in an export to LAMMPS",
             "\"isotropic\"",

@@ -82,6 +82,16 @@ fn refuse_what_has_no_equal(scene: &Scene) -> Result<(), EngineError> {
             "system.held",
             "held particles",
         ),
+        (
+            scene.planar_tail,
+            "truncation.tail_correction",
+            "the planar tail",
+        ),
+        (
+            scene.stages.iter().any(|stage| stage.exchange.is_some()),
+            "stage",
+            "exchanges of velocities",
+        ),
     ];
     if let Some((_, key, words)) = others.iter().find(|(there, ..)| *there) {
         let found = format!("{words}, in an export to LAMMPS");
