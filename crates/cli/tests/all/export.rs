@@ -291,6 +291,7 @@ fn what_lammps_does_not_have_is_refused_and_nothing_is_written() {
                     "kind = \"shift\"",
                     "kind = \"cut\"\ntail_correction = \"planar\"",
                 ),
+                ("density = 0.8", "density = 0.8\nvacuum = 10.0"),
                 ("kind = \"rdf\"", "kind = \"momentum\""),
             ],
             "the planar tail, in an export to LAMMPS",
