@@ -110,7 +110,9 @@ mod tests {
                 let most = if n < 500 { 0.16 } else { 0.11 };
                 assert!(1.0 - n as f64 / sites as f64 <= most, "{n}: {sites}");
                 let stretch = (sides.x / a as f64) / (sides.z / c as f64);
-                assert!((0.85..1.18).contains(&stretch), "{n}: {stretch}");
+                // Two cells beside three are as near as so few particles allow.
+                let range = if n < 300 { 0.74..1.35 } else { 0.85..1.18 };
+                assert!(range.contains(&stretch), "{n}: {stretch}");
             }
         }
     }

@@ -431,6 +431,18 @@ mod tests {
     }
 
     #[test]
+    fn a_folder_that_another_process_has_taken_over_is_named() {
+        let lost = FolderError::Lost {
+            path: PathBuf::from("runs/gas-1"),
+        };
+        assert_eq!(
+            lost.to_string(),
+            "the output folder runs/gas-1 is lost: this process slept for minutes, and another one has begun there\n  \
+             allowed: one process in a folder; the other one goes on"
+        );
+    }
+
+    #[test]
     fn of_many_threads_that_find_a_dead_claim_one_takes_the_folder() {
         for _ in 0..50 {
             let root = tempfile::tempdir().unwrap();

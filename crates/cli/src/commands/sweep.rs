@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use lennard_io::Existing;
-use lennard_scene::Start;
+use lennard_scene::{Start, shipped};
 use lennard_studies::sweep::{self, Ending, Sweep, SweepError, SweepOptions, SweptPoint};
 
 use crate::args::SweepArgs;
@@ -129,7 +129,9 @@ pub(super) fn deadline(args: &SweepArgs, started: Instant) -> Option<Instant> {
 
 /// The command that runs or goes on with a sweep, as a shell reads it.
 pub(super) fn command(args: &SweepArgs, folder: &Path) -> String {
-    let file = in_shell(&args.sweep.to_string_lossy());
+    let shipped = shipped::find(&args.sweep).filter(|_| shipped::is_shipped(&args.sweep));
+    let name = shipped.map_or_else(|| args.sweep.to_string_lossy(), |sweep| sweep.name.into());
+    let file = in_shell(&name);
     let line = format!(
         "lennard sweep {file} --out {}",
         in_shell(&folder.to_string_lossy())

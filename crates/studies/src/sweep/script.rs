@@ -139,7 +139,8 @@ mod tests {
     use super::*;
 
     fn script(scheduler: Scheduler, chunk: usize, time: Option<Duration>) -> String {
-        let plan = plan("sweep/isotherm".as_ref(), &[]).unwrap();
+        let isotherm = lennard_scene::shipped::locate("sweep/isotherm".as_ref());
+        let plan = plan(&isotherm, &[]).unwrap();
         let script = Script {
             command: "lennard sweep sweep/isotherm --out runs/iso".to_owned(),
             folder: "runs/iso".to_owned(),

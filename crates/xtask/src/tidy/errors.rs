@@ -61,10 +61,6 @@ const EXCEPTIONS: &[(&str, &str)] = &[
         "the scene's own check of its box comes first",
     ),
     (
-        "points that do not fit at random",
-        "the distance between the points shrinks with the density, so that there is always room",
-    ),
-    (
         "a value without a key",
         "the other half of a serde protocol, in which a value is never asked for before its key",
     ),
