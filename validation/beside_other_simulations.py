@@ -3,9 +3,9 @@
     python validation/beside_other_simulations.py runs/verlet-4/table.csv
 
 The tables of G. Chaparro and E. A. Müller (J. Phys. Chem. B 2023, doi:10.1021/acs.jpcb.3c06813) hold U and P of their own
-simulations beside the transport coefficients. Their differences from Thol 2016, tails for their cutoff added, are taken on
-the line between two temperatures of the same density, and put beside those of the sweep. The last lines are the
-distribution of the sweep's differences in standard errors: chi squared, and the Kolmogorov-Smirnov test against the
+simulations beside the transport coefficients. Tails for their cutoff are added, and their differences from Thol 2016 are
+taken on the line between two temperatures of the same density. They stand beside the differences of the sweep. The last
+lines are the distribution of the sweep's differences in standard errors: chi squared, and the Kolmogorov-Smirnov test against the
 normal distribution.
 """
 

@@ -12,7 +12,7 @@ from ase.calculators.lj import LennardJones
 import lennard_validation as lv
 from conftest import Scene
 
-#: Numbers in the files are the shortest text that reads back to the same bits; what is left are a few
+#: Numbers in the files are the shortest text that reads back to the same bits. Two errors are left: a few
 #: roundings of numbers of order ten, and the folding of positions into the box.
 EXACT = 2e-14
 
@@ -58,8 +58,10 @@ def test_last_frame_is_the_final_state(every_step):
 
 
 def verlet_residuals(frames, dt: float) -> np.ndarray:
-    """How far each frame is from the velocity-Verlet step out of the one before it: the largest
-    difference of a position and of a velocity, [frames - 1, 2]."""
+    """How far each frame is from the velocity-Verlet step out of the frame before.
+
+    Entries are the largest difference of a position and of a velocity, [frames - 1, 2].
+    """
     residuals = []
     for now, after in zip(frames, frames[1:], strict=False):
         moved = dt * now.arrays["velo"] + 0.5 * dt**2 * now.get_forces()
@@ -78,7 +80,7 @@ def test_consecutive_frames_are_steps_of_velocity_verlet(every_step):
     one frame the next one follows."""
     frames = lv.load_frames(every_step.folder)
     assert (verlet_residuals(frames, 0.004) < EXACT).all()
-    assert any((frame.arrays["map_shift"] != 0).any() for frame in frames), "nobody crossed a face"
+    assert any((frame.arrays["map_shift"] != 0).any() for frame in frames), "no particle crossed a face"
 
 
 def test_a_wrong_velocity_image_force_or_frame_would_be_seen(every_step):

@@ -59,8 +59,8 @@ def pairs_in_bins(run: lv.Run) -> np.ndarray:
 def test_radial_distribution_function_is_mdtrajs(sampled):
     r, theirs, ours = pair_distribution(sampled)
     np.testing.assert_allclose(sampled.table("rdf")["r"], r, rtol=1e-5)
-    # Coordinates of up to 0.84 nm are rounded to half a spacing of 6e-8: a distance moves by less than
-    # 1e-6 sigma, and of the pairs in a bin of 0.025 sigma that fraction may change over to the next one.
+    # Coordinates of up to 0.84 nm are rounded to half a spacing of 6e-8, so a distance moves by less than
+    # 1e-6 sigma. This fraction of the pairs in a bin of 0.025 sigma may change over to the next bin.
     counted = pairs_in_bins(sampled)
     scale = np.divide(theirs, counted, out=np.zeros_like(theirs), where=counted > 0)
     moved = 2.0 * (1e-6 / 0.025) * counted

@@ -1,6 +1,6 @@
 """Reference configurations of NIST, through `lennard energy`.
 
-The full-precision columns were computed from the coordinate files; each agrees with all the digits
+The full-precision columns were computed from the coordinate files. Each agrees with all the digits
 that NIST prints (NIST Standard Reference Simulation Website, Lennard-Jones Fluid Reference
 Calculations: Cuboid Cell; DOI 10.18434/T4M88Q).
 """

@@ -27,8 +27,8 @@ CANONICAL = {
 }
 ISOKINETIC = '{ kind = "rescale", every = 1 }'
 
-#: On whole steps of the Langevin splitting the kinetic energy is low by h²ω²/4, at this step by 3e-4 of itself and far
-#: below what these runs resolve.
+#: On whole steps of the Langevin splitting the kinetic energy is too low by a fraction h²ω²/4. At this step it is 3e-4,
+#: far below what these runs resolve.
 DT = 0.002
 
 
@@ -154,7 +154,7 @@ WARM, WARMER = 1.0, 1.1
 @pytest.mark.parametrize("bath", CANONICAL)
 def test_energies_at_two_temperatures_are_in_the_canonical_ratio(tmp_path, bath):
     """ln P(U; T1)/P(U; T2) must be a line of slope 1/T2 - 1/T1: ten pairs of runs, whose deviations in standard errors
-    scatter as those of a right ensemble do."""
+    scatter as in a right ensemble."""
     thermostat, missing = CANONICAL[bath]
 
     def job(seed: int, temperature: float):

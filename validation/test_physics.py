@@ -57,8 +57,11 @@ def reference(rho: float, t: float) -> dict[str, tuple[float, float]]:
 
 
 def finite_size(rho: float, t: float, n: int) -> dict[str, float]:
-    """What a closed box of n particles at constant energy differs by from an infinite system, from differences of teqp's
-    pressures: the free energy has T/2 ln(S0), S0 = T/(dp/drho), in excess, and the temperature fluctuates by T^2/(n c_v)."""
+    """The difference of a closed box of n particles at constant energy from an infinite system.
+
+    It follows from differences of teqp's pressures. The free energy has T/2 ln(S0), S0 = T/(dp/drho), in excess, and the
+    temperature fluctuates by T^2/(n c_v).
+    """
 
     def p(t: float, rho: float) -> float:
         model = teqp.make_model({"kind": "LJ126_TholJPCRD2016", "model": {}})
@@ -78,7 +81,7 @@ def finite_size(rho: float, t: float, n: int) -> dict[str, float]:
 
 
 def production(run: lv.Run) -> dict[str, np.ndarray]:
-    """The series of the last stage, per particle; the temperature is that of half steps, which belongs to the positions."""
+    """The series of the last stage, per particle; the temperature of half steps belongs to the positions."""
     table = run.table("thermo")
     last = np.array(table["step"]) > run.record["steps"] - run.scene["stage"][-1]["steps"]
     columns = {"temperature": "temperature_half_steps", "potential_energy": "potential_energy", "pressure": "pressure"}
@@ -157,8 +160,8 @@ def test_the_programs_own_comparison_says_the_same(runs, state):
         assert entry["finite_size"] == pytest.approx(expected, rel=0.03, abs=1e-6)
         assert entry["measured"] == pytest.approx(run.averages[name]["mean"], rel=1e-12)
         assert entry["difference"] == pytest.approx(entry["measured"] - entry["reference"], abs=1e-12)
-        # Another equilibration cut and other blocks: the means agree within their errors, and the errors
-        # within what 25 blocks and the program's method leave uncertain, 14 % and about as much again.
+        # The equilibration cut and the blocks are others. The means agree within their errors. The errors are
+        # uncertain by 14 % with 25 blocks, and by about as much with the program's method.
         assert abs(entry["difference"] - found.mean) < 2.0 * found.standard_error
         assert 0.5 < entry["standard_error"] / found.standard_error < 2.0
 
@@ -212,8 +215,10 @@ def test_ten_seeds_scatter_as_the_printed_errors_say(seeds):
 
 
 def test_energy_differs_from_the_equation_alike_at_every_step_where_it_is_taken_on_half_steps(tmp_path):
-    """With twice the usual step the kinetic temperature of whole steps is low by six parts in a thousand, and U seems
-    0.009 too high for it; at the temperature of half steps it is where it is with the usual step."""
+    """With twice the usual step the kinetic temperature of whole steps is low by six parts in a thousand.
+
+    U then seems 0.009 too high for it. At the temperature of half steps U is the same as with the usual step.
+    """
     rho, t = 0.85, 1.214
     steps = {0.0092: 60000, 0.0046: 60000}
 

@@ -89,8 +89,8 @@ def test_structure_factor_is_freuds(liquid, frames):
         shell = int(k / width)
         if not (0 < shell < 39 and np.isfinite(error) and np.isfinite(theirs[shell - 1 : shell + 2]).all()):
             continue
-        # freud takes every wave vector of the shell and we take up to 200: where S(k) rises, the means of k
-        # differ by up to a tenth of the shell.
+        # freud takes every wave vector of the shell, and Lennard takes up to 200. Where S(k) rises, the means
+        # of k differ by up to a tenth of the shell.
         slope = 0.1 * np.abs(np.diff(theirs[shell - 1 : shell + 2])).max()
         assert abs(ours - theirs[shell]) < 5.0 * error + slope + 0.01, (k, ours, theirs[shell], error)
         compared += 1
@@ -105,8 +105,8 @@ def test_stress_correlation_and_viscosity_are_those_of_the_series(liquid):
     temperature = liquid.averages["temperature"]["mean"]
     ours = {name: np.array(column) for name, column in liquid.table("shear_viscosity").items()}
     interval = STRESS_EVERY * liquid.scene["integrator"]["dt"]
-    # The first sixteen lags are plain products of samples; the mean temperature comes from other samples and,
-    # for some averages, after a cut, so that 2 % are left to it.
+    # The first sixteen lags are plain products of samples. The mean temperature comes from other samples, for
+    # some averages after a cut: it may be off by 2 %.
     for lag in range(16):
         exact = volume / temperature * np.mean([np.mean(c[: len(c) - lag] * c[lag:]) for c in components])
         assert abs(ours["time"][lag] - lag * interval) < 1e-9

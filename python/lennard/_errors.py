@@ -10,7 +10,7 @@ class LennardError(Exception):
 class SceneError(LennardError, ValueError):
     """A scene that cannot be used. The message is the message of the command line.
 
-    ``file``, ``line``, ``key``, ``problem``, ``found``, ``allowed`` and ``nearest`` hold its parts; a part that
+    ``file``, ``line``, ``key``, ``problem``, ``found``, ``allowed`` and ``nearest`` hold its parts. A part that
     does not apply is ``None``. A scene from a dictionary has no lines.
     """
 

@@ -61,8 +61,8 @@ class Frames:
     def to_ase(self, *, sigma: float = 1.0, epsilon: float = 1.0) -> list[ase.Atoms]:
         """A list of ``ase.Atoms``, lengths times ``sigma`` Å. Needs ase.
 
-        Momenta are not set, since ASE takes the mass of the element: velocities stand in the array ``velocities`` and
-        forces in the array ``forces``, in reduced units times √``epsilon`` and ``epsilon``/``sigma``.
+        Momenta are not set, since ASE takes the mass of the element. The array ``velocities`` has reduced velocities
+        times √``epsilon``. The array ``forces`` has reduced forces times ``epsilon``/``sigma``.
         """
         import ase
 

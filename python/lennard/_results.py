@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 class Mean:
     """A mean with its standard error, correlation included.
 
-    ``error`` is ``nan`` where the number is no result: ``standing`` then says what speaks against it (``too-short``,
+    ``error`` is ``nan`` where the number is no result. ``standing`` then names what is wrong (``too-short``,
     ``not-in-equilibrium``, ``incomplete``, ``thermostat``), and ``reason`` says why. A standing of ``sound`` means that
-    nothing does. The error is itself known to 1/√(2·``freedom``) of its value.
+    nothing is wrong. The error is itself known to 1/√(2·``freedom``) of its value.
     """
 
     name: str
@@ -140,8 +140,8 @@ def _mean(name: str, record: Mapping[str, Any]) -> Mean:
 class Run:
     """What a run found.
 
-    ``averages`` are means by name, ``tables`` the tables of the observables by name (``run.rdf`` is
-    ``run.tables["rdf"]``), ``thermo`` the instantaneous values, and ``record`` the whole record, as in ``run.json``.
+    ``averages`` are means by name. ``tables`` are the tables of the observables by name: ``run.rdf`` is
+    ``run.tables["rdf"]``. ``thermo`` has the instantaneous values. ``record`` is the whole record, as in ``run.json``.
     ``scene`` is the TOML from which the command line gets the same numbers.
     """
 

@@ -103,7 +103,7 @@ def sweep(
 
     ``executor`` is anything with ``submit``: ``ProcessPoolExecutor``, a dask client, an executor of mpi4py. With one,
     each point takes one thread unless ``threads`` says otherwise. A point that fails keeps its error, and the others
-    go on; all scenes are read before the first run, and an error in one of them is raised at once.
+    go on. All scenes are read before the first run, and an error in one of them is raised at once.
     """
     if (grid is None) == (points is None):
         raise TypeError("a sweep has a grid or points: one of both")

@@ -1,8 +1,8 @@
 """Lennard for ASE: a calculator, and simulations from ``ase.Atoms``.
 
 ``Lennard`` serves whatever ASE does with a calculator. For speed, ``simulation(atoms)`` hands the atoms to the
-engine: a step of ``ase.md`` costs more than a millisecond around the forces, and a whole step of the engine takes
-less than a tenth of that for 864 atoms.
+engine. A step of ``ase.md`` costs more than a millisecond besides the forces. A whole step of the engine takes less
+than a tenth of this time for 864 atoms.
 
 Units are Å and eV as everywhere in ASE. ``sigma`` is in Å and ``epsilon`` in eV. With their defaults of 1 the
 numbers are reduced units.
@@ -70,7 +70,7 @@ def _one_species(atoms: Atoms) -> str:
 class Lennard(Calculator):
     """A calculator for ASE with the potentials of this program.
 
-    ``sigma`` in Å, ``epsilon`` in eV, ``rc`` and ``skin`` in Å (``rc`` is 2.5 ``sigma`` unless given). ``truncation`` is
+    ``sigma``, ``rc`` and ``skin`` are in Å, and ``epsilon`` in eV. ``rc`` is 2.5 ``sigma`` unless given. ``truncation`` is
     the name of a truncation or its table: ``"cut"`` (plain), ``"shift"`` (what ``ase.calculators.lj`` computes),
     ``"force-shift"``, ``"switch"``. ``tail`` adds the corrections for the part beyond ``rc`` to energy and stress, for the
     plain cutoff. ``potential`` is another pair potential of the program, such as ``lennard.potential.mie(repulsive=12)``.
@@ -219,7 +219,7 @@ def simulation(
     """A simulation by the engine that starts from ``atoms``, hundreds of times as fast as ``ase.md``.
 
     ``sigma`` in Å and ``epsilon`` in eV; ``rc`` in Å. ``dt`` is in ASE's units (``2 * ase.units.fs``). ``temperature``
-    in K is for atoms without momenta. All atoms have one mass, the unit of mass of the run; the simulation itself is in
+    in K is for atoms without momenta. All atoms have one mass, the unit of mass of the run. The simulation itself is in
     reduced units, and ``simulation.to_ase(sigma=…, epsilon=…, mass=…)`` goes back.
     """
     sides = _box(atoms)

@@ -7,8 +7,8 @@
     frames = load_frames(result.folder)          # a list of ase.Atoms, velocities in arrays["velo"]
     trajectory = load_trajectory(result.folder)  # an mdtraj.Trajectory with its cell and times set
 
-All numbers are in reduced units, but for mdtraj, which divides lengths by ten (it takes the file for
-one in ångström and works in nanometres): there, one σ is 0.1 times the scene's `length_scale`.
+All numbers are in reduced units, except with mdtraj. It takes lengths in the file as ångström and works in
+nanometres, so that it divides lengths by ten. One σ is 0.1 times the scene's `length_scale` there.
 """
 
 from .commands import CommandFailed, Run, binary, energy, grid, open_run, run, saturation

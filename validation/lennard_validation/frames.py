@@ -1,7 +1,7 @@
 """Trajectories of a run for ase and mdtraj, checked against the run's own record.
 
-mdtraj drops a truncated last frame without a word and reads neither box nor time from extended XYZ;
-so the frames are counted here, and box and times are set.
+mdtraj drops a truncated last frame without a word, and reads neither box nor time from extended XYZ.
+The frames are therefore counted here, and box and times are set.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class BadTrajectory(Exception):
 
 
 def expected_steps(run: Run) -> list[int]:
-    """The steps of which the trajectory must hold a frame: those of the measured stages that are
+    """The steps of which the trajectory must hold a frame: the steps of the measured stages that are
     multiples of `trajectory_every`."""
     every = run.scene["output"].get("trajectory_every", 0)
     if not every:

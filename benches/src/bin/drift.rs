@@ -1,6 +1,6 @@
-//! Energy drift of a case: `drift CASE [STEPS] [from=STEP] [precision=double,mixed] [seed=1967] [truncation=shift]`, in ε per atom
-//! and τ, from a straight line through the conserved energy from a step on, or else without the first fifth, with the standard
-//! error of ten block slopes.
+//! Energy drift of a case, in ε per atom and τ:
+//! `drift CASE [STEPS] [from=STEP] [precision=double,mixed] [seed=1967] [truncation=shift]`. It is the slope of a straight line
+//! through the conserved energy, from `from` on, or else without the first fifth. Its standard error comes from ten block slopes.
 
 use std::io::{Write, stdout};
 use std::process::ExitCode;

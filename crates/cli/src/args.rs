@@ -182,7 +182,7 @@ pub struct SceneArgs {
     /// Seed of all random streams (short for --set system.seed=N).
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// Threads; by default as many as pay for this scene.
+    /// Threads; by default as many as make this scene faster.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
     /// Instruction set of the pair kernel (short for --set kernel.isa=NAME).
@@ -286,10 +286,10 @@ pub struct ResumeArgs {
     /// Go on from the checkpoint before the newest.
     #[arg(long)]
     pub older: bool,
-    /// Threads; by default as many as pay for this run. The bits do not depend on it.
+    /// Threads; by default as many as make this run faster. The bits do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
-    /// Go on with this instruction set; where it is not the recorded one, bits may differ, and run.json says so.
+    /// Go on with this instruction set. Where the run had another, bits may differ, and run.json says so.
     #[arg(long, value_name = "NAME")]
     pub isa: Option<String>,
     /// One JSON document on standard output, nothing else.

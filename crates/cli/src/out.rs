@@ -1,8 +1,8 @@
 //! Printing that survives a reader who has gone (`lennard list integrators | head -1`).
 //!
-//! The standard macros panic where a line cannot be written. The ones here, of the same names, remember
-//! the first error and go on, so that a run whose output is piped into something that ends early still comes to
-//! its end; [`finish`] tells of it.
+//! The standard macros panic where a line cannot be written. The macros here have the same names, remember the
+//! first error and go on. A run whose output is piped into a program that ends early still comes to its end.
+//! [`finish`] reports the error.
 
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
@@ -41,7 +41,7 @@ fn keep(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) {
     }
 }
 
-/// Writes a line on standard error; where nobody reads that, nobody can be told.
+/// Writes a line on standard error. Where no reader is left, the error is ignored.
 pub fn error_line(text: Arguments<'_>) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }

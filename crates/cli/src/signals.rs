@@ -1,7 +1,7 @@
 //! Signals that ask a program to stop.
 //!
 //! A run under way finishes its step, writes a checkpoint and ends with exit code 4. Start-up has no steps and nothing
-//! to keep: there a signal ends the program at once, whatever it computes, with a sentence that says what is left.
+//! to keep. A signal then ends the program at once, whatever it computes, and a sentence says what is left.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -70,7 +70,7 @@ impl StartUp {
         Self { leave, ..self }
     }
 
-    /// The same, but for an output folder that holds something to go on with when the signal comes.
+    /// The same, unless the output folder holds something to go on with when the signal comes.
     pub fn unless_kept(self, is_in: fn(&Path) -> bool, sentence: String) -> Self {
         Self {
             kept: Some(Kept { is_in, sentence }),
@@ -130,8 +130,8 @@ impl Signals {
         &self.0.stop
     }
 
-    /// Makes and claims an output folder. From then on a signal does what `then` says of it, or asks to stop where that
-    /// is nothing; no signal finds the folder made and not yet known.
+    /// Makes and claims an output folder. From then on a signal does what `then` says, or asks to stop where `then` is
+    /// nothing. No signal finds a folder that is made and not yet claimed.
     pub fn claim(
         &self,
         make: impl FnOnce() -> Result<OutputFolder, Failure>,

@@ -226,9 +226,9 @@ pub trait ForceTerm: Persist + Send {
 
 /// Steps of kick-drift-kick that follow each other without a look in between.
 ///
-/// They begin where forces are due: after a drift, with half a kick given. Each of the steps is F at x,
-/// v ← v + (h/2m)·F twice (the closing half kick of one step and the opening one of the next), x ← x + h·v, so that they
-/// end where forces are due again.
+/// They begin where forces are due: after a drift, with half a kick given. Each step takes F at x and adds (h/2m)·F to v
+/// twice: the last half kick of one step, and the first of the next. The drift x ← x + h·v follows. The steps thus end
+/// where forces are due again.
 #[derive(Debug)]
 pub struct FusedSteps<'a> {
     /// The box.

@@ -37,8 +37,8 @@ pub trait Method: Persist + Send {
         self.remember(s)
     }
 
-    /// Takes positions or velocities of other times from the state as it is, which has its forces: at the start, and after
-    /// a bath changed the velocities. The default remembers nothing.
+    /// Takes positions or velocities of other times from the present state, whose forces are known. This happens at the
+    /// start, and after a bath has changed the velocities. The default remembers nothing.
     ///
     /// # Errors
     /// [`StepError`] where the state does not suit the method.

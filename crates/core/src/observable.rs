@@ -162,7 +162,7 @@ impl<'a> View<'a> {
     /// Statistical Mechanics: Theory and Molecular Simulation, equation 3.13.3, in other letters). Over a long time
     /// the two terms have equal means, so that ⟨v_n²⟩ = (1 − h²ω²/4)·ω²⟨x_n²⟩: on whole steps the kinetic energy is
     /// too low for the positions. Half a step on, ⟨v±²⟩ = ⟨v_n²⟩ + (h²/4)·ω⁴⟨x_n²⟩ = ω²⟨x_n²⟩, without any error. In a
-    /// fluid, where frequencies are spread and forces are not linear, what is left is of order h² too, but small: see
+    /// fluid, frequencies are spread and forces are not linear. An error of order h² is left, but a small one: see
     /// `Thermodynamics` in the observables.
     #[must_use]
     pub fn half_step_kinetic_energy(&self) -> Option<f64> {
@@ -181,8 +181,8 @@ impl<'a> View<'a> {
         Some(self.kinetic_energy() + 0.5 * half * half * squares)
     }
 
-    /// The temperature that belongs to the positions, in ε/k_B: 2K/n_dof with the kinetic energy of half steps where
-    /// there is one, else with that of the whole step.
+    /// The temperature that belongs to the positions, in ε/k_B: 2K/n_dof. K is the kinetic energy of half steps
+    /// where there is one, else of the whole step.
     #[must_use]
     pub fn temperature_of_positions(&self) -> f64 {
         let kinetic = self
@@ -200,8 +200,8 @@ pub trait Observable: Persist + Send + Any {
     fn want(&self) -> Want;
     /// Looks at one state.
     fn sample(&mut self, view: &View<'_>);
-    /// Averages and tables of the samples after the first `discarded` part of the run, from 0 to 1: one part for all
-    /// observables, so that the numbers of one table speak of the same states.
+    /// Averages and tables of the samples after the first `discarded` part of the run, from 0 to 1. All observables
+    /// discard the same part, so that the numbers of one table belong to the same states.
     fn finish(&self, discarded: f64) -> Findings;
 }
 
@@ -214,8 +214,9 @@ pub struct Estimate {
     pub standard_error: f64,
     /// The number of independent samples that it is worth.
     pub n_effective: f64,
-    /// The least number of independent samples that it may be worth, by the most careful estimate: what it is judged by where
-    /// it may be too short. Of many short series, just those whose error is too small by chance would pass otherwise.
+    /// The least number of independent samples that it may be worth, by the most careful estimate. This number decides
+    /// whether it is too short. Otherwise, of many short series, just the series whose error is too small by chance would
+    /// pass.
     pub least_effective: f64,
     /// Degrees of freedom ν of the standard error, which is itself known to 1/√(2ν) of its value.
     pub freedom: f64,
@@ -235,7 +236,7 @@ pub enum Doubt {
     },
     /// What was averaged still changes, or is not at the temperature of its bath.
     NotInEquilibrium(String),
-    /// The number lacks a part that cannot be told: a correlation that has not decayed.
+    /// The number lacks a part that is not known: a correlation has not decayed.
     Incomplete(String),
     /// A thermostat changes what is measured.
     Thermostat {

@@ -39,7 +39,7 @@ const LOOKS: u32 = 200;
 /// Runs `work` on the current pool while its other threads stay awake.
 ///
 /// A step of a thousand particles takes some tens of microseconds, and waking a thread that sleeps takes
-/// as long: a pool that falls asleep between parallel sections never gets to help. The price is that
+/// as long. A pool that falls asleep between parallel sections never gets to help. The price is that
 /// waiting threads look for work all the time. Results do not depend on it.
 pub fn awake<T>(work: impl FnOnce() -> T) -> T {
     /// Sends the other threads home also where `work` panics.

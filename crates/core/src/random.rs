@@ -1,8 +1,8 @@
 //! Named random streams of one seed.
 //!
-//! Set-up (velocities, random positions) draws from sequential generators, one for each name.
-//! Noise during a run is counter-based: what a particle gets at a step is a pure function of
-//! (seed, name, step, particle), so restarts and threads cannot change it.
+//! Set-up (velocities, random positions) draws from sequential generators, one for each name. Noise
+//! during a run is counter-based. The noise of a particle at a step is a pure function of (seed,
+//! name, step, particle), so restarts and threads cannot change it.
 
 use std::convert::Infallible;
 
@@ -21,8 +21,8 @@ fn philox_round(c: [u32; 4], k: [u32; 2]) -> [u32; 4] {
     ]
 }
 
-/// Philox 4×32 with ten rounds: 128 random bits as a pure function of counter and key
-/// (Salmon, Moraes, Dror and Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11, 2011).
+/// Philox 4×32 with ten rounds: 128 random bits as a pure function of counter and key. Source:
+/// Salmon, Moraes, Dror and Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11 (2011).
 #[must_use]
 pub fn philox4x32(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     for round in 0..10 {

@@ -27,10 +27,10 @@ pub struct IntegratorSpec {
     pub velocity_dependent_forces: bool,
     /// Whether total momentum is conserved (no noise).
     pub conserves_momentum: bool,
-    /// Ends every step with half a kick and begins the next with the same one, so that v_n ± (h/2)·a_n are its
-    /// velocities half a step later and earlier ([`crate::View::half_step_kinetic_energy`]).
+    /// Ends every step with half a kick and begins the next step with the same half kick. Its velocities half
+    /// a step later and earlier are therefore v_n ± (h/2)·a_n ([`crate::View::half_step_kinetic_energy`]).
     pub half_kicks: bool,
-    /// Whether a step is half a kick, a drift, the forces and half a kick, and nothing else: a backend may then take several
+    /// Whether a step is half a kick, a drift, the forces and half a kick, and nothing else. A backend may then take several
     /// steps at once.
     pub is_kick_drift_kick: bool,
     /// Whether its kicks and drifts hold rigid bonds.

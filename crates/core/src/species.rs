@@ -50,9 +50,8 @@ impl SpeciesTable {
 
     /// Several species; `of_particle` has the number of the species of each particle.
     ///
-    /// # Panics
-    /// Where there is no species or more than [`MOST_SPECIES`], or a particle has a species that is not there: that is a
-    /// bug of the caller.
+    /// # Panics Where there is no species, where there are more than [`MOST_SPECIES`], or where a particle has an
+    /// unknown species. That is a bug of the caller.
     #[must_use]
     pub fn new(species: impl Into<Arc<[Species]>>, of_particle: &[u8]) -> Self {
         let species = species.into();

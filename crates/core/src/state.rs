@@ -168,8 +168,9 @@ impl<'a> Configuration<'a> {
 pub struct Energetics {
     /// Potential energy of the model named, in ε, without any tail correction.
     pub potential_energy: Option<f64>,
-    /// The energy of which the forces are the gradient, in ε: for the plain cutoff that is the shifted
-    /// one, U_cut − n_pairs·U(r_cut); otherwise it equals `potential_energy`. Conservation is judged by it.
+    /// The energy of which the forces are the gradient, in ε. For the plain cutoff it is the shifted
+    /// energy, U_cut − n_pairs·U(r_cut); otherwise it equals `potential_energy`. Conservation is judged by
+    /// it.
     pub conserved_potential: Option<f64>,
     /// Virial tensor Σ_{i<j} r_ij ⊗ F_ij in ε, without a factor 1/3; its trace is W.
     pub virial: Option<DMat3>,
@@ -188,8 +189,8 @@ impl Energetics {
         self.virial.map(|w| w.x_axis.x + w.y_axis.y + w.z_axis.z)
     }
 
-    /// The sum over two force terms; an entry is kept only where both have it, but for the number of pairs, which some terms
-    /// do not have.
+    /// The sum over two force terms. An entry is kept only where both terms have it. The number of pairs is kept where
+    /// either term has it, since some terms have no pairs.
     #[must_use]
     pub fn with_term(&self, other: &Self) -> Self {
         let pairs = match (self.pairs, other.pairs) {

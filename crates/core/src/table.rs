@@ -1,7 +1,7 @@
 //! Tables: named columns of typed cells.
 //!
 //! A table says once what it holds. The CSV writer, the JSON writer, the page and the terminal each show it in
-//! their own way: a program gets every digit, a reader gets the digits that tell.
+//! their own way. A program gets every digit, and a reader gets the significant digits.
 
 mod cell;
 

@@ -1,13 +1,14 @@
-//! Tasks that have a home: each thread takes those of its own share first, the same at every call, and then helps others.
+//! Tasks that have a home: each thread first takes the tasks of its own share, the same at every call, and then helps
+//! others.
 //!
-//! What a thread wrote at one step is in its own processor's cache at the next, and a step of a thousand particles is so
-//! short that fetching it from another's costs as much as the second thread saves.
+//! At the next step, what a thread wrote is still in its own processor's cache. A step of a thousand particles is short:
+//! fetching data from another cache costs as much as a second thread saves.
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Looks that a thread without work takes at whether the others are done before it leaves waiting to the pool, which
-/// soon sends it to sleep: some tens of microseconds.
+/// How often a thread without work checks whether the others are done: for some tens of microseconds. After that the
+/// pool waits, and soon sends the thread to sleep.
 const LOOKS: u32 = 1000;
 
 /// Whether one thread does so many tasks as well as several: there is no other, or nothing for it.
@@ -70,7 +71,7 @@ pub fn for_each_item<S: Default, T: Send>(
             .for_each(|(index, item)| work(&mut scratch, index, item));
         return;
     }
-    // Nobody ever waits at a lock: each item is taken once.
+    // No thread ever waits at a lock: each item is taken once.
     let items: Vec<Mutex<Option<T>>> = items.map(|item| Mutex::new(Some(item))).collect();
     for_each_task(items.len(), |scratch, index| {
         let mut item = items[index].lock().unwrap_or_else(PoisonError::into_inner);

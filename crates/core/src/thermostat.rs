@@ -11,9 +11,9 @@ pub struct ThermostatSpec {
     pub summary: &'static str,
     /// Whether it samples the canonical ensemble.
     pub canonical: bool,
-    /// Whether single particles move as in the isolated fluid, but for what vanishes as 1/N.
+    /// Whether single particles move as in the isolated fluid, except for terms of order 1/N.
     pub keeps_motion: bool,
-    /// Whether the bath holds the temperature of half steps, and not that of whole steps.
+    /// Whether the bath holds the temperature of half steps, and not of whole steps.
     pub holds_half_steps: bool,
     /// Author, title, equation.
     pub source: &'static str,

@@ -25,8 +25,8 @@ use crate::simulation::Simulation;
 use crate::timers::Timers;
 use crate::{EngineError, compare, exchange, jump, pressure};
 
-/// The temperature and step for which the list is laid out: the hottest of all stages and the largest
-/// of all steps, since the list must serve them all.
+/// The temperature and step for which the list is laid out. They are the highest temperature and the
+/// largest step of all stages, since one list serves all.
 #[must_use]
 pub fn conditions<'a>(
     scene: &Scene,
@@ -211,8 +211,8 @@ pub(crate) fn with_springs<B: Backend>(scene: &Scene, mut forces: ForceSum<B>) -
     forces
 }
 
-/// Relaxes a random start until nothing overlaps, in double precision whatever the scene runs in: of two that lie nearly on top of
-/// each other the force is no number in single precision.
+/// Relaxes a random start until nothing overlaps. It works in double precision whatever the scene runs in. In single precision,
+/// the force of two particles at nearly the same place is no number.
 fn relax(
     scene: &Scene,
     cell: PeriodicBox,

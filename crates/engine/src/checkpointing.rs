@@ -1,7 +1,7 @@
 //! Checkpoints of a run: what goes into them besides the simulation, and when they are written.
 //!
-//! The clock and the signals decide when a checkpoint is written, never what a step computes: a run has
-//! the same bits with any number of checkpoints, and with none.
+//! The clock and the signals decide when a checkpoint is written, and never change what a step
+//! computes. A run has the same bits with any number of checkpoints, and with none.
 
 use std::time::{Duration, Instant};
 
@@ -120,8 +120,8 @@ pub(crate) fn reinstate(
 /// No run counts so far, and what is counted on from here stays within 64 bits.
 const LARGEST_COUNT: u64 = 1 << 60;
 
-/// Refuses arrays that cannot be those of `n` particles under way: whoever can write a file can write a checksum,
-/// and what a method remembers must have a place for each particle.
+/// Refuses arrays that do not fit `n` particles under way. A right checksum proves little: whoever can write a
+/// file can write its checksum. What a method remembers must have a place for each particle.
 pub(crate) fn check_particles(
     archive: &StateArchive,
     n: usize,

@@ -67,8 +67,8 @@ fn finite_size(
 /// U and P of a run beside the equation of state that describes its model, at ρ and the measured temperature that
 /// belongs to the positions ([`Thermodynamics`]).
 ///
-/// The error of each difference is that of the series X_b − [X_EOS(T̄) + (T_b − T̄)·∂X_EOS/∂T], which
-/// carries the correlation of X and T.
+/// The error of each difference is the error of the series X_b − [X_EOS(T̄) + (T_b − T̄)·∂X_EOS/∂T],
+/// which carries the correlation of X and T.
 #[must_use]
 pub fn with_equation_of_state(
     scene: &Scene,

@@ -212,7 +212,7 @@ impl PhysicsFailure {
                 )
             });
             return format!(
-                "the temperature is T = {} ε/k_B, far above the critical 1.3: check `system.temperature` and that of the stage{limit}",
+                "the temperature is T = {} ε/k_B, far above the critical 1.3: check `system.temperature` and the temperature of the stage{limit}",
                 self.temperature
             );
         }

@@ -10,9 +10,9 @@ use crate::exchange;
 const SET_BY_SCALING: [&str; 3] = ["temperature", "temperature_half_steps", "kinetic_energy"];
 
 impl Simulation {
-    /// Averages, tables and remarks of all observables, thermodynamics first, over one part of the run, each average with
-    /// what speaks against it: a run that is not in equilibrium or too short, or a thermostat that changes what is measured.
-    /// An average that is no result has no standard error.
+    /// Averages, tables and remarks of all observables over one part of the run, thermodynamics first. Each average has what
+    /// speaks against it. The run may be too short or not in equilibrium, or the thermostat may change what is measured. An
+    /// average that is no result has no standard error.
     #[must_use]
     pub fn findings(&self) -> Vec<Findings> {
         let equilibrium = self.thermodynamics().equilibrium();

@@ -8,16 +8,16 @@ use crate::watchdog::LISTS_EVERY;
 
 /// Particles checked at a look, where a step is long enough for as many.
 const AT_A_LOOK: usize = 2;
-/// Below and above so many particles one is checked at a look: a step of few costs little, and of very many each
-/// position comes from memory.
+/// For numbers of particles in this range two particles are checked at a time, otherwise one. A step of few
+/// particles costs little, and with very many each position comes from memory.
 const ENOUGH: std::ops::RangeInclusive<usize> = 500..=100_000;
 /// The golden ratio less 1: particles whose turns follow each other lie far apart.
 const STRIDE: f64 = 0.618_033_988_749_895;
 
 /// Checks forces of a state against sums over all pairs, and counts what it saw.
 ///
-/// Whose turn it is follows from the step alone: in N/2 looks (N where one is checked at a look) each particle has had
-/// its turn once. Forces are those of the state, which every method leaves whole at its positions.
+/// The step alone decides whose turn it is. After N/2 checks (N where one particle is checked at a time) each particle
+/// has had its turn once. The checked forces belong to the positions of the state, as every method leaves them.
 #[derive(Debug, Clone)]
 pub struct ForceCheck {
     all_pairs: AllPairs,

@@ -76,8 +76,8 @@ impl Simulation {
         view(&self.state, &self.system, tail, stage, walls)
     }
 
-    /// Pressure P = ρT + W/(3V) + tail in ε/σ³, if the virial was asked for on this step; T is that of half steps
-    /// where the method has them ([`View::temperature_of_positions`]).
+    /// Pressure P = ρT + W/(3V) + tail in ε/σ³, if the virial was asked for on this step. T is the temperature of
+    /// half steps where the method has them ([`View::temperature_of_positions`]).
     #[must_use]
     pub fn pressure(&self) -> Option<f64> {
         let volume = self.state.cell.volume();

@@ -11,7 +11,7 @@ use crate::schedule::Observer;
 use crate::watch::WATCH;
 use crate::{EngineError, Simulation};
 
-/// Up to this many particles a step is so short that a thread which falls asleep between two of its parts
+/// Up to this many particles a step is short: a thread that falls asleep between two parts of a step
 /// wakes too late to help.
 const SHORT_STEPS_UP_TO: usize = 50_000;
 

@@ -188,7 +188,7 @@ impl OwnParts {
     }
 }
 
-/// How near `force_on` must come to `evaluate`, relative to the force: both are rounded alike but for the order of sums.
+/// How near `force_on` must come to `evaluate`, relative to the force: both are rounded alike except for the order of sums.
 const SAME_FORCE: f64 = 1e-9;
 /// So many forces are compared at most: of a term that sums over pairs, one alone costs as much as there are particles.
 const FORCES_COMPARED: usize = 200;

@@ -50,8 +50,8 @@ pub struct Plan {
     pub threads: usize,
     /// Parts of the work.
     pub items: Vec<PlanItem>,
-    /// Bytes that a run holds at most, but for what observables gather: its state and the one set aside, the forces with their
-    /// lists, and a checkpoint while it is written.
+    /// Bytes that a run holds at most: its state and a second state set aside, the forces with their lists, and a checkpoint
+    /// under way. What observables gather is not counted.
     pub bytes: u64,
     /// Median time of a step with everything off, seconds.
     pub seconds_per_step: f64,
@@ -325,7 +325,7 @@ fn of_output(scene: &Scene) -> [PlanItem; 2] {
         .chain(seconds.map(|s| format!("every {s} s")))
         .collect();
     let checkpoints = format!(
-        "{}, and at the end; their cost is that of the disk",
+        "{}, and at the end; what they cost depends on the disk",
         when.join(" and ")
     );
     [

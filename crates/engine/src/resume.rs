@@ -19,7 +19,7 @@ use crate::{EngineError, Simulation};
 /// What may be different from the run as it was.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ResumeOptions {
-    /// Steps of the last stage beyond those of the scene.
+    /// Steps of the last stage beyond the number in the scene.
     pub more_steps: u64,
     /// Another instruction set, by its name in scenes; the bits may then differ.
     pub isa: Option<String>,
@@ -161,7 +161,7 @@ fn reinstated(simulation: &mut Simulation, checkpoint: &Checkpoint) -> Result<Pa
     checkpointing::check_particles(archive, simulation.state.len()).map_err(|e| e.to_string())?;
     let past = checkpointing::reinstate(simulation, archive).map_err(|e| e.to_string())?;
     if simulation.state.step != checkpoint.metadata.step {
-        return Err("its state is not that of its step".into());
+        return Err("its state belongs to another step".into());
     }
     Ok(past)
 }
@@ -211,8 +211,8 @@ fn load(folder: &Path, older: bool) -> Result<(PathBuf, Checkpoint), EngineError
     })
 }
 
-/// Refuses a checkpoint that was put beside the scene of another run. The number of steps of the last stage
-/// and the instruction set may differ: a resumed run may have changed them after the scene was written.
+/// Refuses a checkpoint that was put beside the scene of another run. Two things may differ, since a
+/// resumed run may have changed them: the number of steps of the last stage, and the instruction set.
 fn same_scene(file: &Path, of_checkpoint: &Scene, checkpoint: &Path) -> Result<(), EngineError> {
     let other = |difference: String| ResumeError::OtherScene {
         checkpoint: checkpoint.to_owned(),
@@ -251,8 +251,8 @@ struct Saved<'a> {
 }
 
 impl Saved<'_> {
-    /// Builds the simulation for the instruction set that was used, or for the one that was asked for; in the
-    /// second case with a remark that the bits may differ.
+    /// Builds the simulation for the instruction set that the run used, or for another one on request. A
+    /// remark then says that the bits may differ.
     fn with_isa(
         &self,
         overrides: Vec<(String, String)>,

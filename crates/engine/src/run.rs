@@ -105,8 +105,8 @@ pub fn run(simulation: &mut Simulation, options: RunOptions<'_>) -> Result<Outco
     drive(simulation, files, past, options, started)
 }
 
-/// Goes on with a run that [`crate::resume()`] has brought back: its growing files are cut back to the
-/// checkpoint, so that they end up as if the run had never been interrupted.
+/// Goes on with a run that [`crate::resume()`] has brought back. Its growing files are cut back to the
+/// checkpoint. They end up as if the run had never been interrupted.
 ///
 /// # Errors
 /// As [`run`].
@@ -359,7 +359,7 @@ impl Follower for Recorder<'_> {
     }
 }
 
-/// A copy of a state to set others aside in: without forces, which nobody reads there.
+/// A copy of a state in which other states are set aside. It has no forces, since they are not read there.
 pub(crate) fn aside(state: &State) -> State {
     State {
         step: state.step,

@@ -3,8 +3,8 @@
 use lennard_core::{Observable, Want};
 use lennard_scene::Scene;
 
-/// Steps between two states set aside for the case that physics fails: a copy of so few bytes per particle each
-/// hundred steps is far below 1 % of them.
+/// Steps between two states set aside for the case that physics fails. Copying so few bytes per particle takes
+/// far below 1 % of the time of a hundred steps.
 pub const SET_ASIDE_EVERY: u64 = 100;
 /// When an operation is due.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -124,7 +124,7 @@ fn check_masses(
                     "masses {first} of {} and {mass} of {}",
                     found.names[0], found.names[k]
                 ),
-                format!("masses as {} to {}, as the scene has them", own(0), own(k)),
+                format!("masses as {} to {}, as in the scene", own(0), own(k)),
             ));
         }
     }

@@ -35,8 +35,8 @@ impl Simulation {
         watchdog::check_speeds(&self.state, dt, self.largest_move()).map_err(|s| self.diagnosed(s))
     }
 
-    /// Looks at speeds and at forces of a few particles whatever the step, and counts nothing: what a run counts must not
-    /// depend on where checkpoints are.
+    /// Checks speeds, and forces of a few particles, whatever the step. It counts nothing, since the counts of a run must
+    /// not depend on its checkpoints.
     pub(crate) fn watch_closely(&self) -> Result<Seen, EngineError> {
         let dt = self.stage_run().dt;
         watchdog::check_speeds(&self.state, dt, self.largest_move())
@@ -75,8 +75,8 @@ impl Simulation {
         }
     }
 
-    /// The estimate of [`watchdog::rough_stable_dt`] for the pair of species with the shortest one, τ: in units of a pair a time
-    /// is σ_ab·√(2μ_ab/ε_ab) with the reduced mass μ_ab.
+    /// The estimate of [`watchdog::rough_stable_dt`], τ, for the pair of species with the shortest step. The unit of time of a
+    /// pair is σ_ab·√(2μ_ab/ε_ab) with the reduced mass μ_ab.
     fn rough_stable_dt(&self, temperature: f64, limit: f64) -> f64 {
         let species = self.system.species();
         let of_pair = |[a, b]: [usize; 2]| {

@@ -1,9 +1,9 @@
 //! Stops a run that has gone wrong, and says what went wrong.
 //!
-//! Watching has two parts. The forces refuse numbers that are not finite at every evaluation. The
-//! watchdog looks at the speeds (at every [`EVERY`]th step and wherever something is sampled), on sampled
-//! steps at the conserved energy, and at every [`LISTS_EVERY`]th step at forces of a few particles
-//! ([`crate::ForceCheck`]). A box too small for its cutoff is refused before the first step, and by the forces where it shrinks.
+//! Watching has two parts. The forces refuse numbers that are not finite at every evaluation. The watchdog checks the speeds at
+//! every [`EVERY`]th step and wherever something is sampled. On sampled steps it checks the conserved energy. At every
+//! [`LISTS_EVERY`]th step it checks forces of a few particles ([`crate::ForceCheck`]). A box too small for its cutoff is refused
+//! before the first step, and by the forces where it shrinks.
 
 use lennard_core::{DVec3, Exclusions, State, parallel};
 
@@ -11,8 +11,8 @@ use crate::close_pairs::{Sizes, closest_pair};
 use crate::failure::{LARGEST_ENERGY_CHANGE, PhysicsFailure, Symptom};
 use crate::schedule::SET_ASIDE_EVERY;
 
-/// Steps between two looks at the speeds: at a displacement limit of a fifth of σ a step nothing can
-/// cross more than a few σ unseen, and the look costs far below 1 % of the steps between.
+/// Steps between two checks of the speeds. With a limit of a fifth of σ per step, no particle
+/// crosses more than a few σ unseen. A check costs far below 1 % of the steps between.
 pub const EVERY: u64 = 20;
 
 /// Steps between two looks at forces of a few particles, which show whether a list missed a pair; a multiple of [`EVERY`].
@@ -138,8 +138,8 @@ pub fn diagnose(state: &State, at: Circumstances<'_>, symptom: Symptom) -> Physi
     }
 }
 
-/// An estimate of the largest stable dt of an explicit method with limit ωh = `limit` in a fluid:
-/// h = limit/ω_max, where ω_max² = U″(r₀)·c/m at the closest approach r₀ that thermal pairs reach, U(r₀) ≈ 4T.
+/// An estimate of the largest stable dt of an explicit method with limit ωh = `limit` in a fluid: h =
+/// limit/ω_max. Here ω_max² = U″(r₀)·c/m at the closest approach r₀ that thermal pairs reach, U(r₀) ≈ 4T.
 ///
 /// For Lennard-Jones 4(s² − s) = 4T with s = r₀⁻⁶, and U″ = 4(156 s² − 42 s)·s^{1/3}. A pair vibrates with
 /// its reduced mass, a factor 2 in ω². Rough (±30 %), which is enough to name a cause.

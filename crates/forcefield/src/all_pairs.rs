@@ -32,14 +32,15 @@ pub struct CheckedForce {
 
 /// Sums the force on a particle over all others by the reference potential, in double precision, with minimum images.
 ///
-/// The tolerance is a bound on rounding: of pair forces and their sum, a share of Σ_j |F_ij|, and of distances,
-/// δ·Σ_j (|U″| + |U′|/r) with δ of some last places of the coordinates. In double precision it is near 1e-12·Σ|F_ij|, in
-/// mixed precision some 1e-5·Σ|F_ij|. A pair nearer to r_cut than δ may count or not, so that |F_ij| adds to it.
+/// The tolerance is a bound on rounding. The rounding of pair forces and their sum is a share of Σ_j |F_ij|. The
+/// rounding of distances is δ·Σ_j (|U″| + |U′|/r), where δ is a few units in the last place of the coordinates. In
+/// double precision it is near 1e-12·Σ|F_ij|, in mixed precision some 1e-5·Σ|F_ij|. A pair nearer to r_cut than δ may
+/// count or not, so its |F_ij| adds to the tolerance.
 ///
-/// One missed pair thus shows where its force is larger. At a plain or shifted cutoff at 2.5 σ that is so for every
-/// pair: it has 0.039 ε/σ. In mixed precision a pair at a cutoff above some 3.5 σ may hide. Where the force vanishes at the
-/// cutoff, a pair hides that is nearer to it than some 1e-8 σ (force-shift) or 1e-5 σ (switch) in double precision, and
-/// some 0.03 σ in mixed.
+/// One missed pair thus shows where its force is larger than the tolerance. At a plain or shifted cutoff at 2.5 σ this
+/// holds for every pair, since its force is at least 0.039 ε/σ. In mixed precision a pair at a cutoff above some 3.5 σ may
+/// hide. Where the force vanishes at the cutoff, a pair very near to the cutoff hides. The distance is some 1e-8 σ
+/// (force-shift) or 1e-5 σ (switch) in double precision, and some 0.03 σ in mixed precision.
 #[derive(Debug, Clone)]
 pub struct AllPairs {
     model: Model,

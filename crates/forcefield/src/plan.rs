@@ -14,8 +14,8 @@ use crate::simd::Level;
 
 /// Up to this many particles, all pairs cost no more than a list.
 ///
-/// At 32 particles a step takes 5.0 µs by all pairs and 2.2 µs by a list; at 108 it takes 94 and 7 µs (supercritical
-/// fluid, one thread; benches/NOTES.md).
+/// At 32 particles a step takes 5.0 µs by all pairs and 2.2 µs by a list. At 108 particles it takes 94 and 7 µs
+/// (supercritical fluid, one thread; benches/NOTES.md).
 const DIRECT_UP_TO: usize = 16;
 /// A list with a thinner skin than this, σ, is built again at almost every step.
 const USELESS_SKIN: f64 = 0.05;

@@ -48,10 +48,10 @@ type Cell = [i64; 3];
 /// Störmer–Verlet on a grid of spacing δ: x = δ·q with whole q.
 ///
 /// With D = q − q⁻ and A = round(h²a/δ), the next position is q + D + A, and the published velocity is
-/// the central one, δ·(2D + A)/(2h). Reversing that velocity and starting again makes the very
-/// q(t+h) just predicted the new q⁻, so the run retraces its steps exactly: rounding A is a function of the
-/// positions alone and cancels between there and back. This needs forces that are a pure function of
-/// the positions, to the bit, which no neighbor list with a history gives by itself.
+/// the central one, δ·(2D + A)/(2h). A start with this velocity reversed has the predicted q(t+h) as its
+/// q⁻, to the bit. The run therefore retraces its steps exactly: the rounded A is a function of the
+/// positions alone, and cancels between there and back. This needs forces that are a pure function of the
+/// positions, to the bit, which no neighbor list with a history gives by itself.
 ///
 /// Positions and velocities given to `start` are rounded to the grid.
 #[derive(Debug, Clone)]
@@ -87,8 +87,8 @@ impl BitReversibleVerlet {
 
     /// Puts the positions of the state on the grid.
     ///
-    /// Far from the origin a double is coarser than the grid: where the state still holds the very position that was
-    /// published, the integers behind it are the better knowledge.
+    /// Far from the origin a double is coarser than the grid. Where the state still holds the position that was
+    /// published, the integers behind it are more exact and are kept.
     fn round_positions(&mut self, state: &mut State) -> Result<(), StepError> {
         self.current.resize(state.len(), [0; 3]);
         for (q, x) in self.current.iter_mut().zip(&mut state.positions) {

@@ -29,13 +29,13 @@ pub(crate) trait MethodOptions: Options {
 pub(crate) trait BathOptions: Options {
     /// Couples a method to the bath at `temperature` (ε/k_B), whose random numbers come from `noise`.
     fn couple(&self, method: Integrator, temperature: Ramp, noise: NoiseStream) -> Integrator;
-    /// The time in τ in which the bath brings a kinetic energy that is off back to its mean, by a factor of e; 0 for a bath
-    /// that sets it.
+    /// The time in τ in which the bath reduces a deviation of the kinetic energy from its mean by a factor of e. It is 0
+    /// for a bath that sets the energy.
     fn relaxation(&self) -> f64;
 }
 
-/// Multiplies every velocity by `factor` and counts the kinetic energy gained as heat: the difference of the two sums, so
-/// that the books balance to the last rounding.
+/// Multiplies every velocity by `factor` and counts the gain of kinetic energy as heat. The heat is the difference of the
+/// two sums, so that energy is accounted for to the last rounding.
 pub(crate) fn scale_velocities(s: &mut Step<'_>, kinetic_before: f64, factor: f64) {
     let Parts { system, state, .. } = s.parts();
     multiply(&mut state.velocities, factor);

@@ -17,8 +17,8 @@ pub struct FireOptions {
 }
 
 impl Default for FireOptions {
-    /// Forces below 10 ε/σ are harmless to dynamics (a liquid near its triple point has larger ones);
-    /// a twentieth of a diameter a step lets overlaps open without jumping over neighbors.
+    /// Forces below 10 ε/σ are harmless to dynamics: a liquid near its triple point has larger
+    /// forces. With a twentieth of a diameter per step, overlaps open without jumps over neighbors.
     fn default() -> Self {
         Self {
             largest_force: 10.0,
@@ -66,7 +66,7 @@ pub enum FireError {
     },
 }
 
-// The parameters of FIRE 2.0 (Guénolé et al. 2020, table 2), but for the time steps, which are in τ.
+// The parameters of FIRE 2.0 (Guénolé et al. 2020, table 2) except for the time steps, which are in τ.
 const FIRST_DT: f64 = 0.002;
 const LARGEST_DT: f64 = 10.0 * FIRST_DT;
 const SMALLEST_DT: f64 = 0.02 * FIRST_DT;
@@ -78,9 +78,9 @@ const MIXING_DECAY: f64 = 0.99;
 
 /// Moves `positions` (`[N]`, σ) downhill until no force exceeds `options.largest_force`.
 ///
-/// Damped dynamics with unit masses: v ← v + dt·F; v ← (1 − α)·v + α·|v|·F/|F|; x ← x + dt·v, where
-/// dt grows while the power F·v is positive and everything starts again, half a step back, when it is
-/// not. Each particle's step is cut to `max_displacement`, which bounds what a huge force can do.
+/// Damped dynamics with unit masses: `v ← v + dt·F; v ← (1 − α)·v + α·|v|·F/|F|; x ← x + dt·v`. dt
+/// grows while the power F·v is positive. When it is not, everything starts again half a step back.
+/// Each particle's step is cut to `max_displacement`, which bounds what a huge force can do.
 ///
 /// Sources: Bitzek, Koskinen, Gähler, Moseler and Gumbsch, "Structural relaxation made simple",
 /// Phys. Rev. Lett. 97, 170201 (2006); Guénolé et al., "Assessment and optimization of the fast

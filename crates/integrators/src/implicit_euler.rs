@@ -53,10 +53,10 @@ pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
 /// Implicit Euler.
 ///
 /// With x̂ = x + h·v the end y of a step solves M·(y − x̂)/h² = F(y). That is where the gradient of
-/// Φ(y) = ½(y − x̂)ᵀM(y − x̂)/h² + U(y) vanishes, so each step is a minimisation: Newton's directions
-/// from conjugate gradients on M/h² + ∂²U/∂x², which stop at a direction of negative curvature (a
-/// fluid has them, and at large h they show), and a line search on Φ. Where the force is linear one
-/// direction, solved to rounding, is the answer, and further ones only polish it.
+/// Φ(y) = ½(y − x̂)ᵀM(y − x̂)/h² + U(y) vanishes, so each step is a minimisation with a line search
+/// on Φ. Newton's directions come from conjugate gradients on M/h² + ∂²U/∂x². They stop at a
+/// direction of negative curvature, which a fluid has, and which shows at large h. Where the force is
+/// linear, one direction, solved to rounding, is the answer, and further directions only polish it.
 ///
 /// [`lennard_core::StepReport::force_evaluations`] counts evaluations and [`lennard_core::StepReport::iterations`] products of the
 /// Hessian with a vector, each worth two evaluations more unless the forces know their Hessian;
@@ -164,8 +164,8 @@ impl Equations<'_> {
 
     /// The first guess: the step taken with the old force, or no move at all, whichever fits better.
     ///
-    /// Without a move the residual is that of the old force, known without an evaluation; a guess
-    /// that fits worse (or overlaps) would begin the search in another valley.
+    /// Without a move the residual follows from the old force, without an evaluation. A guess that
+    /// fits worse (or overlaps) would begin the search in another valley.
     fn first_guess(
         &self,
         state: &State,

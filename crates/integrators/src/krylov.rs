@@ -15,9 +15,9 @@ pub(crate) struct Outcome {
 
 /// Solves A·p = b for a symmetric A by preconditioned conjugate gradients, started from p = 0.
 ///
-/// `inverse_diagonal` is the inverse of a positive diagonal preconditioner, one number a particle.
-/// Ends when the residual, in the norm of the preconditioner, has fallen by `reduction`, when `most`
-/// products are spent, or when a direction d with dᵀA·d ≤ 0 is met: then p is kept as it is, or, if it
+/// `inverse_diagonal` is the inverse of a positive diagonal preconditioner, one number a particle. It
+/// ends when the residual, in the norm of the preconditioner, has fallen by `reduction`, or when `most`
+/// products are spent. It also ends at a direction d with dᵀA·d ≤ 0. Then p is kept as it is, or, if it
 /// is still zero, becomes the preconditioned b. In every case bᵀp > 0 (Steihaug, "The conjugate
 /// gradient method and trust regions in large scale optimization", SIAM J. Numer. Anal. 20, 626, 1983).
 pub(crate) fn conjugate_gradients<A>(

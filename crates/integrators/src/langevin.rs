@@ -66,8 +66,8 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     source: SOURCE,
 };
 
-/// Langevin dynamics m·dv = F·dt − γ·m·v·dt + √(2γmT)·dW by the splitting B A O A B:
-/// half kick, half drift, friction and noise over the whole step, half drift, half kick.
+/// Langevin dynamics m·dv = F·dt − γ·m·v·dt + √(2γmT)·dW by the splitting B A O A B. B is half a
+/// kick, A half a drift, and O the friction and noise of the whole step.
 ///
 /// Noise touches every particle, so total momentum is not conserved and n_dof is 3N.
 /// The heat of a step is the kinetic energy that the O part put in; E minus its sum is conserved

@@ -1,10 +1,10 @@
 //! Integrators, thermostats and minimisers, one file a method.
 //!
 //! Every method stands behind [`lennard_core::Integrator`] and sees masses, positions, velocities and
-//! a force provider, nothing else: the code that runs the oscillator of the stability study is the
-//! code that runs the fluid. A new integrator is one file with its `Options`, its `SPEC` and its
-//! `step`, and one line in the list of `list.rs`; options, `build`, `lennard list`, the conformance
-//! tests and the studies go over that list.
+//! a force provider, nothing else. The same code therefore runs the fluid and the oscillator of the
+//! stability study. A new integrator is one file with its `Options`, its `SPEC` and its `step`, and
+//! one line in the list of `list.rs`. Options, `build`, `lennard list`, the conformance tests and the
+//! studies go over that list.
 //!
 //! Everything is in reduced units: times in τ = σ√(m/ε), lengths in σ, energies in ε.
 

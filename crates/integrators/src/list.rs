@@ -158,8 +158,8 @@ macro_rules! list_of_thermostats {
                 }
             }
 
-            /// The time in τ in which the bath brings a kinetic energy that is off back to its mean, by a factor of e; 0 for
-            /// a bath that sets it.
+            /// The time in τ in which the bath reduces a deviation of the kinetic energy from its mean by a factor of e. It
+            /// is 0 for a bath that sets the energy.
             #[must_use]
             pub fn relaxation(&self) -> f64 {
                 match self {

@@ -11,9 +11,8 @@ lennard_core::options! {
     pub struct Options {}
 }
 
-/// What this rule declares about itself: its orders hold for a constant
-/// step; each change of the step leaves an error ½·a·(h − h′) in the velocity, so that a run with a
-/// changing step is of order 1.
+/// What this rule declares about itself. Its orders hold for a constant step. Each change of the
+/// step leaves an error ½·a·(h − h′) in the velocity, so a run with a changing step is of order 1.
 pub static SPEC: IntegratorSpec = IntegratorSpec {
     name: "stormer-verlet-time-corrected",
     summary: "Störmer–Verlet whose last displacement is scaled to the new step: usable, but of first order, where the step changes.",

@@ -72,9 +72,8 @@ pub fn write_text_atomically(path: &Path, text: &str) -> Result<(), WriteError> 
 
 /// Writes `value` as indented JSON with a line end, like [`write_text_atomically`].
 ///
-/// # Errors
-/// Where the operating system refuses, or where `value` cannot be JSON (a map with keys that are no
-/// strings); what stood at `path` before is then still there.
+/// # Errors Where the operating system refuses, or where `value` cannot be JSON (a map with keys
+/// that are no strings). An older file at `path` is then still there.
 pub fn write_json_atomically(path: &Path, value: &impl Serialize) -> Result<(), WriteError> {
     let mut text =
         serde_json::to_vec_pretty(value).map_err(|e| WriteError::io(path, "write", e.into()))?;

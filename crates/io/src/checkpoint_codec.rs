@@ -168,7 +168,7 @@ pub(crate) fn decode<R: Read + Seek>(
     .checkpoint(contents)
 }
 
-/// Reads on to the end and compares the checksum there with that of everything before.
+/// Reads on to the end and compares the checksum there with the checksum of everything before.
 fn check_sum<R: Read>(from: &mut R, prefix: &[u8], size: u64) -> Result<(), CheckpointProblem> {
     let mut sum = Hasher::new();
     sum.update(prefix);

@@ -14,7 +14,7 @@ use crate::{FormatError, FoundSpecies, TrajectoryFrame};
 /// Shortest line of a particle, `0 0 0` and its end, in bytes.
 pub(crate) const LEAST_BYTES_A_PARTICLE: u64 = 6;
 
-/// Lines of a frame besides those of its particles, that still follow its count: the header.
+/// Lines of a frame between its count and its particles: the header.
 const HEADER_LINES: u64 = 1;
 
 /// Positions further than this many boxes away have no image flags in 32 bits.

@@ -13,8 +13,8 @@ use crate::holder::Holder;
 pub enum Existing {
     /// Refuse it, unless it is empty.
     Refuse,
-    /// Use it. Where it holds a run (a `run.json` or a checkpoint), the output files of that run are removed first, so that none
-    /// of them can be taken for a result of the new one; anything else in it is left alone.
+    /// Use it. Where it holds a run (a `run.json` or a checkpoint), the output files of that run are removed first. No old file
+    /// can then be taken for a result of the new run. Other files in the folder are left alone.
     Replace,
     /// Use it and leave alone what is in it, for work that goes on where it was stopped.
     Keep,

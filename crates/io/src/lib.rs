@@ -1,9 +1,9 @@
 //! File formats: trajectories, start configurations, tables, the run record, checkpoints.
 //!
-//! What is written is written whole: a growing file gets whole frames or whole rows and is cut back
-//! to the last whole one where a write fails; a file written once goes to a hidden neighbor first,
-//! is synced, and is then renamed. What is read is checked against the size of the file before
-//! memory is taken, and refused with file, line, what was found and what is allowed.
+//! What is written is written whole. A growing file gets whole frames or whole rows, and is cut
+//! back to the last whole one where a write fails. A file written once goes to a hidden file beside
+//! it, is synced, and is then renamed. Sizes that a file states are checked against the size of the
+//! file before memory is taken. A refusal names file, line, what was found and what is allowed.
 //!
 //! All quantities are in reduced units (σ, τ, ε); see [`FrameStyle::length_scale`] for the one exception.
 

@@ -62,7 +62,7 @@ pub struct RunRecord {
     /// What the barostat of the last stage did; absent where none was on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub barostat: Option<BarostatRecord>,
-    /// Measured values beside those of the literature.
+    /// Measured values beside values of the literature.
     pub comparison: Vec<Comparison>,
     /// Remarks that belong beside the numbers.
     pub remarks: Vec<String>,
@@ -280,7 +280,7 @@ pub struct Comparison {
     /// Value of the literature, `finite_size` included.
     #[serde(with = "number")]
     pub reference: f64,
-    /// What was added to the value of an infinite system to have that of N particles; `null` where nothing was.
+    /// What was added to the value of an infinite system to obtain the value of N particles; `null` where nothing was.
     #[serde(default)]
     pub finite_size: Option<f64>,
     /// Uncertainty that the source states of its value; `null` where it states none.
@@ -308,7 +308,7 @@ pub struct StatePoint {
     /// Temperature in ε/k_B: that which belongs to the positions.
     #[serde(with = "number")]
     pub temperature: f64,
-    /// Whether that is the temperature of half steps; else it is that of whole steps.
+    /// Whether it is the temperature of half steps; else it is the temperature of whole steps.
     #[serde(default)]
     pub half_steps: bool,
     /// Number density in σ⁻³.

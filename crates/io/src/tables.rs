@@ -205,9 +205,8 @@ impl TableWriter {
 
     /// Goes on after `mark` (from a checkpoint): later rows, whole or not, are cut off.
     ///
-    /// # Errors
-    /// Where the file cannot be opened, is shorter than the mark, has no line end there, or does
-    /// not begin with the heading of these columns.
+    /// # Errors Where the file cannot be opened or does not begin with the heading of these
+    /// columns. Also where it is shorter than the mark, or has no line end there.
     pub fn resume_at(
         path: &Path,
         columns: &[(&str, &str)],

@@ -183,7 +183,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Runs the whole scene into a new folder, with the files of `lennard run` to the byte, but for the page.
+    /// Runs the whole scene into a new folder, with the files of `lennard run` to the byte except for the page.
     ///
     /// # Errors
     /// [`Error`] where steps were done before, the folder is taken, physics stops the run, or a file cannot be written.

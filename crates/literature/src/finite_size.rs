@@ -2,7 +2,7 @@
 
 use crate::{EquationOfState, Phase};
 
-/// By how much the means of N particles differ from those of an infinite system, to first order in 1/N.
+/// By how much the means of N particles differ from the means of an infinite system, to first order in 1/N.
 ///
 /// A box with periodic sides has no surface, but it is closed. With the grand-canonical weights e^{βμN}·Z_N, which are
 /// a Gaussian of width ⟨δN²⟩ = N·S₀ about N, and whose sum is e^{βpV} of the infinite system,

@@ -187,8 +187,8 @@ pub fn equations_for(model: ModelKind) -> Vec<&'static dyn EquationOfState> {
 /// The cutoff in σ of the truncated-shifted model that Thol 2015 describes.
 pub(crate) const THOL_2015_CUTOFF: f64 = 2.5;
 
-/// The cutoff in σ from which the tail's assumption g(r) = 1 is good enough for comparison to the
-/// equation's own accuracy: at 2.5 it biases p of the dense liquid by about −0.03.
+/// The cutoff in σ from which the tail's assumption g(r) = 1 errs less than the equation itself. At
+/// 2.5 it biases p of the dense liquid by about −0.03.
 pub const GOOD_TAIL_CUTOFF: f64 = 4.0;
 
 /// The equation of state by which a run of this model may be judged.
@@ -222,11 +222,11 @@ pub fn equation_of_state_for(
         ),
         ModelKind::CutWithoutTail { r_cut } => none(
             format!("Lennard-Jones cut at {r_cut} σ without tail corrections"),
-            "without tail corrections energy and pressure are not those of the full potential",
+            "without tail corrections, energy and pressure differ from the full potential",
         ),
         ModelKind::ForceShifted { r_cut } => none(
             format!("Lennard-Jones with shifted force at {r_cut} σ"),
-            "its thermodynamics differs strongly from that of the full and of the truncated-shifted potential",
+            "its thermodynamics differs strongly from the full and from the truncated-shifted potential",
         ),
         ModelKind::Switched { r_cut } => none(
             format!("Lennard-Jones switched off at {r_cut} σ"),

@@ -114,8 +114,8 @@ pub(crate) struct Question<'a> {
     pub temperature: f64,
 }
 
-/// Densities looked at between a state and the binodal; the equations have several loops inside the
-/// dome, so the slope at the state alone would not tell.
+/// Densities tried between a state and the binodal. The equations have several loops inside the
+/// dome, so the slope at the state alone decides nothing.
 const LOOKS: usize = 64;
 
 pub(crate) fn classify(q: &Question<'_>) -> Phase {

@@ -33,8 +33,8 @@ const ITERATIONS: usize = 60;
 /// A liquid denser than this, in ρ_c, is looked for no further.
 const DENSEST_LIQUID: f64 = 3.4;
 
-/// Solves for coexistence at `temperature`: from the cold liquid at zero pressure, upwards in steps
-/// that shorten towards the critical point, each solved by Newton's method.
+/// Solves for coexistence at `temperature`. It begins with the cold liquid at zero pressure and
+/// goes up in steps that shorten towards the critical point. Newton's method solves each step.
 pub(crate) fn solve(
     state_at: StateAt<'_>,
     critical: CriticalPoint,
@@ -102,8 +102,8 @@ fn liquid_at_zero_pressure(
     Some(0.5 * (above + below))
 }
 
-/// Newton's method for equal pressure and chemical potential in (ρ_liquid, ln ρ_vapor), with the
-/// step halved until both densities stay on their own side of the critical one.
+/// Newton's method for equal pressure and chemical potential in (ρ_liquid, ln ρ_vapor). Its step is
+/// halved until both densities stay on their own side of the critical density.
 fn newton(
     state_at: StateAt<'_>,
     critical: CriticalPoint,

@@ -151,12 +151,12 @@ static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
 
 /// The value at a density (σ⁻³) and temperature (ε/k_B) of the full Lennard-Jones fluid, if the tables have one near.
 ///
-/// Where two tabulated states of that density (within [`SAME_DENSITY`]) enclose the temperature and are no further
-/// apart than a factor [`SAME_LINE`], the value lies on the line between them, with the errors of both in proportion.
-/// Along the tables' densities D differs from such a line by 0.2 %, η and λ by less than their errors. Elsewhere it is
-/// the nearest state within [`NEAR_DENSITY`] and [`NEAR_TEMPERATURE`], by the smallest (Δρ/0.01)² + (ΔT/0.05 T)². In the
-/// dense liquid, where the coefficients change fastest, η differs over that distance by about a tenth at most, as large
-/// as its own error, and the finite-size correction of D that it enters, itself a tenth of D, by less than 1 % of D.
+/// Two tabulated states of that density (within [`SAME_DENSITY`]) may enclose the temperature, no further apart than a
+/// factor [`SAME_LINE`]. The value then lies on the line between them, with the errors of both in proportion. Along the
+/// tables' densities D differs from such a line by 0.2 %, η and λ by less than their errors. Elsewhere it is the nearest
+/// state within [`NEAR_DENSITY`] and [`NEAR_TEMPERATURE`], by the smallest (Δρ/0.01)² + (ΔT/0.05 T)². The coefficients
+/// change fastest in the dense liquid. Over that distance η differs there by about a tenth at most, as large as its own
+/// error. The finite-size correction of D uses η and is itself a tenth of D, so it differs by less than 1 % of D.
 ///
 /// Rows that contradict the equation of state or lie inside the vapor–liquid dome are left out. Values of the full
 /// potential are no reference for a truncated one.

@@ -4,12 +4,11 @@ use lennard_core::{Average, Doubt, Estimate, Findings};
 
 use crate::statistics::{self, TRANSIENT_OF_MANY_ERRORS, Trend};
 
-/// The fewest independent samples of a time series from which an error is told. The widest window of the error is flat
-/// over a 21st of the series: with 50 independent samples it loses e^{−2·50/21} = 1 % of an exponential correlation, with
-/// 25 a tenth.
+/// The fewest independent samples of a time series that give an error. The widest window of the error is flat over a 21st
+/// of the series. With 50 independent samples it loses e^{−2·50/21} = 1 % of an exponential correlation, with 25 a tenth.
 pub(crate) const FEWEST_INDEPENDENT: f64 = 50.0;
 
-/// The fewest independent blocks of a function of the run from which an error is told: it is then known to 21 %.
+/// The fewest independent blocks of a function of the run that give an error: the error is then known to 21 %.
 pub(crate) const FEWEST_INDEPENDENT_BLOCKS: f64 = 12.0;
 
 /// The fewest independent samples of the squares that a variance is made of: it is known to 8 %, and is hardly skewed.
@@ -24,8 +23,8 @@ pub(crate) fn of_series(name: &str, unit: &str, column: &[f64], cut: usize) -> A
     })
 }
 
-/// An estimate whose error is that of the mean of `influence`: too short with fewer than `fewest` independent samples, and
-/// not in equilibrium where the influence has a trend.
+/// An estimate with the error of the mean of `influence`. It is too short with fewer than `fewest` independent samples,
+/// and not in equilibrium where the influence has a trend.
 pub(crate) fn of_fluctuations(
     name: &str,
     unit: &str,
@@ -81,8 +80,8 @@ fn fluctuations_change(trend: &Trend) -> String {
     )
 }
 
-/// A function of the whole run with its value over each of successive blocks (or what stands for them, such as the
-/// pseudo-values of a jackknife), where a value looks `overlap` blocks ahead: a mean-square displacement does, by its lag.
+/// A function of the whole run with its value over each of successive blocks, or with the pseudo-values of a jackknife. A
+/// value looks `overlap` blocks ahead: a mean-square displacement does, by its lag.
 pub(crate) fn of_blocks(
     name: &str,
     unit: &str,
@@ -119,7 +118,7 @@ fn too_few(estimate: &Estimate, samples: usize, fewest: f64) -> Option<Doubt> {
             longer: fewest / samples.max(1) as f64,
         });
     }
-    // That samples are worth more than their number cannot be told from few of them.
+    // A few samples cannot show that they are worth more than their number.
     let independent = estimate.least_effective.min(samples as f64);
     // A constant has no error to be known.
     (estimate.standard_error != 0.0 && independent < fewest).then(|| Doubt::TooShort {

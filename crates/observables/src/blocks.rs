@@ -169,7 +169,7 @@ impl BlockedSums {
         statistics::error_of_mean(&self.block_means(k)).standard_error
     }
 
-    /// The sums without the blocks of the first `discarded` part of the samples, from 0 to 1; a block that begins in that
+    /// The sums without the blocks of the first `discarded` part of the samples, from 0 to 1. A block that begins in that
     /// part is left out whole.
     #[must_use]
     pub fn after(&self, discarded: f64) -> Self {

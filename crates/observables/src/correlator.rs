@@ -22,10 +22,10 @@ struct Level {
 
 /// The autocorrelation C(t) = ⟨a(t₀)·a(t₀ + t)⟩ of one or several equivalent channels, averaged over channels.
 ///
-/// Level 0 sees every sample and serves lags of 0 to 15 samples; each further level sees the means of pairs
-/// of the level before and serves lags of 8·2^ℓ to 15·2^ℓ. The averaging blurs the function by 2^ℓ samples at
-/// lags at least eight times as long, which leaves its integral as it is for a function that is smooth there.
-/// The mean is not subtracted.
+/// Level 0 sees every sample and serves lags of 0 to 15 samples. Level ℓ sees the means of pairs of the level
+/// before, and serves lags of 8·2^ℓ to 15·2^ℓ. The averaging blurs the function by 2^ℓ samples, at lags at
+/// least eight times as long. Its integral stays the same where the function is smooth. The mean is not
+/// subtracted.
 ///
 /// Source: J. Ramírez, S. K. Sukumaran, B. Vorselaars and A. E. Likhtman, "Efficient on the fly calculation
 /// of time correlation functions in computer simulations", J. Chem. Phys. 133, 154103 (2010), section III.
@@ -106,7 +106,7 @@ impl Correlator {
     }
 
     /// The running integral of each block of the run, up to the lag with index `last` of
-    /// [`Correlator::correlation`]; what the errors of numbers made from the integral come from.
+    /// [`Correlator::correlation`]. The errors of numbers made from the integral come from it.
     #[must_use]
     pub fn integral_blocks(&self, last: usize) -> Vec<Vec<f64>> {
         let (lags, quantities) = self.reached();

@@ -13,9 +13,9 @@ pub(crate) struct Extremum {
     pub height: f64,
 }
 
-/// Alternating maxima and minima of `y` over the equally spaced `x`, beginning with a maximum: each stands
-/// out from the last one by more than `prominence` of its bin. The last one counts only if the curve has
-/// come back from it by as much.
+/// Alternating maxima and minima of `y` over the equally spaced `x`, beginning with a maximum. Each
+/// extremum differs from the one before by more than `prominence` of its bin. The last extremum counts
+/// only if the curve has come back from it by as much.
 pub(crate) fn extrema(x: &[f64], y: &[f64], prominence: impl Fn(usize) -> f64) -> Vec<Extremum> {
     let mut found = Vec::new();
     let mut rising = true;
@@ -72,11 +72,12 @@ fn vertex(x: &[f64], y: &[f64], bin: usize, maximum: bool) -> Extremum {
 /// A place and a height.
 pub(crate) type Vertex = (f64, f64);
 
-/// The maximum or minimum near `start`: the vertex of a cubic, fitted within `half_width` of the vertex itself, which the
-/// window follows until it rests there. `None` where the points near `start` have no such vertex.
+/// The maximum or minimum near `start`: the vertex of a cubic. The cubic is fitted within `half_width` of its own vertex,
+/// and the window follows the vertex until it rests. `None` where the points near `start` have no such vertex.
 ///
-/// Points count with (1 − u²)² at a distance u·half_width from the centre, so that none enters or leaves the window with a
-/// jump: the vertex is smooth in the data, where the lowest of many noisy points is not, and lies too low.
+/// Points count with (1 − u²)² at a distance u·half_width from the centre, so that no point enters or leaves the window
+/// with a jump. The vertex is therefore a smooth function of the data. The lowest of many noisy points is not smooth, and
+/// lies too low.
 pub(crate) fn fitted_extremum(
     x: &[f64],
     y: &[f64],

@@ -52,16 +52,17 @@ fn kinetic_part(context: &BuildContext) -> f64 {
 ///   ⟨K⟩ = f T/2 (J. L. Lebowitz, J. K. Percus and L. Verlet, "Ensemble dependence of fluctuations with
 ///   application to machine computations", Phys. Rev. 153, 250 (1967), equation 3.7, where f = 3N);
 /// - constant temperature: C_V = f/2 + N² ⟨δu²⟩/T². Kinetic and potential energy are independent there, and the kinetic part
-///   is known: what noise adds to it need not be measured. u is the potential of which the forces are the gradient: for a
-///   plain cutoff the shifted one, since the cut energy jumps where pairs cross the cutoff, and no force knows of it. T is
-///   the temperature of the positions.
+///   is known: what noise adds to it need not be measured. u is the potential of which the forces are the gradient. For a
+///   plain cutoff this is the shifted potential: the cut energy jumps where pairs cross the cutoff, and no force knows of
+///   it. T is the temperature of the positions.
 ///
 /// C_V has the kinetic part f/2 of the system; c_v = (C_V − f/2)/N + 3/2 replaces it by 3/2 per particle. For molecules, N
 /// is their number and 3/2 half the degrees of freedom of one.
 ///
-/// The variance about the mean of the same samples is too small by one part in the independent samples, for which it
-/// is corrected. The error is that of the mean of the linearised formula, correlation included, and is widened by its own
-/// part of the excess over the kinetic energy, of which it is as unsure. At constant pressure there is none here.
+/// The variance about the mean of n independent samples is too small by one part in n, for which it is corrected. The
+/// error is the error of the mean of the linearised formula, correlation included. An error s is widened to s·(1 + s/x),
+/// with the excess x over the kinetic part: where x is too small by chance, so is s. At constant pressure there is no
+/// value here.
 pub(crate) fn average(
     ensemble: Ensemble,
     rows: &ThermoSeries,

@@ -1,8 +1,8 @@
 //! Observables and the statistics of their averages.
 //!
 //! An observable looks at the run and never changes it ([`lennard_core::Observable`]). Each has a
-//! file of its own with its options, its definition and its source; the list in `catalog.rs` names
-//! them all, and scene files, `list observables` and the tests go over that list.
+//! file of its own with its options, its definition and its source. The list in `catalog.rs` names
+//! them all. Scene files, `list observables` and the tests go over that list.
 //!
 //! Every mean comes with its standard error and its number of independent samples
 //! ([`statistics`]). All stores are bounded in memory however long the run ([`Series`],

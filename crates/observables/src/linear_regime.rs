@@ -51,8 +51,8 @@ pub(crate) struct LinearFit {
 }
 
 /// The slope of the least-squares line with free intercept. The variance of a mean-square displacement grows
-/// as t³ (Gaussian increments: t² from the variance of the square, t from the overlap of origins), which
-/// gives the weights 1/t³; one set of weights for all blocks keeps the fit linear in the data.
+/// as t³, which gives the weights 1/t³. For Gaussian increments, the variance of the square gives t² and the
+/// overlap of origins gives t. One set of weights for all blocks keeps the fit linear in the data.
 fn weighted_slope(times: &[f64], values: &[f64]) -> f64 {
     let weights = times.iter().map(|t| t.powi(-3));
     let (mut w, mut wt, mut wy) = (0.0, 0.0, 0.0);
@@ -73,10 +73,10 @@ fn weighted_slope(times: &[f64], values: &[f64]) -> f64 {
 /// Fits the linear regime of a lag curve; `None` where there are too few lags. `blocks(end)` gives the values
 /// at the first `end` lags over each of successive blocks of the run.
 ///
-/// The end is `fit_to`, or a twentieth of the run. The start is `fit_from`, or the first lag s such that the
-/// slope over [s, 2s] agrees with the slope from 2s to the end, and so on for every later octave: within two
-/// standard errors of their difference, taken block by block, or half a per cent. Bias left by an early start is then below
-/// what the data can tell.
+/// The end is `fit_to`, or a twentieth of the run. The start is `fit_from`, or the first lag s from which the slope no
+/// longer changes. There the slope over [s, 2s] agrees with the slope from 2s to the end, and the same holds for every
+/// later octave. Slopes agree within two standard errors of their difference, taken block by block, or within half a per
+/// cent. The bias that an early start leaves is then too small for the data to show.
 pub(crate) fn fit_linear_regime(
     curve: &LagCurve,
     blocks: impl Fn(usize) -> Vec<Vec<f64>>,

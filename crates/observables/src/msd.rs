@@ -73,9 +73,9 @@ impl Recipe for MsdOptions {
 
 /// The mean-square displacement ⟨|Δr(t)|²⟩ in σ² of unwrapped positions relative to the centre of mass.
 ///
-/// Every sample is a time origin for lags of up to 16 samples; level ℓ keeps the last 16 positions of every
-/// 2^ℓ-th sample and serves lags of 8·2^ℓ to 16·2^ℓ samples, so that memory and work grow with the logarithm
-/// of the longest lag. Positions are never averaged: each lag is exact.
+/// Every sample is a time origin for lags of up to 16 samples. Level ℓ keeps the last 16 positions of every
+/// 2^ℓ-th sample, and serves lags of 8·2^ℓ to 16·2^ℓ samples. Memory and work therefore grow with the
+/// logarithm of the longest lag. Positions are never averaged: each lag is exact.
 ///
 /// The diffusion coefficient D = slope/6 comes from a straight line with free intercept over the lags where
 /// the slope no longer changes. Its error comes from the same fit to successive blocks of the run. The
@@ -219,8 +219,8 @@ impl Observable for MeanSquareDisplacement {
         self.samples += 1;
     }
 
-    /// A displacement belongs to the sample at which it ends: with a part discarded, some begin in that part, by less than
-    /// the longest lag of the fit.
+    /// A displacement belongs to the sample at which it ends. Where a part is discarded, some displacements still begin in
+    /// that part, by less than the longest lag of the fit.
     fn finish(&self, discarded: f64) -> Findings {
         let displacements = self.displacements.after(discarded);
         let mut findings = Findings::default();

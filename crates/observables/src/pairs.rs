@@ -27,8 +27,8 @@ pub fn count_distances(
     histogram.pairs_in_cells(&cells)
 }
 
-/// The same counts for the pairs of each two species, in the order of [`SpeciesPair::all`]: the same bits decide about each
-/// pair, so that they add up to `all`, the counts of all pairs.
+/// The same counts for the pairs of each two species, in the order of [`SpeciesPair::all`]. They add up to `all`, the
+/// counts of all pairs, since the same bits decide about each pair.
 #[must_use]
 pub(crate) fn count_distances_by_species(
     species: &SpeciesTable,

@@ -66,15 +66,16 @@ impl Recipe for RdfOptions {
 ///
 /// g_k = 2·⟨pairs in the bin·V⟩ / (N(N − 1)·(4π/3)(r_{k+1}³ − r_k³)),
 ///
-/// normalised by the number of *other* particles, N − 1: for an ideal gas of any N it is exactly 1. (With N in
-/// place of N − 1, as some programs have it, it would be smaller by 1/N.) Of molecules, g is between sites of different
-/// molecules, and N − 1 is the number of sites of the others. The error of each bin comes from
-/// the scatter over successive blocks of the run.
+/// normalised by the number of *other* particles, N − 1: for an ideal gas of any N it is exactly 1. Some programs have
+/// N in place of N − 1, which makes g smaller by 1/N. In a fluid of molecules, g counts pairs of sites of different
+/// molecules, and N − 1 is the number of sites of the other molecules. The error of each bin comes from the scatter
+/// over successive blocks of the run.
 ///
 /// In a mixture, g_ab is the same for the pairs of species a and b.
 ///
-/// The coordination number is n(r) at the first minimum of g after its first peak. Both are extrema of cubics fitted
-/// around them, and their errors come from a jackknife over blocks of the run in which the extrema move along.
+/// The coordination number is n(r) at the first minimum of g after its first peak. Minimum and peak are the extrema
+/// of fitted cubics. Their errors come from a jackknife over blocks of the run, in which the extrema are fitted
+/// anew.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RadialDistribution {
     seen: SeenBox,

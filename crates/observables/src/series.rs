@@ -15,10 +15,10 @@ pub trait Columns {
 /// A growing time series with bounded memory.
 ///
 /// Each row is the mean of `stride` successive samples. The stride starts at 1 and doubles when
-/// `limit` rows are full: rows are averaged in pairs, so that nothing is dropped and the mean of the
-/// rows stays the mean of the samples. Standard errors survive this, since the mean of blocks has the
-/// error of the mean of their members (Flyvbjerg and Petersen, "Error estimates on averages of
-/// correlated data", J. Chem. Phys. 91, 461, 1989); the variance of single samples does not.
+/// `limit` rows are full. Rows are then averaged in pairs: nothing is dropped, and the mean of the
+/// rows stays the mean of the samples. The standard error of the mean survives this, and the variance
+/// of single samples does not. Source: Flyvbjerg and Petersen, "Error estimates on averages of
+/// correlated data", J. Chem. Phys. 91, 461 (1989).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series<C> {
     rows: C,

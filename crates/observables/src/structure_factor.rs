@@ -74,9 +74,10 @@ impl Recipe for StructureFactorOptions {
 
 /// The static structure factor S(k) by a direct sum.
 ///
-/// In each shell of wave numbers, evenly spread directions are rounded to wave vectors that fit the box;
-/// the shells of a small box hold few different ones, some none. Each shell is told at the mean wave number
-/// of its vectors. For an ideal gas S = 1 at every k. A mixture also has the factors of its species.
+/// In each shell of wave numbers, evenly spread directions are rounded to wave vectors that fit the box.
+/// The shells of a small box hold few different vectors, and some shells none. Each shell stands at the
+/// mean wave number of its vectors. For an ideal gas S = 1 at every k. A mixture also has the factors of
+/// its species.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureFactor {
     seen: SeenBox,

@@ -62,28 +62,28 @@ impl Recipe for ThermodynamicsOptions {
 ///
 /// - **Temperature** T = 2K/n_dof, on whole steps (`temperature`) and, for methods that kick by halves, on half steps
 ///   (`temperature_half_steps`).
-/// - **Which temperature belongs to the positions.** A run of velocity Verlet samples positions as if it were a little
-///   hotter than its velocities on whole steps say. For harmonic forces the temperature of half steps is the right one
-///   exactly ([`View::half_step_kinetic_energy`]). In a fluid, to order h² (from the shadow Hamiltonian
-///   H + (h²/12)·v·∇∇U·v − (h²/24)·Σ|F|²/m; f = n_dof, L = ⟨∇²U⟩/m, primes are slopes in T):
-///   T_whole = T̃·(1 − h²L/6f), T_half = T̃·(1 + h²L/12f), ⟨U⟩ = U(T̃) + (h²/24)·(T·L − T²·L′), so that
-///   ⟨U⟩ − U(T_half) = (h²/24)·T·L·(1 − T·L′/L − 2·U′/f), zero for harmonic forces and some tenths of
-///   ⟨U⟩ − U(T_whole) in a fluid; and T_conf = T̃·(1 + (h²/12)·⟨tr (∇∇U)²⟩/⟨∇²U⟩), above T_half, since stiff directions
-///   weigh more in it.
+/// - **Which temperature belongs to the positions.** A run of velocity Verlet samples positions at a temperature T̃, a
+///   little higher than the temperature of whole steps. For harmonic forces T̃ is exactly the temperature of half steps
+///   ([`View::half_step_kinetic_energy`]). For a fluid it follows to order h² from the shadow Hamiltonian H +
+///   (h²/12)·v·∇∇U·v − (h²/24)·Σ|F|²/m. With f = n_dof, L = ⟨∇²U⟩/m and primes for slopes in T:
+///   `T_whole = T̃·(1 − h²L/6f)`, `T_half = T̃·(1 + h²L/12f)`, `⟨U⟩ = U(T̃) + (h²/24)·(T·L − T²·L′)`. Hence
+///   `⟨U⟩ − U(T_half) = (h²/24)·T·L·(1 − T·L′/L − 2·U′/f)`, which is zero for harmonic forces and some tenths of ⟨U⟩ −
+///   U(T_whole) in a fluid. `T_conf = T̃·(1 + (h²/12)·⟨tr (∇∇U)²⟩/⟨∇²U⟩)` is above T_half, since stiff directions weigh
+///   more in it.
 /// - **Pressure** P = ρT + W/(3V) + p_tail with W = Σ r_ij·F_ij. For zero total momentum the mechanical
 ///   pressure (2K + W)/(3V) lacks the part of the centre of mass: ⟨2K⟩ = (3N − 3)T makes its ideal part
-///   (N − 1)T/V. With T = 2K/n_dof the ideal part is ρT, exact for the ideal gas at every N, and W depends
-///   on relative positions alone, so ρT + W/(3V) is the canonical pressure, and the two differ by T/V. T is here the
-///   temperature of half steps where there is one: that which W belongs to.
+///   (N − 1)T/V. With T = 2K/n_dof the ideal part is ρT, exact for the ideal gas at every N. W depends on relative
+///   positions alone, so ρT + W/(3V) is the canonical pressure. The two pressures differ by T/V. T is here the
+///   temperature of half steps where there is one, since W belongs to that temperature.
 /// - **Conserved energy** (K + U_conserved − Σ heat)/N, with the potential of which the forces are the
 ///   gradient (for a plain cutoff the shifted one). In a box that changes V·P_tail is added, the energy of the tail
 ///   that the motion of the box feels.
 /// - **Configurational temperature** T_conf = ⟨|∇U|²⟩/⟨∇²U⟩. A force that jumps at the cutoff adds a
-///   delta function to ∇²U that no pair loop can see; its mean, −4πρ r_cut² U′(r_cut) per particle for
-///   g(r_cut) = 1, is added where [`Thermodynamics::set_force_jump`] has told the jump.
+///   delta function to ∇²U that no pair loop can see. Its mean is −4πρ r_cut² U′(r_cut) per particle
+///   for g(r_cut) = 1. The mean is added where [`Thermodynamics::set_force_jump`] has set the jump.
 /// - **Temperature of each species** of a mixture.
 ///
-/// All averages share one equilibration cut ([`Thermodynamics::equilibrium`]), so that they speak of the same samples.
+/// All averages share one equilibration cut ([`Thermodynamics::equilibrium`]), so that all are over the same samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Thermodynamics {
     options: ThermodynamicsOptions,
@@ -132,9 +132,9 @@ impl Thermodynamics {
         }
     }
 
-    /// Tells U′(r_cut), the derivative of the pair potential just inside the cutoff, where the force
-    /// drops to zero with a jump (plain and shifted cutoffs), in ε/σ. Zero, the default, for truncations
-    /// whose force is continuous.
+    /// Sets U′(r_cut) in ε/σ: the derivative of the pair potential just inside a cutoff at which the
+    /// force jumps to zero (plain and shifted cutoffs). Zero, the default, for truncations whose force
+    /// is continuous.
     pub fn set_force_jump(&mut self, derivative_at_cutoff: f64) {
         self.force_jump = derivative_at_cutoff;
     }
@@ -268,7 +268,7 @@ impl Observable for Thermodynamics {
         ]);
     }
 
-    /// The part to discard is that of [`Thermodynamics::equilibrium`] as a rule.
+    /// As a rule, the part to discard comes from [`Thermodynamics::equilibrium`].
     fn finish(&self, discarded: f64) -> Findings {
         let rows = self.series.rows();
         let cut = (discarded * rows.time.len() as f64).round() as usize;

@@ -92,8 +92,8 @@ impl Tracked {
         })
     }
 
-    /// `values[i] − mean` for the particles followed, where the mean is that of all particles,
-    /// weighted by mass: the motion of the whole system is no diffusion.
+    /// `values[i] − mean` for the particles followed. The mean is over all particles, weighted by
+    /// mass, since the motion of the whole system is no diffusion.
     pub(crate) fn relative_to_centre_of_mass(
         &self,
         system: &System,

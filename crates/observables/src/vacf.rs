@@ -32,8 +32,8 @@ const MOST_LAGS: usize = 10_000;
 /// The function counts as decayed where its end is below this part of its beginning.
 const DECAYED: f64 = 0.01;
 
-/// Below this value at the first lag the sampling is too coarse for the trapezoidal rule: for a function
-/// that starts as 1 − (Ωt)²/2 the rule errs by about a tenth of what is lost in the first interval.
+/// Below this value at the first lag the sampling is too coarse for the trapezoidal rule. For a function
+/// that starts as 1 − (Ωt)²/2, the rule errs by about a tenth of the loss in the first interval.
 const FINE_ENOUGH: f64 = 0.5;
 
 lennard_core::options! {
@@ -65,7 +65,7 @@ impl Recipe for VacfOptions {
 }
 
 /// The velocity autocorrelation function C(t) = ⟨v(0)·v(t)⟩ in σ²/τ², relative to the centre of mass, over
-/// many time origins, and D = ⅓∫C dt by the trapezoidal rule up to the end of the window.
+/// many time origins. D = ⅓∫C dt follows by the trapezoidal rule up to the end of the window.
 ///
 /// For unit masses C(0) = 3T·(N − 1)/N. D from here and from the mean-square displacement are the same
 /// number by two roads; neither is corrected for finite size here.

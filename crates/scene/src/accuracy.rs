@@ -11,8 +11,8 @@ use crate::tree::{Table, Value};
 
 /// The largest errors that are accepted; what is not named is not asked for.
 ///
-/// U and P are those of the full potential where the scene leaves the truncation free, and those of its own
-/// model where it writes both `truncation.kind` and `truncation.r_cut`.
+/// U and P of the full potential are wanted where the scene leaves the truncation free. Where it writes
+/// both `truncation.kind` and `truncation.r_cut`, U and P of its own model are wanted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Accuracy {
@@ -186,8 +186,8 @@ impl Scene {
             )))
     }
 
-    /// Whether U and P wanted are those of the potential without any cutoff: so where an accuracy does not find
-    /// both kind and cutoff radius of the truncation in the scene.
+    /// Whether U and P of the potential without any cutoff are wanted. This is so unless the scene fixes
+    /// both kind and cutoff radius of the truncation, or the potential ends by itself.
     #[must_use]
     pub fn wants_full_potential(&self) -> bool {
         let wrote = |key| self.source.wrote(key);

@@ -11,8 +11,8 @@ use crate::{
 };
 
 impl Scene {
-    /// Whether all tables go together, for a scene that was changed after it was read: stages, tail correction, and
-    /// whether cutoff, skin and observables fit the box where the scene itself names it.
+    /// Whether all tables go together, for a scene that was changed after it was read. It checks stages and tail
+    /// correction. Where the scene itself names the box, it checks that cutoff, skin and observables fit.
     ///
     /// # Errors
     /// [`SceneError`] for the first thing that is wrong; never for a scene as it was read.
@@ -23,9 +23,8 @@ impl Scene {
     /// The box and the part of it that particles fill at the start; `None` for a start from a configuration file. A start that the
     /// scene lists has the part between the walls.
     ///
-    /// # Errors
-    /// [`SceneError`] where the particles make no whole lattice or the box cannot be; never for a scene
-    /// that was read from a file, which was checked then.
+    /// # Errors [`SceneError`] where the particles make no whole lattice or the box is impossible. A
+    /// scene that was read from a file has been checked, and never fails.
     pub fn placement(&self) -> Result<Option<Placement>, SceneError> {
         let (lattice, n_atoms, geometry, vacuum) = match &self.system.start {
             Start::Lattice {
@@ -151,7 +150,7 @@ fn stages(scene: &Scene) -> Result<(), SceneError> {
     let Some((_, first)) = measured.next() else {
         return Err(scene
             .source
-            .refuse("stage", "has none that is measured")
+            .refuse("stage", "has no measured stage")
             .found("measure = false in every stage")
             .allowed("`measure = true` in at least one stage"));
     };
@@ -165,7 +164,7 @@ fn stages(scene: &Scene) -> Result<(), SceneError> {
         if !alike {
             return Err(scene
                 .source
-                .refuse(&format!("stage.{i}.measure"), "pools unlike samples")
+                .refuse(&format!("stage.{i}.measure"), "would pool samples of unlike stages")
                 .found(format!(
                     "stages {:?} and {:?}, both measured, that differ in dt, thermostat, barostat, exchange or temperature",
                     first.name, stage.name

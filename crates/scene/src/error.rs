@@ -13,8 +13,9 @@ pub enum Place {
     Override(Arc<str>),
 }
 
-/// A scene that cannot be used: says file, line, key, what was found, what is allowed, and the nearest
-/// valid name where a name is wrong. Its [`Display`](fmt::Display) is the whole message, several lines long.
+/// A scene that cannot be used. The error says file, line, key, what was found and what is allowed. Where a
+/// name is wrong, it says the nearest valid name. Its [`Display`](fmt::Display) is the whole message,
+/// several lines long.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub struct SceneError(Box<Details>);
 
@@ -196,8 +197,8 @@ impl Source {
         }
     }
 
-    /// The line of a key, counted from 1, or that of its table; `None` where neither was written, or
-    /// where the value came from an override.
+    /// The line of a key, counted from 1, or the line of its table. `None` where neither was
+    /// written, or where the value came from an override.
     #[must_use]
     pub fn locate(&self, key: &str) -> Option<usize> {
         match self.place(key) {
@@ -232,7 +233,7 @@ impl Source {
             Some(Place::Override(text)) => format!("in the override `{text}`"),
             None => format!("in {first}"),
         };
-        self.refuse(key, "is there twice")
+        self.refuse(key, "is written twice")
             .found(format!("{found:?}, first {before}"))
             .allowed("each at most once")
     }

@@ -5,8 +5,8 @@ use lennard_core::DVec3;
 use crate::Lattice;
 use crate::reference::MOST_ATOMS;
 
-/// In a region that is not a cube, cells may be this much longer along one axis than along another:
-/// the lattice is only where a fluid starts from.
+/// In a region that is not a cube, cells may be this much longer along one axis than along another.
+/// The lattice is only the start of a fluid.
 const MOST_STRETCHED_CELL: f64 = 1.1;
 
 /// How many times more cells than particles may be looked at when the nearest legal number is sought.
@@ -119,7 +119,7 @@ fn in_cuboid(lattice: Lattice, n_atoms: usize, sides: DVec3) -> Result<[usize; 3
         return Err(none(None, None));
     }
     // Edges within a tenth of each other lie within a tenth of their geometric mean, so no better counts
-    // are missed; for `below` and `above` one more on either side gives room for another number.
+    // are missed. One more count on either side gives `below` and `above` room for another number.
     let range = |axis: usize| {
         let ideal = sides[axis] / edge;
         let low = (ideal / MOST_STRETCHED_CELL).floor().max(1.0) as usize;

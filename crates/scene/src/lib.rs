@@ -1,9 +1,10 @@
 //! The scene file as typed tables, with errors that name file, line, key, value and what is allowed.
 //!
-//! A scene is read in four moves: text to a tree in which every value knows its line
-//! ([`Scene::parse`]), overrides written over the tree, tables made typed by serde (each method's
-//! options type lives beside the method), and checks between tables. [`mod@reference`] holds every table and
-//! key with default, unit and what is allowed; messages and `inputs/README.md` are made from it.
+//! A scene is read in four moves. Text becomes a tree in which every value knows its line
+//! ([`Scene::parse`]). Overrides are written over the tree. Serde makes typed tables of it, where each
+//! method's options type lives beside the method. At last, tables are checked against each other.
+//! [`mod@reference`] holds every table and key with default, unit and what is allowed; messages and
+//! `inputs/README.md` are made from it.
 
 mod accuracy;
 mod bath_checks;

@@ -144,9 +144,8 @@ impl Lock {
 
     /// The scene with the settings of the lock, ready to be run.
     ///
-    /// # Errors
-    /// [`SceneError`] where the scene leaves nothing to a lock, where the lock belongs to another scene (naming the
-    /// key that differs), and where its settings do not fit.
+    /// # Errors [`SceneError`] where the scene leaves nothing to a lock, or where the settings do not fit. Also
+    /// where the lock belongs to another scene: the error names the key that differs.
     pub fn settle(&self, scene: &Scene) -> Result<Scene, SceneError> {
         if scene.free.is_empty() {
             return Err(SceneError::new(
@@ -193,7 +192,7 @@ impl Lock {
         let node = self.scene.iter().find(|(k, _)| k == key);
         Err(SceneError::new(
             &self.file,
-            "is not that of the scene: the lock belongs to another",
+            "differs from the scene: the lock belongs to another scene",
         )
         .at(node.map(|(_, node)| node.place.clone()))
         .key(key)

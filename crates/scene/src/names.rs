@@ -67,7 +67,7 @@ struct LeftOut {
 const THERMOSTATS_LEFT_OUT: &[LeftOut] = &[
     LeftOut {
         words: &["andersen"],
-        why: "it samples as `langevin` does, and disturbs the motion alike: take `langevin`",
+        why: "it samples as `langevin` does, and disturbs the motion as much: take `langevin`",
     },
     LeftOut {
         words: &["berendsen", "weak_coupling"],
@@ -125,7 +125,7 @@ const BAROSTATS_LEFT_OUT: &[LeftOut] = &[
     },
     LeftOut {
         words: &["monte_carlo", "mc"],
-        why: "it is blind to the virial: take `stochastic-cell-rescaling`, whose moves have a Metropolis test too",
+        why: "it does not use the virial: take `stochastic-cell-rescaling`, whose moves have a Metropolis test too",
     },
     LeftOut {
         words: &[

@@ -24,9 +24,9 @@ impl Scene {
         Self::load_after(path, overrides, |_| {})
     }
 
-    /// Reads a scene file that has settings of its own as one that asks for the usual accuracy
-    /// ([`Accuracy::USUAL`](crate::Accuracy::USUAL)): what an accuracy chooses is taken out of the file, and what is among
-    /// `overrides` stays fixed.
+    /// Reads a scene file that has settings of its own as a scene that asks for the usual accuracy
+    /// ([`Accuracy::USUAL`](crate::Accuracy::USUAL)). The keys that an accuracy chooses are taken out of the file. Keys
+    /// among `overrides` stay fixed.
     ///
     /// # Errors
     /// As [`Scene::load`].
@@ -192,7 +192,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Refuses what stands outside every table, and tables that nobody knows.
+    /// Refuses keys outside every table, and unknown tables.
     fn known_tables(&self) -> Result<(), SceneError> {
         for entry in &self.root.0 {
             let key = entry.key.as_str();
@@ -367,7 +367,7 @@ impl<'a> Reader<'a> {
         match self.root.get(name).map(|node| &node.value) {
             Some(Value::Array(items)) if items.len() > MOST_ENTRIES => Err(self
                 .source
-                .refuse(name, "is there too often")
+                .refuse(name, "is written too often")
                 .found(format!("{} times", items.len()))
                 .allowed(format!("at most {MOST_ENTRIES} times"))),
             Some(Value::Array(items)) => Ok(items),

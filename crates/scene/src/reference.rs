@@ -191,7 +191,7 @@ static SHARED: &[(&str, Keys)] = keys! {
     }
     "observable" {
         "kind": Names(|| lennard_observables::observables().iter().map(|o| o.name).collect()), "needed", "", "The observable.";
-        "every": Whole(1, MOST_STEPS), "that of the kind", "steps", "Steps between two samples.";
+        "every": Whole(1, MOST_STEPS), "the default of the kind", "steps", "Steps between two samples.";
     }
     "output" {
         "trajectory_every": Whole(0, MOST_STEPS), "`0`", "steps", "Steps between two frames of the trajectory; 0 for no trajectory.";

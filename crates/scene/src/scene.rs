@@ -28,8 +28,8 @@ pub struct Scene {
     pub molecule: Option<Molecule>,
     /// The errors that are accepted, where the scene asks for an accuracy.
     pub accuracy: Option<Accuracy>,
-    /// The settings that the accuracy leaves to be chosen and that no lock file has brought; where there are
-    /// any, their fields hold defaults that nothing may be run with.
+    /// The settings that the accuracy leaves to be chosen and that no lock file has brought. While there are
+    /// any, their fields hold defaults, and the scene must not be run.
     pub free: Vec<&'static str>,
     /// The pair potential.
     pub potential: PotentialOptions,
@@ -113,8 +113,8 @@ impl PartialEq for Scene {
 }
 
 impl Scene {
-    /// The options of the force field together, with what the integrator needs of it: forces split by
-    /// distance for RESPA, and forces that are a pure function of the positions for the bit-reversible method.
+    /// The options of the force field together, with what the integrator needs. RESPA needs forces split by
+    /// distance. The bit-reversible method needs forces that are a pure function of the positions.
     #[must_use]
     pub fn force_field(&self) -> ForceFieldOptions {
         ForceFieldOptions {
@@ -144,7 +144,7 @@ impl Scene {
         }
     }
 
-    /// The step of a stage in τ: its own, or that of the integrator table.
+    /// The step of a stage in τ: its own, or the step of the integrator table.
     #[must_use]
     pub fn stage_dt(&self, stage: &Stage) -> f64 {
         stage.dt.unwrap_or(self.integrator.dt)
@@ -228,11 +228,11 @@ pub struct IntegratorTable {
 /// A table `[[stage]]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stage {
-    /// Its name, unlike that of any other stage.
+    /// Its name; every stage has another name.
     pub name: String,
     /// Number of steps.
     pub steps: u64,
-    /// Temperature of its thermostat in ε/k_B, at the end of a ramp; that of the system where none is given.
+    /// Temperature of its thermostat in ε/k_B, at the end of a ramp; the temperature of the system where none is given.
     pub temperature: f64,
     /// Temperature at the start of a ramp in ε/k_B; `None` for a constant temperature.
     pub temperature_from: Option<f64>,

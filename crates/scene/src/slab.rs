@@ -101,7 +101,10 @@ impl Reader<'_> {
         if vapor_density >= liquid_density {
             return Err(self
                 .source
-                .refuse("slab.vapor_density", "is not below that of the liquid")
+                .refuse(
+                    "slab.vapor_density",
+                    "is not below the density of the liquid",
+                )
                 .found(vapor_density)
                 .allowed(format!("below {liquid_density} σ⁻³")));
         }

@@ -21,8 +21,8 @@ pub const DEFAULT_SPLIT: SplitOptions = SplitOptions {
     width: 0.4,
 };
 const DEFAULT_THERMO_EVERY: u64 = 10;
-/// Wall-clock seconds between two checkpoints where the scene does not say: a killed run loses ten minutes at
-/// most, a short one writes none on its way, and a long one pays far below 1 %.
+/// Wall-clock seconds between two checkpoints where the scene does not say. A killed run loses ten minutes at
+/// most, a short run writes no checkpoint on its way, and a long run pays far below 1 %.
 const DEFAULT_CHECKPOINT_SECONDS: f64 = 600.0;
 const DEFAULT_ELEMENT: &str = "Ar";
 

@@ -246,8 +246,8 @@ fn tag(table: &Table) -> &'static str {
 
 /// The key of a table that a fault is about.
 ///
-/// An internally tagged enum copies its table before it looks at it and so forgets the way; then each
-/// key is tried alone beside `kind`, until one brings the same fault.
+/// An internally tagged enum copies its table before it looks at it, and so forgets the path of the
+/// key. Each key is then tried alone beside `kind`, until one key gives the same fault.
 fn culprit(
     fault: &Fault,
     table: &Table,

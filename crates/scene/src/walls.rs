@@ -316,7 +316,10 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
     };
     let surface = table.options.surface(&context, false);
     let (rule, message) = match (surface.rule(), surface.dashpot()) {
-        (Some(rule), _) => (rule, "is hit in drifts, which the method does not make"),
+        (Some(rule), _) => (
+            rule,
+            "is hit in drifts of a kind that the method does not make",
+        ),
         (None, Some(_)) => (
             HitRule::OnLines,
             "has a dashpot, which acts in drifts that the method does not make",
@@ -352,7 +355,7 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
             .source
             .refuse(
                 &format!("wall.{i}.response"),
-                "is exact for one particle in a constant field alone",
+                "is for one particle in a constant field alone",
             )
             .found("\"event\" with other particles")
             .allowed("\"billiard\", or `system.n_atoms` = 1"));

@@ -1,5 +1,5 @@
-//! Tunes scenes at eight states from gas to dense liquid and puts every choice on trial: ten independent seeds against
-//! tight runs, and every setting of a grid that would cost less.
+//! Tunes scenes at eight states from gas to dense liquid and puts every choice on trial. Ten independent seeds are
+//! compared with tight runs. Every setting of a grid that would cost less is tried too.
 //!
 //! `cargo xtask accuracy`, or for one state `cargo xtask accuracy --state triple-point`; `--seconds S` for each tuning,
 //! `--share X` scales the length of the runs.
@@ -47,8 +47,8 @@ const STATES: [State; 8] = [
 const ATOMS: usize = 864;
 /// Independent seeds.
 const SEEDS: u64 = 10;
-/// Length of each run of the choice and of each tight run of a liquid, τ; a thin fluid costs less and forgets more slowly,
-/// and runs for longer as its density is lower.
+/// Length of each run of the choice and of each tight run of a liquid, τ. A thin fluid costs less and its correlations
+/// last longer, so it runs for longer.
 const TIMES: (f64, f64) = (50.0, 25.0);
 /// The density of a liquid whose runs have these lengths, σ⁻³.
 const LIQUID: f64 = 0.8;
@@ -106,7 +106,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         passed += usize::from(trial.meets && trial.is_cheap());
     }
     println!(
-        "\n{passed} of {tried} states: the target is met, and nothing that may meet it, by its runs and by the models, costs less by more than a factor of {ALLOWED_FACTOR}"
+        "\n{passed} of {tried} states: the target is met, and no settings that cost less by more than a factor of {ALLOWED_FACTOR} meet it, by their runs or by the models"
     );
     let all = passed == tried && tried > 0;
     Ok(if all {

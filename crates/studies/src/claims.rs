@@ -150,9 +150,9 @@ impl Claim {
 #[must_use]
 pub fn table(claims: &[Claim]) -> Table {
     let caption = "What each source claims beside what was measured. A verdict is computed: it says whether \
-                   the measured number meets the claim. The word “differs” in the column of the theory would \
-                   say that theory and measurement disagree by more than a stated cause explains (`claims.csv` \
-                   has tolerances and their causes).";
+                   the measured number meets the claim. In the column of the theory, “differs” \
+                   means that theory and measurement disagree by more than a stated cause explains. `claims.csv` \
+                   has tolerances and their causes.";
     Table::rows_of("claims", claims)
         .caption(caption)
         .column("Source", |c| c.source)

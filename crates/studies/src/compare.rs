@@ -26,7 +26,7 @@ use serde::Serialize;
 
 /// A quantity of the run record in words for a table.
 ///
-/// The two kinetic temperatures are told apart plainly: a finite step makes them differ.
+/// The two kinetic temperatures have different names: a finite step makes them differ.
 #[must_use]
 pub fn quantity_words(name: &str) -> String {
     match name {

@@ -6,8 +6,8 @@ use std::sync::mpsc;
 
 use crate::StudyError;
 
-/// Runs `work` on every item, on as many threads as there are in the present pool, and returns the results
-/// in the order of the items. After each item `done` is called on this thread with the share that is finished.
+/// Runs `work` on every item, on all threads of the present pool, and returns the results in the order of the
+/// items. After each item `done` is called on this thread with the share that is finished.
 ///
 /// Each job sees a pool of a single thread: a small system is slower on two, and jobs must not wait for
 /// each other. Which thread does which item changes nothing in the results.
@@ -19,7 +19,7 @@ pub(crate) fn side_by_side<I: Sync, R: Send>(
     side_by_side_on(rayon::current_num_threads(), items, work, done)
 }
 
-/// [`side_by_side`] without a progress that is told.
+/// [`side_by_side`] without progress.
 pub(crate) fn side_by_side_quietly<I: Sync, R: Send>(
     items: &[I],
     work: impl Fn(&I) -> R + Sync,

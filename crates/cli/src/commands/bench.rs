@@ -62,7 +62,7 @@ pub fn bench(args: &BenchArgs) -> Result<u8, Failure> {
     let mut progress = Display::of_study(args.quiet);
     let study = bench::run(&options, &mut progress);
     drop(progress);
-    // Gone whatever came of it: it holds nothing that anybody wants.
+    // The scratch folder is removed after a failure too: it holds nothing of use.
     let _ = std::fs::remove_dir_all(&scratch);
     let study = study?;
     bench::write(&study, folder.path())?;

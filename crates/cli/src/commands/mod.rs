@@ -29,9 +29,9 @@ use crate::args::SceneArgs;
 pub use crate::commands::inputs::Inputs;
 use crate::failure::{DONE, Failure, OTHER};
 
-/// Loads the scene of a command with its overrides, and with the settings of its lock file where it asks for an
-/// accuracy and there is one. Without one, a scene that leaves settings to be chosen is refused
-/// where it would be built.
+/// Loads the scene of a command with its overrides. Where the scene asks for an accuracy, the settings of its
+/// lock file are added, if there is one. Without a lock file, a scene that leaves settings to be chosen is
+/// refused where it would be built.
 pub fn load_locked(args: &SceneArgs) -> Result<(Scene, Option<UsedLock>), Failure> {
     Ok(Scene::load_settled(
         &args.scene,

@@ -42,7 +42,7 @@ fn kernels(study: &BenchStudy) {
     println!("{}", table(&kernel_table(study, false)));
     println!(
         "  ns per atom: medians of whole steps, in brackets the range; best times of forces alone (the list given) and of one build, which is\n  \
-         paid once in many steps; processor time is that of a step on one thread, steadier than the clock where others are at work"
+         paid once in many steps; processor time is for a step on one thread, and steadier than the clock where others are at work"
     );
     let limits: Vec<String> = study
         .kernels

@@ -5,7 +5,7 @@ use lennard_engine::{Plan, PlanItem};
 
 use super::{bytes, duration, table};
 
-/// Parts with a share below this one are told together.
+/// Parts with a smaller share than this are printed together.
 const SMALL_SHARE: f64 = 0.02;
 /// The most parts with a line of their own.
 const MOST_LINES: usize = 4;

@@ -10,7 +10,7 @@ use super::{duration, table};
 pub fn tuning(tuning: &Tuning) {
     println!("{}", console::style(&tuning.scene).bold());
     println!(
-        "  ρ = {:.4}, T = {:.4}; U and P wanted are those of {}",
+        "  ρ = {:.4}, T = {:.4}; wanted: U and P of {}",
         tuning.density, tuning.temperature, tuning.about
     );
     println!(

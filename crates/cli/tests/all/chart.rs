@@ -103,7 +103,7 @@ fn a_chart_has_everything_goes_on_where_it_stopped_and_refuses_other_folders() {
     assert!(html.contains("Point at a mark") && html.matches("<script>").count() == 1);
     assert!(!html.contains("http-equiv") && !html.contains("src=\"http"));
 
-    // The usual settings stand beside those of the scene, and both are named.
+    // The usual settings stand beside the settings of the scene, and both are named.
     let usual = &first["points"][1]["settings"];
     assert_eq!(usual["truncation"]["r_cut"], 2.5);
     assert_eq!(usual["dt"].as_f64().unwrap(), 48.0 * 0.01 / 120.0);
@@ -220,7 +220,7 @@ fn folders_that_hold_something_else_are_refused_before_anything_is_computed() {
         words.contains("it holds something that is no chart"),
         "{words}"
     );
-    assert!(words.contains("allowed: an empty folder, or what this very chart has left there; give another --out, or --force to begin anew"));
+    assert!(words.contains("allowed: an empty folder, or one that holds this chart; give another --out, or --force to begin anew"));
     // What looks like a chart whose points are no folder cannot be made room for.
     std::fs::write(out.join("plan.toml"), "").unwrap();
     std::fs::write(out.join("points"), "a file").unwrap();

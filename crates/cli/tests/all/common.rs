@@ -23,7 +23,7 @@ pub fn lennard_in(folder: &Path, arguments: &[&str]) -> Output {
     lennard(arguments).current_dir(folder).output().unwrap()
 }
 
-/// Runs a command whose standard output nobody reads: it must end well all the same.
+/// Runs a command whose standard output has no reader: it must still end well.
 pub fn without_a_reader(mut command: Command) {
     let mut child = command
         .stdout(Stdio::piped())

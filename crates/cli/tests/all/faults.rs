@@ -33,9 +33,9 @@ impl Place {
         }
     }
 
-    /// The same for somebody whom permissions bind; `None`, with a printed line, where that cannot be had.
+    /// The same for a user whom permissions bind. `None`, with a printed line, where there is no such user.
     #[allow(clippy::print_stdout)] // a test that is left out says so
-    fn of_somebody_without_privileges() -> Option<Self> {
+    fn of_a_user_without_privileges() -> Option<Self> {
         let mut place = Self::new();
         let said = |command: &str, arguments: &[&str]| {
             let output = Command::new(command).args(arguments).output().ok()?;
@@ -50,7 +50,7 @@ impl Place {
         let give_up = ["--reuid", NOBODY, "--regid", NOBODY, "--clear-groups"];
         if said("setpriv", &[&give_up[..], &["true"]].concat()).is_none() {
             println!(
-                "skipped: root ignores permissions, and there is no setpriv to become somebody else"
+                "skipped: root ignores permissions, and there is no setpriv to become another user"
             );
             return None;
         }
@@ -129,12 +129,12 @@ fn refused(output: &Output, code: i32, words: &[&str]) {
     }
 }
 
-/// Proves that a run whose folder is closed to it stops at its next checkpoint with the cause and the way to go on, that
-/// what was whole stays whole, and that it goes on once the folder is open again. It does not prove anything for root,
-/// whom permissions do not bind.
+/// Proves that a run without permission for its folder stops at its next checkpoint, with the cause and the way to go
+/// on. Whole files stay whole, and the run goes on once the folder is open again. This proves nothing for root, whom
+/// permissions do not bind.
 #[test]
 fn permission_lost_stops_the_run_and_loses_nothing_before() {
-    let Some(place) = Place::of_somebody_without_privileges() else {
+    let Some(place) = Place::of_a_user_without_privileges() else {
         return;
     };
     let child = place.at_work();
@@ -189,8 +189,8 @@ fn permission_lost_stops_the_run_and_loses_nothing_before() {
     allow(place.root.path(), 0o755);
 }
 
-/// Proves that a folder which is taken away, or has become a file, ends a run with exit code 1 and the name of the file that
-/// could not be written; for root too.
+/// Proves that a run ends with exit code 1 where its folder is taken away or has become a file. The message names the file
+/// that could not be written. This holds for root too.
 #[test]
 fn a_folder_that_is_taken_away_stops_the_run() {
     for by_a_file in [false, true] {
@@ -214,7 +214,7 @@ fn a_folder_that_is_taken_away_stops_the_run() {
 /// Proves that a place which refuses even root is refused before anything is computed.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_place_where_nobody_may_write_is_refused_before_the_run() {
+fn a_place_where_no_one_may_write_is_refused_before_the_run() {
     let place = Place::new();
     let output = place
         .command(&["run", "liquid.toml", "--quiet", "--out", "/proc/lennard"])

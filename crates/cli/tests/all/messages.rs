@@ -55,8 +55,8 @@ fn arguments_that_cannot_be_read_come_with_an_example() {
 #[cfg(target_os = "linux")]
 #[test]
 fn threads_that_the_system_does_not_give_are_no_panic() {
-    // Stacks of 400 MB: the third does not fit into one gigabyte, and what is left is enough for
-    // the small things that a started thread asks for (failing there, Rust's runtime aborts).
+    // Stacks of 400 MB: the third does not fit into one gigabyte. The rest is enough for the small
+    // requests of a started thread, at which Rust's runtime would abort.
     for (command, wanted) in [
         (
             "plan inputs/fluid/gas.toml --threads 5000",
@@ -221,7 +221,7 @@ fn a_run_that_cannot_be_compared_says_why() {
     refused(
         &within(path, &["compare", "next"]),
         2,
-        &["next: the box of the run cannot be told: ", "final.xyz"],
+        &["next: the box of the run is not known: ", "final.xyz"],
     );
     fs::create_dir(path.join("empty")).unwrap();
     let wanted = [

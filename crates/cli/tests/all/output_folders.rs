@@ -55,7 +55,7 @@ fn ok(output: &Output) {
     assert!(output.status.success(), "{}", stderr(output));
 }
 
-/// Every file below a folder with its bytes, but for the claim and the growing tables.
+/// Every file below a folder with its bytes except for the claim and the growing tables.
 fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut all = Vec::new();
     for entry in fs::read_dir(folder).unwrap() {

@@ -250,7 +250,7 @@ fn times_and_numbers_that_make_no_sense_are_refused_with_an_example() {
     }
     refused(&bench.resume("out", &["--steps", "0"]), 2, &["--steps"]);
     assert!(!bench.path("out").exists());
-    // As long as anybody likes: longer than clocks go is no limit.
+    // Any length is taken: a time longer than clocks can count is no limit.
     ok(&bench.run("out", &["--max-walltime", "500000000000y"]));
 }
 
@@ -492,7 +492,7 @@ fn a_checkpoint_that_does_not_fit_its_own_scene_is_refused() {
     refused(
         &bench.resume("out", &[]),
         2,
-        &["its state is not that of its step"],
+        &["its state belongs to another step"],
     );
     change(&newest, |c| c.metadata.files.clear());
     refused(
@@ -655,7 +655,7 @@ fn a_reader_who_has_gone_is_no_failure_and_a_full_disk_is() {
         true,
         "the run came to its end"
     );
-    // Nobody reads standard error either.
+    // Standard error has no reader either.
     let mut child = bench
         .command(&["run", "liquid.toml", "--out", "out"])
         .stderr(Stdio::piped())

@@ -22,8 +22,8 @@ fn bench() -> Place {
     Place::with(&[("slow.toml", SLOW), ("small.toml", SMALL)])
 }
 
-/// Starts it with SIGHUP as a terminal leaves it: tests that run under `nohup` hand it on as ignored, and a run would
-/// rightly ignore it too.
+/// Starts it with SIGHUP as a terminal leaves it. Tests that run under `nohup` pass SIGHUP on as ignored, and a run
+/// would rightly ignore it too.
 fn start(bench: &Place, arguments: &[&str]) -> Child {
     let mut command = Command::new("env");
     command
@@ -101,7 +101,7 @@ fn a_run_that_starts_ends_at_once_and_nothing_was_written() {
     }
 }
 
-/// Proves that the first files of a run go with it where no step of it can be kept, and nothing else in the folder does.
+/// Proves that a run removes its first files where no step of it can be kept. Nothing else in the folder is removed.
 #[test]
 fn a_run_whose_first_step_is_under_way_takes_its_files_with_it() {
     let bench = bench();

@@ -174,8 +174,8 @@ fn the_frame_of_a_file_with_many_is_named() {
     assert!(!said.contains("the start is frame"), "{said}");
 }
 
-/// Proves that the last state is written with its energies wherever rows and samples fall, and that the state is the same
-/// to the bit as where they fall on the last step.
+/// Proves that the last state is written with its energies, whatever the steps of rows and samples. The state has the
+/// same bits as where rows and samples fall on the last step.
 #[test]
 fn the_last_state_has_its_energies_whenever_samples_are_taken() {
     let bench = bench();

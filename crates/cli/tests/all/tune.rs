@@ -45,7 +45,7 @@ fn refused(args: &[&str], words: &[&str]) {
     }
 }
 
-/// The usual cutoff of 2.5 σ fits half the box of 5³ particles, 2.54 σ, and not that of 4·3³.
+/// The usual cutoff of 2.5 σ fits half the box of 5³ particles, 2.54 σ, but not half the box of 4·3³.
 #[test]
 fn a_scene_whose_cutoff_fits_is_not_refused_for_the_usual_one() {
     let folder = tempfile::tempdir().unwrap();

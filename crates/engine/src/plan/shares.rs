@@ -247,8 +247,8 @@ fn median(call: impl FnMut()) -> f64 {
     repeated(PART_FOR, CALLS, call).median
 }
 
-/// Seconds that the watchdog takes per step, on the clock of the calling thread: its looks at the speeds and at single
-/// forces, and the copy of the state that it goes back to.
+/// Seconds that the watchdog takes per step, on the clock of the calling thread. It checks speeds and single forces,
+/// and copies the state that it goes back to.
 #[must_use]
 pub fn watching_seconds(simulation: &Simulation) -> f64 {
     let state = &simulation.state;
@@ -305,8 +305,8 @@ fn checkpoint_bytes(bare: &Simulation) -> usize {
     archive.bytes()
 }
 
-/// What a stage's heat bath adds to a step, mean over some steps in free flight; for a bath inside the step this is the
-/// difference to the scene's method.
+/// What a stage's heat bath adds to a step: the mean over some steps in free flight. For a bath inside the step this is
+/// the difference to the scene's method.
 fn bath(bare: &Simulation, stage: &Stage) -> f64 {
     let Some(options) = &stage.thermostat else {
         return 0.0;

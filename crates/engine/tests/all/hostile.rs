@@ -50,8 +50,8 @@ impl Bench {
     }
 }
 
-/// Every array of every kind of run is taken away, emptied, cut, made longer, given another type, and filled with numbers
-/// that have no business there. The run is brought back or refused by name; it never panics.
+/// Every array of every kind of run is taken away, emptied, cut, made longer, given another type, and filled with
+/// impossible numbers. The run is brought back or refused by name; it never panics.
 #[test]
 fn arrays_that_cannot_be_are_refused_by_name_or_harmless() {
     let bench = Bench(tempfile::tempdir().unwrap());
@@ -182,7 +182,7 @@ fn metadata_that_does_not_fit_is_refused() {
     };
     refused(
         &|c| c.metadata.step = u64::MAX,
-        "its state is not that of its step",
+        "its state belongs to another step",
     );
     refused(
         &|c| {

@@ -147,7 +147,7 @@ fn every_method_goes_on_from_a_saved_state_to_the_bit() {
 #[test]
 fn observing_changes_no_bit_of_the_trajectory() {
     let every = r#"[{kind="rdf", every=7}, {kind="msd", every=3}, {kind="vacf", every=5}, {kind="pressure-tensor", every=2}, {kind="momentum", every=1}]"#;
-    // Where nobody looks, several steps are taken in one go; in double precision where particles are many.
+    // Where no operation is due, several steps are taken at once; in double precision only where particles are many.
     for (precision, n, steps) in [
         ("double", "256", "1000"),
         ("double", "2048", "90"),
@@ -210,8 +210,8 @@ fn momentum_is_conserved_and_the_temperature_is_the_one_asked_for_at_the_start()
     assert!(s.system.momentum(&s.state.velocities).length() < 2e-10);
 }
 
-/// A full list in single precision does not cancel a pair's forces to the last bit, so that momentum takes a random walk: each
-/// evaluation adds √N of forces that are off by δ·F_rms, N evaluations apart √steps of them, |P| ≈ δ·F_rms·dt·√(N·steps).
+/// In single precision a full list does not cancel the two forces of a pair to the last bit, so momentum takes a random walk.
+/// Each of N forces is off by δ·F_rms at each step, independently: |P| ≈ δ·F_rms·dt·√(N·steps).
 #[test]
 fn momentum_of_mixed_precision_stays_below_a_random_walk_of_its_rounding() {
     for steps in [100_u32, 2000] {

@@ -251,7 +251,8 @@ fn starts_that_cannot_be_say_what_would_be() {
 fn a_start_whose_forces_are_not_finite_has_no_energy() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("start.xyz");
-    // Closer than any pair may start is refused earlier; a place so far away that no digit of it is left within the box is not.
+    // A pair closer than any pair may start is refused earlier. A place so far away that no digit of it is left within the box
+    // is not refused there.
     std::fs::write(
         &file,
         "2\nLattice=\"9 0 0 0 9 0 0 0 9\"\nAr 1.4e10 2 3\nAr 5 5 5\n",

@@ -36,7 +36,7 @@ const BATH: (&str, &str) = ("stage.production.thermostat", "bussi");
 
 #[test]
 fn a_power_has_its_exact_scaling_exponent() {
-    // U = W/12 for r⁻¹²: γ = 12/3 and R = 1, whatever the run, but for pairs that cross the cutoff with u = 6e-7.
+    // U = W/12 for r⁻¹²: γ = 12/3 and R = 1, whatever the run, except for pairs that cross the cutoff with u = 6e-7.
     let found = findings(&[
         ("potential", "{ kind = \"soft-sphere\", exponent = 12 }"),
         ("truncation.r_cut", "3.3"),

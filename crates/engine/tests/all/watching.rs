@@ -246,7 +246,7 @@ fn a_force_that_is_not_finite_stops_the_run_at_that_step_and_names_the_particle(
     let EngineError::Physics(failure) = error else {
         panic!("{text}")
     };
-    // The first evaluation is of the start; the forty-third that of step 42.
+    // The first evaluation belongs to the start, and the forty-third to step 42.
     assert!((41..=42).contains(&failure.step), "{}", failure.step);
 }
 

@@ -57,9 +57,8 @@ impl SplitWeights {
 
 /// One part of a split force: every value of an interaction times w or 1 − w.
 ///
-/// It is the force that is split, not the potential, so that near and far forces add up to the
-/// whole force; energy, virial and curvature are shared out by the same weight, and only their
-/// sums have a meaning.
+/// The force is split, not the potential, so that near and far forces add up to the whole force.
+/// Energy, virial and curvature are split by the same weight, and only their sums have a meaning.
 #[derive(Clone, Copy, Debug)]
 pub struct Part<I> {
     whole: I,

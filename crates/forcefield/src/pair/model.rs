@@ -11,7 +11,8 @@ use crate::real::Real;
 pub struct Model {
     /// The formula.
     pub form: Form,
-    /// The cutoff in force, σ: that of the options, or the end of a potential that ends by itself.
+    /// The cutoff in force, σ: the cutoff of the options, or the end of a potential that ends by
+    /// itself.
     pub r_cut: f64,
     /// U(r_cut) of the formula, ε: what the conserved energy subtracts for every pair.
     pub energy_at_cutoff: f64,

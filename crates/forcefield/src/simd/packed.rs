@@ -115,8 +115,8 @@ pub fn are_few(n: usize) -> bool {
 /// Packed copies of the positions.
 ///
 /// Many particles have one copy that all threads read, and a second one where chunks pack the rows of the next step.
-/// Few particles have one copy per thread: a thread packs them faster than their rows come from the cache of another
-/// processor, and one parallel section does everything. Nothing but speed depends on it.
+/// Few particles have one copy per thread. A thread packs them faster than their rows come from the cache of another
+/// processor, and one parallel section does everything. Only speed depends on it.
 #[derive(Debug)]
 pub struct PackedCopies<Row>(Vec<Mutex<PackedCopy<Row>>>);
 

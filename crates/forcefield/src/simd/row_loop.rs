@@ -84,8 +84,7 @@ pub unsafe fn run<L: RowLanes, I: Interaction>(
 
 /// Computes the particles of a chunk one after another, with the sums `A` for each.
 ///
-/// # Safety
-/// As [`run`]; `entries` are those of `chunk`, built by the list of `job`.
+/// # Safety As [`run`]; `entries` belong to `chunk`, and the list of `job` built them.
 #[inline(always)]
 unsafe fn sweep<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>>(
     isa: L::Isa,

@@ -181,8 +181,8 @@ fn tail_pressure_is_minus_the_volume_derivative_of_the_tail_energy() {
         let h = v * f64::EPSILON.cbrt();
         let slope = (u(v + h) - u(v - h)) / (2.0 * h);
         let tail = tail_correction(&options, n, v).unwrap();
-        // U_tail ∝ N²/V with g = 1 holds r_cut fixed: what −dU/dV sees is the change of density, and the
-        // virial sees the forces beyond r_cut; they differ by the flow through the cutoff sphere,
+        // U_tail ∝ N²/V with g = 1 holds r_cut fixed. −dU/dV has the change of density, and the virial
+        // has the forces beyond r_cut. They differ by the flow through the cutoff sphere,
         // −(2π/3)ρN/V·r_cut³·U(r_cut).
         let model = Model::new(&potential, &options.truncation).unwrap();
         let r_cut = model.r_cut;

@@ -59,8 +59,9 @@ pub fn start_orders(duration: f64, steps: &[u64]) -> Result<(Orders, Orders), St
 }
 
 /// Errors of three velocities made from the positions of Störmer–Verlet near the time `duration`, each
-/// as (dt, error) for each number of steps: the central one (x_{n+1} − x_{n−1})/(2h) at t_n, the one at
-/// the half step (x_{n+1} − x_n)/h at t_n + h/2, and the early one (x_{n+1} − x_n)/h at t_{n+1}.
+/// as (dt, error) for each number of steps. The central velocity is (x_{n+1} − x_{n−1})/(2h) at t_n.
+/// The velocity of half steps is (x_{n+1} − x_n)/h at t_n + h/2, and the early velocity is the same at
+/// t_{n+1}.
 ///
 /// # Errors
 /// As the method's own steps.
@@ -150,7 +151,7 @@ pub fn exponential_error(wh: f64, steps: u64) -> Result<ExponentialError, StepEr
 }
 
 /// Position errors of Störmer–Verlet under a changing step at t ≈ `duration`, as (mean step, error) for
-/// each number of steps: by the plain rule, the time-corrected one and the more exact one.
+/// each number of steps. The three rules are the plain, the time-corrected and the more exact rule.
 ///
 /// The step is h·(1 + ½·sin 2t), a smooth function of time.
 ///

@@ -73,8 +73,8 @@ impl Kepler {
         }
     }
 
-    /// The ellipse on which orders are measured: round enough for asymptotic behavior at practical
-    /// steps, and started at no point of symmetry, where errors might cancel.
+    /// The ellipse on which orders are measured. It is round enough for asymptotic behavior at
+    /// practical steps. It starts at no point of symmetry, where errors might cancel.
     #[must_use]
     pub fn for_orders() -> Self {
         Self::new(0.2, 0.7)

@@ -215,8 +215,9 @@ pub fn phase_per_step(one_step_map: &DMat2) -> Option<f64> {
     (first.y != 0.0).then(|| first.y.abs().atan2(first.x))
 }
 
-/// Growth beyond which a map counts as unstable: past the rounding of a determinant, and reached by
-/// a symplectic method at a relative 1e-26 past its limit and by explicit Euler at ωh = 5e-7.
+/// Growth beyond which a map counts as unstable. It is larger than the rounding of a determinant. A
+/// symplectic method reaches it at a relative 1e-26 past its limit, and explicit Euler at ωh =
+/// 5e-7.
 const GROWTH: f64 = 1e-13;
 
 /// Where to look for a stability limit: above `from`, up to `to`, on a grid of `spacing`, all in ω·dt.

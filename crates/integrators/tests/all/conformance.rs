@@ -183,9 +183,9 @@ fn the_exact_solution_is_exact() {
 
 #[test]
 fn every_state_that_a_method_publishes_belongs_to_one_time() {
-    // Energy and virial theorem would mix times otherwise: on the ellipse E = −½ exactly, so E − E₀ is
-    // bounded by what the declared order allows at once; a velocity half a step away would show E at
-    // order 1.
+    // Otherwise energy and virial theorem would mix times. On the ellipse E = −½ exactly, so E − E₀ is
+    // bounded by the declared order from the first step on. A velocity half a step away would show E
+    // at order 1.
     for entry in general_methods() {
         let order = entry.spec.position_order as i32;
         let error = |dt: f64| {
@@ -247,7 +247,7 @@ fn forces_and_clock_belong_to_the_new_positions() {
                     assert!((u / found.potential_energy.unwrap() - 1.0).abs() < 1e-12);
                 }
                 (3, None) => panic!("{name}: no energy where it was asked for"),
-                (_, Some(_)) => panic!("{name}: an energy where nobody asked for one"),
+                (_, Some(_)) => panic!("{name}: an energy where none was asked for"),
                 (_, None) => {}
             }
         }
@@ -435,9 +435,9 @@ fn total_momentum_is_conserved() {
             500,
         );
         let change = (system.momentum(&state.velocities) - before).length();
-        // The coarsest is the bit-reversible method: each push is rounded to δ = 2⁻⁴⁸, so each particle's
-        // momentum walks by m·δ/(h·√12) = 4e-13 a step and direction; √(27·500·3) of these add up to
-        // 8e-11, and four times that is allowed.
+        // The bit-reversible method is the coarsest. It rounds each kick to δ = 2⁻⁴⁸, so each particle's
+        // momentum walks by m·δ/(h·√12) = 4e-13 per step and direction. √(27·500·3) of these add up to
+        // 8e-11, and four times as much is allowed.
         assert!(change < 3.2e-10, "{}: {change:e}", entry.spec.name);
     }
 }

@@ -55,8 +55,8 @@ fn relaxation_finds_the_minimum_of_a_pair() {
 
 #[test]
 fn no_particle_moves_farther_than_allowed() {
-    // Forty pairs far apart, all overlapping, the first by far the most: mixing hands it a share of the
-    // motion of all others, which alone would carry it beyond the limit.
+    // Forty pairs far apart all overlap, the first by far the most. Mixing gives it a share of the
+    // motion of all others. This share alone would carry it beyond the limit.
     let mut points: Vec<DVec3> = (0..40)
         .flat_map(|pair| {
             let apart = if pair == 0 { 0.01 } else { 0.5 };

@@ -261,7 +261,7 @@ fn stochastic_rescaling_serves_a_single_degree_of_freedom() {
 #[test]
 fn energy_minus_heat_is_conserved_under_rescaling_and_stochastic_rescaling() {
     // With velocity Verlet on unit oscillators the energy oscillates by a relative (ωh)²/8 about its
-    // shadow and the heat enters in between, so E − Σ heat stays within a few of these.
+    // shadow. The heat enters in between, so E − Σ heat stays within a few such amplitudes.
     let (n, dt, omega) = (200, 0.02, 1.0);
     for options in [
         ThermostatOptions::Rescale(rescale::Options { every: 7 }),

@@ -1,5 +1,6 @@
-//! The claims about the Verlet family (methods.md A1–A7): two starts, three velocities, the 1/24, three
-//! rules for a changing step, local errors, and which methods are the same method.
+//! The claims about the Verlet family (methods.md A1–A7). They are about two starts, three velocities,
+//! the factor 1/24, three rules for a changing step, local errors, and methods that are the same
+//! method.
 
 use crate::common::{Cluster, cluster};
 use lennard_core::{DVec3, ForceTerm, Integrator, Part, State, System, Want};
@@ -131,7 +132,7 @@ fn velocity_verlet_leapfrog_and_stormer_verlet_with_central_velocities_are_one_m
         "bit-reversible-verlet",
     ] {
         let other = end_of_run(name, 100);
-        // Equal but for rounding: positions near 2 give 4e-16 a step, over h = 0.004 in the velocity,
+        // Equal except for rounding: positions near 2 give 4e-16 a step, over h = 0.004 in the velocity,
         // and the cluster's collisions let 100 steps of it grow by less than 10.
         let x = distance(&other.positions, &reference.positions);
         let v = distance(&other.velocities, &reference.velocities);

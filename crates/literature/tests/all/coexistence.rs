@@ -106,8 +106,8 @@ fn critical_point_is_where_pressure_is_flat() {
     for equation in crate::with_liquid() {
         let c = equation.spec().critical;
         let s = equation.at(c.density, c.temperature);
-        // The slope is small against that of the ideal gas, T_c, to the digits in which the
-        // critical constraint was imposed (Thol) or solved for (Kolafa and Nezbeda).
+        // The slope is small against T_c, the slope of the ideal gas. It is zero to the digits to
+        // which the critical constraint was imposed (Thol) or solved for (Kolafa and Nezbeda).
         assert!(
             s.dp_drho.abs() < 3e-3 * c.temperature,
             "{}: {}",
@@ -133,7 +133,7 @@ fn metastable_and_two_phase_states_are_said_to_be_ones() {
     ] {
         assert_eq!(e.phase(rho, t), phase, "at rho {rho} T {t}");
     }
-    // The freezing line is that of the full potential: nothing is said about another model's.
+    // The freezing line belongs to the full potential, and nothing is said about other models.
     assert_eq!(thol_2015().phase(0.9, 0.9), Phase::Liquid);
     assert_eq!(thol_2015().freezing_density(0.9), None);
 }

@@ -34,8 +34,8 @@ fn by_name(name: &str) -> &'static dyn EquationOfState {
 }
 
 /// The check values of Kolafa and Nezbeda were computed with teqp 0.23.2, whose coefficient C(−2, 3)
-/// is −112.3535693: one digit short of −112.35356937, which ten other public copies have, the
-/// authors' own program among them. Its α = a_res/T is larger by this times ρ³/T².
+/// is −112.3535693. This is one digit short of −112.35356937, which ten other public copies have,
+/// such as the authors' own program. The α = a_res/T of teqp is larger by this times ρ³/T².
 const DIGIT_MISSING_IN_TEQP: f64 = 7e-8;
 
 #[test]

@@ -22,7 +22,7 @@ fn the_distribution_of_an_ideal_gas_is_one() {
     // blocks widen it by a few per cent. The first bins hold few pairs and are left out.
     let chi2: f64 = (4..40).map(|k| ((g[k] - 1.0) / error[k]).powi(2)).sum();
     assert!((10.0..75.0).contains(&chi2), "{chi2}");
-    // All pairs together: the mean over the volume is exact but for pairs beyond r_max.
+    // All pairs together: the mean over the volume is exact except for pairs beyond r_max.
     assert!((10..40).all(|k| (g[k] - 1.0).abs() < 0.05));
 }
 

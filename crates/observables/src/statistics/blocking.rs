@@ -27,7 +27,8 @@ pub struct BlockingCurve {
 }
 
 impl BlockingCurve {
-    /// The error on the plateau; where there is none, that of the largest blocks, a lower bound.
+    /// The error on the plateau. Where there is no plateau, it is the error of the largest blocks, a
+    /// lower bound.
     #[must_use]
     pub fn standard_error(&self) -> f64 {
         self.plateau
@@ -55,7 +56,7 @@ impl BlockingCurve {
     }
 }
 
-/// The blocking transformation: neighbors are averaged in pairs again and again, and the apparent error
+/// The blocking transformation: neighbors are averaged in pairs again and again. The apparent error
 /// rises to a plateau when the blocks are longer than the correlation.
 ///
 /// The plateau begins with the smallest block size B for which B³ > 2n·(s_B/s_1)⁴, s being the apparent

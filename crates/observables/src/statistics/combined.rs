@@ -4,8 +4,8 @@ use lennard_core::Estimate;
 
 use super::{equilibration, estimate_after, mean};
 
-/// The latest of the equilibration cuts of several series of the same run, in samples: what the averages
-/// of one run have in common must be taken over the same samples.
+/// The latest equilibration cut of several series of one run, in samples. Averages that are combined
+/// must be taken over the same samples.
 #[must_use]
 pub fn common_cut(series: &[&[f64]]) -> usize {
     series
@@ -18,8 +18,8 @@ pub fn common_cut(series: &[&[f64]]) -> usize {
 /// The ratio of two means, R = ⟨a⟩/⟨b⟩, with the error of the correlated pair, after `cut` samples, and the series z whose
 /// mean has that error.
 ///
-/// To first order the ratio fluctuates as z_i = (a_i − R·b_i)/⟨b⟩, whose mean is zero: the error of R is
-/// that of the mean of z, correlation included. The bias of the ratio, −⟨δz δb⟩/⟨b⟩ per independent
+/// To first order the ratio fluctuates as z_i = (a_i − R·b_i)/⟨b⟩, whose mean is zero. The error of R is
+/// the error of the mean of z, correlation included. The bias of the ratio, −⟨δz δb⟩/⟨b⟩ per independent
 /// sample, is of second order and not corrected.
 ///
 /// # Panics
@@ -50,9 +50,9 @@ pub fn ratio(numerator: &[f64], denominator: &[f64], cut: usize) -> (Estimate, V
 /// The mean of a quantity with the error of its difference from a line in another one, after `cut` samples.
 ///
 /// A run at a measured temperature T̄ is compared with an equation of state at that T̄, so that T and U
-/// err together. With the slope s = ∂U_EOS/∂T the difference Ū − U_EOS(T̄) fluctuates as
-/// d_i = U_i − s·(T_i − T̄), which has the mean Ū: the estimate returned is that of d. In a run at
-/// constant energy, where U falls as T rises, its error is larger than that of U alone.
+/// err together. With the slope s = ∂U_EOS/∂T the difference Ū − U_EOS(T̄) fluctuates as d_i = U_i −
+/// s·(T_i − T̄), which has the mean Ū. The mean and the error of d are returned. In a run at constant
+/// energy U falls as T rises, and the error of d is larger than the error of U.
 ///
 /// # Panics
 /// Where the two series differ in length: that is a bug of the caller.
@@ -71,7 +71,7 @@ pub fn about_line(values: &[f64], abscissae: &[f64], slope: f64, cut: usize) -> 
         .zip(x)
         .map(|(y, x)| y - slope * (x - centre))
         .collect();
-    // The mean is that of the values themselves: Σ(x − x̄) is zero but for rounding.
+    // The mean of d is the mean of the values, since Σ(x − x̄) is zero except for rounding.
     Estimate {
         mean: mean(y),
         ..estimate_after(&differences, 0).with_cut(cut)

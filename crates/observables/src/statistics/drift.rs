@@ -14,9 +14,9 @@ pub struct Drift {
     pub slope: f64,
     /// Its standard error from the slopes of ten successive blocks, s/√10.
     ///
-    /// Right where the series wanders (a random walk, as from rounding); too large, up to ten times, where
-    /// it only fluctuates about a line, since the line through everything is then better known than the
-    /// mean of the slopes of its parts. It errs on the safe side.
+    /// It is right where the series is a random walk, as rounding makes it. Where the series only
+    /// fluctuates about a line, it is up to ten times too large. The line through all samples is then
+    /// known better than the mean of the slopes of its parts. It errs on the safe side.
     pub standard_error: f64,
     /// The value at t = 0.
     pub intercept: f64,
@@ -178,9 +178,9 @@ mod tests {
     #[test]
     fn the_error_of_the_slope_is_the_spread_over_seeds_of_a_random_walk() {
         // With ten blocks a printed error scatters by 1/√18 = 24 %; over 200 seeds its root mean square
-        // is known to 2 %, the spread to 5 %. A random walk of n steps: Var(slope) = 6/(5 n) of a step's
-        // variance for the whole, ten times that for a block, hence s²/10 is right but for the
-        // correlation of neighboring blocks' slopes, which is zero for a walk.
+        // is known to 2 %, the spread to 5 %. In a random walk of n steps, Var(slope) is 6/(5 n) of a
+        // step's variance for the whole, and ten times as much for a block. Slopes of neighboring blocks
+        // are not correlated in a walk, so s²/10 is right.
         let (n, seeds) = (2000, 200);
         let t = times(n);
         let mut slopes = Vec::new();

@@ -6,8 +6,8 @@ use super::mean;
 /// At most this part of a series is discarded: what is left must be able to speak for itself.
 pub const LARGEST_CUT: f64 = 0.6;
 
-/// A transient counts where its height is this many standard errors, the largest of seven decay times: about 1 stationary
-/// series in 100 passes it by chance, whatever its correlation (`cargo xtask coverage` publishes the rates).
+/// A transient counts where its height, at any of seven decay times, exceeds this many standard errors. By chance, about
+/// 1 stationary series in 100 exceeds it, whatever its correlation (`cargo xtask coverage` publishes the rates).
 pub const TRANSIENT_ERRORS: f64 = 3.5;
 
 /// After a cut the bar is this much higher: each look at a rest is one more chance to be misled.
@@ -16,7 +16,7 @@ const AFTER_A_CUT: f64 = 1.0;
 /// The bar for a series that is one of many of the same run: 1 in 1000 passes it by chance.
 pub const TRANSIENT_OF_MANY_ERRORS: f64 = 5.0;
 
-/// Decay times that are tried, in lengths of the series. The longest is a straight line but for 2 %.
+/// Decay times that are tried, in lengths of the series. The longest differs from a straight line by 2 %.
 const DECAY_TIMES: [f64; 7] = [0.02, 0.05, 0.1, 0.2, 0.4, 1.0, 3.0];
 
 /// What is left of a transient may bias the mean by this part of its standard error.
@@ -28,7 +28,7 @@ const FREEDOM: f64 = 16.0;
 /// Detection works on at most this many block means of the series.
 const MOST_BLOCKS: usize = 512;
 
-/// Shorter series are not cut: their correlation cannot be told from a trend.
+/// Shorter series are not cut: their correlation looks like a trend.
 const SHORTEST: usize = 32;
 
 /// Cuts that are tried after a transient, in parts of what is left.
@@ -68,10 +68,10 @@ struct Transient {
 /// Finds the part to discard at the start of a series, and tells whether the rest still changes.
 ///
 /// A constant and an exponential of each of seven decay times are fitted by least squares. The exponential counts where
-/// its height passes [`TRANSIENT_ERRORS`] standard errors, with the noise from what the fit leaves: a trend must not hide
-/// behind an error that it has itself made large. The cut is then where the rest of the exponential biases the mean by
-/// less than a fourth of its standard error, and the rest is looked at again. Where that cut would be beyond
-/// [`LARGEST_CUT`], the run is too short for its own relaxation: nothing is cut, and the trend is told.
+/// its height passes [`TRANSIENT_ERRORS`] standard errors. The noise is what the fit leaves: a trend must not hide behind
+/// an error that the trend has made large. The cut is where the rest of the exponential biases the mean by less than a
+/// fourth of its standard error. The series behind the cut is then tested again. Where that cut would be beyond
+/// [`LARGEST_CUT`], the run is too short for its own relaxation: nothing is cut, and the trend is reported.
 ///
 /// The search for the largest n_eff (J. D. Chodera, J. Chem. Theory Comput. 12, 1799 (2016)), which this replaces, cuts
 /// nothing where a transient fills the run.

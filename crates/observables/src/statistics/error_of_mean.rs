@@ -15,7 +15,7 @@ pub struct ErrorOfMean {
     pub freedom: f64,
 }
 
-/// The fewest samples or blocks from which an error is told.
+/// The fewest samples or blocks that give an error.
 pub const FEWEST_BLOCKS: usize = 4;
 
 /// Longer series are first averaged in blocks, which leaves the error of the mean as it is.
@@ -25,26 +25,28 @@ const MOST_BLOCKS: usize = 2048;
 /// twentieth of the series; narrower ones know the error better where nothing is left to be reached.
 const FREEDOMS: [f64; 4] = [8.0, 16.0, 32.0, 64.0];
 
-/// A narrower window is taken where every wider one agrees with it: where its variance is above that of the narrower one by
-/// less than the first number, and below it by less than the second, of standard deviations of their difference. Errors that
-/// are too small do more harm.
+/// A narrower window is taken where every wider window agrees with it. The variance of the wider window may be higher by the
+/// first number of standard deviations of their difference, and lower by the second. The first number is smaller because
+/// errors that are too small do more harm.
 const AGREEMENT: [f64; 2] = [1.2, 2.5];
 
-/// The flat-top window can give a small or negative value where samples are anticorrelated. It is not taken for smaller than
-/// this part of its standard deviation in a spectrum as high as Bartlett's window finds it, which is never negative.
+/// The flat-top window can give a small or negative value where samples are anticorrelated. The value is therefore raised to
+/// this part of its standard deviation at least. The standard deviation is taken from Bartlett's window, whose spectrum is
+/// never negative.
 const LOWEST_PART: f64 = 0.5;
 
 /// Estimates the standard error of the mean of a correlated series.
 ///
-/// The squared error is v/n, with v = Σ_t ρ-weighted covariances γ(t): the spectrum of the series at frequency zero.
-/// The window k(t) is flat up to half its width and falls to zero at the whole (a flat-top window), so that correlations
-/// shorter than the flat part count in full. A window of width b over n samples leaves ν = 3n/(4b) degrees of freedom;
-/// the mean that is taken off the samples makes v too small by Σk/n, which is put back.
+/// The squared error is v/n, with v = Σ_t ρ-weighted covariances γ(t): the spectrum of the series at frequency zero. The
+/// window k(t) is flat up to half its width and falls to zero at its whole width (a flat-top window). Correlations
+/// shorter than the flat part therefore count in full. A window of width b over n samples leaves ν = 3n/(4b) degrees of
+/// freedom. Taking the mean off the samples makes v too small by Σk/n, which is put back.
 ///
 /// Four widths are tried, from n/11 (ν = 8) to n/85 (ν = 64). The narrowest one with which all wider ones agree is taken.
 /// A slow part of small amplitude, which an estimate of the correlation function loses in its noise, shows in the
-/// widest windows. The error is widened so that two errors cover as much of Student's t with ν degrees of freedom as two
-/// errors of a normal distribution cover of that: by 1 + 5/(4ν) + 49/(32ν²), the first terms of Cornish and Fisher.
+/// widest windows. The error is widened by the factor 1 + 5/(4ν) + 49/(32ν²), the first terms of Cornish and Fisher. Two
+/// errors then cover as much of Student's t with ν degrees of freedom as two standard deviations cover of a normal
+/// distribution.
 ///
 /// Sources: D. N. Politis and J. P. Romano, "Bias-corrected nonparametric spectral estimation", J. Time Ser. Anal. 16, 67
 /// (1995), for the window; M. B. Priestley, Spectral Analysis and Time Series (1981), section 6.2.4, for ν.
@@ -53,8 +55,8 @@ pub fn error_of_mean(series: &[f64]) -> ErrorOfMean {
     error_with_overlap(series, 0.0)
 }
 
-/// As [`error_of_mean`], for values that each look `overlap` places ahead and so are correlated that far: no window is taken
-/// that is narrower than one and a half overlaps, and the error is at least that of independent values.
+/// As [`error_of_mean`], for values that each look `overlap` places ahead and so are correlated that far. No window is
+/// narrower than one and a half overlaps. The error is at least as large as for independent values.
 #[must_use]
 pub fn error_with_overlap(series: &[f64], overlap: f64) -> ErrorOfMean {
     let n = series.len();

@@ -10,7 +10,7 @@
 //! - [`ratio`], [`about_line`]: quantities made from two correlated series;
 //! - [`drift`]: a straight line through a series with the error of its slope.
 //!
-//! Where an error cannot be told (a single sample), it is NaN, never zero.
+//! Where an error is not known (a single sample), it is NaN, never zero.
 
 mod blocking;
 mod combined;

@@ -36,7 +36,8 @@ impl Thermodynamics {
     }
 
     /// The mean potential energy per particle, with the error of its difference from an equation of state
-    /// whose slope ∂u/∂T at the temperature of the positions is given ([`statistics::about_line`]).
+    /// ([`statistics::about_line`]). `slope` is ∂u/∂T of the equation at the temperature of the
+    /// positions.
     #[must_use]
     pub fn potential_energy_against(&self, slope: f64) -> Estimate {
         let rows = self.series.rows();

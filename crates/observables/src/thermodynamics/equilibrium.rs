@@ -8,14 +8,14 @@ use super::Thermodynamics;
 use crate::averages::changes;
 use crate::statistics::{self, equilibration};
 
-/// Collisions of each particle that a run must last. In a gas the energy is that of pairs that meet, and of pairs that stay
-/// bound until a third particle comes by: its correlation lasts about one and a half mean collision times. With 40 of them
-/// a run has 13 independent stretches of that slow part, from which its error is known to a fifth.
+/// Collisions of each particle that a run must last. In a gas the energy comes from pairs that meet, and from pairs that
+/// stay bound until a third particle comes by. Its correlation lasts about one and a half mean collision times. With 40
+/// collisions a run has 13 independent stretches of this slow part, from which its error is known to a fifth.
 const FEWEST_COLLISIONS: f64 = 40.0;
 
 /// Relaxation times of its bath that a run must last. The bath acts on the kinetic energy, and the total energy follows
-/// c_v/(3/2) times as slowly, 1.0 times in a gas and 1.75 times in a dense liquid: 40 of them are some 13 independent values
-/// of the energy.
+/// c_v/(3/2) times as slowly. This factor is 1.0 in a gas and 1.75 in a dense liquid. 40 relaxation times give some 13
+/// independent values of the energy.
 const FEWEST_RELAXATIONS: f64 = 40.0;
 
 /// The temperature that a heat bath holds.
@@ -23,15 +23,15 @@ const FEWEST_RELAXATIONS: f64 = 40.0;
 pub struct HeldTemperature {
     /// In ε/k_B.
     pub temperature: f64,
-    /// Whether it is that of half steps, and not of whole steps.
+    /// Whether it is the temperature of half steps, and not of whole steps.
     pub half_steps: bool,
     /// Time in τ in which the bath brings the kinetic energy back to its mean.
     pub relaxation: f64,
 }
 
 impl HeldTemperature {
-    /// A mean temperature is not that of the bath where it is off by more than this many of its standard errors, and by more
-    /// than [`Self::PART`].
+    /// A mean temperature misses its bath where it is off by more than this many of its standard errors, and by more than
+    /// [`Self::PART`].
     pub const ERRORS: f64 = 4.0;
     /// A finite step moves temperatures by some tenths of a per cent.
     pub const PART: f64 = 0.003;
@@ -63,10 +63,9 @@ impl Thermodynamics {
 
     /// The part to discard, and the verdict on the rest.
     ///
-    /// U and P (and T where a bath holds it) are each looked at by [`statistics::equilibration`]; the latest cut counts for
-    /// everything. A run is not in equilibrium where one of them still changes, or where the mean temperature is not that
-    /// of its bath. It is too short where a particle collides less than 40 times, or where it lasts less than 40 relaxation times of
-    /// the bath.
+    /// U and P (and T where a bath holds it) are each tested by [`statistics::equilibration`]; the latest cut counts for everything.
+    /// A run is not in equilibrium where one of them still changes, or where its mean temperature misses the bath. A run is too
+    /// short where a particle collides less than 40 times, or where it lasts less than 40 relaxation times of the bath.
     #[must_use]
     pub fn equilibrium(&self) -> Equilibrium {
         let rows = self.series.rows();

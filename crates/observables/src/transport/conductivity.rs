@@ -53,13 +53,13 @@ impl Recipe for ThermalConductivityOptions {
 
 /// The thermal conductivity λ in k_B/(στ) from the fluctuations of the heat flux at equilibrium.
 ///
-/// The heat flux of pair forces is V J = Σ_i [e_i v_i + W_i v_i] with the energy e_i and the virial
-/// W_i = ½ Σ_j r_ij ⊗ F_ij of a particle, half of each pair to either side. The enthalpy that the particles
-/// carry, h Σ v_i, is to be taken off: in a fluid of one component it is the momentum times a constant, and it
-/// vanishes here because velocities are taken relative to the centre of mass.
+/// The heat flux of pair forces is V J = Σ_i [e_i v_i + W_i v_i] with the energy e_i and the virial W_i = ½
+/// Σ_j r_ij ⊗ F_ij of a particle, half of each pair to either side. The enthalpy that the particles carry, h Σ
+/// v_i, must be taken off. In a fluid of one component it is the momentum times a constant. It vanishes here
+/// because velocities are taken relative to the centre of mass.
 ///
-/// With a plain cutoff e_i jumps by ½ U(r_cut), 0.008 ε at 2.5 σ, as a pair crosses the cutoff, which no force
-/// does: about √50 such halves in flight at once change e_i by less than 0.06 of 6 ε. A tail correction is a
+/// With a plain cutoff e_i jumps by ½ U(r_cut), 0.008 ε at 2.5 σ, when a pair crosses the cutoff, and no force
+/// does this work. About √50 such jumps at once change e_i by less than 0.06 of 6 ε. A tail correction is a
 /// constant part of the enthalpy and does not enter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThermalConductivity {
@@ -204,7 +204,8 @@ mod tests {
         let exact =
             (kinetic + 0.3) * v1 + (kinetic + 0.7) * v2 + 0.5 * f * DVec3::X * (v1.x + v2.x);
         assert!((found - exact).length() < 1e-15);
-        // An asymmetric share of the work shows in the direction of r_ij, not in that of the velocity.
+        // An asymmetric share of the work shows in the direction of r_ij, not in the direction of the
+        // velocity.
         let tilted = DMat3::from_cols(DVec3::ZERO, DVec3::X, DVec3::ZERO);
         let found = flux(vec![v1, v2], vec![(0.0, tilted), (0.0, DMat3::ZERO)]);
         assert!((found - DVec3::X * v1.y).length() < 1e-15);

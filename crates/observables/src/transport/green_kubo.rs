@@ -35,9 +35,10 @@ pub(crate) struct Words {
 /// A transport coefficient κ = A ∫₀^∞ ⟨j(0) j(t)⟩ dt of a flux with several equivalent components.
 ///
 /// **Plateau.** The correlation counts as decayed at t_d, the first of three successive lags at which it is
-/// below two of its standard errors. The coefficient is the mean of the running integral from t_d to 2 t_d, its
-/// error that of the same mean over blocks of the run. Where the integral still changes by more than three of its
-/// errors over that stretch the number is incomplete; where t_d is not reached within half the window there is none.
+/// below two of its standard errors. The coefficient is the mean of the running integral from t_d to 2 t_d. Its
+/// error comes from the same mean over blocks of the run. Where the integral still changes over that stretch by more
+/// than three of its errors, the number is incomplete. Where t_d is not reached within half the window, there is no
+/// number.
 ///
 /// **Cross-check.** Half the slope of ⟨(G(t) − G(0))²⟩, G = ∫ j dt, over the same stretch of lags is the same
 /// number by the road of Einstein and Helfand.

@@ -15,7 +15,7 @@ const BLOCKS: usize = 64;
 /// The mean square change ⟨(G(t₀ + t) − G(t₀))²⟩ of G = ∫ flux dt, averaged over equivalent channels.
 ///
 /// G is summed by the trapezoidal rule. Level ℓ looks at every 2^ℓ-th value of G and serves lags of 8·2^ℓ to
-/// 15·2^ℓ samples (level 0 all up to 15), so that memory is bounded however long the lags.
+/// 15·2^ℓ samples; level 0 serves all up to 15. Memory is therefore bounded however long the lags.
 ///
 /// Source: E. Helfand, "Transport coefficients from dissipation in a canonical ensemble", Phys. Rev. 119, 1
 /// (1960), equation 1.6.

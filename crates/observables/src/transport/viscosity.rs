@@ -55,8 +55,8 @@ impl Recipe for ShearViscosityOptions {
 /// The shear viscosity η in ετ/σ³ from the fluctuations of the pressure tensor at equilibrium.
 ///
 /// Components: P_xy, P_xz, P_yz, (P_xx − P_yy)/2 and (2P_zz − P_xx − P_yy)/(2√3). The last two are shear
-/// stresses in rotated axes; in an isotropic fluid all five have the same correlation and are independent, so
-/// each counts once, and their mean equals V/(10T) ∫⟨P_os(0):P_os(t)⟩ dt with the traceless symmetric tensor
+/// stresses in rotated axes. In an isotropic fluid all five have the same correlation and are independent, so
+/// each counts once. Their mean equals V/(10T) ∫⟨P_os(0):P_os(t)⟩ dt with the traceless symmetric tensor
 /// P_os. A tail correction is isotropic and does not enter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShearViscosity {

@@ -192,8 +192,8 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
         })
         .sum();
     let direct = average("potential_energy");
-    // Bins of 0.011 σ replace U by its value in the middle: w²/24·U″ with U″ up to 500 where g lives is 1e-3
-    // of each of a dozen pairs; g comes from every tenth of the samples.
+    // Bins of 0.011 σ replace U by its value in the middle. This errs by w²/24·U″, with U″ up to 500 where g
+    // is not zero: 1e-3 of each of a dozen pairs. g comes from every tenth sample.
     assert!(
         (energy - direct.mean).abs() < 0.02 + 4.0 * direct.standard_error,
         "{energy} {direct:?}"
@@ -201,7 +201,8 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
 
     let kept = thermodynamics.conservation();
     assert!(kept.energy_drift_per_atom_per_tau.abs() < 4.0 * kept.energy_drift_standard_error);
-    // Fluctuations of velocity Verlet at this step are some 1e-4; those of the kinetic energy alone are 0.05.
+    // At this step, the conserved energy of velocity Verlet fluctuates by some 1e-4, and the kinetic energy
+    // alone by 0.05.
     assert!(kept.energy_rms_per_atom < 1e-3);
     // 10,000 steps of 256 kicks of size 0.1, each rounded to 2⁻⁵³.
     assert!(kept.momentum_per_atom < 1e-13);

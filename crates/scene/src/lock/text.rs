@@ -54,7 +54,7 @@ impl Settings {
 }
 
 impl Chosen {
-    /// The settings but for the threads as keys and values of a scene, such as `("truncation.r_cut", "3.1")`.
+    /// The settings except for the threads as keys and values of a scene, such as `("truncation.r_cut", "3.1")`.
     ///
     /// # Panics
     /// Where a number does not fit TOML, which none does.

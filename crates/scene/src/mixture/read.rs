@@ -71,7 +71,7 @@ impl Reader<'_> {
         if nodes.len() > MOST_SPECIES {
             return Err(self
                 .source
-                .refuse("species", "is there too often")
+                .refuse("species", "is written too often")
                 .found(format!("{} times", nodes.len()))
                 .allowed(format!("at most {MOST_SPECIES} times")));
         }
@@ -174,7 +174,7 @@ impl Reader<'_> {
                     };
                     return Err(refuse(key, "does not go with `configuration`")
                         .found(format!("`{key}` of {:?}", row.name))
-                        .allowed("nothing: the configuration file says it"));
+                        .allowed("no such key: the configuration file has it"));
                 }
                 (None, None) if of_file => Amount::OfFile,
                 (Some(_), None) if by_count => {
@@ -243,7 +243,7 @@ impl Reader<'_> {
                 .source
                 .refuse(
                     "mixing.rule",
-                    "is missing: no combining rule is taken for granted",
+                    "is missing: no combining rule is the default",
                 )
                 .at(self.source.place("species.1").cloned())
                 .found(format!("{} species without `[mixing]`", species.len()))
@@ -322,7 +322,7 @@ impl Reader<'_> {
         let Some((first, value)) = written().next() else {
             return Err(self
                 .source
-                .refuse(path, "says nothing")
+                .refuse(path, "sets nothing")
                 .found(format!("{:?} and {:?} alone", row.a, row.b))
                 .allowed("at least one of sigma, epsilon, k, l, r_cut"));
         };

@@ -31,7 +31,7 @@ fn mistakes_that_need_many_lines_or_an_override_are_said_clearly() {
             "",
             "allowed: at most 1000000000000000 in all stages together",
         ),
-        (stages(2000, 1), "", "", "`stage` is there too often"),
+        (stages(2000, 1), "", "", "`stage` is written too often"),
         (
             SMALL.into(),
             "system..seed",

@@ -65,7 +65,7 @@ fn features(study: &BenchStudy, found: &FeatureStudy) -> Picture {
         }],
     };
     let caption = format!(
-        "Each alone and as often as the table says, against the engine with every feature off; {} of one thread, median of {} rounds, lines are half the range.",
+        "Each alone and as often as the table says, against the engine with every feature off. Bars: {} of one thread, median of {} rounds; lines: half the range.",
         found.clock, study.repeats
     );
     Picture::new(figure, caption, "features.csv")

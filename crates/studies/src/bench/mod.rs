@@ -1,8 +1,7 @@
 //! `lennard bench`: force loop alone, list build alone and whole steps, for each kernel, precision and number of threads.
 //!
-//! Every block of steps starts from the same state, so that all variants do the same work, and the order of the blocks is
-//! shuffled anew in each repeat, so that a machine that slows down slows all of them down. Nothing here decides anything
-//! about a run.
+//! Every block of steps starts from the same state, so that all variants do the same work. Each repeat shuffles the order
+//! of the blocks, so that a machine that slows down slows all variants down. Nothing here decides anything about a run.
 
 mod blocks;
 mod doubts;
@@ -237,7 +236,7 @@ pub fn with_range(spread: Spread) -> String {
     format!("{median} ({lowest}–{highest})")
 }
 
-/// A part of the whole, as progress is told.
+/// A part of the whole work, as progress shows it.
 struct Part<'a>(&'a mut dyn Progress, f64, f64);
 
 impl Progress for Part<'_> {

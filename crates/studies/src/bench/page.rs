@@ -101,7 +101,7 @@ pub(super) fn page(study: &BenchStudy) -> Page {
         title: format!("{}: how fast", study.scene),
         lead: format!(
             "{} atoms at ρ = {:.4}, {}, {:.1} pairs per atom within the cutoff, T = {:.3}. Every block of {} steps starts from the same \
-             state; the order of the blocks is shuffled in each of {} repeats. Times are those of this machine at that hour: only \
+             state; the order of the blocks is shuffled in each of {} repeats. Times belong to this machine at that hour: only \
              ratios carry over.",
             study.atoms,
             study.density,
@@ -143,7 +143,7 @@ pub fn features(found: &FeatureStudy) -> Table {
 #[must_use]
 pub fn kernels(study: &BenchStudy, with_ranges: bool) -> Table {
     let caption = "Whole steps: median and range. Forces, the list given, and one build: best times and their median in brackets. The arithmetic limit is the same force with \
-                   everything in registers, measured on this processor: its share is the part of the force time that such arithmetic \
+                   everything in registers, measured on this processor. Its share is the part of the force time that such arithmetic \
                    would take. Times are ns per atom.";
     let whole = |spread: Spread| match with_ranges {
         true => Cell::figures(with_range(spread)),

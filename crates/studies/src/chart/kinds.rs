@@ -68,7 +68,7 @@ fn of_forces(chart: &Chart) -> Vec<Kind> {
         name: "forces-same-model",
         title: "Forces against the reference kernel",
         label: "relative RMS error of the forces",
-        about: "Forces at the common start against the double loop over all pairs in double precision, with the same truncation: what \
+        about: "Forces at the common start against the loop over all pairs in double precision, with the same truncation. It shows what \
                 precision and order of summation do."
             .into(),
         floor: Floor::At(ROUNDING, "rounding of one number"),
@@ -80,7 +80,7 @@ fn of_forces(chart: &Chart) -> Vec<Kind> {
             title: "Forces against the untruncated fluid",
             label: "relative RMS error of the forces",
             about: format!(
-                "The same forces against those of the potential without a cutoff, summed over periodic images up to {} σ. Plain and \
+                "The same forces against forces of the potential without a cutoff, summed over periodic images up to {} σ. Plain and \
                  shifted cutoffs have the same forces; a tail correction moves no particle.",
                 significant(reach, 3)
             ),
@@ -100,8 +100,8 @@ fn of_conservation() -> Vec<Kind> {
             name: "energy-fluctuation",
             title: "Fluctuation of the conserved energy",
             label: "RMS about the drift / ε per particle",
-            about: "Of the energy that the forces conserve (for the plain cutoff that is the shifted one), less what a heat bath has put in, \
-                    about a straight line through the whole run."
+            about: "The energy that the forces conserve, about a straight line through the whole run. What a heat bath has put in is \
+                    taken off. For the plain cutoff it is the shifted energy."
                 .into(),
             floor: Floor::None,
             read: of_run(|m| Some((m.energy_rms, None))),
@@ -110,7 +110,7 @@ fn of_conservation() -> Vec<Kind> {
             name: "energy-drift",
             title: "Drift of the conserved energy",
             label: "|drift| / (ε/τ per particle)",
-            about: "The slope of that line, with the standard error from the slopes of ten blocks.".into(),
+            about: "The slope of a straight line through the conserved energy, with the standard error from the slopes of ten blocks.".into(),
             floor: Floor::Statistical,
             read: of_run(|m| Some((m.drift.slope, Some(m.drift.standard_error)))),
         },
@@ -118,8 +118,8 @@ fn of_conservation() -> Vec<Kind> {
             name: "temperatures",
             title: "Kinetic against configurational temperature",
             label: "|T − T_conf| / (ε/k_B)",
-            about: "They are one in equilibrium; a large step heats one of them. Where the force jumps at the cutoff, the jump is counted \
-                    with g(r_cut) = 1, which is an error of its own that only continuous forces are free of."
+            about: "They are equal in equilibrium; a large step heats one of them. Where the force jumps at the cutoff, the jump is counted \
+                    with g(r_cut) = 1. This is an error of its own, which continuous forces do not have."
                 .into(),
             floor: Floor::Statistical,
             read: of_run(|m| value(m.temperature_difference)),
@@ -133,11 +133,11 @@ fn of_thermodynamics(bench: &Workbench, chart: &Chart) -> Result<Vec<Kind>, Stud
     let remarks = chart.points[0].measured().map(|m| m.remarks.join("; "));
     let equation = match bench.equation(&own)? {
         Ok(name) => format!(
-            "Each model is compared with the equation of state of that very model, at the density and the temperature of its run: {name} \
-             for that of the scene. Models without an equation are not in this diagram, but in the next."
+            "Each model is compared with its own equation of state, at the density and the temperature of its run: {name} \
+             for the model of the scene. Models without an equation are not in this diagram, but in the next."
         ),
         Err(why) => format!(
-            "Each model is compared with the equation of state of that very model. For that of the scene there is {why}: it is judged by \
+            "Each model is compared with its own equation of state. For the model of the scene there is {why}: it is judged by \
              the tightest run alone."
         ),
     };
@@ -243,9 +243,9 @@ fn of_motion(chart: &Chart) -> Vec<Kind> {
             title: "Short trajectory against a tight one",
             label: "RMS distance / σ",
             about: format!(
-                "Positions after {time} τ at constant energy against those of the method of Blanes and Moan with dt = 0.001 τ in double \
-                 precision, with the same truncation: what step, method and precision do. A force that jumps at the cutoff limits how well \
-                 that can be known."
+                "Positions after {time} τ at constant energy against positions by the method of Blanes and Moan with dt = 0.001 τ in double \
+                 precision, with the same truncation. They show what step, method and precision do. A force that jumps at the cutoff limits how well \
+                 this can be known."
             ),
             floor: median(floors)
                 .map_or(Floor::None, |f| Floor::At(f, "the tight trajectory itself")),

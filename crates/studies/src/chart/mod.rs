@@ -38,7 +38,7 @@ const SCHEMA: &str = "lennard-chart/2";
 #[derive(Debug, thiserror::Error)]
 pub enum ChartError {
     /// The output folder holds something else.
-    #[error("{}: {found}\n  allowed: an empty folder, or what this very chart has left there; give another --out, or --force to begin anew", folder.display())]
+    #[error("{}: {found}\n  allowed: an empty folder, or one that holds this chart; give another --out, or --force to begin anew", folder.display())]
     Folder {
         /// The folder.
         folder: PathBuf,

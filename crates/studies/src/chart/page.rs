@@ -170,8 +170,8 @@ fn summary(chart: &Chart) -> Section {
 /// The error of the scene's own settings in each diagram, and what would do as well for less.
 pub fn own_settings(chart: &Chart, standings: &[Standing<'_>]) -> Table {
     let caption = format!(
-        "Its error in each diagram, and the cheapest settings whose error there is no larger. The last column is their wall time over that \
-         of the scene. Each row looks at one error alone. {}",
+        "Its error in each diagram, and the cheapest settings whose error there is no larger. The last column is their wall time over the \
+         wall time of the scene. Each row looks at one error alone. {}",
         basis(chart)
     );
     Table::rows_of("own-settings", standings)
@@ -203,7 +203,7 @@ pub fn own_settings(chart: &Chart, standings: &[Standing<'_>]) -> Table {
 }
 
 fn all_points(chart: &Chart) -> Section {
-    let caption = "U and P are those of the model in the same row, with its tail where it has one. Digits in brackets are one standard error in \
+    let caption = "U and P belong to the model in the same row, with its tail where it has one. Digits in brackets are one standard error in \
                    the last digits; `points.csv` has everything with n_eff.";
     let errors = |p: &'_ ChartedPoint, pick: fn(&Errors) -> Option<f64>| {
         Cell::rounded(p.errors.as_ref().and_then(pick), 3)

@@ -146,8 +146,8 @@ fn panel(bench: &Workbench, chart: &Chart, kind: &Kind) -> Panel {
     }
 }
 
-/// Wall time and pair forces for each particle and τ. What blew up before it could be timed stands where a run with
-/// another step says that it would, and else where a model of the costs does.
+/// Wall time and pair forces for each particle and τ. A run may blow up before it is timed. Its cost then comes
+/// from a run with another step, or else from a model of the costs.
 fn cost(bench: &Workbench, chart: &Chart, point: &ChartedPoint) -> Option<(f64, f64)> {
     if let Some(cost) = point.cost() {
         return Some((cost.wall.median, cost.pair_forces_per_atom_tau));

@@ -93,7 +93,7 @@ pub fn basis(chart: &Chart) -> String {
         })
     });
     format!(
-        "What is advised errs no more by {CERTAIN} standard errors on either side, takes less in every timing, and has a step of at most \
+        "Advised settings err no more, by {CERTAIN} standard errors on either side, and are faster in every timing. Their step is at most \
          {STABLE_SHARE} of the stability limit{}.{}",
         limit.unwrap_or_default(),
         busy.unwrap_or_default()
@@ -102,11 +102,12 @@ pub fn basis(chart: &Chart) -> String {
 
 /// Where the scene's own settings stand in each panel.
 ///
-/// Advised are the cheapest by wall time of those
-/// - whose error, with two of its standard errors, is no larger than the error of the scene less two of its own (errors
-///   without a standard error: no larger, or below the floor as its own is; without a floor too: smaller by a fifth),
-/// - whose every timing is shorter than every one of the scene's,
-/// - whose step is at most half of the stability limit, or no longer than the scene's by the same method.
+/// The advice is the cheapest settings by wall time
+/// - whose error is no larger than the scene's, even with two standard errors added to the first and taken off the
+///   second. An error without a standard error must be no larger, or below the floor like the scene's. Where there is
+///   no floor either, it must be smaller by a fifth;
+/// - whose every timing is shorter than every timing of the scene;
+/// - whose step is at most half of the stability limit, or no longer than the scene's step with the same method.
 #[must_use]
 pub fn standings(chart: &Chart) -> Vec<Standing<'_>> {
     chart
@@ -173,8 +174,8 @@ fn may_be_advised(chart: &Chart, number: usize) -> bool {
     point.engine.is_none() && is_stable
 }
 
-/// The step, τ, from which on a point's method may be unstable here: a cautious one from the closest approach of thermal
-/// pairs, or the shortest at which a run of the chart failed, where that is less. None for a method without a limit whose runs all held.
+/// The step, τ, from which on a point's method may be unstable here. It is a cautious estimate from the closest approach of thermal
+/// pairs, or a shorter step at which a run of the chart failed. None for a method without a limit whose runs all held.
 #[must_use]
 pub fn stability_limit(chart: &Chart, point: &ChartedPoint) -> Option<f64> {
     let limit = point.settings.integrator.spec().stability_limit;

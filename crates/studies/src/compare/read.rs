@@ -33,8 +33,8 @@ pub enum ReadError {
     /// The scene cannot be read.
     #[error("{0}")]
     Scene(#[from] SceneError),
-    /// The state of the run cannot be told.
-    #[error("{}: the box of the run cannot be told: {reason}", folder.display())]
+    /// The state of the run is not known.
+    #[error("{}: the box of the run is not known: {reason}", folder.display())]
     Box {
         /// The folder.
         folder: PathBuf,

@@ -24,8 +24,8 @@ const HELD_PRESSURE: Tolerance = Tolerance::new(4.0, 0.003, 0.0);
 /// The kinetic temperature beside the temperature of its bath. A run that is off by more says so of all its means.
 const BATH: Tolerance = Tolerance::new(HeldTemperature::ERRORS, 0.0, HeldTemperature::PART);
 const HEAT_CAPACITY: Tolerance = Tolerance::new(2.0, 0.0, 0.02);
-/// Configurational against kinetic temperature: with a finite step stiff directions make the first some 0.1 % higher
-/// than the temperature of half steps, and the jump of the force at the cutoff is counted with g(r_cut) = 1.
+/// Configurational against kinetic temperature. With a finite step, stiff directions make the first some 0.1 %
+/// higher than the temperature of half steps. The jump of the force at the cutoff is counted with g(r_cut) = 1.
 const TEMPERATURES: Tolerance = Tolerance::new(4.0, 0.0, 0.005);
 
 /// Response functions: so many errors, and the spread of the equations; this part of the value where there is one alone.

@@ -20,7 +20,7 @@ pub enum Verdict {
     NotInEquilibrium,
     /// The run is too short for an error that covers.
     TooShort,
-    /// The number lacks a part that cannot be told.
+    /// The number lacks a part that is not known.
     Incomplete,
     /// A thermostat changes what is measured.
     Thermostat,

@@ -104,7 +104,7 @@ fn drift(study: &FluidStudy, state: usize) -> Option<Picture> {
     let figure = per_method(study, state, "drift", "Energy drift", y, |r| {
         Some((r.drift?.abs(), r.drift_error))
     })?;
-    let caption = "Size of the slope of the total energy against dt, with its standard error: where the \
+    let caption = "Size of the slope of the total energy against dt, with its standard error. Where the \
                    bar reaches the lower edge no drift was found in so short a run.";
     Some(Picture::new(figure, caption, "fluid.csv"))
 }
@@ -143,7 +143,7 @@ fn truncation(study: &FluidStudy, state: usize) -> Option<Picture> {
     let caption = "The same for the four ways to end the potential at 2.5 σ. The plain cutoff and the \
                    shifted one have the same forces, and both are judged by the energy that these conserve. \
                    Their force jumps at the cutoff, and each crossing leaves an error that falls more slowly \
-                   than dt²: it shows where the smallest steps leave the line of the smooth ones.";
+                   than dt². It shows where points at the smallest steps leave the line of the smooth potentials.";
     Some(Picture::new(figure, caption, "fluid.csv"))
 }
 

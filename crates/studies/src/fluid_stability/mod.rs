@@ -1,5 +1,5 @@
-//! The fluid part of the study: the largest step that each method bears on a Lennard-Jones liquid, and the drift and
-//! the fluctuation of the energy there.
+//! The fluid part of the study: the largest step at which each method stays stable in a Lennard-Jones liquid. Below
+//! it, drift and fluctuation of the energy are measured.
 
 mod figures;
 pub mod fluid;

@@ -30,9 +30,9 @@ pub(crate) fn sections(study: &FluidStudy) -> Vec<Section> {
             .figures(figures::truncations(study)),
         Section::new("The fluid: largest stable steps")
             .text(format!(
-                "A step is called stable if a run of {LEAST_TIME} τ, and of {LEAST_STEPS} steps at least, \
-                 reaches its end and has changed its total energy by less than {} % of the kinetic energy \
-                 3/2·T per atom. The limit is bracketed by a search and bisected in the logarithm to 2 %. On \
+                "A step is stable if a run reaches its end and has changed its total energy by \
+                 less than {} % of the kinetic energy 3/2·T per atom. The run lasts {LEAST_TIME} τ, and \
+                 {LEAST_STEPS} steps at least. The limit is bracketed by a search and bisected in the logarithm to 2 %. On \
                  a chaotic system it is no sharp number: longer runs and other starts move it by a few \
                  percent. For methods that heat or cool at every step, such as both plain Euler methods, it \
                  says how fast they do.",

@@ -141,8 +141,8 @@ pub(crate) fn cost_on_page(study: &FluidStudy) -> Table {
 pub(crate) fn past_on_page(study: &FluidStudy) -> Table {
     let caption = format!(
         "What happens past the limit: {} steps near the triple point at multiples of the largest stable \
-         step. A run is stopped as soon as its energy has run away, or by the message of the method or of the \
-         forces where a number would not be finite; no file gets such a number.",
+         step. A run is stopped as soon as its energy has run away, or where method or forces report a number \
+         that is not finite. No file gets such a number.",
         super::limit::LEAST_STEPS * 4
     );
     Table::rows_of("past-the-limit", &study.past_limit)

@@ -10,8 +10,8 @@ use super::workbench::{Workbench, failed_forces};
 use crate::StudyError;
 use crate::settings::{Settings, truncation_is_free};
 
-/// Largest number of particles whose forces are judged by the reference loop over all pairs; beyond, the canonical loop
-/// in double precision over a list judges.
+/// Largest number of particles whose forces are judged by the reference loop over all pairs. Beyond it, the canonical
+/// loop in double precision over a list judges them.
 const REFERENCE_UP_TO: usize = 10_000;
 /// Root mean square errors of the forces, relative to the root mean square of the forces themselves.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -38,7 +38,7 @@ fn distance(a: &[DVec3], b: &[DVec3]) -> f64 {
     (sum / a.len() as f64).sqrt()
 }
 
-/// A whole number of steps that ends at `time`, and the step that does: `dt` but for rounding.
+/// A whole number of steps that ends at `time`, and the step that does: `dt` except for rounding.
 fn steps_to(time: f64, dt: f64) -> (u64, f64) {
     let steps = (time / dt).round().max(1.0);
     (steps as u64, time / steps)

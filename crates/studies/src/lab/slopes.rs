@@ -9,8 +9,8 @@ use crate::settings::Settings;
 /// Factor of the kinetic energy, and of the bath's temperature, in the second run for the slopes.
 const HOTTER: f64 = 1.2;
 
-/// How U and P change with the temperature at constant density: what lets runs at constant energy, each of which
-/// settles at a temperature of its own, be compared.
+/// How U and P change with the temperature at constant density. Runs at constant energy each settle at a
+/// temperature of their own; with these slopes they can be compared.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Slopes {
     /// The temperature of the positions at which all are compared, ε/k_B.
@@ -24,8 +24,9 @@ pub struct Slopes {
 }
 
 impl Workbench {
-    /// How U and P change with temperature: from the equation of state of the full Lennard-Jones fluid where it covers
-    /// the state, else from two runs of `tight` settings, the second with more kinetic energy and a hotter bath.
+    /// How U and P change with temperature, from the equation of state of the full Lennard-Jones fluid where it covers
+    /// the state. Elsewhere, two runs of `tight` settings give it: the second has more kinetic energy and a hotter
+    /// bath.
     ///
     /// # Errors
     /// [`StudyError`] where those runs cannot be made or fail.

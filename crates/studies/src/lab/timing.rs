@@ -74,8 +74,8 @@ impl Cost {
     }
 }
 
-/// Seconds that a simulated τ of these settings takes by a simple model, on one thread of an ordinary processor: for
-/// plans that must not depend on a clock.
+/// Seconds that a simulated τ of these settings takes by a simple model, on one thread of an ordinary processor.
+/// Plans that must not depend on a clock use it.
 #[must_use]
 pub fn modelled_work(scene: &Scene, start: &Start, settings: &Settings) -> f64 {
     let n = start.len() as f64;
@@ -102,7 +102,7 @@ pub fn modelled_work(scene: &Scene, start: &Start, settings: &Settings) -> f64 {
 
 impl Workbench {
     /// Times the engine's main loop under these settings, from the start on, with the scene's heat bath and without
-    /// observables or output, for about `seconds` by the model of [`modelled_work`].
+    /// observables or output. The timing lasts about `seconds` by the model of [`modelled_work`].
     ///
     /// # Errors
     /// [`StudyError`] where the settings do not fit or the run fails ([`Failed::from_error`] tells which).

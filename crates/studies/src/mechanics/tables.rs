@@ -113,8 +113,8 @@ pub(super) fn csv(found: &MechanicsFound) -> Vec<Table> {
 /// Each way in a line.
 pub(super) fn ways(found: &MechanicsFound) -> Table {
     let caption = format!(
-        "Order of the position error; RMS of the energy at the step nearest to 0.0025 τ; the largest stable step of a rotor with Ω = 2 τ⁻¹ that \
-         also vibrates, looked for up to {LARGEST_STEP} τ; the fastest time of a whole step without pair forces, per bond."
+        "Order of the position error, and RMS of the energy at the step nearest to 0.0025 τ. The largest stable step is for a rotor with Ω = 2 τ⁻¹ \
+         that also vibrates, and was looked for up to {LARGEST_STEP} τ. The time is the fastest of a whole step without pair forces, per bond."
     );
     let near = |w: &super::comparison::WayFound| {
         let off = |p: &&super::comparison::AtStep| (p.dt / 0.0025).ln().abs();

@@ -112,7 +112,7 @@ pub(super) fn averages(compared: &ComparedRun, record: &RunRecord) -> Table {
         .iter()
         .filter_map(|row| Some((row, record.averages.get(&row.quantity)?)))
         .collect();
-    let caption = "Means with their standard errors, the number of independent samples that they are worth, the samples discarded at the start, and why a \
+    let caption = "Means with their standard errors, their number of independent samples, the samples discarded at the start, and why a \
                    mean has no error.";
     Table::rows_of("averages", &rows)
         .caption(caption)

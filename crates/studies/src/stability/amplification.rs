@@ -139,8 +139,8 @@ fn bounded(entry: &IntegratorEntry, omega_h: f64, steps: u32) -> Result<bool, St
     Ok(excursion(entry, spring, 1.0, steps, BOUND)?.largest() < BOUND)
 }
 
-/// The first ωh at which runs do not stay bounded: searched for by the measured one-step map, found by
-/// bisection over runs; 0 where even the smallest ωh is unstable.
+/// The first ωh at which runs do not stay bounded. The measured one-step map brackets it, and
+/// bisection over runs finds it. It is 0 where even the smallest ωh is unstable.
 fn measured_limit(entry: &IntegratorEntry) -> Result<Option<f64>, StudyError> {
     let steady = |x| Ok(measured_map(entry, x, 1.0)?.radius() < 1.0 + RADIUS_ROUNDING);
     let Some((good, bad)) = first_failure(steady)? else {

@@ -18,8 +18,8 @@ pub const MASS: f64 = 1.0;
 pub const STEP: f64 = 0.0167;
 /// Displacement at the start, m; the velocity is zero.
 pub const START: f64 = 1.0;
-/// Steps of the long runs: just outside the limit SPOOK turns by a quarter of a circle less 3·10⁻⁵ per step,
-/// and it takes so many steps until its samples have come close to a crest in each half of the run.
+/// Steps of the long runs. Just outside the limit SPOOK turns by a quarter of a circle less 3·10⁻⁵ per step.
+/// After so many steps, each half of the run has a sample close to a crest.
 const LONG_RUN: u32 = 100_000;
 /// |x| at which a long run counts as diverging, m.
 const DIVERGED: f64 = 1e12;

@@ -11,8 +11,9 @@ pub(crate) fn line(points: &[(f64, f64)]) -> (f64, f64) {
     (mean_y - slope * mean_x, slope)
 }
 
-/// The order p of an error e(h) ∝ h^p·(1 + c·h + …) from the smallest steps whose error stands above
-/// `floor`: the slope between the last two, freed of the first correction by the slope before them.
+/// The order p of an error e(h) ∝ h^p·(1 + c·h + …), from the smallest steps whose error stands
+/// above `floor`. It is the slope between the last two points. The slope before them removes the
+/// first correction.
 ///
 /// `points` are (h, e) with h falling by the same factor; `None` with fewer than three usable points.
 pub(crate) fn order(points: &[(f64, f64)], floor: f64) -> Option<f64> {

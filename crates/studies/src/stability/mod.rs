@@ -1,7 +1,7 @@
-//! `lennard stability`: where each integrator fails, on the oscillator and on the fluid, with theory and
-//! measurement in one picture and a verdict for each claim of the two documents behind the project.
+//! `lennard stability`: where each integrator fails, on the oscillator and on the fluid. Theory and
+//! measurement stand in one picture, with a verdict for each claim.
 //!
-//! The oscillator part goes over the list of integrators: an integrator that is added there is measured and drawn
+//! The oscillator part goes over the list of integrators. A new integrator of that list is measured and drawn
 //! here without a change of this crate.
 
 pub mod amplification;

@@ -175,13 +175,13 @@ fn convergence(study: &StabilityStudy) -> Section {
         .heading("The discretisation error of Störmer–Verlet")
         .text(
             "On ẍ = w²x the recurrence is solved by powers of q₊ = exp(wh)·(1 − (wh)³/24 + …), so that xₙ = \
-             exp(wt)·(1 − (wh)²/24·wt + …): an error of second order whose constant grows with time.",
+             exp(wt)·(1 − (wh)²/24·wt + …). The error is of second order, and its constant grows with time.",
         )
         .figures(vec![convergence_figures::discretisation(o)])
         .heading("A step that changes")
         .text(
-            "The plain rule x₊ = 2x − x₋ + a·h² has the last step inside it: when h changes it takes the \
-             difference for a change of velocity, and refining the steps does not help (order 0). The \
+            "The plain rule x₊ = 2x − x₋ + a·h² contains the last step. When h changes it takes the \
+             difference for a change of velocity, and smaller steps do not help (order 0). The \
              time-corrected rule scales the difference and is of order 1; with ½(h + h₋)·h in place of h² it \
              is of order 2. Velocity Verlet takes any step.",
         )

@@ -168,8 +168,8 @@ pub(crate) fn excursion(
     })
 }
 
-/// Size of the start from which maps are measured: small, so that a method on a bounded grid of positions
-/// can show how fast it grows; the map does not depend on it.
+/// Size of the start from which maps are measured. It is small, so that a method on a bounded grid of
+/// positions has room to grow. The map does not depend on it.
 const PROBE: f64 = 1.0 / 64.0;
 
 /// The one-step map as measured: from states 1, 2 and 3 of a run, past any special start.

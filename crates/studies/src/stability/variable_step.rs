@@ -1,4 +1,4 @@
-//! A4: a step that changes, under the plain rule, the time-corrected one and the more exact one.
+//! A4: a step that changes, under the plain, the time-corrected and the more exact rule.
 
 use lennard_integrators::stormer_verlet::StepRule;
 use serde::Serialize;

@@ -229,9 +229,9 @@ fn name_of(chosen: &[(&Key, &String)], takes: impl Fn(&Key) -> bool) -> String {
     parts.join("-")
 }
 
-/// The seed of a point: the first number of the stream of `seed` that is called after the point, `sweep/rho0.85-T1.128`,
-/// without its last bit, so that a scene file can hold it. Here `seed` is the seed of the scene or of the point, and the
-/// name is the point's without its seed.
+/// The seed of a point: the first number of a stream of `seed` that is named after the point, such as
+/// `sweep/rho0.85-T1.128`. The last bit is dropped, so that a scene file can hold the number. Here `seed` is the seed of
+/// the scene or of the point, and the name is the name of the point without its seed.
 ///
 /// With one seed for all points, points would feel the same noise of their heat baths, and their results would err alike.
 fn seed_of_point(seed: u64, name: &str) -> u64 {

@@ -1,7 +1,7 @@
 //! How the threads of a sweep are shared out among its points.
 
-/// From this number of particles on a point runs on more than one thread where threads are left over: below it the
-/// threads wait for each other longer than they compute.
+/// From this number of particles on, a point takes threads that are left over. In smaller systems, threads wait
+/// for each other longer than they compute.
 const LARGE: usize = 4000;
 
 /// Points at work at once.
@@ -10,8 +10,8 @@ pub fn workers(points: usize, threads: usize) -> usize {
     threads.clamp(1, points.max(1))
 }
 
-/// Threads for a point of `atoms` particles that is run by worker number `worker` of `workers`: one, or for a large
-/// point its share of all; what does not come out even goes to the first workers. The number of threads changes no bit
+/// Threads for a point of `atoms` particles that worker number `worker` of `workers` runs: one, or for a large point
+/// its share of all threads. Threads that are left over go to the first workers. The number of threads changes no bit
 /// of the results.
 pub(super) fn threads_of(worker: usize, workers: usize, threads: usize, atoms: usize) -> usize {
     if atoms < LARGE {

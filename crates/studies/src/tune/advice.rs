@@ -41,8 +41,8 @@ impl Search<'_> {
         )
     }
 
-    /// The error that the accuracy cannot be met: naming the setting fixed by hand where that is why, and what can be
-    /// met and what it would cost.
+    /// The error that the accuracy cannot be met. It names the setting fixed by hand where this is the cause. It says
+    /// which accuracy can be met, and at what cost.
     pub fn refusal(
         &self,
         models: &mut Models<'_>,

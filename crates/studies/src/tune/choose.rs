@@ -243,7 +243,7 @@ pub(super) fn judge(
     };
     for (key, target, _) in accuracy.asked() {
         let worse = candidate.reach(key) / target;
-        // An error that cannot be told is no error that is small.
+        // An unknown error is not a small error.
         let worse = if worse.is_nan() { f64::INFINITY } else { worse };
         if worse > candidate.worst {
             (candidate.worst, candidate.limiting) = (worse, key);

@@ -122,12 +122,12 @@ impl Stability {
     }
 }
 
-/// The drift that a force jumping at the cutoff brings, ε/τ per particle.
+/// The drift that a jump of the force at the cutoff brings, ε/τ per particle.
 ///
-/// A pair that crosses r_cut within a step, at a share α of it, gets or gives the energy F·v·h·(α − ½), F being the
-/// jump and v the radial speed: no bias, but a variance F²v²h²/12. The map is reversible and keeps volume in phase
-/// space, so energy diffuses towards more states, with a drift of half the growth of the variance over T. Pairs cross
-/// at the rate ½Nρ·4πr²g(r)⟨|v|⟩, and ⟨|v|³⟩ = 2√(2/π)·(2T)^{3/2} for relative velocities.
+/// A pair that crosses r_cut at a share α of a step gains the energy F·v·h·(α − ½), with the jump F and the radial
+/// speed v. The mean of this is zero, and its variance F²v²h²/12. The map is reversible and keeps volume in phase
+/// space, so energy diffuses towards more states. The drift is half the growth of the variance over T. Pairs cross at
+/// the rate ½Nρ·4πr²g(r)⟨|v|⟩, and ⟨|v|³⟩ = 2√(2/π)·(2T)^{3/2} for relative velocities.
 pub(super) fn of_jump(
     scene: &Scene,
     truncation: TruncationOptions,

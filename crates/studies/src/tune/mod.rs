@@ -1,9 +1,9 @@
 //! The cheapest settings that meet an accuracy.
 //!
-//! A survey of the fluid, a few seconds long, gives models of every error: what a truncation leaves out (`survey`), what
-//! a time step and a precision change (`predict`), how the energy drifts (`drift`). The cheapest settings whose
-//! predicted errors keep the targets (`choose`) are then run beside the safest ones (`verify`); where measurement
-//! and prediction together miss a target, the models learn from it and the search goes on (`search`).
+//! A survey of the fluid, a few seconds long, gives models of every error. They say what a truncation leaves out
+//! (`survey`), what a time step and a precision change (`predict`), and how the energy drifts (`drift`). `choose` finds
+//! the cheapest settings whose predicted errors keep the targets, and `verify` runs them beside the safest settings.
+//! Where measurement and prediction together miss a target, the models learn from it and the search goes on (`search`).
 
 mod advice;
 mod choose;

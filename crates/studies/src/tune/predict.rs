@@ -222,8 +222,8 @@ fn mixed_errors(sample: &Sample, survey: &Survey) -> Result<[Value; 2], TuneErro
     }))
 }
 
-/// The coefficients of a law dt^order of which nothing is known: two runs in the scene's own ensemble, one with a
-/// careful step and one with a long one.
+/// The coefficients of a law dt^order of which nothing is known. Two runs in the scene's own ensemble give them,
+/// one with a short step and one with a long step.
 fn fitted_law(
     sample: &Sample,
     survey: &Survey,

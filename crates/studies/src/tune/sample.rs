@@ -1,5 +1,5 @@
-//! The fluid in which settings are judged: the scene's own, or one of the same density and temperature of a size at
-//! which a minute teaches most.
+//! The fluid in which settings are judged. It is the scene's own, or one of the same density and temperature with
+//! the size at which a minute teaches most.
 
 use lennard_engine::watchdog::rough_stable_dt;
 use lennard_forcefield::{Kernel, NeighborOptions, Precision, TruncationKind, TruncationOptions};
@@ -10,8 +10,9 @@ use super::TuneError;
 use crate::lab::Start;
 use crate::settings::Settings;
 
-/// Fluids of this many particles are judged as they are: below, half the box is too short to see what a cutoff leaves
-/// out; above, a minute samples no better, since errors of means go with the number of particles times the time.
+/// Fluids of this many particles are judged as they are. In a smaller fluid, half the box is too short to see what a
+/// cutoff leaves out. A larger fluid is sampled no better in a minute, since errors of means depend on the number of
+/// particles times the time.
 const AS_THEY_ARE: std::ops::RangeInclusive<usize> = 500..=2048;
 /// Particles of the fluid that stands for a scene of another size, 4·m³: the first whose box holds the cutoff.
 const STAND_INS: [usize; 3] = [864, 1372, 2048];
@@ -138,14 +139,14 @@ impl Sample {
         comfortable_cutoff(self.start.cell.largest_cutoff()).min(self.sight)
     }
 
-    /// Settings of survey and reference but for their cutoff.
+    /// Settings of survey and reference except for their cutoff.
     pub fn careful(&self) -> Settings {
         Settings::of(&self.own)
     }
 }
 
-/// The longest cutoff that leaves a list its skin, for half a box side in σ: without a skin the list would be built
-/// anew at every step, which costs several times more than the forces.
+/// The longest cutoff that leaves a list its skin, for half a box side in σ. Without a skin every step builds the
+/// list anew, which costs several times more than the forces.
 pub(super) fn comfortable_cutoff(half: f64) -> f64 {
     /// Skin that the cost model chooses for liquids, σ.
     const SKIN: f64 = 0.3;

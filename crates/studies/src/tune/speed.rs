@@ -36,8 +36,8 @@ impl Speed {
         }
         if speed.scatter > BUSY {
             speed.remarks.push(format!(
-                "timings of the same settings differ by up to {:.0} %: this machine was busy, and the choice rests on its timings; \
-                 tune again when it is idle",
+                "timings of the same settings differ by up to {:.0} %: this machine was busy, and the choice rests on its timings. \
+                 Tune again when it is idle",
                 100.0 * speed.scatter
             ));
         }

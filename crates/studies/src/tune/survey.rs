@@ -1,5 +1,5 @@
-//! A short run of the sample in the canonical ensemble that keeps, frame by frame, what every truncation and every time
-//! step can be judged from: the pairs by distance, U, W, Σ|F|² and ∇²U.
+//! A short run of the sample in the canonical ensemble. Frame by frame it keeps the pairs by distance, U, W, Σ|F|² and
+//! ∇²U. From these, every truncation and every time step can be judged.
 
 use std::time::{Duration, Instant};
 
@@ -193,15 +193,15 @@ impl Survey {
         }
     }
 
-    /// The coefficients of dt² in the errors of U and P that velocity Verlet makes, at the temperature of half steps or at
-    /// that of whole ones.
+    /// The coefficients of dt² in the errors of U and P that velocity Verlet makes, at the temperature of half steps or of
+    /// whole steps.
     ///
     /// Velocity Verlet samples exp(−H̃/T̃) of its shadow Hamiltonian H̃ = H + h²·(pᵀ·∇∇U·p/12 − |∇U|²/24) exactly to
-    /// this order (E. Hairer, C. Lubich and G. Wanner, Geometric Numerical Integration, IX.3). Integrated over p:
-    /// positions follow U + h²X with X = −|∇U|²/24 + T·∇²U/12, and the kinetic temperature of whole steps is
-    /// T̃·(1 − h²ω²/6) with ω² = ⟨∇²U⟩/n_dof; that of half steps is higher by T·h²ω²/4. At a temperature T̃·(1 − c·h²ω²)
-    /// A is off by h²·(c·ω²·⟨δA δU⟩ − ⟨δA δX⟩)/T. An oscillator gives nothing at half steps, and the exact ⟨U⟩·h²ω²/4 at
-    /// whole ones.
+    /// this order (E. Hairer, C. Lubich and G. Wanner, Geometric Numerical Integration, IX.3). Integrated over p,
+    /// positions follow U + h²X with X = −|∇U|²/24 + T·∇²U/12. The kinetic temperature of whole steps is T̃·(1 − h²ω²/6)
+    /// with ω² = ⟨∇²U⟩/n_dof, and the temperature of half steps is higher by T·h²ω²/4. At a temperature T̃·(1 − c·h²ω²)
+    /// a quantity A is off by h²·(c·ω²·⟨δA δU⟩ − ⟨δA δX⟩)/T. For an oscillator this is zero at half steps, and the exact
+    /// ⟨U⟩·h²ω²/4 at whole steps.
     pub fn step_law(&self, half_steps: bool) -> [Value; 2] {
         let t = self.temperature;
         let c = if half_steps { -1.0 / 12.0 } else { 1.0 / 6.0 };
@@ -220,9 +220,9 @@ impl Survey {
         })
     }
 
-    /// What a truncation changes in U and P against another one, at equal temperature: what its pairs and its tail say
-    /// of the same frames, and the change of structure by the forces that differ, to first order:
-    /// Δ⟨A⟩ = ⟨A_c − A_f⟩ − (⟨δA_c δ(U_c − U)⟩ − ⟨δA_f δ(U_f − U)⟩)/T, where U is the energy of the run.
+    /// What a truncation changes in U and P against another one, at equal temperature and to first order. The first
+    /// term compares pairs and tails over the same frames. The second is the change of structure by the different
+    /// forces: Δ⟨A⟩ = ⟨A_c − A_f⟩ − (⟨δA_c δ(U_c − U)⟩ − ⟨δA_f δ(U_f − U)⟩)/T, where U is the energy of the run.
     pub fn difference(&self, c: &Terms, f: &Terms) -> [Change; 2] {
         let run = &self.run;
         let (own_u, own_p) = self.own();

@@ -19,8 +19,8 @@ pub(super) struct Change {
 }
 
 impl Change {
-    /// The sum, in which the response counts as far as it stands out of its noise: r³/(r² + e²) for r ± e, so that a
-    /// response that is lost in noise adds an uncertainty and no error.
+    /// The sum, in which a response r ± e counts as r³/(r² + e²), as far as it stands out of its noise. A response
+    /// that is lost in noise adds an uncertainty and no error.
     pub fn total(&self) -> Value {
         let (r, e) = (self.response.mean, self.response.standard_error);
         let weight = if r == 0.0 {

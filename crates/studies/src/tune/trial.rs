@@ -21,8 +21,8 @@ const STEPS: [f64; 6] = [0.002, 0.004, 0.008, 0.012, 0.016, 0.024];
 const PRICED_STEPS: [f64; 2] = [STEPS[1], STEPS[3]];
 /// Largest cost of the choice over the cost of the cheapest setting of the grid that meets the target.
 pub const ALLOWED_FACTOR: f64 = 1.3;
-/// Step of the tight runs as a share of velocity Verlet's stability limit: the method of Blanes and Moan makes six
-/// evaluations per step, and its error of fourth order is far below the errors on trial.
+/// Step of the tight runs as a share of velocity Verlet's stability limit. They use the method of Blanes and Moan,
+/// with six evaluations per step. Its error of fourth order is far below the errors on trial.
 const TIGHT_STEP: f64 = 0.25;
 /// Longest cutoff of the tight runs, σ.
 const TIGHT_CUTOFF: f64 = 6.0;
@@ -262,8 +262,8 @@ fn models_of_grid(bench: &Workbench) -> Vec<Model> {
     models
 }
 
-/// Every setting of the grid that would cost less than the choice by more than the factor allowed, with its number in
-/// the grid and its cost over the cost of the choice.
+/// Every setting of the grid that would cost less than the choice by more than the allowed factor. Its number in the
+/// grid and the ratio of the two costs come with it.
 fn cheaper_than(
     tuning: &Tuning,
     bench: &Workbench,

@@ -108,8 +108,8 @@ pub(super) fn runs(
     Ok(results)
 }
 
-/// How far U and P of some settings are from the safest ones: the difference of the runs, and what the step of the
-/// safest ones still errs.
+/// How far U and P of some settings are from the safest settings: the difference of the runs, and the error that
+/// the safest step still makes.
 pub(super) fn errors(chosen: &Runs, safest: &Runs, models: &Models<'_>, dt: f64) -> [Value; 2] {
     let left = models.of_step(dt);
     let pairs = [

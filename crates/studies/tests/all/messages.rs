@@ -100,7 +100,7 @@ fn a_chart_or_a_tuning_that_cannot_be_made_says_why() {
         folder: "out".into(),
         found: "it holds something that is no chart".into(),
     };
-    let allowed = "allowed: an empty folder, or what this very chart has left there; give another --out, or --force to begin anew";
+    let allowed = "allowed: an empty folder, or one that holds this chart; give another --out, or --force to begin anew";
     assert!(folder.to_string().starts_with("out: it holds something"));
     assert!(folder.to_string().ends_with(allowed));
     let none = ChartError::NothingToCompare {

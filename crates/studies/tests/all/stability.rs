@@ -47,8 +47,8 @@ fn check_numbers(study: &StabilityStudy) {
     assert_eq!(failing.len(), 1, "{failing:?}");
     assert!(failing[0].statement.starts_with("k = ∞, τ = 0"));
 
-    // The energy of the second-order methods falls as dt²: by 4 from 0.004 to 0.002, up to the noise of
-    // runs of one τ; that of the fourth-order ones by more than twice that.
+    // The fluctuation of the energy falls as dt² for methods of second order: by 4 from 0.004 to 0.002,
+    // up to the noise of runs of one τ. For methods of fourth order it falls more than twice as much.
     let fall = |method: &str| {
         let rms = |dt| run_of(study, method, dt).fluctuation.expect("completed");
         rms(0.004) / rms(0.002)
@@ -95,7 +95,7 @@ fn check_numbers(study: &StabilityStudy) {
             }
         }
     }
-    // At the smallest steps the rounding of f32 pairs stands above that of f64 ones.
+    // At the smallest steps the rounding of f32 pairs stands above the rounding of f64 pairs.
     let floor = |runs: &[FluidRun]| runs[0].fluctuation.expect("completed");
     assert!(floor(&study.fluid.mixed) > 2.0 * floor(&study.fluid.double));
 }

@@ -54,7 +54,7 @@ const EXCEPTIONS: &[(&str, &str)] = &[
     ),
     (
         "listening for signals",
-        "a system refuses a handler for signals that nobody may catch, and none of those is asked for",
+        "a system refuses a handler for signals that no program may catch, and none of them is asked for",
     ),
     (
         "finite positive lengths",

@@ -27,7 +27,7 @@ pub fn all(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {
     )];
     findings.push((
         "README.md and docs name what exists",
-        // A document that cannot be read is a fault like others: the rest is checked all the same.
+        // A document that cannot be read is a fault like others: the rest is still checked.
         readme::faults_in_documents(workspace).unwrap_or_else(|error| vec![error.to_string()]),
     ));
     findings.push((

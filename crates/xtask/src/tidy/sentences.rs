@@ -1,10 +1,9 @@
 //! Sentences that a reader understands at once: short, and with nouns.
 //!
 //! The check reads comments of sources and paragraphs of documents. A sentence is at fault where it has too many words,
-//! or a word in place of a noun. Each folder has an allowance that may only fall.
+//! or a word in place of a noun.
 //! The check cannot see texts in quotes, tables, code, comments behind code, or a riddle in short words.
 
-use std::collections::BTreeMap;
 use std::error::Error;
 
 use crate::workspace::Workspace;
@@ -22,72 +21,22 @@ const WITHOUT_NOUN: [&str; 6] = [
     concat!("every", "body"),
 ];
 
-/// Sentences at fault that a folder still has; a folder without an entry has none.
-const ALLOWED: &[(&str, usize)] = &[
-    ("CHANGELOG.md", 11),
-    ("benches", 37),
-    ("crates/cli", 18),
-    ("crates/core", 20),
-    ("crates/engine", 29),
-    ("crates/forcefield", 12),
-    ("crates/integrators", 23),
-    ("crates/io", 12),
-    ("crates/literature", 10),
-    ("crates/observables", 66),
-    ("crates/scene", 19),
-    ("crates/studies", 48),
-    ("docs", 18),
-    ("inputs", 3),
-];
-
-/// An allowance so far above the number found must fall; less leaves room for branches that are merged.
-const SLACK: usize = 10;
-
 /// Documents that programs write.
 const NOT_OURS: [&str; 2] = ["benches/results/", "validation/results/"];
 
-/// The folders with more sentences at fault than allowed, and the allowances that must fall.
+/// The sentences at fault of all sources and documents that git does not ignore.
 pub fn faults(workspace: &Workspace) -> Result<Vec<String>, Box<dyn Error>> {
-    let mut found: BTreeMap<&str, Vec<String>> =
-        ALLOWED.iter().map(|a| (a.0, Vec::new())).collect();
-    let names = workspace.tracked(&["*.rs", "*.md"])?;
-    for name in &names {
+    let mut faults = Vec::new();
+    for name in workspace.tracked(&["*.rs", "*.md"])? {
         // A file that is deleted and still tracked has no sentences.
-        let Ok(text) = std::fs::read_to_string(workspace.root.join(name)) else {
+        let Ok(text) = std::fs::read_to_string(workspace.root.join(&name)) else {
             continue;
         };
         if !NOT_OURS.iter().any(|folder| name.starts_with(folder)) {
-            found
-                .entry(folder_of(name))
-                .or_default()
-                .extend(at_fault(name, &text));
+            faults.extend(at_fault(&name, &text));
         }
     }
-    let judged = found.iter().flat_map(|(folder, sentences)| {
-        let allowed = ALLOWED.iter().find(|(name, _)| name == folder);
-        judge(folder, sentences, allowed.map_or(0, |(_, number)| *number))
-    });
-    Ok(judged.collect())
-}
-
-/// `crates/NAME` for a file of a crate, the first folder for other files, and the name itself for a file of the root.
-fn folder_of(name: &str) -> &str {
-    let depth = usize::from(name.starts_with("crates/"));
-    let end = name.match_indices('/').nth(depth);
-    &name[..end.map_or(name.len(), |(at, _)| at)]
-}
-
-/// All sentences at fault of a folder that has too many, or the allowance that is too large.
-fn judge(folder: &str, sentences: &[String], allowed: usize) -> Vec<String> {
-    let number = sentences.len();
-    let says = format!("{folder} has {number} sentences at fault, and {allowed} are allowed");
-    if number > allowed {
-        [&[says], sentences].concat()
-    } else if number + SLACK < allowed {
-        vec![format!("{says}: lower the allowance")]
-    } else {
-        Vec::new()
-    }
+    Ok(faults)
 }
 
 /// The sentences at fault of one file, each with the line of its paragraph and the reason.
@@ -100,7 +49,7 @@ fn at_fault(name: &str, text: &str) -> Vec<String> {
                 (words, None) if words > MOST_WORDS => format!("{words} words"),
                 _ => continue,
             };
-            faults.push(format!("  {name}:{line}: {reason}: {sentence}"));
+            faults.push(format!("{name}:{line}: {reason}: {sentence}"));
         }
     }
     faults
@@ -245,21 +194,5 @@ mod tests {
             assert!(fault[0].contains("a.md:3:"), "{fault:?}");
         }
         assert!(at_fault("a.md", "We know that often it rains.\n").is_empty());
-    }
-
-    #[test]
-    fn an_allowance_is_a_limit_and_must_fall() {
-        let sentences = vec!["one".to_owned(); 20];
-        assert_eq!(judge("io", &sentences, 20), Vec::<String>::new());
-        assert_eq!(judge("io", &sentences, 19).len(), 21);
-        assert_eq!(judge("io", &sentences, 20 + SLACK), Vec::<String>::new());
-        assert_eq!(judge("io", &sentences, 21 + SLACK).len(), 1);
-    }
-
-    #[test]
-    fn a_file_belongs_to_its_crate_or_its_folder() {
-        assert_eq!(folder_of("crates/io/src/csv.rs"), "crates/io");
-        assert_eq!(folder_of("docs/notation.md"), "docs");
-        assert_eq!(folder_of("README.md"), "README.md");
     }
 }

@@ -16,7 +16,7 @@ lennard_core::options! {
         /// The file, relative to the scene file.
         file: Option<TablePath> = None, else "needed", Words("the path of a file with the columns r, U and F");
         /// The checksum of the file (CRC-32), which every run writes into its scene; a file with another checksum is refused.
-        checksum: Option<Checksum> = None, else "that of the file", Words("eight hexadecimal digits in quotes");
+        checksum: Option<Checksum> = None, else "the checksum of the file", Words("eight hexadecimal digits in quotes");
         /// The exponent p of U ∝ r⁻ᵖ beyond the end of the table, for the tail correction.
         tail_exponent: Option<u32> = None, else "no tail correction", Whole(SMALLEST_EXPONENT, LARGEST_EXPONENT);
     }

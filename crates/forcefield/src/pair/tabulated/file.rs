@@ -110,8 +110,7 @@ pub fn read(text: &str) -> Result<Vec<Knot>, Refusal> {
 
 /// Refuses a table whose force is not −dU/dr.
 ///
-/// Between the rows before and after it, the slope of U at each row follows from U and F of these rows: the derivative of the
-/// cubic that has their values and slopes.
+/// The cubic that has the values and slopes of the rows before and after gives the slope of U at each row.
 pub fn check(knots: &[Knot]) -> Result<(), Refusal> {
     let mut sizes: Vec<f64> = knots.iter().map(|k| k.force.abs()).collect();
     sizes.sort_by(f64::total_cmp);

@@ -120,8 +120,8 @@ fn agrees_there(
         let sizes = magnitudes_of(&base, mixture, cell, positions);
         (base, reference_of(&base, mixture, cell, positions), sizes)
     };
-    // Fixed-point coordinates can carry a pair across the cutoff, where a shifted potential's force jumps
-    // by more than any rounding: mixed precision is judged where the force ends at zero.
+    // Fixed-point coordinates can carry a pair across the cutoff. The force of a shifted potential jumps
+    // there by more than any rounding. Mixed precision is therefore judged where the force ends at zero.
     let sharp = judged(TruncationKind::Shift);
     let smooth = judged(TruncationKind::ForceShift);
     // Last places of coordinates, and of fixed point in the longest side.

@@ -33,8 +33,8 @@ fn points_and_grids_multiply() {
     );
 }
 
-/// Proves that every point draws noise of its own, whether the sweep names seeds or not, and that the seed of a point
-/// follows from seed and point alone: whatever else the sweep holds, whatever the order. It does not judge the noise.
+/// Proves that every point draws noise of its own, whether the sweep names seeds or not. The seed of a point follows
+/// from seed and point alone, whatever else the sweep holds, and in any order. It does not judge the noise.
 #[test]
 fn every_point_has_a_seed_of_its_own() {
     let seeds = |text: &str, set: &[(String, String)]| -> BTreeMap<String, u64> {

@@ -25,8 +25,8 @@ fn survey(frames: Vec<Frame>, n_atoms: usize, volume: f64, sight: f64) -> (Scene
 
 #[test]
 fn the_step_law_of_oscillators_is_the_exact_one() {
-    // 30 oscillators ½kx² in each of three directions: U a particle is 3T/2·(1 + h²k/4) at the kinetic temperature
-    // of whole steps that velocity Verlet shows, and 3T/2 at that of half steps. W is taken as 2U for a second quantity of a known law.
+    // 30 oscillators ½kx² in each of three directions: With velocity Verlet, U per particle is 3T/2·(1 + h²k/4) at the kinetic
+    // temperature of whole steps, and 3T/2 at the temperature of half steps. W is taken as 2U for a second quantity of a known law.
     let (n, k, t) = (30, 7.0, 0.8_f64);
     let noise = Streams::new(5).noise("oscillators");
     let frames = (0..20_000)
