@@ -20,7 +20,7 @@ const SAME_BOX: f64 = 1e-14;
 const XTC: [[u8; 4]; 2] = [[0, 0, 0x07, 0xcb], [0, 0, 0x07, 0xe7]];
 
 /// Reads a start configuration: the last frame of extended XYZ or of a LAMMPS dump, a LAMMPS data file of atoms, or NIST
-/// columns, told apart by their content; each may be compressed by gzip.
+/// columns. The content tells them apart, and each may be compressed by gzip.
 ///
 /// # Errors
 /// Where the file cannot be read, has no box, or holds what its format does not allow.

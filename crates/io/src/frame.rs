@@ -22,9 +22,9 @@ pub const DEFAULT_PRECISION: f64 = 1e4;
 ///
 /// Floating-point numbers are the shortest text that reads back to the same bits. Velocities and
 /// unwrapped positions are therefore exact. A wrapped position with its image flags, r = w + k·L, is exact
-/// too, but where −L/2 < r < 0, or where r lies within rounding of a face: there the wrapped
-/// coordinate has fewer bits below the point than r had, and the position read back differs by less
-/// than one unit in the last place of L (or of r, where that is larger).
+/// too, with two exceptions: −L/2 < r < 0, and r within rounding of a face. There the wrapped coordinate
+/// has fewer bits below the point than r had. The position read back then differs by less than one unit in
+/// the last place of L (or of r, where r is larger).
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameStyle {
     /// The species, whose chemical symbol (or `X`) stands in the first column: readers refuse anything else. The header of a

@@ -79,8 +79,8 @@ impl Recipe for MsdOptions {
 ///
 /// The diffusion coefficient D = slope/6 comes from a straight line with free intercept over the lags where
 /// the slope no longer changes. Its error comes from the same fit to successive blocks of the run. The
-/// motion of the centre of mass is taken out, which is nothing at zero momentum, and with a heat bath that
-/// kicks the whole system lowers D by 1/N. In a mixture each species has its own D, with the same term for finite size.
+/// motion of the centre of mass is taken out. It is nothing at zero momentum. With a heat bath that kicks
+/// the whole system, taking it out lowers D by 1/N. In a mixture each species has its own D, with the same term for finite size.
 ///
 /// In a box that changes, a displacement is the sum of L̄·Δ(r/L) between samples: what the box moves is no diffusion.
 #[derive(Debug, Clone, PartialEq)]

@@ -48,8 +48,8 @@ impl Walls {
         0.5 * mass * (v.length_squared() - before)
     }
 
-    /// The next hit of a particle that flies straight from `x` (σ) with `v` (σ/τ) for `left` τ: the time until then, τ, and the index
-    /// of the plane in [`lennard_core::ForceTerm::walls`].
+    /// The next hit of a particle that flies straight from `x` (σ) with `v` (σ/τ) for `left` τ. It gives the time until then, τ, and
+    /// the index of the plane in [`lennard_core::ForceTerm::walls`].
     #[must_use]
     pub fn next_hit(&self, x: DVec3, v: DVec3, left: f64) -> Option<(f64, usize)> {
         self.first_hit(x, left, |z, axis, outward| {

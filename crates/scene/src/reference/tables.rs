@@ -21,8 +21,8 @@ pub(super) static TABLES: &[TableDoc] = &[
     TableDoc {
         table: "system",
         heading: "`[system]`",
-        meaning: "Where the particles start: on a lattice or at random (`n_atoms` with `density` or `box`), \
-                  as `positions` in a `box`, or as a `configuration` file says.",
+        meaning: "Where the particles start: on a lattice or at random (`n_atoms` with `density` or `box`). \
+                  The other ways are `positions` in a `box`, and a `configuration` file.",
     },
     TableDoc {
         table: "slab",

@@ -2,8 +2,7 @@
 
 use lennard_core::Molecules;
 
-/// By how many the degrees of freedom of the centres of mass, over three, fall short of their number: 1 where the total momentum is
-/// zero, 0 where it is thermal.
+/// The number of centres of mass less a third of their degrees of freedom: 1 where the total momentum is zero, 0 where it is thermal.
 pub(super) fn missing_centers(sites: u64, n_dof: u64, molecules: &Molecules) -> f64 {
     let rigid = match molecules.are_rigid() {
         true => sites / molecules.sites() as u64 * molecules.bonds().len() as u64,

@@ -98,8 +98,9 @@ impl Pairs {
     }
 }
 
-/// Forces on some particles from all others and from the periodic images of all, up to a distance, in double
-/// precision: the reference loop with images.
+/// Forces on some particles from all others and from the periodic images of all, up to a distance.
+///
+/// This is the reference loop with images, in double precision.
 fn with_images(start: &Start, particles: &[usize], pairs: &Pairs, reach: f64) -> Vec<DVec3> {
     let lengths = start.cell.lengths();
     // After the nearest image a component is at most L/2: further images reach back by that much.
