@@ -20,12 +20,14 @@ pub struct OneFluid {
     pub sigma: f64,
     /// ε_x, in ε of the scene.
     pub epsilon: f64,
+    /// The mean mass of a particle, m. It enters the speed of sound alone.
+    pub mass: f64,
 }
 
 impl OneFluid {
     /// The one fluid of a mixture with these mole fractions, where `pair(a, b)` gives σ_ab and ε_ab:
     ///
-    /// σ_x³ = Σ x_a·x_b·σ_ab³, ε_x·σ_x³ = Σ x_a·x_b·ε_ab·σ_ab³, over ordered pairs.
+    /// σ_x³ = Σ x_a·x_b·σ_ab³, ε_x·σ_x³ = Σ x_a·x_b·ε_ab·σ_ab³, over ordered pairs. The mass is 1.
     ///
     /// T. W. Leland, J. S. Rowlinson and G. A. Sather, Trans. Faraday Soc. 64 (1968) 1447.
     #[must_use]
@@ -42,7 +44,14 @@ impl OneFluid {
         Self {
             sigma: volume.cbrt(),
             epsilon: energy / volume,
+            mass: 1.0,
         }
+    }
+
+    /// The same with another mean mass of a particle, m.
+    #[must_use]
+    pub fn with_mass(self, mass: f64) -> Self {
+        Self { mass, ..self }
     }
 }
 
@@ -98,8 +107,12 @@ impl EquationOfState for OneFluidEquation {
     }
 
     fn residual(&self, beta: Jet, rho: Jet) -> Jet {
-        let OneFluid { sigma, epsilon } = self.fluid;
+        let OneFluid { sigma, epsilon, .. } = self.fluid;
         thol_2016().residual(beta * epsilon, rho * sigma.powi(3))
+    }
+
+    fn mass(&self) -> f64 {
+        self.fluid.mass
     }
 
     /// The theory is one of fluids.
@@ -120,8 +133,8 @@ impl EquationOfState for OneFluidEquation {
 /// The one-fluid theory of a mixture; each one fluid is made once and stays for the rest of the program.
 #[must_use]
 pub fn one_fluid(fluid: OneFluid) -> &'static OneFluidEquation {
-    static MADE: Made<2, OneFluidEquation> = Made::new();
-    MADE.for_parameters([fluid.sigma, fluid.epsilon], || {
+    static MADE: Made<3, OneFluidEquation> = Made::new();
+    MADE.for_parameters([fluid.sigma, fluid.epsilon, fluid.mass], || {
         OneFluidEquation::new(fluid)
     })
 }

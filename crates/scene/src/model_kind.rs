@@ -128,12 +128,15 @@ fn mixture_kind(scene: &Scene) -> ModelKind {
             [x.min(least), x.max(most)]
         })
     };
+    let masses = scene.mixture.iter().flat_map(|m| &m.species).map(|s| s.mass);
+    let mean_mass = masses.zip(&fractions).map(|(m, x)| m * x).sum();
     let [smallest, largest] = of_pairs(&|p| p.sigma);
     ModelKind::Mixture {
         fluid: OneFluid::of(&fractions, |a, b| {
             let SpeciesPair { sigma, epsilon, .. } = pair(a, b);
             [sigma, epsilon]
-        }),
+        })
+        .with_mass(mean_mass),
         size_ratio: largest / smallest,
         r_cut: of_pairs(&|p| p.r_cut / p.sigma)[0],
     }

@@ -49,11 +49,14 @@ fn a_fluid_of_one_size_has_the_equation_of_the_pure_fluid() {
         fluid,
         OneFluid {
             sigma: 1.0,
-            epsilon: 1.0
+            epsilon: 1.0,
+            mass: 1.0
         }
     );
     let pure = lennard_literature::thol_2016().at(0.8, 1.2);
     assert!((one_fluid(fluid).at(0.8, 1.2).pressure - pure.pressure).abs() < 1e-12);
+    let heavy = one_fluid(fluid.with_mass(4.0)).at(0.8, 1.2);
+    assert!((heavy.speed_of_sound - 0.5 * pure.speed_of_sound).abs() < 1e-12);
 }
 
 #[test]
@@ -62,6 +65,7 @@ fn unlike_sizes_have_no_theory_here() {
         fluid: OneFluid {
             sigma: 1.0,
             epsilon: 1.0,
+            mass: 1.0,
         },
         size_ratio,
         r_cut: 4.0,
