@@ -128,7 +128,11 @@ fn mixture_kind(scene: &Scene) -> ModelKind {
             [x.min(least), x.max(most)]
         })
     };
-    let masses = scene.mixture.iter().flat_map(|m| &m.species).map(|s| s.mass);
+    let masses = scene
+        .mixture
+        .iter()
+        .flat_map(|m| &m.species)
+        .map(|s| s.mass);
     let mean_mass = masses.zip(&fractions).map(|(m, x)| m * x).sum();
     let [smallest, largest] = of_pairs(&|p| p.sigma);
     ModelKind::Mixture {
