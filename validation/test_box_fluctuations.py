@@ -1,4 +1,5 @@
-"""Fluctuations of the box at constant pressure, judged by physical_validation at two pressures: `cargo xtask physics`."""
+"""Fluctuations of the box at constant pressure, judged by physical_validation at two pressures, and by two intervals of the
+barostat: `cargo xtask physics`."""
 
 from __future__ import annotations
 
@@ -79,3 +80,23 @@ def test_volumes_at_two_pressures_have_the_ratio_of_boltzmann(tmp_path, barostat
     wrong = sample(runs[1], pressures[1] + 0.3)
     (off,) = pv.ensemble.check(one, wrong, total_energy=False, verbosity=0, bootstrap_seed=1)
     assert abs(off) > MOST_ERRORS, off
+
+
+def variance(series: np.ndarray, blocks: int = 20) -> tuple[float, float]:
+    """The variance around the mean of all samples, with the error from blocks."""
+    squares = np.square(series - series.mean())
+    means = squares[: len(squares) // blocks * blocks].reshape(blocks, -1).mean(axis=1)
+    return float(squares.mean()), float(means.std(ddof=1) / np.sqrt(blocks))
+
+
+def test_the_variance_of_the_volume_does_not_depend_on_the_interval(tmp_path):
+    """Without the Metropolis test an interval of 50 steps would have a variance that is larger by tens of per cent."""
+    found = []
+    for interval in (10, 50):
+        options = f", interval = {interval}, tau = 4.0"
+        run = scene(108, 1.19, "stochastic-cell-rescaling", options, 1_000_000, seed=5)
+        found.append(variance(volumes(run.run(tmp_path, f"every{interval}", threads=1))))
+    (one, error), (other, its_error) = found
+    apart = np.hypot(error, its_error)
+    assert apart < 0.12 * one, found
+    assert abs(one - other) < 3.0 * apart, found
