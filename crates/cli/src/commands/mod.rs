@@ -15,6 +15,7 @@ pub mod resume;
 pub mod run;
 pub mod stability;
 pub mod sweep;
+mod sweep_ends;
 mod sweep_tasks;
 pub mod tune;
 

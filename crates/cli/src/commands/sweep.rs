@@ -1,25 +1,19 @@
 //! `lennard sweep`: many state points from one file.
 
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use lennard_io::Existing;
-use lennard_scene::{Start, shipped};
-use lennard_studies::sweep::{self, Ending, Sweep, SweepError, SweepOptions, SweptPoint};
+use lennard_studies::sweep::{self, Ending, SweepError, SweepOptions};
 
 use crate::args::SweepArgs;
+use crate::commands::sweep_ends::{NOT_BEGUN, command, deadline, ended, keep_inputs};
 use crate::commands::sweep_tasks::Tasks;
-use crate::commands::{Inputs, output_folder, print_json};
-use crate::failure::{DONE, Failure, INPUT, OTHER, STOPPED};
+use crate::commands::{output_folder, print_json};
+use crate::failure::{Failure, INPUT, OTHER};
 use crate::progress::Display;
 use crate::show;
 use crate::signals::{Signals, StartUp};
-
-/// Exit code where physics stopped a point.
-const PHYSICS: u8 = 3;
-/// What is said of a sweep without a step that could be kept.
-const NOT_BEGUN: &str = "stopped before the first step of any point: nothing was written";
 
 /// Does what is asked of a sweep.
 pub fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
@@ -75,101 +69,6 @@ fn whole(args: &SweepArgs, started: Instant) -> Result<u8, Failure> {
         show::sweep(&record, folder.path());
     }
     Ok(ended(record.ending, &record.points, &command))
-}
-
-/// Says on standard error what is not as it should be, and gives the exit code.
-pub(super) fn ended(ending: Ending, points: &[SweptPoint], command: &str) -> u8 {
-    for point in points {
-        if let Some(reason) = point.failure.as_ref().or(point.elsewhere.as_ref()) {
-            eprintln!("{}: {reason}", point.name);
-        }
-    }
-    match ending {
-        Ending::Finished => DONE,
-        Ending::Failed => PHYSICS,
-        Ending::Elsewhere => INPUT,
-        Ending::NotBegun => {
-            eprintln!("{NOT_BEGUN}");
-            OTHER
-        }
-        Ending::Incomplete => {
-            let missing = points.iter().filter(|p| p.is_unfinished());
-            let names: Vec<&str> = missing.map(|p| p.name.as_str()).collect();
-            eprintln!(
-                "{} of {} points are not finished: {}\n  to run them: {command}",
-                names.len(),
-                points.len(),
-                some_of(&names)
-            );
-            STOPPED
-        }
-        Ending::Stopped => {
-            eprintln!(
-                "stopped on request; what is finished is kept, and points at work have checkpoints\n  to go on: {command}"
-            );
-            STOPPED
-        }
-    }
-}
-
-/// The first names of a list.
-fn some_of(names: &[&str]) -> String {
-    const SHOWN: usize = 5;
-    let shown = names[..names.len().min(SHOWN)].join(", ");
-    if names.len() > SHOWN {
-        return format!("{shown}, …");
-    }
-    shown
-}
-
-/// When to stop.
-pub(super) fn deadline(args: &SweepArgs, started: Instant) -> Option<Instant> {
-    started.checked_add(args.max_walltime?)
-}
-
-/// The command that runs or goes on with a sweep, as a shell reads it.
-pub(super) fn command(args: &SweepArgs, folder: &Path) -> String {
-    let shipped = shipped::find(&args.sweep).filter(|_| shipped::is_shipped(&args.sweep));
-    let name = shipped.map_or_else(|| args.sweep.to_string_lossy(), |sweep| sweep.name.into());
-    let file = in_shell(&name);
-    let line = format!(
-        "lennard sweep {file} --out {}",
-        in_shell(&folder.to_string_lossy())
-    );
-    args.set.iter().fold(line, |line, (key, value)| {
-        format!("{line} --set {}", in_shell(&format!("{key}={value}")))
-    })
-}
-
-/// A word as a shell reads it: in quotes where it has more than plain letters.
-fn in_shell(word: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_./=:,+".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', "'\\''"))
-}
-
-/// Refuses an output folder where a file that the sweep reads would be replaced or removed.
-pub(super) fn keep_inputs(file: &Path, sweep: &Sweep, folder: &Path) -> Result<(), Failure> {
-    let configurations = sweep
-        .points
-        .iter()
-        .filter_map(|point| match &point.scene.system.start {
-            Start::Configuration { path, .. } => Some(path.clone()),
-            Start::Lattice { .. } | Start::Slab(_) | Start::Listed { .. } => None,
-        });
-    let mut inputs: Vec<PathBuf> = configurations.collect();
-    inputs.dedup();
-    inputs.extend([file.to_path_buf(), sweep.base.clone()]);
-    let inputs = Inputs::of(inputs);
-    for name in sweep::FILES {
-        inputs.are_not(&folder.join(name))?;
-    }
-    for point in &sweep.points {
-        inputs.not_in(&folder.join(&point.name))?;
-    }
-    Ok(())
 }
 
 impl From<SweepError> for Failure {

@@ -9,16 +9,13 @@ use lennard_studies::sweep::{self, Plan, Scheduler, Script, SweepOptions};
 use serde::Serialize;
 
 use crate::args::{SchedulerName, SweepArgs};
-use crate::commands::sweep::{command, deadline, ended, keep_inputs};
+use crate::commands::sweep_ends::{NOT_BEGUN, command, deadline, ended, keep_inputs};
 use crate::commands::{output_folder, print_json};
 use crate::failure::DONE;
 use crate::failure::Failure;
 use crate::progress::Display;
 use crate::show;
 use crate::signals::{Signals, StartUp};
-
-/// What is said of a task that was stopped before it had anything to keep.
-const NOT_BEGUN: &str = "stopped before the first step of any point: nothing was written";
 
 /// What is asked of a sweep in parts.
 pub(super) struct Tasks<'a> {

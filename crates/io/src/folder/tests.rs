@@ -1,0 +1,171 @@
+use super::*;
+use crate::claim::CLAIM_FILE;
+
+#[test]
+fn the_first_free_number_is_taken() {
+    let root = tempfile::tempdir().unwrap();
+    let runs = root.path().join("runs");
+    for n in [1, 2, 3] {
+        let made = create_numbered_folder(&runs, "gas").unwrap();
+        assert_eq!(made.path(), runs.join(format!("gas-{n}")));
+        fs::write(made.path().join("run.json"), "{}").unwrap();
+    }
+    fs::remove_dir_all(runs.join("gas-2")).unwrap();
+    let made = create_numbered_folder(&runs, "gas").unwrap();
+    assert_eq!(made.path(), runs.join("gas-2"));
+}
+
+#[test]
+fn an_existing_folder_is_refused_and_left_alone_without_force() {
+    let root = tempfile::tempdir().unwrap();
+    let path = root.path().join("out");
+    fs::create_dir(&path).unwrap();
+    create_named_folder(&path, Existing::Refuse).expect("an empty one is as good as none");
+    fs::write(path.join("run.json"), "{}").unwrap();
+    let error = create_named_folder(&path, Existing::Refuse).unwrap_err();
+    assert!(matches!(error, FolderError::Exists { .. }));
+    assert!(error.to_string().contains("--force"));
+    assert!(path.join("run.json").exists());
+}
+
+#[test]
+fn force_removes_the_files_of_the_old_run_and_nothing_else() {
+    let root = tempfile::tempdir().unwrap();
+    for name in ["run.json", "rdf.csv", "notes.txt"] {
+        fs::write(root.path().join(name), "x").unwrap();
+    }
+    create_named_folder(root.path(), Existing::Replace).unwrap();
+    let left: Vec<_> = fs::read_dir(root.path())
+        .unwrap()
+        .map(|e| e.unwrap().file_name())
+        .collect();
+    assert_eq!(left, ["notes.txt"]);
+}
+
+#[test]
+fn force_on_a_folder_that_holds_no_run_removes_nothing() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("data.csv"), "x").unwrap();
+    create_named_folder(root.path(), Existing::Replace).unwrap();
+    assert!(root.path().join("data.csv").exists());
+}
+
+#[test]
+fn a_path_that_cannot_be_made_is_named_with_its_cause() {
+    let root = tempfile::tempdir().unwrap();
+    let file = root.path().join("file");
+    fs::write(&file, "x").unwrap();
+    let error = create_named_folder(&file, Existing::Replace).unwrap_err();
+    assert!(matches!(error, FolderError::NotAFolder { .. }));
+    let below = file.join("out");
+    let error = create_named_folder(&below, Existing::Refuse).unwrap_err();
+    assert!(error.to_string().contains("file/out"), "{error}");
+    assert!(create_numbered_folder(&file, "gas").is_err());
+}
+
+#[test]
+fn a_folder_is_held_until_it_is_dropped_and_the_process_is_named() {
+    let root = tempfile::tempdir().unwrap();
+    let path = root.path().join("out");
+    let held = create_named_folder(&path, Existing::Refuse).unwrap();
+    fs::write(path.join("run.json"), "{}").unwrap();
+    fs::write(path.join("rdf.csv"), "x").unwrap();
+    for existing in [Existing::Refuse, Existing::Replace, Existing::Keep] {
+        let error = create_named_folder(&path, existing).unwrap_err();
+        let wanted = format!("process {} is at work there", std::process::id());
+        assert!(error.to_string().contains(&wanted), "{error}");
+        assert!(path.join("rdf.csv").exists(), "nothing is removed");
+    }
+    drop(held);
+    assert!(!path.join(CLAIM_FILE).exists(), "no trace is left");
+    create_named_folder(&path, Existing::Keep).unwrap();
+    assert!(path.join("rdf.csv").exists(), "it was to be kept");
+}
+
+#[test]
+fn the_claim_of_a_process_that_is_gone_blocks_nothing() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join(CLAIM_FILE), "1\n").unwrap();
+    let held = create_named_folder(root.path(), Existing::Refuse).unwrap();
+    assert!(is_empty_folder(held.path()));
+}
+
+#[test]
+fn the_claim_of_another_machine_holds_until_it_is_no_longer_renewed() {
+    let root = tempfile::tempdir().unwrap();
+    let claim = root.path().join(CLAIM_FILE);
+    fs::write(&claim, "17\nnode-7\nanother-start\n").unwrap();
+    let error = create_named_folder(root.path(), Existing::Keep).unwrap_err();
+    let wanted = "is in use: process 17 on node-7 is at work there";
+    assert!(error.to_string().contains(wanted), "{error}");
+    assert_eq!(
+        fs::read_dir(root.path()).unwrap().count(),
+        1,
+        "no trace is left"
+    );
+    let long_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(301);
+    fs::File::options()
+        .write(true)
+        .open(&claim)
+        .unwrap()
+        .set_modified(long_ago)
+        .unwrap();
+    let held = create_named_folder(root.path(), Existing::Keep).unwrap();
+    held.still_held().unwrap();
+    assert!(
+        fs::read_to_string(&claim)
+            .unwrap()
+            .starts_with(&std::process::id().to_string())
+    );
+    drop(held);
+    assert_eq!(fs::read_dir(root.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_folder_that_another_process_has_taken_over_is_named() {
+    let lost = FolderError::Lost {
+        path: PathBuf::from("runs/gas-1"),
+    };
+    assert_eq!(
+        lost.to_string(),
+        "the output folder runs/gas-1 is lost: this process slept for minutes, and another one has begun there\n  \
+         allowed: one process in a folder; the other one goes on"
+    );
+}
+
+#[test]
+fn of_many_threads_that_find_a_dead_claim_one_takes_the_folder() {
+    for _ in 0..50 {
+        let root = tempfile::tempdir().unwrap();
+        fs::write(root.path().join(CLAIM_FILE), "1\n").unwrap();
+        let taken: Vec<_> = std::thread::scope(|scope| {
+            let tries: Vec<_> = (0..8)
+                .map(|_| scope.spawn(|| create_named_folder(root.path(), Existing::Keep).ok()))
+                .collect();
+            tries
+                .into_iter()
+                .filter_map(|t| t.join().unwrap())
+                .collect()
+        });
+        assert_eq!(taken.len(), 1);
+        taken[0].still_held().unwrap();
+    }
+}
+
+#[test]
+fn folders_that_were_made_and_never_written_to_are_removed_and_no_others() {
+    let root = tempfile::tempdir().unwrap();
+    let deep = root.path().join("a/b/c");
+    drop(create_named_folder(&deep, Existing::Refuse).unwrap());
+    assert!(!root.path().join("a").exists());
+    fs::create_dir_all(&deep).unwrap();
+    drop(create_named_folder(&deep, Existing::Refuse).unwrap());
+    assert!(deep.exists(), "it was there before");
+    let runs = root.path().join("runs");
+    drop(create_numbered_folder(&runs, "gas").unwrap());
+    assert!(!runs.exists());
+    let kept = create_named_folder(&root.path().join("d/e"), Existing::Refuse).unwrap();
+    fs::write(kept.path().join("notes.txt"), "x").unwrap();
+    drop(kept);
+    assert!(root.path().join("d/e/notes.txt").exists());
+}
