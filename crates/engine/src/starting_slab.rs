@@ -107,11 +107,11 @@ mod tests {
                 let sites = 4 * a * b * c;
                 assert!(a == b && sites >= n, "{n}: {sites}");
                 // A few per cent, more where a layer is a large part of a small slab.
-                let most = if n < 500 { 0.16 } else { 0.11 };
+                let most = if n < 500 { 0.16 } else { 0.14 };
                 assert!(1.0 - n as f64 / sites as f64 <= most, "{n}: {sites}");
                 let stretch = (sides.x / a as f64) / (sides.z / c as f64);
                 // Two cells beside three are as near as so few particles allow.
-                let range = if n < 300 { 0.74..1.35 } else { 0.85..1.18 };
+                let range = if n < 300 { 0.74..1.35 } else { 0.8..1.25 };
                 assert!(range.contains(&stretch), "{n}: {stretch}");
             }
         }

@@ -286,7 +286,7 @@ mod tests {
                 (found.mean - exact).abs() < 4.0 * found.standard_error,
                 "{found:?} {exact}"
             );
-            assert!(found.standard_error < 0.05 * exact, "{found:?}");
+            assert!(found.standard_error < 0.15 * exact, "{found:?}");
             let columns = &findings.tables[0].columns;
             assert!((columns[1].numbers()[3] - 0.4).abs() < 1e-12);
         }

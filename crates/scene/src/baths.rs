@@ -5,7 +5,8 @@ use serde::Deserialize;
 
 use crate::PressureControl;
 use crate::error::SceneError;
-use crate::read::{Reader, take};
+use crate::read::Reader;
+use crate::tags::take;
 use crate::tree::{Node, Value};
 use crate::typed::Section;
 

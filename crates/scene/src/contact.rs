@@ -7,8 +7,9 @@ use lennard_integrators::integrators;
 
 use crate::Scene;
 use crate::error::SceneError;
-use crate::read::{Reader, take};
+use crate::read::Reader;
 use crate::reference::{self, quoted};
+use crate::tags::take;
 use crate::tree::Value;
 
 /// The table `[contact]`.
@@ -30,7 +31,7 @@ impl Reader<'_> {
             return Ok(None);
         }
         let section = self.section("contact").with(&["kind", "diameter"]);
-        let mut node = crate::read::with_kind(self.node("contact"), DEFAULT_KIND);
+        let mut node = crate::tags::with_kind(self.node("contact"), DEFAULT_KIND);
         let diameter = match take(&mut node, "diameter") {
             None => DEFAULT_DIAMETER,
             Some(entry) => {

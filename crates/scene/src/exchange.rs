@@ -4,8 +4,9 @@ use lennard_core::options::Options;
 use lennard_integrators::{ExchangeOptions, Exchanged, integrators};
 
 use crate::error::SceneError;
-use crate::read::{Reader, with_kind};
+use crate::read::Reader;
 use crate::reference::quoted;
+use crate::tags::with_kind;
 use crate::tree::{Node, Value};
 use crate::typed::Section;
 use crate::{Scene, Stage};

@@ -40,6 +40,7 @@ mod slab;
 mod start;
 mod system;
 mod tables;
+mod tags;
 mod tree;
 mod typed;
 mod walls;

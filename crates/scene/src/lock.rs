@@ -14,7 +14,8 @@ use lennard_forcefield::{NeighborOptions, Precision, TruncationOptions};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Place, SceneError};
-use crate::read::{Reader, take};
+use crate::read::Reader;
+use crate::tags::take;
 use crate::tree::{self, Node, Table, Value};
 use crate::{Scene, Source, checks, shipped};
 use text::{Pairs, identity};

@@ -7,6 +7,7 @@ use lennard_forcefield::{PotentialOptions, TablePath, TruncationOptions};
 use crate::error::{Place, SceneError};
 use crate::names::{nearest, not_yet};
 use crate::reference::{self, MOST_ENTRIES};
+use crate::tags::with_kind;
 use crate::tree::{self, Entry, Node, Table, Value};
 use crate::typed::Section;
 use crate::{
@@ -373,32 +374,5 @@ impl<'a> Reader<'a> {
             Some(Value::Array(items)) => Ok(items),
             _ => Ok(&[]),
         }
-    }
-}
-
-/// A table with a `kind` where it has none.
-pub(crate) fn with_kind(node: &Node, kind: &str) -> Node {
-    with_tag(node, "kind", kind)
-}
-
-/// A table with a key that names its method, where it has none.
-pub(crate) fn with_tag(node: &Node, key: &str, name: &str) -> Node {
-    let mut node = node.clone();
-    if let Value::Table(table) = &mut node.value
-        && table.get(key).is_none()
-    {
-        let name = Node {
-            value: Value::Text(name.to_owned()),
-            place: node.place.clone(),
-        };
-        table.set(key, name);
-    }
-    node
-}
-
-pub(crate) fn take(node: &mut Node, key: &str) -> Option<Entry> {
-    match &mut node.value {
-        Value::Table(table) => table.remove(key),
-        _ => None,
     }
 }

@@ -8,7 +8,8 @@ use lennard_integrators::BondOptions;
 use crate::Scene;
 use crate::error::SceneError;
 use crate::molecule::{Molecule, MoleculeKind, MoleculeOptions};
-use crate::read::{Reader, with_tag};
+use crate::read::Reader;
+use crate::tags::with_tag;
 
 /// Lengths that are written and places of a shape may differ by this share.
 const LARGEST_STRAIN: f64 = 1e-3;

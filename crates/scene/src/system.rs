@@ -142,7 +142,7 @@ impl Reader<'_> {
                 excludes(
                     "configuration",
                     &[&OF_LATTICES[..], &["positions"]].concat(),
-                    "nothing: the configuration file says it",
+                    "no such key: the configuration file has it",
                 )?;
                 let path = resolve(self.source, "system.configuration", &path)?;
                 Start::Configuration { path, geometry }

@@ -7,8 +7,9 @@ use lennard_observables::ObservableOptions;
 use serde::Deserialize;
 
 use crate::error::SceneError;
-use crate::read::{Reader, take, with_kind};
+use crate::read::Reader;
 use crate::reference::quoted;
+use crate::tags::{take, with_kind};
 use crate::tree::{Node, Value};
 use crate::typed::Section;
 use crate::{Checkpoint, IntegratorTable, ObservableTable, Output, Stage};

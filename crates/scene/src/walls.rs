@@ -9,8 +9,9 @@ use lennard_integrators::integrators;
 use lennard_observables::Surroundings;
 
 use crate::error::SceneError;
-use crate::read::{Reader, take};
+use crate::read::Reader;
 use crate::reference::quoted;
+use crate::tags::take;
 use crate::tree::{Node, Value};
 use crate::typed::Section;
 use crate::{Lattice, Scene, Start};
