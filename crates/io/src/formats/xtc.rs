@@ -42,7 +42,12 @@ fn push(
         .filter(|step| u64::from(*step) <= LIMITS.last_step)
         .ok_or_else(|| {
             let found = state.step.to_string();
-            unwritable(path, "step", found, format!("at most {} in XTC", LIMITS.last_step))
+            unwritable(
+                path,
+                "step",
+                found,
+                format!("at most {} in XTC", LIMITS.last_step),
+            )
         })?;
     let mut positions = Vec::with_capacity(state.len());
     for i in 0..state.len() {
@@ -51,7 +56,10 @@ fn push(
             return Err(unwritable(
                 path,
                 "position",
-                format!("{position} of particle {i}, at precision {}", style.precision),
+                format!(
+                    "{position} of particle {i}, at precision {}",
+                    style.precision
+                ),
                 format!("coordinates below {}/precision in XTC", LIMITS.multiples),
             ));
         }
@@ -66,6 +74,12 @@ fn push(
     };
     let precision = (style.precision / style.length_scale) as f32;
     XTCWriter::new_with_magic(to, magic)
-        .write_frame_parts(step, state.time as f32, vectors, positions.iter(), precision)
+        .write_frame_parts(
+            step,
+            state.time as f32,
+            vectors,
+            positions.iter(),
+            precision,
+        )
         .map_err(|e| WriteError::io(path, "compress", e))
 }

@@ -98,7 +98,12 @@ fn push_header(
     let number = |to: &mut Vec<u8>, key: &str, value: f64| {
         if !value.is_finite() {
             let found = format!("{key}={value}");
-            return Err(unwritable(path, "number in the header", found, "a finite number"));
+            return Err(unwritable(
+                path,
+                "number in the header",
+                found,
+                "a finite number",
+            ));
         }
         to.push(b' ');
         to.extend_from_slice(key.as_bytes());
@@ -113,9 +118,9 @@ fn push_header(
         if !is_plain_key(key) {
             let found = format!("`{}`", key.escape_debug());
             let allowed = format!(
-                    "letters, digits and _, but none of {}",
-                    TAKEN_KEYS.join(", ")
-                );
+                "letters, digits and _, but none of {}",
+                TAKEN_KEYS.join(", ")
+            );
             return Err(unwritable(path, "key in the header", found, allowed));
         }
         number(to, key, value)?;
