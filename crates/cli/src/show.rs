@@ -125,12 +125,13 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
 
 /// What a run found, and what can be said of it.
 pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, verbose: bool) {
-    println!(
-        "
-{}",
-        literature::quantities(compared, verbose)
-    );
-    literature::below_quantities(compared, verbose);
+    if compared.is_of_few_bodies() && !verbose {
+        println!("\n  {}", console::style(&compared.headline).bold());
+        println!("  last state: {}", folder.join("final.xyz").display());
+    } else {
+        println!("\n{}", literature::quantities(compared, verbose));
+        literature::below_quantities(compared, verbose);
+    }
     if verbose {
         literature::state_card(compared);
     }

@@ -71,6 +71,20 @@ pub struct ComparedRun {
     pub remarks: Vec<String>,
 }
 
+/// Whether a run has fewer bodies than a dozen: means over them say nothing of a fluid.
+fn is_of_few_bodies(molecules: u64) -> bool {
+    const FEW: u64 = 12;
+    molecules < FEW
+}
+
+impl ComparedRun {
+    /// Whether it is of so few bodies that its means say nothing of a fluid.
+    #[must_use]
+    pub fn is_of_few_bodies(&self) -> bool {
+        is_of_few_bodies(self.molecules)
+    }
+}
+
 /// Compares a finished run.
 #[must_use]
 pub fn compare(run: &RunFolder) -> ComparedRun {
@@ -141,7 +155,12 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
             .ok()
             .filter(|_| no_reference.is_none())
             .map(|e| e.spec().citation()),
-        headline: headline(&rows, missing.as_deref()),
+        headline: if is_of_few_bodies(run.molecules()) {
+            "So few bodies have no thermodynamic state: positions and velocities are the result."
+                .into()
+        } else {
+            headline(&rows, missing.as_deref())
+        },
         shared_reason: shared_reason(&rows).map(|row| row.reason.clone()),
         rows,
         state,

@@ -228,6 +228,21 @@ fn a_slab_is_set_beside_saturation_and_not_beside_the_mean_density() {
     assert!(normal["source"].as_str().unwrap().contains("Vrabec"));
 }
 
+/// Means over five bodies say nothing of a fluid, and the run says so.
+#[test]
+fn a_run_of_few_bodies_ends_with_its_last_state() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = lennard_in(folder.path(), &["run", "mechanics/cradle", "--out", "out"]);
+    let said = String::from_utf8_lossy(&run.stdout).into_owned();
+    assert!(run.status.success());
+    assert!(
+        said.contains("So few bodies have no thermodynamic state"),
+        "{said}"
+    );
+    assert!(said.contains("last state: out/final.xyz"), "{said}");
+    assert!(!said.contains("too short"), "{said}");
+}
+
 /// N over the whole box is no density of the fluid in a slit: no phase is named by it.
 #[test]
 fn a_fluid_between_walls_is_said_to_be_in_no_phase() {
