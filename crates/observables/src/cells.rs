@@ -62,6 +62,11 @@ impl Points {
             look(first + batch * BATCH, &squared[..x.len()]);
         }
     }
+
+    /// The coordinates along each axis from one particle on, σ.
+    pub(crate) fn coordinates(&self, first: usize) -> [&[f64]; 3] {
+        [&self.x, &self.y, &self.z].map(|along| &along[first..])
+    }
 }
 
 impl FromIterator<DVec3> for Points {

@@ -108,17 +108,22 @@ impl Histogram {
         let mut bins = [0_u32; BATCH];
         let last = self.bins as f64 - 1.0;
         let beyond = self.bins as f64;
-        to.squared_distances(from, self.sides, first, |_, squared| {
-            for (bin, r2) in bins.iter_mut().zip(squared) {
-                let r = r2.sqrt();
+        let [x, y, z] = to.coordinates(first).map(|r| r.chunks(BATCH));
+        // One loop from coordinates to bins: in two, counting takes three times as long.
+        for ((x, y), z) in x.zip(y).zip(z) {
+            for (((bin, x), y), z) in bins.iter_mut().zip(x).zip(y).zip(z) {
+                // Both lie in the home box: the nearest image is the shorter way around.
+                let d = (from - DVec3::new(*x, *y, *z)).abs();
+                let d = d.min(self.sides - d);
+                let r = d.length();
                 // Just below r_max the product can round up to the number of bins.
                 let place = (r * self.per_length).min(last);
                 *bin = if r < self.r_max { place } else { beyond } as u32;
             }
-            for bin in &bins[..squared.len()] {
+            for bin in &bins[..x.len()] {
                 counts[*bin as usize] += 1;
             }
-        });
+        }
     }
 
     /// Adds up what the tasks count.
