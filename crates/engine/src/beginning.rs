@@ -180,7 +180,12 @@ pub(crate) fn begin_in_memory(
 /// # Errors
 /// [`EngineError`] where the start cannot be made.
 pub fn size_and_density(scene: &Scene) -> Result<(usize, f64), EngineError> {
-    let (n, cell) = match (scene.system.start.count(), scene.placement()?) {
+    let start = &scene.system.start;
+    let (n, cell) = match (start.count(), scene.placement()?) {
+        // Every site is listed; elsewhere the scene counts molecules.
+        (Some(sites), Some(placement)) if matches!(start, Start::Listed { .. }) => {
+            (sites, placement.cell)
+        }
         (Some(count), Some(placement)) => (count * scene.molecules().sites(), placement.cell),
         _ => {
             let beginning = begin(scene)?;

@@ -54,10 +54,12 @@ impl Simulation {
 
     /// The longest legal move of a particle in one step, σ: soft bodies must not pass through each other between two looks.
     fn largest_move(&self) -> f64 {
-        let contact = self.scene.contact.as_ref();
-        contact.map_or(LARGEST_MOVE, |table| {
-            LARGEST_MOVE.min(0.25 * table.diameter)
-        })
+        if self.scene.contact.is_none() {
+            return LARGEST_MOVE;
+        }
+        let pairs = self.scene.species_pairs();
+        let distances = pairs.map(|[a, b]| self.scene.contact_distance(a, b));
+        distances.fold(LARGEST_MOVE, |least, distance| least.min(0.25 * distance))
     }
 
     pub(crate) fn failed(&self, error: StepError) -> EngineError {

@@ -42,7 +42,7 @@ pub enum Start {
 }
 
 impl Start {
-    /// Number of particles, or of molecules where particles are bonded on a lattice; `None` where a file has it.
+    /// Number of listed particles, or of molecules on a lattice or in a slab; `None` where a file has it.
     #[must_use]
     pub fn count(&self) -> Option<usize> {
         match self {

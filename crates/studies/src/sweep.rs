@@ -28,6 +28,7 @@ pub use file::{SweepError, load, plan};
 pub use page::{CHI_SQUARED, agreement_table, point_table};
 pub use plan::Plan;
 pub use points::{PlannedPoint, Point, Setting};
+pub use ran::Failed;
 pub use run::{Ending, FILES, SweepOptions, SweepRecord, SweptPoint, ending_of, run, run_points};
 pub use script::{Scheduler, Script};
 pub use threads::workers;

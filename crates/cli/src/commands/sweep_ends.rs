@@ -10,8 +10,6 @@ use crate::args::SweepArgs;
 use crate::commands::Inputs;
 use crate::failure::{DONE, Failure, INPUT, OTHER, STOPPED};
 
-/// Exit code where physics stopped a point.
-const PHYSICS: u8 = 3;
 /// What is said of a sweep without a step that could be kept.
 pub(super) const NOT_BEGUN: &str =
     "stopped before the first step of any point: nothing was written";
@@ -19,13 +17,14 @@ pub(super) const NOT_BEGUN: &str =
 /// Says on standard error what is not as it should be, and gives the exit code.
 pub(super) fn ended(ending: Ending, points: &[SweptPoint], command: &str) -> u8 {
     for point in points {
-        if let Some(reason) = point.failure.as_ref().or(point.elsewhere.as_ref()) {
+        let failed = point.failure.as_ref().map(|failed| &failed.reason);
+        if let Some(reason) = failed.or(point.elsewhere.as_ref()) {
             eprintln!("{}: {reason}", point.name);
         }
     }
     match ending {
         Ending::Finished => DONE,
-        Ending::Failed => PHYSICS,
+        Ending::Failed => gravest(points),
         Ending::Elsewhere => INPUT,
         Ending::NotBegun => {
             eprintln!("{NOT_BEGUN}");
@@ -49,6 +48,12 @@ pub(super) fn ended(ending: Ending, points: &[SweptPoint], command: &str) -> u8 
             STOPPED
         }
     }
+}
+
+/// The exit code of a sweep with failed points: physics, where it stopped one; else input, where one was at fault.
+fn gravest(points: &[SweptPoint]) -> u8 {
+    let failed = points.iter().filter_map(|point| point.failure.as_ref());
+    failed.map(|failed| failed.exit_code).max().unwrap_or(OTHER)
 }
 
 /// The first names of a list.

@@ -52,6 +52,22 @@ fn points_have_numbers_names_and_values() {
 }
 
 #[test]
+fn a_point_whose_folder_cannot_be_made_is_a_fault_of_the_input() {
+    let place = Place::with(&[
+        ("base.toml", BASE),
+        ("sweep.toml", SWEEP),
+        ("out/rho0.4-T1.5", "a file, no folder"),
+    ]);
+    let ended = place.output(&["sweep", "sweep.toml", "--out", "out", "--quiet"]);
+    assert_eq!(ended.status.code(), Some(2), "{}", stderr(&ended));
+    assert!(stderr(&ended).contains("rho0.4-T1.5"), "{}", stderr(&ended));
+    assert!(
+        place.path("out/rho0.5-T2.5/run.json").exists(),
+        "the others are run"
+    );
+}
+
+#[test]
 fn four_processes_in_any_order_run_each_point_once_and_give_the_table_of_one() {
     let place = place();
     success(&mut place.command(&["sweep", "sweep.toml", "--out", "one", "--quiet"]));

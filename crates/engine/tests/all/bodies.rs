@@ -232,3 +232,11 @@ fn a_contact_too_weak_for_its_load_stops_the_run_and_says_who_and_where() {
         assert!(error.contains(words), "{words}: {error}");
     }
 }
+
+#[test]
+fn sites_that_are_listed_are_not_multiplied_by_the_sites_of_a_molecule() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../inputs/mechanics");
+    let scene = Scene::load(&root.join("double-pendulum.toml"), &[]).unwrap();
+    let (n, density) = lennard_engine::size_and_density(&scene).unwrap();
+    assert_eq!((n, density), (3, 3.0 / 1000.0));
+}

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::ran::{Found, Ran};
+use super::ran::{Failed, Found, Ran};
 use super::run::{Ending, SweepRecord, conclude, found_in, record, write};
 use super::{Sweep, SweepError};
 
@@ -13,10 +13,11 @@ use super::{Sweep, SweepError};
 pub fn collect(sweep: &Sweep, folder: &Path, command: &str) -> Result<SweepRecord, SweepError> {
     let points = sweep.points.iter().map(|point| {
         let place = folder.join(&point.name);
-        let outcome = found_in(&place, point).map(|found| match found {
-            Found::Finished => Ran::Kept,
-            Found::Begun | Found::Nothing => Ran::Stopped,
-        });
+        let outcome = match found_in(&place, point) {
+            Ok(Found::Finished) => Ok(Ran::Kept),
+            Ok(Found::Begun | Found::Nothing) => Ok(Ran::Stopped),
+            Err(holds) => Err(Failed::of_input(holds)),
+        };
         conclude(point, outcome, &place)
     });
     let points: Vec<_> = points.collect();

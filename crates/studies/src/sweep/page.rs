@@ -330,7 +330,10 @@ fn columns(record: &SweepRecord) -> &'static [Shown] {
 /// The verdicts of a point, or why there are none.
 fn verdicts(point: &SweptPoint, shown: &[&str]) -> Cell {
     let Some(compared) = &point.compared else {
-        let why = point.failure.as_deref().and_then(|why| why.lines().next());
+        let why = point
+            .failure
+            .as_ref()
+            .and_then(|why| why.reason.lines().next());
         return Cell::words(why.unwrap_or("not finished")).toned(Tone::Bad);
     };
     let rows = || shown.iter().filter_map(|quantity| point.row(quantity));
@@ -372,7 +375,7 @@ fn remarks(record: &SweepRecord) -> Vec<String> {
             record
                 .points
                 .iter()
-                .filter_map(|p| Some(format!("{}: {}", p.name, p.failure.as_ref()?))),
+                .filter_map(|p| Some(format!("{}: {}", p.name, p.failure.as_ref()?.reason))),
         )
         .collect()
 }

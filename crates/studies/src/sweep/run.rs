@@ -8,7 +8,7 @@ use std::time::Instant;
 use lennard_io::{CheckpointFolder, Existing, RunRecord};
 use serde::Serialize;
 
-use super::ran::{Found, Ran};
+use super::ran::{Failed, Found, Ran};
 use super::side_by_side::run_all;
 use super::{
     Agreement, CriticalEstimate, Point, Setting, Sweep, SweepError, agreement, coexistence,
@@ -84,7 +84,7 @@ pub struct SweptPoint {
     /// Whether it had been finished before, and was not run again.
     pub kept: bool,
     /// Why it has no result, where it has none.
-    pub failure: Option<String>,
+    pub failure: Option<Failed>,
     /// The process that is at work on it, where that is another one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elsewhere: Option<String>,
@@ -277,7 +277,7 @@ fn is_kept(point: &SweptPoint, folder: &Path) -> bool {
     point.compared.is_some() || checkpoints.list().is_ok_and(|all| !all.is_empty())
 }
 
-pub(super) fn conclude(point: &Point, outcome: Result<Ran, String>, folder: &Path) -> SweptPoint {
+pub(super) fn conclude(point: &Point, outcome: Result<Ran, Failed>, folder: &Path) -> SweptPoint {
     let model = lennard_scene::model_kind(&point.scene);
     let equation = lennard_literature::equation_of_state_for(model).ok();
     let mut swept = SweptPoint {
@@ -300,7 +300,7 @@ pub(super) fn conclude(point: &Point, outcome: Result<Ran, String>, folder: &Pat
         Ok(Ran::Stopped) => {}
         Ok(Ran::Elsewhere(process)) => swept.elsewhere = Some(process),
         Ok(Ran::Kept | Ran::Finished) => match RunFolder::open(folder) {
-            Err(e) => swept.failure = Some(e.to_string()),
+            Err(e) => swept.failure = Some(Failed::otherwise(&e)),
             Ok(run) => {
                 swept.wall_s = run.record.wall_s;
                 swept.ns_per_atom_step = run.record.performance.ns_per_atom_step;

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use lennard_engine::{EngineError, ResumeOptions, RunOptions};
 use lennard_io::{Existing, FolderError, OutputFolder};
 
-use super::ran::{Found, Ran};
+use super::ran::{Failed, Found, Ran};
 use super::run::found_in;
 use super::threads::{threads_of, workers};
 use super::{Point, SweepOptions};
@@ -36,7 +36,7 @@ struct Shared {
     starting: AtomicUsize,
     /// Particles times steps of each point.
     done: Vec<AtomicU64>,
-    results: Vec<Mutex<Option<Result<Ran, String>>>>,
+    results: Vec<Mutex<Option<Result<Ran, Failed>>>>,
 }
 
 /// Runs all points, and tells how far they are. A point that was not begun when the sweep was asked to stop counts as
@@ -46,7 +46,7 @@ pub(super) fn run_all(
     found: Vec<Found>,
     options: &SweepOptions<'_>,
     progress: &mut dyn Progress,
-) -> Vec<Result<Ran, String>> {
+) -> Vec<Result<Ran, Failed>> {
     let to_run = found.iter().filter(|f| **f != Found::Finished).count();
     let total: u64 = points
         .iter()
@@ -90,7 +90,7 @@ pub(super) fn run_all(
     }
     let missing = || match shared.is_told_to_stop() {
         true => Ok(Ran::Stopped),
-        false => Err("it was not run".to_owned()),
+        false => Err(Failed::otherwise(&"it was not run")),
     };
     shared
         .results
@@ -136,7 +136,7 @@ impl Shared {
         }
     }
 
-    fn run_point(&self, i: usize, threads: usize) -> Result<Ran, String> {
+    fn run_point(&self, i: usize, threads: usize) -> Result<Ran, Failed> {
         if self.found[i] == Found::Finished {
             return Ok(Ran::Kept);
         }
@@ -146,16 +146,16 @@ impl Shared {
         }
         let folder = self.folder.join(&self.points[i].name);
         let ran = pool(threads)
-            .map_err(|e| e.to_string())?
+            .map_err(|e| Failed::otherwise(&e))?
             .install(|| self.start_or_go_on(i, threads, &folder));
         let ran = match ran {
             Err(EngineError::Folder(busy @ FolderError::Busy { .. })) => {
                 return Ok(Ran::Elsewhere(busy.to_string()));
             }
-            ran => ran.map_err(|error| error.to_string())?,
+            ran => ran?,
         };
         if ran == Ran::Finished && self.reports {
-            run_page::write(&folder).map_err(|e| e.to_string())?;
+            run_page::write(&folder).map_err(|e| Failed::otherwise(&e))?;
         }
         Ok(ran)
     }

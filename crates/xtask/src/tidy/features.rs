@@ -23,6 +23,7 @@ pub fn faults(workspace: &Workspace) -> Result<Vec<String>, Box<dyn Error>> {
             faults.extend(compiled_twice(&package.name, &alone, &all));
         }
     }
+    faults.sort();
     faults.dedup();
     Ok(faults)
 }
