@@ -29,7 +29,7 @@ const HEAT_CAPACITY: Tolerance = Tolerance::new(2.0, 0.0, 0.02);
 const TEMPERATURES: Tolerance = Tolerance::new(4.0, 0.0, 0.005);
 
 /// Response functions: so many errors, and the spread of the equations; this part of the value where there is one alone.
-const RESPONSE_ERRORS: f64 = 3.0;
+const RESPONSE: Tolerance = Tolerance::new(3.0, 0.0, 0.0);
 const RESPONSE_PART: f64 = 0.02;
 
 /// How a quantity is held against its reference.
@@ -357,7 +357,7 @@ impl Compared<'_> {
         let row = row.against(
             reference,
             None,
-            Tolerance::new(RESPONSE_ERRORS, own, 0.0),
+            RESPONSE.for_reference(Some(own)),
             &equation.spec().citation(),
         );
         self.unless_frozen(row)

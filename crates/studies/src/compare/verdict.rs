@@ -156,9 +156,9 @@ impl Tolerance {
         }
     }
 
-    /// The same where the reference itself is known to be off by up to `own`, rounded up to four decimals.
+    /// The same where the reference itself is known to be off by up to `own`, rounded up to two digits.
     pub(super) fn for_reference(self, own: Option<f64>) -> Self {
-        let absolute = own.map_or(self.absolute, |own| (own * 1e4).ceil() / 1e4);
+        let absolute = own.map_or(self.absolute, rounded_up);
         Self { absolute, ..self }
     }
 
@@ -176,6 +176,16 @@ impl Tolerance {
         }
         words
     }
+}
+
+/// The next larger number of two digits: 0.1551 becomes 0.16.
+fn rounded_up(x: f64) -> f64 {
+    if !(x.is_finite() && x > 0.0) {
+        return x;
+    }
+    let last_digit = 10_f64.powf(x.log10().floor() - 1.0);
+    let up = x + 0.499 * last_digit;
+    format!("{up:.1e}").parse().unwrap_or(up)
 }
 
 impl Row {

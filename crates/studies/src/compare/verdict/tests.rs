@@ -31,6 +31,21 @@ fn a_verdict_weighs_both_errors_and_the_allowance() {
 }
 
 #[test]
+fn the_allowance_of_a_reference_has_two_digits_and_is_never_too_small() {
+    for (own, words) in [
+        (0.15508462136292955, "0.16"),
+        (2.2358183222459527e-4, "0.00023"),
+        (0.003, "0.003"),
+        (0.0999, "0.1"),
+        (1.7, "1.7"),
+    ] {
+        let allowed = TOLERANCE.for_reference(Some(own));
+        assert_eq!(allowed.words(), format!("4 standard errors + {words}"));
+        assert!(allowed.of(0.0, 0.0) >= own);
+    }
+}
+
+#[test]
 fn a_value_known_to_lie_in_a_range_differs_by_its_distance_from_it() {
     let row = |low, high| row(high).between(low, high);
     let inside = row(-5.1, -4.9);
