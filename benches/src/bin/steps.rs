@@ -1,25 +1,28 @@
 //! Whole steps of the cases A, B and C without the engine, for the comparison with other engines:
-//! `steps CASE [STEPS] [key=value ...]` with keys `threads`, `beside`, `precision`, `isa`, `skin`, `repeats` and `warm`.
+//! `steps CASE [STEPS] [key=value ...]` with keys `threads`, `beside`, `precision`, `isa`, `skin`, `energies`,
+//! `repeats` and `warm`.
 //!
 //! With `beside`, blocks on two numbers of threads take turns. The median of their ratios tells more than two runs on a
-//! machine whose clock drifts. `skin` replaces the skin that the case would choose. `lennard bench` times kernels and
-//! lists by themselves.
+//! machine whose clock drifts. `skin` replaces the skin that the case would choose. U and W are measured after every
+//! `energies` steps, or never. `lennard bench` times kernels and lists by themselves.
 
 use std::io::{Write, stdout};
 use std::process::ExitCode;
 
+use lennard_benches::Run;
 use lennard_benches::arguments::{Arguments, exit_code};
 use lennard_core::parallel::awake;
 use lennard_core::stopwatch::{in_turn, timed};
-use lennard_core::{ForceTerm, Want};
+use lennard_core::{Energetics, ForceError, ForceTerm, Want};
 use lennard_forcefield::{Isa, KernelOptions, Precision, TruncationKind};
 
-const KEYS: [&str; 7] = [
+const KEYS: [&str; 8] = [
     "threads",
     "beside",
     "precision",
     "isa",
     "skin",
+    "energies",
     "repeats",
     "warm",
 ];
@@ -50,6 +53,7 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
     let repeats = given.number("repeats", 1)?.unwrap_or(5);
     let warm = given.number("warm", 0)?.unwrap_or(200);
     let skin = given.length("skin")?;
+    let energies = given.number("energies", 1)?;
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let counts: Vec<usize> = [threads].into_iter().chain(beside).collect();
     let pools = counts
@@ -61,7 +65,7 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
     let mut seconds = vec![Vec::new(); pools.len()];
     in_turn(pools.len(), repeats, case.seed, |turn| {
         pools[turn.item].install(|| {
-            let mut block = |steps| awake(|| run.steps(steps, Want::NOTHING));
+            let mut block = |steps| awake(|| measured_steps(&mut run, steps, energies));
             if pools.len() > 1 {
                 // The caches hold what the other threads left: these steps replace it.
                 block(steps.div_ceil(8))?;
@@ -97,6 +101,22 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
         )?;
     }
     Ok(())
+}
+
+/// Takes steps, and measures U and W after each `every`.
+fn measured_steps(
+    run: &mut Run,
+    steps: usize,
+    every: Option<usize>,
+) -> Result<Energetics, ForceError> {
+    let Some(every) = every else {
+        return run.steps(steps, Want::NOTHING);
+    };
+    let mut last = Energetics::default();
+    for begun in (0..steps).step_by(every) {
+        last = run.steps(every.min(steps - begun), Want::TOTALS)?;
+    }
+    Ok(last)
 }
 
 /// The value below which a share of all lie.
