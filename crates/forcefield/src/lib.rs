@@ -33,8 +33,8 @@ pub use contact_law::{
 pub use error::{ForceFieldError, LARGEST_N};
 pub use field::ConstantField;
 pub use options::{
-    CutoffUnit, ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, NeighborOptions,
-    Precision, SplitOptions, TruncationOptions,
+    CutoffUnit, ForceFieldOptions, Isa, Kernel, KernelOptions, LONGEST_CUTOFF, ListMode,
+    NeighborOptions, Precision, SHORTEST_CUTOFF, SplitOptions, TruncationOptions,
 };
 pub use pair::potentials::*;
 pub use pair::{

@@ -1,9 +1,15 @@
 //! What a scene file may say about forces: potential, truncation, list and kernel.
 
 use lennard_core::Exclusions;
+use lennard_core::options::{Keys, OptionError, Options};
 use serde::{Deserialize, Serialize};
 
 use crate::pair::{PotentialOptions, TruncationKind};
+
+/// The shortest cutoff, σ: the powers of its inverse are numbers still.
+pub const SHORTEST_CUTOFF: f64 = 0.1;
+/// The longest cutoff, σ: as long as the longest box.
+pub const LONGEST_CUTOFF: f64 = 1e6;
 
 lennard_core::choices! {
     /// The length that cutoffs of a mixture are written in.
@@ -33,27 +39,29 @@ pub struct TruncationOptions {
     pub tail_correction: bool,
 }
 
-/// The table as written: an absent `tail_correction` means "on for the plain cutoff".
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TruncationTable {
-    #[serde(default)]
-    kind: TruncationKind,
-    #[serde(default = "default_r_cut")]
-    r_cut: f64,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    r_cut_in: Option<CutoffUnit>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    switch_from: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    tail_correction: Option<bool>,
+lennard_core::options! {
+    /// The table as written: an absent `tail_correction` means "on for the plain cutoff".
+    struct TruncationTable {
+        /// How the potential ends at `r_cut`.
+        kind: TruncationKind = TruncationKind::default(), Names(TruncationKind::names);
+        /// Cutoff radius; at most half the shortest box side.
+        r_cut: f64 = 2.5, Between(SHORTEST_CUTOFF, LONGEST_CUTOFF), in "σ";
+        /// Unit of the cutoffs of a mixture: σ of the scene, or σ_ab of each pair of species.
+        r_cut_in: Option<CutoffUnit> = None, else "`\"sigma\"`", Names(CutoffUnit::names);
+        /// Where the switch begins.
+        switch_from: Option<f64> = None, else "0.8·`r_cut`", Words("a number between 0 and `r_cut`, with kind \"switch\" or \"xplor\" alone"), in "σ";
+        /// Whether U and P are corrected for the fluid beyond the cutoff. `"planar"` makes the correction a force across flat surfaces.
+        tail_correction: Option<bool> = None, else "`true` for `\"cut\"`, else `false`", Words("true, false or \"planar\"; true and \"planar\" with kind \"cut\" alone, true only in a homogeneous fluid, \"planar\" only with surfaces across z");
+    }
 }
 
-/// The customary cutoff of the Lennard-Jones fluid, σ.
-const DEFAULT_R_CUT: f64 = 2.5;
+/// A scene with `"planar"` reads the word itself, and leaves a flag in its place.
+impl Options for TruncationOptions {
+    const KEYS: Keys = TruncationTable::KEYS;
 
-fn default_r_cut() -> f64 {
-    DEFAULT_R_CUT
+    fn check(&self) -> Result<(), OptionError> {
+        TruncationTable::from(*self).check()
+    }
 }
 
 impl From<TruncationTable> for TruncationOptions {
@@ -119,92 +127,82 @@ impl TruncationOptions {
 
 impl Default for TruncationOptions {
     fn default() -> Self {
-        Self::new(TruncationKind::default(), DEFAULT_R_CUT)
+        TruncationTable::default().into()
     }
 }
 
-/// How neighbors are found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ListMode {
-    /// Chosen from the scene: a list where box and number of particles let it pay.
-    #[default]
-    Auto,
-    /// Every pair, every time.
-    Direct,
-    /// A Verlet list over a cell grid.
-    Verlet,
-}
-
-/// The scene table `[neighbor]`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct NeighborOptions {
+lennard_core::choices! {
     /// How neighbors are found.
-    pub mode: ListMode,
-    /// The skin r_list − r_cut in σ, fixed by hand; chosen from density, temperature and dt where absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub skin: Option<f64>,
-}
-
-/// Which force loop runs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Kernel {
-    /// The fastest that suits the scene.
-    #[default]
-    Auto,
-    /// The ten-line double loop over all pairs, scalar, serial: what every other one is judged by.
-    Reference,
-}
-
-/// In which precision pairs are computed; sums and integration are always in double.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Precision {
-    /// Everything in f64.
-    #[default]
-    Double,
-    /// Pairs in f32 on coordinate differences that are exact, sums in f64.
-    Mixed,
-}
-
-impl Precision {
-    /// The name in scenes and results: `double` or `mixed`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Double => "double",
-            Self::Mixed => "mixed",
-        }
+    pub enum ListMode {
+        /// Chosen from the scene: a list where box and number of particles let it pay.
+        #[default]
+        Auto = "auto",
+        /// Every pair, every time.
+        Direct = "direct",
+        /// A Verlet list over a cell grid.
+        Verlet = "verlet",
     }
 }
 
-/// Which instruction set the pair loop uses.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Isa {
-    /// The widest that this processor has.
-    #[default]
-    Auto,
-    /// AVX-512 (F, BW, DQ and VL).
-    Avx512,
-    /// AVX2 with FMA.
-    Avx2,
-    /// No particular instruction set.
-    Portable,
+lennard_core::options! {
+    /// The scene table `[neighbor]`.
+    #[derive(Copy)]
+    pub struct NeighborOptions {
+        /// Every pair each time, or a Verlet list over a cell grid; `auto` chooses from the scene.
+        mode: ListMode = ListMode::Auto, Names(ListMode::names);
+        /// The list holds pairs up to r_cut + skin; that may not exceed half the shortest box side.
+        skin: Option<f64> = None, else "chosen from density, temperature, dt and precision", NotNegative, in "σ";
+    }
 }
 
-/// The scene table `[kernel]`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct KernelOptions {
+lennard_core::choices! {
     /// Which force loop runs.
-    pub kernel: Kernel,
-    /// In which precision pairs are computed.
-    pub precision: Precision,
+    pub enum Kernel {
+        /// The fastest that suits the scene.
+        #[default]
+        Auto = "auto",
+        /// The ten-line double loop over all pairs, scalar, serial: what every other one is judged by.
+        Reference = "reference",
+    }
+}
+
+lennard_core::choices! {
+    /// In which precision pairs are computed; sums and integration are always in double.
+    pub enum Precision {
+        /// Everything in f64.
+        #[default]
+        Double = "double",
+        /// Pairs in f32 on coordinate differences that are exact, sums in f64.
+        Mixed = "mixed",
+    }
+}
+
+lennard_core::choices! {
     /// Which instruction set the pair loop uses.
-    pub isa: Isa,
+    pub enum Isa {
+        /// The widest that this processor has.
+        #[default]
+        Auto = "auto",
+        /// AVX-512 (F, BW, DQ and VL).
+        Avx512 = "avx512",
+        /// AVX2 with FMA.
+        Avx2 = "avx2",
+        /// No particular instruction set.
+        Portable = "portable",
+    }
+}
+
+lennard_core::options! {
+    /// The scene table `[kernel]`.
+    #[derive(Copy)]
+    pub struct KernelOptions {
+        /// The fastest loop that suits the scene; the plain double loop that all others are judged by.
+        kernel: Kernel = Kernel::Auto, Names(Kernel::names);
+        /// Precision of the pair terms; sums and integration are always double.
+        precision: Precision = Precision::Double, Names(Precision::names);
+        /// Instruction set of the loop.
+        isa: Isa = Isa::Auto, Names(Isa::names);
+    }
 }
 
 /// A split of the pair force by distance, for multiple-time-step integrators.

@@ -10,6 +10,7 @@ pub use force_shift::ForceShift;
 pub use switch::Switch;
 pub use xplor::Xplor;
 
+use lennard_core::options::OptionValue;
 use serde::{Deserialize, Serialize};
 
 use super::{Constants, Pair, PairForm, PairPotential};
@@ -175,6 +176,18 @@ impl TruncationKind {
     #[must_use]
     pub fn name(self) -> &'static str {
         self.spec().name
+    }
+
+    /// The names of all truncations.
+    #[must_use]
+    pub fn names() -> Vec<&'static str> {
+        TRUNCATIONS.iter().map(|spec| spec.name).collect()
+    }
+}
+
+impl OptionValue for TruncationKind {
+    fn written(&self) -> String {
+        format!("\"{}\"", self.name())
     }
 }
 
