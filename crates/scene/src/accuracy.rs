@@ -1,30 +1,27 @@
 //! The table `[accuracy]`: how wrong U, P and the conserved energy may be, in place of settings.
 
+use lennard_core::options::Options;
 use lennard_forcefield::Kernel;
-use serde::{Deserialize, Serialize};
 
 use crate::Scene;
 use crate::error::SceneError;
 use crate::read::Reader;
-use crate::reference;
 use crate::tree::{Table, Value};
 
-/// The largest errors that are accepted; what is not named is not asked for.
-///
-/// U and P of the full potential are wanted where the scene leaves the truncation free. Where it writes
-/// both `truncation.kind` and `truncation.r_cut`, U and P of its own model are wanted.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Accuracy {
-    /// Error of the mean potential energy, ε per particle.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub potential_energy: Option<f64>,
-    /// Error of the mean pressure, ε/σ³.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pressure: Option<f64>,
-    /// Drift of the conserved energy, ε/τ per particle.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub drift: Option<f64>,
+lennard_core::options! {
+    /// The largest errors that are accepted; what is not named is not asked for.
+    ///
+    /// U and P of the full potential are wanted where the scene leaves the truncation free. Where it writes
+    /// both `truncation.kind` and `truncation.r_cut`, U and P of its own model are wanted.
+    #[derive(Copy)]
+    pub struct Accuracy {
+        /// Largest error of the mean potential energy, at equal temperature: of the full potential, or, where `truncation.kind` and `truncation.r_cut` are both written, of that model.
+        potential_energy: Option<f64> = None, else "not asked for", Positive, in "ε per particle";
+        /// Largest error of the mean pressure, likewise.
+        pressure: Option<f64> = None, else "not asked for", Positive, in "ε/σ³";
+        /// Largest drift of the conserved energy.
+        drift: Option<f64> = None, else "not asked for", Positive, in "ε/τ per particle";
+    }
 }
 
 impl Accuracy {
@@ -38,14 +35,15 @@ impl Accuracy {
     /// The errors asked for with their keys and units.
     #[must_use]
     pub fn asked(&self) -> Vec<(&'static str, f64, &'static str)> {
-        [
-            ("potential_energy", self.potential_energy, "ε per particle"),
-            ("pressure", self.pressure, "ε/σ³"),
-            ("drift", self.drift, "ε/τ per particle"),
-        ]
-        .into_iter()
-        .filter_map(|(key, value, unit)| Some((key, value?, unit)))
-        .collect()
+        let Self {
+            potential_energy,
+            pressure,
+            drift,
+        } = *self;
+        let declared = Self::KEYS.iter().zip([potential_energy, pressure, drift]);
+        declared
+            .filter_map(|(key, value)| Some((key.key, value?, key.unit)))
+            .collect()
     }
 }
 
@@ -86,8 +84,7 @@ impl Reader<'_> {
         }
         let accuracy: Accuracy = self.plain("accuracy")?;
         if accuracy.asked().is_empty() {
-            let keys = reference::keys().iter().filter(|k| k.table == "accuracy");
-            let keys: Vec<&str> = keys.map(|k| k.key).collect();
+            let keys: Vec<&str> = Accuracy::KEYS.iter().map(|key| key.key).collect();
             return Err(self
                 .source
                 .refuse("accuracy", "asks for nothing")

@@ -1,32 +1,161 @@
 //! The barostat of a stage, and quantities that change along a ramp.
 
+use std::fmt;
+
+use lennard_core::options::{OptionValue, Options};
 use lennard_integrators::BarostatOptions;
-use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 use crate::PressureControl;
 use crate::error::SceneError;
+use crate::methods;
 use crate::read::Reader;
+use crate::reference::{COLDEST, HOTTEST, LARGEST_PRESSURE, LEAST_PRESSURE, as_toml};
 use crate::tags::take;
-use crate::tree::{Node, Value};
+use crate::tree::Node;
 use crate::typed::Section;
 
+lennard_core::options! {
+    /// The keys of a ramp of the temperature.
+    pub(crate) struct TemperatureRamp {
+        /// Temperature at the start of the stage.
+        from: Option<f64> = None, else "needed", Between(COLDEST, HOTTEST), in "ε/k_B";
+        /// Temperature at its end.
+        to: Option<f64> = None, else "needed", Between(COLDEST, HOTTEST), in "ε/k_B";
+    }
+}
+
+lennard_core::options! {
+    /// The keys of a ramp of the pressure.
+    pub(crate) struct PressureRamp {
+        /// Pressure at the start of the stage.
+        from: Option<f64> = None, else "needed", ZeroOrBetween(LEAST_PRESSURE, LARGEST_PRESSURE), in "ε/σ³";
+        /// Pressure at its end.
+        to: Option<f64> = None, else "needed", ZeroOrBetween(LEAST_PRESSURE, LARGEST_PRESSURE), in "ε/σ³";
+    }
+}
+
+lennard_core::options! {
+    /// The keys of a barostat that all kinds have.
+    pub(crate) struct BarostatKeys {
+        /// Pressure to hold, or a ramp `{ from, to }`.
+        pressure: Option<Ramped<PressureRamp>> = None, else "needed", ZeroOrBetween(LEAST_PRESSURE, LARGEST_PRESSURE), in "ε/σ³";
+    }
+}
+
+/// A barostat as a scene writes it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct BarostatTable {
+    #[serde(flatten)]
+    shared: BarostatKeys,
+    #[serde(flatten)]
+    method: BarostatOptions,
+}
+
+impl From<&PressureControl> for BarostatTable {
+    fn from(control: &PressureControl) -> Self {
+        let ends = Ends {
+            from: control.pressure_from,
+            to: control.pressure,
+        };
+        Self {
+            shared: BarostatKeys {
+                pressure: Some(ends.into()),
+            },
+            method: control.options.clone(),
+        }
+    }
+}
+
 /// A quantity that changes linearly with the steps of a stage.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RampTable {
-    from: f64,
-    to: f64,
+pub(crate) trait Ramp: Options + DeserializeOwned {
+    fn between(from: f64, to: f64) -> Self;
+    fn ends(&self) -> [Option<f64>; 2];
+}
+
+macro_rules! ramps {
+    ($($ramp:ident)*) => {$(
+        impl Ramp for $ramp {
+            fn between(from: f64, to: f64) -> Self {
+                Self { from: Some(from), to: Some(to) }
+            }
+            fn ends(&self) -> [Option<f64>; 2] {
+                [self.from, self.to]
+            }
+        }
+    )*};
+}
+
+ramps! { TemperatureRamp PressureRamp }
+
+/// A number, or a ramp as a table. A reader takes ramps out first, and reads each in its own section.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, from = "f64")]
+pub(crate) enum Ramped<R> {
+    Constant(f64),
+    Linear(R),
+}
+
+impl<R> Ramped<R> {
+    /// The ends of a plain number.
+    pub fn constant(&self) -> Option<Ends> {
+        match self {
+            Self::Constant(to) => Some(Ends {
+                from: None,
+                to: *to,
+            }),
+            Self::Linear(_) => None,
+        }
+    }
+}
+
+impl<R> From<f64> for Ramped<R> {
+    fn from(number: f64) -> Self {
+        Self::Constant(number)
+    }
+}
+
+impl<R: Serialize> OptionValue for Ramped<R> {
+    fn written(&self) -> String {
+        as_toml(self)
+    }
+}
+
+/// The first and the last value of a quantity; `from` is `None` for a constant.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Ends {
+    pub from: Option<f64>,
+    pub to: f64,
+}
+
+impl<R: Ramp> From<Ends> for Ramped<R> {
+    fn from(ends: Ends) -> Self {
+        match ends.from {
+            Some(from) => Self::Linear(R::between(from, ends.to)),
+            None => Self::Constant(ends.to),
+        }
+    }
+}
+
+impl fmt::Display for Ends {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.from {
+            Some(from) => write!(f, "from {from} to {}", self.to),
+            None => self.to.fmt(f),
+        }
+    }
 }
 
 impl Reader<'_> {
     /// Takes a key whose value is a table `{ from, to }`; a plain number stays where it is.
-    pub fn take_ramp(
+    pub fn take_ramp<R: Ramp>(
         &self,
         node: &mut Node,
         key: &str,
         section: &Section<'_>,
         table: &'static str,
-    ) -> Result<Option<[f64; 2]>, SceneError> {
+    ) -> Result<Option<Ends>, SceneError> {
         let written = node.table().and_then(|t| t.get(key)?.table());
         if written.is_none() {
             return Ok(None);
@@ -35,8 +164,12 @@ impl Reader<'_> {
             return Ok(None);
         };
         let path = section.name(key);
-        let ramp: RampTable = Section::new(self.source, &path, table).read(&entry.node)?;
-        Ok(Some([ramp.from, ramp.to]))
+        let section = Section::new(self.source, &path, table);
+        let [from, to] = section.read::<R>(&entry.node)?.ends();
+        Ok(Some(Ends {
+            from: Some(section.needed(&entry.node, "from", from)?),
+            to: section.needed(&entry.node, "to", to)?,
+        }))
     }
 
     /// The barostat of a stage: "none", or a table with `kind`, `pressure` and the keys of its kind.
@@ -45,40 +178,24 @@ impl Reader<'_> {
         stage: &str,
         node: &Node,
     ) -> Result<Option<PressureControl>, SceneError> {
+        const RAMP: &str = "stage.barostat.pressure";
         let path = format!("{stage}.barostat");
-        let section =
-            Section::new(self.source, &path, "stage.barostat").with(&["kind", "pressure"]);
-        let mut names: Vec<&str> = vec!["none"];
-        names.extend(lennard_integrators::barostats().iter().map(|b| b.name));
-        match &node.value {
-            Value::Table(_) => {}
-            Value::Text(name) if name == "none" => return Ok(None),
-            Value::Text(name) if names.contains(&name.as_str()) => {
-                return Err(self
-                    .source
-                    .refuse(&section.name("pressure"), "is missing")
-                    .found(format!("barostat = {name:?}"))
-                    .allowed(format!("{{ kind = {name:?}, pressure = … }}")));
-            }
-            Value::Text(name) => {
-                let stage = Section::new(self.source, stage, "stage");
-                return Err(stage.unknown_name("barostat", name, &names));
-            }
-            _ => return Err(self.refuse_value("stage", "barostat", &path, node)),
+        let section = Section::new(self.source, &path, "stage.barostat");
+        let names = methods::names::<BarostatOptions>();
+        if let Some(name) = node.text().filter(|name| names.contains(name)) {
+            return Err(self
+                .source
+                .refuse(&section.name("pressure"), "is missing")
+                .found(format!("barostat = {name:?}"))
+                .allowed(format!("{{ kind = {name:?}, pressure = … }}")));
         }
-        let mut node = node.clone();
-        let ramp = self.take_ramp(&mut node, "pressure", &section, "stage.barostat.pressure")?;
-        let entry = take(&mut node, "pressure");
-        let options: BarostatOptions = section.read(&node)?;
-        options
-            .check()
-            .map_err(|e| section.impossible(e.key, &e.found, &e.allowed))?;
-        let [from, pressure] = match (ramp, entry) {
-            (Some([from, to]), _) => [Some(from), Some(to)],
-            (None, Some(entry)) => [None, Some(section.number(&entry, None)?)],
-            (None, None) => [None, None],
+        let Some(mut node) = self.part(stage, "barostat", &names, node)? else {
+            return Ok(None);
         };
-        let Some(pressure) = pressure else {
+        let ramp = self.take_ramp::<PressureRamp>(&mut node, "pressure", &section, RAMP)?;
+        let keys: BarostatKeys = section.take(&mut node)?;
+        let options: BarostatOptions = section.method(&node)?;
+        let Some(pressure) = ramp.or(keys.pressure.and_then(|p| p.constant())) else {
             return Err(self
                 .source
                 .refuse(&section.name("pressure"), "is missing")
@@ -86,8 +203,8 @@ impl Reader<'_> {
                 .allowed("the pressure to hold in ε/σ³, or { from, to }"));
         };
         Ok(Some(PressureControl {
-            pressure,
-            pressure_from: from,
+            pressure: pressure.to,
+            pressure_from: pressure.from,
             options,
         }))
     }

@@ -8,9 +8,7 @@ use lennard_integrators::integrators;
 use crate::Scene;
 use crate::error::SceneError;
 use crate::read::Reader;
-use crate::reference::{self, quoted};
-use crate::tags::take;
-use crate::tree::Value;
+use crate::reference::quoted;
 
 /// The table `[contact]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,8 +19,21 @@ pub struct ContactTable {
     pub options: ContactOptions,
 }
 
-const DEFAULT_DIAMETER: f64 = 1.0;
-const DEFAULT_KIND: &str = "soft";
+lennard_core::options! {
+    /// The keys of `[contact]` that all kinds have.
+    pub(crate) struct ContactKeys {
+        /// Distance of two centres at which bodies touch; for two species it is times their σ. At most half the shortest box side.
+        diameter: f64 = 1.0, Between(0.01, 100.0), in "σ";
+    }
+}
+
+impl From<&ContactTable> for ContactKeys {
+    fn from(table: &ContactTable) -> Self {
+        Self {
+            diameter: table.diameter,
+        }
+    }
+}
 
 impl Reader<'_> {
     /// The contacts; `None` where the scene has no such table.
@@ -30,28 +41,10 @@ impl Reader<'_> {
         if !self.source.wrote("contact") {
             return Ok(None);
         }
-        let section = self.section("contact").with(&["kind", "diameter"]);
-        let mut node = crate::tags::with_kind(self.node("contact"), DEFAULT_KIND);
-        let diameter = match take(&mut node, "diameter") {
-            None => DEFAULT_DIAMETER,
-            Some(entry) => {
-                let allowed = reference::find("contact", None, "diameter").map(|doc| doc.allowed);
-                let found = match entry.node.value {
-                    Value::Number(x) => Some(x),
-                    Value::Whole(x) => Some(x as f64),
-                    _ => None,
-                };
-                let fits = |x: &f64| allowed.is_none_or(|allowed| allowed.admits(*x));
-                found.filter(fits).ok_or_else(|| {
-                    let path = "contact.diameter";
-                    self.refuse_value("contact", "diameter", path, &entry.node)
-                })?
-            }
-        };
-        let options: ContactOptions = section.read(&node)?;
-        options
-            .check()
-            .map_err(|e| section.impossible(e.key, &e.found, &e.allowed))?;
+        let section = self.section("contact");
+        let mut node = self.node("contact").clone();
+        let ContactKeys { diameter } = section.take(&mut node)?;
+        let options = section.method(&node)?;
         Ok(Some(ContactTable { diameter, options }))
     }
 }

@@ -6,8 +6,7 @@ use lennard_integrators::{ExchangeOptions, Exchanged, integrators};
 use crate::error::SceneError;
 use crate::read::Reader;
 use crate::reference::quoted;
-use crate::tags::with_kind;
-use crate::tree::{Node, Value};
+use crate::tree::Node;
 use crate::typed::Section;
 use crate::{Scene, Stage};
 
@@ -20,17 +19,8 @@ impl Reader<'_> {
     ) -> Result<Option<ExchangeOptions>, SceneError> {
         let path = format!("{stage}.exchange");
         let section = Section::new(self.source, &path, "stage.exchange");
-        let mut names = vec!["none"];
-        names.extend(Exchanged::names());
-        let named = match &node.value {
-            Value::Table(_) => node.clone(),
-            Value::Text(name) if name == "none" => return Ok(None),
-            Value::Text(name) if names.contains(&name.as_str()) => with_kind(&self.empty, name),
-            Value::Text(name) => {
-                let stage = Section::new(self.source, stage, "stage");
-                return Err(stage.unknown_name("exchange", name, &names));
-            }
-            _ => return Err(self.refuse_value("stage", "exchange", &path, node)),
+        let Some(named) = self.part(stage, "exchange", &Exchanged::names(), node)? else {
+            return Ok(None);
         };
         let options: ExchangeOptions = section.read(&named)?;
         options

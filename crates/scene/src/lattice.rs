@@ -31,17 +31,6 @@ impl Lattice {
             Self::Random => &[],
         }
     }
-
-    /// The name in scene files.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Fcc => "fcc",
-            Self::Sc => "sc",
-            Self::Bcc => "bcc",
-            Self::Random => "random",
-        }
-    }
 }
 
 /// Why `n_atoms` particles make no whole lattice in a region.

@@ -14,8 +14,8 @@ use lennard_forcefield::{NeighborOptions, Precision, TruncationOptions};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Place, SceneError};
+use crate::integrator::IntegratorKeys;
 use crate::read::Reader;
-use crate::tags::take;
 use crate::tree::{self, Node, Table, Value};
 use crate::{Scene, Source, checks, shipped};
 use text::{Pairs, identity};
@@ -246,13 +246,12 @@ impl Scene {
 
 fn read_settings(settings: &Table, source: &Source) -> Result<Chosen, SceneError> {
     let reader = Reader::new(settings, source);
-    let mut step = reader.node("integrator").clone();
-    let dt = take(&mut step, "dt").ok_or_else(|| {
-        source
+    if !source.wrote("integrator.dt") {
+        return Err(source
             .refuse("integrator.dt", "is missing")
             .found("nothing")
-            .allowed("a finite number above 0")
-    })?;
+            .allowed("a finite number above 0"));
+    }
     let threads = match settings.get("threads").map(|node| &node.value) {
         Some(Value::Whole(threads)) if (1..=MOST_THREADS).contains(threads) => *threads as usize,
         found => {
@@ -264,9 +263,11 @@ fn read_settings(settings: &Table, source: &Source) -> Result<Chosen, SceneError
         }
     };
     let pairs: Pairs = reader.plain("kernel")?;
+    let mut step = reader.node("integrator").clone();
+    let IntegratorKeys { dt } = reader.section("integrator").take(&mut step)?;
     Ok(Chosen {
         truncation: reader.plain("truncation")?,
-        dt: reader.section("integrator").number(&dt, None)?,
+        dt,
         precision: pairs.precision,
         neighbor: reader.plain("neighbor")?,
         threads,

@@ -6,8 +6,7 @@ use lennard_forcefield::{PotentialOptions, TablePath, TruncationOptions};
 
 use crate::error::{Place, SceneError};
 use crate::names::{nearest, not_yet};
-use crate::reference::{self, MOST_ENTRIES};
-use crate::tags::with_kind;
+use crate::reference::{self, Form, MOST_ENTRIES};
 use crate::tree::{self, Entry, Node, Table, Value};
 use crate::typed::Section;
 use crate::{
@@ -150,30 +149,11 @@ fn read(
     Ok(scene)
 }
 
-/// The tables of a scene file that are written once.
-const TABLES: [&str; 15] = [
-    "system",
-    "slab",
-    "mixing",
-    "molecule",
-    "bonds",
-    "accuracy",
-    "potential",
-    "truncation",
-    "neighbor",
-    "kernel",
-    "integrator",
-    "contact",
-    "field",
-    "output",
-    "checkpoint",
-];
+/// How the tables are written that stand in no other table.
+const ROOT: [Form; 2] = [Form::Once, Form::Many];
 
 /// The table that a run writes where its program has parts of its own; no message offers it, and the reference has not got it.
 const WRITTEN_BY_RUNS: &str = "program";
-
-/// Those that may be written many times.
-const LISTS: [&str; 5] = ["species", "pair", "wall", "stage", "observable"];
 
 pub(crate) struct Reader<'a> {
     root: &'a Table,
@@ -200,16 +180,17 @@ impl<'a> Reader<'a> {
             if key == "name" || key == WRITTEN_BY_RUNS {
                 continue;
             }
-            let heading = match (TABLES.contains(&key), LISTS.contains(&key)) {
-                (true, _) => format!("a table, `[{key}]`"),
-                (_, true) => format!("an array of tables, `[[{key}]]`"),
-                _ => return Err(self.unknown_table(entry)),
+            let Some(doc) = reference::table(key).filter(|doc| ROOT.contains(&doc.form)) else {
+                return Err(self.unknown_table(entry));
+            };
+            let is_many = doc.form == Form::Many;
+            let heading = match is_many {
+                false => format!("a table, {}", doc.heading()),
+                true => format!("an array of tables, {}", doc.heading()),
             };
             let fits = match &entry.node.value {
-                Value::Table(_) => TABLES.contains(&key),
-                Value::Array(items) => {
-                    LISTS.contains(&key) && items.iter().all(|item| item.table().is_some())
-                }
+                Value::Table(_) => !is_many,
+                Value::Array(items) => is_many && items.iter().all(|item| item.table().is_some()),
                 _ => false,
             };
             if !fits {
@@ -231,7 +212,13 @@ impl<'a> Reader<'a> {
 
     fn unknown_table(&self, entry: &Entry) -> SceneError {
         let key = &entry.key;
-        let known: Vec<&str> = TABLES.into_iter().chain(LISTS).chain(["name"]).collect();
+        let written = |form: Form| {
+            reference::tables()
+                .iter()
+                .filter(move |doc| doc.form == form)
+        };
+        let tables = ROOT.into_iter().flat_map(written).map(|doc| doc.table);
+        let known: Vec<&str> = tables.chain(["name"]).collect();
         if let Some(message) = not_yet(key) {
             return self
                 .source
@@ -270,19 +257,10 @@ impl<'a> Reader<'a> {
         self.section(table).read(self.node(table))
     }
 
-    /// A table with a `kind`, which may be left out.
-    pub fn tagged<T: serde::de::DeserializeOwned>(
-        &self,
-        table: &'static str,
-        default_kind: &str,
-    ) -> Result<T, SceneError> {
-        let node = with_kind(self.node(table), default_kind);
-        self.section(table).with(&["kind"]).read(&node)
-    }
-
     /// The potential, with the file that it may read at a path that can be opened.
     fn potential(&self, resolve: Resolve<'_>) -> Result<PotentialOptions, SceneError> {
-        let potential: PotentialOptions = self.tagged("potential", "lennard-jones")?;
+        let potential: PotentialOptions =
+            self.section("potential").method(self.node("potential"))?;
         let Some(file) = potential.file() else {
             return Ok(potential);
         };

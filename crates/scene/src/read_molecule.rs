@@ -9,7 +9,6 @@ use crate::Scene;
 use crate::error::SceneError;
 use crate::molecule::{Molecule, MoleculeKind, MoleculeOptions};
 use crate::read::Reader;
-use crate::tags::with_tag;
 
 /// Lengths that are written and places of a shape may differ by this share.
 const LARGEST_STRAIN: f64 = 1e-3;
@@ -31,12 +30,7 @@ impl Reader<'_> {
             MoleculeKind::Dumbbell | MoleculeKind::Chain => self.chain(&options)?,
             MoleculeKind::Sites => self.sites(&options)?,
         };
-        let section = self.section("bonds").with(&["method"]);
-        let node = with_tag(self.node("bonds"), "method", BondOptions::default().name());
-        let bonds: BondOptions = section.read(&node)?;
-        bonds
-            .check()
-            .map_err(|e| section.impossible(e.key, &e.found, &e.allowed))?;
+        let bonds: BondOptions = self.section("bonds").method(self.node("bonds"))?;
         let molecule = Molecule {
             options,
             bonds,

@@ -9,7 +9,6 @@ use lennard_forcefield::{
 use lennard_integrators::{BarostatOptions, ExchangeOptions, IntegratorOptions, ThermostatOptions};
 use lennard_io::TrajectoryFormat;
 use lennard_observables::ObservableOptions;
-use serde::{Deserialize, Serialize};
 
 use crate::{
     Accuracy, ContactTable, MixtureTables, Molecule, ProgramParts, Source, Start, WallTable,
@@ -177,19 +176,19 @@ pub struct System {
     pub held: Vec<usize>,
 }
 
-/// The arrangement of the first positions.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Lattice {
-    /// Face-centred cubic, 4 particles a cell.
-    #[default]
-    Fcc,
-    /// Simple cubic, 1 particle a cell.
-    Sc,
-    /// Body-centred cubic, 2 particles a cell.
-    Bcc,
-    /// At random, relaxed until nothing overlaps.
-    Random,
+lennard_core::choices! {
+    /// The arrangement of the first positions.
+    pub enum Lattice {
+        /// Face-centred cubic, 4 particles a cell.
+        #[default]
+        Fcc = "fcc",
+        /// Simple cubic, 1 particle a cell.
+        Sc = "sc",
+        /// Body-centred cubic, 2 particles a cell.
+        Bcc = "bcc",
+        /// At random, relaxed until nothing overlaps.
+        Random = "random",
+    }
 }
 
 /// The size of a region.

@@ -3,7 +3,7 @@
 use lennard_core::options::Allowed;
 use serde_json::{Map, Value, json};
 
-use crate::reference::{self, KeyDoc, TableDoc};
+use crate::reference::{self, Form, KeyDoc, TableDoc};
 
 /// The draft that editors of TOML files know.
 const DRAFT: &str = "http://json-schema.org/draft-07/schema#";
@@ -17,8 +17,7 @@ pub fn schema() -> Value {
     let mut root = object_of("");
     let properties = &mut root["properties"];
     for table in reference::tables() {
-        let nested = table.table.contains('.');
-        if !table.table.is_empty() && !nested {
+        if matches!(table.form, Form::Once | Form::Many) {
             properties[table.table] = table_of(table);
         }
     }
@@ -31,7 +30,7 @@ pub fn schema() -> Value {
 fn table_of(table: &TableDoc) -> Value {
     let mut object = object_of(table.table);
     object["description"] = json!(table.meaning);
-    if table.heading.starts_with("`[[") {
+    if table.form == Form::Many {
         json!({ "type": "array", "items": object })
     } else {
         object

@@ -2,10 +2,10 @@
 
 use lennard_core::{DVec3, PeriodicBox};
 use lennard_literature::{ModelKind, TwoPhaseSource};
-use serde::{Deserialize, Serialize};
 
 use crate::error::SceneError;
 use crate::read::Reader;
+use crate::reference::{DENSEST, LONGEST_SIDE, SHORTEST_SIDE, THINNEST};
 use crate::{Placement, Scene, Start};
 
 /// The length of the box over the thickness of the slab, where the scene does not say.
@@ -57,21 +57,21 @@ impl Slab {
     }
 }
 
-/// The table as written.
-#[derive(Debug, Default, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct SlabTable {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub liquid_density: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub vapor_density: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub thickness: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub length: Option<f64>,
+lennard_core::options! {
+    /// The keys of `[slab]`.
+    pub(crate) struct SlabKeys {
+        /// Density of the liquid at the start.
+        liquid_density: Option<f64> = None, else "saturation of the model at `system.temperature`", Between(THINNEST, DENSEST), in "σ⁻³";
+        /// Density of the vapor at the start.
+        vapor_density: Option<f64> = None, else "saturation of the model at `system.temperature`", Between(THINNEST, DENSEST), in "σ⁻³";
+        /// Thickness of the liquid across z; 12 σ or more for the densities and the tension of bulk phases.
+        thickness: Option<f64> = None, else "1.5 times the side of the cross-section, or a third of `length`", Between(SHORTEST_SIDE, LONGEST_SIDE), in "σ";
+        /// Length of the box along z.
+        length: Option<f64> = None, else "3 times `thickness`", Between(SHORTEST_SIDE, LONGEST_SIDE), in "σ";
+    }
 }
 
-impl From<&Slab> for SlabTable {
+impl From<&Slab> for SlabKeys {
     fn from(slab: &Slab) -> Self {
         Self {
             liquid_density: Some(slab.liquid_density),
@@ -90,7 +90,7 @@ impl Reader<'_> {
         temperature: f64,
         model: Option<ModelKind>,
     ) -> Result<Slab, SceneError> {
-        let table: SlabTable = self.plain("slab")?;
+        let table: SlabKeys = self.plain("slab")?;
         let [liquid_density, vapor_density] = match (table.liquid_density, table.vapor_density) {
             (Some(liquid), Some(vapor)) => [liquid, vapor],
             (liquid, vapor) => {

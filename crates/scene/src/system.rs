@@ -1,39 +1,126 @@
 //! The table `[system]`: where the particles start.
 
-use std::path::PathBuf;
+use std::path::Path;
 
+use lennard_core::DVec3;
+use lennard_core::options::OptionValue;
 use lennard_literature::ModelKind;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::error::SceneError;
 use crate::read::{Reader, Resolve};
-use crate::reference;
+use crate::reference::{self, COLDEST, DENSEST, HOTTEST, MOST_ATOMS, THINNEST, as_toml};
 use crate::tree::{Node, Value};
-use crate::{Geometry, Lattice, Start, System};
+use crate::{Geometry, Lattice, Scene, Start, System};
 
-const DEFAULT_SEED: u64 = 1;
+lennard_core::options! {
+    /// The keys of `[system]`.
+    pub(crate) struct SystemKeys {
+        /// Arrangement at the start. In a cube, fcc takes 4m³ particles, bcc 2m³, sc m³; in another box, 4abc, 2abc or abc with nearly cubic cells (edges within 10 % of each other). `random` takes any number, relaxed until nothing overlaps.
+        lattice: Option<Lattice> = None, else "`\"fcc\"`", Names(Lattice::names);
+        /// Number of particles.
+        n_atoms: Option<usize> = None, else "needed", Whole(1, MOST_ATOMS);
+        /// Number of molecules, in place of `n_atoms`: their centres stand on the lattice, their axes along its body diagonals.
+        n_molecules: Option<usize> = None, else "needed with `[molecule]`", Whole(1, MOST_ATOMS);
+        /// Number density of the start; the box is a cube.
+        density: Option<f64> = None, else "this or `box`", Between(THINNEST, DENSEST), in "σ⁻³";
+        /// Box sides. With a `configuration`, the box of a file that names none.
+        sides as "box": Option<Sides> = None, else "this or `density`", Words("one side, or three sides [Lx, Ly, Lz], each a finite number above 0"), in "σ";
+        /// Empty length added to the box along z, with the particles in the middle: a slab between two surfaces. `density` and `box` then describe the filled part.
+        vacuum: Option<f64> = None, else "`0.0`", NotNegative, in "σ";
+        /// Start from these positions, in the `box`. Takes the place of `lattice`, `n_atoms` and `density`. With molecules, the sites of each follow each other. Along an axis with walls they count from the lower wall.
+        positions: Option<Vec<[f64; 3]>> = None, else "none", Words("a list with one position [x, y, z] for each particle"), in "σ";
+        /// Velocities of the `positions`. Their total momentum is kept.
+        velocities: Option<Vec<[f64; 3]>> = None, else "velocities of `temperature`", Words("a list with one velocity [vx, vy, vz] for each of `positions`"), in "σ/τ";
+        /// Particles that never move: their mass is infinite.
+        held: Option<Numbers> = None, else "none", Words("a list of numbers of particles, from 1, each once, and not all of them");
+        /// Start from this file (extended XYZ, LAMMPS dump or data, or the NIST columns; each may be compressed by gzip), relative to the scene file. Takes the place of `lattice`, `n_atoms` and `density`.
+        configuration: Option<String> = None, else "none", Words("the path of a file that can be read");
+        /// Temperature of the first velocities (where neither scene nor file gives them) and of every thermostat that names no other.
+        temperature: Option<f64> = None, else "needed; `0.0` with `positions`", ZeroOrBetween(COLDEST, HOTTEST), in "ε/k_B";
+        /// Seed of every random stream.
+        seed: u64 = 1, Whole(0, i64::MAX);
+    }
+}
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SystemTable {
-    lattice: Option<Lattice>,
-    n_atoms: Option<usize>,
-    n_molecules: Option<usize>,
-    density: Option<f64>,
-    #[serde(rename = "box")]
-    sides: Option<Sides>,
-    vacuum: Option<f64>,
-    positions: Option<Vec<[f64; 3]>>,
-    velocities: Option<Vec<[f64; 3]>>,
-    #[serde(default)]
-    held: Vec<u64>,
-    configuration: Option<PathBuf>,
-    temperature: Option<f64>,
-    seed: Option<u64>,
+/// Numbers of particles.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub(crate) struct Numbers(Vec<u64>);
+
+/// The table with every default in its place.
+impl From<&Scene> for SystemKeys {
+    fn from(scene: &Scene) -> Self {
+        let System {
+            start,
+            temperature,
+            seed,
+            held,
+        } = &scene.system;
+        let held: Vec<u64> = held.iter().map(|i| *i as u64 + 1).collect();
+        let mut keys = Self {
+            temperature: Some(*temperature),
+            seed: *seed,
+            held: (!held.is_empty()).then_some(Numbers(held)),
+            ..Self::default()
+        };
+        let mut place = |geometry: &Geometry| match geometry {
+            Geometry::Density(density) => keys.density = Some(*density),
+            Geometry::Box(sides) => keys.sides = Some(Sides(*sides)),
+        };
+        match start {
+            Start::Lattice {
+                lattice,
+                n_atoms,
+                geometry,
+                vacuum,
+            } => {
+                place(geometry);
+                keys.lattice = Some(*lattice);
+                match &scene.molecule {
+                    None => keys.n_atoms = Some(*n_atoms),
+                    Some(_) => keys.n_molecules = Some(*n_atoms),
+                }
+                keys.vacuum = Some(*vacuum);
+            }
+            Start::Slab(slab) => keys.n_atoms = Some(slab.n_atoms),
+            Start::Listed {
+                sides,
+                positions,
+                velocities,
+            } => {
+                let in_rows = |all: &Vec<DVec3>| all.iter().map(DVec3::to_array).collect();
+                place(&Geometry::Box(*sides));
+                keys.positions = Some(in_rows(positions));
+                keys.velocities = velocities.as_ref().map(in_rows);
+            }
+            Start::Configuration { path, geometry } => {
+                if let Some(geometry) = geometry {
+                    place(geometry);
+                }
+                keys.configuration = Some(path.to_string_lossy().into_owned());
+            }
+        }
+        keys
+    }
 }
 
 /// One side of a cube, or three sides.
-struct Sides([f64; 3]);
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(transparent)]
+pub(crate) struct Sides([f64; 3]);
+
+macro_rules! written_as_toml {
+    ($($value:ident)*) => {$(
+        impl OptionValue for $value {
+            fn written(&self) -> String {
+                as_toml(self)
+            }
+        }
+    )*};
+}
+
+written_as_toml! { Sides Numbers }
 
 impl<'de> Deserialize<'de> for Sides {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -86,7 +173,7 @@ impl Reader<'_> {
         if let Some(sides) = node.table().and_then(|table| table.get("box")) {
             self.refuse_triclinic(sides)?;
         }
-        let table: SystemTable = self.section("system").read(node)?;
+        let table: SystemKeys = self.section("system").read(node)?;
         let given = |key: &str| node.table().is_some_and(|table| table.get(key).is_some());
         let geometry = match (table.density, table.sides) {
             (Some(_), Some(_)) => {
@@ -133,7 +220,7 @@ impl Reader<'_> {
                 .found(format!("`[slab]` and `{own}`"))
                 .allowed(format!("one of them: the {says} where the particles are")));
         }
-        let start = match (table.configuration, &table.positions) {
+        let start = match (&table.configuration, &table.positions) {
             (None, Some(positions)) => {
                 excludes("positions", &OF_LATTICES, "nothing: the positions say it")?;
                 self.listed(positions, table.velocities.as_deref(), geometry)?
@@ -144,7 +231,7 @@ impl Reader<'_> {
                     &[&OF_LATTICES[..], &["positions"]].concat(),
                     "no such key: the configuration file has it",
                 )?;
-                let path = resolve(self.source, "system.configuration", &path)?;
+                let path = resolve(self.source, "system.configuration", Path::new(path))?;
                 Start::Configuration { path, geometry }
             }
             (None, None) if self.source.wrote("slab") => {
@@ -173,8 +260,11 @@ impl Reader<'_> {
                 None if is_listed => 0.0,
                 temperature => temperature.ok_or_else(|| self.needed("temperature"))?,
             },
-            seed: table.seed.unwrap_or(DEFAULT_SEED),
-            held: self.held(&table.held)?,
+            seed: table.seed,
+            held: match &table.held {
+                Some(Numbers(numbers)) => self.held(numbers)?,
+                None => Vec::new(),
+            },
         })
     }
 

@@ -2,11 +2,6 @@
 
 use crate::tree::{Entry, Node, Value};
 
-/// A table with a `kind` where it has none.
-pub(crate) fn with_kind(node: &Node, kind: &str) -> Node {
-    with_tag(node, "kind", kind)
-}
-
 /// A table with a key that names its method, where it has none.
 pub(crate) fn with_tag(node: &Node, key: &str, name: &str) -> Node {
     let mut node = node.clone();

@@ -1,12 +1,15 @@
 //! One table of the tree as a typed value, with errors that name file, line, key, value and what is allowed.
 
+use lennard_core::options::Options;
 use serde::de::DeserializeOwned;
 
 use crate::Source;
 use crate::de::{Fault, Trouble};
 use crate::error::SceneError;
+use crate::methods::Method;
 use crate::names::{left_out, nearest, not_yet};
-use crate::reference::{self, Allowed, quoted};
+use crate::reference::{self, Allowed, Tag, quoted};
+use crate::tags::with_tag;
 use crate::tree::{Entry, Node, Table, Value};
 
 /// A table of the scene on its way to a type.
@@ -17,8 +20,6 @@ pub(crate) struct Section<'a> {
     pub path: &'a str,
     /// Its name in the reference, `stage.thermostat`.
     pub table: &'static str,
-    /// Keys that are read elsewhere and that the type does not know.
-    pub also: &'static [&'static str],
 }
 
 impl<'a> Section<'a> {
@@ -27,12 +28,17 @@ impl<'a> Section<'a> {
             source,
             path,
             table,
-            also: &[],
         }
     }
 
-    pub fn with(self, also: &'static [&'static str]) -> Self {
-        Self { also, ..self }
+    /// The key that names the method of the table; `None` for a table without methods.
+    fn tag(&self) -> Option<&'static Tag> {
+        reference::table(self.table)?.tag.as_ref()
+    }
+
+    /// The name of the method that a table writes.
+    fn method_in<'t>(&self, table: &'t Table) -> Option<&'t str> {
+        table.get(self.tag()?.key).and_then(Node::text)
     }
 
     /// The full name of a key of this table.
@@ -43,86 +49,99 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Reads the table, after a check of every number in it.
+    /// Reads a table whose keys all belong to `T`, after a check of every number in it.
     pub fn read<T: DeserializeOwned>(&self, node: &Node) -> Result<T, SceneError> {
-        let Some(table) = node.table() else {
-            return Err(self
-                .source
+        let table = self.table_of(node)?;
+        self.typed(node, table, self.method_in(table))
+    }
+
+    /// Takes the keys that `S` declares out of a table, and reads them. The keys of the method stay.
+    pub fn take<S: Options + DeserializeOwned>(&self, node: &mut Node) -> Result<S, SceneError> {
+        let table = self.table_of(node)?;
+        let declared = |entry: &&Entry| S::KEYS.iter().any(|key| key.key == entry.key);
+        let (shared, own) = table.0.iter().partition::<Vec<&Entry>, _>(declared);
+        let [shared, own] = [shared, own].map(|part| Node {
+            value: Value::Table(Table(part.into_iter().cloned().collect())),
+            place: node.place.clone(),
+        });
+        let shared = self.typed(&shared, self.table_of(&shared)?, self.method_in(table))?;
+        *node = own;
+        Ok(shared)
+    }
+
+    /// Reads the method that a table names with its own keys, once shared keys are taken.
+    pub fn method<M: Method>(&self, node: &Node) -> Result<M, SceneError> {
+        let usual = self.tag().and_then(|tag| Some((tag.key, tag.usual()?)));
+        let method: M = match usual {
+            Some((key, usual)) => self.read(&with_tag(node, key, usual))?,
+            None => self.read(node)?,
+        };
+        method
+            .check()
+            .map_err(|e| self.impossible(e.key, &e.found, &e.allowed))?;
+        Ok(method)
+    }
+
+    /// The value of a key that a table must write.
+    pub fn needed<V>(&self, node: &Node, key: &str, value: Option<V>) -> Result<V, SceneError> {
+        match value {
+            Some(value) => Ok(value),
+            None => Err(self.missing(key, self.table_of(node)?, None)),
+        }
+    }
+
+    fn table_of<'n>(&self, node: &'n Node) -> Result<&'n Table, SceneError> {
+        node.table().ok_or_else(|| {
+            self.source
                 .refuse(self.path, "is not a table")
                 .found(node)
-                .allowed(format!("a table, `[{}]`", self.path)));
-        };
-        let method = table.get(tag(table)).and_then(Node::text);
+                .allowed(format!("a table, `[{}]`", self.path))
+        })
+    }
+
+    fn typed<T: DeserializeOwned>(
+        &self,
+        node: &Node,
+        table: &Table,
+        method: Option<&str>,
+    ) -> Result<T, SceneError> {
         self.check_numbers(table, method)?;
         let probe = |node: &Node| T::deserialize(node).err().map(|fault| fault.trouble);
         T::deserialize(node).map_err(|fault| self.explain(&fault, table, method, &probe))
     }
 
     /// Refuses numbers that are not finite, and those outside the range that the reference states.
-    pub fn check_numbers(&self, table: &Table, method: Option<&str>) -> Result<(), SceneError> {
+    fn check_numbers(&self, table: &Table, method: Option<&str>) -> Result<(), SceneError> {
         for entry in &table.0 {
             let doc = reference::find(self.table, method, &entry.key);
             let allowed = doc.map(|doc| doc.allowed);
-            let fits = match (&entry.node.value, allowed) {
-                (Value::Number(x), Some(Allowed::Positive)) => x.is_finite() && *x > 0.0,
-                (Value::Whole(x), Some(Allowed::Positive)) => *x > 0,
-                (Value::Number(x), Some(Allowed::Between(from, to))) => (from..=to).contains(x),
-                (Value::Whole(x), Some(Allowed::Between(from, to))) => {
-                    (from..=to).contains(&(*x as f64))
-                }
-                (Value::Number(x), Some(Allowed::ZeroOrBetween(from, to))) => {
-                    *x == 0.0 || (from..=to).contains(x)
-                }
-                (Value::Whole(x), Some(Allowed::ZeroOrBetween(from, to))) => {
-                    *x == 0 || (from..=to).contains(&(*x as f64))
-                }
-                // No key of a scene has a use for a negative number.
-                (Value::Number(x), _) => x.is_finite() && *x >= 0.0,
-                (Value::Whole(x), Some(Allowed::Whole(from, to))) => (from..=to).contains(x),
-                (Value::Whole(x), _) => *x >= 0,
+            let fits = match (&entry.node.value, allowed.unwrap_or(Allowed::NotNegative)) {
+                // A fraction in the place of a whole number has the wrong type, which is said later.
+                (Value::Number(x), Allowed::Whole(..)) => Allowed::NotNegative.admits(*x),
+                (Value::Number(x), allowed) => allowed.admits(*x),
+                (Value::Whole(x), allowed) => allowed.admits(*x as f64),
                 _ => true,
             };
             if !fits {
-                let range = allowed;
-                let allowed = allowed.unwrap_or(Allowed::NotNegative).text();
+                let smallest = allowed.and_then(|allowed| allowed.smallest());
+                let is_below = |x: f64| smallest.is_some_and(|smallest| x < smallest);
                 let message = match &entry.node.value {
                     Value::Number(x) if !x.is_finite() => "is not a finite number",
                     Value::Number(x) if *x < 0.0 => "is negative",
                     Value::Whole(x) if *x < 0 => "is negative",
                     Value::Number(0.0) | Value::Whole(0) => "is zero",
-                    Value::Whole(x) if allowed_above(range, *x as f64) => "is too small",
-                    Value::Number(x) if allowed_above(range, *x) => "is too small",
+                    Value::Whole(x) if is_below(*x as f64) => "is too small",
+                    Value::Number(x) if is_below(*x) => "is too small",
                     _ => "is too large",
                 };
                 return Err(self
                     .source
                     .refuse(&self.name(&entry.key), message)
                     .found(&entry.node)
-                    .allowed(allowed));
+                    .allowed(allowed.unwrap_or(Allowed::NotNegative).text()));
             }
         }
         Ok(())
-    }
-
-    /// The value of a single entry that is read apart from its table.
-    pub fn number(&self, entry: &Entry, method: Option<&str>) -> Result<f64, SceneError> {
-        self.single(entry, method)
-    }
-
-    /// The value of a single entry that is read apart from its table.
-    pub fn count(&self, entry: &Entry) -> Result<u64, SceneError> {
-        self.single(entry, None)
-    }
-
-    fn single<T: DeserializeOwned>(
-        &self,
-        entry: &Entry,
-        method: Option<&str>,
-    ) -> Result<T, SceneError> {
-        let table = Table(vec![entry.clone()]);
-        self.check_numbers(&table, method)?;
-        T::deserialize(&entry.node)
-            .map_err(|_| self.wrong_type(Some(&entry.key), "a value", &table, method))
     }
 
     /// The error for a value that its method refuses.
@@ -142,19 +161,21 @@ impl<'a> Section<'a> {
         method: Option<&str>,
         probe: &dyn Fn(&Node) -> Option<Trouble>,
     ) -> SceneError {
+        let tag = self.tag().map(|tag| tag.key);
+        let culprit = || culprit(fault, table, tag, probe);
         match &fault.trouble {
-            Trouble::UnknownKey { found, known } => self.unknown_key(found, known),
+            Trouble::UnknownKey { found, known } => self.unknown_key(found, known, method),
             Trouble::Missing { key } => self.missing(key, table, method),
             Trouble::UnknownName { found, known } => {
-                let key = culprit(fault, table, probe);
-                self.unknown_name(key.as_deref().unwrap_or(tag(table)), found, known)
+                let key = culprit();
+                self.unknown_name(key.as_deref().or(tag).unwrap_or("kind"), found, known)
             }
             Trouble::WrongType { expected } => {
-                let key = culprit(fault, table, probe);
+                let key = culprit();
                 self.wrong_type(key.as_deref(), expected, table, method)
             }
             Trouble::Other(message) => {
-                let key = culprit(fault, table, probe);
+                let key = culprit();
                 let name = key.map_or_else(|| self.path.to_owned(), |key| self.name(&key));
                 self.source
                     .refuse(&name, format!("cannot be read: {message}"))
@@ -162,9 +183,15 @@ impl<'a> Section<'a> {
         }
     }
 
-    pub fn unknown_key(&self, found: &str, known: &[&str]) -> SceneError {
+    /// The error for a key that neither the type knows nor, beside a method, the table.
+    fn unknown_key(&self, found: &str, known: &[&str], method: Option<&str>) -> SceneError {
         let name = self.name(found);
-        let known: Vec<&str> = known.iter().chain(self.also).copied().collect();
+        let mut known = known.to_vec();
+        if self.tag().is_some() {
+            let others = reference::keys_of(self.table, method).map(|doc| doc.key);
+            let others: Vec<&str> = others.filter(|key| !known.contains(key)).collect();
+            known.extend(others);
+        }
         if let Some(message) = not_yet(found) {
             return self
                 .source
@@ -235,22 +262,14 @@ impl<'a> Section<'a> {
     }
 }
 
-/// The key that names the method of a table: `kind`, `method` in `[bonds]`, or `rule` in `[mixing]`.
-fn tag(table: &Table) -> &'static str {
-    let is_there = |key: &&str| table.get(key).is_some();
-    ["kind", "method", "rule"]
-        .into_iter()
-        .find(is_there)
-        .unwrap_or("kind")
-}
-
 /// The key of a table that a fault is about.
 ///
 /// An internally tagged enum copies its table before it looks at it, and so forgets the path of the
-/// key. Each key is then tried alone beside `kind`, until one key gives the same fault.
+/// key. Each key is then tried alone beside the name of the method, until one key gives the same fault.
 fn culprit(
     fault: &Fault,
     table: &Table,
+    tag: Option<&str>,
     probe: &dyn Fn(&Node) -> Option<Trouble>,
 ) -> Option<String> {
     if let Some(outermost) = fault.path.last() {
@@ -260,7 +279,7 @@ fn culprit(
         let named = table.0.iter().find(|e| e.node.text() == Some(found));
         return named.map(|entry| entry.key.clone());
     }
-    let kind = table.entry(tag(table))?;
+    let kind = table.entry(tag?)?;
     let probed = |entries: Vec<Entry>| {
         let trouble = probe(&Node {
             value: Value::Table(Table(entries)),
@@ -276,15 +295,6 @@ fn culprit(
         .into_iter()
         .find(|entry| probed(vec![kind.clone(), (*entry).clone()]));
     guilty.map(|entry| entry.key.clone())
-}
-
-/// Whether what is allowed lies above what was found.
-fn allowed_above(allowed: Option<Allowed>, found: f64) -> bool {
-    match allowed {
-        Some(Allowed::Whole(from, _)) => found < from as f64,
-        Some(Allowed::Between(from, _) | Allowed::ZeroOrBetween(from, _)) => found < from,
-        _ => false,
-    }
 }
 
 /// What serde expected, without the names of Rust's types.

@@ -11,8 +11,6 @@ use lennard_observables::Surroundings;
 use crate::error::SceneError;
 use crate::read::Reader;
 use crate::reference::quoted;
-use crate::tags::take;
-use crate::tree::{Node, Value};
 use crate::typed::Section;
 use crate::{Lattice, Scene, Start};
 
@@ -33,33 +31,43 @@ pub struct WallTable {
     pub options: WallOptions,
 }
 
+lennard_core::options! {
+    /// The keys of `[[wall]]` that all kinds have.
+    pub(crate) struct WallKeys {
+        /// The axis across which the walls stand.
+        axis: Axis = Axis::Z, Names(Axis::names);
+        /// Length of the box behind the planes, which keeps the fluid out of reach of its images; at least `r_cut` + 0.1.
+        thickness: Option<f64> = None, else "`r_cut` + 1.0", Positive, in "σ";
+    }
+}
+
+lennard_core::options! {
+    /// The keys of `[field]`.
+    pub(crate) struct FieldKeys {
+        /// Acceleration of every particle.
+        acceleration: Vec<f64> = vec![0.0; 3], Words("three finite numbers [gx, gy, gz]; 0 along an axis without walls"), in "σ/τ²";
+    }
+}
+
+impl From<&WallTable> for WallKeys {
+    fn from(table: &WallTable) -> Self {
+        Self {
+            axis: table.axis,
+            thickness: Some(table.thickness),
+        }
+    }
+}
+
 impl Reader<'_> {
     /// The walls, for forces that end at `r_cut`.
     pub fn walls(&self, r_cut: f64) -> Result<Vec<WallTable>, SceneError> {
         let mut walls: Vec<WallTable> = Vec::new();
         for (i, node) in self.list("wall")?.iter().enumerate() {
             let path = format!("wall.{i}");
-            let section =
-                Section::new(self.source, &path, "wall").with(&["kind", "axis", "thickness"]);
+            let section = Section::new(self.source, &path, "wall");
             let mut node = node.clone();
-            let axis = match take(&mut node, "axis") {
-                None => Axis::default(),
-                Some(entry) => {
-                    let named = |axis: &Axis| entry.node.text() == Some(axis.name());
-                    Axis::ALL.into_iter().find(named).ok_or_else(|| {
-                        let axis = section.name("axis");
-                        self.refuse_value("wall", "axis", &axis, &entry.node)
-                    })?
-                }
-            };
-            let thickness = match take(&mut node, "thickness") {
-                Some(entry) => section.number(&entry, None)?,
-                None => r_cut + DEFAULT_ROOM,
-            };
-            let options: WallOptions = section.read(&node)?;
-            options
-                .check()
-                .map_err(|e| section.impossible(e.key, &e.found, &e.allowed))?;
+            let WallKeys { axis, thickness } = section.take(&mut node)?;
+            let options = section.method(&node)?;
             if let Some(first) = walls.iter().position(|other| other.axis == axis) {
                 let first = format!("wall.{first}.axis");
                 let twice = self
@@ -69,7 +77,7 @@ impl Reader<'_> {
             }
             walls.push(WallTable {
                 axis,
-                thickness,
+                thickness: thickness.unwrap_or(r_cut + DEFAULT_ROOM),
                 options,
             });
         }
@@ -78,35 +86,35 @@ impl Reader<'_> {
 
     /// The acceleration of the constant field, σ/τ²; zero without one.
     pub fn field(&self) -> Result<DVec3, SceneError> {
+        const KEY: &str = "field.acceleration";
         let node = self.node("field");
-        let Some(table) = node.table() else {
-            return Ok(DVec3::ZERO);
+        let refused = || {
+            let written = node.table().and_then(|table| table.get("acceleration"));
+            self.refuse_value("field", "acceleration", KEY, written.unwrap_or(&self.empty))
         };
-        const KEY: &str = "acceleration";
-        if let Some(other) = table.0.iter().find(|entry| entry.key != KEY) {
-            let section = self.section("field");
-            return Err(section.unknown_key(&other.key, &[KEY]));
-        }
-        let Some(written) = table.get(KEY) else {
-            return Ok(DVec3::ZERO);
-        };
-        let number = |node: &Node| match node.value {
-            Value::Number(x) if x.is_finite() => Some(x),
-            Value::Whole(x) => Some(x as f64),
-            _ => None,
-        };
-        let numbers: Option<Vec<f64>> = match &written.value {
-            Value::Array(items) => items.iter().map(number).collect(),
-            _ => None,
-        };
-        match numbers.as_deref() {
-            Some([x, y, z]) => Ok(DVec3::new(*x, *y, *z)),
-            _ => Err(self.refuse_value("field", KEY, "field.acceleration", written)),
+        let read = self.section("field").read::<FieldKeys>(node);
+        // A number alone is refused as a vector, whatever its sign.
+        let keys = read.map_err(|error| match error.key_path() {
+            Some(KEY) => refused(),
+            _ => error,
+        })?;
+        match keys.acceleration.as_slice() {
+            [x, y, z] if keys.acceleration.iter().all(|g| g.is_finite()) => {
+                Ok(DVec3::new(*x, *y, *z))
+            }
+            _ => Err(refused()),
         }
     }
 }
 
 impl Scene {
+    /// The constant field as its table says it; `None` without one.
+    pub(crate) fn field_keys(&self) -> Option<FieldKeys> {
+        (self.acceleration != DVec3::ZERO).then(|| FieldKeys {
+            acceleration: self.acceleration.to_array().to_vec(),
+        })
+    }
+
     /// Where pair forces and contacts end, σ: the longest cutoff of two species, or the largest contact distance.
     pub(crate) fn end_of_pairs(&self) -> f64 {
         self.longest_cutoff().max(self.largest_contact())

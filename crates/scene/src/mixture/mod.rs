@@ -2,9 +2,11 @@
 
 mod amounts;
 mod check;
+mod keys;
 mod read;
 
 pub(crate) use check::check;
+pub(crate) use keys::{PairKeys, SpeciesKeys};
 
 use lennard_core::{Species, SpeciesTable};
 use lennard_forcefield::{CombiningOptions, CutoffUnit, Deviation, Mixture, Size, SpeciesPair};

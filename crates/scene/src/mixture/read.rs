@@ -2,9 +2,8 @@
 
 use lennard_core::MOST_SPECIES;
 use lennard_forcefield::{CombiningOptions, combining_rules};
-use serde::Deserialize;
 
-use super::{Amount, MixtureTables, PairEntry, SpeciesEntry};
+use super::{Amount, MixtureTables, PairEntry, PairKeys, SpeciesEntry, SpeciesKeys};
 use crate::error::SceneError;
 use crate::names::nearest;
 use crate::read::Reader;
@@ -14,30 +13,6 @@ use lennard_io::is_element_symbol;
 
 /// Symbols of species that name none and are called like no element.
 const USUAL_ELEMENTS: [&str; MOST_SPECIES] = ["Ar", "Kr", "Xe", "Ne", "He", "Rn", "H", "Li"];
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SpeciesRow {
-    name: String,
-    fraction: Option<f64>,
-    count: Option<usize>,
-    sigma: Option<f64>,
-    epsilon: Option<f64>,
-    mass: Option<f64>,
-    element: Option<String>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PairRow {
-    a: String,
-    b: String,
-    sigma: Option<f64>,
-    epsilon: Option<f64>,
-    k: Option<f64>,
-    l: Option<f64>,
-    r_cut: Option<f64>,
-}
 
 impl Reader<'_> {
     /// The species of the scene with what acts between them; `None` where it names none.
@@ -78,24 +53,25 @@ impl Reader<'_> {
         let mut rows = Vec::new();
         for (a, node) in nodes.iter().enumerate() {
             let path = format!("species.{a}");
-            let row: SpeciesRow = Section::new(self.source, &path, "species").read(node)?;
-            self.name_of_species(&path, &row.name)?;
-            if let Some(first) = rows.iter().position(|r: &SpeciesRow| r.name == row.name) {
+            let section = Section::new(self.source, &path, "species");
+            let mut row: SpeciesKeys = section.read(node)?;
+            let name = section.needed(node, "name", row.name.take())?;
+            self.name_of_species(&path, &name)?;
+            if let Some(first) = rows.iter().position(|(n, _)| *n == name) {
                 let first = format!("species.{first}.name");
-                let key = format!("{path}.name");
-                return Err(self.source.twice(&key, &row.name, &first));
+                return Err(self.source.twice(&section.name("name"), &name, &first));
             }
-            rows.push(row);
+            rows.push((name, row));
         }
         let elements = self.elements(&rows)?;
         let amounts = self.amounts(&rows)?;
         let entries = rows.into_iter().zip(elements).zip(amounts);
-        let entries = entries.map(|((row, element), amount)| SpeciesEntry {
-            name: row.name,
+        let entries = entries.map(|(((name, row), element), amount)| SpeciesEntry {
+            name,
             amount,
-            sigma: row.sigma.unwrap_or(1.0),
-            epsilon: row.epsilon.unwrap_or(1.0),
-            mass: row.mass.unwrap_or(1.0),
+            sigma: row.sigma,
+            epsilon: row.epsilon,
+            mass: row.mass,
             element,
         });
         Ok(entries.collect())
@@ -115,9 +91,9 @@ impl Reader<'_> {
     }
 
     /// The symbol of each species in files: as written, as its name, or one that no other has.
-    fn elements(&self, rows: &[SpeciesRow]) -> Result<Vec<String>, SceneError> {
+    fn elements(&self, rows: &[(String, SpeciesKeys)]) -> Result<Vec<String>, SceneError> {
         let mut elements: Vec<Option<String>> = Vec::new();
-        for (a, row) in rows.iter().enumerate() {
+        for (a, (name, row)) in rows.iter().enumerate() {
             let key = format!("species.{a}.element");
             if let Some(element) = row.element.as_ref().filter(|e| !is_element_symbol(e)) {
                 return Err(self
@@ -126,7 +102,7 @@ impl Reader<'_> {
                     .found(format!("{element:?}"))
                     .allowed("an element symbol, or \"X\""));
             }
-            let named = is_element_symbol(&row.name).then(|| row.name.clone());
+            let named = is_element_symbol(name).then(|| name.clone());
             let element = row.element.clone().or(named);
             let twin = elements.iter().position(|e| e.is_some() && *e == element);
             if let (Some(first), Some(element)) = (twin, &element) {
@@ -134,8 +110,8 @@ impl Reader<'_> {
                     .source
                     .refuse(&key, "stands for two species")
                     .found(format!(
-                        "{element:?} for {:?} and for {:?}",
-                        rows[first].name, row.name
+                        "{element:?} for {:?} and for {name:?}",
+                        rows[first].0
                     ))
                     .allowed("an element for each species: files tell them apart by it"));
             }
@@ -152,11 +128,11 @@ impl Reader<'_> {
     }
 
     /// The amount of each species: all as fractions, all as counts, or all in a configuration file.
-    fn amounts(&self, rows: &[SpeciesRow]) -> Result<Vec<Amount>, SceneError> {
+    fn amounts(&self, rows: &[(String, SpeciesKeys)]) -> Result<Vec<Amount>, SceneError> {
         let of_file = self.source.wrote("system.configuration");
-        let by_count = rows.iter().any(|row| row.count.is_some());
+        let by_count = rows.iter().any(|(_, row)| row.count.is_some());
         let mut amounts = Vec::new();
-        for (a, row) in rows.iter().enumerate() {
+        for (a, (name, row)) in rows.iter().enumerate() {
             let refuse = |key: &str, message: &str| {
                 self.source.refuse(&format!("species.{a}.{key}"), message)
             };
@@ -173,14 +149,14 @@ impl Reader<'_> {
                         "fraction"
                     };
                     return Err(refuse(key, "does not go with `configuration`")
-                        .found(format!("`{key}` of {:?}", row.name))
+                        .found(format!("`{key}` of {name:?}"))
                         .allowed("no such key: the configuration file has it"));
                 }
                 (None, None) if of_file => Amount::OfFile,
                 (Some(_), None) if by_count => {
                     return Err(
                         refuse("fraction", "stands beside a `count` of another species")
-                            .found(format!("`fraction` of {:?}", row.name))
+                            .found(format!("`fraction` of {name:?}"))
                             .allowed("all species by `fraction`, or all by `count`"),
                     );
                 }
@@ -190,7 +166,7 @@ impl Reader<'_> {
                 (None, None) => {
                     let key = if by_count { "count" } else { "fraction" };
                     return Err(refuse(key, "is missing")
-                        .found(format!("neither `fraction` nor `count` of {:?}", row.name))
+                        .found(format!("neither `fraction` nor `count` of {name:?}"))
                         .allowed("`fraction`, a number above 0, or `count`, a whole number"));
                 }
             };
@@ -249,11 +225,7 @@ impl Reader<'_> {
                 .found(format!("{} species without `[mixing]`", species.len()))
                 .allowed(format!("[mixing] with rule = {}", quoted(&names))));
         }
-        let section = self.section("mixing").with(&["rule"]);
-        let rule: CombiningOptions = section.read(self.node("mixing"))?;
-        rule.check()
-            .map_err(|e| section.impossible(e.key, &e.found, &e.allowed))?;
-        Ok(Some(rule))
+        self.section("mixing").method(self.node("mixing")).map(Some)
     }
 
     fn pairs(
@@ -264,15 +236,19 @@ impl Reader<'_> {
         let mut pairs: Vec<PairEntry> = Vec::new();
         for (i, node) in self.list("pair")?.iter().enumerate() {
             let path = format!("pair.{i}");
-            let row: PairRow = Section::new(self.source, &path, "pair").read(node)?;
+            let section = Section::new(self.source, &path, "pair");
+            let row: PairKeys = section.read(node)?;
+            let a = section.needed(node, "a", row.a.as_deref())?;
+            let b = section.needed(node, "b", row.b.as_deref())?;
+            let names = [a, b];
             let number = |key: &str, name: &str| {
                 species
                     .iter()
                     .position(|s| s.name == name)
-                    .ok_or_else(|| self.unknown_species(&format!("{path}.{key}"), name, species))
+                    .ok_or_else(|| self.unknown_species(&section.name(key), name, species))
             };
             let pair = PairEntry {
-                species: [number("a", &row.a)?, number("b", &row.b)?],
+                species: [number("a", a)?, number("b", b)?],
                 sigma: row.sigma,
                 epsilon: row.epsilon,
                 k: row.k,
@@ -282,11 +258,11 @@ impl Reader<'_> {
             let [a, b] = pair.species;
             let twin = |p: &PairEntry| p.species == [a, b] || p.species == [b, a];
             if let Some(first) = pairs.iter().position(twin) {
-                let names = format!("{} and {}", row.a, row.b);
+                let names = names.join(" and ");
                 let first = format!("pair.{first}.a");
-                return Err(self.source.twice(&format!("{path}.a"), &names, &first));
+                return Err(self.source.twice(&section.name("a"), &names, &first));
             }
-            self.pair_is_sound(&path, &pair, &row, rule)?;
+            self.pair_is_sound(&path, &pair, names, rule)?;
             pairs.push(pair);
         }
         Ok(pairs)
@@ -306,7 +282,7 @@ impl Reader<'_> {
         &self,
         path: &str,
         pair: &PairEntry,
-        row: &PairRow,
+        [a, b]: [&str; 2],
         rule: Option<&CombiningOptions>,
     ) -> Result<(), SceneError> {
         let refuse =
@@ -323,12 +299,12 @@ impl Reader<'_> {
             return Err(self
                 .source
                 .refuse(path, "sets nothing")
-                .found(format!("{:?} and {:?} alone", row.a, row.b))
+                .found(format!("{a:?} and {b:?} alone"))
                 .allowed("at least one of sigma, epsilon, k, l, r_cut"));
         };
         if pair.species[0] == pair.species[1] && first != "r_cut" {
             return Err(refuse(first, "is for two unlike species")
-                .found(format!("{value} for {:?} and {:?}", row.a, row.b))
+                .found(format!("{value} for {a:?} and {b:?}"))
                 .allowed(
                     "`r_cut` alone; `[[species]]` has sigma and epsilon of its own particles",
                 ));

@@ -2,6 +2,7 @@
 
 mod hostile;
 mod inputs;
+mod keys;
 mod lock;
 mod messages;
 mod reading;

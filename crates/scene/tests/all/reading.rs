@@ -1,6 +1,5 @@
 //! How scenes are read: overrides, defaults, places, and that the reference says what the code does.
 
-use std::collections::BTreeSet;
 use std::path::Path;
 
 use lennard_scene::{Geometry, Lattice, Scene, SceneError, Start, reference};
@@ -335,63 +334,6 @@ fn every_method_loads_at_its_defaults_and_loads_back() {
         let text = scene.resolved_toml();
         let again = parse(&text).unwrap_or_else(|e| panic!("{e}\n{text}"));
         assert_eq!(scene, again, "{text}");
-    }
-}
-
-/// The keys that the code knows in a table, from its refusal of another one.
-fn known_keys(text: &str) -> BTreeSet<String> {
-    let error = parse(text).expect_err(text);
-    assert_eq!(error.message(), "is not a known key", "{error}\n{text}");
-    let allowed = error.what_is_allowed().unwrap();
-    allowed.split(", ").map(str::to_owned).collect()
-}
-
-fn documented_keys(table: &str, kind: Option<&str>) -> BTreeSet<String> {
-    reference::keys()
-        .iter()
-        .filter(|doc| doc.table == table && (doc.method.is_none() || doc.method == kind))
-        .map(|doc| doc.key.to_owned())
-        .collect()
-}
-
-#[test]
-fn the_reference_lists_exactly_the_keys_that_the_code_reads() {
-    for table in [
-        "accuracy",
-        "truncation",
-        "neighbor",
-        "kernel",
-        "output",
-        "checkpoint",
-    ] {
-        let text = format!("{SMALL}\n[{table}]\nzzz = 1\n");
-        assert_eq!(known_keys(&text), documented_keys(table, None), "[{table}]");
-    }
-    let system = SMALL.replace("[system]", "[system]\nzzz = 1");
-    assert_eq!(known_keys(&system), documented_keys("system", None));
-    let stage = SMALL.replace("steps = 20", "steps = 20\nzzz = 1");
-    assert_eq!(known_keys(&stage), documented_keys("stage", None));
-    for (table, kind) in methods() {
-        let text = match table {
-            "stage.barostat" => SMALL.replace(
-                "thermostat = \"bussi\"",
-                &format!(
-                    "thermostat = \"bussi\"\nbarostat = {{ kind = \"{kind}\", pressure = 1.0, zzz = 1 }}"
-                ),
-            ),
-            "stage.thermostat" => SMALL.replace(
-                "thermostat = \"bussi\"",
-                &format!("thermostat = {{ kind = \"{kind}\", zzz = 1 }}"),
-            ),
-            "observable" => SMALL.replace("kind = \"rdf\"", &format!("kind = \"{kind}\"\nzzz = 1")),
-            "wall" => format!("{SMALL}\n[[wall]]\nkind = \"{kind}\"\nzzz = 1\n"),
-            _ => format!("{SMALL}\n[{table}]\nkind = \"{kind}\"\nzzz = 1\n"),
-        };
-        assert_eq!(
-            known_keys(&text),
-            documented_keys(table, Some(kind)),
-            "{table} {kind}"
-        );
     }
 }
 

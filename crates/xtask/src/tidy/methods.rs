@@ -42,8 +42,8 @@ const EXPLAINED: &[(&str, &str)] = &[
         "the bit-reversible method needs canonical forces",
     ),
     (
-        "crates/scene/src/tables.rs",
-        "RESPA brings the keys of the split; thermodynamics has the interval of thermo.csv",
+        "crates/scene/src/observable.rs",
+        "thermodynamics has the interval of thermo.csv",
     ),
     (
         "crates/studies/src/",

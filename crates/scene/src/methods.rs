@@ -1,0 +1,95 @@
+//! Methods that a table names: each has keys of its own beside the keys of the table.
+
+use lennard_contacts::ContactOptions;
+use lennard_core::options::{Keys, OptionError, Options};
+use lennard_forcefield::{CombiningOptions, PotentialOptions, WallOptions};
+use lennard_integrators::{
+    BarostatOptions, BondOptions, IntegratorOptions, ThermostatOptions, respa,
+};
+use lennard_observables::ObservableOptions;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::integrator::SplitKeys;
+
+/// The methods of one table.
+pub(crate) trait Method: DeserializeOwned {
+    /// The keys of each method by its name, each declared in the method's own file.
+    fn keys() -> Vec<(&'static str, Keys)>;
+
+    /// Whether the keys of the method lie in their ranges and go together.
+    ///
+    /// # Errors
+    /// [`OptionError`] with the key that is to blame.
+    fn check(&self) -> Result<(), OptionError> {
+        Ok(())
+    }
+}
+
+/// The names of the methods, in the order of their list.
+pub(crate) fn names<M: Method>() -> Vec<&'static str> {
+    let mut names = Vec::new();
+    for (name, _) in M::keys() {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+macro_rules! methods {
+    ($($options:ty,)*) => {$(
+        impl Method for $options {
+            fn keys() -> Vec<(&'static str, Keys)> {
+                <$options>::keys()
+            }
+            fn check(&self) -> Result<(), OptionError> {
+                <$options>::check(self)
+            }
+        }
+    )*};
+}
+
+methods! {
+    CombiningOptions,
+    BondOptions,
+    WallOptions,
+    ContactOptions,
+    ThermostatOptions,
+    BarostatOptions,
+}
+
+/// Potentials are checked beside the truncation, once all tables are read.
+impl Method for PotentialOptions {
+    fn keys() -> Vec<(&'static str, Keys)> {
+        Self::keys()
+    }
+}
+
+/// Observables are checked when they are built.
+impl Method for ObservableOptions {
+    fn keys() -> Vec<(&'static str, Keys)> {
+        Self::keys()
+    }
+}
+
+impl Method for IntegratorOptions {
+    fn keys() -> Vec<(&'static str, Keys)> {
+        let mut all = Self::keys();
+        // Multiple time steps bring the keys of the split force along.
+        all.push((respa::SPEC.name, SplitKeys::KEYS));
+        all
+    }
+    fn check(&self) -> Result<(), OptionError> {
+        Self::check(self)
+    }
+}
+
+/// A table as it is written: the method, then the keys that all methods share.
+#[derive(Serialize)]
+pub(crate) struct WithMethod<'a, M, S> {
+    #[serde(flatten)]
+    pub method: &'a M,
+    #[serde(flatten)]
+    pub shared: S,
+}
