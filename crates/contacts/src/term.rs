@@ -179,6 +179,7 @@ impl ForceTerm for Contacts {
             conserved_potential: want.energy.then_some(energy),
             virial: want.virial.then_some(virial),
             laplacian: want.laplacian.then_some(laplacian),
+            virial_trace: None,
             pairs: None,
             per_particle: each,
         };

@@ -1,6 +1,6 @@
 //! Barostats: operators between steps that change the box.
 
-use crate::{Persist, Ramp, Step, StepError};
+use crate::{Persist, Ramp, Step, StepError, Want};
 
 /// What a barostat declares about itself.
 #[derive(Debug, Clone, Copy)]
@@ -49,8 +49,13 @@ impl BoxMoves {
 
 /// Couples the box to a pressure after a step.
 pub trait Barostat: Persist + Send {
-    /// Whether the barostat acts after this step. It then finds energy and virial in the state.
+    /// Whether the barostat acts after this step. It then finds what it [`wants`](Barostat::wants) in the state.
     fn acts_after(&self, step: u64) -> bool;
+
+    /// What the barostat wants of the forces at the end of a step after which it acts.
+    fn wants(&self) -> Want {
+        Want::ENERGY_AND_VIRIAL
+    }
 
     /// Changes box and positions, with the forces of the new state, and counts the work ([`Step::add_heat`]).
     ///

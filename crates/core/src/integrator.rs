@@ -170,8 +170,10 @@ impl Integrator {
             Want::NOTHING
         };
         want |= self.method.wants();
-        if self.presses_after(first + at_once) {
-            want |= Want::ENERGY_AND_VIRIAL;
+        if let Some(barostat) = &self.barostat
+            && barostat.acts_after(first + at_once)
+        {
+            want |= barostat.wants();
         }
         let bonds = self.bonds.as_deref_mut();
         let mut step = Step::new(system, state, forces, spec, dt, want)

@@ -68,8 +68,10 @@ impl State {
 pub struct Want {
     /// The potential energy.
     pub energy: bool,
-    /// The 3×3 virial Σ r_ij ⊗ F_ij.
+    /// The scalar virial W = Σ r_ij·F_ij.
     pub virial: bool,
+    /// The 3×3 virial Σ r_ij ⊗ F_ij, with `virial` besides: pair loops sum it more slowly.
+    pub virial_tensor: bool,
     /// The Laplacian Σ_i ∇_i²U, for the configurational temperature.
     pub laplacian: bool,
     /// Energy and virial of each particle, for the heat flux.
@@ -81,6 +83,7 @@ impl Want {
     pub const NOTHING: Self = Self {
         energy: false,
         virial: false,
+        virial_tensor: false,
         laplacian: false,
         per_particle: false,
     };
@@ -89,13 +92,19 @@ impl Want {
         energy: true,
         ..Self::NOTHING
     };
-    /// Energy and virial.
+    /// Energy and scalar virial.
     pub const ENERGY_AND_VIRIAL: Self = Self {
         energy: true,
         virial: true,
         ..Self::NOTHING
     };
-    /// Everything but the per-particle entries.
+    /// The virial as a tensor and as a scalar.
+    pub const VIRIAL_TENSOR: Self = Self {
+        virial: true,
+        virial_tensor: true,
+        ..Self::NOTHING
+    };
+    /// Energy, scalar virial and Laplacian.
     pub const TOTALS: Self = Self {
         laplacian: true,
         ..Self::ENERGY_AND_VIRIAL
@@ -114,6 +123,7 @@ impl std::ops::BitOr for Want {
         Self {
             energy: self.energy || other.energy,
             virial: self.virial || other.virial,
+            virial_tensor: self.virial_tensor || other.virial_tensor,
             laplacian: self.laplacian || other.laplacian,
             per_particle: self.per_particle || other.per_particle,
         }
@@ -172,8 +182,12 @@ pub struct Energetics {
     /// energy, U_cut − n_pairs·U(r_cut); otherwise it equals `potential_energy`. Conservation is judged by
     /// it.
     pub conserved_potential: Option<f64>,
-    /// Virial tensor Σ_{i<j} r_ij ⊗ F_ij in ε, without a factor 1/3; its trace is W.
+    /// Virial tensor Σ_{i<j} r_ij ⊗ F_ij in ε, without a factor 1/3; its trace is W. A term may leave it out where only W is
+    /// wanted.
     pub virial: Option<DMat3>,
+    /// W where a loop sums it by itself, ε; see [`Energetics::scalar_virial`]. It has the same bits with and without the
+    /// tensor.
+    pub virial_trace: Option<f64>,
     /// Laplacian Σ_i ∇_i²U in ε/σ².
     pub laplacian: Option<f64>,
     /// Number of pairs with r ≤ r_cut; comes with the energy.
@@ -183,10 +197,11 @@ pub struct Energetics {
 }
 
 impl Energetics {
-    /// The scalar virial W = Σ r_ij·F_ij in ε, the trace of the tensor.
+    /// The scalar virial W = Σ r_ij·F_ij in ε: summed by itself, or else the trace of the tensor.
     #[must_use]
     pub fn scalar_virial(&self) -> Option<f64> {
-        self.virial.map(|w| w.x_axis.x + w.y_axis.y + w.z_axis.z)
+        let trace = |w: DMat3| w.x_axis.x + w.y_axis.y + w.z_axis.z;
+        self.virial_trace.or(self.virial.map(trace))
     }
 
     /// The sum over two force terms. An entry is kept only where both terms have it. The number of pairs is kept where
@@ -213,6 +228,7 @@ impl Energetics {
             potential_energy: both(&self.potential_energy, &other.potential_energy),
             conserved_potential: both(&self.conserved_potential, &other.conserved_potential),
             virial: both(&self.virial, &other.virial),
+            virial_trace: both(&self.scalar_virial(), &other.scalar_virial()),
             laplacian: both(&self.laplacian, &other.laplacian),
             // The far part runs over every pair, the near part over some of the same.
             pairs: self.pairs.zip(other.pairs).map(|(a, b)| a.max(b)),

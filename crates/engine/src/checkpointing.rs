@@ -221,6 +221,7 @@ fn save_energetics(energetics: &Energetics, to: &mut lennard_core::StateWriter<'
         potential_energy,
         conserved_potential,
         virial,
+        virial_trace,
         laplacian: _,
         pairs: _,
         per_particle: _,
@@ -230,6 +231,7 @@ fn save_energetics(energetics: &Energetics, to: &mut lennard_core::StateWriter<'
     to.put("conserved_potential", one(conserved_potential));
     let columns = virial.iter().flat_map(|w| [w.x_axis, w.y_axis, w.z_axis]);
     to.put("virial", Array::Vec3(columns.collect()));
+    to.put("virial_trace", one(virial_trace));
 }
 
 fn restored_energetics(from: &StateReader<'_>) -> Result<Energetics, lennard_core::RestoreError> {
@@ -240,6 +242,11 @@ fn restored_energetics(from: &StateReader<'_>) -> Result<Energetics, lennard_cor
             [x, y, z] => Some(DMat3::from_cols(*x, *y, *z)),
             _ => None,
         },
+        // Older checkpoints have the tensor alone.
+        virial_trace: from
+            .f64("virial_trace")
+            .ok()
+            .and_then(|w| w.first().copied()),
         ..Energetics::default()
     })
 }

@@ -29,12 +29,9 @@ impl Simulation {
     /// [`EngineError`] where a force is not finite.
     pub fn moment(&mut self) -> Result<Moment, EngineError> {
         let missing = {
-            let Energetics {
-                potential_energy,
-                virial,
-                ..
-            } = &self.state.energetics;
-            potential_energy.is_none() || virial.is_none() || self.stage.is_none()
+            let found = &self.state.energetics;
+            let incomplete = found.potential_energy.is_none() || found.scalar_virial().is_none();
+            incomplete || self.stage.is_none()
         };
         let kept = missing
             .then(|| self.evaluated())

@@ -196,6 +196,7 @@ const FORCES_COMPARED: usize = 200;
 const ALL: Want = Want {
     energy: true,
     virial: true,
+    virial_tensor: true,
     laplacian: true,
     per_particle: true,
 };

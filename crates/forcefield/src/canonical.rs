@@ -123,11 +123,7 @@ impl<I: Interaction> CanonicalJob<'_, I> {
                 }
             };
             totals.broken |= !force.is_finite();
-            totals.energy += mine.energy;
-            totals.virial += mine.virial;
-            totals.laplacian += mine.laplacian;
-            totals.at_cutoff += mine.at_cutoff;
-            totals.pairs += mine.pairs;
+            totals.add(&mine);
             if let Some(each) = &mut each {
                 each[k] = (0.5 * mine.energy, 0.5 * mine.virial);
             }
@@ -161,6 +157,7 @@ impl<I: Interaction> CanonicalJob<'_, I> {
                 let f_ij = pair.force * r_ij;
                 force += f_ij;
                 totals.energy += pair.energy;
+                totals.virial_trace += pair.force * r2;
                 totals.virial += outer(r_ij, f_ij);
                 totals.laplacian += pair.curvature - 2.0 * pair.force;
                 totals.at_cutoff += self.interaction.energy_at_cutoff(i, j);

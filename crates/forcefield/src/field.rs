@@ -84,6 +84,7 @@ impl ForceTerm for ConstantField {
             conserved_potential: energy,
             virial: want.virial.then_some(DMat3::ZERO),
             laplacian: want.laplacian.then_some(0.0),
+            virial_trace: None,
             pairs: None,
             per_particle: want.per_particle.then(each),
         })

@@ -277,7 +277,7 @@ impl ForceTerm for PairForces {
         let mut each = want
             .per_particle
             .then(|| vec![(0.0, DMat3::ZERO); self.n_atoms]);
-        let detail = if want.per_particle {
+        let detail = if want.per_particle || want.virial_tensor {
             Detail::PerParticle
         } else if want.is_nothing() {
             Detail::Forces

@@ -16,7 +16,9 @@ pub fn outer(a: DVec3, b: DVec3) -> DMat3 {
 pub struct Totals {
     /// Σ U, ε.
     pub energy: f64,
-    /// Σ r_ij ⊗ F_ij, ε.
+    /// Σ r_ij·F_ij, ε.
+    pub virial_trace: f64,
+    /// Σ r_ij ⊗ F_ij, ε; zero where only totals were summed.
     pub virial: DMat3,
     /// Σ_i ∇_i²U, ε/σ².
     pub laplacian: f64,
@@ -30,6 +32,7 @@ impl Totals {
     /// The totals over no pair. (The default of a matrix is the identity, so there is no derived default.)
     pub const NOTHING: Self = Self {
         energy: 0.0,
+        virial_trace: 0.0,
         virial: DMat3::ZERO,
         laplacian: 0.0,
         at_cutoff: 0.0,
@@ -39,6 +42,7 @@ impl Totals {
     /// Adds one pair.
     pub fn add(&mut self, pair: &Pair<f64>, r_ij: DVec3) {
         self.energy += pair.energy;
+        self.virial_trace += pair.force * r_ij.length_squared();
         self.virial += outer(r_ij, pair.force * r_ij);
         // ∇²U = U″ + 2U′/r, once for each end of the pair.
         self.laplacian += 2.0 * (pair.curvature - 2.0 * pair.force);
@@ -49,14 +53,11 @@ impl Totals {
     pub fn of_chunks(chunks: &[ChunkTotals]) -> Self {
         let mut sum = ChunkTotals::NOTHING;
         for chunk in chunks {
-            sum.energy += chunk.energy;
-            sum.virial += chunk.virial;
-            sum.laplacian += chunk.laplacian;
-            sum.at_cutoff += chunk.at_cutoff;
-            sum.pairs += chunk.pairs;
+            sum.add(chunk);
         }
         Self {
             energy: 0.5 * sum.energy,
+            virial_trace: 0.5 * sum.virial_trace,
             virial: 0.5 * sum.virial,
             laplacian: sum.laplacian,
             at_cutoff: 0.5 * sum.at_cutoff,
@@ -72,7 +73,8 @@ impl Totals {
             conserved_potential: want
                 .energy
                 .then_some(self.energy - (self.pairs as f64 * jump + self.at_cutoff)),
-            virial: want.virial.then_some(self.virial),
+            virial: want.virial_tensor.then_some(self.virial),
+            virial_trace: want.virial.then_some(self.virial_trace),
             laplacian: want.laplacian.then_some(self.laplacian),
             pairs: want.energy.then_some(self.pairs),
             per_particle: each,

@@ -49,6 +49,7 @@ impl ForceTerm for Wave {
             // The pressure is the work of pairs: a field has no part in it.
             virial: want.virial.then_some(DMat3::ZERO),
             laplacian: want.laplacian.then(|| total(2)),
+            virial_trace: None,
             pairs: None,
             per_particle: want
                 .per_particle

@@ -239,10 +239,7 @@ impl Observable for Interface {
     }
 
     fn want(&self) -> Want {
-        Want {
-            virial: true,
-            ..Want::NOTHING
-        }
+        Want::VIRIAL_TENSOR
     }
 
     /// # Panics

@@ -119,10 +119,7 @@ impl Observable for PressureTensor {
     }
 
     fn want(&self) -> Want {
-        Want {
-            virial: true,
-            ..Want::NOTHING
-        }
+        Want::VIRIAL_TENSOR
     }
 
     /// # Panics

@@ -87,7 +87,7 @@ impl Evaluator {
             let mut out = vec![DVec3::ZERO; *n];
             let want = Want {
                 per_particle: each,
-                ..Want::ENERGY_AND_VIRIAL
+                ..(Want::ENERGY_AND_VIRIAL | Want::VIRIAL_TENSOR)
             };
             let at = Configuration::at_rest(&cell, &positions);
             let found = pool.install(|| forces.evaluate(at, Part::All, want, &mut out));

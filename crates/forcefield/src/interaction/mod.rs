@@ -66,6 +66,27 @@ pub trait Interaction: Copy + Send + Sync {
         r2: L,
     ) -> Pair<L>;
 
+    /// Returns −U′/r of the pairs `inside`, zero elsewhere, with the bits of [`Interaction::eval`]; adds these pairs to three
+    /// sums that [`Interaction::totals`] understands.
+    #[inline(always)]
+    fn add_up<L: Lanes, const IN_SIGMA: bool>(
+        &self,
+        own: &Self::Own<L>,
+        neighbors: L::Species,
+        r2: L,
+        inside: L::Mask,
+        sums: [L; 3],
+    ) -> (L, [L; 3]) {
+        let pair = self.eval::<L, IN_SIGMA>(own, neighbors, r2);
+        pair.keep(inside).add_up(r2, sums)
+    }
+
+    /// Σ U, Σ −r·U′ and Σ (U″ + 2U′/r) in [`Interaction::UNIT`], from the sums over so many pairs in a loop whose unit of length
+    /// is `length` σ.
+    fn totals(&self, [energy, virial, laplacian]: [f64; 3], _pairs: u64, length: f64) -> [f64; 3] {
+        [energy, length * length * virial, laplacian]
+    }
+
     /// U(r_cut) with each neighbor; none where pairs are counted instead.
     fn at_cutoff<L: Lanes>(own: &Self::Own<L>, neighbors: L::Species) -> Option<L>;
 

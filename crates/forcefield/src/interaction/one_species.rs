@@ -82,6 +82,36 @@ impl<F: PairForm> Interaction for OneSpecies<F> {
     }
 
     #[inline(always)]
+    fn add_up<L: Lanes, const IN_SIGMA: bool>(
+        &self,
+        own: &OwnCutoff<L>,
+        neighbors: L::Species,
+        r2: L,
+        inside: L::Mask,
+        sums: [L; 3],
+    ) -> (L, [L; 3]) {
+        if !F::VANISHES {
+            let pair = self.eval::<L, IN_SIGMA>(own, neighbors, r2);
+            return pair.keep(inside).add_up(r2, sums);
+        }
+        let inv_r2 = if IN_SIGMA {
+            r2.recip()
+        } else {
+            own.inv_unit2 / r2
+        };
+        let r2 = Self::in_sigma::<L, IN_SIGMA>(own, r2);
+        self.0.add_up(r2, inv_r2.keep(inside), sums)
+    }
+
+    fn totals(&self, sums: [f64; 3], pairs: u64, length: f64) -> [f64; 3] {
+        if F::VANISHES {
+            return self.0.totals(sums, pairs);
+        }
+        let [energy, virial, laplacian] = sums;
+        [energy, length * length * virial, laplacian]
+    }
+
+    #[inline(always)]
     fn at_cutoff<L: Lanes>(_own: &OwnCutoff<L>, _neighbors: L::Species) -> Option<L> {
         None
     }

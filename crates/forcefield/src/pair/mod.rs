@@ -27,6 +27,7 @@ pub use truncations::{Plain, Truncated, TruncationKind, TruncationSpec, truncati
 
 use crate::options::TruncationOptions;
 use crate::real::Real;
+use crate::simd::Lanes;
 
 /// The values of a pair formula at a distance r, in ε or in a unit of energy that the formula names.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +51,31 @@ impl<R: Real> Pair<R> {
             curvature: self.curvature * unit,
         }
     }
+
+    /// The values where the mask holds, zero elsewhere.
+    #[inline(always)]
+    pub(crate) fn keep(self, inside: R::Mask) -> Self
+    where
+        R: Lanes,
+    {
+        Self {
+            energy: self.energy.keep(inside),
+            force: self.force.keep(inside),
+            curvature: self.curvature.keep(inside),
+        }
+    }
+
+    /// −U′/r, and the sums Σ U, Σ −r·U′ and Σ (U″ + 2U′/r) with this pair, whose r² is `r2`.
+    #[inline(always)]
+    pub(crate) fn add_up(self, r2: R, [energy, virial, laplacian]: [R; 3]) -> (R, [R; 3]) {
+        let f = self.force;
+        let sums = [
+            energy + self.energy,
+            f.mul_add(r2, virial),
+            laplacian + f.mul_add(f.splat(-2.0), self.curvature),
+        ];
+        (f, sums)
+    }
 }
 
 /// U(r) without any cutoff. The trait is not object-safe, on purpose: each kernel compiles the formula in.
@@ -62,8 +88,22 @@ pub trait PairPotential: Copy + std::fmt::Debug + Send + Sync + 'static {
     const SELDOM_BENT: bool = false;
     /// Whether mixtures use the potential so seldom that their loops have few instances of it, which are slower.
     const RARE_IN_MIXTURES: bool = true;
+    /// Whether U, −U′/r and U″ are 0 where 1/r² is 0, as inverse powers are. Loops of sums then mask 1/r² alone.
+    const VANISHES: bool = false;
     /// U, −U′/r and U″ at r² = `r2` σ², in [`PairPotential::UNIT`]; `inv_r2` is 1/r².
     fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R>;
+    /// Returns −U′/r with the bits of [`PairPotential::eval`], and adds the pair to three sums that
+    /// [`PairPotential::totals`] understands.
+    ///
+    /// A potential of two powers sums the powers, which takes the fewest operations.
+    #[inline(always)]
+    fn add_up<R: Real>(&self, r2: R, inv_r2: R, sums: [R; 3]) -> (R, [R; 3]) {
+        self.eval(r2, inv_r2).add_up(r2, sums)
+    }
+    /// Σ U, Σ −r·U′ and Σ (U″ + 2U′/r) from the sums of [`PairPotential::add_up`].
+    fn totals(&self, sums: [f64; 3]) -> [f64; 3] {
+        sums
+    }
     /// ∫ r² U dr from `r_cut` to ∞, ε·σ³.
     fn tail_energy(&self, r_cut: f64) -> f64;
     /// ∫ r³ U′ dr from `r_cut` to ∞, ε·σ³.
@@ -76,6 +116,8 @@ pub trait PairForm: Copy + Send + Sync + 'static {
     const RARE: bool = false;
     /// The same in mixtures.
     const RARE_IN_MIXTURES: bool = true;
+    /// As [`PairPotential::VANISHES`], but for a constant that each pair adds to U.
+    const VANISHES: bool = false;
     /// The unit of energy of the form, ε: kernels multiply their sums by it.
     const UNIT: f64;
     /// The numbers of the form that depend on its cutoff. In a mixture they differ from one pair of species to another.
@@ -88,6 +130,15 @@ pub trait PairForm: Copy + Send + Sync + 'static {
     fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
         let [a, b] = self.constants();
         self.eval_with([r2.splat(a), r2.splat(b)], r2, inv_r2)
+    }
+    /// As [`PairPotential::add_up`], where the form [`VANISHES`](PairForm::VANISHES).
+    #[inline(always)]
+    fn add_up<R: Real>(&self, r2: R, inv_r2: R, sums: [R; 3]) -> (R, [R; 3]) {
+        self.eval(r2, inv_r2).add_up(r2, sums)
+    }
+    /// Σ U, Σ −r·U′ and Σ (U″ + 2U′/r) from the sums of [`PairForm::add_up`] over so many pairs.
+    fn totals(&self, sums: [f64; 3], _pairs: u64) -> [f64; 3] {
+        sums
     }
     /// U, −U′/r and U″ at r² = `r2` σ², in ε.
     #[inline(always)]

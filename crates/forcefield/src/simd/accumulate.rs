@@ -1,9 +1,15 @@
 //! Sums over pairs in addition to the forces, the same for every loop.
+//!
+//! ```text
+//!   Accumulate   sums of one particle: energy, Laplacian, six components of the virial, pairs    many registers
+//!   Common       sums of several particles: three sums that give energy, virial and Laplacian, pairs    few registers
+//! ```
 
 use glam::DMat3;
 
 use super::lanes::Lanes;
 use super::totals::ChunkTotals;
+use crate::interaction::Interaction;
 use crate::pair::Pair;
 
 /// The units that a loop computes in.
@@ -29,7 +35,7 @@ impl Units {
     }
 }
 
-/// Running sums in addition to the forces.
+/// Running sums of one particle in addition to its force.
 pub trait Accumulate<L: Lanes>: Copy {
     /// Whether there is anything to sum.
     const ANYTHING: bool;
@@ -44,6 +50,28 @@ pub trait Accumulate<L: Lanes>: Copy {
 
     /// The sums over all lanes.
     fn totals(&self, units: Units) -> ChunkTotals;
+}
+
+/// Running sums that several particles have in common.
+pub trait Common<L: Lanes>: Copy {
+    /// Whether there is anything to sum.
+    const ANYTHING: bool;
+
+    /// The sums over no pair.
+    fn nothing(isa: L::Isa) -> Self;
+
+    /// −U′/r of the pairs `inside` at `r2`, zero in all other lanes, with the same bits for any sums. Adds these pairs.
+    fn force<I: Interaction, const IN_SIGMA: bool>(
+        &mut self,
+        interaction: &I,
+        own: &I::Own<L>,
+        neighbors: L::Species,
+        r2: L,
+        inside: L::Mask,
+    ) -> L;
+
+    /// The sums over all lanes.
+    fn totals<I: Interaction>(&self, interaction: &I, units: Units) -> ChunkTotals;
 }
 
 /// No sums: a type without a size, which costs no time to clear for each particle.
@@ -72,6 +100,92 @@ impl<L: Lanes> Accumulate<L> for ForcesAlone {
     #[inline(always)]
     fn totals(&self, _units: Units) -> ChunkTotals {
         ChunkTotals::NOTHING
+    }
+}
+
+impl<L: Lanes> Common<L> for ForcesAlone {
+    const ANYTHING: bool = false;
+
+    #[inline(always)]
+    fn nothing(_isa: L::Isa) -> Self {
+        Self
+    }
+
+    #[inline(always)]
+    fn force<I: Interaction, const IN_SIGMA: bool>(
+        &mut self,
+        interaction: &I,
+        own: &I::Own<L>,
+        neighbors: L::Species,
+        r2: L,
+        inside: L::Mask,
+    ) -> L {
+        let pair = interaction.eval::<L, IN_SIGMA>(own, neighbors, r2);
+        pair.force.keep(inside)
+    }
+
+    #[inline(always)]
+    fn totals<I: Interaction>(&self, _interaction: &I, _units: Units) -> ChunkTotals {
+        ChunkTotals::NOTHING
+    }
+}
+
+/// Energy, virial and Laplacian as three sums that the interaction understands; energy at the cutoff, and number of pairs.
+#[derive(Clone, Copy)]
+pub struct CommonSums<L> {
+    sums: [L; 3],
+    /// Stays zero where pairs are counted instead.
+    at_cutoff: L,
+    pairs: u32,
+}
+
+impl<L: Lanes> Common<L> for CommonSums<L> {
+    const ANYTHING: bool = true;
+
+    #[inline(always)]
+    fn nothing(isa: L::Isa) -> Self {
+        let zero = L::constant(isa, 0.0);
+        Self {
+            sums: [zero; 3],
+            at_cutoff: zero,
+            pairs: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn force<I: Interaction, const IN_SIGMA: bool>(
+        &mut self,
+        interaction: &I,
+        own: &I::Own<L>,
+        neighbors: L::Species,
+        r2: L,
+        inside: L::Mask,
+    ) -> L {
+        self.pairs += L::count(inside);
+        if let Some(at_cutoff) = I::at_cutoff::<L>(own, neighbors) {
+            self.at_cutoff = self.at_cutoff + at_cutoff.keep(inside);
+        }
+        let (force, sums) =
+            interaction.add_up::<L, IN_SIGMA>(own, neighbors, r2, inside, self.sums);
+        self.sums = sums;
+        force
+    }
+
+    #[inline(always)]
+    fn totals<I: Interaction>(&self, interaction: &I, units: Units) -> ChunkTotals {
+        let [a, b, c] = self.sums;
+        let pairs = u64::from(self.pairs);
+        let sums = [a.sum(), b.sum(), c.sum()];
+        let [energy, virial_trace, laplacian] = interaction.totals(sums, pairs, units.length);
+        ChunkTotals {
+            energy: units.energy * energy,
+            virial_trace: units.energy * virial_trace,
+            virial: DMat3::ZERO,
+            laplacian: units.energy * laplacian,
+            at_cutoff: units.energy * self.at_cutoff.sum(),
+            pairs,
+            broken: false,
+        }
     }
 }
 
@@ -125,10 +239,12 @@ impl<L: Lanes> Accumulate<L> for PairSums<L> {
     #[inline(always)]
     fn totals(&self, units: Units) -> ChunkTotals {
         let [xx, yy, zz, xy, xz, yz] = self.virial;
+        let (xx, yy, zz) = (xx.sum(), yy.sum(), zz.sum());
         let (xy, xz, yz) = (xy.sum(), xz.sum(), yz.sum());
-        let virial = [xx.sum(), xy, xz, xy, yy.sum(), yz, xz, yz, zz.sum()];
+        let virial = [xx, xy, xz, xy, yy, yz, xz, yz, zz];
         ChunkTotals {
             energy: units.energy * self.energy.sum(),
+            virial_trace: units.virial() * (xx + yy + zz),
             virial: units.virial() * DMat3::from_cols_array(&virial),
             laplacian: units.energy * self.laplacian.sum(),
             at_cutoff: units.energy * self.at_cutoff.sum(),

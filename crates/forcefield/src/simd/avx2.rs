@@ -65,6 +65,7 @@ register!(
 
 impl Lanes for F64x4 {
     const WIDTH: usize = 4;
+    const SPECIAL_LOOPS: bool = true;
     type Isa = Avx2;
     type Row = DoubleRow;
     type Rows = [Self; 3];
@@ -180,6 +181,7 @@ impl RowLanes for F64x4 {
 
 impl Lanes for F32x8 {
     const WIDTH: usize = 8;
+    const SPECIAL_LOOPS: bool = true;
     type Isa = Avx2;
     type Row = FixedRow;
     type Rows = Fixed8;
@@ -249,8 +251,6 @@ impl Lanes for F32x8 {
 }
 
 impl FixedLanes for F32x8 {
-    const SPECIAL_LOOPS: bool = true;
-
     #[inline(always)]
     unsafe fn gather(_isa: Avx2, rows: *const FixedRow, entries: *const BlockEntry) -> Fixed8 {
         // SAFETY: eight entries are readable, each numbers a readable row; a value or the token proves AVX2.

@@ -60,6 +60,7 @@ register!(
 
 impl Lanes for F64x8 {
     const WIDTH: usize = 8;
+    const SPECIAL_LOOPS: bool = true;
     type Isa = Avx512;
     type Row = DoubleRow;
     type Rows = [Self; 3];
@@ -176,6 +177,7 @@ impl RowLanes for F64x8 {
 
 impl Lanes for F32x16 {
     const WIDTH: usize = 16;
+    const SPECIAL_LOOPS: bool = true;
     type Isa = Avx512;
     type Row = FixedRow;
     type Rows = Fixed16;

@@ -13,7 +13,7 @@
 
 use lennard_neighbor::{BLOCK, CLUSTER, ExcludedEntries, Span, THEMSELVES};
 
-use super::accumulate::{Accumulate, Units};
+use super::accumulate::{Accumulate, Common, Units};
 use super::block_stream::BlockStream;
 use super::frames::Frame;
 use super::lanes::FixedLanes;
@@ -151,7 +151,7 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
     /// # Safety
     /// The stream stands at the first block of this cluster, and `counts` are the block counts of the cluster.
     #[inline(always)]
-    pub unsafe fn run<A: Accumulate<L>, C: Accumulate<L>>(
+    pub unsafe fn run<A: Accumulate<L>, C: Common<L>>(
         &self,
         counts: BlockCounts,
         excluded: &[ExcludedEntries],
@@ -194,7 +194,7 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
     /// # Safety
     /// As [`ClusterKernel::run`].
     #[inline(always)]
-    unsafe fn half<A: Accumulate<L>, C: Accumulate<L>>(
+    unsafe fn half<A: Accumulate<L>, C: Common<L>>(
         &self,
         first: Member<'_, L, I, V>,
         second: Member<'_, L, I, V>,
@@ -226,7 +226,7 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
     /// # Safety
     /// As [`ClusterKernel::run`].
     #[inline(always)]
-    unsafe fn block<A: Accumulate<L>, C: Accumulate<L>, const MASKED: bool>(
+    unsafe fn block<A: Accumulate<L>, C: Common<L>, const MASKED: bool>(
         &self,
         members: [Member<'_, L, I, V>; CLUSTER],
         stream: &mut BlockStream<L>,
@@ -256,7 +256,7 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
 
     /// Adds the pairs of one member with one register of neighbors; where they are `MASKED`, only the lanes set in `bits`.
     #[inline(always)]
-    fn interact<A: Accumulate<L>, C: Accumulate<L>, const MASKED: bool>(
+    fn interact<A: Accumulate<L>, C: Common<L>, const MASKED: bool>(
         &self,
         member: Member<'_, L, I, V>,
         (neighbors, species): (V::Neighbors, L::Species),
@@ -272,17 +272,23 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
         } else {
             r2.at_most(r_cut2)
         };
-        let pair = if V::IN_SIGMA {
-            (self.interaction).eval::<L, true>(member.numbers, species, r2)
+        let (interaction, own) = (&self.interaction, member.numbers);
+        let f = if V::IN_SIGMA {
+            common.force::<I, true>(interaction, own, species, r2, inside)
         } else {
-            (self.interaction).eval::<L, false>(member.numbers, species, r2)
+            common.force::<I, false>(interaction, own, species, r2, inside)
         };
-        let f = pair.force.keep(inside);
         let [x, y, z] = sums.force;
         sums.force = [dx.mul_add(f, x), dy.mul_add(f, y), dz.mul_add(f, z)];
-        let at_cutoff = I::at_cutoff::<L>(member.numbers, species);
-        sums.others.add([dx, dy, dz], f, &pair, at_cutoff, inside);
-        common.add([dx, dy, dz], f, &pair, at_cutoff, inside);
+        if A::ANYTHING {
+            let pair = if V::IN_SIGMA {
+                interaction.eval::<L, true>(own, species, r2)
+            } else {
+                interaction.eval::<L, false>(own, species, r2)
+            };
+            let at_cutoff = I::at_cutoff::<L>(own, species);
+            sums.others.add([dx, dy, dz], f, &pair, at_cutoff, inside);
+        }
         sums
     }
 }

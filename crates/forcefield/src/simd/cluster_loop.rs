@@ -5,7 +5,7 @@ use lennard_neighbor::{
     ATOMS_PER_CHUNK, Block, CLUSTER, ClusterChunk, ClusterList, ExcludedEntries, LARGE_SYSTEM, Span,
 };
 
-use super::accumulate::{Accumulate, ForcesAlone, PairSums, Units};
+use super::accumulate::{Accumulate, Common, CommonSums, ForcesAlone, PairSums, Units};
 use super::block_stream::BlockStream;
 use super::cluster_kernel::{BlockCounts, ClusterKernel, FrameUnits, MemberSums};
 use super::frames::{AbsoluteFrame, ClusterFrame};
@@ -49,7 +49,7 @@ impl<'a, I: Interaction> ClusterJob<'a, I> {
     /// # Safety
     /// As [`ClusterKernel::run`]; `rows` are the rows of the members.
     #[inline(always)]
-    unsafe fn cluster<L: FixedLanes, A: Accumulate<L>, C: Accumulate<L>>(
+    unsafe fn cluster<L: FixedLanes, A: Accumulate<L>, C: Common<L>>(
         &self,
         isa: L::Isa,
         rows: [&FixedRow; CLUSTER],
@@ -115,29 +115,34 @@ pub unsafe fn run<L: FixedLanes, I: Interaction>(
         if I::RARE {
             return sweep::<L, I, PairSums<L>, ForcesAlone>(isa, job, rows, chunk, later, output);
         }
-        // A cluster of fewer than four particles repeats its last one, which must not count twice.
-        let full = chunk.first_slot as usize + CLUSTER * chunk.spans.len() <= rows.len();
-        match detail {
-            Detail::Forces => {
-                sweep::<L, I, ForcesAlone, ForcesAlone>(isa, job, rows, chunk, later, output)
-            }
-            Detail::Totals if L::SPECIAL_LOOPS && full => {
-                sweep::<L, I, ForcesAlone, PairSums<L>>(isa, job, rows, chunk, later, output)
-            }
-            _ => sweep::<L, I, PairSums<L>, ForcesAlone>(isa, job, rows, chunk, later, output),
+        if detail == Detail::Forces {
+            return sweep::<L, I, ForcesAlone, ForcesAlone>(isa, job, rows, chunk, later, output);
+        }
+        if const { !L::SPECIAL_LOOPS } {
+            return sweep::<L, I, PairSums<L>, ForcesAlone>(isa, job, rows, chunk, later, output);
+        }
+        if detail == Detail::Totals && is_full(chunk, rows) {
+            sweep::<L, I, ForcesAlone, CommonSums<L>>(isa, job, rows, chunk, later, output)
+        } else {
+            sweep::<L, I, PairSums<L>, CommonSums<L>>(isa, job, rows, chunk, later, output)
         }
     }
 }
 
+/// Whether all clusters have four particles: a cluster of fewer repeats its last one, which common sums count twice.
+fn is_full(chunk: &ClusterChunk, rows: &[FixedRow]) -> bool {
+    chunk.first_slot as usize + CLUSTER * chunk.spans.len() <= rows.len()
+}
+
 /// Computes the clusters of a chunk one after another, with the sums `A` per member and `C` per cluster.
 ///
-/// Sums per cluster take a quarter of the registers. Forces have the same bits with any other sums.
+/// Forces have the same bits with any other sums, and so have totals: they come from sums per cluster wherever a chunk is full.
 /// The blocks of a `later` chunk are prefetched, some with each cluster.
 ///
 /// # Safety
 /// As [`run`].
 #[inline(always)]
-unsafe fn sweep<L: FixedLanes, I: Interaction, A: Accumulate<L>, C: Accumulate<L>>(
+unsafe fn sweep<L: FixedLanes, I: Interaction, A: Accumulate<L>, C: Common<L>>(
     isa: L::Isa,
     job: &ClusterJob<'_, I>,
     rows: &[FixedRow],
@@ -147,6 +152,7 @@ unsafe fn sweep<L: FixedLanes, I: Interaction, A: Accumulate<L>, C: Accumulate<L
 ) -> ChunkTotals {
     let n = rows.len();
     let later = Parts::of(later, chunk.spans.len());
+    let in_common = C::ANYTHING && is_full(chunk, rows);
     let mut totals = ChunkTotals::NOTHING;
     let mut sum = DVec3::ZERO;
     // SAFETY: entries of the list number slots, and `run` checked that each slot has a row. Each particle has one slot,
@@ -190,10 +196,10 @@ unsafe fn sweep<L: FixedLanes, I: Interaction, A: Accumulate<L>, C: Accumulate<L
             let forces = L::sum_four(forces, units.force());
             for ((slot, sums), force) in (first..end).zip(&sums).zip(forces) {
                 sum += force;
-                output.write(slot, force, &sums.others, units, &mut totals);
+                output.write(slot, force, (&sums.others, in_common), units, &mut totals);
             }
-            if C::ANYTHING {
-                totals.add(&common.totals(units));
+            if in_common {
+                totals.add(&common.totals(&job.interaction, units));
             }
             (first, begin) = (end, span.end);
         }

@@ -57,6 +57,8 @@ pub struct BySpecies<T>(pub [T; MOST_SPECIES]);
 pub trait Lanes: Real {
     /// Number of lanes.
     const WIDTH: usize;
+    /// Whether frequent cases are worth loops of their own: compact clusters, and totals without the tensor of the virial.
+    const SPECIAL_LOOPS: bool;
     /// Proof that this processor has the instruction set.
     type Isa: Copy + Send + Sync;
     /// One row of packed coordinates.
@@ -119,9 +121,6 @@ pub trait RowLanes: Lanes<Row = DoubleRow, Number = f64> {
 
 /// Registers of singles that read rows in fixed point.
 pub trait FixedLanes: Lanes<Row = FixedRow, Number = f32> {
-    /// Whether frequent cases are worth loops of their own: compact clusters, and totals without sums per particle.
-    const SPECIAL_LOOPS: bool;
-
     /// The rows of `WIDTH` entries: their coordinates along x, y and z, and their species.
     ///
     /// # Safety

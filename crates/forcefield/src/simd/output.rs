@@ -84,6 +84,8 @@ impl<'a> Output<'a> {
 
     /// Writes the force of the particle at a slot, ε/σ, and its other sums, and adds these to the totals of the chunk.
     ///
+    /// Where the sums have the tensor `alone` to add, the other totals come from common sums.
+    ///
     /// # Safety
     /// No other thread writes the elements of this slot.
     #[inline(always)]
@@ -91,7 +93,7 @@ impl<'a> Output<'a> {
         &self,
         slot: usize,
         force: DVec3,
-        sums: &A,
+        (sums, alone): (&A, bool),
         units: Units,
         totals: &mut ChunkTotals,
     ) {
@@ -100,7 +102,11 @@ impl<'a> Output<'a> {
         unsafe { self.forces.write(at, force) };
         if A::ANYTHING {
             let found = sums.totals(units);
-            totals.add(&found);
+            if alone {
+                totals.virial += found.virial;
+            } else {
+                totals.add(&found);
+            }
             if let Some(each) = &self.each {
                 // SAFETY: as above.
                 unsafe { each.write(at, (0.5 * found.energy, 0.5 * found.virial)) };

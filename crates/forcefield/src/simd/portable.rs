@@ -145,6 +145,7 @@ macro_rules! tables_and_masks {
 
 impl<const N: usize> Lanes for Group<f64, N> {
     const WIDTH: usize = N;
+    const SPECIAL_LOOPS: bool = false;
     type Isa = ();
     type Row = DoubleRow;
     type Rows = [f64; 3];
@@ -193,6 +194,7 @@ impl<const N: usize> RowLanes for Group<f64, N> {
 
 impl<const N: usize> Lanes for Group<f32, N> {
     const WIDTH: usize = N;
+    const SPECIAL_LOOPS: bool = false;
     type Isa = ();
     type Row = FixedRow;
     type Rows = [[i32; N]; 4];
@@ -221,8 +223,6 @@ impl<const N: usize> Lanes for Group<f32, N> {
 }
 
 impl<const N: usize> FixedLanes for Group<f32, N> {
-    const SPECIAL_LOOPS: bool = false;
-
     #[inline(always)]
     unsafe fn gather(_isa: (), rows: *const FixedRow, entries: *const BlockEntry) -> Self::Rows {
         // SAFETY: `N` entries are readable and each numbers a readable row.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use lennard_neighbor::{Entries, ListChunk, NeighborList};
 
-use super::accumulate::{Accumulate, ForcesAlone, PairSums, Units};
+use super::accumulate::{Accumulate, Common, CommonSums, ForcesAlone, PairSums, Units};
 use super::lanes::{Entry, RowLanes};
 use super::output::Output;
 use super::prefetch::prefetch;
@@ -67,26 +67,36 @@ pub unsafe fn run<L: RowLanes, I: Interaction>(
         let e = match &chunk.entries {
             // Entries are wide above a million particles in a cube. One instance then serves every detail.
             Entries::Wide(e) => {
-                return sweep::<L, I, u32, PairSums<L>>(isa, job, rows, chunk, e, output);
+                let run = sweep::<L, I, u32, PairSums<L>, ForcesAlone>;
+                return run(isa, job, rows, chunk, e, output);
             }
             Entries::Narrow(e) => e,
         };
         // The constant is alone in its condition: only then does the compiler drop the other instances.
         if I::RARE {
-            return sweep::<L, I, u16, PairSums<L>>(isa, job, rows, chunk, e, output);
+            return sweep::<L, I, u16, PairSums<L>, ForcesAlone>(isa, job, rows, chunk, e, output);
         }
-        match detail {
-            Detail::Forces => sweep::<L, I, u16, ForcesAlone>(isa, job, rows, chunk, e, output),
-            _ => sweep::<L, I, u16, PairSums<L>>(isa, job, rows, chunk, e, output),
+        if detail == Detail::Forces {
+            return sweep::<L, I, u16, ForcesAlone, ForcesAlone>(isa, job, rows, chunk, e, output);
+        }
+        if const { !L::SPECIAL_LOOPS } {
+            return sweep::<L, I, u16, PairSums<L>, ForcesAlone>(isa, job, rows, chunk, e, output);
+        }
+        if detail == Detail::Totals {
+            sweep::<L, I, u16, ForcesAlone, CommonSums<L>>(isa, job, rows, chunk, e, output)
+        } else {
+            sweep::<L, I, u16, PairSums<L>, CommonSums<L>>(isa, job, rows, chunk, e, output)
         }
     }
 }
 
-/// Computes the particles of a chunk one after another, with the sums `A` for each.
+/// Computes the particles of a chunk one after another, with the sums `A` for each and `C` for all.
+///
+/// Totals come from the sums for all wherever there are some, so that they have the same bits with and without the others.
 ///
 /// # Safety As [`run`]; `entries` belong to `chunk`, and the list of `job` built them.
 #[inline(always)]
-unsafe fn sweep<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>>(
+unsafe fn sweep<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>, C: Common<L>>(
     isa: L::Isa,
     job: &RowJob<'_, I>,
     rows: &[L::Row],
@@ -100,6 +110,7 @@ unsafe fn sweep<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>>(
     };
     // There is no `array::map` over lanes here: it is a call, and a call leaves the instruction set.
     let zero = L::constant(isa, 0.0);
+    let mut common = C::nothing(isa);
     let mut totals = ChunkTotals::NOTHING;
     let mut sum = DVec3::ZERO;
     let mut start = 0;
@@ -126,7 +137,7 @@ unsafe fn sweep<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>>(
             // SAFETY: `WIDTH` entries lie at this offset of `mine`, and each numbers a row (see above).
             unsafe {
                 let at = mine.as_ptr().add(register * L::WIDTH);
-                let (all, sums) = (L::WIDTH, &mut sums);
+                let (all, sums) = (L::WIDTH, (&mut sums, &mut common));
                 add(job, own, from_base, at, all, &mut force, sums);
             }
         }
@@ -135,7 +146,8 @@ unsafe fn sweep<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>>(
             // SAFETY: entries are padded to whole registers with a row that exists.
             unsafe {
                 let at = mine.as_ptr().add(full * L::WIDTH);
-                add(job, own, from_base, at, rest, &mut force, &mut sums);
+                let sums = (&mut sums, &mut common);
+                add(job, own, from_base, at, rest, &mut force, sums);
             }
         }
 
@@ -143,7 +155,10 @@ unsafe fn sweep<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>>(
         let force = L::sum3(fx, fy, fz, units.force());
         sum += force;
         // SAFETY: each slot belongs to one chunk, and no other thread runs this one.
-        unsafe { output.write(slot, force, &sums, units, &mut totals) };
+        unsafe { output.write(slot, force, (&sums, C::ANYTHING), units, &mut totals) };
+    }
+    if C::ANYTHING {
+        totals.add(&common.totals(&job.interaction, units));
     }
     // A sum with a non-finite force in it never becomes finite again.
     totals.broken = !sum.is_finite();
@@ -169,14 +184,14 @@ impl<L: RowLanes, I: Interaction> Copy for Particle<L, I> {}
 /// # Safety
 /// As [`RowLanes::differences`].
 #[inline(always)]
-unsafe fn add<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>>(
+unsafe fn add<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>, C: Common<L>>(
     job: &RowJob<'_, I>,
     own: Particle<L, I>,
     rows: *const L::Row,
     entries: *const E,
     valid: usize,
     force: &mut [L; 3],
-    sums: &mut A,
+    (sums, common): (&mut A, &mut C),
 ) {
     // SAFETY: the contract is passed on.
     let ([dx, dy, dz], species) = unsafe { L::differences(own.at, rows, entries) };
@@ -185,11 +200,14 @@ unsafe fn add<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>>(
     if valid < L::WIDTH {
         inside = L::first(inside, valid);
     }
-    let pair = (job.interaction).eval::<L, true>(&own.numbers, species, r2);
-    let f = pair.force.keep(inside);
+    let (interaction, numbers) = (&job.interaction, &own.numbers);
+    let f = common.force::<I, true>(interaction, numbers, species, r2, inside);
     force[0] = dx.mul_add(f, force[0]);
     force[1] = dy.mul_add(f, force[1]);
     force[2] = dz.mul_add(f, force[2]);
-    let at_cutoff = I::at_cutoff::<L>(&own.numbers, species);
-    sums.add([dx, dy, dz], f, &pair, at_cutoff, inside);
+    if A::ANYTHING {
+        let pair = interaction.eval::<L, true>(numbers, species, r2);
+        let at_cutoff = I::at_cutoff::<L>(numbers, species);
+        sums.add([dx, dy, dz], f, &pair, at_cutoff, inside);
+    }
 }

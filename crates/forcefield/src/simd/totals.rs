@@ -10,9 +10,9 @@ pub type PerParticle = (f64, DMat3);
 pub enum Detail {
     /// Forces.
     Forces,
-    /// Forces and the totals of the chunk.
+    /// Forces and the totals of the chunk, without the tensor of the virial.
     Totals,
-    /// Forces, totals, and energy and virial of each particle.
+    /// Forces, totals with the tensor, and energy and virial of each particle.
     PerParticle,
 }
 
@@ -21,7 +21,9 @@ pub enum Detail {
 pub struct ChunkTotals {
     /// Σ U, ε.
     pub energy: f64,
-    /// Σ r_ij ⊗ F_ij, ε.
+    /// Σ r_ij·F_ij, ε.
+    pub virial_trace: f64,
+    /// Σ r_ij ⊗ F_ij, ε; zero where only totals are summed.
     pub virial: DMat3,
     /// Σ (U″ + 2U′/r), ε/σ².
     pub laplacian: f64,
@@ -37,6 +39,7 @@ impl ChunkTotals {
     /// The sums over no pair. (The default of a matrix is the identity, so there is no derived default.)
     pub const NOTHING: Self = Self {
         energy: 0.0,
+        virial_trace: 0.0,
         virial: DMat3::ZERO,
         laplacian: 0.0,
         at_cutoff: 0.0,
@@ -48,6 +51,7 @@ impl ChunkTotals {
     #[inline(always)]
     pub fn add(&mut self, other: &Self) {
         self.energy += other.energy;
+        self.virial_trace += other.virial_trace;
         self.virial += other.virial;
         self.laplacian += other.laplacian;
         self.at_cutoff += other.at_cutoff;

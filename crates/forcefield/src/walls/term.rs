@@ -232,6 +232,7 @@ impl ForceTerm for Walls {
             conserved_potential: want.energy.then_some(felt.energy),
             virial: want.virial.then_some(DMat3::ZERO),
             laplacian: want.laplacian.then_some(felt.laplacian),
+            virial_trace: None,
             pairs: None,
             per_particle: want.per_particle.then_some(each),
         })

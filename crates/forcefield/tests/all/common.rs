@@ -176,6 +176,7 @@ pub fn reference_of(
     };
     let want = Want {
         per_particle: true,
+        virial_tensor: true,
         ..Want::TOTALS
     };
     all(

@@ -170,13 +170,13 @@ impl StochasticCellRescaling {
     ) -> Option<AtVolume> {
         let (p0, t) = (self.bath.pressure.at(step), self.bath.temperature.at(step));
         let volume = cell.volume();
-        let w = energetics.virial?;
-        let diagonal = DVec3::new(w.x_axis.x, w.y_axis.y, w.z_axis.z);
-        let [xx, yy, zz] = (diagonal - inside).to_array();
         let virial = match sides {
-            Sides::All => (xx + yy + zz) / 3.0,
-            Sides::Z => zz,
-            Sides::Xy => 0.5 * (xx + yy),
+            Sides::All => (energetics.scalar_virial()? - inside.element_sum()) / 3.0,
+            Sides::Z => energetics.virial?.z_axis.z - inside.z,
+            Sides::Xy => {
+                let w = energetics.virial?;
+                0.5 * (w.x_axis.x - inside.x + w.y_axis.y - inside.y)
+            }
         };
         let tail = self.bath.tail / (volume * volume);
         let pressure = (n_dof * t / 3.0 + virial) / volume + tail;
@@ -269,9 +269,17 @@ impl Barostat for StochasticCellRescaling {
         self.interval != 0 && step.is_multiple_of(self.interval)
     }
 
+    /// One side by itself feels its own component of the pressure.
+    fn wants(&self) -> Want {
+        match self.coupling {
+            Coupling::Isotropic => Want::ENERGY_AND_VIRIAL,
+            Coupling::Z | Coupling::XyZ => Want::ENERGY_AND_VIRIAL | Want::VIRIAL_TENSOR,
+        }
+    }
+
     fn apply(&mut self, s: &mut Step<'_>) -> Result<bool, StepError> {
         let n_dof = dof_of_centers(s.system(), s.n_dof());
-        let want = s.want() | Want::ENERGY_AND_VIRIAL;
+        let want = s.want() | self.wants();
         let elapsed = self.interval as f64 * s.dt();
         let Parts { system, state, .. } = s.parts();
         let (step, cell) = (state.step, state.cell);

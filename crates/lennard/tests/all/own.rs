@@ -47,6 +47,7 @@ impl ForceTerm for Spring {
             conserved_potential: energy,
             virial: (want.virial && self.fault != Some("no virial")).then_some(DMat3::ZERO),
             laplacian: want.laplacian.then_some(k * at.positions.len() as f64),
+            virial_trace: None,
             pairs: None,
             per_particle: want.per_particle.then(each),
         })

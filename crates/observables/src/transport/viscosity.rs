@@ -99,10 +99,7 @@ impl Observable for ShearViscosity {
     }
 
     fn want(&self) -> Want {
-        Want {
-            virial: true,
-            ..Want::NOTHING
-        }
+        Want::VIRIAL_TENSOR
     }
 
     /// # Panics

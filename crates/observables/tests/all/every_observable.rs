@@ -123,6 +123,7 @@ fn walk_of(n: usize, samples: u64, mut look: impl FnMut(u64, &View<'_>)) {
             conserved_potential: Some(-4.9 * n as f64 + w.x),
             virial: Some(DMat3::from_diagonal(w) * 100.0),
             laplacian: Some(300.0 * n as f64 + w.y),
+            virial_trace: None,
             pairs: Some(1),
             per_particle: Some(
                 (0..n)
@@ -345,7 +346,7 @@ fn only_what_is_needed_is_asked_of_the_forces() {
         assert!(wants(name).is_nothing(), "{name}");
     }
     let tensor = wants("pressure-tensor");
-    assert!(tensor.virial && !tensor.energy && !tensor.laplacian);
+    assert!(tensor.virial_tensor && tensor.virial && !tensor.energy && !tensor.laplacian);
     assert_eq!(wants("thermodynamics"), lennard_core::Want::TOTALS);
     let without: ObservableOptions =
         toml::from_str("kind = \"thermodynamics\"\nconfigurational_temperature = false").unwrap();

@@ -56,6 +56,7 @@ fn forces(cell: &PeriodicBox, state: &mut State) {
         conserved_potential: Some(shifted),
         virial: Some(virial),
         laplacian: Some(laplacian),
+        virial_trace: None,
         pairs: None,
         per_particle: None,
     };

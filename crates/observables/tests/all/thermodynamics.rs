@@ -56,6 +56,7 @@ fn pair_at_sigma() -> State {
             force * direction.z,
         )),
         laplacian: Some(2.0 * (456.0 - 48.0)),
+        virial_trace: None,
         pairs: Some(1),
         per_particle: None,
     };

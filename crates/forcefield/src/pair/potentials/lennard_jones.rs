@@ -33,6 +33,7 @@ impl Potential for LennardJones {
 impl PairPotential for LennardJones {
     const UNIT: f64 = 48.0;
     const RARE_IN_MIXTURES: bool = false;
+    const VANISHES: bool = true;
 
     #[inline(always)]
     fn eval<R: Real>(&self, _r2: R, inv_r2: R) -> Pair<R> {
@@ -45,6 +46,26 @@ impl PairPotential for LennardJones {
             force: inv_r8 * inv_r4.mul_add(inv_r2, inv_r2.splat(-0.5)),
             curvature: inv_r8 * inv_r6.mul_add(inv_r2.splat(13.0), inv_r2.splat(-3.5)),
         }
+    }
+
+    /// Sums Σ r⁻⁶, Σ r⁻¹² and Σ r⁻⁸·(11r⁻⁶ − 5/2).
+    #[inline(always)]
+    fn add_up<R: Real>(&self, _r2: R, inv_r2: R, [of_6, of_12, laplacian]: [R; 3]) -> (R, [R; 3]) {
+        let inv_r4 = inv_r2 * inv_r2;
+        let inv_r6 = inv_r4 * inv_r2;
+        let inv_r8 = inv_r4 * inv_r4;
+        let of_laplacian = inv_r6.mul_add(inv_r2.splat(11.0), inv_r2.splat(-2.5));
+        let sums = [
+            of_6 + inv_r6,
+            inv_r6.mul_add(inv_r6, of_12),
+            inv_r8.mul_add(of_laplacian, laplacian),
+        ];
+        let force = inv_r8 * inv_r4.mul_add(inv_r2, inv_r2.splat(-0.5));
+        (force, sums)
+    }
+
+    fn totals(&self, [of_6, of_12, laplacian]: [f64; 3]) -> [f64; 3] {
+        [(of_12 - of_6) / 12.0, of_12 - 0.5 * of_6, laplacian]
     }
 
     fn tail_energy(&self, r_cut: f64) -> f64 {

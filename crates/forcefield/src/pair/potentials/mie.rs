@@ -78,24 +78,56 @@ pub struct Formula {
     strength: f64,
 }
 
+impl Formula {
+    /// C·r⁻ⁿ and C·r⁻ᵐ.
+    #[inline(always)]
+    fn powers<R: Real>(&self, inv_r2: R) -> (R, R) {
+        let c = inv_r2.splat(self.strength);
+        (
+            c * inverse_power(inv_r2, self.n),
+            c * inverse_power(inv_r2, self.m),
+        )
+    }
+}
+
+/// a·`repulsion` − b·`attraction`.
+#[inline(always)]
+fn sum<R: Real>((repulsion, attraction): (R, R), a: f64, b: f64) -> R {
+    repulsion.mul_add(repulsion.splat(a), attraction * repulsion.splat(-b))
+}
+
 impl PairPotential for Formula {
+    const VANISHES: bool = true;
+
     /// −U′/r = C·(n·r⁻ⁿ − m·r⁻ᵐ)/r² and U″ = C·(n(n+1)·r⁻ⁿ − m(m+1)·r⁻ᵐ)/r².
     #[inline(always)]
     fn eval<R: Real>(&self, _r2: R, inv_r2: R) -> Pair<R> {
         let (n, m) = (f64::from(self.n), f64::from(self.m));
-        let c = inv_r2.splat(self.strength);
-        let (repulsion, attraction) = (
-            c * inverse_power(inv_r2, self.n),
-            c * inverse_power(inv_r2, self.m),
-        );
-        let sum = |of_n: f64, of_m: f64| {
-            repulsion.mul_add(inv_r2.splat(of_n), attraction * inv_r2.splat(-of_m))
-        };
+        let powers = self.powers(inv_r2);
         Pair {
-            energy: repulsion - attraction,
-            force: inv_r2 * sum(n, m),
-            curvature: inv_r2 * sum(n * (n + 1.0), m * (m + 1.0)),
+            energy: powers.0 - powers.1,
+            force: inv_r2 * sum(powers, n, m),
+            curvature: inv_r2 * sum(powers, n * (n + 1.0), m * (m + 1.0)),
         }
+    }
+
+    /// Sums Σ C·r⁻ⁿ, Σ C·r⁻ᵐ and Σ C·(n(n−1)·r⁻ⁿ − m(m−1)·r⁻ᵐ)/r².
+    #[inline(always)]
+    fn add_up<R: Real>(&self, _r2: R, inv_r2: R, [of_n, of_m, laplacian]: [R; 3]) -> (R, [R; 3]) {
+        let (n, m) = (f64::from(self.n), f64::from(self.m));
+        let powers = self.powers(inv_r2);
+        let of_laplacian = sum(powers, n * (n - 1.0), m * (m - 1.0));
+        let sums = [
+            of_n + powers.0,
+            of_m + powers.1,
+            inv_r2.mul_add(of_laplacian, laplacian),
+        ];
+        (inv_r2 * sum(powers, n, m), sums)
+    }
+
+    fn totals(&self, [of_n, of_m, laplacian]: [f64; 3]) -> [f64; 3] {
+        let (n, m) = (f64::from(self.n), f64::from(self.m));
+        [of_n - of_m, n * of_n - m * of_m, laplacian]
     }
 
     fn tail_energy(&self, r_cut: f64) -> f64 {

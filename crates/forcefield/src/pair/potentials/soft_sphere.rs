@@ -43,6 +43,8 @@ impl Potential for SoftSphere {
 }
 
 impl PairPotential for SoftSphere {
+    const VANISHES: bool = true;
+
     #[inline(always)]
     fn eval<R: Real>(&self, _r2: R, inv_r2: R) -> Pair<R> {
         let energy = inverse_power(inv_r2, self.exponent);

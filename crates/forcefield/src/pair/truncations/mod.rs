@@ -49,6 +49,7 @@ pub struct Plain<P> {
 
 impl<P: PairPotential> PairForm for Plain<P> {
     const RARE_IN_MIXTURES: bool = P::RARE_IN_MIXTURES;
+    const VANISHES: bool = P::VANISHES;
     const UNIT: f64 = P::UNIT;
     #[inline(always)]
     fn constants(&self) -> Constants<f64> {
@@ -61,6 +62,14 @@ impl<P: PairPotential> PairForm for Plain<P> {
             energy: pair.energy - shift,
             ..pair
         }
+    }
+    #[inline(always)]
+    fn add_up<R: Real>(&self, r2: R, inv_r2: R, sums: [R; 3]) -> (R, [R; 3]) {
+        self.potential.add_up(r2, inv_r2, sums)
+    }
+    fn totals(&self, sums: [f64; 3], pairs: u64) -> [f64; 3] {
+        let [energy, virial, laplacian] = self.potential.totals(sums);
+        [energy - pairs as f64 * self.shift, virial, laplacian]
     }
 }
 

@@ -14,8 +14,6 @@ use crate::simd::row::FixedRow;
 struct Relative([f32; 16], [i32; 4]);
 
 impl FixedLanes for F32x16 {
-    const SPECIAL_LOOPS: bool = true;
-
     #[inline(always)]
     unsafe fn gather(_isa: Avx512, rows: *const FixedRow, entries: *const BlockEntry) -> Fixed16 {
         // SAFETY: sixteen entries are readable, each numbers a readable row; a value or the token proves AVX-512.

@@ -80,6 +80,11 @@ fn agree_after_a_move(cells: [usize; 3], species: usize) {
             assert_eq!(energetics.pairs, totals.pairs, "{options:?}");
             // The virial cancels between attraction and repulsion: judge by Σ r·|F|, a few times larger.
             let strength: f64 = sizes.iter().map(|s| s.0).sum();
+            let traces = [&energetics, &totals].map(|e| e.scalar_virial().unwrap());
+            assert!(
+                (traces[0] - traces[1]).abs() <= relative * strength,
+                "{options:?}: {traces:?} of {strength:e}"
+            );
             let difference = energetics.virial.unwrap() - totals.virial.unwrap();
             let worst = difference
                 .to_cols_array()

@@ -3,8 +3,10 @@
 use super::*;
 
 #[test]
-fn forces_have_the_same_bits_with_and_without_energetics() {
-    let (cell, positions) = liquid([8, 8, 8], 0.8442, 0.15);
+fn forces_have_the_same_bits_with_and_without_energetics_and_totals_with_and_without_others() {
+    // Clusters of four leave three particles over.
+    let (cell, mut positions) = liquid([8, 8, 8], 0.8442, 0.15);
+    positions.pop();
     let cases = forms().into_iter().flat_map(|base| [(base, 1), (base, 3)]);
     for (base, species) in cases {
         let mixture = mixture_or_one(species, base.truncation.r_cut, positions.len());
@@ -24,13 +26,25 @@ fn forces_have_the_same_bits_with_and_without_energetics() {
                 let mut forces = built(&options, mixture.as_ref(), cell, positions.len());
                 let (plain, none) = all(&mut forces, cell, &positions, Want::NOTHING);
                 assert_eq!(none, lennard_core::Energetics::default());
-                for want in [Want::ENERGY, Want::TOTALS, want_each()] {
-                    assert_eq!(
-                        all(&mut forces, cell, &positions, want).0,
-                        plain,
-                        "{options:?}"
-                    );
+                let mut totals = Vec::new();
+                for want in [
+                    Want::TOTALS,
+                    Want::VIRIAL_TENSOR | Want::TOTALS,
+                    want_each(),
+                ] {
+                    let (found, energetics) = all(&mut forces, cell, &positions, want);
+                    assert_eq!(found, plain, "{options:?}");
+                    totals.push(lennard_core::Energetics {
+                        virial: None,
+                        per_particle: None,
+                        ..energetics
+                    });
                 }
+                assert!(totals[0].laplacian.is_some());
+                assert!(
+                    totals.iter().all(|t| *t == totals[0]),
+                    "totals do not depend on what else is wanted: {options:?}: {totals:?}"
+                );
             }
         }
     }

@@ -25,6 +25,7 @@ fn forms() -> Vec<ForceFieldOptions> {
 fn want_each() -> Want {
     Want {
         per_particle: true,
+        virial_tensor: true,
         ..Want::TOTALS
     }
 }
