@@ -1,4 +1,4 @@
-"""Trajectories of every format, read by ase, mdtraj and MDAnalysis; files of other programs as starts.
+"""Trajectories of every format, read by ase, mdtraj, MDAnalysis and OVITO; files of other programs as starts.
 
 Every reader that `docs/formats.md` names is asked for what that page says it gets.
 """
@@ -23,6 +23,9 @@ with warnings.catch_warnings():
 
 #: Relative spacing of single-precision numbers.
 SINGLE = float(np.finfo(np.float32).eps)
+
+#: OVITO takes digits for numbers with roundings of its own.
+PARSED = 1e-15
 
 SIDES = (6.8, 8.5, 8.25)
 FRAMES = 5
@@ -144,6 +147,49 @@ def test_mdanalysis_reads_a_dump_with_box_velocities_and_forces(runs, frames):
         np.testing.assert_allclose(step.forces, frame.get_forces(), rtol=SINGLE)
         np.testing.assert_allclose(step.dimensions, [*SIDES, 90.0, 90.0, 90.0], rtol=SINGLE)
         assert step.data["step"] == frame.info["Step"]
+
+
+def ovito_frames(runs: dict[str, lv.Run], form: str) -> list:
+    """Every frame as OVITO has it."""
+    reader = pytest.importorskip("ovito.io", reason="OVITO is not installed (pip install ovito)")
+    pipeline = reader.import_file(path(runs, form))
+    return [pipeline.compute(k) for k in range(pipeline.source.num_frames)]
+
+
+@pytest.mark.parametrize("form", ["xyz", "lammps-dump"])
+def test_ovito_reads_text(runs, frames, form):
+    read = ovito_frames(runs, form)
+    assert len(read) == FRAMES
+    for data, frame in zip(read, frames, strict=True):
+        found = data.particles
+        np.testing.assert_allclose(found.positions[...], frame.positions, rtol=PARSED)
+        np.testing.assert_allclose(found["Velocity"][...], frame.arrays["velo"], rtol=PARSED)
+        np.testing.assert_allclose(found["Force"][...], frame.get_forces(), rtol=PARSED)
+        np.testing.assert_array_equal(found["Periodic Image"][...], frame.arrays["map_shift"])
+        np.testing.assert_array_equal(data.cell[...], np.c_[np.diag(SIDES), np.zeros(3)])
+        names = [found.particle_types.type_by_id(kind).name for kind in found.particle_types[...]]
+        # A dump has its types as numbers: the species in the order of the scene.
+        wanted = frame.get_chemical_symbols()
+        assert names == wanted or found.particle_types[...].tolist() == [1 + (w == "Kr") for w in wanted]
+        step = data.attributes["Step" if form == "xyz" else "Timestep"]
+        assert step == frame.info["Step"]
+
+
+def test_ovito_reads_the_first_frame_of_gzip_alone(runs, frames):
+    (data,) = ovito_frames(runs, "xyz.gz")
+    np.testing.assert_allclose(data.particles.positions[...], frames[0].positions, rtol=PARSED)
+
+
+def test_ovito_reads_xtc_with_its_box(runs, frames):
+    read = ovito_frames(runs, "xtc")
+    assert len(read) == FRAMES
+    for data, frame in zip(read, frames, strict=True):
+        # It takes a unit of length for a nanometre, and has the box around the origin.
+        cell = data.cell[...]
+        np.testing.assert_allclose(cell[:, :3], 10.0 * np.diag(SIDES), rtol=2 * SINGLE)
+        found = (data.particles.positions[...] - cell[:, 3]) / 10.0
+        assert np.abs(found - frame.positions).max() < 0.5e-5 + 2 * max(SIDES) * SINGLE
+        assert data.attributes["Timestep"] == frame.info["Step"]
 
 
 def test_mdtraj_and_mdanalysis_read_xtc_within_half_its_precision(runs, frames):

@@ -6,7 +6,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 fn main() {
-    let inputs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../inputs");
+    // A link to the folder of the repository, so that a package of this crate has the scenes.
+    let inputs = Path::new(env!("CARGO_MANIFEST_DIR")).join("inputs");
     println!("cargo::rerun-if-changed={}", inputs.display());
     let mut files = Vec::new();
     collect(&inputs, &mut files);

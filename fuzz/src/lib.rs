@@ -7,7 +7,8 @@
 mod mutate;
 mod restart;
 mod targets;
+mod words;
 
 pub use mutate::Mutator;
 pub use restart::restart;
-pub use targets::{Reshape, TARGETS, Target, checkpoint, extended_xyz, gzip, scene, start};
+pub use targets::{Reshape, TARGETS, Target, checkpoint, extended_xyz, gzip, scene, start, table};

@@ -22,7 +22,8 @@ const HELP: &str = "\
 Usage: cargo xtask fuzz [--runs N] [--target NAME] [--seed N]
 
   --runs N       Inputs for each reader (default 100000)
-  --target NAME  scene, extended-xyz, nist, lammps-dump, lammps-data, gzip, checkpoint or restart;
+  --target NAME  scene, extended-xyz, nist, lammps-dump, lammps-data, gzip, table, checkpoint or
+                 restart;
                  all of them by default
   --seed N       Seed of the mutations (default 1)";
 

@@ -1,12 +1,16 @@
 //! The readers, each with what must hold for any bytes.
 
 use std::io::Write;
+use std::sync::LazyLock;
 
 use lennard_core::Array;
+use lennard_forcefield::Model;
 use lennard_io::{read_checkpoint_bytes, read_configuration_bytes, read_trajectory_bytes};
 use lennard_scene::Scene;
+use tempfile::TempDir;
 
 use crate::restart::{reshape, restart};
+use crate::words::{CHECKPOINT_WORDS, LAMMPS_WORDS, SCENE_WORDS, TABLE_WORDS, XYZ_WORDS};
 
 /// An error longer than this (bytes) has taken over what it was given.
 const LONGEST_MESSAGE: usize = 4000;
@@ -73,6 +77,13 @@ pub const TARGETS: &[Target] = &[
         words: XYZ_WORDS,
     },
     Target {
+        name: "table",
+        body: table,
+        repair: None,
+        reshape: None,
+        words: TABLE_WORDS,
+    },
+    Target {
         name: "checkpoint",
         body: checkpoint,
         repair: Some(seal),
@@ -86,154 +97,6 @@ pub const TARGETS: &[Target] = &[
         reshape: Some(reshape),
         words: CHECKPOINT_WORDS,
     },
-];
-
-const SCENE_WORDS: &[&str] = &[
-    "[[stage]]\n",
-    "[system]\n",
-    "[[wall]]\nkind = \"hard\"\n",
-    "[field]\nacceleration = [0.0, 0.0, -1e308]\n",
-    "[molecule]\nbond_length = 0.67\n",
-    "[contact]\nkind = \"hard\"\ndiameter = 1.0\n",
-    "[contact]\nlaw = \"hertz\"\nstiffness = 1e300\nrestitution = 0.01\n",
-    "[potential]\nkind = \"none\"\n",
-    "box = 1e-300\npositions = [[0, 0, 0], [1e300, -1e300, nan]]\n",
-    "velocities = [[1e308, 0, 0]]\n",
-    "held = [0, 1, 18446744073709551615]\n",
-    "[[species]]\nname = \"A\"\nfraction = 0.5\n",
-    "[[species]]\nname = \"B\"\ncount = 1000000000\nsigma = 1e-300\n",
-    "[mixing]\nrule = \"lorentz-berthelot\"\nk = -1.0\n",
-    "[[pair]]\na = \"A\"\nb = \"B\"\nepsilon = 0.0\nr_cut = 1e6\n",
-    "r_cut_in = \"pair\"",
-    "fraction = 1e-300",
-    "mass = 1e300",
-    "[bonds]\nmethod = \"relaxation\"\n",
-    "n_molecules = 1000000000",
-    "sites = 64",
-    "bond_length = 1e-300",
-    "stiffness = 1e300",
-    "axis = \"x\"",
-    "thickness = 1e300",
-    "[[",
-    "]]",
-    "steps = 18446744073709551615",
-    "n_atoms = 1000000000000",
-    "n_atoms = -1",
-    "density = 1e-300",
-    "density = 1e300",
-    "box = [1.0, 2.0, 3.0]",
-    "box = 1e308",
-    "nan",
-    "inf",
-    "-0.0",
-    "1e999",
-    "r_cut = 1e-310",
-    "kind = \"respa\"",
-    "kind = \"\"",
-    "thermostat = { kind = \"bussi\" }",
-    "thermostat = \"nose-hoover\"",
-    "barostat = { kind = \"stochastic-cell-rescaling\", pressure = 1.0 }",
-    "barostat = { kind = \"mtk\", pressure = { from = 1.0, to = 2.0 } }",
-    "coupling = \"xy-z\"",
-    "temperature = { from = 2.0, to = 1.0 }",
-    "every = 0",
-    "bins = 4294967296",
-    "\"\"\"",
-    "'''",
-    "\\u0000",
-    "1979-05-27T07:32:00Z",
-    "= {",
-    "}",
-    "#",
-    "\r",
-    "a.b.c.d = 1\n",
-    "[a]\n[a]\n",
-    "skin = 1e300",
-    "dt = 5e-324",
-    "seed = 0xffffffffffffffff",
-];
-
-const XYZ_WORDS: &[&str] = &[
-    "18446744073709551615",
-    "18446744073709551616",
-    "9999999999",
-    "4294967296",
-    "-1",
-    "0",
-    "nan",
-    "inf",
-    "1e999",
-    "-1e308",
-    "1e-320",
-    "Properties=",
-    "pos:R:3",
-    "species:S:1:pos:R:3:",
-    "map_shift:I:3",
-    "velo:R:3",
-    "forces:R:3",
-    "Lattice=\"1 0 0 0 1 0 0 0 1\"",
-    "Lattice=\"",
-    "pbc=\"T T F\"",
-    "length_scale=1e-300",
-    "\r\n",
-    "\n\n\n",
-    "2147483648",
-    "\u{feff}",
-    "R:99999999999999999999",
-    "Time=1e400",
-    "1.0E+00",
-    "1d0",
-    "\t",
-];
-
-const LAMMPS_WORDS: &[&str] = &[
-    "18446744073709551615",
-    "4294967296",
-    "-1",
-    "0",
-    "nan",
-    "1e999",
-    "-1e308",
-    "1e-320",
-    "2147483647 2147483647 2147483647",
-    "ITEM: TIMESTEP\n",
-    "ITEM: NUMBER OF ATOMS\n",
-    "ITEM: BOX BOUNDS pp pp pp\n",
-    "ITEM: BOX BOUNDS xy xz yz pp pp pp\n",
-    "ITEM: UNITS\nlj\n",
-    "ITEM: TIME\n",
-    "ITEM: ATOMS ",
-    "id type x y z ix iy iz",
-    "xsu ysu zsu ",
-    "element mass ",
-    "Masses\n\n",
-    "Atoms # atomic\n\n",
-    "Velocities\n\n",
-    "Atom Type Labels\n\n",
-    "Pair Coeffs\n\n",
-    " xlo xhi\n",
-    " xy xz yz\n",
-    " atoms\n",
-    " bonds\n",
-    "#",
-    "\r\n",
-    "\n\n\n",
-    "\t",
-];
-
-const CHECKPOINT_WORDS: &[&str] = &[
-    "\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}",
-    "\u{1}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}",
-    "\u{5}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}",
-    "\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{0}\u{7f}",
-    "LENNARD\u{1a}",
-    "{",
-    "}",
-    "\"",
-    "\"step\":18446744073709551616",
-    "state/positions",
-    "null",
-    "[[[[[[[[",
 ];
 
 /// A scene: an error with a message of reasonable length, or a scene that reads back equal from its own text.
@@ -321,6 +184,42 @@ pub fn gzip(bytes: &[u8]) -> bool {
         (plain, inflated) => panic!("{plain:?} as it is, {inflated:?} from gzip"),
     }
     accepted
+}
+
+/// A table of a potential: an error of reasonable length, or energies and forces that are numbers up to the cutoff.
+pub fn table(bytes: &[u8]) -> bool {
+    /// Where the tables of the corpus begin and where they are cut, σ.
+    const BEGIN: f64 = 1.0;
+    const R_CUT: f64 = 1.14;
+    static FOLDER: LazyLock<TempDir> =
+        LazyLock::new(|| tempfile::tempdir().expect("a folder for a table"));
+    let file = FOLDER.path().join("hostile.table");
+    std::fs::write(&file, bytes).expect("a file for a table");
+    let text = format!(
+        "[system]\nn_atoms = 108\ndensity = 0.3\ntemperature = 1.0\n\
+         [potential]\nkind = \"table\"\nfile = {file:?}\n\
+         [truncation]\nkind = \"shift\"\nr_cut = {R_CUT}\n\
+         [[stage]]\nname = \"production\"\nsteps = 1\n"
+    );
+    match Scene::parse(&text, "hostile.toml", &[]) {
+        Ok(scene) => {
+            let model = Model::new(&scene.potential, &scene.truncation);
+            let model = model.expect("the scene was checked");
+            for k in 0..=20 {
+                let r = BEGIN + (R_CUT - BEGIN) * f64::from(k) / 20.0;
+                let pair = model.eval(r * r);
+                assert!(pair.energy.is_finite() && pair.force.is_finite(), "r = {r}");
+            }
+            let resolved = scene.resolved_toml();
+            let again = Scene::parse(&resolved, "resolved.toml", &[]);
+            assert_eq!(again.as_ref().ok(), Some(&scene), "{again:?}\n{resolved}");
+            true
+        }
+        Err(error) => {
+            assert_short(&error.to_string());
+            false
+        }
+    }
 }
 
 /// A checkpoint: arrays no larger than the bytes that they came from, or an error.

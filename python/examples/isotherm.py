@@ -6,10 +6,11 @@ from typing import Any
 import lennard
 
 SCENE: dict[str, Any] = {
-    "system": {"n_atoms": 256, "density": 0.1, "temperature": 2.0},
+    "system": {"n_atoms": 500, "density": 0.1, "temperature": 2.0},
+    "truncation": {"r_cut": 4.0},
     "stage": [
-        {"name": "equilibrate", "steps": 500, "thermostat": "bussi"},
-        {"name": "measure", "steps": 1500, "thermostat": "bussi"},
+        {"name": "equilibrate", "steps": 1000, "thermostat": "bussi"},
+        {"name": "measure", "steps": 8000, "thermostat": "bussi"},
     ],
 }
 

@@ -1,14 +1,14 @@
-"""A liquid near its triple point: averages with errors, g(r), and the equation of state."""
+"""A liquid: averages with errors, g(r), and the equation of state."""
 
 import lennard
 
-simulation = lennard.Simulation.liquid(density=0.8442, temperature=0.722, n=256, seed=1)
-simulation.equilibrate(1000, thermostat=lennard.thermostat.bussi(tau=0.5))
-run = simulation.run(3000, measure=[lennard.observable.rdf(every=20), "msd"])
+simulation = lennard.Simulation.liquid(density=0.8, temperature=1.0, n=500, seed=1, r_cut=4.0)
+simulation.equilibrate(2000, thermostat=lennard.thermostat.bussi(tau=0.5))
+run = simulation.run(10_000, measure=[lennard.observable.rdf(every=50), "msd"])
 
 pressure = run.averages["pressure"]
 print(f"P = {pressure}, from {pressure.n_eff:.0f} independent samples")
-print(f"the equation of state of Thol 2016: {lennard.eos.thol_2016.pressure(0.8442, 0.722):.3f}")
+print(run.compare()[["quantity", "measured", "reference", "difference", "standard_error"]])
 
 peak = run.rdf["g"].argmax()
 print(f"first peak of g(r): {run.rdf['g'][peak]:.2f} at {run.rdf['r'][peak]:.2f} σ")

@@ -24,7 +24,7 @@ def test_examples_run(example, tmp_path):
 
 
 def test_there_are_examples():
-    assert len(EXAMPLES) >= 4
+    assert len(EXAMPLES) >= 10
 
 
 def test_the_code_of_the_documentation_runs(tmp_path):

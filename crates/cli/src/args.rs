@@ -134,7 +134,8 @@ pub enum Command {
     Eos(EosArgs),
     /// List the methods that a scene can name.
     #[command(
-        after_help = "Examples:\n  lennard list scenes\n  lennard list integrators\n  \
+        after_help = "Examples:\n  lennard list                             what can be listed\n  \
+        lennard list scenes\n  lennard list integrators\n  \
         lennard list integrators leapfrog        one method with its equations and its source\n  \
         lennard list potentials --json"
     )]

@@ -10,6 +10,7 @@ mod args;
 mod commands;
 mod failure;
 mod list_entry;
+mod man;
 mod progress;
 mod show;
 mod signals;

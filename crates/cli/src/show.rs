@@ -19,8 +19,8 @@ pub use tune::tuning;
 use std::path::Path;
 
 use comfy_table::presets::UTF8_FULL_CONDENSED;
-use comfy_table::{Attribute, CellAlignment, ContentArrangement};
-use lennard_core::{Cell, Table, Tone};
+use comfy_table::{CellAlignment, ContentArrangement};
+use lennard_core::{Cell, Table};
 use lennard_engine::{EnergyReport, Simulation};
 use lennard_io::{Conservation, RunRecord};
 use lennard_report::{ErrorStyle, cell_text, heading, is_numeric};
@@ -37,15 +37,13 @@ fn table(table: &Table) -> comfy_table::Table {
         .load_style(UTF8_FULL_CONDENSED)
         .set_content_arrangement(ContentArrangement::Dynamic)
         .set_header(table.columns.iter().map(heading));
+    // Output that no terminal shows has no width.
+    if let Some((_, columns)) = console::Term::stdout().size_checked() {
+        shown.set_width(columns);
+    }
     for row in 0..table.rows() {
         let cells = table.row(row);
-        shown.add_row(cells.map(|cell| {
-            let text = comfy_table::Cell::new(cell_text(&cell, ErrorStyle::PlusMinus));
-            match cell.tone {
-                Tone::Faint => text.add_attribute(Attribute::Dim),
-                _ => text,
-            }
-        }));
+        shown.add_row(cells.map(|cell| cell_text(&cell, ErrorStyle::PlusMinus)));
     }
     for (column, shown) in table.columns.iter().zip(shown.column_iter_mut()) {
         if is_numeric(column) {

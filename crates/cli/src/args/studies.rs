@@ -249,8 +249,8 @@ pub struct BenchArgs {
 /// Arguments of `list`.
 #[derive(Debug, Args)]
 pub struct ListArgs {
-    /// What to list.
-    pub what: Listed,
+    /// What to list; without it, what can be listed.
+    pub what: Option<Listed>,
     /// One of them alone, with everything that is known of it.
     pub name: Option<String>,
     /// All of them, with everything that is known of them.

@@ -19,9 +19,7 @@ pub fn completions(shell: Shell) -> Result<u8, Failure> {
 
 /// `lennard man`: a page for the program and one for each command.
 pub fn man(folder: &Path) -> Result<u8, Failure> {
-    let written = std::fs::create_dir_all(folder)
-        .and_then(|()| clap_mangen::generate_to(Cli::command(), folder));
-    written.map_err(|error| {
+    crate::man::write(folder).map_err(|error| {
         let place = folder.display();
         Failure::new("writing man pages", format!("{place}: {error}"), OTHER)
     })?;

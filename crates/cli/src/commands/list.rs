@@ -1,5 +1,6 @@
 //! `lennard list`: the methods that a scene can name.
 
+use clap::ValueEnum;
 use lennard_io::TrajectoryFormat;
 use lennard_literature::EquationOfState;
 
@@ -18,7 +19,10 @@ macro_rules! properties {
 
 /// Prints a list.
 pub fn list(args: &ListArgs) -> Result<u8, Failure> {
-    let mut entries = match args.what {
+    let Some(what) = args.what else {
+        return kinds(args.json);
+    };
+    let mut entries = match what {
         Listed::Scenes => scenes(),
         Listed::Integrators => integrators(),
         Listed::Thermostats => thermostats(),
@@ -80,6 +84,28 @@ pub fn list(args: &ListArgs) -> Result<u8, Failure> {
         show::entries(&entries);
     } else {
         show::list(&entries);
+    }
+    Ok(DONE)
+}
+
+/// What can be listed.
+fn kinds(json: bool) -> Result<u8, Failure> {
+    let kinds: Vec<Entry> = Listed::value_variants()
+        .iter()
+        .filter_map(ValueEnum::to_possible_value)
+        .map(|kind| Entry {
+            name: kind.get_name().into(),
+            summary: kind.get_help().map(ToString::to_string).unwrap_or_default(),
+            equation: None,
+            properties: serde_json::Map::new(),
+            source: format!("lennard list {}", kind.get_name()),
+        })
+        .collect();
+    if json {
+        print_json(&kinds)?;
+    } else {
+        show::list(&kinds);
+        println!("\none of these: lennard list scenes");
     }
     Ok(DONE)
 }

@@ -35,11 +35,11 @@ pub fn plan(plan: &Plan, verbose: bool) {
         plan.bytes as f64 / plan.atoms as f64
     );
     println!(
-        "  time: about {} on {}, by {} measured steps of {} (everything off)",
+        "  time: about {} on {}; a step that nothing looks at took {} here (median of {})",
         duration(plan.estimated_seconds),
         lennard_report::counted(plan.threads, "thread"),
-        plan.measured_steps,
-        duration(plan.seconds_per_step)
+        duration(plan.seconds_per_step),
+        plan.measured_steps
     );
 }
 
@@ -94,7 +94,9 @@ fn lines(plan: &Plan) -> Vec<String> {
         lines.push(format!("{:>7}  {others}", percent(rest)));
     }
     let off = plan.items.len() - on().count();
-    lines.push(format!("every part, and why {off} are off: --verbose"));
+    lines.push(format!(
+        "--verbose: every part, and the reason for each of {off} that are off"
+    ));
     lines
 }
 
@@ -146,7 +148,7 @@ mod tests {
                 " 20.0 %  neighbor list: list radius 2.8 σ",
                 "  9.0 %  integrator: velocity-verlet",
                 "  1.0 %  2 other parts",
-                "every part, and why 1 are off: --verbose",
+                "--verbose: every part, and the reason for each of 1 that are off",
             ]
         );
     }

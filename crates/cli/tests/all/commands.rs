@@ -254,6 +254,19 @@ fn every_list_names_its_methods() {
 }
 
 #[test]
+fn list_alone_names_every_list() {
+    let said = succeed(&["list"]);
+    assert!(said.contains("scenes  "), "{said}");
+    assert!(said.contains("Rules for σ and ε of unlike species"), "{said}");
+    assert!(said.lines().all(|l| l.chars().count() <= 100), "{said}");
+    let entries = json(&succeed(&["list", "--json"]));
+    for entry in entries.as_array().unwrap() {
+        let name = entry["name"].as_str().unwrap();
+        assert!(!succeed(&["list", name]).is_empty(), "{name}");
+    }
+}
+
+#[test]
 fn a_list_has_a_line_for_each_and_a_name_tells_everything() {
     let list = succeed(&["list", "integrators"]);
     assert!(list.lines().all(|l| l.chars().count() <= 100), "{list}");

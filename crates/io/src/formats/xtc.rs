@@ -1,10 +1,12 @@
-//! The compressed positions of GROMACS, by the library molly.
+//! The compressed positions of GROMACS.
 //!
 //! Source: GROMACS reference manual, "xtc file format". One unit of length is 1 nm for readers; here it is σ·`length_scale`.
 
+mod compression;
+
 use std::path::Path;
 
-use molly::{Magic, XTC_1995_MAX_NATOMS, XTCWriter};
+use glam::Mat3;
 
 use super::{FormatSpec, Limits};
 use crate::frame::unwritable;
@@ -22,6 +24,16 @@ pub(super) const SPEC: FormatSpec = FormatSpec {
     ends_with_line: false,
     push,
 };
+
+/// The magic number of files, and of files whose lengths have 64 bits.
+const MAGIC: u32 = 1995;
+const LONG_MAGIC: u32 = 2023;
+/// More particles may need more than 32 bits for the length of a frame.
+const MOST_WITHOUT_LONG: usize = 298_261_617;
+/// So few particles are written in single precision.
+const MOST_UNCOMPRESSED: usize = 9;
+/// Added to a number below 2³¹ it leaves the nearest whole number in the lowest bits, ties to even.
+const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
 
 /// Steps have 31 bits. Single precision has every whole number up to 2²⁴; beyond, positions would be worse than the
 /// precision says.
@@ -49,7 +61,10 @@ fn push(
                 format!("at most {} in XTC", LIMITS.last_step),
             )
         })?;
-    let mut positions = Vec::with_capacity(state.len());
+    let precision = (style.precision / style.length_scale) as f32;
+    // Readers divide by the precision as the file has it.
+    let scale = style.length_scale * f64::from(precision);
+    let mut multiples = Vec::with_capacity(state.len());
     for i in 0..state.len() {
         let (position, _) = style.place(frame, i).map_err(|bad| bad.in_file(path))?;
         if position.abs().max_element() * style.precision >= LIMITS.multiples {
@@ -63,23 +78,27 @@ fn push(
                 format!("coordinates below {}/precision in XTC", LIMITS.multiples),
             ));
         }
-        positions.push((position * style.length_scale).as_vec3().to_array());
+        let whole = position * scale + TO_WHOLE;
+        multiples.push(whole.to_array().map(|x| x.to_bits() as i32));
     }
+    let long = state.len() > MOST_WITHOUT_LONG;
+    let particles = (state.len() as u32).to_be_bytes();
+    to.extend(if long { LONG_MAGIC } else { MAGIC }.to_be_bytes());
+    to.extend(particles);
+    to.extend(step.to_be_bytes());
+    to.extend((state.time as f32).to_be_bytes());
     let sides = (state.cell.lengths() * style.length_scale).as_vec3();
-    let vectors = [sides.x, 0.0, 0.0, 0.0, sides.y, 0.0, 0.0, 0.0, sides.z];
-    let magic = if state.len() > XTC_1995_MAX_NATOMS {
-        Magic::Xtc2023
+    for number in Mat3::from_diagonal(sides).to_cols_array() {
+        to.extend(number.to_be_bytes());
+    }
+    to.extend(particles);
+    if state.len() <= MOST_UNCOMPRESSED {
+        for whole in multiples.as_flattened() {
+            to.extend((*whole as f32 / precision).to_be_bytes());
+        }
     } else {
-        Magic::Xtc1995
-    };
-    let precision = (style.precision / style.length_scale) as f32;
-    XTCWriter::new_with_magic(to, magic)
-        .write_frame_parts(
-            step,
-            state.time as f32,
-            vectors,
-            positions.iter(),
-            precision,
-        )
-        .map_err(|e| WriteError::io(path, "compress", e))
+        to.extend(precision.to_be_bytes());
+        compression::push(to, &multiples, long);
+    }
+    Ok(())
 }

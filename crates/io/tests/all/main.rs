@@ -9,3 +9,4 @@ mod messages;
 mod reading;
 mod tables_and_record;
 mod trajectory;
+mod xtc;

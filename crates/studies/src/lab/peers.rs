@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// The Python whose wheels are looked for.
 const PYTHON: &str = "python3";
 /// What runs an engine.
-const SCRIPT: &str = include_str!("../../../../benches/peers/engines.py");
+const SCRIPT: &str = include_str!("../../peers/engines.py");
 
 /// A fluid and what LAMMPS does with it.
 #[derive(Serialize)]
