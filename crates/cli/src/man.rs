@@ -73,7 +73,7 @@ fn tidy(page: &str) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Bytes of a word as readers count them: other letters than those of ASCII become `\[u03B5]`.
+/// Bytes of a word as readers count them: a letter outside ASCII becomes `\[u03B5]`.
 fn length(word: &str) -> usize {
     let bytes = |c: char| if c.is_ascii() { 1 } else { 8 };
     word.chars().map(bytes).sum()
