@@ -257,7 +257,10 @@ fn every_list_names_its_methods() {
 fn list_alone_names_every_list() {
     let said = succeed(&["list"]);
     assert!(said.contains("scenes  "), "{said}");
-    assert!(said.contains("Rules for σ and ε of unlike species"), "{said}");
+    assert!(
+        said.contains("Rules for σ and ε of unlike species"),
+        "{said}"
+    );
     assert!(said.lines().all(|l| l.chars().count() <= 100), "{said}");
     let entries = json(&succeed(&["list", "--json"]));
     for entry in entries.as_array().unwrap() {
