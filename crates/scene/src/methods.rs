@@ -37,40 +37,28 @@ pub(crate) fn names<M: Method>() -> Vec<&'static str> {
     names
 }
 
+/// Methods that check themselves, then methods that are checked once all tables are read.
 macro_rules! methods {
-    ($($options:ty,)*) => {$(
-        impl Method for $options {
+    (checked $($checked:ident)*; unchecked $($options:ident)*) => {
+        $(impl Method for $checked {
             fn keys() -> Vec<(&'static str, Keys)> {
-                <$options>::keys()
+                Self::keys()
             }
             fn check(&self) -> Result<(), OptionError> {
-                <$options>::check(self)
+                Self::check(self)
             }
-        }
-    )*};
+        })*
+        $(impl Method for $options {
+            fn keys() -> Vec<(&'static str, Keys)> {
+                Self::keys()
+            }
+        })*
+    };
 }
 
 methods! {
-    CombiningOptions,
-    BondOptions,
-    WallOptions,
-    ContactOptions,
-    ThermostatOptions,
-    BarostatOptions,
-}
-
-/// Potentials are checked beside the truncation, once all tables are read.
-impl Method for PotentialOptions {
-    fn keys() -> Vec<(&'static str, Keys)> {
-        Self::keys()
-    }
-}
-
-/// Observables are checked when they are built.
-impl Method for ObservableOptions {
-    fn keys() -> Vec<(&'static str, Keys)> {
-        Self::keys()
-    }
+    checked CombiningOptions BondOptions WallOptions ContactOptions ThermostatOptions BarostatOptions;
+    unchecked PotentialOptions ObservableOptions
 }
 
 impl Method for IntegratorOptions {

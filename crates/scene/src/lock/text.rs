@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Chosen, Judged, Lock, SCHEMA};
 use crate::Scene;
+use crate::integrator::IntegratorKeys;
 
 #[derive(Serialize)]
 struct Document<'a> {
@@ -23,14 +24,9 @@ struct Document<'a> {
 struct Settings {
     threads: usize,
     truncation: TruncationOptions,
-    integrator: Step,
+    integrator: IntegratorKeys,
     kernel: Pairs,
     neighbor: NeighborOptions,
-}
-
-#[derive(Serialize)]
-struct Step {
-    dt: f64,
 }
 
 #[derive(Default, Serialize, Deserialize)]
@@ -44,7 +40,7 @@ impl Settings {
         Self {
             threads: chosen.threads,
             truncation: chosen.truncation,
-            integrator: Step { dt: chosen.dt },
+            integrator: IntegratorKeys { dt: chosen.dt },
             kernel: Pairs {
                 precision: chosen.precision,
             },
