@@ -7,6 +7,8 @@ pub(crate) const SCENE_WORDS: &[&str] = &[
     "[field]\nacceleration = [0.0, 0.0, -1e308]\n",
     "[molecule]\nbond_length = 0.67\n",
     "[contact]\nkind = \"hard\"\ndiameter = 1.0\n",
+    "[contact]\nkind = \"spook\"\ncompliance = 0.0\ndamping_steps = 0.0\nsweeps = 100000\n",
+    "[[wall]]\nkind = \"hard\"\nresponse = \"contact\"\n",
     "[contact]\nlaw = \"hertz\"\nstiffness = 1e300\nrestitution = 0.01\n",
     "[potential]\nkind = \"none\"\n",
     "box = 1e-300\npositions = [[0, 0, 0], [1e300, -1e300, nan]]\n",

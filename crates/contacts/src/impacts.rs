@@ -275,7 +275,8 @@ impl Run<'_> {
     fn hit_wall(&mut self, body: usize, plane: usize, time: f64) {
         self.advance(body, time);
         let (step, is_later) = (self.flight.step, self.flight.is_later);
-        let (mass, kick) = (self.flight.masses.of(body), self.kick_of(body));
+        let mass = self.flight.masses.of(body);
+        let kick = self.flight.h / mass * self.flight.forces[body];
         let Some(walls) = self.walls.as_deref_mut() else {
             return;
         };
@@ -284,15 +285,7 @@ impl Run<'_> {
         let reading = walls.walls()[plane];
         self.flight.positions[body][reading.axis] = reading.position;
         let v = &mut self.flight.velocities[body];
-        let (before, towards) = (v.length_squared(), v[reading.axis].abs());
-        walls.strike(plane, v, mass, &mut random);
-        let gained = v.length_squared() - before;
-        if gained < 0.0 && towards <= KICKS_OF_REST * kick {
-            walls.take_momentum(plane, reading.outward() * mass * v[reading.axis]);
-            v[reading.axis] = 0.0;
-        } else {
-            self.done.heat += 0.5 * mass * gained;
-        }
+        self.done.heat += walls.hit(plane, v, mass, kick, &mut random);
         self.random[body] = Some(random);
     }
 

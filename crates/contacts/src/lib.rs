@@ -1,6 +1,7 @@
 //! Contacts between bodies: each particle is a sphere, and two of them touch where their centres are nearer than a distance.
 //!
 //! [`Soft`] contacts are springs, which are forces, with dashpots, which act in flights. [`Hard`] contacts are impacts in flights.
+//! [`Spook`] contacts are unilateral constraints, for which the step of SPOOK solves before it drifts.
 //! [`Contacts`] is the force term of both, and the boundary of flights. It owns the walls of the scene, since a flight meets
 //! other bodies and walls in one order of time.
 
@@ -10,8 +11,10 @@ mod impacts;
 mod kinds;
 mod near;
 mod term;
+mod unilateral;
 
 pub use bodies::Bodies;
 pub use kinds::{ContactOptions, ContactSpec, Response, contacts};
-pub use kinds::{Hard, Soft};
+pub use kinds::{Hard, Soft, Spook};
 pub use term::{ContactReading, Contacts};
+pub use unilateral::UnilateralLaw;

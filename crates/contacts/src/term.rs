@@ -9,15 +9,15 @@ use lennard_forcefield::{ContactLaw, Walls};
 use crate::dashpots::{Moving, damp};
 use crate::impacts;
 use crate::near::NearPairs;
-use crate::{Bodies, Response};
+use crate::{Bodies, Response, unilateral};
 
-/// The deepest overlap of a spring, as a share of the contact distance: beyond, bodies would come out on the other side.
+/// The deepest overlap of bodies that give way, as a share of the contact distance: beyond, bodies would come out on the other side.
 const DEEPEST: f64 = 0.5;
 
 /// What contacts have done since the start of a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ContactReading {
-    /// Impacts of hard contacts.
+    /// Impacts of hard and of unilateral contacts.
     pub impacts: u64,
 }
 
@@ -103,15 +103,37 @@ impl Contacts {
             .collect()
     }
 
-    /// Refuses an overlap beyond half the contact distance.
-    fn too_deep(&self, touch: &Touch, at: &Configuration<'_>) -> Result<(), ForceError> {
-        let [first, second] = touch.pair;
+    /// Refuses bodies of unilateral contacts that overlap too deeply.
+    fn none_too_deep(&mut self, at: &Configuration<'_>) -> Result<(), ForceError> {
+        let pairs = self.near.at(&self.bodies, at.cell, at.positions, 0.0);
+        let apart = |[i, j]: [usize; 2]| {
+            let apart = at.positions[i] - at.positions[j];
+            at.cell.minimum_image(apart)
+        };
+        let pairs = pairs.iter().map(|pair| pair.map(|body| body as usize));
+        let deep: Vec<[usize; 2]> = pairs
+            .filter(|pair| {
+                let deepest = (1.0 - DEEPEST) * self.bodies.distance(pair[0], pair[1]);
+                apart(*pair).length_squared() < deepest * deepest
+            })
+            .collect();
+        let worst = deep.iter().min();
+        worst.map_or(Ok(()), |pair| self.too_deep(*pair, apart(*pair), at))
+    }
+
+    /// Refuses an overlap beyond half the contact distance, for the vector from the second body to the first.
+    fn too_deep(
+        &self,
+        [first, second]: [usize; 2],
+        apart: DVec3,
+        at: &Configuration<'_>,
+    ) -> Result<(), ForceError> {
         let distance = self.bodies.distance(first, second);
-        let (depth, deepest) = (distance - touch.apart.length(), DEEPEST * distance);
+        let (depth, deepest) = (distance - apart.length(), DEEPEST * distance);
         if depth <= deepest {
             return Ok(());
         }
-        let middle = at.positions[first] - 0.5 * touch.apart;
+        let middle = at.positions[first] - 0.5 * apart;
         Err(ForceError::ContactTooDeep {
             first,
             second,
@@ -148,6 +170,9 @@ impl ForceTerm for Contacts {
         scratch: &mut Vec<DVec3>,
         forces: &mut [DVec3],
     ) -> Result<Energetics, ForceError> {
+        if part != Part::Far && matches!(self.response, Response::Unilateral(_)) {
+            self.none_too_deep(&at)?;
+        }
         let touches = match part {
             Part::Far => Vec::new(),
             Part::All | Part::Near => self.touches(&at),
@@ -157,7 +182,7 @@ impl ForceTerm for Contacts {
             .then(|| vec![(0.0, DMat3::ZERO); forces.len()]);
         let (mut energy, mut virial, mut laplacian) = (0.0, DMat3::ZERO, 0.0);
         for touch in &touches {
-            self.too_deep(touch, &at)?;
+            self.too_deep(touch.pair, touch.apart, &at)?;
             let ([i, j], force) = (touch.pair, touch.force * touch.apart);
             forces[i] += force;
             forces[j] -= force;
@@ -241,6 +266,11 @@ impl Boundary for Contacts {
                 let flown = impacts::fly(bodies, restitution, near, self.walls.as_mut(), flight);
                 self.reading.impacts += flown.impacts;
                 flown.heat
+            }
+            Response::Unilateral(law) => {
+                let stepped = unilateral::step(&law, bodies, near, self.walls.as_mut(), flight);
+                self.reading.impacts += stepped.impacts;
+                stepped.heat
             }
             Response::Spring(law) => {
                 let Flight {

@@ -188,7 +188,7 @@ impl PhysicsFailure {
         }
         if let Symptom::NonFinite(ForceError::ContactTooDeep { .. }) = self.symptom {
             return format!(
-                "the spring of the contact is too weak for bodies so fast or so heavy, or dt = {} τ is too large: take a larger `contact.stiffness` or a smaller dt",
+                "the spring of the contact is too weak for bodies so fast or so heavy, or dt = {} τ is too large: take a larger `contact.stiffness`, a smaller `contact.compliance` or a smaller dt",
                 self.dt
             );
         }

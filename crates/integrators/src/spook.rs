@@ -9,7 +9,7 @@ use lennard_core::{
 use crate::OscillatorModel;
 use crate::bonds::SpookBonds;
 use crate::common::MethodOptions;
-pub use crate::regularisation::Regularisation;
+pub use crate::regularisation::{Damping, Regularisation};
 
 lennard_core::options! {
     /// Options of SPOOK: there are none; compliance and damping belong to the constraint.
@@ -155,6 +155,11 @@ impl Method for Spook {
                 "it has {more} constraints, and the method solves for one so far"
             )),
         }
+    }
+
+    /// Walls and contacts act on the sites of bonds behind the back of their constraints.
+    fn takes_hard_walls(&self) -> bool {
+        self.bonds.is_none()
     }
 
     fn start(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {

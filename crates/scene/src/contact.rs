@@ -1,9 +1,9 @@
 //! The table `[contact]`: bodies that touch, and what must hold of them.
 
 use lennard_contacts::{Bodies, ContactOptions, Contacts, Response};
-use lennard_core::{Bonds, PeriodicBox, SpeciesTable};
-use lennard_forcefield::{WallContext, Walls};
-use lennard_integrators::integrators;
+use lennard_core::{Bonds, Integrator, PeriodicBox, SpeciesTable};
+use lennard_forcefield::{HitRule, WallContext, Walls};
+use lennard_integrators::{integrators, spook};
 
 use crate::Scene;
 use crate::error::SceneError;
@@ -142,6 +142,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
                 "settings of your own: the predictions of errors are for fluids without contacts",
             ));
     }
+    spook_has_contacts(scene, table)?;
     springs_are_stable(scene, table)?;
     if table.options.response().acts_in_flight() {
         acts_in_flight(scene, table)?;
@@ -149,13 +150,35 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
+/// Whether walls that are hit, hard contacts and dashpots may act in the drifts of a method. SPOOK takes contacts of its own alone.
+pub(crate) fn flies_from_hit_to_hit(integrator: &Integrator) -> bool {
+    integrator.takes_hard_walls() && integrator.spec().name != spook::SPEC.name
+}
+
+/// Refuses the method SPOOK where it has nothing to solve for.
+fn spook_has_contacts(scene: &Scene, table: &ContactTable) -> Result<(), SceneError> {
+    let is_spook = scene.integrator.method.name() == spook::SPEC.name;
+    let has_contacts = matches!(table.options.response(), Response::Unilateral(_));
+    if !is_spook || has_contacts || scene.molecule.is_some() {
+        return Ok(());
+    }
+    Err(scene
+        .source
+        .refuse("integrator.kind", "has nothing to solve for")
+        .found(format!(
+            "{:?} with [contact] kind = {:?}",
+            spook::SPEC.name,
+            table.options.spec().name
+        ))
+        .allowed("[contact] kind = \"spook\", or another integrator"))
+}
+
 /// Refuses springs that are too stiff for the step of a stage: ω·h must stay below the limit of the method.
 fn springs_are_stable(scene: &Scene, table: &ContactTable) -> Result<(), SceneError> {
     let Response::Spring(law) = table.options.response() else {
         return Ok(());
     };
-    let masses = scene.mixture.iter().flat_map(|m| &m.species);
-    let lightest = masses.map(|s| s.mass).reduce(f64::min).unwrap_or(1.0);
+    let lightest = scene.lightest_mass();
     // Two of the lightest bodies have half the mass of one.
     let Some(omega) = law.frequency(0.5 * lightest) else {
         return Ok(());
@@ -184,24 +207,22 @@ fn springs_are_stable(scene: &Scene, table: &ContactTable) -> Result<(), SceneEr
 fn acts_in_flight(scene: &Scene, table: &ContactTable) -> Result<(), SceneError> {
     let source = &scene.source;
     let name = table.options.spec().name;
-    let is_hard = matches!(table.options.response(), Response::Impact { .. });
-    let key = if is_hard {
-        "contact.kind"
-    } else {
-        "contact.restitution"
+    let response = table.options.response();
+    let (key, what) = match response {
+        Response::Impact { .. } => ("contact.kind", "acts by impacts in drifts"),
+        Response::Unilateral(_) => ("contact.kind", "acts by impulses in the step of SPOOK"),
+        Response::Spring(_) => ("contact.restitution", "below 1 acts by a dashpot in drifts"),
     };
-    let what = match is_hard {
-        true => "acts by impacts in drifts",
-        false => "below 1 acts by a dashpot in drifts",
+    let suits = |integrator: &Integrator| match response {
+        Response::Unilateral(_) => integrator.spec().name == spook::SPEC.name,
+        Response::Impact { .. } | Response::Spring(_) => flies_from_hit_to_hit(integrator),
     };
     for stage in &scene.stages {
         let integrator = scene.method_of(stage);
-        if integrator.takes_hard_walls() {
+        if suits(&integrator) {
             continue;
         }
-        let fit = integrators()
-            .iter()
-            .filter(|entry| entry.build().takes_hard_walls());
+        let fit = integrators().iter().filter(|entry| suits(&entry.build()));
         let names: Vec<&str> = fit.map(|entry| entry.spec.name).collect();
         return Err(source
             .refuse(key, format!("{what}, which the method does not make"))
@@ -238,19 +259,27 @@ fn acts_in_flight(scene: &Scene, table: &ContactTable) -> Result<(), SceneError>
     };
     for (i, wall) in scene.walls.iter().enumerate() {
         let surface = wall.options.surface(&context, false);
-        let straight = surface
-            .rule()
-            .is_none_or(|rule| rule == lennard_forcefield::HitRule::OnLines);
-        if is_hard && !(straight && surface.dashpot().is_none()) {
+        let (message, rule, found, allowed) = match response {
+            Response::Spring(_) => continue,
+            Response::Impact { .. } => (
+                "does not go with hard contacts",
+                HitRule::OnLines,
+                "whose hits are not where a straight flight meets the plane",
+                "\"hard\" with response \"billiard\", \"thermal\", or a wall that only exerts a force",
+            ),
+            Response::Unilateral(_) => (
+                "does not go with contacts of SPOOK",
+                HitRule::ByContacts,
+                "which acts in drifts",
+                "\"hard\" with response = \"contact\", or a wall that only exerts a force",
+            ),
+        };
+        let fits = surface.rule().is_none_or(|own| own == rule);
+        if !(fits && surface.dashpot().is_none()) {
             return Err(source
-                .refuse(&format!("wall.{i}.kind"), "does not go with hard contacts")
-                .found(format!(
-                    "{:?}, whose hits are not where a straight flight meets the plane",
-                    wall.options.spec().name
-                ))
-                .allowed(
-                    "\"hard\" with response \"billiard\", \"thermal\", or a wall that only exerts a force",
-                ));
+                .refuse(&format!("wall.{i}.kind"), message)
+                .found(format!("{:?}, {found}", wall.options.spec().name))
+                .allowed(allowed));
         }
     }
     Ok(())

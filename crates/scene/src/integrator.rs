@@ -81,9 +81,9 @@ impl Reader<'_> {
             .iter()
             .filter(moves_fluids);
         let names: Vec<&str> = fit.map(|entry| entry.spec.name).collect();
-        // The bonds of molecules give SPOOK something to solve for; they are checked with it later.
-        let has_molecules = self.source.wrote("molecule");
-        let by_spook = has_molecules && method.name() == lennard_integrators::spook::SPEC.name;
+        // Bonds and contacts give SPOOK something to solve for; they are checked with it later.
+        let solves = self.source.wrote("molecule") || self.source.wrote("contact");
+        let by_spook = solves && method.name() == lennard_integrators::spook::SPEC.name;
         if by_spook || names.contains(&method.name()) {
             return Ok(());
         }

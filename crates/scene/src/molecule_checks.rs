@@ -191,10 +191,10 @@ fn suited_methods(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> 
 fn stable_springs(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> {
     // Bonds that share sites vibrate faster together than alone: a long chain √2 times as fast.
     let omega = molecule.bonds.frequency() * (0.5 * molecule.topology.stiffest()).sqrt();
-    let limit = scene.integrator.method.spec().stability_limit;
-    let limit = limit.unwrap_or(f64::INFINITY);
     for (i, stage) in scene.stages.iter().enumerate() {
-        let dt = scene.stage_dt(stage);
+        // A bath that stands inside the step takes the place of the integrator.
+        let limit = scene.method_of(stage).spec().stability_limit;
+        let (dt, limit) = (scene.stage_dt(stage), limit.unwrap_or(f64::INFINITY));
         if omega * dt < limit {
             continue;
         }

@@ -145,8 +145,8 @@ const BAROSTATS_LEFT_OUT: &[LeftOut] = &[
 
 const CONTACTS_LEFT_OUT: &[LeftOut] = &[
     LeftOut {
-        words: &["spook", "unilateral", "lcp", "complementarity"],
-        why: "no method of a scene solves for unilateral contacts: take `hard`, or `soft` for bodies that rest on each other",
+        words: &["unilateral", "lcp", "complementarity", "constraint"],
+        why: "its name here is `spook`",
     },
     LeftOut {
         words: &["penalty", "spring", "linear", "hertz", "hooke"],

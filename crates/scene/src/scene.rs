@@ -143,6 +143,12 @@ impl Scene {
         }
     }
 
+    /// The mass of the lightest species; 1 where particles are alike.
+    pub(crate) fn lightest_mass(&self) -> f64 {
+        let masses = self.mixture.iter().flat_map(|m| &m.species).map(|s| s.mass);
+        masses.reduce(f64::min).unwrap_or(1.0)
+    }
+
     /// The step of a stage in τ: its own, or the step of the integrator table.
     #[must_use]
     pub fn stage_dt(&self, stage: &Stage) -> f64 {

@@ -1,5 +1,6 @@
 //! The tables `[[wall]]` and `[field]`: what confines a fluid, and what must hold of it.
 
+use lennard_contacts::Response as Touch;
 use lennard_core::random::Streams;
 use lennard_core::{Axis, DVec3, Integrator, Masses, PeriodicBox};
 use lennard_forcefield::{
@@ -8,6 +9,7 @@ use lennard_forcefield::{
 use lennard_integrators::integrators;
 use lennard_observables::Surroundings;
 
+use crate::contact::flies_from_hit_to_hit;
 use crate::error::SceneError;
 use crate::read::Reader;
 use crate::reference::quoted;
@@ -291,8 +293,7 @@ fn springs_are_stable(scene: &Scene, i: usize, table: &WallTable) -> Result<(), 
     let Some(omega) = surface.frequency() else {
         return Ok(());
     };
-    let species = scene.mixture.iter().flat_map(|m| &m.species);
-    let lightest = species.map(|s| s.mass).fold(1.0, f64::min);
+    let lightest = scene.lightest_mass();
     let omega = omega / lightest.sqrt();
     for stage in &scene.stages {
         let limit = scene.method_of(stage).spec().stability_limit;
@@ -324,6 +325,14 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
         temperature: scene.system.temperature,
     };
     let surface = table.options.surface(&context, false);
+    let contact = scene.contact.as_ref();
+    if contact.is_some_and(|table| matches!(table.options.response(), Touch::Unilateral(_))) {
+        // Contacts of SPOOK refuse walls that do not go with them.
+        return Ok(());
+    }
+    if surface.rule() == Some(HitRule::ByContacts) {
+        return Err(without_contacts_of_spook(scene, i));
+    }
     let (rule, message) = match (surface.rule(), surface.dashpot()) {
         (Some(rule), _) => (
             rule,
@@ -337,7 +346,7 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
     };
     let suits = |integrator: &Integrator| {
         let kicks = integrator.spec().is_kick_drift_kick || !rule.needs_kick_drift_kick();
-        integrator.takes_hard_walls() && kicks
+        flies_from_hit_to_hit(integrator) && kicks
     };
     for stage in &scene.stages {
         let integrator = scene.method_of(stage);
@@ -370,4 +379,23 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
             .allowed("\"billiard\", or `system.n_atoms` = 1"));
     }
     Ok(())
+}
+
+/// What is said of planes that contacts are to solve for, where no contacts of SPOOK are.
+fn without_contacts_of_spook(scene: &Scene, i: usize) -> SceneError {
+    let found = match &scene.contact {
+        Some(table) => format!(
+            "\"contact\" with [contact] kind = {:?}",
+            table.options.spec().name
+        ),
+        None => "\"contact\" without `[contact]`".to_owned(),
+    };
+    scene
+        .source
+        .refuse(
+            &format!("wall.{i}.response"),
+            "is for planes that contacts of SPOOK solve for",
+        )
+        .found(found)
+        .allowed("[contact] kind = \"spook\", or response = \"billiard\"")
 }

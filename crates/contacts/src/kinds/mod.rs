@@ -4,6 +4,8 @@ use lennard_core::options::{Keys, OptionError, Options};
 use lennard_forcefield::ContactLaw;
 use serde::{Deserialize, Serialize};
 
+use crate::unilateral::UnilateralLaw;
+
 /// What a contact declares about itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct ContactSpec {
@@ -27,15 +29,17 @@ pub enum Response {
         /// Restitution e, from 0 to 1.
         restitution: f64,
     },
+    /// The step of SPOOK solves for the impulses of all that touch.
+    Unilateral(UnilateralLaw),
 }
 
 impl Response {
-    /// Whether the contact acts in flights: an impact, or a dashpot.
+    /// Whether the contact acts in flights: impacts, impulses or a dashpot.
     #[must_use]
     pub fn acts_in_flight(&self) -> bool {
         match self {
             Self::Spring(law) => law.is_damped(),
-            Self::Impact { .. } => true,
+            Self::Impact { .. } | Self::Unilateral(_) => true,
         }
     }
 }
@@ -50,6 +54,14 @@ pub trait Contact: Options + 'static {
 
     /// The contact with its options, in words.
     fn in_words(&self) -> String;
+
+    /// Whether the options go together; each alone lies in its range.
+    ///
+    /// # Errors
+    /// [`OptionError`] with the key that does not fit the others.
+    fn check_together(&self) -> Result<(), OptionError> {
+        Ok(())
+    }
 }
 
 /// Makes options, dispatch and lists from lines `file::Variant = "name",`.
@@ -96,7 +108,10 @@ macro_rules! list_of_contacts {
             /// [`OptionError`] with the key that is to blame.
             pub fn check(&self) -> Result<(), OptionError> {
                 match self {
-                    $(Self::$variant(contact) => contact.check(),)*
+                    $(Self::$variant(contact) => {
+                        contact.check()?;
+                        contact.check_together()
+                    })*
                 }
             }
 
@@ -122,6 +137,8 @@ list_of_contacts! {
     soft::Soft = "soft",
     /// Impacts in flight.
     hard::Hard = "hard",
+    /// Unilateral constraints.
+    spook::Spook = "spook",
 }
 
 /// Every contact that a scene may name.

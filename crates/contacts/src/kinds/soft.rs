@@ -1,25 +1,9 @@
-//! Bodies that are springs where they overlap.
+//! Bodies that are springs where they overlap: the spring of soft walls, with the same options.
 
-use lennard_forcefield::{ContactLaw, SMALLEST_SOFT_RESTITUTION, SpringLaw};
+pub use lennard_forcefield::Soft;
+use lennard_forcefield::SpringLaw;
 
 use super::{Contact, ContactSpec, Response};
-
-lennard_core::options! {
-    /// A spring between two bodies that overlap: F = k·δ or k·δ^{3/2} at the depth δ. With a restitution below 1 a dashpot takes
-    /// energy, which counts as heat.
-    ///
-    /// Two bodies of reduced mass m that meet with the speed v reach the depth v·√(m/k) (linear) or (5m·v²/(4k))^{2/5} (Hertz)
-    /// without a dashpot.
-    #[derive(Copy)]
-    pub struct Soft {
-        /// How the force grows with the depth.
-        law: SpringLaw = SpringLaw::Linear, Names(SpringLaw::names);
-        /// Stiffness k; in ε/σ^{5/2} for `hertz`.
-        stiffness: f64 = 1000.0, Positive, in "ε/σ²";
-        /// Restitution e of a hit: it sets the dashpot. The contact never pulls. `hard` contacts take any e from 0.
-        restitution: f64 = 1.0, Between(SMALLEST_SOFT_RESTITUTION, 1.0);
-    }
-}
 
 impl Contact for Soft {
     const SPEC: ContactSpec = ContactSpec {
@@ -30,7 +14,7 @@ impl Contact for Soft {
     };
 
     fn response(&self) -> Response {
-        Response::Spring(ContactLaw::new(self.law, self.stiffness, self.restitution))
+        Response::Spring(self.contact())
     }
 
     fn in_words(&self) -> String {

@@ -26,11 +26,28 @@ impl Rig {
         forces: ForceSum<NoForces>,
         dt: f64,
     ) -> Self {
+        Self::by(
+            &IntegratorOptions::default(),
+            system,
+            (cell, x, v),
+            forces,
+            dt,
+        )
+    }
+
+    /// Bodies under a method of the list.
+    pub(crate) fn by(
+        method: &IntegratorOptions,
+        system: System,
+        (cell, x, v): (PeriodicBox, Vec<DVec3>, Vec<DVec3>),
+        forces: ForceSum<NoForces>,
+        dt: f64,
+    ) -> Self {
         let mut rig = Self {
             system,
             state: State::new(cell, x, v),
             forces,
-            method: build(&IntegratorOptions::default()),
+            method: build(method),
             dt,
             heat: 0.0,
         };

@@ -3,7 +3,8 @@
 use lennard_contacts::{Bodies, Contacts, Response};
 use lennard_core::random::Streams;
 use lennard_core::{
-    Axis, Boundary, DVec3, Exclusions, Flight, ForceSum, ForceTerm, Masses, NoForces, System,
+    Axis, Boundary, DVec3, Exclusions, Flight, ForceSum, ForceTerm, Masses, NoForces, Persist,
+    StateArchive, System,
 };
 use lennard_forcefield::{ConstantField, SlitPlanes, WallContext, WallOptions, WallPair, Walls};
 
@@ -209,4 +210,48 @@ fn hard_bodies_bounce_off_held_ones_and_held_ones_stay() {
         x[1]
     );
     assert_eq!((x[0], v[2]), (DVec3::splat(2.0), DVec3::ZERO));
+}
+
+#[test]
+fn what_contacts_did_is_saved() {
+    let mut hard = spheres(of_kind("hard"));
+    let (mut x, mut v) = (
+        [DVec3::splat(3.0), DVec3::new(4.5, 3.0, 3.0)],
+        [DVec3::X, DVec3::ZERO],
+    );
+    fly(&mut hard, &mut x, &mut v, &Masses::Uniform(1.0), 1.0);
+    assert_eq!(hard.reading().impacts, 1);
+    let mut archive = StateArchive::default();
+    hard.save(&mut archive.writer());
+    let mut other = spheres(of_kind("hard"));
+    assert_ne!(other.reading(), hard.reading());
+    other.restore(&archive.reader()).unwrap();
+    assert_eq!(other.reading(), hard.reading());
+}
+
+#[test]
+fn a_wall_at_a_temperature_lets_no_body_rest_however_hard_it_is_pressed() {
+    let cell = cube(8.0);
+    let planes = SlitPlanes::new(&cell, 2, 2.0, 0.0);
+    let thermal = WallOptions::all()
+        .into_iter()
+        .find(|wall| wall.spec().name == "thermal")
+        .unwrap();
+    let pair = WallPair::new(&thermal, planes, &WallContext { temperature: 1e-4 });
+    let walls = Walls::new(vec![pair], Streams::new(1).noise("walls"));
+    let mut contacts = Contacts::new(hard(0.5), Bodies::alike(1.0, Exclusions::NONE), Some(walls));
+    let (mut x, mut v) = ([DVec3::new(4.0, 4.0, 1.0)], [DVec3::NEG_Z]);
+    let heat = contacts.boundary().unwrap().fly(Flight {
+        cell: &cell,
+        positions: &mut x,
+        velocities: &mut v,
+        // A kick of 2 σ/τ, more than the body is fast.
+        forces: &[DVec3::new(0.0, 0.0, -20.0)],
+        masses: &Masses::Uniform(1.0),
+        h: 0.1,
+        step: 0,
+        is_later: false,
+    });
+    assert!(v[0].z > 0.0 && v[0].z < 0.1, "{}", v[0]);
+    assert!((heat - 0.5 * (v[0].length_squared() - 1.0)).abs() < 1e-15);
 }

@@ -3,3 +3,4 @@
 mod common;
 mod hard;
 mod soft;
+mod unilateral;

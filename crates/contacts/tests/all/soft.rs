@@ -3,7 +3,7 @@
 use lennard_contacts::{Bodies, Contacts, Response};
 use lennard_core::{
     Configuration, DMat3, DVec3, Exclusions, ForceError, ForceTerm, Masses, Part, PeriodicBox,
-    Persist, StateArchive, System, Want,
+    System, Want,
 };
 use lennard_forcefield::{ContactLaw, SpringLaw};
 
@@ -185,14 +185,4 @@ fn the_ends_of_a_bond_and_bodies_of_two_species_touch_as_they_should() {
     assert_eq!(bodies.largest(), 1.0);
     let mut unlike = Contacts::new(response, bodies, None);
     assert!((energy(&mut unlike, &cell, &x) - 200.0 * 0.01).abs() < 1e-12);
-}
-
-#[test]
-fn what_contacts_did_is_saved() {
-    let mut archive = StateArchive::default();
-    let hard = spheres(of_kind("hard"));
-    hard.save(&mut archive.writer());
-    let mut other = spheres(of_kind("hard"));
-    other.restore(&archive.reader()).unwrap();
-    assert_eq!(other.reading(), hard.reading());
 }

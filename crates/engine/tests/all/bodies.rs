@@ -119,9 +119,42 @@ fn a_stack_at_rest_sinks_in_by_the_weight_above_over_the_stiffness() {
         };
         let wanted = -weight * (5 - i) as f64;
         assert!((gap / wanted - 1.0).abs() < 1e-6, "{i}: {gap} {wanted}");
-        assert!(run.state.velocities[i].length() < 1e-8);
+        let v = run.state.velocities[i];
+            assert!(v.length() < 1e-8, "{v}");
     }
     assert!((floor.force / 5.0 - 1.0).abs() < 1e-6, "{floor:?}");
+}
+
+#[test]
+fn a_stack_of_spook_carries_its_weight_and_sinks_in_by_the_compliance_times_its_forces() {
+    let mut impulses = [0.0; 2];
+    for (impulse, steps) in impulses.iter_mut().zip(["16000", "18000"]) {
+        let run = of_inputs("stack-spook", &[("stage.0.steps", steps)]);
+        let floor = lennard_core::ForceTerm::walls(run.forces.as_ref())[0];
+        *impulse = floor.impulse;
+        let x = &run.state.positions;
+        for i in 0..5 {
+            let gap = match i {
+                0 => x[0].z - floor.position,
+                _ => x[i].z - x[i - 1].z - 1.0,
+            };
+            let wanted = -0.001 * (5 - i) as f64;
+            assert!((gap / wanted - 1.0).abs() < 1e-8, "{i}: {gap} {wanted}");
+            let v = run.state.velocities[i];
+            assert!(v.length() < 1e-8, "{v}");
+        }
+    }
+    // 2000 steps of 0.005 τ.
+    let weight = (impulses[1] - impulses[0]) / 10.0;
+    assert!((weight / 5.0 - 1.0).abs() < 1e-10, "{weight}");
+}
+
+#[test]
+fn a_row_of_spook_follows_newtons_rule_for_all_contacts_at_once() {
+    let run = of_inputs("cradle-spook", &[]);
+    for (v, wanted) in speeds(&run).iter().zip([-0.6, 0.4, 0.4, 0.4, 0.4]) {
+        assert!((v - wanted).abs() < 1e-13, "{v} {wanted}");
+    }
 }
 
 #[test]

@@ -352,7 +352,7 @@ fn every_wall_goes_on_to_the_bit() {
 }
 
 /// Contacts of every kind, as overrides of the liquid.
-const CONTACTS: [(&str, &[(&str, &str)]); 4] = [
+const CONTACTS: [(&str, &[(&str, &str)]); 6] = [
     ("soft", &[("contact.stiffness", "200.0")]),
     (
         "soft",
@@ -360,6 +360,16 @@ const CONTACTS: [(&str, &[(&str, &str)]); 4] = [
     ),
     ("hard", &[("contact.restitution", "0.9")]),
     ("hard", &[("wall", "[{kind=\"thermal\"}]")]),
+    ("spook", &[("integrator.kind", "spook")]),
+    (
+        "spook",
+        &[
+            ("integrator.kind", "spook"),
+            ("contact.restitution", "0.6"),
+            ("contact.sweeps", "20"),
+            ("wall", "[{kind=\"hard\", response=\"contact\"}]"),
+        ],
+    ),
 ];
 
 #[test]
@@ -368,7 +378,12 @@ fn every_contact_goes_on_to_the_bit_between_walls_too() {
         assert!(CONTACTS.iter().any(|(kind, _)| *kind == spec.name));
     }
     for (kind, more) in CONTACTS {
-        for bath in ["bussi", "langevin"] {
+        // The bath of Langevin takes the place of the method that solves for contacts.
+        let baths = match kind {
+            "spook" => &["bussi"][..],
+            _ => &["bussi", "langevin"],
+        };
+        for bath in baths {
             let scene = [
                 ("contact.kind", kind),
                 ("contact.diameter", "0.9"),

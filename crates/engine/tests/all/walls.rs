@@ -309,6 +309,44 @@ fn a_ball_that_lost_its_energy_rests_and_the_wall_carries_its_weight() {
 }
 
 #[test]
+fn a_ball_at_rest_on_a_wall_that_takes_energy_counts_no_heat() {
+    let h = 0.01;
+    for options in [
+        "kind = \"hard\"\nrestitution = 0.5",
+        "kind = \"hard\"\nrestitution = 0.0",
+        "kind = \"hard\"\nresponse = \"event\"\nrestitution = 0.5",
+        "kind = \"hard\"\nresponse = \"project\"",
+        "kind = \"hard\"\nresponse = \"mirror\"\nrestitution = 0.5",
+    ] {
+        let (mut state, mut forces, system) = ball(options, h);
+        // The mirror gains energy at each bounce: a ball that lies still stays, and one that bounces hops on.
+        let lies_still = options.contains("mirror");
+        if lies_still {
+            state.positions[0].z = 2.0;
+        }
+        let mut method = method();
+        method
+            .start(&system, &mut state, &mut forces, h, Want::ENERGY)
+            .unwrap();
+        let (mut heat, mut halfway) = (0.0, (0.0, 0.0));
+        for step in 0..4000 {
+            if step == 2000 {
+                halfway = (heat, forces.walls()[0].impulse);
+            }
+            let stepped = method.step(&system, &mut state, &mut forces, h, Want::ENERGY);
+            heat += stepped.unwrap().heat;
+        }
+        assert_eq!(heat, halfway.0, "{options}: {}", heat - halfway.0);
+        assert_eq!(state.positions[0].z, 2.0, "{options}");
+        let weight = (forces.walls()[0].impulse - halfway.1) / 20.0;
+        assert!((weight - 1.0).abs() < 1e-12, "{options}: {weight}");
+        // All that the ball had is heat now: 1 ε, to a few kicks of a step at the speed of the first hit.
+        let had = if lies_still { 0.0 } else { 1.0 };
+        assert!((heat + had).abs() < 4.0 * h, "{options}: {heat}");
+    }
+}
+
+#[test]
 fn a_particle_through_a_soft_wall_fails_with_the_wall_and_the_cause() {
     let mut simulation = build(&[("wall", "[{kind=\"soft\", stiffness=5.0}]")]);
     let error = simulation.run(&mut Unfollowed).unwrap_err().to_string();

@@ -8,7 +8,7 @@ use super::{HitRule, Surface, Walls};
 impl Walls {
     /// Whether a wall mirrors or projects at the end of a flight.
     pub(super) fn acts_at_end(&self) -> bool {
-        self.any_surface(|s| s.rule().is_some_and(|rule| !rule.is_on_the_way()))
+        self.any_surface(|s| s.rule().is_some_and(HitRule::is_at_end))
     }
 
     /// Whether a wall has a dashpot.
@@ -24,18 +24,19 @@ impl Walls {
 
     /// Mirrors or projects one particle that has flown from `start` to `x` in a time h; returns the kinetic energy put in.
     ///
-    /// The velocity of kick-drift-kick lacks its closing half kick here. The mirror takes the whole-step velocity v + `half_kick`,
-    /// which is exact in a constant field, and leaves v′ − `half_kick`.
+    /// The velocity of kick-drift-kick lacks its closing half kick here. The mirror takes the whole-step velocity v + `kick`/2,
+    /// which is exact in a constant field, and leaves v′ − `kick`/2. A particle that the kick of the step alone, σ/τ, pressed to a
+    /// plane that takes energy rests there, and no heat is counted.
     pub(super) fn end_one(
         &mut self,
         (start, x): (DVec3, &mut DVec3),
         v: &mut DVec3,
-        half_kick: DVec3,
+        kick: DVec3,
         h: f64,
         mass: f64,
         random: &mut CounterRng,
     ) -> f64 {
-        let mut heat = 0.0;
+        let (half_kick, mut heat) = (0.5 * kick, 0.0);
         for index in 0..self.readings.len() {
             let (pair, end) = (&self.pairs[index / 2], index % 2);
             let (Some(rule), z) = (pair.surfaces[end].rule(), pair.distances(*x)[end]) else {
@@ -50,6 +51,11 @@ impl Walls {
                 HitRule::Mirrored { restitution } => {
                     x[axis] = reading.position + outward * restitution * z;
                     v[axis] += half_kick[axis];
+                    if self.rests(index, outward * v[axis], kick) {
+                        x[axis] = reading.position;
+                        self.take_momentum(index, outward * mass * v[axis]);
+                        v[axis] = 0.0;
+                    }
                     if outward * v[axis] > 0.0 {
                         let before = v.length_squared();
                         self.strike(index, v, mass, random);
@@ -61,12 +67,15 @@ impl Walls {
                     let before = v[axis];
                     x[axis] = reading.position;
                     v[axis] = (x[axis] - start[axis]) / h;
+                    let rests = self.rests(index, outward * before, kick);
                     let reading = &mut self.readings[index];
                     reading.impulse += outward * mass * (before - v[axis]);
-                    reading.hits += 1;
-                    heat += 0.5 * mass * (v[axis] * v[axis] - before * before);
+                    if !rests {
+                        reading.hits += 1;
+                        heat += 0.5 * mass * (v[axis] * v[axis] - before * before);
+                    }
                 }
-                HitRule::OnLines | HitRule::OnParabolas => {}
+                HitRule::OnLines | HitRule::OnParabolas | HitRule::ByContacts => {}
             }
         }
         heat

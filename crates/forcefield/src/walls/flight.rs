@@ -7,6 +7,8 @@ use super::{Hit, HitRule, SlitPlanes, Surface, WallPair, Walls};
 
 /// Hits of one particle in one flight, after which it rests at the plane.
 pub(super) const MOST_HITS: usize = 16;
+/// A particle that arrives by no more than so many kicks of the flight rests at a plane that takes energy.
+const KICKS_OF_REST: f64 = 1.0 + 1e-9;
 
 impl Walls {
     /// Flies one particle over `h` τ; returns the kinetic energy that hits put in.
@@ -15,7 +17,7 @@ impl Walls {
         x: &mut DVec3,
         v: &mut DVec3,
         mass: f64,
-        h: f64,
+        (kick, h): (DVec3, f64),
         random: &mut CounterRng,
     ) -> f64 {
         let end = *x + h * *v;
@@ -26,8 +28,7 @@ impl Walls {
             *x = end;
             return 0.0;
         }
-        let before = v.length_squared();
-        let mut left = h;
+        let (mut left, mut heat) = (h, 0.0);
         for _ in 0..MOST_HITS {
             let Some((time, index)) = self.next_hit(*x, *v, left) else {
                 break;
@@ -35,17 +36,16 @@ impl Walls {
             *x += time * *v;
             x[self.readings[index].axis] = self.readings[index].position;
             left -= time;
-            self.strike(index, v, mass, random);
+            heat += self.hit(index, v, mass, kick, random);
         }
         if let Some((_, index)) = self.next_hit(*x, *v, left) {
             // Too many hits: the particle rests at the plane.
-            let reading = self.readings[index];
-            self.take_momentum(index, reading.outward() * mass * v[reading.axis]);
-            v[reading.axis] = 0.0;
+            heat -= 0.5 * mass * v[self.readings[index].axis].powi(2);
+            self.stop(index, v, mass);
         }
         *x += left * *v;
         self.clamp_between_planes(x);
-        0.5 * mass * (v.length_squared() - before)
+        heat
     }
 
     /// The next hit of a particle that flies straight from `x` (σ) with `v` (σ/τ) for `left` τ. It gives the time until then, τ, and
@@ -58,12 +58,6 @@ impl Walls {
         })
     }
 
-    /// Whether hits happen at other places than where a straight flight meets a plane.
-    #[must_use]
-    pub fn bend_flights(&self) -> bool {
-        self.follows_parabolas() || self.acts_at_end() || self.has_dashpots()
-    }
-
     /// Random numbers of a particle in a flight that begins after `step` steps; a second flight of a step draws others.
     #[must_use]
     pub fn noise_of(&self, particle: usize, step: u64, is_later: bool) -> CounterRng {
@@ -74,6 +68,44 @@ impl Walls {
     /// Counts the momentum, m·σ/τ along the outward normal, that a particle hands to a plane where it comes to rest.
     pub fn take_momentum(&mut self, index: usize, momentum: f64) {
         self.readings[index].impulse += momentum;
+    }
+
+    /// Takes the speed across a plane off a particle, and hands the momentum to the wall.
+    fn stop(&mut self, index: usize, v: &mut DVec3, mass: f64) {
+        let reading = self.readings[index];
+        self.take_momentum(index, reading.outward() * mass * v[reading.axis]);
+        v[reading.axis] = 0.0;
+    }
+
+    /// Whether a particle that arrives at a plane with an outward speed rests there, where forces have given it the change of
+    /// velocity `kick` in the time of its flight.
+    ///
+    /// It rests where the plane takes energy and the kick alone has brought the speed. That kick did no work on a particle at rest.
+    pub(super) fn rests(&self, index: usize, towards: f64, kick: DVec3) -> bool {
+        let reading = &self.readings[index];
+        let takes_energy = self.surface(index).restitution().is_some_and(|e| e < 1.0);
+        takes_energy && towards <= KICKS_OF_REST * reading.outward() * kick[reading.axis]
+    }
+
+    /// The hit of a particle at a plane: it bounces, or it rests where the `kick` of the flight alone, σ/τ, pressed it there.
+    ///
+    /// Returns the kinetic energy put in, ε: nothing where it rests.
+    pub fn hit(
+        &mut self,
+        index: usize,
+        v: &mut DVec3,
+        mass: f64,
+        kick: DVec3,
+        random: &mut CounterRng,
+    ) -> f64 {
+        let reading = &self.readings[index];
+        if self.rests(index, reading.outward() * v[reading.axis], kick) {
+            self.stop(index, v, mass);
+            return 0.0;
+        }
+        let before = v.length_squared();
+        self.strike(index, v, mass, random);
+        0.5 * mass * (v.length_squared() - before)
     }
 
     /// Gives a particle at a plane the velocity after the hit, and the wall the momentum.
@@ -147,17 +179,17 @@ impl Boundary for Walls {
             }
             let (mass, h) = (flight.masses.of(i), flight.h);
             let mut random = self.noise_of(i, flight.step, flight.is_later);
-            let (start, half_kick) = (*x, 0.5 * h / mass * *force);
+            let (start, kick) = (*x, h / mass * *force);
             if is_damped {
                 heat += self.damp(*x, v, mass, 0.5 * h);
             }
             heat += if along_parabolas {
                 self.fall_one(x, v, mass, *force / mass, h, &mut random)
             } else {
-                self.fly_one(x, v, mass, h, &mut random)
+                self.fly_one(x, v, mass, (kick, h), &mut random)
             };
             if acts_at_end {
-                heat += self.end_one((start, x), v, half_kick, h, mass, &mut random);
+                heat += self.end_one((start, x), v, kick, h, mass, &mut random);
             }
             if is_damped {
                 heat += self.damp(*x, v, mass, 0.5 * h);

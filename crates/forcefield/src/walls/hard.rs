@@ -19,6 +19,8 @@ lennard_core::choices! {
         Mirror = "mirror",
         /// At the end of the drift: back to the plane, and Verlet's velocity of the displacement.
         Project = "project",
+        /// As a contact of SPOOK: `[contact] kind = "spook"` solves for it in its step.
+        Contact = "contact",
     }
 }
 
@@ -31,9 +33,12 @@ lennard_core::options! {
     ///
     /// With `mirror` a step ends first, and then position and velocity are mirrored. In a field each bounce gains 2g·|x|. With
     /// `project` a position behind the plane is moved to the plane, and its velocity becomes (x' − x)/h: e is 0.
+    ///
+    /// With `contact` the planes are contacts of SPOOK, as bodies are to each other. Where e is below 1, a particle that the kick of
+    /// one step alone pressed to a plane rests there. No heat is counted then.
     #[derive(Copy)]
     pub struct Hard {
-        /// What happens at a hit; `event` for one particle under velocity Verlet alone, `mirror` under velocity Verlet.
+        /// What happens at a hit; `event` for one particle under velocity Verlet alone, `mirror` under velocity Verlet, `contact` beside contacts of SPOOK.
         response: Response = Response::Billiard, Names(Response::names);
         /// Restitution e: the share of the normal speed that a particle keeps at a hit. Below 1 the hits take energy out, which counts as heat.
         restitution: Option<f64> = None, else "1; 0 with `project`", Between(0.0, 1.0);
@@ -44,7 +49,7 @@ impl Hard {
     fn kept_share(&self) -> f64 {
         let usual = match self.response {
             Response::Project => 0.0,
-            Response::Billiard | Response::Event | Response::Mirror => 1.0,
+            Response::Billiard | Response::Event | Response::Mirror | Response::Contact => 1.0,
         };
         self.restitution.unwrap_or(usual)
     }
@@ -95,6 +100,11 @@ impl Rebound for Hard {
                 restitution: self.kept_share(),
             },
             Response::Project => HitRule::Projected,
+            Response::Contact => HitRule::ByContacts,
         }
+    }
+
+    fn restitution(&self) -> Option<f64> {
+        Some(self.kept_share())
     }
 }

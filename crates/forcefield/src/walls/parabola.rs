@@ -50,7 +50,8 @@ impl Walls {
             self.strike(index, v, mass, random);
             let pull = outward * free[axis];
             // The next flight would be shorter than two steps, or there are too many in this one.
-            let loses = v.length_squared() < before && v[axis].abs() < pull * h;
+            let loses = self.surface(index).restitution().is_some_and(|e| e < 1.0)
+                && v[axis].abs() < pull * h;
             if pull > 0.0 && (loses || hits >= MOST_HITS) {
                 self.readings[index].impulse += mass * (pull * left + outward * v[axis]);
                 v[axis] = 0.0;

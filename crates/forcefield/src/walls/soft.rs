@@ -6,23 +6,25 @@ use super::{Surface, Wall, WallContext, WallForce, WallPoint, WallSpec};
 use crate::contact_law::{ContactLaw, SMALLEST_SOFT_RESTITUTION, SpringLaw};
 
 lennard_core::options! {
-    /// A spring behind the plane: F = k·δ or k·δ^{3/2} at depth δ = −z > 0, and nothing before it. With a restitution below 1 a
-    /// dashpot takes energy, which counts as heat.
+    /// A spring that pushes apart what overlaps: F = k·δ or k·δ^{3/2} at depth δ. At a wall it is the depth behind the plane, for two
+    /// bodies the overlap. With a restitution below 1 a dashpot takes energy, which counts as heat.
     ///
-    /// A particle of speed v reaches the depth v·√(m/k) (linear) or (5m·v²/(4k))^{2/5} (Hertz) without a dashpot.
+    /// At the speed v and the mass m, reduced for two bodies, the depth is v·√(m/k) (linear) or (5m·v²/(4k))^{2/5} (Hertz) without a dashpot.
     #[derive(Copy)]
     pub struct Soft {
         /// How the force grows with the depth.
         law: SpringLaw = SpringLaw::Linear, Names(SpringLaw::names);
         /// Stiffness k; in ε/σ^{5/2} for `hertz`.
         stiffness: f64 = 1000.0, Positive, in "ε/σ²";
-        /// Restitution e of a hit: it sets the dashpot. The contact never pulls. `hard` walls take any e from 0.
+        /// Restitution e of a hit: it sets the dashpot. The contact never pulls. `hard` takes any e from 0.
         restitution: f64 = 1.0, Between(SMALLEST_SOFT_RESTITUTION, 1.0);
     }
 }
 
 impl Soft {
-    fn contact(&self) -> ContactLaw {
+    /// The spring with its dashpot.
+    #[must_use]
+    pub fn contact(&self) -> ContactLaw {
         ContactLaw::new(self.law, self.stiffness, self.restitution)
     }
 }

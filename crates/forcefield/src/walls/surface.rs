@@ -70,6 +70,8 @@ pub enum HitRule {
     },
     /// At the end of the drift: the position moves to the plane, and the velocity is the displacement over the time.
     Projected,
+    /// In no flight: whoever solves for the contacts of bodies solves for this plane too. Walls alone let particles pass it.
+    ByContacts,
 }
 
 impl HitRule {
@@ -77,6 +79,12 @@ impl HitRule {
     #[must_use]
     pub fn is_on_the_way(self) -> bool {
         matches!(self, Self::OnLines | Self::OnParabolas)
+    }
+
+    /// Whether hits happen at the end of the flight.
+    #[must_use]
+    pub fn is_at_end(self) -> bool {
+        matches!(self, Self::Mirrored { .. } | Self::Projected)
     }
 
     /// Whether the rule is made for steps of kick-drift-kick alone.
@@ -98,6 +106,16 @@ pub trait Rebound: Debug + Send + Sync {
     fn rule(&self) -> HitRule {
         HitRule::OnLines
     }
+
+    /// The share of its normal speed that a particle keeps; `None` where the wall gives it a speed of its own.
+    fn restitution(&self) -> Option<f64> {
+        None
+    }
+
+    /// The temperature from which the wall draws velocities, ε/k_B; `None` where it draws none.
+    fn temperature(&self) -> Option<f64> {
+        None
+    }
 }
 
 /// What a wall does to particles.
@@ -115,6 +133,24 @@ impl Surface {
     pub fn rule(&self) -> Option<HitRule> {
         match self {
             Self::Hit(wall) => Some(wall.rule()),
+            Self::Exerts(_) => None,
+        }
+    }
+
+    /// The share of its normal speed that a particle keeps at a hit; `None` where the wall is not hit or gives a speed of its own.
+    #[must_use]
+    pub fn restitution(&self) -> Option<f64> {
+        match self {
+            Self::Hit(wall) => wall.restitution(),
+            Self::Exerts(_) => None,
+        }
+    }
+
+    /// The temperature from which a wall draws velocities at hits, ε/k_B; `None` where it draws none.
+    #[must_use]
+    pub fn temperature(&self) -> Option<f64> {
+        match self {
+            Self::Hit(wall) => wall.temperature(),
             Self::Exerts(_) => None,
         }
     }

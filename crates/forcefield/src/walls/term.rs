@@ -125,6 +125,12 @@ impl Walls {
         }
     }
 
+    /// What the plane with this index in [`ForceTerm::walls`] does to particles.
+    #[must_use]
+    pub fn surface(&self, index: usize) -> &Surface {
+        &self.pairs[index / 2].surfaces[index % 2]
+    }
+
     /// Force of all walls on a particle at `r`, ε/σ.
     #[must_use]
     fn force_of_all(&self, r: DVec3) -> DVec3 {

@@ -59,4 +59,8 @@ impl Rebound for Heated {
     fn drags(&self) -> bool {
         true
     }
+
+    fn temperature(&self) -> Option<f64> {
+        Some(self.temperature)
+    }
 }

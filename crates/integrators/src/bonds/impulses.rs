@@ -4,16 +4,7 @@ use lennard_core::rigid::{BondEquations, add_along_bonds, bond_vectors, equation
 use lennard_core::tasks::for_each_item;
 use lennard_core::{DVec3, MOLECULES_PER_TASK, Masses, System, Topology};
 
-use crate::regularisation::Regularisation;
-
-/// The damping of constraints.
-#[derive(Debug, Clone, Copy)]
-pub enum Damping {
-    /// A time τ.
-    Time(f64),
-    /// A number of time steps.
-    Steps(f64),
-}
+use crate::regularisation::Damping;
 
 /// The bonds of molecules, for the method that solves for them in its step.
 #[derive(Debug, Clone)]
@@ -78,11 +69,7 @@ impl SpookBonds {
             return;
         };
         let bonds = topology.bonds();
-        let time = match self.damping {
-            Damping::Time(time) => time,
-            Damping::Steps(steps) => steps * dt,
-        };
-        let regular = Regularisation::new(self.compliance, time, dt);
+        let regular = self.damping.regularised(self.compliance, dt);
         let sites = topology.sites();
         let tasks = v.chunks_mut(sites * MOLECULES_PER_TASK);
         for_each_item(tasks, |space: &mut Space, task, velocities| {

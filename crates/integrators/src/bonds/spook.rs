@@ -3,8 +3,9 @@
 use lennard_core::options::OptionError;
 use lennard_core::{Bonds, Molecules};
 
-use super::impulses::{Damping, SpookBonds};
+use super::impulses::SpookBonds;
 use super::{BondHolder, BondMethod, BondSpec};
+use crate::regularisation::Damping;
 
 lennard_core::options! {
     /// Options of SPOOK's bonds.
@@ -37,24 +38,11 @@ impl BondMethod for Options {
     }
 
     fn build(&self, _molecules: &Molecules) -> BondHolder {
-        let damping = match self.damping_time {
-            Some(time) => Damping::Time(time),
-            None => Damping::Steps(self.damping_steps),
-        };
+        let damping = Damping::new(self.damping_steps, self.damping_time);
         BondHolder::Spook(SpookBonds::new(self.compliance, damping, self.sweeps))
     }
 
-    /// Without compliance and damping the one-step map of a rigid bond is a Jordan block: |x_n| grows as 2n + 1.
     fn check_together(&self) -> Result<(), OptionError> {
-        let undamped = self.damping_time.unwrap_or(self.damping_steps) == 0.0;
-        if self.compliance == 0.0 && undamped {
-            return Err(OptionError {
-                key: "compliance",
-                found: "0 without damping, which is unstable: errors grow with each step"
-                    .to_owned(),
-                allowed: "damping_steps of at least 0.5, or a compliance above 0".to_owned(),
-            });
-        }
-        Ok(())
+        Damping::new(self.damping_steps, self.damping_time).suits(self.compliance)
     }
 }

@@ -71,6 +71,9 @@ fn with_method(table: &str, kind: &str) -> Scene {
         }
         "observable" => format!("[[observable]]\nkind = \"{kind}\"\n"),
         "bonds" => return molecular(kind),
+        "contact" if kind == "spook" => {
+            "[contact]\nkind = \"spook\"\n[integrator]\nkind = \"spook\"\n".to_owned()
+        }
         "potential" if kind == "table" => format!(
             "[potential]\nkind = \"table\"\ntail_exponent = 6\nfile = \"{}/../../inputs/potential/lennard-jones.table\"\n",
             env!("CARGO_MANIFEST_DIR")

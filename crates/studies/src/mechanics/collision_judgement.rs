@@ -173,7 +173,35 @@ fn contacts(found: &MechanicsFound) -> Vec<Claim> {
             "B1: with an impact stage before it the restitution is what was set",
             "largest difference from e = 0.4 over phases",
             1e-12,
-            c.with_impact_stage,
+            c.unilateral.restitution.abs(),
+        ),
+        below(
+            OURS,
+            "B1: under unilateral contacts of SPOOK a stack at rest sinks in by compliance × force",
+            "largest relative deviation of five depths, ε = 10⁻³ σ²/ε",
+            1e-8,
+            c.unilateral.sunk,
+        ),
+        below(
+            OURS,
+            "B1: and the floor carries its weight",
+            "relative deviation over 2000 steps",
+            1e-10,
+            c.unilateral.weight.abs(),
+        ),
+        below(
+            OURS,
+            "B1: with e = 1 a ball in gravity keeps its energy for ever",
+            "largest |E/E₀ − 1| with velocities that belong to the positions",
+            1e-9,
+            c.unilateral.energy,
+        ),
+        near(
+            OURS,
+            "B1: a sweep of projected Gauss–Seidel over a stack of n lowers the error by cos²(π/(2n))",
+            "factor at n = 10",
+            (c.unilateral.sweep[1], 0.01 * c.unilateral.sweep[1], ROUNDING),
+            c.unilateral.sweep[0],
         ),
     ]);
     all

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::ball::{Ball, PLANE, SIDE};
 use super::cradle::{Cradle, cradles, spook_rebound, stack};
+use super::unilateral::{self, Unilateral};
 use crate::StudyError;
 
 /// Stiffness of soft walls, ε/σ²: ω = 20 τ⁻¹.
@@ -73,8 +74,8 @@ pub struct Collisions {
     pub stack: f64,
     /// The largest rebound of a contact of SPOOK alone over phases, over the speed: at τ = 0 and at τ = 2h.
     pub spook_alone: [f64; 2],
-    /// The same with the impact stage at e = 0.4, farthest from 0.4.
-    pub with_impact_stage: f64,
+    /// Contacts of SPOOK in whole steps.
+    pub unilateral: Unilateral,
 }
 
 fn soft(law: SpringLaw, restitution: f64) -> WallOptions {
@@ -274,8 +275,7 @@ pub(crate) fn measure(quick: bool) -> Result<Collisions, StudyError> {
         ("mirror", Response::Mirror, 1.0),
         ("project", Response::Project, 0.0),
     ];
-    let largest = |damping| spook_rebound(damping, None).fold(0.0, f64::max);
-    let off = spook_rebound(2.0, Some(0.4)).map(|v| (v - 0.4).abs());
+    let largest = |damping| spook_rebound(damping).fold(0.0, f64::max);
     Ok(Collisions {
         stiff: stiff(quick)?,
         damped: damped(quick)?,
@@ -290,6 +290,6 @@ pub(crate) fn measure(quick: bool) -> Result<Collisions, StudyError> {
         cradles: cradles()?,
         stack: stack(),
         spook_alone: [largest(0.0), largest(2.0)],
-        with_impact_stage: off.fold(0.0, f64::max),
+        unilateral: unilateral::measure(quick)?,
     })
 }

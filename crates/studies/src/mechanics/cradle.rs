@@ -2,7 +2,8 @@
 
 use lennard_core::{DVec3, Masses};
 use lennard_forcefield::{ContactLaw, SpringLaw};
-use lennard_integrators::contacts::{self, Contact};
+use lennard_integrators::contacts::{self, Contact, Solver};
+use lennard_integrators::spook::Regularisation;
 use serde::Serialize;
 
 use super::rig::{Case, Few, Rig};
@@ -116,8 +117,8 @@ pub(crate) fn stack() -> f64 {
     off.fold(0.0, f64::max)
 }
 
-/// The largest rebound of SPOOK's contact over phases, at a damping in steps, and with the impact stage.
-pub(crate) fn spook_rebound(damping: f64, impact: Option<f64>) -> impl Iterator<Item = f64> {
+/// The rebounds of SPOOK's contact alone over phases, at a damping in steps.
+pub(crate) fn spook_rebound(damping: f64) -> impl Iterator<Item = f64> {
     let h = 0.01;
     (1..=100).map(move |k| {
         let contact = [Contact {
@@ -127,15 +128,9 @@ pub(crate) fn spook_rebound(damping: f64, impact: Option<f64>) -> impl Iterator<
             gap: -f64::from(k) / 100.0 * h,
         }];
         let (masses, mut v) = (Masses::Uniform(1.0), [DVec3::NEG_Z]);
-        match impact {
-            Some(e) => {
-                contacts::impacts_at_once(&contact, &masses, &mut v, e);
-            }
-            None => {
-                let constants = (0.0, damping * h);
-                contacts::spook_contacts(&contact, &masses, &mut v, &[DVec3::ZERO], constants, h);
-            }
-        }
+        let regular = Regularisation::new(0.0, damping * h, h);
+        let (still, exact) = ([DVec3::ZERO], Solver::Exact);
+        contacts::spook_contacts(&contact, &masses, &mut v, &still, regular, h, exact);
         v[0].z
     })
 }

@@ -21,6 +21,7 @@ pub mod pressure;
 pub mod relaxing;
 mod rig;
 mod tables;
+pub mod unilateral;
 mod ways;
 
 use std::path::Path;

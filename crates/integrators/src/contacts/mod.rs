@@ -1,9 +1,13 @@
 //! Contacts of few bodies: impacts with a restitution, in turn or all at once, forces of bodies at rest, and SPOOK's contacts.
 //!
 //! Contact c has the unit normal n from its first body to its second, the gap g, and the rate G·v = n·(v_second − v_first).
-//! All problems are complementary: 0 ≤ λ ⊥ A·λ + b ≥ 0 with A = G·M⁻¹·Gᵀ. Projected Gauss–Seidel solves them.
+//! All problems are complementary: 0 ≤ λ ⊥ A·λ + b ≥ 0 with A = G·M⁻¹·Gᵀ ([`Problem`]).
+
+mod complementary;
 
 use lennard_core::{DVec3, Masses};
+
+pub use complementary::{Problem, Solution, Solver, groups};
 
 use crate::regularisation::Regularisation;
 
@@ -20,10 +24,6 @@ pub struct Contact {
     pub gap: f64,
 }
 
-/// Changes smaller than this share of the largest rate are rounding of a sum over few contacts.
-const ROUNDED_SUM: f64 = 4.0 * f64::EPSILON;
-/// Sweeps after which a solution is taken as it is.
-const MOST_SWEEPS: usize = 200_000;
 /// Impacts in turn after which bodies are taken to rest on each other.
 const MOST_IMPACTS: usize = 100_000;
 /// Approach slower than this share of the fastest is rounding.
@@ -60,34 +60,6 @@ impl Contact {
     }
 }
 
-/// The solution λ of 0 ≤ λ ⊥ (A + σ)·λ + b ≥ 0 over contacts, by projected Gauss–Seidel.
-fn complementary(contacts: &[Contact], masses: &Masses, sigma: f64, b: &[f64]) -> Vec<f64> {
-    let n = contacts.len();
-    let matrix: Vec<f64> = (0..n * n)
-        .map(|k| {
-            let (i, j) = (k / n, k % n);
-            let own = if i == j { sigma } else { 0.0 };
-            contacts[i].coupling(&contacts[j], masses) + own
-        })
-        .collect();
-    let scale = b.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let mut solution = vec![0.0; n];
-    for _ in 0..MOST_SWEEPS {
-        let mut largest = 0.0_f64;
-        for i in 0..n {
-            let row = &matrix[i * n..(i + 1) * n];
-            let product: f64 = row.iter().zip(&solution).map(|(a, x)| a * x).sum();
-            let next = (solution[i] - (product + b[i]) / row[i]).max(0.0);
-            largest = largest.max((next - solution[i]).abs() * row[i]);
-            solution[i] = next;
-        }
-        if largest <= ROUNDED_SUM * scale {
-            break;
-        }
-    }
-    solution
-}
-
 /// Impacts one after the other: the contact that approaches fastest takes v → −e·v until none approaches.
 pub fn impacts_in_turn(contacts: &[Contact], masses: &Masses, v: &mut [DVec3], restitution: f64) {
     let rates = |v: &[DVec3]| contacts.iter().map(|c| c.rate(v)).collect::<Vec<f64>>();
@@ -117,18 +89,33 @@ pub fn impacts_at_once(
         .iter()
         .map(|c| (1.0 + restitution) * c.rate(v))
         .collect();
-    let impulses = complementary(contacts, masses, 0.0, &b);
-    for (contact, impulse) in contacts.iter().zip(&impulses) {
+    let impulses = exactly(contacts, masses, 0.0, &b);
+    push_all(contacts, &impulses, masses, v);
+    impulses
+}
+
+/// Adds an impulse of each contact to velocities.
+pub fn push_all(contacts: &[Contact], impulses: &[f64], masses: &Masses, v: &mut [DVec3]) {
+    for (contact, impulse) in contacts.iter().zip(impulses) {
         contact.push(*impulse, masses, v);
     }
-    impulses
+}
+
+fn exactly(contacts: &[Contact], masses: &Masses, sigma: f64, b: &[f64]) -> Vec<f64> {
+    let problem = Problem {
+        contacts,
+        masses,
+        sigma,
+        b,
+    };
+    problem.solve(Solver::Exact).impulses
 }
 
 /// The forces with which bodies at rest push each other apart: 0 ≤ f ⊥ A·f + G·a ≥ 0 for the accelerations a without contacts.
 #[must_use]
 pub fn resting_forces(contacts: &[Contact], masses: &Masses, accelerations: &[DVec3]) -> Vec<f64> {
     let b: Vec<f64> = contacts.iter().map(|c| c.rate(accelerations)).collect();
-    complementary(contacts, masses, 0.0, &b)
+    exactly(contacts, masses, 0.0, &b)
 }
 
 /// The contacts of SPOOK in a step h. It takes velocities before the kick, and the change by the kick. It writes the velocities
@@ -140,10 +127,11 @@ pub fn spook_contacts(
     masses: &Masses,
     v: &mut [DVec3],
     kick: &[DVec3],
-    (compliance, damping_time): (f64, f64),
+    regular: Regularisation,
     dt: f64,
-) -> Vec<f64> {
-    let Regularisation { sigma, gamma } = Regularisation::new(compliance, damping_time, dt);
+    solver: Solver,
+) -> Solution {
+    let Regularisation { sigma, gamma } = regular;
     let before: Vec<f64> = contacts.iter().map(|c| c.rate(v)).collect();
     for (v, kick) in v.iter_mut().zip(kick) {
         *v += *kick;
@@ -153,11 +141,15 @@ pub fn spook_contacts(
         .zip(&before)
         .map(|(c, rate)| 4.0 / dt * gamma * c.gap - gamma * rate + c.rate(v))
         .collect();
-    let impulses = complementary(contacts, masses, sigma, &b);
-    for (contact, impulse) in contacts.iter().zip(&impulses) {
-        contact.push(*impulse, masses, v);
-    }
-    impulses
+    let problem = Problem {
+        contacts,
+        masses,
+        sigma,
+        b: &b,
+    };
+    let solution = problem.solve(solver);
+    push_all(contacts, &solution.impulses, masses, v);
+    solution
 }
 
 #[cfg(test)]
@@ -248,7 +240,10 @@ mod tests {
         let mut impulses = Vec::new();
         for _ in 0..4000 {
             let touching: Vec<Contact> = stack(&z).into_iter().filter(|c| c.gap <= 0.0).collect();
-            impulses = spook_contacts(&touching, &masses, &mut v, &kick, (compliance, 2.0 * h), h);
+            let regular = Regularisation::new(compliance, 2.0 * h, h);
+            let exact = Solver::Exact;
+            impulses =
+                spook_contacts(&touching, &masses, &mut v, &kick, regular, h, exact).impulses;
             for (z, v) in z.iter_mut().zip(&v) {
                 *z += h * v.z;
             }
@@ -281,8 +276,9 @@ mod tests {
                     &masses,
                     &mut v,
                     &[DVec3::ZERO],
-                    (0.0, damping * h),
+                    Regularisation::new(0.0, damping * h, h),
                     h,
+                    Solver::Exact,
                 );
                 assert!(
                     (v[0].z - gamma * (4.0 * phase - 1.0)).abs() < 1e-12,

@@ -1,0 +1,397 @@
+//! Complementarity problems over contacts: 0 ≤ λ ⊥ (A + σ)·λ + b ≥ 0 with A = G·M⁻¹·Gᵀ.
+//!
+//! Contacts that share a body that moves form a group, and no group knows of another. A small group is solved directly, by
+//! exchanging contacts that push for contacts that do not, until none has the wrong sign. A large one is solved by projected
+//! Gauss–Seidel, and so is one whose matrix is singular, where contacts follow from others.
+
+use lennard_core::{DVec3, Masses};
+
+use super::Contact;
+
+/// Contacts of a group up to which a direct solve costs less than sweeps.
+const MOST_DIRECT: usize = 32;
+/// Sweeps after which a solution is taken as it is.
+const MOST_SWEEPS: u32 = 20_000;
+/// Changes smaller than this share of the largest rate are rounding of the sums over contacts.
+const SETTLED: f64 = 4.0 * f64::EPSILON;
+/// A pivot below this share of its diagonal element is none.
+const SINGULAR: f64 = 1e-12;
+/// Exchanges of all contacts of the wrong sign that may fail to lower their number, before one is exchanged at a time.
+const TRIES: u32 = 3;
+
+/// How a problem is solved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Solver {
+    /// To rounding: directly where a group is small, else by sweeps until nothing changes.
+    Exact,
+    /// By so many sweeps of projected Gauss–Seidel, from λ = 0.
+    Sweeps(u32),
+}
+
+/// A solution, and what it took.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Solution {
+    /// λ of each contact.
+    pub impulses: Vec<f64>,
+    /// The most sweeps that a group needed; 0 where all were solved directly.
+    pub sweeps: u32,
+    /// The largest change of the last sweep over the largest |b|: 0 where all were solved directly.
+    pub residual: f64,
+}
+
+/// The problem of contacts with a regularisation σ on the diagonal and a right side b.
+#[derive(Debug, Clone, Copy)]
+pub struct Problem<'a> {
+    /// The contacts.
+    pub contacts: &'a [Contact],
+    /// The masses of the bodies.
+    pub masses: &'a Masses,
+    /// σ, in units of an inverse mass.
+    pub sigma: f64,
+    /// b, one number per contact.
+    pub b: &'a [f64],
+}
+
+impl Problem<'_> {
+    /// The solution λ.
+    #[must_use]
+    pub fn solve(&self, solver: Solver) -> Solution {
+        let mut solution = Solution {
+            impulses: vec![0.0; self.contacts.len()],
+            ..Solution::default()
+        };
+        for group in groups(self.contacts, self.masses) {
+            let direct = match solver {
+                Solver::Exact if group.len() <= MOST_DIRECT => self.exchange(&group),
+                Solver::Exact | Solver::Sweeps(_) => None,
+            };
+            if let Some(found) = direct {
+                for (c, found) in group.iter().zip(found) {
+                    solution.impulses[*c] = found;
+                }
+            } else {
+                self.sweep(&group, solver, &mut solution);
+            }
+        }
+        solution
+    }
+
+    /// Projected Gauss–Seidel over one group: λ_c ← max(0, λ_c − (A·λ + σ·λ + b)_c/(A_cc + σ)).
+    fn sweep(&self, group: &[usize], solver: Solver, solution: &mut Solution) {
+        let most = match solver {
+            Solver::Exact => MOST_SWEEPS,
+            Solver::Sweeps(sweeps) => sweeps,
+        };
+        let bodies = bodies_of(self.contacts, group);
+        let place = |body: usize| bodies.binary_search(&body).unwrap_or_default();
+        let ends: Vec<(Option<usize>, usize)> = group
+            .iter()
+            .map(|c| &self.contacts[*c])
+            .map(|c| (c.first.map(place), place(c.second)))
+            .collect();
+        let diagonal: Vec<f64> = group
+            .iter()
+            .map(|c| self.contacts[*c].coupling(&self.contacts[*c], self.masses) + self.sigma)
+            .collect();
+        // M⁻¹·Gᵀ·λ of each body.
+        let mut moved = vec![DVec3::ZERO; bodies.len()];
+        let scale = self.scale(group);
+        let (mut largest, mut done) = (0.0_f64, 0);
+        for _ in 0..most {
+            largest = 0.0;
+            for (k, c) in group.iter().enumerate() {
+                let contact = &self.contacts[*c];
+                let (first, second) = ends[k];
+                let from = first.map_or(DVec3::ZERO, |i| moved[i]);
+                let now = solution.impulses[*c];
+                let rate = contact.normal.dot(moved[second] - from) + self.sigma * now + self.b[*c];
+                let next = (now - rate / diagonal[k]).max(0.0);
+                let change = next - now;
+                if change == 0.0 {
+                    continue;
+                }
+                largest = largest.max(change.abs() * diagonal[k]);
+                solution.impulses[*c] = next;
+                moved[second] += change / self.masses.of(contact.second) * contact.normal;
+                if let (Some(i), Some(body)) = (first, contact.first) {
+                    moved[i] -= change / self.masses.of(body) * contact.normal;
+                }
+            }
+            done += 1;
+            if largest <= SETTLED * scale {
+                break;
+            }
+        }
+        solution.sweeps = solution.sweeps.max(done);
+        if scale > 0.0 {
+            solution.residual = solution.residual.max(largest / scale);
+        }
+    }
+
+    /// The largest |b| of a group.
+    fn scale(&self, group: &[usize]) -> f64 {
+        group.iter().fold(0.0, |m, c| m.max(self.b[*c].abs()))
+    }
+
+    /// The direct solution of one group; `None` where its matrix is singular.
+    ///
+    /// Contacts that push solve A·λ = −b, and the others have λ = 0. All contacts of the wrong sign change sides at once, while
+    /// their number falls; then the last of them alone, which ends for every positive definite matrix (K. G. Murty, Linear Algebra
+    /// Appl. 7, 65 (1974)).
+    fn exchange(&self, group: &[usize]) -> Option<Vec<f64>> {
+        let n = group.len();
+        let matrix: Vec<f64> = (0..n * n)
+            .map(|k| {
+                let (i, j) = (k / n, k % n);
+                let own = if i == j { self.sigma } else { 0.0 };
+                self.contacts[group[i]].coupling(&self.contacts[group[j]], self.masses) + own
+            })
+            .collect();
+        let b: Vec<f64> = group.iter().map(|c| self.b[*c]).collect();
+        let rounding = SETTLED * n as f64 * self.scale(group);
+        let mut pushes: Vec<bool> = b.iter().map(|b| *b < 0.0).collect();
+        let (mut fewest, mut tries) = (n + 1, TRIES);
+        // Murty's rule may take very long in theory alone.
+        for _ in 0..100 + 20 * n {
+            let active: Vec<usize> = (0..n).filter(|i| pushes[*i]).collect();
+            let found = solve_active(&matrix, n, &b, &active)?;
+            let has_wrong_sign = |i: &usize| match pushes[*i] {
+                true => found[*i] * matrix[*i * n + *i] < -rounding,
+                false => {
+                    let row = &matrix[*i * n..(*i + 1) * n];
+                    let rate: f64 = row.iter().zip(&found).map(|(a, x)| a * x).sum();
+                    rate + b[*i] < -rounding
+                }
+            };
+            let wrong: Vec<usize> = (0..n).filter(has_wrong_sign).collect();
+            let Some(last) = wrong.last() else {
+                return Some(found.iter().map(|x| x.max(0.0)).collect());
+            };
+            let at_once = match wrong.len() < fewest {
+                true => {
+                    (fewest, tries) = (wrong.len(), TRIES);
+                    true
+                }
+                false => {
+                    tries = tries.saturating_sub(1);
+                    tries > 0
+                }
+            };
+            let change: &[usize] = if at_once { &wrong } else { &[*last] };
+            change.iter().for_each(|i| pushes[*i] = !pushes[*i]);
+        }
+        None
+    }
+}
+
+/// λ with A·λ = −b on the active rows and 0 on the others, by Cholesky's factors; `None` where the matrix is singular.
+fn solve_active(matrix: &[f64], n: usize, b: &[f64], active: &[usize]) -> Option<Vec<f64>> {
+    let m = active.len();
+    let mut factor = vec![0.0; m * m];
+    let mut x: Vec<f64> = active.iter().map(|i| -b[*i]).collect();
+    for row in 0..m {
+        for column in 0..=row {
+            let mut sum = matrix[active[row] * n + active[column]];
+            let whole = sum;
+            for k in 0..column {
+                sum -= factor[row * m + k] * factor[column * m + k];
+            }
+            factor[row * m + column] = match row == column {
+                true if sum <= SINGULAR * whole || sum.is_nan() => return None,
+                true => sum.sqrt(),
+                false => sum / factor[column * m + column],
+            };
+        }
+        for k in 0..row {
+            x[row] -= factor[row * m + k] * x[k];
+        }
+        x[row] /= factor[row * m + row];
+    }
+    for row in (0..m).rev() {
+        for k in row + 1..m {
+            x[row] -= factor[k * m + row] * x[k];
+        }
+        x[row] /= factor[row * m + row];
+    }
+    let mut found = vec![0.0; n];
+    for (i, x) in active.iter().zip(x) {
+        found[*i] = x;
+    }
+    Some(found)
+}
+
+/// The bodies of some contacts, ascending.
+fn bodies_of(contacts: &[Contact], group: &[usize]) -> Vec<usize> {
+    let of = |c: &usize| [contacts[*c].first, Some(contacts[*c].second)];
+    let mut bodies: Vec<usize> = group.iter().flat_map(of).flatten().collect();
+    bodies.sort_unstable();
+    bodies.dedup();
+    bodies
+}
+
+/// The groups of contacts that share bodies that move, each in the order of its contacts, in the order of their first contacts.
+#[must_use]
+pub fn groups(contacts: &[Contact], masses: &Masses) -> Vec<Vec<usize>> {
+    let all: Vec<usize> = (0..contacts.len()).collect();
+    let bodies = bodies_of(contacts, &all);
+    let place = |body: usize| bodies.binary_search(&body).unwrap_or_default();
+    let mut parents: Vec<usize> = (0..bodies.len()).collect();
+    let root = |parents: &mut [usize], mut of: usize| {
+        while parents[of] != of {
+            parents[of] = parents[parents[of]];
+            of = parents[of];
+        }
+        of
+    };
+    let moving = |body: Option<usize>| body.filter(|body| !masses.is_held(*body));
+    for contact in contacts {
+        if let (Some(i), Some(j)) = (moving(contact.first), moving(Some(contact.second))) {
+            let (a, b) = (root(&mut parents, place(i)), root(&mut parents, place(j)));
+            parents[a.max(b)] = a.min(b);
+        }
+    }
+    let mut of_root: Vec<Option<usize>> = vec![None; bodies.len()];
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (c, contact) in contacts.iter().enumerate() {
+        let body = moving(Some(contact.second)).or(moving(contact.first));
+        // Two held bodies have nothing to solve for.
+        let Some(body) = body else { continue };
+        let root = root(&mut parents, place(body));
+        let group = *of_root[root].get_or_insert_with(|| {
+            groups.push(Vec::new());
+            groups.len() - 1
+        });
+        groups[group].push(c);
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A stack of n balls on a floor, with contacts from below.
+    fn stack(n: usize) -> Vec<Contact> {
+        (0..n)
+            .map(|second| Contact {
+                first: second.checked_sub(1),
+                second,
+                normal: DVec3::Z,
+                gap: 0.0,
+            })
+            .collect()
+    }
+
+    fn problem<'a>(contacts: &'a [Contact], b: &'a [f64]) -> Problem<'a> {
+        Problem {
+            contacts,
+            masses: &Masses::Uniform(1.0),
+            sigma: 0.0,
+            b,
+        }
+    }
+
+    #[test]
+    fn sweeps_over_a_stack_converge_by_the_cosine_law() {
+        for n in [2_usize, 3, 10] {
+            let contacts = stack(n);
+            // The kick of gravity: only the floor sees it, and the solution is (n, …, 1).
+            let mut b = vec![0.0; n];
+            b[0] = -1.0;
+            let error = |sweeps| {
+                let found = problem(&contacts, &b).solve(Solver::Sweeps(sweeps));
+                let wrong = |(i, x): (usize, &f64)| (x - (n - i) as f64).abs();
+                found.impulses.iter().enumerate().map(wrong).sum::<f64>()
+            };
+            let rate = (std::f64::consts::PI / (2.0 * n as f64)).cos().powi(2);
+            // Late enough for the slowest mode alone, early enough for rounding not to be seen.
+            let late = (1e-6_f64.ln() / rate.ln()) as u32;
+            let found = error(late + 1) / error(late);
+            assert!((found / rate - 1.0).abs() < 0.01, "{n}: {found} {rate}");
+        }
+    }
+
+    #[test]
+    fn direct_and_sweeps_agree_where_some_contacts_push_and_others_part() {
+        // A pyramid of balls in a plane on a floor, some of them thrown: every third contact is pulled apart.
+        let at = |x: f64, z: f64| DVec3::new(x, 0.0, z);
+        let height = 0.75_f64.sqrt();
+        let places = [
+            at(0.0, 0.0),
+            at(1.0, 0.0),
+            at(2.0, 0.0),
+            at(0.5, height),
+            at(1.5, height),
+            at(1.0, 2.0 * height),
+        ];
+        let mut contacts: Vec<Contact> = (0..3)
+            .map(|second| Contact {
+                first: None,
+                second,
+                normal: DVec3::Z,
+                gap: 0.0,
+            })
+            .collect();
+        for [i, j] in [[0, 3], [1, 3], [1, 4], [2, 4], [3, 5], [4, 5]] {
+            contacts.push(Contact {
+                first: Some(i),
+                second: j,
+                normal: places[j] - places[i],
+                gap: 0.0,
+            });
+        }
+        let masses = Masses::Each((0..6).map(|i| 1.0 + 0.4 * f64::from(i)).collect());
+        for sigma in [0.0, 0.3] {
+            for shift in 0..9 {
+                let b: Vec<f64> = (0..9)
+                    .map(|c| (2.3 * f64::from(c) + 1.7 * f64::from(shift)).sin())
+                    .collect();
+                let problem = Problem {
+                    contacts: &contacts,
+                    masses: &masses,
+                    sigma,
+                    b: &b,
+                };
+                let direct = problem.solve(Solver::Exact);
+                assert_eq!(direct.sweeps, 0);
+                let swept = problem.solve(Solver::Sweeps(5000));
+                let mut v = vec![DVec3::ZERO; 6];
+                for (contact, impulse) in contacts.iter().zip(&direct.impulses) {
+                    contact.push(*impulse, &masses, &mut v);
+                }
+                for (c, (a, b_)) in direct.impulses.iter().zip(&swept.impulses).enumerate() {
+                    assert!((a - b_).abs() < 1e-12, "{sigma} {shift}: {a} {b_}");
+                    let rate = contacts[c].rate(&v) + sigma * a + b[c];
+                    assert!(*a >= 0.0 && rate > -1e-13 && (a * rate).abs() < 1e-13);
+                }
+                assert!(direct.impulses.contains(&0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn contacts_that_follow_from_others_share_the_load() {
+        // The same contact three times: the matrix is singular, and its impulses add up to the one of a single contact.
+        let contacts = vec![stack(1)[0]; 3];
+        let found = problem(&contacts, &[-1.0; 3]).solve(Solver::Exact);
+        assert!((found.impulses.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+        assert!(found.sweeps > 0);
+    }
+
+    #[test]
+    fn a_held_body_joins_no_groups() {
+        let row = |first, second| Contact {
+            first: Some(first),
+            second,
+            normal: DVec3::X,
+            gap: 0.0,
+        };
+        let contacts = [row(0, 1), row(1, 2), row(3, 4), row(4, 2)];
+        let free = Masses::Uniform(1.0);
+        assert_eq!(groups(&contacts, &free), [vec![0, 1, 2, 3]]);
+        let held = System::atoms(5).holding(&[2]).masses;
+        assert_eq!(groups(&contacts, &held), [vec![0, 1], vec![2, 3]]);
+    }
+
+    use lennard_core::System;
+}
