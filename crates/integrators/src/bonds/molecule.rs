@@ -265,9 +265,9 @@ impl<R: MoleculeRule> BondSolver for EachMolecule<R> {
                 };
                 match rule.solve(&mut molecule, space) {
                     Ok(mut solved) => {
-                        let factor = rule.velocity_factor();
+                        let rate = rule.velocity_factor() / h;
                         for (v, moved) in v.iter_mut().zip(&moved) {
-                            *v += factor * *moved / h;
+                            *v += rate * *moved;
                         }
                         if let Some(energy_before) = energy_before {
                             rigid::bond_vectors(topology, x, &mut space.bonds);
