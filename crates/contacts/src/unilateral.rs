@@ -138,12 +138,15 @@ impl Touching {
         self.contacts.iter().map(|c| c.rate(v)).collect()
     }
 
-    /// Hands impulses of contacts to the planes among them.
-    fn tell(&self, walls: Option<&mut Walls>, impulses: &[f64]) {
+    /// Hands impulses of contacts to the planes among them, and counts the contacts that are hit.
+    fn tell(&self, walls: Option<&mut Walls>, impulses: &[f64], is_hit: impl Fn(usize) -> bool) {
         let Some(walls) = walls else { return };
         let of_bodies = self.contacts.len() - self.planes.len();
-        for (plane, impulse) in self.planes.iter().zip(&impulses[of_bodies..]) {
-            walls.take_momentum(*plane, *impulse);
+        for (c, plane) in (of_bodies..).zip(&self.planes) {
+            match is_hit(c) {
+                true => walls.count_hit(*plane, impulses[c]),
+                false => walls.take_momentum(*plane, impulses[c]),
+            }
         }
     }
 
@@ -198,7 +201,7 @@ pub(crate) fn step(
         let regular = law.damping.regularised(law.compliance, h);
         let contacts = &resting.contacts;
         let solved = spook_contacts(contacts, masses, velocities, &kick, regular, h, law.solver);
-        resting.tell(walls, &solved.impulses);
+        resting.tell(walls, &solved.impulses, |_| false);
     }
     sweeps::drift(positions, velocities, h);
     done
@@ -257,7 +260,7 @@ impl Impacts<'_> {
         let mut after = before.clone();
         push_all(&struck.contacts, &impulses, self.masses, &mut after);
         push_all(&struck.contacts, &impulses, self.masses, velocities);
-        struck.tell(walls, &impulses);
+        struck.tell(walls, &impulses, is_hit);
         let kinetic = |v: &[DVec3]| -> f64 {
             let each = v.iter().enumerate();
             each.map(|(i, v)| 0.5 * self.masses.moving(i) * v.length_squared())

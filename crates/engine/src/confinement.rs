@@ -1,10 +1,11 @@
 //! Walls and fields of a scene: force terms beside the pairs, and what must hold of the start.
 
-use lennard_contacts::Contacts;
+use lennard_contacts::{Contacts, MoleculesAtWalls};
 use lennard_core::{
     DVec3, ForceProperties, ForceSum, ForceTerm, PeriodicBox, SpeciesTable, System,
 };
 use lennard_forcefield::{ConstantField, PairForces, Walls};
+use lennard_integrators::{BondHolder, BondOptions};
 use lennard_scene::Scene;
 
 use crate::EngineError;
@@ -20,6 +21,8 @@ pub struct Confinement {
     planar_tail: Option<PlanarTail>,
     /// Whether the total momentum is free along all axes: particles are held, or the scene lists velocities.
     is_anchored: bool,
+    /// How bonds are held, and the molecules: walls that are hit need both.
+    bonds: Option<(BondOptions, System)>,
 }
 
 impl Confinement {
@@ -42,6 +45,10 @@ impl Confinement {
             field: scene.field_on(&held.masses),
             planar_tail: PlanarTail::of(scene, cell),
             is_anchored: scene.system.start.lists_velocities() || !scene.system.held.is_empty(),
+            bonds: scene
+                .molecule
+                .as_ref()
+                .map(|molecule| (molecule.bonds.clone(), held.clone())),
         };
         (confinement.pushes(held, [false; 3]), confinement)
     }
@@ -69,7 +76,16 @@ impl Confinement {
     pub fn beside(self, pairs: PairForces) -> ForceSum<PairForces> {
         let mut sum = ForceSum::new(pairs);
         if let Some(walls) = self.walls {
-            sum = sum.with(walls);
+            let hit = walls.properties().bounds_flight;
+            let holder = self.bonds.filter(|_| hit);
+            let holder = holder.map(|(bonds, system)| (bonds.build(&system.molecules), system));
+            sum = match holder {
+                Some((
+                    BondHolder::Drift(solver) | BondHolder::ImplicitSpring(solver, _),
+                    system,
+                )) => sum.with(MoleculesAtWalls::new(walls, &system, solver)),
+                _ => sum.with(walls),
+            };
         }
         if let Some(contacts) = self.contacts {
             sum = sum.with(contacts);

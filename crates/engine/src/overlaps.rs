@@ -76,7 +76,10 @@ pub(crate) fn contacts(
             "soft bodies overlap by a quarter at most",
         ),
         Response::Impact { .. } => (HARD, "hard bodies do not overlap"),
-        Response::Unilateral(_) => (HARD, "bodies of unilateral contacts do not overlap at the start"),
+        Response::Unilateral(_) => (
+            HARD,
+            "bodies of unilateral contacts do not overlap at the start",
+        ),
     };
     let exclusions = scene.molecules().exclusions();
     let sizes = Sizes::of(scene, species);

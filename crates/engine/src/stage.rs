@@ -55,9 +55,6 @@ impl Simulation {
             None => method,
             Some(bath) => bath.couple(method, temperature, noise),
         };
-        if let Some(solver) = solver {
-            integrator = integrator.with_bonds(solver);
-        }
         let mut tail_work = 0.0;
         if let (Some(control), Some(thermostat), Some(pressure)) =
             (&plan.barostat, &plan.thermostat, plan.pressure_ramp(first))
@@ -71,6 +68,10 @@ impl Simulation {
             };
             let noise = self.streams.noise("barostat");
             integrator = control.options.couple(integrator, thermostat, bath, noise);
+        }
+        // Last, since a barostat inside the step makes an integrator of its own.
+        if let Some(solver) = solver {
+            integrator = integrator.with_bonds(solver);
         }
         StageRun {
             index,

@@ -15,7 +15,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "P = sum F_z/A, or P = sum 2 m |v_z|/(A t) over the hits of a time t",
     source: "Newton's second law for the wall, averaged over the time between samples (docs/walls.md)",
     dynamic: false,
-    suits: lennard_core::Suits::Atoms,
+    suits: lennard_core::Suits::All,
 };
 
 /// Rows kept before neighbors are averaged in pairs.

@@ -1,7 +1,7 @@
 //! Whether molecules and the ways to hold their bonds fit the rest of a scene.
 
 use lennard_core::{Bonds, IntegratorSpec};
-use lennard_forcefield::WallContext;
+use lennard_forcefield::{HitRule, WallContext};
 use lennard_integrators::{BarostatOptions, BondOptions, spook, stormer_verlet};
 
 use crate::error::SceneError;
@@ -48,19 +48,24 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     between_walls(scene, molecule)?;
     for (i, stage) in scene.stages.iter().enumerate() {
         if let Some(control) = &stage.barostat
-            && !control.options.moves_molecules()
+            && control.options.is_inside_step()
+            && matches!(molecule.bonds, BondOptions::Spook(_))
         {
             let name = control.options.name();
-            let moves = |options: &BarostatOptions| options.moves_molecules();
-            let fit: Vec<&str> = (BarostatOptions::all().iter().filter(|o| moves(o)))
+            let beside = |options: &&BarostatOptions| !options.is_inside_step();
+            let all = BarostatOptions::all();
+            let fit: Vec<&str> = (all.iter().filter(beside))
                 .map(BarostatOptions::name)
                 .collect();
             return Err(source
-                .refuse(&format!("stage.{i}.barostat"), "does not go with molecules")
+                .refuse(
+                    &format!("stage.{i}.barostat"),
+                    "does not go with the bonds of SPOOK",
+                )
                 .found(format!(
-                    "{name:?}, which scales sites and would stretch bonds"
+                    "{name:?}, whose step takes the place of the method that solves for them"
                 ))
-                .allowed(format!("{}, which moves whole molecules", quoted(&fit))));
+                .allowed(format!("{}; or another way to hold bonds", quoted(&fit))));
         }
     }
     if scene.accuracy.is_some() {
@@ -79,7 +84,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     stable_springs(scene, molecule)
 }
 
-/// Refuses walls that act in drifts, where bonds are held too.
+/// Refuses walls that act in drifts, where bonds are held too, but for planes that are hit on the way of a flight.
 fn between_walls(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> {
     // Springs that are forces leave drifts alone.
     if molecule.bonds.bonds() == Bonds::Springs {
@@ -90,7 +95,10 @@ fn between_walls(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> {
     };
     for (i, table) in scene.walls.iter().enumerate() {
         let surface = table.options.surface(&context, false);
-        if surface.rule().is_none() && surface.dashpot().is_none() {
+        // Contacts fly bodies from wall to wall by themselves, without bonds.
+        let straight = matches!(molecule.bonds, BondOptions::Spook(_)) || scene.contact.is_some();
+        let is_hit = surface.rule() == Some(HitRule::OnLines) && !straight;
+        if surface.dashpot().is_none() && (surface.rule().is_none() || is_hit) {
             continue;
         }
         return Err(scene
@@ -101,7 +109,10 @@ fn between_walls(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> {
                 table.options.spec().name,
                 molecule.bonds.name()
             ))
-            .allowed("a wall that only exerts a force: \"lennard-jones-9-3\", \"lennard-jones-10-4\", \"wca\", or \"soft\" with restitution = 1"));
+            .allowed(match straight {
+                true => "a wall that only exerts a force: \"lennard-jones-9-3\", \"lennard-jones-10-4\", \"wca\", or \"soft\" with restitution = 1",
+                false => "\"hard\" with response = \"billiard\", \"thermal\", or a wall that only exerts a force",
+            }));
     }
     Ok(())
 }

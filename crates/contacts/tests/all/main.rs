@@ -2,5 +2,6 @@
 
 mod common;
 mod hard;
+mod molecules;
 mod soft;
 mod unilateral;

@@ -120,7 +120,7 @@ fn a_stack_at_rest_sinks_in_by_the_weight_above_over_the_stiffness() {
         let wanted = -weight * (5 - i) as f64;
         assert!((gap / wanted - 1.0).abs() < 1e-6, "{i}: {gap} {wanted}");
         let v = run.state.velocities[i];
-            assert!(v.length() < 1e-8, "{v}");
+        assert!(v.length() < 1e-8, "{v}");
     }
     assert!((floor.force / 5.0 - 1.0).abs() < 1e-6, "{floor:?}");
 }

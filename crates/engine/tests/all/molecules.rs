@@ -59,6 +59,9 @@ const RING_WITH_A_TAIL: [(&str, &str); 6] = [
     ("system.density", "0.04"),
 ];
 
+/// The deterministic barostat.
+const MTK: &str = "{ kind = \"mtk\", pressure = 1.0, tau = 0.5 }";
+
 const PLAIN: (&str, &str) = ("integrator.kind", "velocity-verlet");
 
 const fn with_shape(
@@ -101,11 +104,32 @@ const WAYS: &[&[(&str, &str)]] = &[
         ("observable", "[]"),
     ],
     &[
+        ("wall", "[{ kind = \"hard\", restitution = 0.9 }]"),
+        ("observable", "[]"),
+    ],
+    &[("wall", "[{ kind = \"thermal\" }]"), ("observable", "[]")],
+    &[
+        ("bonds.method", "spring"),
+        ("bonds.scheme", "midpoint"),
+        ("wall", "[{ kind = \"hard\" }]"),
+        ("observable", "[]"),
+    ],
+    &[
         ("stage.0.thermostat", "bussi"),
         (
             "stage.0.barostat",
             "{ kind = \"stochastic-cell-rescaling\", pressure = 1.0, tau = 0.5, interval = 5 }",
         ),
+    ],
+    &[
+        ("stage.0.thermostat", "nose-hoover"),
+        ("stage.0.barostat", MTK),
+    ],
+    &[
+        ("stage.0.thermostat", "nose-hoover"),
+        ("stage.0.barostat", MTK),
+        ("bonds.method", "spring"),
+        ("bonds.scheme", "midpoint"),
     ],
     &[
         ("contact.diameter", "0.8"),
@@ -406,15 +430,18 @@ fn a_bond_that_turns_too_far_stops_the_run() {
 
 #[test]
 fn a_barostat_moves_molecules_by_their_centres_and_keeps_what_is_inside() {
-    let barostat =
+    let rescaling =
         "{ kind = \"stochastic-cell-rescaling\", pressure = 1.0, tau = 0.2, interval = 5 }";
-    for way in [
+    let baths = [("bussi", rescaling), ("nose-hoover", MTK)];
+    let ways = [
         &[("bonds.method", "direct")][..],
         &[("bonds.method", "spring")],
         &with_shape(TRIANGLE, ("bonds.method", "direct"), PLAIN),
-    ] {
+    ];
+    for (way, (thermostat, barostat)) in ways.iter().flat_map(|way| baths.map(|bath| (*way, bath)))
+    {
         let mut overrides = vec![
-            ("stage.0.thermostat", "bussi"),
+            ("stage.0.thermostat", thermostat),
             ("stage.0.barostat", barostat),
             ("observable", "[]"),
         ];
@@ -444,12 +471,22 @@ fn a_barostat_moves_molecules_by_their_centres_and_keeps_what_is_inside() {
 fn an_ideal_gas_of_rigid_dumbbells_has_the_volume_of_its_centres() {
     // Without pair forces p(V) ∝ V^(M − 1)·e^(−P₀V/T) for M molecules without total momentum: ⟨V⟩ = M·T/P₀.
     let barostat = "{ kind = \"stochastic-cell-rescaling\", pressure = 0.5, tau = 0.05, interval = 1, compressibility = 2.0 }";
+    let none = ("potential", "{ kind = \"none\" }");
+    let (mean, error) = volume_of_a_gas("bussi", barostat, none);
+    assert!(
+        error < 1.5 && (mean - 128.0).abs() < 4.0 * error,
+        "{mean} ± {error}"
+    );
+}
+
+/// The mean volume of 32 dumbbells at T = 2 over 120 τ, with its error.
+fn volume_of_a_gas(thermostat: &str, barostat: &str, potential: (&str, &str)) -> (f64, f64) {
     let mut s = build(&[
         ("system.n_molecules", "32"),
         ("system.density", "0.25"),
-        ("potential", "{ kind = \"none\" }"),
+        potential,
         ("truncation", "{}"),
-        ("stage.0.thermostat", "bussi"),
+        ("stage.0.thermostat", thermostat),
         ("stage.0.barostat", barostat),
         ("stage.0.steps", "60000"),
         ("observable", "[]"),
@@ -458,9 +495,102 @@ fn an_ideal_gas_of_rigid_dumbbells_has_the_volume_of_its_centres() {
     let changing: &lennard_observables::ChangingBox = s.observable().unwrap();
     let found = lennard_core::Observable::finish(changing, 0.05);
     let volume = found.averages.iter().find(|a| a.name == "volume").unwrap();
-    let (mean, error) = (volume.estimate.mean, volume.estimate.standard_error);
+    (volume.estimate.mean, volume.estimate.standard_error)
+}
+
+#[test]
+fn both_barostats_give_a_gas_of_dumbbells_the_same_volume() {
+    // Dumbbells that repel each other: their hits share the energy among all degrees of freedom. One molecule in 32 would be 3 %.
+    let wca = ("potential", "{ kind = \"wca\" }");
+    let rescaling = "{ kind = \"stochastic-cell-rescaling\", pressure = 0.5, tau = 0.1, interval = 2, compressibility = 1.0 }";
+    let mtk = "{ kind = \"mtk\", pressure = 0.5, tau = 0.5 }";
+    let (a, of_a) = volume_of_a_gas("bussi", rescaling, wca);
+    let (b, of_b) = volume_of_a_gas("nose-hoover", mtk, wca);
+    let error = of_a.hypot(of_b);
     assert!(
-        error < 1.5 && (mean - 128.0).abs() < 4.0 * error,
-        "{mean} ± {error}"
+        error < 0.012 * a && (a - b).abs() < 4.0 * error,
+        "{a} ± {of_a}, {b} ± {of_b}"
+    );
+}
+
+#[test]
+fn the_deterministic_barostat_conserves_its_energy_with_molecules_to_the_square_of_the_step() {
+    for way in [
+        &[("bonds.method", "direct")][..],
+        &[("bonds.method", "spring"), ("bonds.stiffness", "500.0")],
+        &with_shape(TRIANGLE, ("bonds.method", "direct"), PLAIN),
+    ] {
+        let off = |dt: &str, steps: &str| {
+            let mut overrides = vec![
+                ("stage.0.thermostat", "nose-hoover"),
+                ("stage.0.barostat", MTK),
+                ("observable", "[]"),
+                ("integrator.dt", dt),
+                ("stage.0.steps", steps),
+            ];
+            overrides.extend_from_slice(way);
+            let mut s = build(&overrides);
+            s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+            s.thermodynamics().conservation().energy_rms_per_atom
+        };
+        let (coarse, fine) = (off("0.004", "500"), off("0.002", "1000"));
+        let order = (coarse / fine).log2();
+        assert!(
+            (order - 2.0).abs() < 0.35 && fine < 2e-3,
+            "{way:?}: {coarse} {fine}"
+        );
+    }
+}
+
+#[test]
+fn rigid_molecules_between_walls_that_are_hit_keep_energy_and_bonds_and_both_walls_feel_them_alike()
+{
+    for way in [
+        &[("bonds.method", "direct")][..],
+        &with_shape(TRIANGLE, ("bonds.method", "direct"), PLAIN),
+    ] {
+        let rms = |dt: &str, steps: &str| {
+            let mut overrides = vec![
+                ("wall", "[{ kind = \"hard\" }]"),
+                ("observable", "[{ kind = \"wall-pressure\" }]"),
+                ("integrator.dt", dt),
+                ("stage.0.steps", steps),
+            ];
+            overrides.extend_from_slice(way);
+            let mut s = build(&overrides);
+            s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+            let walls = s.forces.walls();
+            assert!(walls.iter().all(|wall| wall.hits > 5), "{walls:?}");
+            let [lower, upper] = [walls[0].impulse, walls[1].impulse];
+            assert!((lower / upper - 1.0).abs() < 0.3, "{lower} {upper}");
+            let slit = s.scene.slits(&s.state.cell)[0];
+            for x in &s.state.positions {
+                assert!(x.z > slit.lower - 1e-9 && x.z < slit.upper + 1e-9, "{x}");
+            }
+            let residual = s.view().constraint_sums().largest_residual;
+            assert!(residual < 1e-10, "{residual}");
+            s.thermodynamics().conservation().energy_rms_per_atom
+        };
+        let (coarse, fine) = (rms("0.004", "1000"), rms("0.002", "2000"));
+        let order = (coarse / fine).log2();
+        assert!(order > 1.3 && fine < 2e-3, "{way:?}: {coarse} {fine}");
+    }
+}
+
+#[test]
+fn a_bond_that_turns_too_far_between_walls_ends_the_run_with_the_particle_and_the_cause() {
+    let mut s = build(&[
+        ("wall", "[{ kind = \"hard\" }]"),
+        ("observable", "[]"),
+        ("integrator.dt", "0.2"),
+        ("system.temperature", "10.0"),
+        ("system.density", "0.01"),
+    ]);
+    let failed = s.run(&mut Unfollowed).expect_err("a step of 0.2 τ");
+    let text = failed.to_string();
+    assert!(
+        text.contains("could not be held in a flight between walls")
+            && text.contains("take a smaller dt"),
+        "{text}"
     );
 }

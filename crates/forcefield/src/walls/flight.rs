@@ -70,6 +70,12 @@ impl Walls {
         self.readings[index].impulse += momentum;
     }
 
+    /// Counts a hit that hands this momentum to a plane, m·σ/τ along the outward normal.
+    pub fn count_hit(&mut self, index: usize, momentum: f64) {
+        self.readings[index].impulse += momentum;
+        self.readings[index].hits += 1;
+    }
+
     /// Takes the speed across a plane off a particle, and hands the momentum to the wall.
     fn stop(&mut self, index: usize, v: &mut DVec3, mass: f64) {
         let reading = self.readings[index];

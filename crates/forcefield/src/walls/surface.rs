@@ -111,11 +111,6 @@ pub trait Rebound: Debug + Send + Sync {
     fn restitution(&self) -> Option<f64> {
         None
     }
-
-    /// The temperature from which the wall draws velocities, ε/k_B; `None` where it draws none.
-    fn temperature(&self) -> Option<f64> {
-        None
-    }
 }
 
 /// What a wall does to particles.
@@ -142,15 +137,6 @@ impl Surface {
     pub fn restitution(&self) -> Option<f64> {
         match self {
             Self::Hit(wall) => wall.restitution(),
-            Self::Exerts(_) => None,
-        }
-    }
-
-    /// The temperature from which a wall draws velocities at hits, ε/k_B; `None` where it draws none.
-    #[must_use]
-    pub fn temperature(&self) -> Option<f64> {
-        match self {
-            Self::Hit(wall) => wall.temperature(),
             Self::Exerts(_) => None,
         }
     }

@@ -59,8 +59,4 @@ impl Rebound for Heated {
     fn drags(&self) -> bool {
         true
     }
-
-    fn temperature(&self) -> Option<f64> {
-        Some(self.temperature)
-    }
 }

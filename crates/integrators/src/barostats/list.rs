@@ -40,8 +40,8 @@ pub(crate) trait BarostatParts: Options {
     fn coupling(&self) -> Coupling {
         Coupling::Isotropic
     }
-    /// Whether molecules move with their centres of mass, so that bonds keep their length in a box that changes.
-    const MOVES_MOLECULES: bool = false;
+    /// Whether the barostat stands inside the step, in the place of the method.
+    const IS_INSIDE_STEP: bool = false;
     /// The compressibility that the scene gives, σ³/ε.
     fn compressibility(&self) -> Option<f64> {
         None
@@ -101,11 +101,11 @@ macro_rules! list_of_barostats {
                 }
             }
 
-            /// Whether molecules move with their centres of mass, so that bonds keep their length in a box that changes.
+            /// Whether the barostat stands inside the step, in the place of the method of the scene.
             #[must_use]
-            pub fn moves_molecules(&self) -> bool {
+            pub fn is_inside_step(&self) -> bool {
                 match self {
-                    $(Self::$variant(_) => <super::$module::Options as BarostatParts>::MOVES_MOLECULES,)*
+                    $(Self::$variant(_) => <super::$module::Options as BarostatParts>::IS_INSIDE_STEP,)*
                 }
             }
 

@@ -1,13 +1,15 @@
 //! The barostat of Martyna, Tobias and Klein with Nosé–Hoover chains: deterministic, inside the step.
 
-use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
+use lennard_core::parallel::{for_each_piece, for_each_piece_pair, ordered_sum};
 use lennard_core::random::NoiseStream;
 use lennard_core::{
-    BarostatSpec, DVec3, ForceError, Integrator, IntegratorSpec, Method, Parts, Persist,
-    PressureBath, RestoreError, StateReader, StateWriter, Step, StepError, Want,
+    BarostatSpec, DVec3, ForceError, ForceProperties, Integrator, IntegratorSpec, Method, Parts,
+    Persist, PressureBath, RestoreError, State, StateReader, StateWriter, Step, StepError, System,
+    Want, rigid, rigid_bonds_alone,
 };
 
 use super::list::BarostatParts;
+use super::stochastic_cell_rescaling::dof_of_centers;
 use crate::chain::Chain;
 use crate::common::multiply;
 use crate::{ThermostatOptions, nose_hoover};
@@ -15,7 +17,7 @@ use crate::{ThermostatOptions, nose_hoover};
 lennard_core::options! {
     /// Options of the barostat of Martyna, Tobias and Klein. The thermostat beside it gives the chain of the particles.
     pub struct Options {
-        /// Period of the box; its mass is (n_dof + 3)·T·τ².
+        /// Period of the box; its mass is (n_dof + 3)·T·τ², with the degrees of freedom of the centres of molecules.
         tau: f64 = 1.0, Positive, in "τ";
         /// Thermostats in the chain of the box.
         chain: u32 = 3, Whole(1, 10), in "thermostats";
@@ -38,6 +40,8 @@ impl BarostatParts for Options {
         }
     }
 
+    const IS_INSIDE_STEP: bool = true;
+
     fn tau(&self) -> f64 {
         self.tau
     }
@@ -53,7 +57,7 @@ impl BarostatParts for Options {
 
 const NAME: &str = "mtk";
 const SUMMARY: &str = "Martyna, Tobias and Klein: the box as a particle with a mass, chains on box and fluid; isotropic.";
-const EQUATION: &str = "W dv/dt = (1 + 3/n_dof) 2K + W_pairs + 3 V P_tail - 3 V P0 - W v xi_b, dV/dt = 3 V v, W = (n_dof + 3) T tau^2";
+const EQUATION: &str = "W dv/dt = (1 + 3/n_dof) 2K + W_pairs + 3 V P_tail - 3 V P0 - W v xi_b, dV/dt = 3 V v, W = (n_dof + 3) T tau^2; for molecules, n_dof, K and W_pairs are those of their centres";
 const SOURCE: &str = "Martyna, Tobias and Klein, \"Constant pressure molecular dynamics algorithms\", J. Chem. Phys. 101, 4177 (1994), in the splitting of Tuckerman, Alejandre, López-Rendón, Jochim and Martyna, J. Phys. A 39, 5629 (2006)";
 
 /// What the barostat declares about itself.
@@ -79,7 +83,7 @@ static STEP: IntegratorSpec = IntegratorSpec {
     conserves_momentum: true,
     half_kicks: true,
     is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
+    holds_rigid_bonds: true,
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: None,
@@ -92,6 +96,10 @@ static STEP: IntegratorSpec = IntegratorSpec {
 ///
 /// with one chain on the velocities and another on v_ε. The conserved quantity is
 /// K + U_s + V·P_tail + P₀V + ½W·v_ε² + the energies of both chains; all but the first three count as heat.
+///
+/// For molecules the terms with v_ε act on the centres of mass R and their velocities V alone, with α = 1 + 3/n_c: n_c, K and
+/// W_pairs are those of the centres, while the chain acts on all sites. Sites keep their places around the centre, so that bonds
+/// keep their length in a box that changes. The flow of R, V and the box then has no divergence of its own, as for atoms.
 #[derive(Debug, Clone)]
 pub struct Mtk {
     tau: f64,
@@ -100,13 +108,15 @@ pub struct Mtk {
     expansion: f64,
     of_particles: Chain,
     of_box: Chain,
-    /// W_pairs at the positions, ε.
+    /// W_pairs at the positions, ε; for molecules the virial of their centres.
     virial: f64,
 }
 
 /// What a step takes from the baths, and what follows from them.
 struct Held {
     n_dof: f64,
+    /// Degrees of freedom of the centres of molecules.
+    of_centers: f64,
     temperature: f64,
     pressure: f64,
     /// Mass W of the box, ε·τ².
@@ -130,13 +140,15 @@ impl Mtk {
     /// The baths as they are at the end of a step, which they are taken at throughout it.
     fn held(&self, s: &mut Step<'_>) -> Held {
         let n_dof = s.n_dof();
+        let of_centers = dof_of_centers(s.system(), n_dof);
         let end = s.parts().state.step + 1;
         let temperature = self.bath.temperature.at(end);
         Held {
             n_dof,
+            of_centers,
             temperature,
             pressure: self.bath.pressure.at(end),
-            mass: (n_dof + 3.0) * temperature * self.tau * self.tau,
+            mass: (of_centers + 3.0) * temperature * self.tau * self.tau,
         }
     }
 
@@ -170,17 +182,19 @@ impl Mtk {
     fn kick_box(&mut self, s: &mut Step<'_>, held: &Held, half: f64) {
         let Parts { system, state, .. } = s.parts();
         let volume = state.cell.volume();
-        let twice_kinetic = 2.0 * system.kinetic_energy(&state.velocities);
-        let force =
-            (1.0 + 3.0 / held.n_dof) * twice_kinetic + self.virial + 3.0 * self.bath.tail / volume
-                - 3.0 * volume * held.pressure;
+        let twice_kinetic = 2.0 * kinetic_energy_of_centers(system, &state.velocities);
+        let force = held.alpha() * twice_kinetic + self.virial + 3.0 * self.bath.tail / volume
+            - 3.0 * volume * held.pressure;
         self.expansion += half * force / held.mass;
     }
 
     /// Half a kick of the particles: v ← v·e^{−2y} + (h/2m)·F·e^{−y}·sinhc(y) with y = α·v_ε·h/4.
     fn kick_particles(&self, s: &mut Step<'_>, held: &Held, half: f64) {
-        let y = 0.5 * half * (1.0 + 3.0 / held.n_dof) * self.expansion;
+        let y = 0.5 * half * held.alpha() * self.expansion;
         let (damping, push) = ((-2.0 * y).exp(), half * (-y).exp() * sinhc(y));
+        if !s.system().molecules.are_atoms() {
+            return kick_molecules(s, (damping, push), half);
+        }
         let Parts { system, state, .. } = s.parts();
         let forces = &state.forces;
         for_each_piece(&mut state.velocities, |first, chunk| {
@@ -195,11 +209,18 @@ impl Mtk {
         let h = s.dt();
         let y = 0.5 * h * self.expansion;
         let (stretch, way) = ((2.0 * y).exp(), h * y.exp() * sinhc(y));
+        let are_atoms = s.system().molecules.are_atoms();
+        if !are_atoms {
+            drift_molecules(s, stretch, way);
+        }
         let state = s.parts().state;
         let scaled = state.cell.scaled(DVec3::splat(stretch));
         // A box without volume, or beyond all numbers: positions there are none.
         let outside = |_| ForceError::NonFinitePosition { particle: 0 };
         state.cell = scaled.map_err(outside)?;
+        if !are_atoms {
+            return Ok(());
+        }
         for_each_piece_pair(&mut state.positions, &mut state.velocities, |_, xs, vs| {
             for (x, v) in xs.iter_mut().zip(vs) {
                 *x = stretch * *x + way * *v;
@@ -209,9 +230,76 @@ impl Mtk {
     }
 
     fn keep_virial(&mut self, s: &mut Step<'_>) {
-        let virial = s.parts().state.energetics.scalar_virial();
-        self.virial = virial.unwrap_or(f64::NAN);
+        let Parts { system, state, .. } = s.parts();
+        let virial = state.energetics.scalar_virial().unwrap_or(f64::NAN);
+        self.virial =
+            virial - rigid::intramolecular_virial(system, &state.positions, &state.forces);
     }
+}
+
+impl Held {
+    /// α = 1 + 3/n_c.
+    fn alpha(&self) -> f64 {
+        1.0 + 3.0 / self.of_centers
+    }
+}
+
+/// ½·Σ M·V² over the centres of mass, ε.
+fn kinetic_energy_of_centers(system: &System, velocities: &[DVec3]) -> f64 {
+    let (molecules, masses) = (&system.molecules, &system.masses);
+    if molecules.are_atoms() {
+        return system.kinetic_energy(velocities);
+    }
+    ordered_sum(system.n_molecules(), |range| {
+        range
+            .map(|m| {
+                let sites = molecules.sites_of(m);
+                let mass: f64 = sites.clone().map(|i| masses.of(i)).sum();
+                let center = molecules.center(masses, sites.start, &velocities[sites]);
+                0.5 * mass * center.length_squared()
+            })
+            .sum()
+    })
+}
+
+/// Half a kick of molecules, after which V is V·`damping` + `push`·F/M. The velocities around the centre take a plain kick.
+fn kick_molecules(s: &mut Step<'_>, (damping, push): (f64, f64), half: f64) {
+    s.kick(half / s.dt());
+    let Parts { system, state, .. } = s.parts();
+    let State {
+        velocities, forces, ..
+    } = state;
+    let (molecules, masses) = (&system.molecules, &system.masses);
+    molecules.for_each(molecules.sites(), velocities, |m, own| {
+        let sites = molecules.sites_of(m);
+        let mass: f64 = sites.clone().map(|i| masses.of(i)).sum();
+        let acceleration = forces[sites.clone()].iter().sum::<DVec3>() / mass;
+        // Impulses of bonds leave the centre alone.
+        let kicked = molecules.center(masses, sites.start, own);
+        let before = kicked - half * acceleration;
+        let change = damping * before + push * acceleration - kicked;
+        own.iter_mut().for_each(|v| *v += change);
+    });
+}
+
+/// The drift of molecules, after which R is `stretch`·R + `way`·V. The sites drift around the centre, with their bonds held.
+fn drift_molecules(s: &mut Step<'_>, stretch: f64, way: f64) {
+    let h = s.dt();
+    s.drift(1.0);
+    let Parts { system, state, .. } = s.parts();
+    let State {
+        positions,
+        velocities,
+        ..
+    } = state;
+    let (molecules, masses) = (&system.molecules, &system.masses);
+    molecules.for_each(molecules.sites(), positions, |m, own| {
+        let sites = molecules.sites_of(m);
+        let velocity = molecules.center(masses, sites.start, &velocities[sites.clone()]);
+        let before = molecules.center(masses, sites.start, own) - h * velocity;
+        let change = (stretch - 1.0) * before + (way - h) * velocity;
+        own.iter_mut().for_each(|x| *x += change);
+    });
 }
 
 /// sinh(y)/y; by its series where y is small.
@@ -242,6 +330,10 @@ impl Persist for Mtk {
 impl Method for Mtk {
     fn spec(&self) -> &'static IntegratorSpec {
         &STEP
+    }
+
+    fn suits(&self, system: &System, _forces: ForceProperties) -> Result<(), String> {
+        rigid_bonds_alone(system)
     }
 
     fn wants(&self) -> Want {

@@ -29,8 +29,6 @@ lennard_core::options! {
 }
 
 impl BarostatParts for Options {
-    const MOVES_MOLECULES: bool = true;
-
     fn couple(
         &self,
         method: Integrator,

@@ -150,7 +150,7 @@ fn stack() -> Result<[f64; 2], StudyError> {
     let h = 0.005;
     let heights: Vec<f64> = (0..5).map(|i| 0.1 + 1.1 * f64::from(i)).collect();
     let mut stack = Bodied::start((0.2, COMPLIANCE), &heights, (0.0, 1.0), h)?;
-    stack.steps(8000)?;
+    stack.steps(16_000)?;
     let before = stack.floor();
     stack.steps(2000)?;
     let weight = (stack.floor() - before) / (2000.0 * h * 5.0) - 1.0;

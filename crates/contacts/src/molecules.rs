@@ -1,0 +1,445 @@
+//! Molecules whose bonds are held in drifts, between walls that are hit.
+//!
+//! A drift flies each molecule from hit to hit. The flight over a time t is a step of the solver without forces: sites move with
+//! their bonds held. The time of a hit is the root at which a site arrives at a plane. There the velocities lose their part along
+//! the bonds, as after a kick, and take the impulse p along the outward normal n of the plane. It passes through the bonds:
+//!
+//! v ← v + p·w with w = P·M⁻¹·n, the projection P of [`rigid::project_velocities`], and κ = n·w of the site that hits.
+//!
+//! With p = −(1 + e)·u/κ the site leaves with −e·u. The kinetic energy changes by p·u + p²·κ/2: nothing for e = 1.
+
+use lennard_core::random::CounterRng;
+use lennard_core::{
+    BondSolver, BoundDrift, Boundary, Configuration, DVec3, Energetics, Flight, ForceError,
+    ForceProperties, ForceTerm, Masses, Part, Persist, RestoreError, StateReader, StateWriter,
+    StepError, System, WallReading, Want, rigid,
+};
+use lennard_forcefield::{Hit, HitRule, Rebound, Surface, Walls};
+
+/// Hits of one molecule in one flight after which its sites keep no speed across the planes that they hit.
+const MOST_HITS: usize = 16;
+/// Hits of one molecule in one flight after which it flies on.
+const MOST_EVENTS: usize = 64;
+/// Steps towards the time of a hit.
+const MOST_ROOT_STEPS: usize = 100;
+/// A site so near a plane, as a share of the plane's coordinate, is at the plane.
+const AT_PLANE: f64 = 4.0 * f64::EPSILON;
+/// A site that arrives by no more than so many kicks of the flight rests at a plane that takes energy.
+const KICKS_OF_REST: f64 = 1.0 + 1e-9;
+
+/// Walls that are hit by molecules, as a force term and as the boundary of flights.
+pub struct MoleculesAtWalls {
+    walls: Walls,
+    system: System,
+    solver: Box<dyn BondSolver>,
+    /// One molecule alone, for its flights from hit to hit.
+    one: System,
+    /// The first site of a molecule whose bonds had no solution in a flight.
+    failed: Option<usize>,
+}
+
+/// The sites of one molecule.
+#[derive(Clone)]
+struct Sites {
+    x: Vec<DVec3>,
+    v: Vec<DVec3>,
+}
+
+/// A site that arrives at a plane.
+#[derive(Debug, Clone, Copy)]
+struct Arrival {
+    time: f64,
+    site: usize,
+    plane: usize,
+}
+
+/// What one molecule is given for a flight.
+struct Given<'a> {
+    forces: &'a [DVec3],
+    h: f64,
+    random: CounterRng,
+}
+
+impl MoleculesAtWalls {
+    /// Walls that are hit by the molecules of a system, whose bonds `solver` holds.
+    #[must_use]
+    pub fn new(walls: Walls, system: &System, solver: Box<dyn BondSolver>) -> Self {
+        let molecules = system.molecules.clone();
+        Self {
+            walls,
+            one: System::of_molecules(molecules.sites(), molecules),
+            system: system.clone(),
+            solver,
+            failed: None,
+        }
+    }
+
+    /// The distance of a site from a plane, σ: positive between the planes.
+    fn distance(&self, plane: usize, x: DVec3) -> f64 {
+        let reading = &self.walls.walls()[plane];
+        reading.outward() * (reading.position - x[reading.axis])
+    }
+
+    /// The speed of a site towards a plane, σ/τ.
+    fn towards(&self, plane: usize, v: DVec3) -> f64 {
+        let reading = &self.walls.walls()[plane];
+        reading.outward() * v[reading.axis]
+    }
+
+    fn planes(&self) -> impl Iterator<Item = usize> + use<> {
+        0..self.walls.walls().len()
+    }
+
+    /// Whether a site lies behind a plane that is hit.
+    fn is_behind(&self, x: DVec3) -> bool {
+        self.planes()
+            .any(|plane| self.is_hit(plane) && self.distance(plane, x) < -self.rounding(plane))
+    }
+
+    fn is_hit(&self, plane: usize) -> bool {
+        self.walls.surface(plane).rule() == Some(HitRule::OnLines)
+    }
+
+    /// The molecule after a free flight over t, and the energy that its bonds put in.
+    fn flown(&mut self, from: &Sites, t: f64) -> Result<(Sites, f64), StepError> {
+        let mut to = from.clone();
+        if t == 0.0 {
+            return Ok((to, 0.0));
+        }
+        let still = vec![DVec3::ZERO; to.x.len()];
+        let drift = BoundDrift {
+            positions: &mut to.x,
+            velocities: &mut to.v,
+            forces: &still,
+            kick: None,
+            h: t,
+        };
+        let solved = self.solver.drift(&self.one, drift)?;
+        Ok((to, solved.heat))
+    }
+
+    /// The first arrival of a site at a plane in a flight over t that ends at `end`.
+    fn first_arrival(
+        &mut self,
+        from: &Sites,
+        end: &Sites,
+        t: f64,
+    ) -> Result<Option<Arrival>, StepError> {
+        let mut first: Option<Arrival> = None;
+        for site in 0..from.x.len() {
+            if self.one.masses.is_held(site) {
+                continue;
+            }
+            for plane in self.planes() {
+                if !self.is_hit(plane) {
+                    continue;
+                }
+                let (before, after) = (
+                    self.distance(plane, from.x[site]),
+                    self.distance(plane, end.x[site]),
+                );
+                if after >= -self.rounding(plane) {
+                    continue;
+                }
+                let approaches = self.towards(plane, from.v[site]) > 0.0;
+                let time = match before > self.rounding(plane) {
+                    true => self.time_of_arrival(from, (before, after), (site, plane), t)?,
+                    false if approaches => 0.0,
+                    // It left the plane just now, and comes back in this flight.
+                    false if before >= -self.rounding(plane) => {
+                        self.time_of_arrival(from, (0.0, after), (site, plane), t)?
+                    }
+                    false => continue,
+                };
+                if first.is_none_or(|other| time < other.time) {
+                    first = Some(Arrival { time, site, plane });
+                }
+            }
+        }
+        Ok(first)
+    }
+
+    fn rounding(&self, plane: usize) -> f64 {
+        AT_PLANE * self.walls.walls()[plane].position.abs().max(1.0)
+    }
+
+    /// The time at which a site comes from a distance to 0, before t, at which it is behind the plane: regula falsi by halves.
+    fn time_of_arrival(
+        &mut self,
+        from: &Sites,
+        (mut near, mut far): (f64, f64),
+        (site, plane): (usize, usize),
+        t: f64,
+    ) -> Result<f64, StepError> {
+        let (mut low, mut high, mut last) = (0.0, t, 0);
+        for _ in 0..MOST_ROOT_STEPS {
+            let by_line = low + near / (near - far) * (high - low);
+            let middle = match near > 0.0 && by_line > low && by_line < high {
+                true => by_line,
+                false => 0.5 * (low + high),
+            };
+            if middle <= low || middle >= high {
+                break;
+            }
+            let now = self.flown(from, middle)?.0.x[site];
+            let distance = self.distance(plane, now);
+            if distance.abs() <= self.rounding(plane) {
+                return Ok(middle);
+            }
+            // The end that stays counts half, so that both ends move (the Illinois rule).
+            if distance > 0.0 {
+                (low, near) = (middle, distance);
+                far *= if last == 1 { 0.5 } else { 1.0 };
+                last = 1;
+            } else {
+                (high, far) = (middle, distance);
+                near *= if last == -1 { 0.5 } else { 1.0 };
+                last = -1;
+            }
+        }
+        Ok(low)
+    }
+
+    /// Takes the part along rigid bonds off velocities of the one molecule.
+    fn project(&self, x: &[DVec3], v: &mut [DVec3]) {
+        rigid::project_velocities(&self.one, x, v);
+    }
+
+    /// The hit of a site at a plane; returns the kinetic energy put in, ε. `is_tired` leaves no speed across the plane.
+    fn hit(
+        &mut self,
+        sites: &mut Sites,
+        Arrival { site, plane, .. }: Arrival,
+        given: &mut Given<'_>,
+        is_tired: bool,
+    ) -> f64 {
+        self.project(&sites.x, &mut sites.v);
+        let reading = self.walls.walls()[plane];
+        let axis = reading.axis;
+        let mut normal = DVec3::ZERO;
+        normal[axis] = reading.outward();
+        let masses = self.one.masses.clone();
+        let mut along = vec![DVec3::ZERO; sites.x.len()];
+        along[site] = normal / masses.of(site);
+        self.project(&sites.x, &mut along);
+        let kappa = normal.dot(along[site]);
+        let towards = normal.dot(sites.v[site]);
+        let surface = self.walls.surface(plane).clone();
+        let Surface::Hit(wall) = &surface else {
+            return 0.0;
+        };
+        let outward_momentum = |v: &[DVec3]| -> f64 {
+            let each = v.iter().enumerate();
+            each.map(|(k, v)| masses.moving(k) * normal.dot(*v)).sum()
+        };
+        let kinetic = |v: &[DVec3]| -> f64 {
+            let each = v.iter().enumerate();
+            each.map(|(k, v)| 0.5 * masses.moving(k) * v.length_squared())
+                .sum()
+        };
+        let before = (outward_momentum(&sites.v), kinetic(&sites.v));
+        let mut is_rest = false;
+        let leaving = match surface.restitution() {
+            _ if is_tired => 0.0,
+            Some(e) => {
+                let mut kick: Vec<DVec3> = (given.forces.iter().enumerate())
+                    .map(|(k, f)| given.h / masses.of(k) * *f)
+                    .collect();
+                self.project(&sites.x, &mut kick);
+                is_rest = e < 1.0 && towards <= KICKS_OF_REST * normal.dot(kick[site]);
+                if is_rest { 0.0 } else { e * towards }
+            }
+            None => {
+                // All velocities are drawn anew. The normal speed of the site has the density of the flux of a mass 1/κ.
+                let random = &mut given.random;
+                for (k, v) in sites.v.iter_mut().enumerate() {
+                    *v = drawn(wall.as_ref(), masses.of(k), random);
+                }
+                self.project(&sites.x, &mut sites.v);
+                let leaving = wall.leave(Hit {
+                    axis,
+                    outward: 1.0,
+                    velocity: DVec3::ZERO,
+                    mass: 1.0 / kappa,
+                    random,
+                });
+                -leaving[axis]
+            }
+        };
+        let impulse = (-leaving - normal.dot(sites.v[site])) / kappa;
+        for (v, along) in sites.v.iter_mut().zip(&along) {
+            *v += impulse * *along;
+        }
+        let momentum = before.0 - outward_momentum(&sites.v);
+        match is_rest {
+            true => self.walls.take_momentum(plane, momentum),
+            false => self.walls.count_hit(plane, momentum),
+        }
+        if is_rest {
+            0.0
+        } else {
+            kinetic(&sites.v) - before.1
+        }
+    }
+
+    /// Flies one molecule from hit to hit; returns the molecule and the energy that hits and bonds put in.
+    fn fly_one(
+        &mut self,
+        mut sites: Sites,
+        mut given: Given<'_>,
+    ) -> Result<(Sites, f64), StepError> {
+        let (mut left, mut heat) = (given.h, 0.0);
+        for hits in 0..MOST_EVENTS {
+            let (end, by_bonds) = self.flown(&sites, left)?;
+            let Some(arrival) = self.first_arrival(&sites, &end, left)? else {
+                return Ok((end, heat + by_bonds));
+            };
+            let (at_plane, by_bonds) = self.flown(&sites, arrival.time)?;
+            sites = at_plane;
+            left -= arrival.time;
+            heat += by_bonds + self.hit(&mut sites, arrival, &mut given, hits >= MOST_HITS);
+        }
+        let (end, by_bonds) = self.flown(&sites, left)?;
+        Ok((end, heat + by_bonds))
+    }
+
+    /// Flies all molecules; returns the energy that hits and bonds put in.
+    fn fly_all(&mut self, flight: &mut Flight<'_>) -> Result<f64, (usize, StepError)> {
+        let (before_x, before_v) = (flight.positions.to_vec(), flight.velocities.to_vec());
+        let drift = BoundDrift {
+            positions: flight.positions,
+            velocities: flight.velocities,
+            forces: flight.forces,
+            kick: None,
+            h: flight.h,
+        };
+        let sites = self.system.molecules.sites();
+        let of_molecule = |e: &StepError| match e {
+            StepError::BondTurned { molecule, .. }
+            | StepError::BondsNotConverged { molecule, .. } => (molecule - 1) * sites,
+            _ => 0,
+        };
+        let solved = self.solver.drift(&self.system, drift);
+        let mut heat = match solved {
+            Ok(solved) => solved.heat,
+            Err(e) => {
+                // What failed left numbers that are none.
+                flight.positions.copy_from_slice(&before_x);
+                flight.velocities.copy_from_slice(&before_v);
+                return Err((of_molecule(&e), e));
+            }
+        };
+        for first in (0..before_x.len()).step_by(sites) {
+            let own = first..first + sites;
+            if !flight.positions[own.clone()]
+                .iter()
+                .any(|x| self.is_behind(*x))
+            {
+                continue;
+            }
+            if let Masses::Each(_) = self.system.masses {
+                let own = own.clone().map(|i| self.system.masses.of(i));
+                self.one.masses = Masses::Each(own.collect());
+            } else {
+                self.one.masses.clone_from(&self.system.masses);
+            }
+            let start = Sites {
+                x: before_x[own.clone()].to_vec(),
+                v: before_v[own.clone()].to_vec(),
+            };
+            let given = Given {
+                forces: &flight.forces[own.clone()],
+                h: flight.h,
+                random: self.walls.noise_of(first, flight.step, flight.is_later),
+            };
+            let failed = |e: StepError| (first, e);
+            // What the bonds put in over the whole flight is counted already.
+            heat -= self.flown(&start, flight.h).map_err(failed)?.1;
+            let (end, put_in) = self.fly_one(start, given).map_err(failed)?;
+            heat += put_in;
+            flight.positions[own.clone()].copy_from_slice(&end.x);
+            flight.velocities[own].copy_from_slice(&end.v);
+        }
+        Ok(heat)
+    }
+}
+
+/// A velocity of a mass, with three components as a wall draws them along its plane.
+fn drawn(wall: &dyn Rebound, mass: f64, random: &mut CounterRng) -> DVec3 {
+    let mut across = |axis: usize| {
+        wall.leave(Hit {
+            axis,
+            outward: 1.0,
+            velocity: DVec3::ZERO,
+            mass,
+            random,
+        })
+    };
+    let (z, x) = (across(2), across(0));
+    DVec3::new(z.x, z.y, x.z)
+}
+
+impl Boundary for MoleculesAtWalls {
+    fn fly(&mut self, mut flight: Flight<'_>) -> f64 {
+        match self.fly_all(&mut flight) {
+            Ok(heat) => heat,
+            Err((first, _)) => {
+                self.failed = self.failed.or(Some(first));
+                0.0
+            }
+        }
+    }
+}
+
+impl ForceTerm for MoleculesAtWalls {
+    fn evaluate(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        forces.fill(DVec3::ZERO);
+        self.add(at, part, want, &mut Vec::new(), forces)
+    }
+
+    fn add(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        scratch: &mut Vec<DVec3>,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        if let Some(particle) = self.failed.take() {
+            return Err(ForceError::NonFinitePosition { particle });
+        }
+        self.walls.add(at, part, want, scratch, forces)
+    }
+
+    fn force_on(&self, particle: usize, at: Configuration<'_>) -> DVec3 {
+        self.walls.force_on(particle, at)
+    }
+
+    fn properties(&self) -> ForceProperties {
+        self.walls.properties()
+    }
+
+    fn walls(&self) -> &[WallReading] {
+        self.walls.walls()
+    }
+
+    fn boundary(&mut self) -> Option<&mut dyn Boundary> {
+        Some(self)
+    }
+}
+
+impl Persist for MoleculesAtWalls {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.walls.save(to);
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.walls.restore(from)
+    }
+}

@@ -1,0 +1,239 @@
+//! Molecules whose bonds are held in drifts, between walls that are hit.
+
+use lennard_contacts::MoleculesAtWalls;
+use lennard_core::random::Streams;
+use lennard_core::{
+    BondSolver, Bonds, DVec3, ForceSum, ForceTerm, Molecules, NoForces, PeriodicBox, State, System,
+    Want, rigid,
+};
+use lennard_forcefield::{Hard, SlitPlanes, WallContext, WallOptions, WallPair, Walls};
+use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build};
+
+use crate::common::{cube, random_vectors};
+
+const SIDE: f64 = 12.0;
+
+fn solver(molecules: &Molecules) -> Box<dyn BondSolver> {
+    match BondOptions::default().build(molecules) {
+        BondHolder::Drift(solver) => solver,
+        _ => panic!("the direct solution acts in drifts"),
+    }
+}
+
+/// Walls across all axes, 1 σ from the ends of the box.
+fn walls(options: &WallOptions) -> Walls {
+    let context = WallContext { temperature: 1.3 };
+    let pair = |axis| {
+        let planes = SlitPlanes::new(&cube(SIDE), axis, 2.0, 0.0);
+        WallPair::new(options, planes, &context)
+    };
+    Walls::new((0..3).map(pair).collect(), Streams::new(5).noise("walls"))
+}
+
+fn hard(restitution: f64) -> WallOptions {
+    WallOptions::Hard(Hard {
+        restitution: Some(restitution),
+        ..Hard::default()
+    })
+}
+
+struct Gas {
+    system: System,
+    state: State,
+    forces: ForceSum<NoForces>,
+    method: lennard_core::Integrator,
+    h: f64,
+    heat: f64,
+}
+
+impl Gas {
+    /// Chains that do not see each other, in a closed box.
+    fn new(options: &WallOptions, n: usize, sites: usize, h: f64) -> Self {
+        let molecules = Molecules::chains(sites, 0.8, Bonds::Rigid);
+        let centers = random_vectors(n, "centers");
+        let x: Vec<DVec3> = (0..n * sites)
+            .map(|i| {
+                let along = (i % sites) as f64 - 0.5 * (sites - 1) as f64;
+                let turned = DVec3::from_array(
+                    [[0.8, 0.0, 0.0], [0.0, 0.8, 0.0], [0.0, 0.0, 0.8]][i / sites % 3],
+                );
+                DVec3::splat(0.5 * SIDE) + 2.5 * centers[i / sites] + along * turned
+            })
+            .collect();
+        let system = System::of_molecules(n * sites, molecules.clone());
+        let mut v = random_vectors(n * sites, "velocities");
+        v.iter_mut().for_each(|v| *v *= 2.0);
+        rigid::project_velocities(&system, &x, &mut v);
+        let walls = MoleculesAtWalls::new(walls(options), &system, solver(&molecules));
+        let mut gas = Self {
+            system: system.pushed_along([true; 3]),
+            state: State::new(cube(SIDE), x, v),
+            forces: ForceSum::new(NoForces).with(walls),
+            method: build(&IntegratorOptions::default()).with_bonds(solver(&molecules)),
+            h,
+            heat: 0.0,
+        };
+        let Self {
+            system,
+            state,
+            forces,
+            method,
+            ..
+        } = &mut gas;
+        method
+            .start(system, state, forces, h, Want::NOTHING)
+            .unwrap();
+        gas
+    }
+
+    fn step(&mut self) {
+        let Self {
+            system,
+            state,
+            forces,
+            method,
+            h,
+            heat,
+        } = self;
+        let report = method.step(system, state, forces, *h, Want::NOTHING);
+        *heat += report.unwrap().heat;
+    }
+
+    fn energy(&self) -> f64 {
+        self.system.kinetic_energy(&self.state.velocities)
+    }
+
+    fn residual(&self) -> f64 {
+        rigid::constraint_sums(&self.system, &self.state).largest_residual
+    }
+
+    fn outside(&self) -> f64 {
+        let beyond = |x: f64| (1.0 - x).max(x - (SIDE - 1.0));
+        let all = self.state.positions.iter();
+        all.map(|x| beyond(x.x).max(beyond(x.y)).max(beyond(x.z)))
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn impulse(&self) -> f64 {
+        self.forces.walls().iter().map(|wall| wall.impulse).sum()
+    }
+}
+
+#[test]
+fn rigid_dumbbells_keep_energy_and_bonds_over_thousands_of_hits() {
+    let mut gas = Gas::new(&hard(1.0), 60, 2, 0.005);
+    let before = gas.energy();
+    let mut worst = 0.0_f64;
+    for _ in 0..4000 {
+        gas.step();
+        worst = worst.max((gas.energy() / before - 1.0).abs());
+        assert!(gas.outside() < 1e-12, "{}", gas.outside());
+    }
+    assert!(worst < 1e-12, "{worst:e}");
+    assert!(gas.residual() < 1e-13, "{}", gas.residual());
+    assert!(gas.heat.abs() < 1e-11, "{}", gas.heat);
+    // 20 τ at a speed of about 1.2: each centre hits a wall more than twice.
+    assert!(gas.impulse() > 60.0 * 2.0, "{}", gas.impulse());
+}
+
+#[test]
+fn forth_and_back_molecules_come_home_through_their_hits() {
+    for sites in [2, 5] {
+        let mut gas = Gas::new(&hard(1.0), 6, sites, 0.005);
+        let start = gas.state.positions.clone();
+        for _ in 0..2 {
+            (0..2000).for_each(|_| gas.step());
+            gas.state.velocities.iter_mut().for_each(|v| *v = -*v);
+        }
+        let off = |(a, b): (&DVec3, &DVec3)| (*a - *b).length();
+        let farthest = gas.state.positions.iter().zip(&start).map(off);
+        let farthest = farthest.fold(0.0, f64::max);
+        assert!(farthest < 1e-7, "{sites}: {farthest:e}");
+        assert!(gas.impulse() > 5.0, "{}", gas.impulse());
+    }
+}
+
+#[test]
+fn momentum_goes_to_the_walls_and_hits_that_take_energy_count_it_as_heat() {
+    let mut gas = Gas::new(&hard(0.7), 40, 3, 0.005);
+    let (before, start) = (gas.energy(), gas.system.momentum(&gas.state.velocities));
+    (0..4000).for_each(|_| gas.step());
+    let lost = gas.energy() - before;
+    // A free chain keeps its energy to the cube of the step.
+    assert!(
+        (lost - gas.heat).abs() < 1e-4 * before,
+        "{lost} {}",
+        gas.heat
+    );
+    assert!(lost < -0.2 * before);
+    let gained = gas.system.momentum(&gas.state.velocities) - start;
+    for axis in 0..3 {
+        let of = |wall: &lennard_core::WallReading| wall.outward() * wall.impulse;
+        let walls = gas.forces.walls().iter().filter(|w| w.axis == axis);
+        let taken: f64 = walls.map(of).sum();
+        assert!((taken + gained[axis]).abs() < 1e-10, "{taken} {gained}");
+    }
+}
+
+#[test]
+fn thermal_walls_bring_molecules_to_their_temperature_in_every_degree_of_freedom() {
+    let options = WallOptions::all()
+        .into_iter()
+        .find(|wall| wall.spec().name == "thermal")
+        .unwrap();
+    let mut gas = Gas::new(&options, 400, 2, 0.02);
+    (0..3000).for_each(|_| gas.step());
+    let (mut centers, mut inside, mut samples) = (0.0, 0.0, 0.0);
+    for _ in 0..150 {
+        (0..40).for_each(|_| gas.step());
+        for v in gas.state.velocities.chunks(2) {
+            centers += 0.25 * (v[0] + v[1]).length_squared();
+            inside += 0.25 * (v[1] - v[0]).length_squared();
+            samples += 1.0;
+        }
+    }
+    // K = M·V²/2 has three degrees of freedom for the centre, and two for the rotation.
+    let (centers, inside) = (2.0 * centers / samples / 3.0, 2.0 * inside / samples / 2.0);
+    // Some 400·60 independent velocities: an error of about 1 %.
+    assert!((centers / 1.3 - 1.0).abs() < 0.03, "{centers}");
+    assert!((inside / 1.3 - 1.0).abs() < 0.03, "{inside}");
+}
+
+#[test]
+fn a_dumbbell_that_falls_flat_on_a_floor_bounces_and_rests_with_both_sites() {
+    let cell: PeriodicBox = cube(SIDE);
+    let molecules = Molecules::chains(2, 1.0, Bonds::Rigid);
+    for e in [1.0, 0.5] {
+        let system = System::of_molecules(2, molecules.clone());
+        let x = vec![DVec3::new(5.0, 6.0, 2.0), DVec3::new(6.0, 6.0, 2.0)];
+        let walls = MoleculesAtWalls::new(walls(&hard(e)), &system, solver(&molecules));
+        let field = lennard_forcefield::ConstantField::new(DVec3::NEG_Z, system.masses.clone());
+        let mut forces = ForceSum::new(NoForces).with(walls).with(field);
+        let system = system.pushed_along([true; 3]);
+        let mut state = State::new(cell, x, vec![DVec3::ZERO; 2]);
+        let mut method = build(&IntegratorOptions::default()).with_bonds(solver(&molecules));
+        let h = 0.01;
+        method
+            .start(&system, &mut state, &mut forces, h, Want::NOTHING)
+            .unwrap();
+        let (mut heat, mut halfway) = (0.0, (0.0, 0.0));
+        for step in 0..3000 {
+            if step == 2000 {
+                halfway = (heat, forces.walls().iter().map(|w| w.impulse).sum::<f64>());
+            }
+            let report = method.step(&system, &mut state, &mut forces, h, Want::NOTHING);
+            heat += report.unwrap().heat;
+        }
+        let energy: f64 = (0..2)
+            .map(|i| 0.5 * state.velocities[i].length_squared() + state.positions[i].z - 1.0)
+            .sum();
+        if e == 1.0 {
+            assert!((energy - 2.0).abs() < 2.0 * 2.0_f64.sqrt() * h, "{energy}");
+            continue;
+        }
+        assert!(energy.abs() < 1e-3, "{energy}");
+        assert_eq!(heat, halfway.0);
+        let weight = forces.walls().iter().map(|w| w.impulse).sum::<f64>() - halfway.1;
+        assert!((weight / (10.0 * 2.0) - 1.0).abs() < 1e-9, "{weight}");
+    }
+}
