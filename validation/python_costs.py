@@ -39,6 +39,8 @@ steps = {steps}
 INTERRUPTED = """
 import os, signal, sys, threading, time
 import lennard
+# A shell has its background commands ignore the signal.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 simulation = lennard.Simulation.liquid(density=0.8, temperature=1.0, n=int(sys.argv[1]), seed=2)
 sent = []
 def send():
@@ -157,12 +159,16 @@ def main() -> None:
     arguments.add_argument("--program", default=shutil.which("lennard"), help="the program of cargo; else the one on PATH")
     arguments.add_argument("--steps", type=int, default=100_000)
     arguments.add_argument("--pairs", type=int, default=7)
+    arguments.add_argument("--only", choices=["callback", "others"], help="a part; by default all")
     given = arguments.parse_args()
     if given.program is None:
         sys.exit("no program `lennard` on PATH\n  allowed: --program FILE")
     own = Path(sys.executable).parent / "lennard"
-    with tempfile.TemporaryDirectory() as folder:
-        callback(given.program, given.steps, given.pairs, Path(folder))
+    if given.only != "others":
+        with tempfile.TemporaryDirectory() as folder:
+            callback(given.program, given.steps, given.pairs, Path(folder))
+    if given.only == "callback":
+        return
     calculator(201)
     for n in (864, 32_000, 256_000):
         interrupt(n, 5)
