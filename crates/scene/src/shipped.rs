@@ -42,7 +42,11 @@ impl Shipped {
             .take_while(|line| !line.is_empty())
             .collect();
         let prose = prose.join(" ");
-        let end = prose.find(". ").map_or(prose.len(), |at| at + 1);
+        // A point before a small letter or a number shortens a word.
+        let goes_on = |c: char| c.is_lowercase() || c.is_ascii_digit();
+        let mut points = prose.match_indices(". ");
+        let end = points.find(|(at, _)| !prose[at + 2..].starts_with(goes_on));
+        let end = end.map_or(prose.len(), |(at, _)| at + 1);
         prose[..end].to_owned()
     }
 
@@ -170,6 +174,16 @@ mod tests {
 
     fn named(written: &str) -> Option<&'static str> {
         find(Path::new(written)).map(|scene| scene.name)
+    }
+
+    #[test]
+    fn a_shortened_word_does_not_end_the_subject() {
+        let scene = find(Path::new("fluid/truncated-shifted")).unwrap();
+        let subject = scene.subject();
+        assert!(
+            subject.ends_with("(Thol et al. 2015): no tail correction belongs to it."),
+            "{subject}"
+        );
     }
 
     #[test]
