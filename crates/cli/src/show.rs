@@ -124,7 +124,8 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
 /// What a run found, and what can be said of it.
 pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, verbose: bool) {
     if compared.is_of_few_bodies() && !verbose {
-        println!("\n  {}", console::style(&compared.headline).bold());
+        println!();
+        literature::headline(compared);
         println!("  last state: {}", folder.join("final.xyz").display());
     } else {
         println!("\n{}", literature::quantities(compared, verbose));

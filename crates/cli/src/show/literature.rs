@@ -7,7 +7,7 @@ use lennard_report::{signed, significant};
 use lennard_studies::compare::{self, ComparedRun, Row, StateOfMatter, quantity_words};
 use lennard_studies::sweep::{self, Sweep, SweepRecord, workers};
 
-use super::{WIDTH, note, table};
+use super::{WIDTH, note, table, wrapped};
 
 /// What is about to run, with the points that are no single stable phase.
 pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) {
@@ -130,9 +130,8 @@ fn narrow(run: &ComparedRun) -> Table {
             figures.map(Cell::figures)
         })
         .column("Verdict", |r| {
-            // The headline says a reason that most rows share.
-            let in_headline = run.shared_reason.as_ref() == Some(&r.reason);
-            let words = if in_headline || r.verdict.is_judged() {
+            let in_headline = is_in_headline(run, r);
+            let words = if in_headline || r.verdict.is_judged() || has_note(run, r) {
                 r.verdict.words().to_owned()
             } else {
                 r.verdict_words()
@@ -142,9 +141,37 @@ fn narrow(run: &ComparedRun) -> Table {
         .table()
 }
 
+/// The verdict on a run in one sentence or two.
+pub(super) fn headline(run: &ComparedRun) {
+    for line in wrapped(&run.headline) {
+        println!("{}", console::style(line).bold());
+    }
+}
+
+/// Whether the headline says the reason of a row: most rows share it.
+fn is_in_headline(run: &ComparedRun, row: &Row) -> bool {
+    run.shared_reason.as_ref() == Some(&row.reason)
+}
+
+/// Whether the reason of a row stands below the table: it would fill several lines of a cell.
+fn has_note(run: &ComparedRun, row: &Row) -> bool {
+    const LONGEST: usize = 20;
+    let long = row.reason.chars().count() > LONGEST;
+    long && !row.verdict.is_judged() && !is_in_headline(run, row)
+}
+
 /// What is said below the table: the headline, the model and the reference; with `verbose` every source and note.
 pub(super) fn below_quantities(run: &ComparedRun, verbose: bool) {
-    println!("  {}", console::style(&run.headline).bold());
+    headline(run);
+    if !verbose {
+        for row in run.rows.iter().filter(|r| r.primary && has_note(run, r)) {
+            note(&format!(
+                "{}: {}",
+                quantity_words(&row.quantity),
+                row.reason
+            ));
+        }
+    }
     let molecules = run.molecules != run.atoms;
     note(&format!(
         "U and P are of: {}; energies are per {}",

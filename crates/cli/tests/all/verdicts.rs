@@ -115,6 +115,8 @@ fn a_run_too_short_says_how_many_steps_are_missing_and_gives_no_error() {
     );
     assert_eq!(row(&compared, "potential_energy")["verdict"], "too-short");
     assert!(table.contains("The run is too short"), "{table}");
+    let fits = |line: &str| line.chars().count() <= 100;
+    assert!(table.lines().all(fits), "{table}");
 }
 
 #[test]
