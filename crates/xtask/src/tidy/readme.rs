@@ -17,6 +17,7 @@ const XTASK: [&str; 12] = [
 ];
 const CARGO: [&str; 10] = [
     "check", "run", "xtask", "test", "build", "bench", "fmt", "clippy", "doc", "install",
+    "publish", "tree",
 ];
 
 /// Reads the documents and asks the built program what it knows.
