@@ -15,7 +15,7 @@ const XTASK: [&str; 12] = [
     "docs", "test", "check", "physics", "cluster", "tidy", "soak", "fuzz", "coverage", "accuracy",
     "python", "help",
 ];
-const CARGO: [&str; 10] = [
+const CARGO: [&str; 12] = [
     "check", "run", "xtask", "test", "build", "bench", "fmt", "clippy", "doc", "install",
     "publish", "tree",
 ];
