@@ -193,15 +193,17 @@ impl Run {
                 0.5 * dt,
                 dt,
             );
-            let stride = FusedSteps {
+            let mut stride = FusedSteps {
                 cell: &self.cell,
                 positions: &mut self.positions,
                 velocities: &mut self.velocities,
                 masses: &self.masses,
                 dt,
                 steps: left as u64 - 1,
+                bath: None,
+                noise: None,
             };
-            let taken = 1 + self.provider.advance(stride) as usize;
+            let taken = 1 + self.provider.advance(&mut stride) as usize;
             self.time += dt * taken as f64;
             left -= taken;
             energetics = self.evaluate(if left == 0 { want } else { Want::NOTHING })?;

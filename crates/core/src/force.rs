@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use crate::parallel::for_each_piece;
 use crate::{
-    Boundary, Configuration, Energetics, Masses, Part, PeriodicBox, Persist, WallReading, Want,
+    Boundary, Configuration, Energetics, FusedBath, FusedNoise, Masses, Part, PeriodicBox, Persist,
+    WallReading, Want,
 };
 
 /// Why forces cannot be given.
@@ -228,8 +229,7 @@ pub trait ForceTerm: Persist + Send {
 ///
 /// They begin where forces are due: after a drift, with half a kick given. Each step takes F at x and adds (h/2m)·F to v
 /// twice: the last half kick of one step, and the first of the next. The drift x ← x + h·v follows. The steps thus end
-/// where forces are due again.
-#[derive(Debug)]
+/// where forces are due again. A bath scales the velocities between the two half kicks of the steps after which it acts.
 pub struct FusedSteps<'a> {
     /// The box.
     pub cell: &'a PeriodicBox,
@@ -243,16 +243,21 @@ pub struct FusedSteps<'a> {
     pub dt: f64,
     /// How many steps to take.
     pub steps: u64,
+    /// The bath, where there is one.
+    pub bath: Option<FusedBath<'a>>,
+    /// Friction and noise in the middle of each drift, where there are any. The drift is then two half drifts.
+    pub noise: Option<FusedNoise>,
 }
 
 /// The machine that evaluates the sum of all force terms, and may take several steps at once.
 pub trait Backend: ForceTerm {
     /// Takes steps in one go and returns how many: all of them, fewer, or none. Positions and velocities then have the bits
     /// of that many steps by [`ForceTerm::evaluate`] and [`crate::sweeps`]; no force is written. It never fails: the caller
-    /// takes the steps that are left one by one, and meets any error there.
+    /// takes the steps that are left one by one, and meets any error there. Where it takes none, the bath may have acted in
+    /// vain, and the caller gives it its memory back.
     ///
     /// The default takes none.
-    fn advance(&mut self, steps: FusedSteps<'_>) -> u64 {
+    fn advance(&mut self, steps: &mut FusedSteps<'_>) -> u64 {
         let _ = steps;
         0
     }

@@ -108,7 +108,7 @@ impl<B: Backend> ForceTerm for ForceSum<B> {
 }
 
 impl<B: Backend> Backend for ForceSum<B> {
-    fn advance(&mut self, steps: FusedSteps<'_>) -> u64 {
+    fn advance(&mut self, steps: &mut FusedSteps<'_>) -> u64 {
         // The first term knows nothing of the others.
         if self.others.is_empty() {
             self.first.advance(steps)

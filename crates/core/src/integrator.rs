@@ -3,7 +3,7 @@
 use crate::{
     Backend, Barostat, BondSolver, BoxMoves, IntegratorSpec, Method, Momentum, Persist,
     RestoreError, State, StateReader, StateWriter, Step, StepError, StepReport, System, Thermostat,
-    Want,
+    Want, couple,
 };
 
 /// Advances a state in time by the steps of a method, with or without a heat bath and a barostat after its steps.
@@ -159,8 +159,8 @@ impl Integrator {
             });
         }
         let first = state.step;
-        let at_once = if spec.is_kick_drift_kick && self.bonds.is_none() {
-            steps.min(self.steps_to_bath(first, steps))
+        let at_once = if self.method.fuses_steps() && self.bonds.is_none() {
+            self.steps_to_barostat(first, steps)
         } else {
             1
         };
@@ -178,10 +178,15 @@ impl Integrator {
         let bonds = self.bonds.as_deref_mut();
         let mut step = Step::new(system, state, forces, spec, dt, want)
             .with_steps_ahead(at_once - 1)
+            .with_bath(self.bath.as_mut())
             .holding_bonds(bonds);
         self.method.step(&mut step)?;
         step.bonds_hold()?;
-        couple(self.method.as_mut(), self.bath.as_deref_mut(), &mut step)?;
+        if let Some(bath) = step.take_bath()
+            && couple(bath.as_mut(), &mut step)
+        {
+            self.method.remember(&mut step)?;
+        }
         press(
             self.method.as_mut(),
             self.barostat.as_deref_mut(),
@@ -191,19 +196,14 @@ impl Integrator {
         Ok((state.step - first, report))
     }
 
-    /// Steps from `step` to the next after which bath or barostat act, at most `most`.
-    fn steps_to_bath(&self, step: u64, most: u64) -> u64 {
-        if self.bath.is_none() && self.barostat.is_none() {
+    /// Steps from `step` to the next after which the barostat acts, at most `most`.
+    fn steps_to_barostat(&self, step: u64, most: u64) -> u64 {
+        let Some(barostat) = &self.barostat else {
             return most;
-        }
-        let heats_after = |step| self.bath.as_ref().is_some_and(|b| b.acts_after(step));
+        };
         (1..most)
-            .find(|ahead| heats_after(step + ahead) || self.presses_after(step + ahead))
+            .find(|ahead| barostat.acts_after(step + ahead))
             .unwrap_or(most)
-    }
-
-    fn presses_after(&self, step: u64) -> bool {
-        self.barostat.as_ref().is_some_and(|b| b.acts_after(step))
     }
 }
 
@@ -230,22 +230,6 @@ impl Persist for Integrator {
             None => Ok(()),
         }
     }
-}
-
-/// Lets the bath act, and the method remember the velocities that the bath left.
-fn couple(
-    method: &mut dyn Method,
-    bath: Option<&mut (dyn Thermostat + 'static)>,
-    step: &mut Step<'_>,
-) -> Result<(), StepError> {
-    let Some(bath) = bath else {
-        return Ok(());
-    };
-    let now = step.parts().state.step;
-    if bath.acts_after(now) && bath.apply(step) {
-        method.remember(step)?;
-    }
-    Ok(())
 }
 
 /// Lets the barostat act, and the method remember the positions in the new box.

@@ -1,5 +1,8 @@
 //! The masses of particles.
 
+use glam::DVec3;
+
+use crate::parallel::ordered_sum;
 use crate::species::SpeciesTable;
 
 /// The masses of the particles. A held particle, which never moves, has an infinite mass.
@@ -49,6 +52,23 @@ impl Masses {
             Self::Each(m) if m[i].is_infinite() => 0.0,
             Self::Each(m) => m[i],
         }
+    }
+
+    /// The kinetic energy ½ m v² of particle `i`, ε.
+    #[inline]
+    #[must_use]
+    pub fn kinetic_energy_of(&self, i: usize, velocity: DVec3) -> f64 {
+        0.5 * self.moving(i) * velocity.length_squared()
+    }
+
+    /// The kinetic energy K = Σ ½ m v² in ε, summed in the order of the particles.
+    #[must_use]
+    pub fn kinetic_energy(&self, velocities: &[DVec3]) -> f64 {
+        ordered_sum(velocities.len(), |range| {
+            range
+                .map(|i| self.kinetic_energy_of(i, velocities[i]))
+                .sum()
+        })
     }
 
     /// The reduced mass m_i·m_j/(m_i + m_j) of two particles, of which one at most is held.

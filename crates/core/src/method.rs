@@ -28,6 +28,14 @@ pub trait Method: Persist + Send {
         false
     }
 
+    /// Whether steps that nothing looks at may be taken at once.
+    ///
+    /// Each is a kick, a drift and a kick, with friction and noise in the middle of the drift or without
+    /// ([`Step::friction_and_noise`]). The default is what the declaration says.
+    fn fuses_steps(&self) -> bool {
+        self.spec().is_kick_drift_kick
+    }
+
     /// Evaluates the forces at the start and remembers what the steps need.
     ///
     /// # Errors

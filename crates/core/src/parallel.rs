@@ -91,6 +91,12 @@ where
         .sum()
 }
 
+/// The sum of numbers, added as [`ordered_sum`] does.
+#[must_use]
+pub fn total(numbers: &[f64]) -> f64 {
+    ordered_sum(numbers.len(), |range| numbers[range].iter().sum())
+}
+
 /// Whether `check` holds for each range of some that make up `0..n`; all are looked at.
 pub fn all_pieces<F>(n: usize, check: F) -> bool
 where

@@ -10,6 +10,7 @@ use rand::{SeedableRng, TryRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// One round of Philox: two 32×32-bit products, crossed.
+#[inline(always)]
 fn philox_round(c: [u32; 4], k: [u32; 2]) -> [u32; 4] {
     let p0 = u64::from(c[0]) * 0xD251_1F53;
     let p1 = u64::from(c[2]) * 0xCD9E_8D57;
@@ -35,6 +36,52 @@ pub fn philox4x32(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
         counter = philox_round(counter, key);
     }
     counter
+}
+
+/// [`philox_round`] of one lane, with each word in the low half.
+#[inline(always)]
+fn lane_round(c: [u64; 4], key: [u64; 2]) -> [u64; 4] {
+    const LOW: u64 = 0xffff_ffff;
+    let p0 = (c[0] & LOW) * 0xD251_1F53;
+    let p1 = (c[2] & LOW) * 0xCD9E_8D57;
+    [
+        (p1 >> 32) ^ c[1] ^ key[0],
+        p1 & LOW,
+        (p0 >> 32) ^ c[3] ^ key[1],
+        p0 & LOW,
+    ]
+}
+
+/// Philox for the first block of some particles at a step: the words of [`philox4x32`], each in the low half of a lane.
+///
+/// The rounds stand one after another, since a loop over rounds would keep a compiler from putting particles into lanes.
+#[inline(always)]
+pub(crate) fn philox_lanes<const N: usize>(
+    key: [u32; 2],
+    step: u64,
+    particles: [u32; N],
+) -> [[u64; N]; 4] {
+    let mut words = [[0; N]; 4];
+    let key_of = |round: u32| {
+        let first = key[0].wrapping_add(round.wrapping_mul(0x9E37_79B9));
+        let second = key[1].wrapping_add(round.wrapping_mul(0xBB67_AE85));
+        [u64::from(first), u64::from(second)]
+    };
+    for k in 0..N {
+        let mut c = [0, u64::from(particles[k]), step & 0xffff_ffff, step >> 32];
+        c = lane_round(c, key_of(0));
+        c = lane_round(c, key_of(1));
+        c = lane_round(c, key_of(2));
+        c = lane_round(c, key_of(3));
+        c = lane_round(c, key_of(4));
+        c = lane_round(c, key_of(5));
+        c = lane_round(c, key_of(6));
+        c = lane_round(c, key_of(7));
+        c = lane_round(c, key_of(8));
+        c = lane_round(c, key_of(9));
+        [words[0][k], words[1][k], words[2][k], words[3][k]] = c;
+    }
+    words
 }
 
 /// FNV-1a of a name: a fixed 64-bit number for each stream (Fowler, Noll, Vo; RFC 9923 draft constants).
@@ -94,6 +141,12 @@ pub struct NoiseStream {
 }
 
 impl NoiseStream {
+    /// The key of the stream.
+    #[inline(always)]
+    pub(crate) fn key(&self) -> [u32; 2] {
+        self.key
+    }
+
     /// The generator of one particle (or other index) at one step: always the same numbers.
     #[must_use]
     pub fn at(&self, step: u64, particle: u32) -> CounterRng {

@@ -58,7 +58,7 @@ impl IntegratorSpec {
 }
 
 /// What happened in a step, or in several that were taken at once.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct StepReport {
     /// Force evaluations made.
     pub force_evaluations: u32,
@@ -66,8 +66,20 @@ pub struct StepReport {
     pub iterations: u32,
     /// Residual that the inner solver ended with, in its own norm.
     pub residual: f64,
-    /// Energy in ε put in by a heat bath inside the step: E − Σ heat is conserved.
+    /// Energy in ε put in by a heat bath in the last step: E − Σ heat is conserved.
     pub heat: f64,
+    /// The same of the steps before the last, one by one.
+    pub earlier_heats: Vec<f64>,
+}
+
+impl StepReport {
+    /// Adds the heat of each step to a total, so that the total has the same bits for steps at once and one by one.
+    pub fn add_heat_to(&self, total: &mut f64) {
+        for heat in &self.earlier_heats {
+            *total += heat;
+        }
+        *total += self.heat;
+    }
 }
 
 /// Why a step failed.

@@ -1,12 +1,14 @@
 //! One step under way: the operators that every method is made of.
 
+mod ahead;
+
 use std::ops::Range;
 
 use crate::parallel::all_pieces;
 use crate::{
     Backend, BondSolver, BoundDrift, Configuration, DVec3, Energetics, Flight, ForceError,
-    FusedSteps, IntegratorSpec, Momentum, Part, State, StepError, StepReport, System, Want, rigid,
-    sweeps,
+    FrictionAndNoise, IntegratorSpec, Momentum, Part, State, StepError, StepReport, System,
+    Thermostat, Want, rigid, sweeps,
 };
 
 /// A step of a method: what its kicks, drifts and force evaluations act on.
@@ -21,6 +23,10 @@ pub struct Step<'a> {
     want: Want,
     /// Steps that may be taken besides this one without a look in between.
     ahead: u64,
+    /// The bath after the steps.
+    bath: Option<&'a mut Box<dyn Thermostat>>,
+    /// Friction and noise in the middle of the step, and of the further steps.
+    noise: Option<FrictionAndNoise>,
     /// The kick that was not given yet, as a fraction of the step.
     waiting_kick: Option<f64>,
     /// The part of the step by which positions have drifted.
@@ -63,6 +69,8 @@ impl<'a> Step<'a> {
             dt,
             want,
             ahead: 0,
+            bath: None,
+            noise: None,
             waiting_kick: None,
             drifted: 0.0,
             report: StepReport::default(),
@@ -74,11 +82,6 @@ impl<'a> Step<'a> {
     /// The same step, whose drifts and kicks hold rigid bonds by a solver.
     pub(crate) fn holding_bonds(self, bonds: Option<&'a mut (dyn BondSolver + 'static)>) -> Self {
         Self { bonds, ..self }
-    }
-
-    /// With so many further steps that may be taken with it, where the method is kick-drift-kick.
-    pub(crate) fn with_steps_ahead(self, ahead: u64) -> Self {
-        Self { ahead, ..self }
     }
 
     /// The step h in τ.
@@ -301,26 +304,6 @@ impl<'a> Step<'a> {
             }
             _ => sweeps::kick(velocities, forces, &system.masses, h),
         }
-    }
-
-    fn fused_steps(&mut self) {
-        let state = &mut *self.state;
-        let taken = self.backend.advance(FusedSteps {
-            cell: &state.cell,
-            positions: &mut state.positions,
-            velocities: &mut state.velocities,
-            masses: &self.system.masses,
-            dt: self.dt,
-            steps: self.ahead,
-        });
-        for _ in 0..taken {
-            tick(state, self.dt);
-        }
-        self.report.force_evaluations += taken as u32;
-        if taken < self.ahead {
-            self.want = Want::NOTHING;
-        }
-        self.ahead = 0;
     }
 
     /// Fails where bonds could not be held in a drift of this step.

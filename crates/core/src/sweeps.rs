@@ -22,6 +22,15 @@ pub fn kick(velocities: &mut [DVec3], forces: &[DVec3], masses: &Masses, h: f64)
     });
 }
 
+/// Scaling: v ← factor·v.
+pub fn scale(velocities: &mut [DVec3], factor: f64) {
+    for_each_piece(velocities, |_, chunk| {
+        for v in chunk {
+            *v *= factor;
+        }
+    });
+}
+
 /// Drift: x ← x + h·v, with `positions` `[N]` in σ, `velocities` `[N]` in σ/τ, `h` in τ.
 pub fn drift(positions: &mut [DVec3], velocities: &[DVec3], h: f64) {
     for_each_piece(positions, |first, chunk| {

@@ -189,14 +189,10 @@ impl System {
         3.0 * (self.len() - self.masses.n_held()) as f64 - (rigid + kept) as f64
     }
 
-    /// The kinetic energy K = Σ ½ m v² in ε, summed in the order of the particles.
+    /// The kinetic energy K = Σ ½ m v² in ε ([`Masses::kinetic_energy`]).
     #[must_use]
     pub fn kinetic_energy(&self, velocities: &[DVec3]) -> f64 {
-        crate::parallel::ordered_sum(velocities.len(), |range| {
-            range
-                .map(|i| 0.5 * self.masses.moving(i) * velocities[i].length_squared())
-                .sum()
-        })
+        self.masses.kinetic_energy(velocities)
     }
 
     /// The kinetic temperature T = 2K/n_dof, in ε/k_B.

@@ -1,6 +1,6 @@
-//! Heat baths that act on the velocities between steps.
+//! Heat baths that scale the velocities between steps.
 
-use crate::{Persist, Step};
+use crate::Persist;
 
 /// What a thermostat declares about itself.
 #[derive(Debug, Clone, Copy)]
@@ -19,18 +19,97 @@ pub struct ThermostatSpec {
     pub source: &'static str,
 }
 
-/// Couples the velocities to a heat bath after a step.
+/// What a bath sees of the motion after a step.
+#[derive(Debug, Clone, Copy)]
+pub struct BathStep {
+    /// The kinetic energy K > 0, ε.
+    pub kinetic: f64,
+    /// Degrees of freedom.
+    pub n_dof: f64,
+    /// The time step, τ.
+    pub dt: f64,
+    /// The number of the step.
+    pub step: u64,
+}
+
+/// Couples the velocities to a heat bath after a step: one factor for all of them.
+///
+/// The heat is (factor² − 1)·K, and E − Σ heat is conserved.
 pub trait Thermostat: Persist + Send {
     /// What it declares about itself.
     fn spec(&self) -> &'static ThermostatSpec;
 
-    /// Whether the bath may act after this step. Between steps where it does not act, several steps are taken at once.
+    /// Whether the bath acts after this step.
     fn acts_after(&self, step: u64) -> bool {
         let _ = step;
         true
     }
 
-    /// Changes the velocities and counts the energy put in ([`Step::add_heat`]), so that E − Σ heat is conserved. Returns
-    /// whether it changed anything.
-    fn apply(&mut self, step: &mut Step<'_>) -> bool;
+    /// The factor of all velocities after a step. The bath's own memory advances by the step.
+    fn factor(&mut self, at: BathStep) -> f64;
+
+    /// A copy with the same memory.
+    fn copy(&self) -> Box<dyn Thermostat>;
+}
+
+/// The heat that a factor puts in, ε.
+pub(crate) fn heat(factor: f64, kinetic: f64) -> f64 {
+    factor * factor * kinetic - kinetic
+}
+
+/// A bath that acts in fused steps, between the two half kicks of a step.
+pub struct FusedBath<'a> {
+    bath: &'a mut dyn Thermostat,
+    n_dof: f64,
+    dt: f64,
+    /// The step that ends next.
+    step: u64,
+    heats: Vec<f64>,
+}
+
+impl<'a> FusedBath<'a> {
+    /// A bath beside steps of `dt` τ, of which `step` ends first.
+    pub fn new(bath: &'a mut dyn Thermostat, n_dof: f64, dt: f64, step: u64) -> Self {
+        Self {
+            bath,
+            n_dof,
+            dt,
+            step,
+            heats: Vec::new(),
+        }
+    }
+
+    /// Whether the bath acts after the step that ends next.
+    #[must_use]
+    pub fn acts(&self) -> bool {
+        self.bath.acts_after(self.step)
+    }
+
+    /// Ends a step after which the bath does not act.
+    pub fn pass(&mut self) {
+        self.step += 1;
+    }
+
+    /// Ends a step after which the bath acts; returns the factor of all velocities, whose kinetic energy is given, ε.
+    pub fn factor(&mut self, kinetic: f64) -> f64 {
+        let step = self.step;
+        self.step += 1;
+        if kinetic <= 0.0 {
+            return 1.0;
+        }
+        let factor = self.bath.factor(BathStep {
+            kinetic,
+            n_dof: self.n_dof,
+            dt: self.dt,
+            step,
+        });
+        self.heats.push(heat(factor, kinetic));
+        factor
+    }
+
+    /// The heats of the steps so far, ε.
+    #[must_use]
+    pub fn into_heats(self) -> Vec<f64> {
+        self.heats
+    }
 }

@@ -100,7 +100,7 @@ impl Simulation {
             match advanced {
                 Ok((steps, report)) => {
                     stage.steps_done += steps;
-                    stage.heat += report.heat;
+                    report.add_heat_to(&mut stage.heat);
                     if measured {
                         self.measured_steps += steps;
                     }

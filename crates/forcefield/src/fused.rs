@@ -1,14 +1,15 @@
 //! Fused steps: steps that follow each other, with the particles by slot.
 
 use glam::DVec3;
-use lennard_core::{ForceError, FusedSteps};
+use lennard_core::parallel::total;
+use lennard_core::{ForceError, FusedBath, FusedSteps, Masses};
 use lennard_neighbor::Positions;
 
 use crate::clock::Clock;
 use crate::interaction::Interaction;
 use crate::simd::{
-    Detail, KickDrift, ListStatus, PackedCopies, PairList, Prepared, Request, SlotState, are_few,
-    by_slot, fused_step, to_particles,
+    Detail, Disjoint, KickDrift, ListStatus, Mover, NoiseAt, PackedCopies, PairList, Prepared,
+    Request, SlotState, are_few, by_slot, fused_step, numbers_to_particles, to_particles,
 };
 use crate::validity::ListValidity;
 
@@ -19,6 +20,12 @@ pub struct FusedBuffers {
     velocities: Vec<DVec3>,
     /// Positions of the next step, where chunks still read the positions of this step. It is empty for many particles.
     next: Vec<DVec3>,
+    /// Forces of the step, where a bath acts before the next kick.
+    forces: Vec<DVec3>,
+    /// Kinetic energy that the particle at each slot gains by friction and noise.
+    gained: Vec<f64>,
+    /// A number for each particle: totals have the order of the particles.
+    by_particle: Vec<f64>,
     /// 0, 1, …
     slots: Vec<u32>,
 }
@@ -26,9 +33,11 @@ pub struct FusedBuffers {
 impl FusedBuffers {
     /// Number of bytes held.
     pub fn bytes(&self) -> usize {
-        let vectors = [&self.positions, &self.velocities, &self.next];
+        let vectors = [&self.positions, &self.velocities, &self.next, &self.forces];
         let vectors: usize = vectors.iter().map(|v| v.capacity()).sum();
-        24 * vectors + 4 * self.slots.capacity()
+        24 * vectors
+            + 8 * (self.gained.capacity() + self.by_particle.capacity())
+            + 4 * self.slots.capacity()
     }
 
     /// Takes steps, and builds the list wherever it expires. Returns the number of steps taken.
@@ -59,14 +68,22 @@ impl FusedBuffers {
                 let job = list.job(interaction, used.r_cut, cell);
                 let mut done = 0;
                 while done < most {
-                    let request = self.request::<P>(prepared, most - done);
-                    let particles = self.particles();
-                    let status = fused_step(used, copies, &job, particles, kick_drift, request);
+                    let acts = steps.bath.as_ref().is_some_and(FusedBath::acts);
+                    let mut request = self.request::<P>(prepared, most - done);
+                    request.packs_next &= !acts;
+                    let (particles, rest) = self.particles();
+                    let mover = rest.mover(acts, steps, list.particles());
+                    let how = (kick_drift, &mover);
+                    let status = fused_step(used, copies, &job, particles, how, request);
                     if status != ListStatus::Complete {
                         return (done, status);
                     }
                     done += 1;
-                    prepared = self.finish_step(request);
+                    prepared = if acts {
+                        self.go_on_from_bath(list, steps, kick_drift)
+                    } else {
+                        self.finish_step(list, steps, request)
+                    };
                 }
                 (done, ListStatus::Complete)
             });
@@ -129,18 +146,58 @@ impl FusedBuffers {
         }
     }
 
-    fn particles(&mut self) -> SlotState<'_> {
+    fn particles(&mut self) -> (SlotState<'_>, Rest<'_>) {
         let few = are_few(self.slots.len());
-        SlotState {
+        let particles = SlotState {
             positions: &mut self.positions,
             next: few.then_some(&mut self.next[..]),
             velocities: &mut self.velocities,
             slots: &self.slots,
-        }
+        };
+        let rest = Rest {
+            forces: &mut self.forces,
+            gained: &mut self.gained,
+        };
+        (particles, rest)
+    }
+
+    /// Lets the bath scale the velocities after half a kick, and goes on with the other half and the drift.
+    fn go_on_from_bath<P: PairList>(
+        &mut self,
+        list: &P,
+        steps: &mut FusedSteps<'_>,
+        kick_drift: KickDrift,
+    ) -> Prepared {
+        let (velocities, masses) = (&self.velocities, steps.masses);
+        numbers_to_particles(list, &mut self.by_particle, |slot, i| {
+            masses.kinetic_energy_of(i, velocities[slot])
+        });
+        let kinetic = total(&self.by_particle);
+        let factor = steps.bath.as_mut().map_or(1.0, |bath| bath.factor(kinetic));
+        kick_drift.scale_and_go_on(
+            factor,
+            &mut self.positions,
+            &mut self.velocities,
+            &mut self.forces,
+        );
+        Prepared::Nothing
     }
 
     /// Makes the positions of the next step the present ones; returns the state of their rows.
-    fn finish_step(&mut self, request: Request) -> Prepared {
+    fn finish_step<P: PairList>(
+        &mut self,
+        list: &P,
+        steps: &mut FusedSteps<'_>,
+        request: Request,
+    ) -> Prepared {
+        if let Some(bath) = &mut steps.bath {
+            bath.pass();
+        }
+        if let Some(noise) = &mut steps.noise {
+            let gained = &self.gained;
+            numbers_to_particles(list, &mut self.by_particle, |slot, _| gained[slot]);
+            noise.pass(&self.by_particle);
+        }
         if are_few(self.slots.len()) {
             std::mem::swap(&mut self.positions, &mut self.next);
         }
@@ -148,6 +205,35 @@ impl FusedBuffers {
             Prepared::Packed
         } else {
             Prepared::Nothing
+        }
+    }
+}
+
+/// Arrays by slot that only some steps use.
+struct Rest<'a> {
+    forces: &'a mut Vec<DVec3>,
+    gained: &'a mut Vec<f64>,
+}
+
+impl<'a> Rest<'a> {
+    /// What moves the particles in the next step; `acts` says whether the bath does after it.
+    fn mover(self, acts: bool, steps: &FusedSteps<'_>, particles: &'a [u32]) -> Mover<'a> {
+        let n = particles.len();
+        if acts {
+            self.forces.resize(n, DVec3::ZERO);
+            return Mover::Kick(Disjoint::new(self.forces));
+        }
+        match (&steps.noise, steps.masses) {
+            (Some(noise), Masses::Uniform(mass)) => {
+                self.gained.resize(n, 0.0);
+                Mover::Noise(NoiseAt {
+                    noise: noise.next_step(),
+                    mass: *mass,
+                    particles,
+                    gained: Disjoint::new(self.gained),
+                })
+            }
+            _ => Mover::Drift,
         }
     }
 }

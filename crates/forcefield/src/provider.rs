@@ -347,7 +347,7 @@ fn all_pairs(n: usize) -> u64 {
 }
 
 impl Backend for PairForces {
-    fn advance(&mut self, mut steps: FusedSteps<'_>) -> u64 {
+    fn advance(&mut self, steps: &mut FusedSteps<'_>) -> u64 {
         let Masses::Uniform(mass) = steps.masses else {
             return 0;
         };
@@ -363,7 +363,7 @@ impl Backend for PairForces {
         };
         let clock = &mut self.clock;
         let taken = with_interaction!(self.model.form, &self.laws, interaction => {
-            Self::advance_list(listed, interaction, &mut steps, kick_drift, clock)
+            Self::advance_list(listed, interaction, steps, kick_drift, clock)
         });
         self.evaluations += taken;
         taken

@@ -1,10 +1,10 @@
 //! Stochastic velocity rescaling: the kinetic energy follows its own canonical dynamics.
 
 use lennard_core::random::NoiseStream;
-use lennard_core::{Integrator, Parts, Ramp, Step, Thermostat, ThermostatSpec, remembers_nothing};
+use lennard_core::{BathStep, Integrator, Ramp, Thermostat, ThermostatSpec, remembers_nothing};
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
-use crate::common::{BathOptions, scale_velocities};
+use crate::common::BathOptions;
 
 lennard_core::options! {
     /// Options of stochastic velocity rescaling.
@@ -43,7 +43,7 @@ pub const BATH: ThermostatSpec = ThermostatSpec {
 ///
 /// α² = c + g·(R² + S) + 2R·√(c·g), with the sign of R + √(c/g).
 ///
-/// The heat is α²K − K; E minus its sum is conserved. Momentum keeps its direction, and
+/// The heat is α²·K − K; E minus its sum is conserved. Momentum keeps its direction, and
 /// zero stays zero.
 #[derive(Debug, Clone)]
 pub struct Bussi {
@@ -74,31 +74,27 @@ impl Thermostat for Bussi {
         &BATH
     }
 
-    fn apply(&mut self, s: &mut Step<'_>) -> bool {
-        let (n_dof, dt) = (s.n_dof(), s.dt());
-        let Parts { system, state, .. } = s.parts();
-        let kinetic = system.kinetic_energy(&state.velocities);
-        if kinetic <= 0.0 {
-            return false;
-        }
-        let mut rng = self.noise.at(state.step, WHOLE_SYSTEM);
+    fn factor(&mut self, at: BathStep) -> f64 {
+        let mut rng = self.noise.at(at.step, WHOLE_SYSTEM);
         let normal: f64 = StandardNormal.sample(&mut rng);
         // With a single degree of freedom there are no further ones.
-        let others = match ChiSquared::new(n_dof - 1.0) {
+        let others = match ChiSquared::new(at.n_dof - 1.0) {
             Ok(distribution) => distribution.sample(&mut rng),
             Err(_) => 0.0,
         };
-        let c = (-dt / self.tau).exp();
-        let g = (1.0 - c) * 0.5 * self.temperature.at(state.step) / kinetic;
+        let c = (-at.dt / self.tau).exp();
+        let g = (1.0 - c) * 0.5 * self.temperature.at(at.step) / at.kinetic;
         let squared = c + g * (normal * normal + others) + 2.0 * normal * (c * g).sqrt();
         // Rounding may bring a sum of squares a hair below zero.
         let magnitude = squared.max(0.0).sqrt();
-        let factor = if normal + (c / g).sqrt() < 0.0 {
+        if normal + (c / g).sqrt() < 0.0 {
             -magnitude
         } else {
             magnitude
-        };
-        scale_velocities(s, kinetic, factor);
-        true
+        }
+    }
+
+    fn copy(&self) -> Box<dyn Thermostat> {
+        Box::new(self.clone())
     }
 }

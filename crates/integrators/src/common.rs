@@ -1,9 +1,8 @@
 //! What the methods share: checks of their options, and the scaling of velocities.
 
 use lennard_core::options::Options;
-use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
-use lennard_core::{DVec3, Integrator, Parts, Ramp, Step, System};
+use lennard_core::{Integrator, Ramp, System};
 
 /// How a method is given the harmonic oscillator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,24 +31,6 @@ pub(crate) trait BathOptions: Options {
     /// The time in τ in which the bath reduces a deviation of the kinetic energy from its mean by a factor of e. It is 0
     /// for a bath that sets the energy.
     fn relaxation(&self) -> f64;
-}
-
-/// Multiplies every velocity by `factor` and counts the gain of kinetic energy as heat. The heat is the difference of the
-/// two sums, so that energy is accounted for to the last rounding.
-pub(crate) fn scale_velocities(s: &mut Step<'_>, kinetic_before: f64, factor: f64) {
-    let Parts { system, state, .. } = s.parts();
-    multiply(&mut state.velocities, factor);
-    let kinetic = system.kinetic_energy(&state.velocities);
-    s.add_heat(kinetic - kinetic_before);
-}
-
-/// Multiplies every velocity by `factor`.
-pub(crate) fn multiply(velocities: &mut [DVec3], factor: f64) {
-    for_each_piece(velocities, |_, chunk| {
-        for v in chunk {
-            *v *= factor;
-        }
-    });
 }
 
 /// Whether drifts act on the bonds of a system: they are rigid, or springs of impulses.

@@ -1,12 +1,10 @@
 //! Langevin dynamics by the BAOAB splitting.
 
-use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
 use lennard_core::{
-    DVec3, ForceProperties, Integrator, IntegratorSpec, Method, Parts, Ramp, Step, StepError,
-    System, ThermostatSpec, remembers_nothing, rigid, rigid_bonds_alone,
+    ForceProperties, FrictionAndNoise, Integrator, IntegratorSpec, Method, Ramp, Step, StepError,
+    System, ThermostatSpec, remembers_nothing, rigid_bonds_alone,
 };
-use rand_distr::{Distribution, StandardNormal};
 
 use crate::common::BathOptions;
 
@@ -74,9 +72,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
 /// as velocity Verlet conserves energy.
 #[derive(Debug, Clone)]
 pub struct Langevin {
-    friction: f64,
-    temperature: Ramp,
-    noise: NoiseStream,
+    bath: FrictionAndNoise,
 }
 
 impl Langevin {
@@ -84,37 +80,12 @@ impl Langevin {
     #[must_use]
     pub fn new(options: &Options, temperature: impl Into<Ramp>, noise: NoiseStream) -> Self {
         Self {
-            friction: options.friction,
-            temperature: temperature.into(),
-            noise,
+            bath: FrictionAndNoise {
+                friction: options.friction,
+                temperature: temperature.into(),
+                noise,
+            },
         }
-    }
-
-    /// The O part, exact over the step; counts the kinetic energy gained as heat.
-    fn friction_and_noise(&self, s: &mut Step<'_>) {
-        let dt = s.dt();
-        // The heat is then what friction and noise put in, without the part that the bonds take off before them.
-        s.project_velocities();
-        let Parts { system, state, .. } = s.parts();
-        let before = system.kinetic_energy(&state.velocities);
-        let c = (-self.friction * dt).exp();
-        // 1 − c² without cancellation where the friction is small.
-        let variance = -(-2.0 * self.friction * dt).exp_m1() * self.temperature.at(state.step);
-        let step = state.step;
-        for_each_piece(&mut state.velocities, |first, chunk| {
-            for (particle, v) in (first..).zip(chunk) {
-                let mut rng = self.noise.at(step, particle as u32);
-                let r = DVec3::new(
-                    StandardNormal.sample(&mut rng),
-                    StandardNormal.sample(&mut rng),
-                    StandardNormal.sample(&mut rng),
-                );
-                *v = c * *v + (variance / system.masses.of(particle)).sqrt() * r;
-            }
-        });
-        rigid::project_velocities(system, &state.positions, &mut state.velocities);
-        let after = system.kinetic_energy(&state.velocities);
-        s.add_heat(after - before);
     }
 }
 
@@ -134,10 +105,14 @@ impl Method for Langevin {
         true
     }
 
+    fn fuses_steps(&self) -> bool {
+        true
+    }
+
     fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
         s.kick(0.5);
         s.drift(0.5);
-        self.friction_and_noise(s);
+        s.friction_and_noise(&self.bath);
         s.drift(0.5);
         s.forces()?;
         s.kick(0.5);

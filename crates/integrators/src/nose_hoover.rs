@@ -2,12 +2,12 @@
 
 use lennard_core::random::NoiseStream;
 use lennard_core::{
-    Integrator, Parts, Persist, Ramp, RestoreError, StateReader, StateWriter, Step, Thermostat,
+    BathStep, Integrator, Persist, Ramp, RestoreError, StateReader, StateWriter, Thermostat,
     ThermostatSpec,
 };
 
 use crate::chain::Chain;
-use crate::common::{BathOptions, scale_velocities};
+use crate::common::BathOptions;
 
 lennard_core::options! {
     /// Options of Nosé–Hoover chains.
@@ -78,16 +78,12 @@ impl Thermostat for NoseHoover {
         &BATH
     }
 
-    fn apply(&mut self, s: &mut Step<'_>) -> bool {
-        let (n_dof, dt) = (s.n_dof(), s.dt());
-        let Parts { system, state, .. } = s.parts();
-        let kinetic = system.kinetic_energy(&state.velocities);
-        if kinetic <= 0.0 {
-            return false;
-        }
-        let temperature = self.temperature.at(state.step);
-        let factor = self.chain.advance(kinetic, n_dof, temperature, dt);
-        scale_velocities(s, kinetic, factor);
-        true
+    fn factor(&mut self, at: BathStep) -> f64 {
+        let temperature = self.temperature.at(at.step);
+        (self.chain).advance(at.kinetic, at.n_dof, temperature, at.dt)
+    }
+
+    fn copy(&self) -> Box<dyn Thermostat> {
+        Box::new(self.clone())
     }
 }

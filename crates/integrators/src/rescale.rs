@@ -1,9 +1,9 @@
 //! Velocity rescaling to exactly the wanted temperature, as Verlet did.
 
 use lennard_core::random::NoiseStream;
-use lennard_core::{Integrator, Parts, Ramp, Step, Thermostat, ThermostatSpec, remembers_nothing};
+use lennard_core::{BathStep, Integrator, Ramp, Thermostat, ThermostatSpec, remembers_nothing};
 
-use crate::common::{BathOptions, scale_velocities};
+use crate::common::BathOptions;
 
 lennard_core::options! {
     /// Options of velocity rescaling. Kinetic and potential energy exchange something within the default of ten steps.
@@ -66,15 +66,12 @@ impl Thermostat for Rescale {
         self.every != 0 && step.is_multiple_of(self.every)
     }
 
-    fn apply(&mut self, s: &mut Step<'_>) -> bool {
-        let n_dof = s.n_dof();
-        let Parts { system, state, .. } = s.parts();
-        let wanted = 0.5 * n_dof * self.temperature.at(state.step);
-        let kinetic = system.kinetic_energy(&state.velocities);
-        if kinetic <= 0.0 {
-            return false;
-        }
-        scale_velocities(s, kinetic, (wanted / kinetic).sqrt());
-        true
+    fn factor(&mut self, at: BathStep) -> f64 {
+        let wanted = 0.5 * at.n_dof * self.temperature.at(at.step);
+        (wanted / at.kinetic).sqrt()
+    }
+
+    fn copy(&self) -> Box<dyn Thermostat> {
+        Box::new(self.clone())
     }
 }

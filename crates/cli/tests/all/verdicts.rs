@@ -372,7 +372,7 @@ fn one_part_of_the_run_is_discarded_for_every_observable() {
     let (record, ..) = run(&[
         "stage.production.steps=20000",
         "stage.production.temperature=1.0",
-        "stage.production.thermostat={ kind = \"langevin\", friction = 1.0 }",
+        "stage.production.thermostat={ kind = \"langevin\", friction = 0.1 }",
     ]);
     let discarded = |name: &str| {
         let average = &record["averages"][name];

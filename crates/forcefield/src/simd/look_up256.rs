@@ -10,6 +10,8 @@ impl F64x4 {
     #[inline(always)]
     pub(super) fn row_of(self, rows: &TableRows) -> (Self, [Self; 4]) {
         const SHIFT: i32 = TableRows::SHIFTS.0 as i32;
+        // Rows are numbered in units of 8 bytes, which an address takes without a shift.
+        const UNITS: usize = 4;
         let (rows, numbering) = rows.wide();
         // SAFETY: a value of this type proves AVX2. A clamped number has a row, and a number that is not one becomes the lowest.
         unsafe {
@@ -19,10 +21,11 @@ impl F64x4 {
             let begin = _mm256_castsi256_pd(_mm256_slli_epi64::<SHIFT>(number));
             let first = _mm256_set1_epi64x(numbering.first as i64);
             let mut at = [0_u64; 4];
-            _mm256_storeu_si256(at.as_mut_ptr().cast(), _mm256_sub_epi64(number, first));
+            let units = _mm256_slli_epi64::<2>(_mm256_sub_epi64(number, first));
+            _mm256_storeu_si256(at.as_mut_ptr().cast(), units);
             let row = |k: usize| {
-                debug_assert!((at[k] as usize) < rows.len());
-                _mm256_load_pd(rows.as_ptr().add(at[k] as usize).cast())
+                debug_assert!(at[k] as usize / UNITS < rows.len());
+                _mm256_load_pd(rows.as_ptr().cast::<u64>().add(at[k] as usize).cast())
             };
             let (a, b, c, d) = (row(0), row(1), row(2), row(3));
             let even_low = _mm256_unpacklo_pd(a, b);
@@ -45,6 +48,7 @@ impl F32x8 {
     #[inline(always)]
     pub(super) fn row_of(self, rows: &TableRows) -> (Self, [Self; 4]) {
         const SHIFT: i32 = TableRows::SHIFTS.1 as i32;
+        const UNITS: usize = 2;
         let (rows, numbering) = rows.narrow();
         // SAFETY: as above.
         unsafe {
@@ -54,10 +58,11 @@ impl F32x8 {
             let begin = _mm256_castsi256_ps(_mm256_slli_epi32::<SHIFT>(number));
             let first = _mm256_set1_epi32(numbering.first as i32);
             let mut at = [0_u32; 8];
-            _mm256_storeu_si256(at.as_mut_ptr().cast(), _mm256_sub_epi32(number, first));
+            let units = _mm256_slli_epi32::<1>(_mm256_sub_epi32(number, first));
+            _mm256_storeu_si256(at.as_mut_ptr().cast(), units);
             let row = |k: usize| {
-                debug_assert!((at[k] as usize) < rows.len());
-                _mm_load_ps(rows.as_ptr().add(at[k] as usize).cast())
+                debug_assert!(at[k] as usize / UNITS < rows.len());
+                _mm_load_ps(rows.as_ptr().cast::<u64>().add(at[k] as usize).cast())
             };
             let two = |k: usize| {
                 let low = _mm256_castps128_ps256(row(k));

@@ -12,6 +12,8 @@ impl F64x8 {
     #[inline(always)]
     pub(super) fn row_of(self, rows: &TableRows) -> (Self, [Self; 4]) {
         const SHIFT: u32 = TableRows::SHIFTS.0;
+        // Rows are numbered in units of 8 bytes, which an address takes without a shift.
+        const UNITS: usize = 4;
         let (rows, numbering) = rows.wide();
         // SAFETY: a value of this type proves AVX-512. A clamped number has a row, and a number that is not one becomes the lowest.
         unsafe {
@@ -21,10 +23,11 @@ impl F64x8 {
             let begin = _mm512_castsi512_pd(_mm512_slli_epi64::<SHIFT>(number));
             let first = _mm512_set1_epi64(numbering.first as i64);
             let mut at = [0_u64; 8];
-            _mm512_storeu_si512(at.as_mut_ptr().cast(), _mm512_sub_epi64(number, first));
+            let units = _mm512_slli_epi64::<2>(_mm512_sub_epi64(number, first));
+            _mm512_storeu_si512(at.as_mut_ptr().cast(), units);
             let row = |k: usize| {
-                debug_assert!((at[k] as usize) < rows.len());
-                _mm256_load_pd(rows.as_ptr().add(at[k] as usize).cast())
+                debug_assert!(at[k] as usize / UNITS < rows.len());
+                _mm256_load_pd(rows.as_ptr().cast::<u64>().add(at[k] as usize).cast())
             };
             let two = |k: usize| {
                 let low = _mm512_castpd256_pd512(row(k));
@@ -51,6 +54,7 @@ impl F32x16 {
     #[inline(always)]
     pub(super) fn row_of(self, rows: &TableRows) -> (Self, [Self; 4]) {
         const SHIFT: u32 = TableRows::SHIFTS.1;
+        const UNITS: usize = 2;
         let (rows, numbering) = rows.narrow();
         // SAFETY: as above.
         unsafe {
@@ -60,10 +64,11 @@ impl F32x16 {
             let begin = _mm512_castsi512_ps(_mm512_slli_epi32::<SHIFT>(number));
             let first = _mm512_set1_epi32(numbering.first as i32);
             let mut at = [0_u32; 16];
-            _mm512_storeu_si512(at.as_mut_ptr().cast(), _mm512_sub_epi32(number, first));
+            let units = _mm512_slli_epi32::<1>(_mm512_sub_epi32(number, first));
+            _mm512_storeu_si512(at.as_mut_ptr().cast(), units);
             let row = |k: usize| {
-                debug_assert!((at[k] as usize) < rows.len());
-                _mm_load_ps(rows.as_ptr().add(at[k] as usize).cast())
+                debug_assert!(at[k] as usize / UNITS < rows.len());
+                _mm_load_ps(rows.as_ptr().cast::<u64>().add(at[k] as usize).cast())
             };
             let four = |k: usize| {
                 let v = _mm512_castps128_ps512(row(k));

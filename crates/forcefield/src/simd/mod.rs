@@ -40,6 +40,7 @@ mod look_up256;
 #[cfg(target_arch = "x86_64")]
 mod look_up512;
 mod motion;
+mod mover;
 mod output;
 mod pack;
 mod packed;
@@ -62,13 +63,15 @@ mod scan512;
 mod scanners;
 mod totals;
 
-pub use fused::{SlotState, by_slot, fused_step, to_particles};
+pub use disjoint::Disjoint;
+pub use fused::{SlotState, by_slot, fused_step, numbers_to_particles, to_particles};
 pub use kick_drift::KickDrift;
 pub use lanes::{BySpecies, Lanes};
 pub use level::Level;
 pub use limit::limit;
 pub use list_in_use::{ListInUse, Ordered};
 pub use motion::MotionSummary;
+pub use mover::{Mover, NoiseAt};
 pub use packed::{ListStatus, Outcome, PackedCopies, Prepared, Request, are_few};
 pub use pair_list::PairList;
 pub use row::{DoubleRow, FixedRow};

@@ -211,13 +211,15 @@ fn fused_steps_have_the_bits_of_single_steps_in_a_box_that_is_not_that_of_the_bu
                 for stride in [7, 5, 9, 6, 8] {
                     let mut left = stride;
                     if fused {
-                        left -= forces.advance(FusedSteps {
+                        left -= forces.advance(&mut FusedSteps {
                             cell: &fluid.cell,
                             positions: &mut fluid.positions,
                             velocities: &mut v,
                             masses: &masses,
                             dt,
                             steps: stride,
+                            bath: None,
+                            noise: None,
                         });
                     }
                     for _ in 0..left {
@@ -300,13 +302,15 @@ fn a_shrinking_box_gets_a_thinner_skin_and_ends_with_an_error_at_twice_the_cutof
         };
         assert!(r_cut == 2.5 && (largest - 2.49).abs() < 1e-12);
         let velocities = &mut vec![DVec3::ZERO; n];
-        let taken = forces.advance(FusedSteps {
+        let taken = forces.advance(&mut FusedSteps {
             cell: &small.cell,
             positions: &mut small.positions,
             velocities,
             masses: &Masses::Uniform(1.0),
             dt: 0.001,
             steps: 5,
+            bath: None,
+            noise: None,
         });
         assert_eq!(taken, 0);
         // The forces are usable again once the box is large enough.

@@ -41,13 +41,15 @@ impl Fluid {
     }
 
     fn stride(&mut self, forces: &mut PairForces, masses: &Masses, steps: u64) -> u64 {
-        forces.advance(FusedSteps {
+        forces.advance(&mut FusedSteps {
             cell: &self.cell,
             positions: &mut self.positions,
             velocities: &mut self.velocities,
             masses,
             dt: DT,
             steps,
+            bath: None,
+            noise: None,
         })
     }
 }

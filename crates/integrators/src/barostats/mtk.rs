@@ -5,13 +5,12 @@ use lennard_core::random::NoiseStream;
 use lennard_core::{
     BarostatSpec, DVec3, ForceError, ForceProperties, Integrator, IntegratorSpec, Method, Parts,
     Persist, PressureBath, RestoreError, State, StateReader, StateWriter, Step, StepError, System,
-    Want, rigid, rigid_bonds_alone,
+    Want, rigid, rigid_bonds_alone, sweeps,
 };
 
 use super::list::BarostatParts;
 use super::stochastic_cell_rescaling::dof_of_centers;
 use crate::chain::Chain;
-use crate::common::multiply;
 use crate::{ThermostatOptions, nose_hoover};
 
 lennard_core::options! {
@@ -175,7 +174,7 @@ impl Mtk {
         }
         let chain = &mut self.of_particles;
         let factor = chain.advance(kinetic, held.n_dof, held.temperature, half);
-        multiply(&mut state.velocities, factor);
+        sweeps::scale(&mut state.velocities, factor);
     }
 
     /// Half a kick of the box.

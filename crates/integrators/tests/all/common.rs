@@ -61,17 +61,37 @@ impl ForceTerm for Cluster {
 }
 
 impl Backend for Cluster {
-    fn advance(&mut self, stride: FusedSteps<'_>) -> u64 {
+    fn advance(&mut self, stride: &mut FusedSteps<'_>) -> u64 {
         let steps = stride.steps.min(2);
         let mut forces = vec![DVec3::ZERO; stride.positions.len()];
         for _ in 0..steps {
             let at = Configuration::at_rest(stride.cell, stride.positions);
             self.evaluate(at, Part::All, Want::NOTHING, &mut forces)
                 .unwrap();
-            for _ in 0..2 {
-                sweeps::kick(stride.velocities, &forces, stride.masses, 0.5 * stride.dt);
+            let (velocities, h) = (&mut *stride.velocities, stride.dt);
+            sweeps::kick(velocities, &forces, stride.masses, 0.5 * h);
+            if let Some(bath) = &mut stride.bath {
+                if bath.acts() {
+                    let factor = bath.factor(stride.masses.kinetic_energy(velocities));
+                    sweeps::scale(velocities, factor);
+                } else {
+                    bath.pass();
+                }
             }
-            sweeps::drift(stride.positions, stride.velocities, stride.dt);
+            sweeps::kick(velocities, &forces, stride.masses, 0.5 * h);
+            let Some(noise) = &mut stride.noise else {
+                sweeps::drift(stride.positions, velocities, h);
+                continue;
+            };
+            sweeps::drift(stride.positions, velocities, 0.5 * h);
+            let mut gained = vec![0.0; velocities.len()];
+            let of_step = noise.next_step();
+            for (i, (v, gained)) in velocities.iter_mut().zip(&mut gained).enumerate() {
+                let (v, gained) = (std::slice::from_mut(v), std::slice::from_mut(gained));
+                of_step.act(stride.masses.of(i), &[i as u32], v, gained);
+            }
+            noise.pass(&gained);
+            sweeps::drift(stride.positions, velocities, 0.5 * h);
         }
         steps
     }

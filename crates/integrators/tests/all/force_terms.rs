@@ -1,4 +1,4 @@
-//! Forces are terms that add, and baths that act now and then leave the steps between them together.
+//! Forces are terms that add, and baths leave steps together.
 
 use crate::common::{Cluster, cluster};
 use lennard_core::random::Streams;
@@ -93,13 +93,15 @@ fn a_sum_has_the_properties_of_all_its_terms_and_conserves_their_energy() {
 fn one_term_takes_its_own_fused_steps_and_two_take_none() {
     let taken = |forces: &mut dyn Backend| {
         let mut state = start();
-        forces.advance(FusedSteps {
+        forces.advance(&mut FusedSteps {
             cell: &state.cell,
             positions: &mut state.positions,
             velocities: &mut state.velocities,
             masses: &Masses::Uniform(1.0),
             dt: 0.002,
             steps: 9,
+            bath: None,
+            noise: None,
         })
     };
     assert_eq!(taken(&mut ForceSum::new(Cluster)), 2);
@@ -153,12 +155,47 @@ fn each_term_of_a_sum_is_saved_under_a_name_of_its_own() {
     assert_eq!(saved(&other), whole);
 }
 
+/// Lets the bath act, and then takes no step: as forces that meet a number that is not finite.
+struct Vain;
+
+lennard_core::remembers_nothing!(Vain);
+
+impl ForceTerm for Vain {
+    fn evaluate(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<lennard_core::Energetics, lennard_core::ForceError> {
+        Cluster.evaluate(at, part, want, forces)
+    }
+    fn properties(&self) -> lennard_core::ForceProperties {
+        Cluster.properties()
+    }
+}
+
+impl Backend for Vain {
+    fn advance(&mut self, steps: &mut FusedSteps<'_>) -> u64 {
+        if let Some(bath) = &mut steps.bath {
+            bath.factor(7.0);
+        }
+        if let Some(noise) = &mut steps.noise {
+            noise.pass(&[7.0]);
+        }
+        0
+    }
+}
+
 #[test]
-fn steps_between_two_actions_of_a_bath_are_taken_at_once_with_the_same_bits() {
+fn steps_under_any_bath_are_taken_at_once_with_the_same_bits_and_the_same_heat() {
     let rescale: ThermostatOptions = toml::from_str("kind = \"rescale\"\nevery = 3").unwrap();
     let bussi: ThermostatOptions = toml::from_str("kind = \"bussi\"\ntau = 0.1").unwrap();
+    let others =
+        ["nose-hoover", "langevin"].map(|kind| toml::from_str(&format!("kind = \"{kind}\"")));
+    let [chain, langevin]: [ThermostatOptions; 2] = others.map(Result::unwrap);
     let system = System::atoms(27);
-    for (options, longest) in [(rescale, 3), (bussi, 1)] {
+    for options in [rescale, bussi, chain, langevin] {
         let integrator = || {
             let noise = Streams::new(7).noise("bath");
             options.couple(build(&IntegratorOptions::default()), 0.4.into(), noise)
@@ -171,21 +208,37 @@ fn steps_between_two_actions_of_a_bath_are_taken_at_once_with_the_same_bits() {
                 .start(&system, state, &mut Cluster, dt, want)
                 .unwrap();
         }
-        let (mut heat, mut most) = (0.0, 0);
+        let (mut heat, mut at_once, mut most) = (0.0, 0.0, 0);
         for _ in 0..20 {
             let report = single.step(&system, &mut one, &mut Cluster, dt, want);
-            heat += report.unwrap().heat;
+            report.unwrap().add_heat_to(&mut heat);
         }
         while all.step < 20 {
             let left = 20 - all.step;
             let (taken, report) = strides
                 .stride(&system, &mut all, &mut Cluster, dt, left, want)
                 .unwrap();
-            heat -= report.heat;
+            report.add_heat_to(&mut at_once);
             most = most.max(taken);
         }
         assert_eq!(one, all, "{}", options.name());
-        assert_eq!((heat.abs() < 1e-13, most), (true, longest));
+        let (mut all, mut in_vain, mut of_vain) = (start(), integrator(), 0.0);
+        in_vain
+            .start(&system, &mut all, &mut Vain, dt, want)
+            .unwrap();
+        for left in (1..=20).rev() {
+            let stride = in_vain.stride(&system, &mut all, &mut Vain, dt, left, want);
+            let (taken, report) = stride.unwrap();
+            assert_eq!(taken, 1);
+            report.add_heat_to(&mut of_vain);
+        }
+        assert_eq!((&one, heat), (&all, of_vain), "{}", options.name());
+        assert_eq!(
+            (heat, 3),
+            (at_once, most),
+            "two at once, and the one that ends"
+        );
+        assert!(heat != 0.0, "{}", options.name());
     }
 }
 

@@ -3,7 +3,7 @@
 use lennard_core::random::Streams;
 use lennard_core::{
     Backend, Constraint, DVec3, Integrator, Momentum, NoForces, State, Step, System, Thermostat,
-    Want,
+    Want, couple,
 };
 use lennard_integrators::bussi::{self, Bussi};
 use lennard_integrators::langevin::{self, Langevin};
@@ -70,10 +70,9 @@ fn apply(bath: &mut dyn Thermostat, momentum: Momentum, state: &mut State, dt: f
         Momentum::Conserved => &velocity_verlet::SPEC,
         Momentum::Free => &langevin::SPEC,
     };
-    let step = state.step;
     let mut forces = NoForces;
     let mut s = Step::new(&system, state, &mut forces, spec, dt, Want::NOTHING);
-    (bath.acts_after(step) && bath.apply(&mut s)).then(|| s.finish().heat)
+    couple(bath, &mut s).then(|| s.finish().heat)
 }
 
 fn potential(state: &State, stiffness: f64) -> f64 {
@@ -143,8 +142,9 @@ fn rescaling_sets_exactly_the_wanted_temperature_on_its_steps_and_nothing_on_oth
         let heat = apply(&mut bath, Momentum::Conserved, &mut state, 0.005);
         let after = system.kinetic_energy(&state.velocities);
         assert_eq!(heat.is_some(), step % 5 == 0);
-        // What it says it put in is what the kinetic energy gained, to the last bit.
-        assert_eq!(heat.unwrap_or(0.0), after - before);
+        // What it says it put in is what the kinetic energy gained, but for the rounding of each velocity and of the sum.
+        let off = heat.unwrap_or(0.0) - (after - before);
+        assert!(off.abs() <= 16.0 * f64::EPSILON * before, "{off:e}");
         if heat.is_some() {
             // One square root, one product a component and a sum of 300 terms.
             let t = system.temperature(&state.velocities, Momentum::Conserved);
@@ -242,14 +242,8 @@ fn stochastic_rescaling_serves_a_single_degree_of_freedom() {
         state.step = step;
         let mut forces = NoForces;
         let spec = &velocity_verlet::SPEC;
-        bath.apply(&mut Step::new(
-            &system,
-            &mut state,
-            &mut forces,
-            spec,
-            3.0,
-            Want::NOTHING,
-        ));
+        let mut step = Step::new(&system, &mut state, &mut forces, spec, 3.0, Want::NOTHING);
+        couple(&mut bath, &mut step);
         sum += system.kinetic_energy(&state.velocities);
         positive += u64::from(state.velocities[0].x > 0.0);
     }

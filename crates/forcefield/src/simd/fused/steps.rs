@@ -9,6 +9,7 @@ use crate::interaction::Interaction;
 use crate::simd::disjoint::Disjoint;
 use crate::simd::kick_drift::KickDrift;
 use crate::simd::list_in_use::{ListInUse, Ordered};
+use crate::simd::mover::{ChunkNoise, Mover};
 use crate::simd::output::Output;
 use crate::simd::packed::{ListStatus, PackedCopies, Request, are_few};
 use crate::simd::pair_list::PairList;
@@ -28,13 +29,15 @@ pub struct SlotState<'a> {
 
 /// Judges the list where the request demands it, and takes one step where the list is complete.
 ///
+/// With [`Mover::Kick`] the step ends with half a kick: positions stay, and chunks pack nothing.
+///
 /// Where a number is not finite, the written arrays have no meaning.
 pub fn fused_step<P: PairList, I: Interaction>(
     used: &ListInUse<'_, P>,
     copies: &mut PackedCopies<P::Row>,
     job: &P::Job<'_, I>,
     particles: SlotState<'_>,
-    kick_drift: KickDrift,
+    (kick_drift, mover): (KickDrift, &Mover<'_>),
     request: Request,
 ) -> ListStatus {
     let order = particles.slots;
@@ -70,13 +73,14 @@ pub fn fused_step<P: PairList, I: Interaction>(
         let slots = part(chunk, ATOMS_PER_CHUNK, n);
         // SAFETY: each chunk runs once, and its slots belong to no other chunk. This holds for all blocks below.
         let (positions, velocities) = unsafe {
-            let positions = match &next {
-                Some(next) => {
+            let positions = match (&next, mover) {
+                (_, Mover::Kick(_)) => &mut [][..],
+                (Some(next), _) => {
                     let next = next.part(slots.clone());
                     next.copy_from_slice(&at().positions[slots.clone()]);
                     next
                 }
-                None => positions.part(slots.clone()),
+                (None, _) => positions.part(slots.clone()),
             };
             (positions, velocities.part(slots.clone()))
         };
@@ -88,7 +92,26 @@ pub fn fused_step<P: PairList, I: Interaction>(
         let output = Output::of_chunk(forces, order, slots.start, next_chunk);
         // SAFETY: as above.
         let totals = unsafe { P::run(used.level, job, rows, chunk, request.detail, &output) };
-        let step = kick_drift.apply(used.level, positions, velocities, forces);
+        let step = match mover {
+            Mover::Drift => kick_drift.apply(used.level, positions, velocities, forces),
+            Mover::Noise(at) => {
+                let of_chunk = ChunkNoise {
+                    of_step: at.noise,
+                    mass: at.mass,
+                    particles: &at.particles[slots.clone()],
+                };
+                // SAFETY: as above.
+                let gained = unsafe { at.gained.part(slots.clone()) };
+                let level = used.level;
+                kick_drift.apply_with_noise(level, &of_chunk, positions, velocities, forces, gained)
+            }
+            Mover::Kick(kept) => {
+                // SAFETY: as above.
+                unsafe { kept.part(slots) }.copy_from_slice(forces);
+                kick_drift.half_kick(velocities, forces);
+                return totals;
+            }
+        };
         let mut motion = used.motion(Ordered { positions, order });
         motion.built = &used.built[slots.clone()];
         motion.species = motion.species.map(|species| species.part(slots));
@@ -124,6 +147,24 @@ pub fn to_particles<P: PairList>(list: &P, from: &[DVec3], to: &mut [DVec3]) {
         for (from, at) in from[slots.clone()].iter().zip(&order[slots]) {
             // SAFETY: each particle has one slot.
             unsafe { to.write(*at as usize, *from) };
+        }
+    });
+}
+
+/// Writes a number for each particle, which `number` gives for its slot and its index.
+pub fn numbers_to_particles<P: PairList>(
+    list: &P,
+    to: &mut Vec<f64>,
+    number: impl Fn(usize, usize) -> f64 + Sync,
+) {
+    let order = list.particles();
+    to.resize(order.len(), 0.0);
+    let to = Disjoint::new(to);
+    for_each_range(order.len(), |slots| {
+        for slot in slots {
+            let i = order[slot] as usize;
+            // SAFETY: each particle has one slot.
+            unsafe { to.write(i, number(slot, i)) };
         }
     });
 }

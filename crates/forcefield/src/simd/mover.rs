@@ -1,0 +1,216 @@
+//! What moves the particles of a chunk, once their forces are known.
+//!
+//! ```text
+//!   Drift   v += kick, v += kick                       x += h·v
+//!   Noise   v += kick, v += kick    x += ½h·v    friction and noise    x += ½h·v
+//!   Kick    v += kick               forces are kept: a bath scales all velocities before the next kick
+//! ```
+
+use glam::DVec3;
+use lennard_core::NoiseOfStep;
+use lennard_core::parallel::for_each_piece_of_three;
+use lennard_neighbor::ATOMS_PER_CHUNK;
+
+use super::disjoint::Disjoint;
+use super::kick_drift::KickDrift;
+use super::level::Level;
+
+/// What moves the particles of a chunk.
+pub enum Mover<'a> {
+    /// Two half kicks and a drift.
+    Drift,
+    /// Two half kicks, and friction and noise between two half drifts.
+    Noise(NoiseAt<'a>),
+    /// One half kick; the forces by slot are kept here, ε/σ.
+    Kick(Disjoint<'a, DVec3>),
+}
+
+/// Friction and noise on particles by slot.
+pub struct NoiseAt<'a> {
+    /// Friction and noise of the step.
+    pub noise: NoiseOfStep,
+    /// The mass of each particle.
+    pub mass: f64,
+    /// The particle at each slot.
+    pub particles: &'a [u32],
+    /// The kinetic energy that the particle at each slot gains, ε.
+    pub gained: Disjoint<'a, f64>,
+}
+
+impl KickDrift {
+    /// Half a kick: v ← v + (h/2m)·F.
+    pub fn half_kick(self, velocities: &mut [DVec3], forces: &[DVec3]) {
+        for (v, f) in velocities.iter_mut().zip(forces) {
+            *v += self.half_kick * *f;
+        }
+    }
+
+    /// Scales all velocities and goes on from there: v ← factor·v + (h/2m)·F, then x ← x + h·v.
+    pub fn scale_and_go_on(
+        self,
+        factor: f64,
+        positions: &mut [DVec3],
+        velocities: &mut [DVec3],
+        forces: &mut [DVec3],
+    ) {
+        for_each_piece_of_three(positions, velocities, forces, |_, xs, vs, fs| {
+            for ((x, v), f) in xs.iter_mut().zip(vs).zip(fs) {
+                *v *= factor;
+                *v += self.half_kick * *f;
+                *x += self.dt * *v;
+            }
+        });
+    }
+
+    /// Two half kicks, and friction and noise between two half drifts, for the particles of a chunk.
+    ///
+    /// Returns an upper bound of their steps |x − x_before|, σ.
+    pub fn apply_with_noise(
+        self,
+        level: Level,
+        noise: &ChunkNoise<'_>,
+        positions: &mut [DVec3],
+        velocities: &mut [DVec3],
+        forces: &[DVec3],
+        gained: &mut [f64],
+    ) -> f64 {
+        match level {
+            // SAFETY: the level holds a token, which proves the instruction set.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512(_) => unsafe {
+                self.noise_avx512(noise, positions, velocities, forces, gained)
+            },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(_) => unsafe {
+                self.noise_avx2(noise, positions, velocities, forces, gained)
+            },
+            _ => self.noise_plain(noise, positions, velocities, forces, gained),
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2")]
+    fn noise_avx512(
+        self,
+        noise: &ChunkNoise<'_>,
+        positions: &mut [DVec3],
+        velocities: &mut [DVec3],
+        forces: &[DVec3],
+        gained: &mut [f64],
+    ) -> f64 {
+        self.noise_plain(noise, positions, velocities, forces, gained)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn noise_avx2(
+        self,
+        noise: &ChunkNoise<'_>,
+        positions: &mut [DVec3],
+        velocities: &mut [DVec3],
+        forces: &[DVec3],
+        gained: &mut [f64],
+    ) -> f64 {
+        self.noise_plain(noise, positions, velocities, forces, gained)
+    }
+
+    /// [`KickDrift::apply_with_noise`] with whatever instructions the caller has: the bits are the same.
+    #[inline(always)]
+    fn noise_plain(
+        self,
+        noise: &ChunkNoise<'_>,
+        positions: &mut [DVec3],
+        velocities: &mut [DVec3],
+        forces: &[DVec3],
+        gained: &mut [f64],
+    ) -> f64 {
+        let half = 0.5 * self.dt;
+        let mut before = [DVec3::ZERO; ATOMS_PER_CHUNK];
+        let before = &mut before[..positions.len()];
+        before.copy_from_slice(positions);
+        for ((x, v), f) in positions.iter_mut().zip(&mut *velocities).zip(forces) {
+            let kick = self.half_kick * *f;
+            *v += kick;
+            *v += kick;
+            *x += half * *v;
+        }
+        noise
+            .of_step
+            .act(noise.mass, noise.particles, velocities, gained);
+        let mut longest = DVec3::ZERO;
+        for ((x, v), before) in positions.iter_mut().zip(velocities).zip(before) {
+            *x += half * *v;
+            longest = (*x - *before).abs().max(longest);
+        }
+        // The factor covers the rounding of the bound.
+        longest.length() * (1.0 + 1e-12)
+    }
+}
+
+/// Friction and noise on the particles of a chunk.
+pub struct ChunkNoise<'a> {
+    /// Friction and noise of the step.
+    pub of_step: NoiseOfStep,
+    /// The mass of each particle.
+    pub mass: f64,
+    /// The particle at each slot of the chunk.
+    pub particles: &'a [u32],
+}
+
+#[cfg(test)]
+mod tests {
+    use lennard_core::FrictionAndNoise;
+    use lennard_core::random::Streams;
+
+    use super::super::level::Level;
+    use super::*;
+
+    #[test]
+    fn every_instruction_set_gives_the_same_bits_for_chunks_of_any_length() {
+        let noise = FrictionAndNoise {
+            friction: 0.7,
+            temperature: 0.9.into(),
+            noise: Streams::new(5).noise("langevin"),
+        };
+        let kick_drift = KickDrift {
+            half_kick: 0.002,
+            dt: 0.004,
+        };
+        let wave = |k: usize| (k as f64 * 12.9898).sin();
+        let vectors = |from: usize, n: usize| -> Vec<DVec3> {
+            let at = |k: usize| DVec3::new(wave(k), wave(k + 700), wave(k + 1400));
+            (from..from + n).map(at).collect()
+        };
+        for n in [0, 1, 15, 16, 17, ATOMS_PER_CHUNK] {
+            let particles: Vec<u32> = (0..n as u32).map(|k| 7919 * k % 1000).collect();
+            let of_chunk = ChunkNoise {
+                of_step: noise.in_step(12, 0.004),
+                mass: 1.5,
+                particles: &particles,
+            };
+            let start = vectors(0, n);
+            let run = |level: Level| {
+                let (mut x, mut v) = (start.clone(), vectors(99, n));
+                let mut gained = vec![0.0; n];
+                let forces = vectors(333, n);
+                let bound = kick_drift.apply_with_noise(
+                    level,
+                    &of_chunk,
+                    &mut x,
+                    &mut v,
+                    &forces,
+                    &mut gained,
+                );
+                (x, v, gained, bound)
+            };
+            let plain = run(Level::Portable);
+            let steps = plain.0.iter().zip(&start).map(|(x, x0)| (x - x0).length());
+            let longest = steps.fold(0.0, f64::max);
+            assert!(n == 0 || (longest..1.8 * longest).contains(&plain.3), "{n}");
+            for level in Level::available() {
+                assert_eq!(run(level), plain, "{level:?}, {n} particles");
+            }
+        }
+    }
+}
