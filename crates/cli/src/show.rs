@@ -10,7 +10,7 @@ mod tune;
 
 pub use bench::bench;
 pub use chart::chart;
-pub use eos::{coexistence, curve, state};
+pub use eos::{coexistence, curve, freezing, state};
 pub use list::{entries, list};
 pub use literature::{compared, sweep, sweep_header};
 pub use plan::plan;

@@ -236,18 +236,24 @@ fn relax(
         })
 }
 
-/// The observables of a scene: thermodynamics, which every run has, and then the others that it names.
-pub(crate) fn observers(
+/// The stage that is measured, the last of them; the last stage where none is.
+fn last_measured(scene: &Scene) -> Option<&Stage> {
+    let mut measured = scene.stages.iter().rev().filter(|s| s.measure);
+    measured.next().or(scene.stages.last())
+}
+
+/// The time step of the measured stage, τ.
+fn measured_dt(scene: &Scene) -> f64 {
+    last_measured(scene).map_or(scene.integrator.dt, |s| scene.stage_dt(s))
+}
+
+/// The thermodynamics of a scene, nothing seen yet.
+pub(crate) fn thermodynamics(
     scene: &Scene,
     cell: PeriodicBox,
     species: &SpeciesTable,
     own: &OwnParts,
-) -> Result<Vec<Observer>, EngineError> {
-    let n_atoms = species.n_particles();
-    let mut measured = scene.stages.iter().rev().filter(|s| s.measure);
-    let measured = measured.next().or(scene.stages.last());
-    let dt = measured.map_or(scene.integrator.dt, |s| scene.stage_dt(s));
-    let context = |every| scene.observable_context(cell, species, dt, every);
+) -> Result<Thermodynamics, EngineError> {
     let of_thermodynamics = |table: &ObservableTable| match &table.options {
         ObservableOptions::Thermodynamics(options) => Some(options.clone()),
         _ => None,
@@ -260,11 +266,12 @@ pub(crate) fn observers(
         // Constraint forces are no gradient of a potential: ⟨|∇U|²⟩/⟨∇²U⟩ is no temperature. Without pair forces it is 0/0.
         options.configurational_temperature = false;
     }
-    let every = scene.output.thermo_every;
-    let mut thermodynamics = Thermodynamics::with_options(&options, &context(every));
+    let context =
+        scene.observable_context(cell, species, measured_dt(scene), scene.output.thermo_every);
+    let mut thermodynamics = Thermodynamics::with_options(&options, &context);
     thermodynamics.set_force_jump(jump::of_force(scene, species)?);
     thermodynamics.set_curvature(curvature(scene)?);
-    thermodynamics.set_ensemble(measured.and_then(|stage| ensemble(scene, stage, own)));
+    thermodynamics.set_ensemble(last_measured(scene).and_then(|stage| ensemble(scene, stage, own)));
     thermodynamics.set_bath(held_temperature(scene));
     let is_confined = scene.confined_by().is_some();
     let confined = (is_confined || scene.contacts_act_in_flight()).then(|| Confined {
@@ -275,6 +282,20 @@ pub(crate) fn observers(
             .bounds_flight,
     });
     thermodynamics.set_confined(confined);
+    Ok(thermodynamics)
+}
+
+/// The observables of a scene: thermodynamics, which every run has, and then the others that it names.
+pub(crate) fn observers(
+    scene: &Scene,
+    cell: PeriodicBox,
+    species: &SpeciesTable,
+    own: &OwnParts,
+) -> Result<Vec<Observer>, EngineError> {
+    let n_atoms = species.n_particles();
+    let context = |every| scene.observable_context(cell, species, measured_dt(scene), every);
+    let every = scene.output.thermo_every;
+    let thermodynamics = thermodynamics(scene, cell, species, own)?;
     let mut observers = vec![Observer {
         every,
         observable: Box::new(thermodynamics),

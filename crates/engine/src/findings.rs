@@ -1,6 +1,7 @@
 //! What the observables of a run found, and what speaks against it.
 
 use lennard_core::{Average, Doubt, Findings, ThermostatSpec};
+use lennard_observables::Equilibrium;
 
 use crate::Simulation;
 use crate::baths::measured_baths;
@@ -18,34 +19,51 @@ impl Simulation {
         let equilibrium = self.thermodynamics().equilibrium();
         let baths = measured_baths(&self.scene);
         let by_exchange = exchange::doubt(&self.scene);
-        self.observers
+        let mut findings: Vec<Findings> = self
+            .observers
             .iter()
             .map(|observer| {
                 let observable = &observer.observable;
-                let mut findings = observable.finish(equilibrium.discarded);
-                let dynamic = observable.spec().dynamic;
                 let is_profile = exchange::is_profile(observable.as_ref());
-                findings.averages = findings
-                    .averages
-                    .into_iter()
-                    .map(|average| {
-                        let by_bath = by_thermostat(&average.name, dynamic, &baths);
-                        // What speaks against the run speaks first: one reason for all.
-                        let own = average.doubt.clone();
-                        let average = Average {
-                            doubt: equilibrium.doubt.clone(),
-                            ..average
-                        };
-                        let by_exchange = by_exchange.clone().filter(|_| !is_profile);
-                        with_error_if_earned(
-                            average.doubted(own).doubted(by_bath).doubted(by_exchange),
-                        )
-                    })
-                    .collect();
-                findings
+                judged(
+                    observable.finish(equilibrium.discarded),
+                    &equilibrium,
+                    observable.spec().dynamic,
+                    &baths,
+                    by_exchange.clone().filter(|_| !is_profile),
+                )
             })
-            .collect()
+            .collect();
+        self.leave_out_meaningless(&mut findings);
+        findings
     }
+}
+
+/// Averages with what speaks against each of them; an average that is no result loses its standard error.
+pub(crate) fn judged(
+    mut findings: Findings,
+    equilibrium: &Equilibrium,
+    dynamic: bool,
+    baths: &[&'static ThermostatSpec],
+    by_exchange: Option<Doubt>,
+) -> Findings {
+    let judge = |average: Average| {
+        let by_bath = by_thermostat(&average.name, dynamic, baths);
+        // What speaks against the run speaks first: one reason for all.
+        let own = average.doubt.clone();
+        let average = Average {
+            doubt: equilibrium.doubt.clone(),
+            ..average
+        };
+        with_error_if_earned(
+            average
+                .doubted(own)
+                .doubted(by_bath)
+                .doubted(by_exchange.clone()),
+        )
+    };
+    findings.averages = findings.averages.into_iter().map(judge).collect();
+    findings
 }
 
 /// What a thermostat does to a quantity.

@@ -24,6 +24,7 @@ mod fluid_state;
 mod freezing;
 mod jet;
 mod johnson;
+mod known_points;
 mod kob_andersen;
 mod kolafa_nezbeda;
 mod made;
@@ -45,9 +46,10 @@ pub use coexistence_data::coexistence_by_simulation;
 pub use equation::{EquationOfState, EquationSpec, OutsideRange, OwnUncertainty, Range};
 pub use finite_size::{FiniteSize, Kept};
 pub use fluid_state::{CriticalPoint, FluidState};
-pub use freezing::{FreezingLine, freezing_line};
+pub use freezing::{FreezingLine, freezing_line, freezing_lines};
 pub use jet::Jet;
 pub use johnson::Johnson;
+pub use known_points::{KnownPoint, known_points};
 pub use kob_andersen::{
     KobAndersen, KobAndersenQuantity, KobAndersenRow, kob_andersen_at, kob_andersen_states,
 };

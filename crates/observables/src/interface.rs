@@ -5,15 +5,16 @@ mod fit;
 use std::f64::consts::TAU;
 
 use lennard_core::{
-    Average, Axis, DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
-    StateWriter, Table, View, Want,
+    Average, Axis, DVec3, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError,
+    StateReader, StateWriter, Table, View, Want,
 };
 
-use crate::averages::{of_blocks, of_series, tell_discarded};
+use crate::averages::{changes, of_blocks, of_series, tell_discarded};
 use crate::blocks::BlockedSums;
 use crate::pressure_tensor::PressureTensor;
 use crate::seen_box::SeenBox;
 use crate::series::{Series, impl_columns};
+use crate::statistics::{self, TRANSIENT_ERRORS};
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -38,6 +39,8 @@ const TEN_TO_NINETY: f64 = 1.098_612_288_668_109_8;
 const THIN: f64 = 12.0;
 /// Across a shorter side the tension depends on the side, σ.
 const NARROW: f64 = 8.0;
+/// The part of the box farthest from the middle of the slab whose density is followed through time.
+const OUTER_PART: f64 = 1.0 / 3.0;
 /// Vapor of less than so many widths D between two surfaces is not bulk vapor.
 const LEAST_VAPOR: f64 = 3.0;
 
@@ -73,13 +76,15 @@ struct Rows {
     normal: Vec<f64>,
     tangential: Vec<f64>,
     tension: Vec<f64>,
+    outer: Vec<f64>,
 }
 
 impl_columns!(Rows {
     time,
     normal,
     tangential,
-    tension
+    tension,
+    outer
 });
 
 /// The density across a slab about its own middle, and what follows from it.
@@ -111,8 +116,9 @@ impl Interface {
         }
     }
 
-    /// Counts particles in layers about the middle of the slab, which comes to lie in the middle of the box.
-    fn count(&mut self, positions: &[DVec3], length: f64) {
+    /// Counts particles in layers about the middle of the slab, which comes to lie in the middle of the box. Gives their number in
+    /// the outer part of the box.
+    fn count(&mut self, positions: &[DVec3], length: f64) -> usize {
         let axis = self.axis.index();
         let turn = TAU / length;
         let (sin, cos) = positions.iter().fold((0.0, 0.0), |(s, c), r| {
@@ -123,13 +129,16 @@ impl Interface {
         let bins = self.counts.width();
         self.counts.begin_sample();
         let (sums, samples) = self.counts.current();
+        let mut outer = 0;
         for r in positions {
             let part = (r[axis] / length - middle + 0.5).rem_euclid(1.0);
+            outer += usize::from((part - 0.5).abs() > 0.5 * (1.0 - OUTER_PART));
             sums[((part * bins as f64) as usize).min(bins - 1)] += 1.0;
         }
         for samples in samples {
             *samples += 1;
         }
+        outer
     }
 
     /// What a fit of each block's complement says of one number of the slab.
@@ -149,6 +158,26 @@ impl Interface {
             Some(number(&slab))
         })?;
         Some(of_blocks(name, unit, value, &pseudo, 0.0))
+    }
+
+    /// Whether the mean profile has two surfaces.
+    #[must_use]
+    pub fn has_slab(&self) -> bool {
+        let density: Option<Vec<f64>> = (0..self.counts.width())
+            .map(|k| Some(self.counts.mean(k)? * self.per_count()))
+            .collect();
+        density.is_some_and(|density| fitted(&density, self.length()).is_some())
+    }
+
+    /// What speaks against all numbers where the vapor still gains or loses particles after `cut` rows. U and P of the whole box hardly
+    /// show it: a few particles of a thousand change places.
+    fn drift(&self, cut: usize) -> Option<Doubt> {
+        let outer = &self.series.rows().outer;
+        let trend = statistics::trend(&outer[cut.min(outer.len())..], TRANSIENT_ERRORS)?;
+        Some(Doubt::NotInEquilibrium(changes(
+            "the density far from the slab",
+            &trend,
+        )))
     }
 
     /// The length of the box across the surfaces, σ.
@@ -251,7 +280,7 @@ impl Observable for Interface {
         let cell = view.cell();
         self.seen.see(cell);
         let length = cell.lengths()[self.axis.index()];
-        self.count(&view.state.positions, length);
+        let outer = self.count(&view.state.positions, length);
         let diagonal = [
             pressure.x_axis.x + tail,
             pressure.y_axis.y + tail,
@@ -264,6 +293,7 @@ impl Observable for Interface {
             normal,
             tangential,
             0.5 * length * (normal - tangential),
+            outer as f64 / (OUTER_PART * cell.volume()),
         ]);
     }
 
@@ -309,18 +339,25 @@ impl Observable for Interface {
             average.estimate.equilibration_cut *= self.series.stride();
             findings.averages.push(average);
         }
+        let drift = self.drift(cut);
+        findings.averages = findings
+            .averages
+            .into_iter()
+            .map(|average| average.doubted(drift.clone()))
+            .collect();
         findings.tables.push(
             Table::new(
                 "interface",
                 format!(
-                    "normal and tangential pressure and surface tension against time; each row is the mean of {} samples",
+                    "normal and tangential pressure, surface tension, and the density of the third of the box farthest from the slab, against time; each row is the mean of {} samples",
                     self.series.stride()
                 ),
             )
             .with("time", "τ", rows.time.clone())
             .with("normal", "ε/σ³", rows.normal.clone())
             .with("tangential", "ε/σ³", rows.tangential.clone())
-            .with("tension", "ε/σ²", rows.tension.clone()),
+            .with("tension", "ε/σ²", rows.tension.clone())
+            .with("outer_density", "σ⁻³", rows.outer.clone()),
         );
         findings.remarks = self.remarks(&slab);
         findings

@@ -68,12 +68,13 @@ pub use pairs::count_distances;
 pub use pressure_tensor::{PressureTensor, PressureTensorOptions};
 pub use rdf::{RadialDistribution, RdfOptions};
 pub use recipe::{BuildContext, Recipe, Surroundings};
-pub use response::Curvature;
+pub use response::{Curvature, response_functions};
 pub use series::{Columns, Series};
 pub use structure_factor::{StructureFactor, StructureFactorOptions};
 pub use thermo_series::ThermoSeries;
 pub use thermodynamics::{
-    Confined, Conservation, Equilibrium, HeldTemperature, Thermodynamics, ThermodynamicsOptions,
+    Confined, Conservation, Equilibrium, HeldTemperature, Recorded, Thermodynamics,
+    ThermodynamicsOptions,
 };
 pub use transport::{
     MutualDiffusion, MutualDiffusionOptions, ShearViscosity, ShearViscosityOptions,

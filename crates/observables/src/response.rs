@@ -43,6 +43,11 @@ const RESPONSES: [Response; COUNT] = [
     response("energy_virial_correlation", "", false),
 ];
 
+/// The names of all response functions, c_v first.
+pub fn response_functions() -> impl Iterator<Item = &'static str> {
+    RESPONSES.iter().map(|response| response.name)
+}
+
 /// The averages that a run gives after `cut` rows; none where the ensemble gives none for these particles.
 pub(crate) fn averages(
     setting: &Setting,

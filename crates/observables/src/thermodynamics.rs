@@ -2,6 +2,7 @@
 
 mod conservation;
 mod equilibrium;
+mod instant;
 mod remarks;
 mod responses;
 mod species;
@@ -9,8 +10,8 @@ mod species;
 use std::f64::consts::PI;
 
 use lennard_core::{
-    DVec3, Estimate, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
-    StateWriter, View, Want, parallel,
+    Estimate, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
+    StateWriter, View, Want,
 };
 
 use crate::averages::{FEWEST_INDEPENDENT, of_fluctuations, of_series};
@@ -22,6 +23,7 @@ use crate::{BuildContext, Curvature, Ensemble, ObservableError, Recipe, heat_cap
 
 pub use conservation::Conservation;
 pub use equilibrium::{Equilibrium, HeldTemperature};
+pub use instant::Recorded;
 pub use remarks::Confined;
 use species::SpeciesTemperatures;
 
@@ -194,78 +196,23 @@ impl Observable for Thermodynamics {
     /// # Panics
     /// Where the state lacks what [`Observable::want`] asks for: that is a bug of the caller.
     fn sample(&mut self, view: &View<'_>) {
-        let state = view.state;
-        let energetics = &state.energetics;
-        let asked = "the force evaluation gives what the observable wants";
-        let n = view.system.n_molecules() as f64;
-        self.seen.see(view.cell());
-        let volume = view.cell().volume();
-        let kinetic = view.system.kinetic_energy(&state.velocities) / n;
-        let temperature = 2.0 * kinetic * n / view.n_dof();
-        let potential = energetics.potential_energy.expect(asked) / n;
-        let conserved = energetics
-            .conserved_potential
-            .or(energetics.potential_energy)
-            .expect(asked);
-        let virial = energetics.scalar_virial().expect(asked) - view.intramolecular_virial();
-        let of_positions = view.temperature_of_positions();
-        let pressure = n / volume * of_positions + virial / (3.0 * volume);
-        let tail = view.tail.unwrap_or_default();
-        let conserved_energy = kinetic + (conserved + view.tail_work - view.heat) / n;
-        // In a box that changes, configurations are weighted with the energy of the tail too.
-        let sampled = (conserved + view.tail_work) / n;
-        let of_pairs = virial / n;
-        let of_volume = volume / n;
-        let (squared_force, laplacian) = if self.options.configurational_temperature {
-            let squares: f64 = parallel::ordered_sum(state.len(), |range| {
-                state.forces[range].iter().map(|f| f.length_squared()).sum()
-            });
-            let laplacian = energetics.laplacian.expect(asked);
-            (squares / n, laplacian / n + self.jump_laplacian(volume))
-        } else {
-            (0.0, 0.0)
-        };
         if let Some(of_species) = &mut self.of_species {
             of_species.sample(view);
         }
-        let momentum: DVec3 = view.system.momentum(&state.velocities) / n;
+        self.seen.see(view.cell());
         self.n_dof = view.n_dof();
         if self.mass.is_nan() {
             let all = 0..view.state.len();
+            let n = view.system.n_molecules() as f64;
             self.mass = all.map(|i| view.system.masses.moving(i)).sum::<f64>() / n;
         }
         self.half_steps = view.half_kick_step.is_some();
-        self.energy_line.push(state.time, conserved_energy);
-        let kept = view.system.kept_part(momentum);
+        let instant = self.instant(view);
+        let kept = view.system.kept_part(instant.momentum);
         self.largest_momentum = self.largest_momentum.max(kept.length());
-        self.series.push(&[
-            state.time,
-            temperature,
-            of_positions,
-            kinetic,
-            potential + tail.energy_per_particle,
-            potential,
-            pressure + tail.pressure,
-            pressure,
-            conserved_energy,
-            squared_force,
-            laplacian,
-            kinetic * kinetic,
-            sampled,
-            sampled * sampled,
-            momentum.x,
-            momentum.y,
-            momentum.z,
-            of_pairs,
-            of_pairs * of_pairs,
-            sampled * of_pairs,
-            kinetic.recip(),
-            of_pairs / kinetic,
-            of_pairs * of_pairs / kinetic,
-            of_volume,
-            of_volume * of_volume,
-            sampled * of_volume,
-        ]);
+        self.energy_line
+            .push(instant.time, instant.conserved_energy);
+        self.series.push(&instant.row());
     }
 
     /// As a rule, the part to discard comes from [`Thermodynamics::equilibrium`].

@@ -4,6 +4,7 @@ mod card;
 mod missing;
 mod phase;
 mod read;
+mod responses;
 mod rows;
 mod runs_of_others;
 mod table;
@@ -120,6 +121,7 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
     if !run.has_two_phases() {
         remarks.extend(remark_for(model));
     }
+    remarks.extend(run.notes.iter().cloned());
     let others = RunsOfOthers::beside(run, model);
     remarks.extend(others.remark());
     // A run beside runs of others has references, whatever the equations say.

@@ -2,11 +2,13 @@
 
 mod tables;
 
-use lennard_literature::{EquationOfState, FluidState, Phase, Property, Saturation};
+use lennard_literature::{
+    EquationOfState, FluidState, FreezingLine, Phase, Property, Saturation, freezing_lines,
+};
 use serde::Serialize;
 use serde_json::Value;
 
-pub use tables::{coexistence, curve, single};
+pub use tables::{coexistence, curve, freezing, single};
 
 /// By what a state is given besides its temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,6 +106,79 @@ pub fn coexistence_at(equation: &dyn EquationOfState, temperature: f64) -> Optio
         saturation,
         heat_of_vaporization: heat,
         spinodal: equation.spinodal(temperature),
+    })
+}
+
+/// A liquid and a crystal side by side.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Freezing {
+    /// Whose line of densities it is.
+    pub line: &'static str,
+    /// Temperature, ε/k_B.
+    pub temperature: f64,
+    /// Pressure of the equation at the density of the liquid, ε/σ³; absent where the equation does not cover it.
+    pub pressure: Option<f64>,
+    /// Density of the freezing liquid, σ⁻³.
+    pub liquid_density: f64,
+    /// Density of the melting crystal, σ⁻³.
+    pub crystal_density: f64,
+}
+
+/// Freezing at a temperature by every line that the model of an equation has; nothing below the triple points, and for models without a line.
+#[must_use]
+pub fn freezing_at(equation: &dyn EquationOfState, temperature: f64) -> Vec<Freezing> {
+    let on_line = |line: &'static FreezingLine| {
+        let liquid = line.freezing_density(temperature)?;
+        let is_covered = equation.check(liquid, temperature).is_ok();
+        Some(Freezing {
+            line: &line.name,
+            temperature,
+            pressure: is_covered.then(|| equation.pressure(liquid, temperature)),
+            liquid_density: liquid,
+            crystal_density: line.melting_density(temperature)?,
+        })
+    };
+    let lines = lines_of(equation).into_iter();
+    lines.filter_map(on_line).collect()
+}
+
+/// The freezing lines of the model of an equation.
+#[must_use]
+pub fn lines_of(equation: &dyn EquationOfState) -> Vec<&'static FreezingLine> {
+    /// Every line reaches this temperature, ε/k_B.
+    const ON_EVERY_LINE: f64 = 1.0;
+    let has_lines = equation.freezing_density(ON_EVERY_LINE).is_some();
+    let lines = freezing_lines().into_iter();
+    lines.filter(|_| has_lines).collect()
+}
+
+/// Freezing as one JSON document.
+#[must_use]
+pub fn freezing_json(equation: &dyn EquationOfState, rows: &[Freezing]) -> Value {
+    let spec = equation.spec();
+    let triple_points: Vec<Value> = lines_of(equation)
+        .into_iter()
+        .filter_map(|line| {
+            let point = line.triple_point(equation)?;
+            Some(serde_json::json!({
+                "line": line.name,
+                "source": line.citation,
+                "doi": line.doi,
+                "status": line.status,
+                "temperature": point.temperature,
+                "pressure": point.pressure,
+                "liquid_density": point.liquid_density,
+                "vapor_density": point.vapor_density,
+            }))
+        })
+        .collect();
+    serde_json::json!({
+        "schema": "lennard-eos/1",
+        "equation": spec.key,
+        "source": spec.citation(),
+        "critical_point": spec.critical,
+        "triple_points": triple_points,
+        "freezing": rows,
     })
 }
 

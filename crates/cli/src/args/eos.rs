@@ -21,6 +21,10 @@ pub struct EosArgs {
     /// Vapor and liquid side by side, at the temperatures or from the lowest to the critical one.
     #[arg(long, conflicts_with_all = ["density", "pressure", "properties"])]
     pub saturation: bool,
+    /// Liquid and crystal side by side, with the triple point, by the freezing lines of the model. Temperatures go up to twice the
+    /// critical one where none are named.
+    #[arg(long, conflicts_with_all = ["density", "pressure", "properties", "saturation"])]
+    pub freezing: bool,
     /// Properties by name, such as pressure,speed_of_sound; by default all of a single state, and a few of a curve.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub properties: Vec<String>,

@@ -4,7 +4,7 @@ use lennard_literature::{
     BOND_LENGTHS, EquationOfState, Mie, ModelKind, PROPERTIES, Property, equations_for, list,
     pohl_2023, property, two_center, virial_series,
 };
-use lennard_studies::eos::{self, Coexistence, Evaluated, Given};
+use lennard_studies::eos::{self, Coexistence, Evaluated, Freezing, Given};
 
 use crate::args::EosArgs;
 use crate::commands::print_json;
@@ -25,17 +25,22 @@ const OF_A_CURVE: [&str; 5] = [
 /// Temperatures of a coexistence table where none are named, in parts of the critical one.
 const LOWEST_OF_CRITICAL: f64 = 0.5;
 const STEPS_TO_CRITICAL: u32 = 16;
+/// Temperatures of freezing where none are named: up to this many critical ones.
+const HIGHEST_OF_CRITICAL: f64 = 2.0;
 
-/// Prints states, curves, or coexistence.
+/// Prints states, curves, coexistence, or freezing.
 pub fn eos(args: &EosArgs) -> Result<u8, Failure> {
     let equations = equations(args)?;
     let chosen = properties(&args.properties)?;
     if args.saturation {
         return saturation(args, &equations);
     }
+    if args.freezing {
+        return freezing(args, &equations);
+    }
     let Some(temperatures) = &args.temperature else {
         return Err(refused(
-            "a state needs a temperature: --temperature VALUES, or --saturation for coexistence",
+            "a state needs a temperature: --temperature VALUES, or --saturation or --freezing for two phases",
         ));
     };
     let given: Vec<Given> = match (&args.density, &args.pressure) {
@@ -133,6 +138,62 @@ fn saturation(args: &EosArgs, equations: &[Equation]) -> Result<u8, Failure> {
     } else {
         for (equation, rows) in &found {
             show::coexistence(*equation, rows);
+        }
+    }
+    Ok(DONE)
+}
+
+fn freezing(args: &EosArgs, equations: &[Equation]) -> Result<u8, Failure> {
+    let mut found: Vec<(Equation, Vec<Freezing>)> = Vec::new();
+    for equation in equations {
+        let lines = eos::lines_of(*equation);
+        let Some(lowest) = lines.iter().map(|line| line.t_triple).reduce(f64::max) else {
+            continue;
+        };
+        let spec = equation.spec();
+        let highest = (HIGHEST_OF_CRITICAL * spec.critical.temperature).min(spec.range.t_max);
+        let part = |i| f64::from(i) / f64::from(STEPS_TO_CRITICAL);
+        let between = (0..=STEPS_TO_CRITICAL).map(|i| lowest + part(i) * (highest - lowest));
+        let temperatures = args
+            .temperature
+            .as_ref()
+            .map_or_else(|| between.collect(), |values| values.0.clone());
+        let rows: Vec<Freezing> = temperatures
+            .iter()
+            .flat_map(|t| eos::freezing_at(*equation, *t))
+            .collect();
+        if !rows.is_empty() {
+            found.push((*equation, rows));
+        }
+    }
+    if found.is_empty() {
+        let limits: Vec<String> = equations
+            .iter()
+            .map(|equation| {
+                let name = &equation.spec().name;
+                let lines = eos::lines_of(*equation);
+                match lines.iter().map(|line| line.t_triple).reduce(f64::min) {
+                    Some(t) => {
+                        format!("the lines beside {name} begin at the triple point, T = {t}")
+                    }
+                    None => format!("no freezing line is known for the model of {name}"),
+                }
+            })
+            .collect();
+        return Err(refused(format!(
+            "nothing freezes there: {}",
+            limits.join("; ")
+        )));
+    }
+    if args.json {
+        let all: Vec<_> = found
+            .iter()
+            .map(|(equation, rows)| eos::freezing_json(*equation, rows))
+            .collect();
+        print_json(&all)?;
+    } else {
+        for (equation, rows) in &found {
+            show::freezing(*equation, rows);
         }
     }
     Ok(DONE)

@@ -1,9 +1,9 @@
 //! Equations of state for people.
 
 use lennard_literature::{EquationOfState, Property};
-use lennard_studies::eos::{self, Coexistence, Evaluated};
+use lennard_studies::eos::{self, Coexistence, Evaluated, Freezing};
 
-use super::table;
+use super::{note, table};
 
 /// One state by every equation that covers it.
 pub fn state(evaluated: &[Evaluated], properties: &[&Property]) {
@@ -50,4 +50,21 @@ pub fn coexistence(equation: &dyn EquationOfState, rows: &[Coexistence]) {
     println!("{}", console::style(equation.spec().citation()).bold());
     println!("  {}", shown.caption);
     println!("{}", table(&shown));
+}
+
+/// Liquid and crystal side by side.
+pub fn freezing(equation: &dyn EquationOfState, rows: &[Freezing]) {
+    let shown = eos::freezing(equation, rows);
+    println!(
+        "{}",
+        console::style(format!("P of {}", equation.spec().citation())).bold()
+    );
+    println!("{}", table(&shown));
+    note(&shown.caption);
+    for line in eos::lines_of(equation) {
+        note(&format!(
+            "{}: {}, doi:{} ({})",
+            line.name, line.citation, line.doi, line.status
+        ));
+    }
 }

@@ -9,6 +9,9 @@ use lennard_studies::sweep::{self, Sweep, SweepRecord, workers};
 
 use super::{WIDTH, note, table, wrapped};
 
+/// What remarks about response functions have in them: an old run has these numbers from now, or tells why it has none.
+const RESPONSES: &str = "response functions: ";
+
 /// What is about to run, with the points that are no single stable phase.
 pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) {
     println!("{}", console::style(&sweep.name).bold());
@@ -77,6 +80,9 @@ pub fn compared(run: &ComparedRun, verbose: bool) {
     println!("{}", quantities(run, verbose));
     below_quantities(run, verbose);
     state_card(run);
+    for remark in run.remarks.iter().filter(|r| r.contains(RESPONSES)) {
+        note(remark);
+    }
     println!();
 }
 

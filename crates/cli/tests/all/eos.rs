@@ -78,6 +78,35 @@ fn coexistence_is_a_table_up_to_the_critical_point() {
 }
 
 #[test]
+fn freezing_is_a_table_of_both_lines_with_the_triple_point() {
+    let all = json(&["thol-2016", "--freezing", "-T", "0.69,1,1.5"]);
+    let rows = all[0]["freezing"].as_array().unwrap();
+    // Below the triple point of one line, at 0.69, the other is there alone.
+    assert_eq!(rows.len(), 5, "{rows:?}");
+    let of = |row: &serde_json::Value, key: &str| row[key].as_f64().unwrap();
+    assert!((of(&rows[1], "liquid_density") - 0.91857).abs() < 1e-5);
+    assert!((of(&rows[1], "crystal_density") - 1.00628).abs() < 1e-5);
+    let [cold, hot] = [1, 3].map(|i| of(&rows[i], "pressure"));
+    assert!(0.0 < cold && cold < hot, "{cold} {hot}");
+    let triple = all[0]["triple_points"].as_array().unwrap();
+    assert_eq!(triple.len(), 2);
+    assert!((of(&triple[0], "temperature") - 0.694).abs() < 1e-3);
+    let said = succeed(&["eos", "thol-2016", "--freezing"]);
+    assert!(
+        said.contains("triple point T = 0.69") && said.contains("van der Hoef"),
+        "{said}"
+    );
+    let said = refused(&["thol-2015", "--freezing"]);
+    assert!(
+        said.contains("nothing freezes there: no freezing line is known"),
+        "{said}"
+    );
+    assert!(
+        refused(&["thol-2016", "--freezing", "-T", "0.5"]).contains("begin at the triple point")
+    );
+}
+
+#[test]
 fn what_an_equation_does_not_give_is_refused_by_name() {
     for (arguments, words) in [
         (

@@ -251,3 +251,110 @@ fn sweeps_with_no_points_and_truncations_that_no_equation_fits_are_said_clearly(
         "{energy}"
     );
 }
+
+/// Takes response functions, and what is said of them, out of the record of a run, as older versions wrote it.
+fn made_old(run: &std::path::Path) -> serde_json::Value {
+    let path = run.join("run.json");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let whole: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let mut old = whole.clone();
+    let averages = old["averages"].as_object_mut().unwrap();
+    let newer =
+        |name: &str| name != "heat_capacity" && RESPONSES.iter().any(|response| *response == name);
+    averages.retain(|name, _| !newer(name));
+    let remarks = old["remarks"].as_array_mut().unwrap();
+    let newer =
+        |remark: &str| remark.contains("response functions: ") || remark.starts_with("left out: ");
+    remarks.retain(|r| !newer(r.as_str().unwrap()));
+    std::fs::write(&path, old.to_string()).unwrap();
+    whole
+}
+
+const RESPONSES: [&str; 11] = [
+    "heat_capacity",
+    "heat_capacity_pressure",
+    "thermal_pressure_coefficient",
+    "isothermal_compressibility",
+    "isentropic_compressibility",
+    "thermal_expansion",
+    "speed_of_sound",
+    "joule_thomson_coefficient",
+    "grueneisen_parameter",
+    "density_scaling_exponent",
+    "energy_virial_correlation",
+];
+
+#[test]
+fn an_old_run_gets_the_response_functions_that_a_new_one_has() {
+    let folder = prepared("");
+    let bath = "stage.production.thermostat=bussi";
+    let barostat =
+        "stage.production.barostat={ kind = \"stochastic-cell-rescaling\", pressure = 2.0 }";
+    let settings: [(&str, &[&str]); 3] = [
+        ("energy", &[]),
+        ("bath", &[bath]),
+        ("pressure", &[bath, barostat]),
+    ];
+    for (name, sets) in settings {
+        let mut run = vec!["run", "base.toml", "--quiet", "--no-report", "--out", name];
+        run.extend(sets.iter().flat_map(|set| ["--set", set]));
+        let ran = lennard_in(folder.path(), &run);
+        assert!(ran.status.success(), "{}", text(&ran.stderr));
+        let new = made_old(&folder.path().join(name));
+        let compared = lennard_in(folder.path(), &["compare", name, "--json"]);
+        assert!(compared.status.success(), "{}", text(&compared.stderr));
+        let compared: serde_json::Value = serde_json::from_slice(&compared.stdout).unwrap();
+        let rows = compared["runs"][0]["rows"].as_array().unwrap();
+        let mut found = 0;
+        for response in RESPONSES {
+            let row = rows.iter().find(|r| r["quantity"] == response);
+            let own = &new["averages"][response];
+            assert_eq!(row.is_some(), !own.is_null(), "{name}: {response}");
+            let Some(row) = row else { continue };
+            found += 1;
+            let (now, then) = (row["measured"].as_f64(), own["mean"].as_f64());
+            let (now, then) = (now.unwrap(), then.unwrap());
+            assert!(
+                (now - then).abs() <= 1e-8 * then.abs(),
+                "{name}: {response}: {now} {then}"
+            );
+        }
+        assert!(found >= 10, "{name}: {found}");
+        let said = lennard_in(folder.path(), &["compare", name]);
+        let said = text(&said.stdout);
+        assert!(said.contains("made from thermo.csv"), "{said}");
+    }
+}
+
+#[test]
+fn an_old_run_that_gives_no_response_functions_says_why() {
+    let folder = prepared("");
+    let walls = "wall=[{ kind = \"hard\", axis = \"z\" }]";
+    let no_tail = "truncation.tail_correction=false";
+    let cases: [(&str, &[&str], &str); 3] = [
+        (
+            "scaled",
+            &["stage.production.thermostat=rescale"],
+            "no ensemble",
+        ),
+        ("between-walls", &[walls, no_tail], "walls"),
+        (
+            "slab",
+            &["system.vacuum=8", no_tail],
+            "vapor and liquid side by side have no one density",
+        ),
+    ];
+    for (name, sets, why) in cases {
+        let mut run = vec!["run", "base.toml", "--quiet", "--no-report", "--out", name];
+        run.extend(sets.iter().flat_map(|set| ["--set", set]));
+        let ran = lennard_in(folder.path(), &run);
+        assert!(ran.status.success(), "{}", text(&ran.stderr));
+        made_old(&folder.path().join(name));
+        let said = lennard_in(folder.path(), &["compare", name]);
+        let said = text(&said.stdout);
+        let said: Vec<&str> = said.split_whitespace().collect();
+        let said = said.join(" ");
+        assert!(said.contains("no response functions: "), "{said}");
+        assert!(said.contains(why), "{said}");
+    }
+}

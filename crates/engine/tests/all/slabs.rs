@@ -157,3 +157,44 @@ fn a_study_of_homogeneous_fluids_refuses_a_planar_tail() {
         assert!(text.contains(words), "{text}");
     }
 }
+
+#[test]
+fn means_of_one_phase_are_left_out_of_a_slab_and_told_by_name() {
+    let told = |overrides: &[(&str, &str)]| {
+        let mut all = vec![(
+            "observable",
+            "[{ kind = \"interface\" }, { kind = \"rdf\" }]",
+        )];
+        all.extend_from_slice(overrides);
+        let mut s = build(&all);
+        s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        s.findings()
+    };
+    let has = |findings: &[lennard_core::Findings], name: &str| {
+        let mut all = findings.iter().flat_map(|f| &f.averages);
+        all.any(|a| a.name == name)
+    };
+    for (overrides, is_planar) in [(TAILS[0], false), (TAILS[1], true)] {
+        let findings = told(overrides);
+        for name in lennard_observables::response_functions() {
+            assert!(!has(&findings, name), "{name}");
+        }
+        assert!(!has(&findings, "two_body_entropy"));
+        assert!(has(&findings, "potential_energy"));
+        // U without a tail that is among the forces is no number of the run.
+        for name in ["potential_energy_without_tail", "pressure_without_tail"] {
+            assert_eq!(has(&findings, name), !is_planar, "{name}");
+            let mut columns = findings[0].tables.iter().flat_map(|t| &t.columns);
+            assert_eq!(columns.any(|c| c.name == name), !is_planar, "{name}");
+        }
+        let remarks: Vec<&String> = findings.iter().flat_map(|f| &f.remarks).collect();
+        let left_out: Vec<&&String> = remarks
+            .iter()
+            .filter(|r| r.starts_with("left out: "))
+            .collect();
+        assert_eq!(left_out.len(), 1 + usize::from(is_planar), "{remarks:?}");
+        assert!(left_out[0].contains("heat_capacity, "), "{remarks:?}");
+        assert!(left_out[0].contains("two_body_entropy"), "{remarks:?}");
+        assert!(!remarks.iter().any(|r| r.starts_with("heat_capacity: ")));
+    }
+}

@@ -29,6 +29,15 @@ fn context(n_atoms: usize) -> BuildContext {
 
 /// Shows independent samples without forces: a slab whose middle wanders through the box and across its end, or one phase.
 fn shown(samples: u64, has_slab: bool, looks: &mut dyn FnMut(u64, &View<'_>)) {
+    shown_with(samples, &|_| has_slab.then_some(LIQUID), looks);
+}
+
+/// The same with a number of particles in the liquid that may change from sample to sample; one phase for `None`.
+fn shown_with(
+    samples: u64,
+    in_liquid: &dyn Fn(u64) -> Option<usize>,
+    looks: &mut dyn FnMut(u64, &View<'_>),
+) {
     let n = LIQUID + VAPOR;
     let context = context(n);
     let mut rng = Streams::new(3).sequential("slab");
@@ -38,10 +47,10 @@ fn shown(samples: u64, has_slab: bool, looks: &mut dyn FnMut(u64, &View<'_>)) {
         let middle = 0.37 * s as f64;
         for (i, r) in state.positions.iter_mut().enumerate() {
             let part: f64 = StandardUniform.sample(&mut rng);
-            let z = match (has_slab, i < LIQUID) {
-                (false, _) => SIDES.z * part,
-                (true, true) => middle + THICKNESS * (part - 0.5),
-                (true, false) => middle + 0.5 * THICKNESS + (SIDES.z - THICKNESS) * part,
+            let z = match in_liquid(s) {
+                None => SIDES.z * part,
+                Some(liquid) if i < liquid => middle + THICKNESS * (part - 0.5),
+                Some(_) => middle + 0.5 * THICKNESS + (SIDES.z - THICKNESS) * part,
             };
             *r = DVec3::new(0.0, 0.0, z);
         }
@@ -96,6 +105,36 @@ fn a_wandering_slab_gives_its_densities_pressure_and_tension_with_errors_that_co
     let profile = &findings.tables[0];
     assert_eq!(profile.name, "interface_profile");
     assert!(findings.remarks.iter().all(|r| !r.contains("no slab")));
+}
+
+#[test]
+fn a_vapor_that_still_loses_particles_is_not_in_equilibrium() {
+    let doubts = |lost: usize| {
+        let mut interface = Interface::new(&InterfaceOptions::default(), &context(LIQUID + VAPOR));
+        // 60 particles in the vapor at the beginning.
+        let in_liquid = |s: u64| Some(LIQUID + lost * s as usize / 1280);
+        shown_with(1280, &in_liquid, &mut |_, view| interface.sample(view));
+        let averages = interface.finish(0.0).averages;
+        let doubts = averages.into_iter().map(|a| (a.name, a.doubt));
+        doubts.collect::<Vec<_>>()
+    };
+    assert!(doubts(0).iter().all(|(_, doubt)| doubt.is_none()));
+    let falling = doubts(6);
+    for (name, doubt) in &falling {
+        assert!(
+            matches!(doubt, Some(Doubt::NotInEquilibrium(_))),
+            "{name}: {doubt:?}"
+        );
+    }
+    let of = |name: &str| &falling.iter().find(|(n, _)| n == name).unwrap().1;
+    // Pressures do not change here: the vapor alone tells.
+    for name in ["vapor_pressure", "surface_tension"] {
+        let Some(Doubt::NotInEquilibrium(why)) = of(name) else {
+            panic!("{name}")
+        };
+        let begin = "the density far from the slab still falls from 0.02";
+        assert!(why.starts_with(begin), "{why}");
+    }
 }
 
 #[test]

@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use lennard_core::Table;
+use lennard_core::{PeriodicBox, Table};
 use lennard_io::{AverageRecord, FormatError, RunRecord};
 use lennard_scene::{Scene, SceneError};
+
+use super::responses;
 
 /// The average of the temperature on half steps.
 pub(super) const HALF_STEPS: &str = "temperature_half_steps";
@@ -52,20 +54,29 @@ pub struct RunFolder {
     pub scene: Scene,
     /// The run record.
     pub record: RunRecord,
+    /// What is to be said of the record as it was read.
+    pub notes: Vec<String>,
     /// Number density in σ⁻³, of molecules where there are some.
     pub density: f64,
+    /// The box; of the last state where a barostat changes it.
+    pub cell: PeriodicBox,
     /// Shortest side of the box in σ.
     pub shortest_side: f64,
 }
 
 impl RunFolder {
-    /// Reads the folder of a finished run.
+    /// Reads the folder of a finished run. Response functions that its version did not give are added from `thermo.csv`.
     ///
     /// # Errors
     /// [`ReadError`] where there is no run, it did not finish, or a file of it cannot be read.
     pub fn open(folder: &Path) -> Result<Self, ReadError> {
-        let run = Self::open_any(folder)?;
+        let mut run = Self::open_any(folder)?;
         if run.record.finished {
+            let thermo = folder.join("thermo.csv");
+            let rows = || lennard_io::read_table_csv(&thermo).ok();
+            let two_phases = run.has_two_phases();
+            let (record, scene) = (&mut run.record, &run.scene);
+            run.notes = responses::complete(record, scene, run.cell, two_phases, rows);
             return Ok(run);
         }
         let why = run
@@ -109,9 +120,11 @@ impl RunFolder {
         let mut run = Self {
             folder: folder.to_owned(),
             density: f64::NAN,
+            cell,
             shortest_side: cell.lengths().min_element(),
             scene,
             record,
+            notes: Vec::new(),
         };
         let at_rest = run.molecules() as f64 / cell.volume();
         run.density = run.average("density").map_or(at_rest, |d| d.mean);

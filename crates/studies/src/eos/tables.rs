@@ -3,7 +3,7 @@
 use lennard_core::{Cell, Column, Table, Tone};
 use lennard_literature::{EquationOfState, Property};
 
-use super::{Coexistence, Evaluated};
+use super::{Coexistence, Evaluated, Freezing, lines_of};
 
 /// Digits that a reader sees.
 const DIGITS: usize = 6;
@@ -97,5 +97,30 @@ pub fn coexistence(equation: &dyn EquationOfState, rows: &[Coexistence]) -> Tabl
         })
         .column("spinodal, vapor [σ⁻³]", spinodal(0))
         .column("spinodal, liquid [σ⁻³]", spinodal(1))
+        .table()
+}
+
+/// Liquid and crystal side by side, a row for each temperature and line.
+#[must_use]
+pub fn freezing(equation: &dyn EquationOfState, rows: &[Freezing]) -> Table {
+    let triple = |line: &lennard_literature::FreezingLine| {
+        let point = line.triple_point(equation)?;
+        Some(format!(
+            "{}: triple point T = {:.4}, P = {:.5}, ρ of the liquid {:.4}",
+            line.name, point.temperature, point.pressure, point.liquid_density
+        ))
+    };
+    let triple: Vec<String> = lines_of(equation).into_iter().filter_map(triple).collect();
+    Table::rows_of("freezing", rows)
+        .caption(triple.join("; "))
+        .column("T [ε/k_B]", |f| Cell::rounded(f.temperature, DIGITS))
+        .column("P [ε/σ³]", |f| Cell::rounded(f.pressure, DIGITS))
+        .column("ρ liquid [σ⁻³]", |f| {
+            Cell::rounded(f.liquid_density, DIGITS)
+        })
+        .column("ρ crystal [σ⁻³]", |f| {
+            Cell::rounded(f.crystal_density, DIGITS)
+        })
+        .column("line", |f| f.line)
         .table()
 }

@@ -1,11 +1,14 @@
 //! The phase diagram of the model that was run, with the run in it.
 
-use lennard_literature::{EquationOfState, Saturation, equation_of_state_for, freezing_line};
+use lennard_literature::{
+    EquationOfState, KnownPoint, Saturation, equation_of_state_for, freezing_line, freezing_lines,
+    known_points,
+};
 use lennard_report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 
 use crate::compare::{ComparedRun, RunFolder};
 
-pub(super) const PHASE_DIAGRAM: &str = "Lines are of the equation of state that judges the model; freezing and melting are of Mastny and de Pablo 2007. Dots are simulations of others.";
+pub(super) const PHASE_DIAGRAM: &str = "Lines are of the equation of state that judges the model; freezing and melting are of Mastny and de Pablo 2007, and P against T has an older fit beside it. Dots, rings and frames are results of others.";
 
 /// Temperatures of a line.
 const POINTS: usize = 48;
@@ -28,10 +31,14 @@ const RUN: usize = 1;
 
 /// T against ρ, and P against T; none where no equation describes the model.
 pub(super) fn phase_diagram(run: &RunFolder, compared: &ComparedRun) -> Vec<Picture> {
-    let Ok(equation) = equation_of_state_for(lennard_scene::model_kind(&run.scene)) else {
+    let model = lennard_scene::model_kind(&run.scene);
+    let Ok(equation) = equation_of_state_for(model) else {
         return Vec::new();
     };
-    let lines = Lines::of(equation, compared.state.temperature);
+    let lines = Lines {
+        points: known_points(model),
+        ..Lines::of(equation, compared.state.temperature)
+    };
     let mut pictures = vec![lines.in_density(run, compared)];
     pictures.extend(lines.in_pressure(run));
     pictures
@@ -45,6 +52,8 @@ struct Lines {
     spinodal: Vec<(f64, [f64; 2])>,
     /// Temperature, density of the freezing liquid, density of the melting crystal.
     freezing: Vec<(f64, f64, f64)>,
+    /// Critical and triple points by others.
+    points: Vec<KnownPoint>,
 }
 
 impl Lines {
@@ -81,7 +90,39 @@ impl Lines {
             coexistence,
             spinodal,
             freezing,
+            points: Vec::new(),
         }
+    }
+
+    /// The critical and the triple points of others, in the plane of a figure.
+    fn points_of_others(
+        &self,
+        mut figure: Figure,
+        place: impl Fn(&KnownPoint) -> Option<(f64, f64)>,
+    ) -> Figure {
+        for (is_critical, name, symbol) in [
+            (true, "critical points of others", Symbol::Ring),
+            (false, "triple points of others", Symbol::Frame),
+        ] {
+            let of_kind = self.points.iter().filter(|p| p.is_critical == is_critical);
+            let places: Vec<(f64, f64)> = of_kind.filter_map(&place).collect();
+            if !places.is_empty() {
+                figure = figure.with(Series::new(name, Look::Points(symbol), OTHERS, places));
+            }
+        }
+        figure
+    }
+
+    /// P against T on a freezing line, by the pressure of the equation at the density of the freezing liquid.
+    fn freezing_pressures(&self, density: impl Fn(f64) -> Option<f64>) -> Vec<(f64, f64)> {
+        let on_line = |t: f64| {
+            let liquid = density(t)?;
+            self.equation.check(liquid, t).ok()?;
+            let p = self.equation.pressure(liquid, t);
+            (p > 0.0).then_some((t, p))
+        };
+        let temperatures = self.freezing.iter().map(|(t, ..)| *t);
+        temperatures.filter_map(on_line).collect()
     }
 
     fn name(&self) -> &str {
@@ -129,6 +170,7 @@ impl Lines {
                 ]
             }));
         }
+        let figure = self.points_of_others(figure, |p| Some((p.density?, p.temperature)));
         let error = run
             .temperature()
             .filter(|t| t.is_sound())
@@ -169,9 +211,12 @@ impl Lines {
 
     /// Pressures are drawn by their logarithm: no picture for a run below zero pressure.
     fn in_pressure(&self, run: &RunFolder) -> Option<Picture> {
-        let pressure = run
-            .average("pressure")
-            .filter(|p| p.is_sound() && p.mean > 0.0)?;
+        // Two phases share the vapor pressure; the mean over their box is the pressure of neither.
+        let name = match run.has_two_phases() {
+            true => "vapor_pressure",
+            false => "pressure",
+        };
+        let pressure = run.average(name).filter(|p| p.is_sound() && p.mean > 0.0)?;
         let temperature = run.temperature().filter(|t| t.is_sound())?;
         let critical = self.equation.spec().critical;
         let at_critical = self
@@ -193,23 +238,30 @@ impl Lines {
             FLUID,
             [top],
         ));
-        let freezing: Vec<(f64, f64)> = self
-            .freezing
-            .iter()
-            .filter(|(t, liquid, _)| self.equation.check(*liquid, *t).is_ok())
-            .map(|(t, liquid, _)| (*t, self.equation.pressure(*liquid, *t)))
-            .filter(|(_, p)| *p > 0.0)
-            .collect();
-        if !freezing.is_empty() {
+        if !self.freezing.is_empty() {
+            let [line, older] = freezing_lines();
+            for (line, look) in [(line, SOLID), (older, DASHED)] {
+                let places = self.freezing_pressures(|t| line.freezing_density(t));
+                let name = format!("freezing, {}", line.name);
+                figure = figure.with(Series::new(name, look, SOLID_LIQUID, places));
+            }
+            let triple = freezing_line().triple_point(self.equation);
             figure = figure
-                .with(Series::new("freezing", SOLID, SOLID_LIQUID, freezing))
+                .with(Series::new(
+                    "triple point",
+                    Look::Points(Symbol::Triangle),
+                    SOLID_LIQUID,
+                    triple.map(|s| (s.temperature, s.pressure)),
+                ))
                 .with(others(self.others(), |row| {
                     [(row.temperature, row.pressure)]
                 }));
         }
+        let figure = self.points_of_others(figure, |p| Some((p.temperature, p.pressure?)));
         let (t, p) = (temperature.mean, pressure.mean);
         let errors = (temperature.standard_error, pressure.standard_error);
-        let correlation = correlation(run).unwrap_or(0.0);
+        let correlation = correlation(run).filter(|_| name == "pressure");
+        let correlation = correlation.unwrap_or(0.0);
         let ellipse = ellipse((t, p), errors, correlation);
         let figure = figure
             .with(Series::new("", SOLID, RUN, ellipse))
@@ -297,6 +349,22 @@ mod tests {
                 .find(|s| s.temperature == *t)
                 .unwrap();
             assert!(binodal.vapor_density < *vapor && *liquid < binodal.liquid_density);
+        }
+    }
+
+    #[test]
+    fn both_freezing_lines_rise_in_pressure_from_near_the_triple_point() {
+        let lines = Lines::of(lennard_literature::thol_2016(), 1.5);
+        for line in freezing_lines() {
+            let places = lines.freezing_pressures(|t| line.freezing_density(t));
+            assert!(places.len() > POINTS - 4, "{}", line.name);
+            // The pressure of the liquid at T = 1 is about 4 on every line.
+            let near = places
+                .iter()
+                .min_by(|a, b| (a.0 - 1.0).abs().total_cmp(&(b.0 - 1.0).abs()));
+            let (t, p) = near.unwrap();
+            assert!((t - 1.0).abs() < 0.02 && (3.5..5.0).contains(p), "{t} {p}");
+            assert!(places.is_sorted_by(|a, b| a.1 < b.1));
         }
     }
 

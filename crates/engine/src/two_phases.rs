@@ -1,0 +1,154 @@
+//! What means nothing where two phases stand side by side, and is left out of a run.
+
+use std::any::Any;
+
+use lennard_core::{Average, Findings, Observable};
+use lennard_observables::{Interface, response_functions};
+use lennard_scene::Scene;
+
+use crate::Simulation;
+
+/// Means of one homogeneous phase, besides response functions. Means of a species or a pair of species begin with the same words.
+const OF_ONE_PHASE: [&str; 6] = [
+    "two_body_entropy",
+    "rdf_first_peak",
+    "coordination_number",
+    "residual_chemical_potential",
+    "kirkwood_buff",
+    "thermodynamic_factor",
+];
+
+/// Remarks of what is left out begin with these words.
+const REMARKS: [&str; 2] = ["heat_capacity: ", "response functions: "];
+
+/// Columns and means that a tail among the forces leaves without a meaning.
+const WITHOUT_TAIL: [&str; 2] = ["potential_energy_without_tail", "pressure_without_tail"];
+
+/// Why a mean over the whole box belongs to no phase; `None` where the box holds one phase, as far as the run knows.
+fn two_phases(scene: &Scene, observables: &[&dyn Observable]) -> Option<String> {
+    if let Some(surfaces) = scene.surfaces() {
+        return Some(format!("the start has surfaces ({surfaces})"));
+    }
+    if scene.planar_tail {
+        return Some("the tail is of flat surfaces".to_owned());
+    }
+    let has_slab = |observable: &&dyn Observable| {
+        let any: &dyn Any = *observable;
+        any.downcast_ref::<Interface>()
+            .is_some_and(Interface::has_slab)
+    };
+    let found = observables.iter().any(has_slab);
+    found.then(|| "the density has two levels".to_owned())
+}
+
+impl Simulation {
+    /// Leaves out of the findings what two phases side by side, or a tail among the forces, make meaningless, and says so.
+    pub(crate) fn leave_out_meaningless(&self, findings: &mut [Findings]) {
+        let observables: Vec<&dyn Observable> = self
+            .observers
+            .iter()
+            .map(|o| o.observable.as_ref())
+            .collect();
+        if let Some(why) = two_phases(&self.scene, &observables) {
+            let left_out = without(findings, is_of_one_phase);
+            for remarks in findings.iter_mut().map(|f| &mut f.remarks) {
+                remarks.retain(|r| !REMARKS.iter().any(|begin| r.starts_with(begin)));
+            }
+            tell(
+                findings,
+                left_out,
+                &format!("{why}, and a mean over both phases belongs to neither"),
+            );
+        }
+        if self.scene.planar_tail {
+            let left_out = without(findings, |name| WITHOUT_TAIL.contains(&name));
+            for table in findings.iter_mut().flat_map(|f| &mut f.tables) {
+                table
+                    .columns
+                    .retain(|c| !WITHOUT_TAIL.contains(&c.name.as_str()));
+            }
+            tell(
+                findings,
+                left_out,
+                "the planar tail is among the forces, and moves the particles",
+            );
+        }
+    }
+}
+
+fn is_of_one_phase(name: &str) -> bool {
+    response_functions().any(|function| function == name)
+        || OF_ONE_PHASE.iter().any(|begin| name.starts_with(begin))
+}
+
+/// Takes means out, and gives their names.
+fn without(findings: &mut [Findings], is_left_out: impl Fn(&str) -> bool) -> Vec<String> {
+    let mut names = Vec::new();
+    for averages in findings.iter_mut().map(|f| &mut f.averages) {
+        averages.retain(|Average { name, .. }| {
+            let stays = !is_left_out(name);
+            if !stays {
+                names.push(name.clone());
+            }
+            stays
+        });
+    }
+    names
+}
+
+fn tell(findings: &mut [Findings], left_out: Vec<String>, why: &str) {
+    if let Some(first) = findings.first_mut().filter(|_| !left_out.is_empty()) {
+        first
+            .remarks
+            .push(format!("left out: {}. Here {why}", left_out.join(", ")));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use lennard_core::Estimate;
+
+    use super::*;
+
+    #[test]
+    fn what_belongs_to_one_phase_is_known_by_its_name() {
+        for name in [
+            "heat_capacity",
+            "speed_of_sound",
+            "two_body_entropy",
+            "rdf_first_peak_A_B",
+            "coordination_number",
+        ] {
+            assert!(is_of_one_phase(name), "{name}");
+        }
+        for name in ["pressure", "liquid_density", "surface_tension", "ln_z"] {
+            assert!(!is_of_one_phase(name), "{name}");
+        }
+    }
+
+    #[test]
+    fn what_is_left_out_is_told_by_name() {
+        let estimate = Estimate {
+            mean: 1.0,
+            standard_error: 0.1,
+            n_effective: 100.0,
+            least_effective: 100.0,
+            freedom: 100.0,
+            equilibration_cut: 0,
+        };
+        let mut findings = [Findings {
+            averages: ["pressure", "speed_of_sound"]
+                .map(|name| Average::new(name, "", estimate))
+                .into(),
+            ..Findings::default()
+        }];
+        let left_out = without(&mut findings, is_of_one_phase);
+        assert_eq!(left_out, ["speed_of_sound"]);
+        tell(&mut findings, left_out, "there are two phases");
+        assert_eq!(findings[0].averages.len(), 1);
+        assert_eq!(
+            findings[0].remarks,
+            ["left out: speed_of_sound. Here there are two phases"]
+        );
+    }
+}

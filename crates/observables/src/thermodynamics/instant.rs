@@ -1,0 +1,175 @@
+//! One sample of the thermodynamic series: of a state as it is, and of a row that a run has written.
+
+use lennard_core::{DVec3, TailCorrection, View, parallel};
+
+use super::Thermodynamics;
+
+/// The values of one moment; energies, virial and volume are per molecule.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Instant {
+    pub time: f64,
+    pub temperature: f64,
+    pub temperature_of_positions: f64,
+    pub kinetic_energy: f64,
+    /// U without its tail.
+    pub potential_energy: f64,
+    /// P without its tail.
+    pub pressure: f64,
+    pub tail: TailCorrection,
+    pub conserved_energy: f64,
+    pub squared_force: f64,
+    pub laplacian: f64,
+    /// The potential energy that configurations are sampled with.
+    pub sampled_energy: f64,
+    pub momentum: DVec3,
+    /// W without its tail.
+    pub virial: f64,
+    pub volume: f64,
+}
+
+impl Instant {
+    /// The row of the series, in the order of [`crate::ThermoSeries`].
+    pub fn row(&self) -> [f64; 26] {
+        let Self {
+            kinetic_energy: kinetic,
+            sampled_energy: sampled,
+            virial,
+            volume,
+            ..
+        } = *self;
+        [
+            self.time,
+            self.temperature,
+            self.temperature_of_positions,
+            kinetic,
+            self.potential_energy + self.tail.energy_per_particle,
+            self.potential_energy,
+            self.pressure + self.tail.pressure,
+            self.pressure,
+            self.conserved_energy,
+            self.squared_force,
+            self.laplacian,
+            kinetic * kinetic,
+            sampled,
+            sampled * sampled,
+            self.momentum.x,
+            self.momentum.y,
+            self.momentum.z,
+            virial,
+            virial * virial,
+            sampled * virial,
+            kinetic.recip(),
+            virial / kinetic,
+            virial * virial / kinetic,
+            volume,
+            volume * volume,
+            sampled * volume,
+        ]
+    }
+}
+
+/// A row of `thermo.csv`, energies per molecule.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Recorded {
+    /// Time, τ.
+    pub time: f64,
+    /// Kinetic temperature on whole steps, ε/k_B.
+    pub temperature: f64,
+    /// The same on half steps, where the method has them.
+    pub temperature_half_steps: Option<f64>,
+    /// Potential energy with its tail, ε.
+    pub potential_energy: f64,
+    /// Pressure with its tail, ε/σ³.
+    pub pressure: f64,
+    /// What exact dynamics would keep constant, ε.
+    pub conserved_energy: f64,
+    /// The heat that a bath has given, ε.
+    pub heat: f64,
+    /// V/N, σ³.
+    pub volume: f64,
+    /// The tail of this volume.
+    pub tail: TailCorrection,
+}
+
+impl Thermodynamics {
+    /// Tells the degrees of freedom, the mean mass of a particle, and whether the method has half steps, for a series of recorded rows.
+    pub fn begin_recorded(&mut self, n_dof: f64, mass: f64, half_steps: bool) {
+        self.n_dof = n_dof;
+        self.mass = mass;
+        self.half_steps = half_steps;
+    }
+
+    /// Takes a row that a run of atoms has written.
+    ///
+    /// K = n_dof·T/2, W = 3V(P − P_tail − ρT), and the energy that the motion samples is conserved + heat − K. Forces and momentum are
+    /// not in such a row.
+    pub fn push_recorded(&mut self, row: &Recorded) {
+        let n = self.context.n_molecules() as f64;
+        let kinetic = 0.5 * row.temperature * self.n_dof / n;
+        let of_positions = row.temperature_half_steps.unwrap_or(row.temperature);
+        let pressure = row.pressure - row.tail.pressure;
+        let instant = Instant {
+            time: row.time,
+            temperature: row.temperature,
+            temperature_of_positions: of_positions,
+            kinetic_energy: kinetic,
+            potential_energy: row.potential_energy - row.tail.energy_per_particle,
+            pressure,
+            tail: row.tail,
+            conserved_energy: row.conserved_energy,
+            squared_force: 0.0,
+            laplacian: 0.0,
+            sampled_energy: row.conserved_energy + row.heat - kinetic,
+            momentum: DVec3::ZERO,
+            virial: 3.0 * (pressure * row.volume - of_positions),
+            volume: row.volume,
+        };
+        self.series.push(&instant.row());
+    }
+
+    /// The values of a state.
+    ///
+    /// # Panics
+    /// Where the state lacks what the observable asks for: that is a bug of the caller.
+    pub(super) fn instant(&self, view: &View<'_>) -> Instant {
+        let state = view.state;
+        let energetics = &state.energetics;
+        let asked = "the force evaluation gives what the observable wants";
+        let n = view.system.n_molecules() as f64;
+        let volume = view.cell().volume();
+        let kinetic = view.system.kinetic_energy(&state.velocities) / n;
+        let potential = energetics.potential_energy.expect(asked) / n;
+        let conserved = energetics
+            .conserved_potential
+            .or(energetics.potential_energy)
+            .expect(asked);
+        let virial = energetics.scalar_virial().expect(asked) - view.intramolecular_virial();
+        let of_positions = view.temperature_of_positions();
+        let (squared_force, laplacian) = if self.options.configurational_temperature {
+            let squares: f64 = parallel::ordered_sum(state.len(), |range| {
+                state.forces[range].iter().map(|f| f.length_squared()).sum()
+            });
+            let laplacian = energetics.laplacian.expect(asked);
+            (squares / n, laplacian / n + self.jump_laplacian(volume))
+        } else {
+            (0.0, 0.0)
+        };
+        Instant {
+            time: state.time,
+            temperature: 2.0 * kinetic * n / view.n_dof(),
+            temperature_of_positions: of_positions,
+            kinetic_energy: kinetic,
+            potential_energy: potential,
+            pressure: n / volume * of_positions + virial / (3.0 * volume),
+            tail: view.tail.unwrap_or_default(),
+            conserved_energy: kinetic + (conserved + view.tail_work - view.heat) / n,
+            squared_force,
+            laplacian,
+            // In a box that changes, configurations are weighted with the energy of the tail too.
+            sampled_energy: (conserved + view.tail_work) / n,
+            momentum: view.system.momentum(&state.velocities) / n,
+            virial: virial / n,
+            volume: volume / n,
+        }
+    }
+}
