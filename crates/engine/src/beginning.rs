@@ -10,7 +10,7 @@ use lennard_scene::{Geometry, Lattice, Placement, Scene, Start};
 use crate::EngineError;
 use crate::confinement::{Confinement, place_between_walls};
 use crate::starting_molecules::Origin;
-use crate::{initial, overlaps, species, starting_molecules, starting_slab};
+use crate::{initial, overlaps, species, starting_crystal, starting_molecules, starting_slab};
 
 /// Where the particles are, and how fast, before the first step.
 pub struct Beginning {
@@ -74,6 +74,16 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
             let placement = scene.placement()?.expect("a slab has a placement");
             let positions = starting_slab::positions(scene, slab, &placement)?;
             Ok((placed(scene, placement.cell, positions)?, Vec::new()))
+        }
+        Start::HalfCrystal(start) => {
+            let placement = scene.placement()?.expect("a half crystal has a placement");
+            let positions = starting_crystal::positions(scene, start, &placement)?;
+            let beginning = Beginning {
+                // The liquid is at random.
+                relax: true,
+                ..placed(scene, placement.cell, positions)?
+            };
+            Ok((beginning, Vec::new()))
         }
         Start::Listed {
             positions,
@@ -161,7 +171,7 @@ pub(crate) fn begin_in_memory(
 ) -> Result<(Beginning, Vec<String>), EngineError> {
     match &scene.system.start {
         Start::Configuration { path, .. } => begin_at(scene, path, start, None),
-        Start::Lattice { .. } | Start::Slab(_) | Start::Listed { .. } => {
+        Start::Lattice { .. } | Start::Slab(_) | Start::HalfCrystal(_) | Start::Listed { .. } => {
             let found = match scene.system.start {
                 Start::Listed { .. } => "positions beside those that the scene lists",
                 _ => "positions beside a lattice",

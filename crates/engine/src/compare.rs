@@ -104,6 +104,11 @@ pub fn beside_equation_of_state(
         comparison.remarks.push(remark);
         return comparison;
     }
+    if scene.half_crystal().is_some() {
+        let remark = "not compared with any equation of state: a crystal beside its liquid";
+        comparison.remarks.push(remark.to_owned());
+        return comparison;
+    }
     let model = model_kind(scene);
     let equation = match lennard_literature::equation_of_state_for(model) {
         Ok(equation) => equation,

@@ -22,6 +22,11 @@ pub fn at_constant_pressure(
     changing: &ChangingBox,
 ) -> Comparison {
     let mut comparison = Comparison::default();
+    if scene.half_crystal().is_some() {
+        let remark = "not compared with any equation of state: a crystal beside its liquid";
+        comparison.remarks.push(remark.to_owned());
+        return comparison;
+    }
     let model = model_kind(scene);
     let equation = match lennard_literature::equation_of_state_for(model) {
         Ok(equation) => equation,

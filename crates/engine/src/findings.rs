@@ -35,6 +35,7 @@ impl Simulation {
             })
             .collect();
         self.leave_out_meaningless(&mut findings);
+        self.add_front(&mut findings);
         findings
     }
 }

@@ -87,8 +87,9 @@ fn keeps_its_shape(
     control: &PressureControl,
     foreseen: &Foreseen,
 ) -> Result<(), EngineError> {
-    let is_slab = scene.surfaces().is_some();
-    if control.options.coupling() != Coupling::XyZ || is_slab || !foreseen.phase.is_stable() {
+    // A crystal beside the fluid holds the shape of the cross-section.
+    let has_surfaces = scene.surfaces().is_some() || scene.half_crystal().is_some();
+    if control.options.coupling() != Coupling::XyZ || has_surfaces || !foreseen.phase.is_stable() {
         return Ok(());
     }
     Err(scene

@@ -29,6 +29,9 @@ fn two_phases(scene: &Scene, observables: &[&dyn Observable]) -> Option<String> 
     if let Some(surfaces) = scene.surfaces() {
         return Some(format!("the start has surfaces ({surfaces})"));
     }
+    if scene.half_crystal().is_some() {
+        return Some("a crystal stands beside its liquid (`[crystal]`)".to_owned());
+    }
     if scene.planar_tail {
         return Some("the tail is of flat surfaces".to_owned());
     }

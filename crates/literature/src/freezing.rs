@@ -22,8 +22,8 @@ pub struct FreezingLine {
     pub name: String,
     /// Where it comes from.
     pub citation: String,
-    /// Its DOI.
-    pub doi: String,
+    /// Its DOI; `None` where it is not known.
+    pub doi: Option<String>,
     /// How the coefficients were obtained.
     pub status: String,
     /// Temperature of the triple point in ε/k_B, below which the line has no meaning.

@@ -95,7 +95,9 @@ impl Scene {
         let count = self.system.start.count()?;
         match self.system.start {
             Start::Lattice { .. } | Start::Slab(_) => Some(count * self.molecules().sites()),
-            Start::Listed { .. } | Start::Configuration { .. } => Some(count),
+            Start::HalfCrystal(_) | Start::Listed { .. } | Start::Configuration { .. } => {
+                Some(count)
+            }
         }
     }
 

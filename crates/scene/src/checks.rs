@@ -7,7 +7,7 @@ use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
 use crate::{
     Geometry, Placement, Scene, SceneError, Start, accuracy, bath_checks, bodies, contact,
-    exchange, mixture, molecule_checks, planar, slab, walls,
+    exchange, half_crystal, mixture, molecule_checks, planar, slab, walls,
 };
 
 impl Scene {
@@ -34,6 +34,7 @@ impl Scene {
                 vacuum,
             } => (Some(lattice), n_atoms, geometry, vacuum),
             Start::Slab(slab) => return self.slab_placement(slab).map(Some),
+            Start::HalfCrystal(start) => return self.crystal_placement(start).map(Some),
             Start::Listed {
                 sides, positions, ..
             } => (None, &positions.len(), &Geometry::Box(*sides), &0.0),
@@ -113,6 +114,7 @@ pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     bodies::check(scene)?;
     walls::check(scene)?;
     slab::check(scene)?;
+    half_crystal::check(scene)?;
     contact::check(scene)?;
     planar::check(scene)?;
     if let Some(placement) = scene.placement()? {

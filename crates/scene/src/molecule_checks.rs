@@ -28,7 +28,10 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     }
     let lattice = match scene.system.start {
         Start::Lattice { lattice, .. } => Some(lattice),
-        Start::Slab(_) | Start::Listed { .. } | Start::Configuration { .. } => None,
+        Start::Slab(_)
+        | Start::HalfCrystal(_)
+        | Start::Listed { .. }
+        | Start::Configuration { .. } => None,
     };
     let by_shape = molecule.options.kind == MoleculeKind::Sites;
     if lattice.is_some() && by_shape && molecule.options.shape.is_none() {

@@ -9,6 +9,7 @@ use lennard_observables::ObservableOptions;
 use serde::Serialize;
 
 use crate::contact::ContactKeys;
+use crate::half_crystal::CrystalKeys;
 use crate::integrator::StepKeys;
 use crate::methods::WithMethod;
 use crate::mixture::{PairKeys, SpeciesKeys};
@@ -28,6 +29,8 @@ struct Resolved<'a> {
     system: SystemKeys,
     #[serde(skip_serializing_if = "Option::is_none")]
     slab: Option<SlabKeys>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    crystal: Option<CrystalKeys>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     species: Vec<SpeciesKeys>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -101,6 +104,7 @@ impl Scene {
             name: &self.name,
             system: self.into(),
             slab: self.slab().map(SlabKeys::from),
+            crystal: self.half_crystal().map(CrystalKeys::from),
             species: species.iter().map(SpeciesKeys::from).collect(),
             mixing: mixture.and_then(|mixture| mixture.rule.as_ref()),
             pair: mixture.map_or(Vec::new(), MixtureTables::pair_keys),

@@ -179,7 +179,10 @@ impl Scene {
     pub fn slab(&self) -> Option<&Slab> {
         match &self.system.start {
             Start::Slab(slab) => Some(slab),
-            Start::Lattice { .. } | Start::Listed { .. } | Start::Configuration { .. } => None,
+            Start::Lattice { .. }
+            | Start::HalfCrystal(_)
+            | Start::Listed { .. }
+            | Start::Configuration { .. } => None,
         }
     }
 
@@ -191,7 +194,10 @@ impl Scene {
                 Some(format!("system.vacuum = {vacuum}"))
             }
             Start::Slab(_) => Some("`[slab]`".to_owned()),
-            Start::Lattice { .. } | Start::Listed { .. } | Start::Configuration { .. } => None,
+            Start::Lattice { .. }
+            | Start::HalfCrystal(_)
+            | Start::Listed { .. }
+            | Start::Configuration { .. } => None,
         }
     }
 
@@ -199,9 +205,10 @@ impl Scene {
     pub(crate) fn key_of_surfaces(&self) -> &'static str {
         match self.system.start {
             Start::Slab(_) => "slab",
-            Start::Lattice { .. } | Start::Listed { .. } | Start::Configuration { .. } => {
-                "system.vacuum"
-            }
+            Start::Lattice { .. }
+            | Start::HalfCrystal(_)
+            | Start::Listed { .. }
+            | Start::Configuration { .. } => "system.vacuum",
         }
     }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use lennard_core::DVec3;
 
-use crate::{Geometry, Lattice, Slab};
+use crate::{Geometry, HalfCrystal, Lattice, Slab};
 
 /// How the particles are placed.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +23,8 @@ pub enum Start {
     },
     /// Liquid between two parts of vapor.
     Slab(Slab),
+    /// A crystal beside its liquid.
+    HalfCrystal(HalfCrystal),
     /// As the scene lists them.
     Listed {
         /// Sides of the box, σ; of the part between the walls, where there are walls.
@@ -48,6 +50,7 @@ impl Start {
         match self {
             Self::Lattice { n_atoms, .. } => Some(*n_atoms),
             Self::Slab(slab) => Some(slab.n_atoms),
+            Self::HalfCrystal(start) => Some(start.n_atoms),
             Self::Listed { positions, .. } => Some(positions.len()),
             Self::Configuration { .. } => None,
         }

@@ -84,6 +84,7 @@ impl From<&Scene> for SystemKeys {
                 keys.vacuum = Some(*vacuum);
             }
             Start::Slab(slab) => keys.n_atoms = Some(slab.n_atoms),
+            Start::HalfCrystal(start) => keys.n_atoms = Some(start.n_atoms),
             Start::Listed {
                 sides,
                 positions,
@@ -209,15 +210,28 @@ impl Reader<'_> {
                 .allowed("`positions` with one position for each velocity"));
         }
         let is_listed = table.positions.is_some();
-        if self.source.wrote("slab") && (is_listed || table.configuration.is_some()) {
+        let phases = ["slab", "crystal"];
+        let both = phases.iter().filter(|t| self.source.wrote(t));
+        let side_by_side: Vec<&&str> = both.collect();
+        if let [_, other, ..] = side_by_side[..] {
+            return Err(self
+                .source
+                .refuse(other, "does not go with `[slab]`")
+                .found("both")
+                .allowed("`[slab]` for liquid and vapor, `[crystal]` for crystal and liquid"));
+        }
+        let side_by_side = side_by_side.first().map(|table| **table);
+        if let Some(phases) = side_by_side
+            && (is_listed || table.configuration.is_some())
+        {
             let (own, says) = match is_listed {
                 true => ("positions", "positions say"),
                 false => ("configuration", "configuration file says"),
             };
             return Err(self
                 .source
-                .refuse("slab", format!("does not go with `{own}`"))
-                .found(format!("`[slab]` and `{own}`"))
+                .refuse(phases, format!("does not go with `{own}`"))
+                .found(format!("`[{phases}]` and `{own}`"))
                 .allowed(format!("one of them: the {says} where the particles are")));
         }
         let start = match (&table.configuration, &table.positions) {
@@ -234,17 +248,23 @@ impl Reader<'_> {
                 let path = resolve(self.source, "system.configuration", Path::new(path))?;
                 Start::Configuration { path, geometry }
             }
-            (None, None) if self.source.wrote("slab") => {
+            (None, None) if let Some(phases) = side_by_side => {
+                let of_table = format!("[{phases}]");
                 excludes(
-                    "[slab]",
+                    &of_table,
                     &["lattice", "density", "box", "vacuum"],
-                    "nothing: the box follows from `n_atoms` and the keys of `[slab]`",
+                    &format!(
+                        "nothing: the box follows from `n_atoms` and the keys of `{of_table}`"
+                    ),
                 )?;
                 let temperature = table
                     .temperature
                     .ok_or_else(|| self.needed("temperature"))?;
                 let n_atoms = self.count(table.n_atoms.or(counted), table.n_molecules)?;
-                Start::Slab(self.slab(n_atoms, temperature, model)?)
+                match phases {
+                    "slab" => Start::Slab(self.slab(n_atoms, temperature, model)?),
+                    _ => Start::HalfCrystal(self.half_crystal(n_atoms, temperature, model)?),
+                }
             }
             (None, None) => Start::Lattice {
                 lattice: table.lattice.unwrap_or_default(),

@@ -3,6 +3,7 @@
 mod card;
 mod missing;
 mod phase;
+mod primary;
 mod read;
 mod responses;
 mod rows;
@@ -72,6 +73,9 @@ pub struct ComparedRun {
     pub remarks: Vec<String>,
 }
 
+/// What a start with `[crystal]` is, in words.
+const HALF_CRYSTAL: &str = "a crystal beside its liquid";
+
 /// Whether a run has fewer bodies than a dozen: means over them say nothing of a fluid.
 fn is_of_few_bodies(molecules: u64) -> bool {
     const FEW: u64 = 12;
@@ -95,12 +99,16 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
     if let Some(confined) = run.scene.confined_by() {
         state = state.of_no_phase(format!("a fluid that has {confined}"));
     }
+    if run.scene.half_crystal().is_some() {
+        state = state.of_no_phase(HALF_CRYSTAL.to_owned());
+    }
     let mut remarks = Vec::new();
     let no_reference = match &equation {
         _ if let Some(confined) = run.scene.confined_by() => {
             Some(format!("the fluid has {confined}"))
         }
         _ if run.has_two_phases() => Some("vapor and liquid side by side".to_owned()),
+        _ if run.scene.half_crystal().is_some() => Some(HALF_CRYSTAL.to_owned()),
         Err(none) => {
             remarks.push(format!("not compared with any equation of state: {none}"));
             Some(format!("no equation of state for {}", none.model))

@@ -142,6 +142,37 @@ pub fn freezing_at(equation: &dyn EquationOfState, temperature: f64) -> Vec<Free
     lines.filter_map(on_line).collect()
 }
 
+/// The temperature at which the liquid of a freezing line has a pressure (ε/σ³) by an equation; `None` outside the line and the equation.
+#[must_use]
+pub fn freezing_temperature(
+    equation: &dyn EquationOfState,
+    line: &FreezingLine,
+    pressure: f64,
+) -> Option<f64> {
+    /// Halvings of the range of temperatures: to 10⁻⁹.
+    const HALVINGS: u32 = 32;
+    /// The highest temperature that is looked at, ε/k_B.
+    const HOTTEST: f64 = 5.0;
+    equation.freezing_density(HOTTEST)?;
+    let excess = |t: f64| {
+        let liquid = line.freezing_density(t)?;
+        equation.check(liquid, t).ok()?;
+        Some(equation.pressure(liquid, t) - pressure)
+    };
+    let (mut low, mut high) = (line.t_triple, HOTTEST);
+    if !(excess(low)? < 0.0 && excess(high)? > 0.0) {
+        return None;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        match excess(middle)? < 0.0 {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    Some(0.5 * (low + high))
+}
+
 /// The freezing lines of the model of an equation.
 #[must_use]
 pub fn lines_of(equation: &dyn EquationOfState) -> Vec<&'static FreezingLine> {

@@ -101,7 +101,10 @@ pub(super) fn keep_inputs(file: &Path, sweep: &Sweep, folder: &Path) -> Result<(
         .iter()
         .filter_map(|point| match &point.scene.system.start {
             Start::Configuration { path, .. } => Some(path.clone()),
-            Start::Lattice { .. } | Start::Slab(_) | Start::Listed { .. } => None,
+            Start::Lattice { .. }
+            | Start::Slab(_)
+            | Start::HalfCrystal(_)
+            | Start::Listed { .. } => None,
         });
     let mut inputs: Vec<PathBuf> = configurations.collect();
     inputs.dedup();

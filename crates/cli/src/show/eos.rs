@@ -62,9 +62,13 @@ pub fn freezing(equation: &dyn EquationOfState, rows: &[Freezing]) {
     println!("{}", table(&shown));
     note(&shown.caption);
     for line in eos::lines_of(equation) {
+        let doi = line.doi.as_ref();
         note(&format!(
-            "{}: {}, doi:{} ({})",
-            line.name, line.citation, line.doi, line.status
+            "{}: {}{} ({})",
+            line.name,
+            line.citation,
+            doi.map_or(String::new(), |doi| format!(", doi:{doi}")),
+            line.status
         ));
     }
 }

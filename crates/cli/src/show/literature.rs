@@ -58,6 +58,9 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
     for remark in remarks.into_iter().filter(|r| !r.starts_with("by ")) {
         println!("  note: {remark}");
     }
+    if let Some(melting) = &record.melting {
+        note(&format!("{}.", melting.in_words()));
+    }
     let kept = record.points.iter().filter(|p| p.kept).count();
     if kept > 0 {
         println!("  {kept} points had been finished before and were not run again");

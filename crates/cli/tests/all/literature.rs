@@ -341,7 +341,7 @@ fn an_old_run_that_gives_no_response_functions_says_why() {
         (
             "slab",
             &["system.vacuum=8", no_tail],
-            "vapor and liquid side by side have no one density",
+            "two phases side by side have no one density",
         ),
     ];
     for (name, sets, why) in cases {

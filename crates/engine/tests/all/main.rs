@@ -3,6 +3,7 @@
 mod bodies;
 mod collisions;
 mod common;
+mod crystals;
 mod exchange;
 mod growing;
 mod hostile;

@@ -15,6 +15,7 @@ use lennard_observables::ObservableOptions;
 use super::{KeyDoc, TopKeys};
 use crate::baths::{BarostatKeys, PressureRamp, TemperatureRamp};
 use crate::contact::ContactKeys;
+use crate::half_crystal::CrystalKeys;
 use crate::integrator::IntegratorKeys;
 use crate::methods::{self, Method};
 use crate::mixture::{PairKeys, SpeciesKeys};
@@ -171,6 +172,9 @@ pub(super) static TABLES: &[TableDoc] = tables! {
     /// A start with a slab of liquid across z, and vapor on both sides. The cross-section is a square, and its side follows from
     /// `n_atoms`. An empty table takes every default.
     "slab" Form::Once, keys SlabKeys;
+    /// A start with a crystal across z, and its liquid beside it. The cross-section is a square of whole cells without strain. An empty table
+    /// takes every default.
+    "crystal" Form::Once, keys CrystalKeys;
     /// A species of a mixture, at most eight. Without such a table all particles have σ = ε = m = 1. On a lattice the species are mixed
     /// at random, from the seed.
     "species" Form::Many, keys SpeciesKeys;

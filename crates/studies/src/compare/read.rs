@@ -74,7 +74,7 @@ impl RunFolder {
         if run.record.finished {
             let thermo = folder.join("thermo.csv");
             let rows = || lennard_io::read_table_csv(&thermo).ok();
-            let two_phases = run.has_two_phases();
+            let two_phases = run.has_two_phases() || run.scene.half_crystal().is_some();
             let (record, scene) = (&mut run.record, &run.scene);
             run.notes = responses::complete(record, scene, run.cell, two_phases, rows);
             return Ok(run);

@@ -30,7 +30,7 @@ pub(super) fn complete(
         return Vec::new();
     }
     let added = if has_two_phases {
-        Err("vapor and liquid side by side have no one density".into())
+        Err("two phases side by side have no one density".into())
     } else {
         match thermo() {
             None => Err("the run has kept no thermo.csv that can be read".into()),

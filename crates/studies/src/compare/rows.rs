@@ -12,7 +12,7 @@ use super::read::HALF_STEPS;
 use super::runs_of_others::RunsOfOthers;
 use super::tail_bias::tail_bias;
 use super::verdict::Tolerance;
-use super::{Row, RunFolder, StateOfMatter, Verdict};
+use super::{Row, RunFolder, StateOfMatter, Verdict, primary};
 
 /// Energy and pressure: an equation of state that does not say how far it may be off is taken to be off by so much.
 const ENERGY: Tolerance = Tolerance::new(4.0, 0.003, 0.0);
@@ -90,46 +90,6 @@ pub(crate) const HANSEN_VERLET: f64 = 2.85;
 const HANSEN_VERLET_SOURCE: &str =
     "J.-P. Hansen and L. Verlet, Phys. Rev. 184, 151 (1969), doi:10.1103/PhysRev.184.151";
 
-/// The quantities that readers look for first, in the order of a table.
-const PRIMARY: [&str; 13] = [
-    "potential_energy",
-    "pressure",
-    "density",
-    "enthalpy",
-    "heat_capacity",
-    "configurational_temperature",
-    "diffusion_coefficient",
-    "shear_viscosity",
-    "thermal_conductivity",
-    "viscosity_by_exchange",
-    "thermal_conductivity_by_exchange",
-    "structure_factor_first_peak",
-    "coordination_number",
-];
-
-/// The quantities that readers look for where vapor and liquid stand side by side.
-const PRIMARY_OF_A_SLAB: [&str; 8] = [
-    "liquid_density",
-    "vapor_density",
-    "vapor_pressure",
-    "surface_tension",
-    "potential_energy",
-    "pressure_zz",
-    "surface_tension_z",
-    "configurational_temperature",
-];
-
-/// The quantities that readers look for between walls.
-const PRIMARY_BETWEEN_WALLS: [&str; 7] = [
-    "potential_energy",
-    "wall_pressure_x_lower",
-    "wall_pressure_x_upper",
-    "wall_pressure_y_lower",
-    "wall_pressure_y_upper",
-    "wall_pressure_z_lower",
-    "wall_pressure_z_upper",
-];
-
 /// A crystal or a glass has a coefficient below this part of √T; the liquid at its triple point has 0.04.
 const FROZEN_DIFFUSION: f64 = 1e-3;
 
@@ -148,15 +108,8 @@ pub(super) struct Compared<'a> {
 pub(super) fn all(compared: &Compared<'_>) -> Vec<Row> {
     let run = compared.run;
     let of_positions = run.temperature_name();
-    let is_slab = run.has_two_phases();
     let mut primary = vec![of_positions];
-    if is_slab {
-        primary.extend(PRIMARY_OF_A_SLAB);
-    } else if !run.scene.walls.is_empty() {
-        primary.extend(PRIMARY_BETWEEN_WALLS);
-    } else {
-        primary.extend(PRIMARY);
-    }
+    primary.extend(primary::of(run));
     let of_others: Vec<String> = compared.others.names().collect();
     for name in &of_others {
         if !primary.contains(&name.as_str()) {
@@ -271,7 +224,8 @@ impl Compared<'_> {
         let Some(control) = self.barostat() else {
             return self.beside_equation(row, PRESSURE);
         };
-        if control.pressure_from.is_some() {
+        // Beside a crystal the barostat holds P_zz, and the sides of the cross-section are given.
+        if control.pressure_from.is_some() || self.run.scene.half_crystal().is_some() {
             return row;
         }
         // With N_f/3 = N − 1 the mean of ρT + W/(3V) + P_tail is above P₀ by T/V.

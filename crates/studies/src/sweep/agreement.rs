@@ -98,7 +98,7 @@ pub fn probability_words(p: f64) -> String {
 }
 
 /// The probability that a sum of `n` squares of standard normal numbers is at least `chi_squared`.
-fn tail_probability(chi_squared: f64, n: usize) -> f64 {
+pub(super) fn tail_probability(chi_squared: f64, n: usize) -> f64 {
     if !chi_squared.is_finite() {
         return f64::NAN;
     }

@@ -3,6 +3,7 @@
 use lennard_core::{Cell, Table, Tone};
 use lennard_report::{Axis, Figure, Look, Page, Picture, Point, Section, Series, Symbol};
 
+use super::equations::{self, Judgement};
 use super::figures::Pictures;
 use super::{SweepRecord, SweptPoint, probability_words};
 use crate::compare::{ComparedRun, Row, StateOfMatter, Verdict, quantity_words};
@@ -107,7 +108,12 @@ fn linked(mut table: Table, record: &SweepRecord) -> Table {
 }
 
 /// The page of a sweep.
-pub(super) fn page(record: &SweepRecord, command: &str, pictures: Pictures) -> Page {
+pub(super) fn page(
+    record: &SweepRecord,
+    command: &str,
+    pictures: Pictures,
+    judgements: &[Judgement],
+) -> Page {
     let finished = record
         .points
         .iter()
@@ -139,6 +145,10 @@ pub(super) fn page(record: &SweepRecord, command: &str, pictures: Pictures) -> P
         true => vec![points],
         false => vec![together, points],
     };
+    if !judgements.is_empty() {
+        sections
+            .push(Section::new("Equations beside the points").table(equations::table(judgements)));
+    }
     if !pictures.properties.is_empty() {
         sections.push(Section::new("Each property").figures(pictures.properties));
     }

@@ -11,8 +11,8 @@ use serde::Serialize;
 use super::ran::{Failed, Found, Ran};
 use super::side_by_side::run_all;
 use super::{
-    Agreement, CriticalEstimate, Point, Setting, Sweep, SweepError, agreement, coexistence,
-    figures, page,
+    Agreement, CriticalEstimate, MeltingEstimate, Point, Setting, Sweep, SweepError, agreement,
+    coexistence, equations, figures, melting, page,
 };
 use crate::Progress;
 use crate::compare::{ComparedRun, Row, RunFolder, StateOfMatter, compare};
@@ -22,15 +22,18 @@ use crate::kept::same_scene;
 const SWEEP_SCHEMA: &str = "lennard-sweep/1";
 
 /// The files that a sweep writes in its folder: record, table, page, and figures.
-pub const FILES: [&str; 8] = [
+pub const FILES: [&str; 11] = [
     "sweep.json",
     "table.csv",
     "report.html",
+    "equations.csv",
+    "beside_equations.csv",
     "pressure.svg",
     "coexistence.svg",
     "vapor_pressure.svg",
     "surface_tension.svg",
     "arrhenius.svg",
+    "melting.svg",
 ];
 
 /// How to run a sweep.
@@ -132,6 +135,9 @@ pub struct SweepRecord {
     pub agreement: Vec<Agreement>,
     /// The critical point from slabs at three temperatures or more; `None` without them.
     pub critical_point: Option<CriticalEstimate>,
+    /// The melting temperature from crystals beside their liquids at several temperatures; absent without them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub melting: Option<MeltingEstimate>,
 }
 
 /// Runs what is not finished yet, and writes table, page and record.
@@ -216,6 +222,7 @@ pub(super) fn record(
         .filter_map(|q| agreement(&points, q))
         .collect(),
         critical_point: coexistence::critical_point(&points),
+        melting: melting::estimate(sweep, &points),
         points,
     }
 }
@@ -227,14 +234,19 @@ pub(super) fn write(
     folder: &Path,
     command: &str,
 ) -> Result<(), SweepError> {
-    let [json, table, report, ..] = FILES.map(|name| folder.join(name));
+    let [json, table, report, judged, beside, ..] = FILES.map(|name| folder.join(name));
     lennard_io::write_json_atomically(&json, record)?;
     lennard_io::write_table_csv(&table, &page::csv(record))?;
+    let judgements = equations::judgements(sweep, record);
+    if !judgements.is_empty() {
+        lennard_io::write_table_csv(&judged, &equations::table(&judgements))?;
+        lennard_io::write_table_csv(&beside, &equations::beside_equations(record))?;
+    }
     let pictures = figures::all(sweep, record);
     for (file, picture) in pictures.files() {
         lennard_io::write_text_atomically(&folder.join(file), &picture.to_svg()?)?;
     }
-    let html = page::page(record, command, pictures).to_html()?;
+    let html = page::page(record, command, pictures, &judgements).to_html()?;
     lennard_io::write_text_atomically(&report, &html)?;
     Ok(())
 }

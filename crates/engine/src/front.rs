@@ -1,0 +1,172 @@
+//! Which phase of a crystal beside its liquid grows, by the order of bonds.
+
+use lennard_core::{Average, Doubt, Estimate, Findings};
+use lennard_observables::statistics::drift;
+
+use crate::Simulation;
+
+/// The share of solid-like particles is followed while both phases are there: between these bounds.
+const BOTH_PHASES: [f64; 2] = [0.15, 0.85];
+/// Standard errors by which a velocity must differ from zero.
+const ERRORS: f64 = 2.0;
+/// Fewest samples of the share that tell a velocity.
+const FEWEST: usize = 30;
+/// Two fronts, since the box is periodic.
+const FRONTS: f64 = 2.0;
+
+/// What the share of solid-like particles tells of the fronts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Motion {
+    /// Velocity of each front into the liquid, σ/τ.
+    velocity: f64,
+    /// Its standard error; not a number with too few samples.
+    error: f64,
+    /// Samples with both phases.
+    samples: usize,
+    /// The first and the last share of the whole run.
+    shares: [f64; 2],
+}
+
+impl Motion {
+    /// From the share against time; `per_share` is the length that a front moves while the share grows from 0 to 1.
+    fn of(time: &[f64], share: &[f64], per_share: f64) -> Option<Self> {
+        let is_mixed = |share: &&f64| (BOTH_PHASES[0]..=BOTH_PHASES[1]).contains(*share);
+        let samples = share.iter().take_while(is_mixed).count();
+        let line = drift(&time[..samples], &share[..samples]);
+        Some(Self {
+            velocity: line.slope * per_share,
+            error: match samples >= FEWEST {
+                true => line.standard_error * per_share,
+                false => f64::NAN,
+            },
+            samples,
+            shares: [*share.first()?, *share.last()?],
+        })
+    }
+
+    fn average(&self) -> Average {
+        let n = self.samples as f64;
+        let estimate = Estimate {
+            mean: self.velocity,
+            standard_error: self.error,
+            n_effective: n,
+            least_effective: n,
+            freedom: n,
+            equilibration_cut: 0,
+        };
+        let short = self.error.is_nan().then(|| Doubt::TooShort {
+            why: format!(
+                "{} samples with both phases where {FEWEST} are needed: look more often",
+                self.samples
+            ),
+            longer: 1.0,
+        });
+        Average::new("front_velocity", "σ/τ", estimate).doubted(short)
+    }
+
+    fn in_words(&self) -> String {
+        let [first, last] = self.shares.map(|share| 100.0 * share);
+        let shares = format!(
+            "{first:.0} % of the particles are solid-like at the beginning, {last:.0} % at the end"
+        );
+        let what = if self.velocity > ERRORS * self.error {
+            "the crystal grows"
+        } else if self.velocity < -ERRORS * self.error {
+            "the crystal melts"
+        } else {
+            return format!("crystal: neither phase is seen to grow: {shares}");
+        };
+        format!(
+            "crystal: {what}, and each front moves by {:.4} ± {:.4} σ/τ while both phases are there: {shares}",
+            self.velocity, self.error
+        )
+    }
+}
+
+impl Simulation {
+    /// Adds the velocity of the fronts to the findings of a start with a crystal beside its liquid, and says which phase grows. What
+    /// moves is in no equilibrium: no test of one speaks against it.
+    pub(crate) fn add_front(&self, findings: &mut [Findings]) {
+        let Some(start) = self.scene.half_crystal() else {
+            return;
+        };
+        let per_share =
+            start.n_atoms as f64 / (start.crystal_density * start.side().powi(2)) / FRONTS;
+        let tables = findings.iter().enumerate();
+        let found = tables.into_iter().find_map(|(at, f)| {
+            let table = f.tables.iter().find(|t| t.name == "bond_order")?;
+            let (time, share) = (table.numbers("time")?, table.numbers("solid_share")?);
+            Some((at, Motion::of(&time, &share, per_share)?))
+        });
+        match found {
+            Some((at, motion)) => {
+                findings[at].averages.push(motion.average());
+                findings[at].remarks.push(motion.in_words());
+            }
+            None => {
+                if let Some(first) = findings.first_mut() {
+                    first.remarks.push(
+                        "crystal: without the observable `bond-order` no run tells which phase grows"
+                            .to_owned(),
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A share that changes by `rate` per sample, with noise, up to its bounds.
+    fn motion(rate: f64, samples: usize) -> Motion {
+        let time: Vec<f64> = (0..samples).map(|i| 0.5 * i as f64).collect();
+        let mut noise = 1_u64;
+        let share: Vec<f64> = (0..samples)
+            .map(|i| {
+                noise = noise
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
+                let noise = (noise >> 33) as f64 / 2.0_f64.powi(31) - 0.5;
+                (0.5 + rate * i as f64 + 0.01 * noise).clamp(0.03, 0.98)
+            })
+            .collect();
+        Motion::of(&time, &share, 12.0).unwrap()
+    }
+
+    #[test]
+    fn a_front_has_its_velocity_while_both_phases_are_there() {
+        for rate in [2e-3, -1e-3] {
+            // The share ends at a bound, where nothing moves any more.
+            let found = motion(rate, 1000);
+            let exact = rate / 0.5 * 12.0;
+            assert!(found.samples < 500, "{found:?}");
+            assert!(
+                (found.velocity - exact).abs() < 0.02 * exact.abs(),
+                "{found:?}"
+            );
+            assert!(found.error < 0.5 * exact.abs(), "{found:?}");
+            let grows = found.in_words().contains("the crystal grows");
+            assert_eq!(grows, rate > 0.0, "{}", found.in_words());
+            assert_eq!(found.average().doubt, None);
+        }
+        let still = motion(0.0, 1000);
+        assert!(still.in_words().contains("neither phase"), "{still:?}");
+    }
+
+    #[test]
+    fn too_few_samples_give_no_error() {
+        let found = motion(2e-2, 1000);
+        assert!(found.samples < FEWEST && found.error.is_nan(), "{found:?}");
+        let Some(Doubt::TooShort { why, .. }) = found.average().doubt else {
+            panic!("no doubt")
+        };
+        assert!(why.contains("look more often"), "{why}");
+        assert!(
+            found.in_words().contains("98 % at the end"),
+            "{}",
+            found.in_words()
+        );
+    }
+}

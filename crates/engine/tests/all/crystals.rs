@@ -1,0 +1,112 @@
+//! Starts with a crystal beside its liquid, and runs of them.
+
+use lennard_core::{Persist, StateArchive};
+use lennard_engine::{Simulation, StopAt, Unfollowed};
+use lennard_observables::solid_share;
+
+use crate::common::{self, bits, on_threads, prepared};
+
+const CRYSTAL: &str = r#"
+    [system]
+    n_atoms = 700
+    temperature = 1.0
+    seed = 7
+    [crystal]
+    cells = 4
+    layers = 6
+    [truncation]
+    r_cut = 2.5
+    [integrator]
+    dt = 0.004
+    [[stage]]
+    name = "production"
+    steps = 120
+    thermostat = "bussi"
+    barostat = { kind = "stochastic-cell-rescaling", pressure = 4.0, coupling = "z" }
+    [[observable]]
+    kind = "bond-order"
+    every = 4
+    [output]
+    thermo_every = 10
+"#;
+
+fn build(overrides: &[(&str, &str)]) -> Simulation {
+    prepared(common::scene(CRYSTAL, overrides))
+}
+
+#[test]
+fn half_a_crystal_has_its_particles_its_cross_section_and_no_overlap() {
+    let s = build(&[]);
+    let start = *s.scene.half_crystal().unwrap();
+    assert_eq!((s.state.len(), start.n_crystal()), (700, 384));
+    // The lines of Mastny and de Pablo at T = 1.
+    assert!((start.crystal_density - 1.00628).abs() < 1e-5);
+    assert!((start.liquid_density - 0.91857).abs() < 1e-5);
+    let sides = s.state.cell.lengths();
+    assert!((sides.x - 4.0 * (4.0 / 1.00628_f64).cbrt()).abs() < 1e-4 && sides.x == sides.y);
+    let length = start.crystal_length() + start.liquid_length();
+    assert!((sides.z - length).abs() < 1e-9);
+    // Relaxed: nothing is nearer than U = 30 ε allows, and more than half of the particles are no crystal.
+    let positions = &s.state.positions;
+    for (i, a) in positions.iter().enumerate() {
+        for b in &positions[..i] {
+            let distance = s.state.cell.minimum_image(*a - *b).length();
+            assert!(distance > 0.85, "{distance}");
+        }
+    }
+    let share = solid_share(&s.state.cell, positions);
+    assert!((0.35..0.75).contains(&share), "{share}");
+}
+
+#[test]
+fn half_a_crystal_has_the_same_bits_on_any_number_of_threads_and_in_two_parts() {
+    let run = |threads| {
+        on_threads(threads, || {
+            let mut s = build(&[]);
+            s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+            (bits(&s), format!("{:?}", s.findings()))
+        })
+    };
+    let one = run(1);
+    assert!(run(3) == one);
+    let mut first = build(&[]);
+    first
+        .run(&mut StopAt::new(50))
+        .unwrap_or_else(|e| panic!("{e}"));
+    let mut archive = StateArchive::default();
+    first.save(&mut archive.writer());
+    let mut second = build(&[]);
+    second.restore(&archive.reader()).unwrap();
+    second
+        .run(&mut Unfollowed)
+        .unwrap_or_else(|e| panic!("{e}"));
+    assert!((bits(&second), format!("{:?}", second.findings())) == one);
+}
+
+#[test]
+fn hot_crystals_melt_and_their_fronts_go_back() {
+    let mut s = build(&[
+        ("system.temperature", "1.5"),
+        ("crystal.crystal_density", "1.0063"),
+        ("crystal.liquid_density", "0.9186"),
+        ("stage.production.steps", "1500"),
+    ]);
+    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    let findings = s.findings();
+    let all = || findings.iter().flat_map(|f| &f.averages);
+    let front = all().find(|a| a.name == "front_velocity").unwrap();
+    assert!(front.estimate.mean < 0.0, "{front:?}");
+    assert!(all().all(|a| a.name != "speed_of_sound"));
+    let remarks: Vec<&String> = findings.iter().flat_map(|f| &f.remarks).collect();
+    let told = remarks.iter().any(|r| r.starts_with("crystal: "));
+    assert!(told, "{remarks:?}");
+}
+
+#[test]
+fn the_cross_section_may_change_beside_a_crystal_and_not_in_a_fluid() {
+    let coupling = (
+        "stage.production.barostat",
+        "{ kind = \"stochastic-cell-rescaling\", pressure = 4.0, coupling = \"xy-z\" }",
+    );
+    assert_eq!(build(&[coupling]).state.len(), 700);
+}

@@ -1,0 +1,251 @@
+//! Every property of every point beside every equation of state, and χ² of each equation.
+
+use lennard_core::{Cell, Table, Tone};
+use lennard_literature::{ModelKind, equation_of_state_for};
+use lennard_report::significant;
+
+use super::agreement::tail_probability;
+use super::{Sweep, SweepRecord, SweptPoint, probability_words};
+use crate::compare::{CardRow, StateCard};
+
+/// Fewest points that say anything of an equation.
+const FEWEST: usize = 3;
+
+/// A measured property of a point beside the equations.
+#[derive(Clone, Copy)]
+struct Beside<'a> {
+    point: &'a SweptPoint,
+    card: &'a StateCard,
+    row: &'a CardRow,
+}
+
+/// How an equation does for one property over the points that it covers.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Judgement {
+    /// Name of the property.
+    pub property: String,
+    /// Name of the equation.
+    pub equation: String,
+    /// Whether the equation counts for the band of the literature.
+    pub counts: bool,
+    /// Points with a measured error that the equation covers.
+    pub points: usize,
+    /// Σ (measured − equation)²/error².
+    pub chi_squared: f64,
+    /// Mean of measured − equation.
+    pub mean_difference: f64,
+    /// The largest |measured − equation|, with its sign, in errors.
+    pub largest_in_errors: f64,
+    /// The point where it is.
+    pub at: String,
+    /// Mean of |measured − equation|/|measured|.
+    pub relative: f64,
+}
+
+/// One property of one point, less the value of each equation.
+struct Item<'a> {
+    point: &'a str,
+    property: &'a str,
+    measured: f64,
+    /// Name, whether it counts, measured − equation, and the error of this difference.
+    equations: Vec<(&'a str, bool, f64, f64)>,
+}
+
+/// Measured − equation with its error.
+///
+/// U and P of a run in a closed box have a known shift by their size, and they fluctuate with T. The comparison with the equation that judges
+/// the run knows both. Other equations differ from that equation by what the card says.
+fn difference(beside: &Beside<'_>, column: usize, judge: Option<usize>) -> (f64, f64) {
+    let row = beside.row;
+    let plain = (row.measured - row.values[column], row.standard_error);
+    let compared = || {
+        let compared = beside.point.row(&row.property)?;
+        let judge = row.values[judge?];
+        let own = compared.measured - compared.reference?;
+        let error = compared.combined_error?;
+        Some((own + judge - row.values[column], error))
+    };
+    match row.property.as_str() {
+        "potential_energy" | "pressure" => compared().unwrap_or(plain),
+        _ => plain,
+    }
+}
+
+/// All properties with an error, of all points that have a card, in the order of the cards.
+fn all<'a>(record: &'a SweepRecord) -> impl Iterator<Item = Beside<'a>> {
+    record.points.iter().flat_map(|point| {
+        let card = point.compared.as_ref().and_then(|c| c.card.as_ref());
+        card.into_iter().flat_map(move |card| {
+            let rows = card.rows.iter().filter(|r| r.standard_error > 0.0);
+            rows.map(move |row| Beside { point, card, row })
+        })
+    })
+}
+
+/// The equation that judges the model of a sweep.
+fn judge(sweep: &Sweep) -> Option<String> {
+    let model: ModelKind = lennard_scene::model_kind(&sweep.points.first()?.scene);
+    let equation = equation_of_state_for(model).ok()?;
+    Some(equation.spec().key.clone())
+}
+
+/// Every equation for every property that has enough points.
+pub(super) fn judgements(sweep: &Sweep, record: &SweepRecord) -> Vec<Judgement> {
+    let judge = judge(sweep);
+    judged(all(record).map(|beside| {
+        let Beside { point, card, row } = beside;
+        let equations = card.equations.iter();
+        let judge = equations
+            .clone()
+            .position(|e| judge.as_ref() == Some(&e.key));
+        Item {
+            point: &point.name,
+            property: &row.property,
+            measured: row.measured,
+            equations: equations
+                .enumerate()
+                .map(|(column, equation)| {
+                    let (difference, error) = difference(&beside, column, judge);
+                    (equation.name.as_str(), equation.counts, difference, error)
+                })
+                .collect(),
+        }
+    }))
+}
+
+/// The sums over all items, property by property.
+fn judged<'a>(items: impl Iterator<Item = Item<'a>>) -> Vec<Judgement> {
+    let mut found: Vec<Judgement> = Vec::new();
+    for item in items {
+        for (name, counts, difference, error) in item.equations {
+            let z = difference / error;
+            if !z.is_finite() {
+                continue;
+            }
+            let is_it = |j: &Judgement| j.property == item.property && j.equation == name;
+            let at = found.iter().position(is_it).unwrap_or_else(|| {
+                found.push(Judgement {
+                    property: item.property.to_owned(),
+                    equation: name.to_owned(),
+                    counts,
+                    points: 0,
+                    chi_squared: 0.0,
+                    mean_difference: 0.0,
+                    largest_in_errors: 0.0,
+                    at: String::new(),
+                    relative: 0.0,
+                });
+                found.len() - 1
+            });
+            let judgement = &mut found[at];
+            judgement.points += 1;
+            let weight = 1.0 / judgement.points as f64;
+            judgement.chi_squared += z * z;
+            judgement.mean_difference += (difference - judgement.mean_difference) * weight;
+            let relative = (difference / item.measured).abs();
+            judgement.relative += (relative - judgement.relative) * weight;
+            if z.abs() > judgement.largest_in_errors.abs() {
+                judgement.largest_in_errors = z;
+                item.point.clone_into(&mut judgement.at);
+            }
+        }
+    }
+    found.retain(|j| j.points >= FEWEST);
+    let order: Vec<String> = found.iter().map(|j| j.property.clone()).collect();
+    found.sort_by_key(|j| order.iter().position(|p| *p == j.property));
+    found
+}
+
+/// χ² of each equation for each property.
+pub(super) fn table(judgements: &[Judgement]) -> Table {
+    let caption = "Each equation beside all points that it covers, with the errors of the runs alone. χ² per point is 1 where an equation is exact to these errors. U and P are \
+                   compared for as many particles, other properties for an infinite system.";
+    Table::rows_of("equations", judgements)
+        .caption(caption)
+        .column("property", |j| j.property.as_str())
+        .column("equation", |j| {
+            let tone = if j.counts { Tone::Plain } else { Tone::Faint };
+            Cell::words(j.equation.clone()).toned(tone)
+        })
+        .column("points", |j| j.points)
+        .column("χ² per point", |j| {
+            Cell::figures(significant(j.chi_squared / j.points as f64, 3))
+        })
+        .column("p", |j| {
+            Cell::figures(probability_words(tail_probability(j.chi_squared, j.points)))
+        })
+        .column("mean difference", |j| Cell::rounded(j.mean_difference, 3))
+        .column("mean difference, part of the value", |j| {
+            Cell::rounded(j.relative, 2)
+        })
+        .column("largest, in errors", |j| {
+            Cell::figures(format!("{:+.1}", j.largest_in_errors))
+        })
+        .column("at", |j| j.at.as_str())
+        .table()
+}
+
+/// Every property of every point beside every equation: measured value, error, and a column for each equation of any card.
+pub(super) fn beside_equations(record: &SweepRecord) -> Table {
+    let rows: Vec<Beside<'_>> = all(record).collect();
+    let mut names: Vec<(&str, &str)> = Vec::new();
+    for equation in rows.iter().flat_map(|b| &b.card.equations) {
+        if names.iter().all(|(key, _)| *key != equation.key) {
+            names.push((&equation.key, &equation.name));
+        }
+    }
+    let state = |b: &Beside<'_>| b.point.compared.as_ref().map(|c| c.state.clone());
+    let mut table = Table::rows_of("beside_equations", &rows)
+        .column("point", |b| b.point.name.as_str())
+        .column("density", |b| state(b).map(|s| s.density))
+        .column("temperature", |b| state(b).map(|s| s.temperature))
+        .column("property", |b| b.row.property.as_str())
+        .column("measured", |b| b.row.measured)
+        .column("standard_error", |b| b.row.standard_error);
+    for (key, _) in names {
+        table = table.column(key, |b| {
+            let column = b.card.equations.iter().position(|e| e.key == key)?;
+            Some(b.row.values[column])
+        });
+    }
+    table.table()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_equation_that_is_exact_has_one_per_point_and_one_that_is_off_has_more() {
+        // Errors of 0.1 about 2.0, each point off by one error to either side; the second equation is off by 0.3 beside.
+        let names: Vec<String> = (0..20).map(|k| format!("point-{k}")).collect();
+        let item = |k: usize| {
+            let off = if k.is_multiple_of(2) { 0.1 } else { -0.1 };
+            Item {
+                point: &names[k],
+                property: "pressure",
+                measured: 2.0 + off,
+                equations: vec![
+                    ("exact", true, off, 0.1),
+                    ("off", false, off - 0.3, 0.1),
+                    // Of a gas alone: two points are too few.
+                    ("gas", true, if k < 2 { off } else { f64::NAN }, 0.1),
+                ],
+            }
+        };
+        let found = judged((0..20).map(item));
+        let [exact, off] = &found[..] else {
+            panic!("{found:?}")
+        };
+        assert_eq!((exact.equation.as_str(), exact.points), ("exact", 20));
+        assert!((exact.chi_squared - 20.0).abs() < 1e-9, "{exact:?}");
+        assert!(exact.mean_difference.abs() < 1e-12);
+        // (2² + 4²)/2 each.
+        assert!((off.chi_squared - 200.0).abs() < 1e-9, "{off:?}");
+        assert!((off.mean_difference + 0.3).abs() < 1e-12 && !off.counts);
+        assert!((off.largest_in_errors + 4.0).abs() < 1e-9);
+        assert_eq!(off.at, "point-1");
+        let table = table(&found);
+        assert_eq!(table.rows(), 2);
+    }
+}
