@@ -6,8 +6,7 @@ use lennard_scene::{HalfCrystal, Lattice, Placement, Scene};
 
 use crate::{EngineError, initial};
 
-/// How far the liquid keeps from the outermost sites of the crystal at the start, in edges of a cell: a quarter is half the distance of two
-/// planes.
+/// How far the liquid keeps from the ends of the crystal at the start, in edges of a cell, both ends together.
 const GAP: f64 = 0.25;
 
 /// Sites of the crystal, and random places of the liquid beside it. The particles of the liquid must be relaxed.

@@ -259,8 +259,7 @@ fn made_old(run: &std::path::Path) -> serde_json::Value {
     let whole: serde_json::Value = serde_json::from_str(&text).unwrap();
     let mut old = whole.clone();
     let averages = old["averages"].as_object_mut().unwrap();
-    let newer =
-        |name: &str| name != "heat_capacity" && RESPONSES.iter().any(|response| *response == name);
+    let newer = |name: &str| name != "heat_capacity" && RESPONSES.contains(&name);
     averages.retain(|name, _| !newer(name));
     let remarks = old["remarks"].as_array_mut().unwrap();
     let newer =
@@ -344,6 +343,25 @@ fn an_old_run_that_gives_no_response_functions_says_why() {
             "two phases side by side have no one density",
         ),
     ];
+    let ran = lennard_in(
+        folder.path(),
+        &[
+            "run",
+            "base.toml",
+            "--quiet",
+            "--no-report",
+            "--out",
+            "lost",
+        ],
+    );
+    assert!(ran.status.success(), "{}", text(&ran.stderr));
+    made_old(&folder.path().join("lost"));
+    std::fs::remove_file(folder.path().join("lost/thermo.csv")).unwrap();
+    let said = text(&lennard_in(folder.path(), &["compare", "lost"]).stdout);
+    assert!(
+        said.contains("the run has kept no thermo.csv that can be read"),
+        "{said}"
+    );
     for (name, sets, why) in cases {
         let mut run = vec!["run", "base.toml", "--quiet", "--no-report", "--out", name];
         run.extend(sets.iter().flat_map(|set| ["--set", set]));

@@ -162,6 +162,44 @@ fn errors_cover_the_scatter_over_seeds() {
     }
 }
 
+/// Constant energy: U fluctuates with a slow part, K takes what U gives, and W follows U with noise of its own.
+fn microcanonical(seed: u64, samples: usize) -> Vec<[f64; 4]> {
+    let noise = Streams::new(seed).noise("constant energy");
+    let kinetic = 0.5 * 1.2 * (3.0 * N as f64 - 3.0) / N as f64;
+    let mut slow = 0.0_f64;
+    (0..samples)
+        .map(|at| {
+            let mut rng = noise.at(at as u64, 0);
+            let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
+            slow = 0.8 * slow + 0.6 * draw();
+            let u = 4e-4_f64.sqrt() * slow;
+            let w = 17.0 * u + 0.1 * draw();
+            [1.2, -5.0 + u, 1.0 + w, kinetic - u]
+        })
+        .collect()
+}
+
+#[test]
+fn at_constant_energy_the_scaling_exponent_is_the_slope_of_w_in_u_with_an_error_that_covers() {
+    // The formula has no U: W against 1/K stands for W against U, and both bring the same slope.
+    let one = |seed: u64| {
+        let rows = rows(&microcanonical(seed, 6000));
+        let setting = setting(Ensemble::Microcanonical);
+        let found = averages(&setting, &rows, 0, &context(10.0, N));
+        named(&found, "density_scaling_exponent")
+    };
+    let found: Vec<_> = (0..40).map(one).collect();
+    let values: Vec<f64> = found.iter().map(|f| f.mean).collect();
+    let squares: Vec<f64> = found.iter().map(|f| f.standard_error.powi(2)).collect();
+    let of_mean = (mean(&squares) / 40.0).sqrt();
+    let exact = 17.0 / 3.0;
+    assert!((mean(&values) - exact).abs() < 4.0 * of_mean, "{values:?}");
+    assert!(of_mean < 2e-3 * exact, "{of_mean}");
+    let spread = crate::statistics::variance(&values) * 40.0 / 39.0;
+    let ratio = (spread / mean(&squares)).sqrt();
+    assert!((0.6..1.35).contains(&ratio), "{ratio}");
+}
+
 #[test]
 fn without_the_second_derivative_what_needs_it_is_left_out_by_name() {
     let bent = Setting {

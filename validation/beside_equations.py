@@ -1,0 +1,139 @@
+"""The states of a sweep beside the equations of state, as a page of the book.
+
+    lennard sweep sweep/states --out runs/states
+    python validation/beside_equations.py runs/states > docs/states.md
+
+It reads `equations.csv`, `beside_equations.csv` and `table.csv` of the sweep, and needs the standard library alone.
+"""
+
+import csv
+import math
+import sys
+from pathlib import Path
+
+SYMBOLS = {
+    "potential_energy": "U",
+    "pressure": "P",
+    "heat_capacity": "c_v",
+    "heat_capacity_pressure": "c_p",
+    "thermal_pressure_coefficient": "γ_V",
+    "isothermal_compressibility": "κ_T",
+    "isentropic_compressibility": "κ_S",
+    "thermal_expansion": "α_P",
+    "speed_of_sound": "w",
+    "joule_thomson_coefficient": "μ_JT",
+    "grueneisen_parameter": "Γ",
+    "density_scaling_exponent": "γ",
+}
+
+
+def rows(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def number(text):
+    return float(text) if text else math.nan
+
+
+def measured(value, error):
+    """A number with its error in brackets, in the last two digits of the error."""
+    if not (math.isfinite(error) and error > 0):
+        return f"{value:.5g}"
+    decimals = max(0, 1 - math.floor(math.log10(error)))
+    digits = round(error * 10**decimals)
+    return f"{value:.{decimals}f}({digits})"
+
+
+def line(cells):
+    return "| " + " | ".join(cells) + " |"
+
+
+def equations_table(judged):
+    """χ² per point, and the largest distance in errors: a row for each property, a column for each equation."""
+    names = list(dict.fromkeys(row["equation"] for row in judged))
+    properties = [p for p in SYMBOLS if any(row["property"] == p for row in judged)]
+    yield line(["Property", *names])
+    yield line(["---"] * (len(names) + 1))
+    for key in properties:
+        cells = [SYMBOLS[key]]
+        for name in names:
+            found = [r for r in judged if r["property"] == key and r["equation"] == name]
+            if not found:
+                cells.append("–")
+                continue
+            row = found[0]
+            cells.append(f"{row['χ² per point']} of {row['points']} ({row['largest, in errors']})")
+        yield line(cells)
+
+
+def state_tables(beside):
+    """Every property of every state with its error, and the values of the equations below it."""
+    for key in SYMBOLS:
+        of_property = [row for row in beside if row["property"] == key]
+        if not of_property:
+            continue
+        equations = [
+            name
+            for name in list(of_property[0])[6:]
+            if any(row[name] not in ("", "nan") for row in of_property)
+        ]
+        yield f"### {SYMBOLS[key]} ({key.replace('_', ' ')})"
+        yield ""
+        yield line(["ρ", "T", "measured", *equations])
+        yield line(["---"] * (len(equations) + 3))
+        for row in sorted(of_property, key=lambda r: (number(r["density"]), number(r["temperature"]))):
+            error = number(row["standard_error"])
+            cells = [f"{number(row['density']):.4g}", f"{number(row['temperature']):.4f}"]
+            cells.append(measured(number(row["measured"]), error))
+            for name in equations:
+                value = number(row[name])
+                cells.append("–" if math.isnan(value) else f"{value:.5g}")
+            yield line(cells)
+        yield ""
+
+
+def main(folder):
+    folder = Path(folder)
+    judged = rows(folder / "equations.csv")
+    beside = rows(folder / "beside_equations.csv")
+    points = rows(folder / "table.csv")
+    states = len({row["point"] for row in beside})
+    steps = sorted({int(row["steps"]) for row in points if row["steps"] not in ("", "0")})
+    atoms = sorted({row["atoms"] for row in points if row["atoms"] not in ("", "0")})
+    between = f"{steps[0]:,}" if len(steps) == 1 else f"{steps[0]:,} to {steps[-1]:,}"
+    print("# States beside the equations")
+    print()
+    print(
+        f"{states} states of the full Lennard-Jones fluid from gas to dense liquid: {', '.join(atoms)} particles, cutoff 4 σ with tail correction, constant\n"
+        f"temperature, and {between} measured steps. Made by these commands:"
+    )
+    print()
+    print("```sh")
+    print("lennard sweep sweep/states --out runs/states")
+    print("python validation/beside_equations.py runs/states > docs/states.md")
+    print("```")
+    print()
+    print("## χ² of each equation")
+    print()
+    print(
+        "Each entry: χ² per point, the number of points, and the largest distance in errors. An equation that is exact to the errors of the runs has 1. U and P are\n"
+        "compared for as many particles in a closed box, with the correlation of U, P and T. Other properties are compared for an infinite system. The cutoff leaves some\n"
+        "0.001 ε in U, and more near the critical point: errors of U are smaller than that."
+    )
+    print()
+    for text in equations_table(judged):
+        print(text)
+    print()
+    print("## Every state")
+    print()
+    print("Digits in brackets are one standard error in the last digits. A run that gives no error for a property has no row.")
+    print()
+    for text in state_tables(beside):
+        print(text)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit("python validation/beside_equations.py FOLDER: one folder of a sweep")
+    main(sys.argv[1])
