@@ -114,6 +114,11 @@ def main(folder):
     print("python validation/beside_equations.py runs/states > docs/states.md")
     print("```")
     print()
+    for count in reversed(steps):
+        some = [row for row in points if row["steps"] == str(count)]
+        names = ", ".join(f"({number(r['density']):.4g}, {number(r['temperature']):.3f})" for r in some)
+        print(f"- {count:,} steps at (ρ, T) = {names}.")
+    print()
     print("## χ² of each equation")
     print()
     print(

@@ -153,24 +153,28 @@ pub fn freezing_temperature(
     const HALVINGS: u32 = 32;
     /// The highest temperature that is looked at, ε/k_B.
     const HOTTEST: f64 = 5.0;
+    /// Part of the pressure by which it may be missed.
+    const ON_THE_LINE: f64 = 1e-6;
     equation.freezing_density(HOTTEST)?;
     let excess = |t: f64| {
         let liquid = line.freezing_density(t)?;
         equation.check(liquid, t).ok()?;
         Some(equation.pressure(liquid, t) - pressure)
     };
+    let is_below = |t: f64| excess(t).is_some_and(|x| x < 0.0);
     let (mut low, mut high) = (line.t_triple, HOTTEST);
-    if !(excess(low)? < 0.0 && excess(high)? > 0.0) {
+    if !is_below(low) {
         return None;
     }
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        match excess(middle)? < 0.0 {
+        match is_below(middle) {
             true => low = middle,
             false => high = middle,
         }
     }
-    Some(0.5 * (low + high))
+    // Where the equation ends before the line has the pressure, the bisection ends at the last state that it covers.
+    (excess(low)?.abs() < ON_THE_LINE * pressure).then_some(low)
 }
 
 /// The freezing lines of the model of an equation.
@@ -254,4 +258,28 @@ pub fn coexistence_json(equation: &dyn EquationOfState, rows: &[Coexistence]) ->
         "critical_point": spec.critical,
         "coexistence": rows,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lennard_literature::{thol_2015, thol_2016};
+
+    #[test]
+    fn a_freezing_line_has_a_temperature_for_each_pressure_that_the_equation_covers() {
+        let [line, older] = freezing_lines();
+        for (t, rows) in [(0.8, 2), (1.0, 2), (1.5, 2)] {
+            let found = freezing_at(thol_2016(), t);
+            assert_eq!(found.len(), rows);
+            for (line, row) in [line, older].into_iter().zip(&found) {
+                let pressure = row.pressure.unwrap();
+                let back = freezing_temperature(thol_2016(), line, pressure).unwrap();
+                assert!((back - t).abs() < 1e-6, "{back} {t}");
+            }
+        }
+        // Below the triple point, beyond the equation, and for another model there is none.
+        assert_eq!(freezing_temperature(thol_2016(), line, 1e-4), None);
+        assert_eq!(freezing_temperature(thol_2016(), line, 1e4), None);
+        assert_eq!(freezing_temperature(thol_2015(), line, 4.0), None);
+    }
 }
