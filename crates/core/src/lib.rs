@@ -12,6 +12,7 @@ mod bonds;
 mod boundary;
 mod cell;
 mod coupling;
+pub mod exact;
 mod force;
 mod force_sum;
 mod friction;

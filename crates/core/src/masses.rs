@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::parallel::ordered_sum;
+use crate::exact::exact_sum;
 use crate::species::SpeciesTable;
 
 /// The masses of the particles. A held particle, which never moves, has an infinite mass.
@@ -61,14 +61,10 @@ impl Masses {
         0.5 * self.moving(i) * velocity.length_squared()
     }
 
-    /// The kinetic energy K = Σ ½ m v² in ε, summed in the order of the particles.
+    /// The kinetic energy K = Σ ½ m v² in ε, an exact total.
     #[must_use]
     pub fn kinetic_energy(&self, velocities: &[DVec3]) -> f64 {
-        ordered_sum(velocities.len(), |range| {
-            range
-                .map(|i| self.kinetic_energy_of(i, velocities[i]))
-                .sum()
-        })
+        exact_sum(velocities.len(), |i| self.kinetic_energy_of(i, velocities[i]))
     }
 
     /// The reduced mass m_i·m_j/(m_i + m_j) of two particles, of which one at most is held.

@@ -173,10 +173,8 @@ impl<'a> View<'a> {
             let squares = self.constraint_sums().squared_forces;
             return Some(self.kinetic_energy() + 0.5 * half * half * squares);
         }
-        let squares: f64 = crate::parallel::ordered_sum(state.len(), |range| {
-            range
-                .map(|i| state.forces[i].length_squared() / system.masses.of(i))
-                .sum()
+        let squares: f64 = crate::exact::exact_sum(state.len(), |i| {
+            state.forces[i].length_squared() / system.masses.of(i)
         });
         Some(self.kinetic_energy() + 0.5 * half * half * squares)
     }

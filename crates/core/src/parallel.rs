@@ -1,7 +1,7 @@
 //! Work over particles, with results that never depend on the number of threads.
 //!
-//! Element-wise work gives the same bits however it is cut, so each thread has its share. Sums are cut into chunks
-//! of [`CHUNK`] particles whatever the number of threads, and the partial sums are added in the order of the chunks.
+//! Element-wise work gives the same bits however it is cut, so each thread has its share. Sums are exact
+//! ([`crate::exact`]).
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::tasks::{for_each_item, for_each_task, map_tasks};
 
-/// Particles a chunk, a constant: part of the definition of every sum.
+/// Particles of a piece of work, at most.
 pub const CHUNK: usize = 2048;
 
 /// Fewest particles that are worth a task of element-wise work.
@@ -77,26 +77,6 @@ pub fn awake<T>(work: impl FnOnce() -> T) -> T {
     })
 }
 
-/// Σ over `0..n` of what `partial` gives for each range, added in order.
-///
-/// The same bits for any number of threads.
-pub fn ordered_sum<T, F>(n: usize, partial: F) -> T
-where
-    T: Send + std::ops::Add<Output = T> + std::iter::Sum<T>,
-    F: Fn(Range<usize>) -> T + Sync,
-{
-    let chunks = n.div_ceil(CHUNK);
-    map_tasks(chunks, |(), c| partial(part(c, CHUNK, n)))
-        .into_iter()
-        .sum()
-}
-
-/// The sum of numbers, added as [`ordered_sum`] does.
-#[must_use]
-pub fn total(numbers: &[f64]) -> f64 {
-    ordered_sum(numbers.len(), |range| numbers[range].iter().sum())
-}
-
 /// Whether `check` holds for each range of some that make up `0..n`; all are looked at.
 pub fn all_pieces<F>(n: usize, check: F) -> bool
 where
@@ -117,8 +97,9 @@ pub fn for_each_range(n: usize, work: impl Fn(Range<usize>) + Sync) {
     for_each_task(n.div_ceil(size), |(): &mut (), t| work(part(t, size, n)));
 }
 
-/// What `work` gives for each range of some that make up `0..n`, in their order. How many there are depends on the number of
-/// threads.
+/// What `work` gives for each range of some that make up `0..n`, each of [`CHUNK`] particles at most, in their order.
+///
+/// The number of ranges depends on the number of threads.
 pub fn map_ranges<R: Send>(n: usize, work: impl Fn(Range<usize>) -> R + Sync) -> Vec<R> {
     let size = piece(n);
     map_tasks(n.div_ceil(size), |(): &mut (), t| work(part(t, size, n)))
@@ -175,11 +156,12 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exact::exact_sum;
 
     #[test]
     fn a_pool_that_is_kept_awake_computes_the_same_and_ends_with_its_work() {
         let values: Vec<f64> = (0..50_000).map(|i| f64::from(i).sqrt()).collect();
-        let sum = || ordered_sum::<f64, _>(values.len(), |r| values[r].iter().sum());
+        let sum = || exact_sum(values.len(), |i| values[i]);
         let outside = awake(sum);
         for threads in [1, 2, 5] {
             let pool = rayon::ThreadPoolBuilder::new()
@@ -193,27 +175,5 @@ mod tests {
                 .install(|| std::panic::catch_unwind(|| awake(|| panic!("on purpose"))).is_err());
             assert!(caught);
         }
-    }
-
-    #[test]
-    fn sums_have_the_same_bits_for_any_number_of_threads() {
-        let values: Vec<f64> = (0..100_000)
-            .map(|i| (f64::from(i) * 0.7).sin() * 1e3)
-            .collect();
-        let sum = || ordered_sum::<f64, _>(values.len(), |r| values[r].iter().sum());
-        let one = rayon::ThreadPoolBuilder::new()
-            .num_threads(1)
-            .build()
-            .unwrap()
-            .install(sum);
-        for threads in [2, 3, 8] {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
-            assert_eq!(pool.install(sum).to_bits(), one.to_bits());
-        }
-        // A plain running sum differs: the test can tell orders apart.
-        assert_ne!(values.iter().sum::<f64>().to_bits(), one.to_bits());
     }
 }

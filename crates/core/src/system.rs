@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::exact::exact_sum;
 use crate::masses::Masses;
 use crate::molecules::Molecules;
 use crate::species::{Species, SpeciesTable};
@@ -189,7 +190,7 @@ impl System {
         3.0 * (self.len() - self.masses.n_held()) as f64 - (rigid + kept) as f64
     }
 
-    /// The kinetic energy K = Σ ½ m v² in ε ([`Masses::kinetic_energy`]).
+    /// The kinetic energy K = Σ ½ m v² in ε, an exact total ([`Masses::kinetic_energy`]).
     #[must_use]
     pub fn kinetic_energy(&self, velocities: &[DVec3]) -> f64 {
         self.masses.kinetic_energy(velocities)
@@ -201,12 +202,10 @@ impl System {
         2.0 * self.kinetic_energy(velocities) / self.n_dof(momentum)
     }
 
-    /// The total momentum Σ m v.
+    /// The total momentum Σ m v, an exact total.
     #[must_use]
     pub fn momentum(&self, velocities: &[DVec3]) -> DVec3 {
-        crate::parallel::ordered_sum(velocities.len(), |range| {
-            range.map(|i| self.masses.moving(i) * velocities[i]).sum()
-        })
+        exact_sum(velocities.len(), |i| self.masses.moving(i) * velocities[i])
     }
 }
 

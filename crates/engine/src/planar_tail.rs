@@ -4,7 +4,8 @@ mod transform;
 
 use std::f64::consts::TAU;
 
-use lennard_core::parallel::{for_each_piece, ordered_sum};
+use lennard_core::exact::ExactSum;
+use lennard_core::parallel::{CHUNK, for_each_piece, map_ranges};
 use lennard_core::{
     Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
     PeriodicBox, Want, remembers_nothing,
@@ -58,24 +59,6 @@ remembers_nothing!(PlanarTail);
 /// Σ cos and Σ sin of each mode.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Waves(Vec<[f64; 2]>);
-
-impl std::ops::Add for Waves {
-    type Output = Self;
-
-    fn add(mut self, other: Self) -> Self {
-        for (sum, part) in self.0.iter_mut().zip(other.0) {
-            sum[0] += part[0];
-            sum[1] += part[1];
-        }
-        self
-    }
-}
-
-impl std::iter::Sum for Waves {
-    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
-        parts.reduce(|a, b| a + b).unwrap_or_default()
-    }
-}
 
 impl PlanarTail {
     /// The tail of a scene in a box; `None` where the scene has no planar tail, or no model that could have one.
@@ -158,10 +141,13 @@ impl PlanarTail {
         (energy.unwrap_or(f64::NAN), virial.unwrap_or(f64::NAN))
     }
 
-    /// S_n of each mode: the same bits for any number of threads.
+    /// S_n of each mode, an exact total: each cosine and each sine is rounded to a multiple of 2⁻⁴⁰ first.
     fn waves(&self, positions: &[DVec3]) -> Waves {
+        /// Added and taken away, it rounds numbers below 2¹¹ to multiples of 2⁻⁴⁰. Sums of 2¹³ of them are exact.
+        const ROUNDER: f64 = 1.5 * (1_u64 << 12) as f64;
+        const { assert!(CHUNK <= 1 << 13, "the sums of a range are exact") };
         let turn = TAU / self.length;
-        ordered_sum(positions.len(), |range| {
+        let of_ranges = map_ranges(positions.len(), |range| {
             let mut sums = vec![[[0.0; LANES]; 2]; self.modes.len()];
             for block in positions[range].chunks(LANES) {
                 let (mut twice, mut c, mut s) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
@@ -174,8 +160,8 @@ impl PlanarTail {
                 // cos (n+1)θ = 2·cos θ·cos nθ − cos (n−1)θ, and likewise the sine; lanes without a particle stay zero.
                 for [cosines, sines] in &mut sums {
                     for lane in 0..LANES {
-                        cosines[lane] += c[lane];
-                        sines[lane] += s[lane];
+                        cosines[lane] += (c[lane] + ROUNDER) - ROUNDER;
+                        sines[lane] += (s[lane] + ROUNDER) - ROUNDER;
                         let c_next = twice[lane] * c[lane] - c_before[lane];
                         let s_next = twice[lane] * s[lane] - s_before[lane];
                         (c_before[lane], s_before[lane]) = (c[lane], s[lane]);
@@ -183,12 +169,20 @@ impl PlanarTail {
                     }
                 }
             }
-            Waves(
-                sums.iter()
-                    .map(|m| m.map(|lanes| lanes.iter().sum()))
-                    .collect(),
-            )
-        })
+            let lanes = sums
+                .iter()
+                .map(|m| m.map(|lanes| lanes.iter().sum::<f64>()));
+            lanes.collect::<Vec<[f64; 2]>>()
+        });
+        let total = |mode: usize, part: usize| {
+            let of_ranges: Vec<f64> = of_ranges.iter().map(|sums| sums[mode][part]).collect();
+            ExactSum::of(&of_ranges)
+        };
+        Waves(
+            (0..self.modes.len())
+                .map(|m| [total(m, 0), total(m, 1)])
+                .collect(),
+        )
     }
 
     /// Coefficients of sin k_n·z and cos k_n·z in the force on a particle.

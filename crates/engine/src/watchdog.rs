@@ -51,27 +51,14 @@ pub struct Circumstances<'a> {
 
 /// The largest squared speed, (σ/τ)², the same for any number of threads; NaN counts as infinite.
 fn largest_squared_speed(velocities: &[DVec3]) -> f64 {
-    #[derive(Clone, Copy)]
-    struct Max(f64);
-    impl std::ops::Add for Max {
-        type Output = Self;
-        fn add(self, other: Self) -> Self {
-            Self(self.0.max(other.0))
-        }
-    }
-    impl std::iter::Sum for Max {
-        fn sum<I: Iterator<Item = Self>>(iter: I) -> Self {
-            iter.fold(Self(0.0), |a, b| a + b)
-        }
-    }
     let squared = |v: &DVec3| {
         let v2 = v.length_squared();
         if v2.is_nan() { f64::INFINITY } else { v2 }
     };
-    parallel::ordered_sum(velocities.len(), |range| {
-        Max(velocities[range].iter().map(squared).fold(0.0, f64::max))
-    })
-    .0
+    let of_ranges = parallel::map_ranges(velocities.len(), |range| {
+        velocities[range].iter().map(squared).fold(0.0, f64::max)
+    });
+    of_ranges.into_iter().fold(0.0, f64::max)
 }
 
 /// Fails where a particle moves more than `largest` σ in one step.

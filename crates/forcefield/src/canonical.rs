@@ -4,16 +4,20 @@
 //! Over all pairs the loop is the direct sum. Over a list it has the same bits, whatever the list, its history, the skin
 //! and the number of threads.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use glam::DVec3;
+use lennard_core::exact::ExactSums;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::{Exclusions, PeriodicBox};
 use rayon::prelude::*;
 
 use crate::interaction::Interaction;
-use crate::simd::{ChunkTotals, PerParticle};
-use crate::sums::outer;
+use crate::simd::{ChunkTotals, Detail, PerParticle};
+use crate::sums::{Totals, outer};
 
-/// Particles per task: part of the definition of the sums.
+/// Particles per task.
 const PARTICLES_PER_CHUNK: usize = 64;
 
 /// The particles that may be near to each particle.
@@ -62,40 +66,77 @@ fn nearest(d: f64, length: f64) -> f64 {
     }
 }
 
-/// Computes one chunk: its number, its forces, and its entries per particle where wanted.
+/// Computes one chunk: its number, its forces, and its entries per particle where wanted. It adds the totals of each of its
+/// particles to the sums where there are sums.
 type ChunkWork<'a> =
-    dyn Fn(usize, &mut [DVec3], Option<&mut [PerParticle]>) -> ChunkTotals + Sync + 'a;
+    dyn Fn(usize, &mut [DVec3], Option<&mut [PerParticle]>, Option<&mut ParticleSums>) + Sync + 'a;
 
-/// Runs all chunks and returns their totals in order. One instance serves all potentials, since the loop is short.
+/// Exact sums over particles.
+#[derive(Default)]
+struct ParticleSums {
+    numbers: ExactSums<{ ChunkTotals::NUMBERS }>,
+    pairs: u64,
+}
+
+/// Runs all chunks and returns their totals, where they are wanted. One instance serves all potentials, since the loop is
+/// short.
 fn run_chunks(
     forces: &mut [DVec3],
     each: Option<&mut [PerParticle]>,
+    detail: Detail,
     run: &ChunkWork<'_>,
-) -> Vec<ChunkTotals> {
+) -> Totals {
+    let sums = (detail != Detail::Forces).then(Mutex::default);
+    let run = |chunk: usize, forces: &mut [DVec3], each: Option<&mut [PerParticle]>| {
+        let Some(sums) = &sums else {
+            return run(chunk, forces, each, None);
+        };
+        let mut mine = ParticleSums::default();
+        run(chunk, forces, each, Some(&mut mine));
+        let mut sums: MutexGuard<'_, ParticleSums> =
+            sums.lock().unwrap_or_else(PoisonError::into_inner);
+        sums.numbers.merge(mine.numbers);
+        sums.pairs += mine.pairs;
+    };
     let serial = rayon::current_num_threads() == 1 || forces.len() <= PARTICLES_PER_CHUNK;
-    let chunks = forces.chunks_mut(PARTICLES_PER_CHUNK).enumerate();
     match each {
-        None if serial => chunks.map(|(c, f)| run(c, f, None)).collect(),
+        None if serial => {
+            let chunks = forces.chunks_mut(PARTICLES_PER_CHUNK).enumerate();
+            chunks.for_each(|(c, f)| run(c, f, None));
+        }
         None => forces
             .par_chunks_mut(PARTICLES_PER_CHUNK)
             .enumerate()
-            .map(|(c, f)| run(c, f, None))
-            .collect(),
+            .for_each(|(c, f)| run(c, f, None)),
         Some(each) => forces
             .par_chunks_mut(PARTICLES_PER_CHUNK)
             .zip(each.par_chunks_mut(PARTICLES_PER_CHUNK))
             .enumerate()
-            .map(|(c, (f, e))| run(c, f, Some(e)))
-            .collect(),
+            .for_each(|(c, (f, e))| run(c, f, Some(e))),
     }
+    let Some(sums) = sums else {
+        return Totals::NOTHING;
+    };
+    let sums = sums.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Totals::of_both_ends(sums.numbers.values(), sums.pairs)
 }
 
 impl<I: Interaction> CanonicalJob<'_, I> {
-    /// Writes forces (and `each`), and returns the totals of chunks: every pair from both of its ends.
-    pub fn run(&self, forces: &mut [DVec3], each: Option<&mut [PerParticle]>) -> Vec<ChunkTotals> {
-        run_chunks(forces, each, &|chunk, forces, each| {
-            self.chunk(chunk, forces, each)
-        })
+    /// Writes forces (and `each`); returns the totals that `detail` asks for, and whether a force is not finite.
+    pub fn run(
+        &self,
+        detail: Detail,
+        forces: &mut [DVec3],
+        each: Option<&mut [PerParticle]>,
+    ) -> (Totals, bool) {
+        let broken = AtomicBool::new(false);
+        let totals = run_chunks(forces, each, detail, &|chunk, forces, each, sums| {
+            self.chunk(chunk, forces, each, sums);
+            if !forces.iter().all(|f| f.is_finite()) {
+                broken.store(true, Ordering::Relaxed);
+            }
+        });
+        (totals, broken.into_inner())
     }
 
     fn chunk(
@@ -103,8 +144,8 @@ impl<I: Interaction> CanonicalJob<'_, I> {
         chunk: usize,
         forces: &mut [DVec3],
         mut each: Option<&mut [PerParticle]>,
-    ) -> ChunkTotals {
-        let mut totals = ChunkTotals::NOTHING;
+        mut sums: Option<&mut ParticleSums>,
+    ) {
         for (k, force) in forces.iter_mut().enumerate() {
             let i = chunk * PARTICLES_PER_CHUNK + k;
             let mut mine = ChunkTotals::NOTHING;
@@ -122,13 +163,15 @@ impl<I: Interaction> CanonicalJob<'_, I> {
                     self.particle(i, lists[i].iter().map(|j| *j as usize), &mut mine)
                 }
             };
-            totals.broken |= !force.is_finite();
-            totals.add(&mine);
+            if let Some(sums) = &mut sums {
+                sums.numbers
+                    .add(std::array::from_fn(|number| mine.number(number)));
+                sums.pairs += mine.pairs;
+            }
             if let Some(each) = &mut each {
                 each[k] = (0.5 * mine.energy, 0.5 * mine.virial);
             }
         }
-        totals
     }
 
     /// The force on particle `i` by its neighbors, ε/σ, whose other sums are added to `totals`.

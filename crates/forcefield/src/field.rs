@@ -1,6 +1,7 @@
 //! A constant field: the same acceleration for every particle.
 
-use lennard_core::parallel::{for_each_piece, ordered_sum};
+use lennard_core::exact::exact_sum;
+use lennard_core::parallel::for_each_piece;
 use lennard_core::{
     Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Masses, Part,
     Want, remembers_nothing,
@@ -75,9 +76,7 @@ impl ForceTerm for ConstantField {
             false => 0.0,
         };
         let n = at.positions.len();
-        let energy = want
-            .energy
-            .then(|| -> f64 { ordered_sum(n, |range| range.map(energy_of).sum::<f64>()) });
+        let energy = want.energy.then(|| -> f64 { exact_sum(n, energy_of) });
         let each = || (0..n).map(|i| (energy_of(i), DMat3::ZERO)).collect();
         Ok(Energetics {
             potential_energy: energy,

@@ -1,7 +1,7 @@
 //! Fused steps: steps that follow each other, with the particles by slot.
 
 use glam::DVec3;
-use lennard_core::parallel::total;
+use lennard_core::exact::total;
 use lennard_core::{ForceError, FusedBath, FusedSteps, Masses};
 use lennard_neighbor::Positions;
 

@@ -240,7 +240,7 @@ impl PairForces {
                     wrapped,
                     neighbors: NeighborSource::AllBut(exclusions),
                 };
-                Totals::of_chunks(&job.run(forces, each))
+                job.run(detail, forces, each).0
             }
             _ => reference::evaluate(interaction, &model, exclusions, at, forces, each),
         });

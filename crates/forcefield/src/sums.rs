@@ -1,6 +1,7 @@
 //! Totals over pairs, and their conversion to energetics.
 
 use glam::{DMat3, DVec3};
+use lennard_core::exact::ExactSum;
 use lennard_core::{Energetics, Want};
 
 use crate::pair::Pair;
@@ -49,19 +50,32 @@ impl Totals {
         self.pairs += 1;
     }
 
-    /// The totals of chunks, added in order. The chunks contain every pair from both of its ends.
+    /// The exact totals of chunks, which contain every pair from both of its ends.
+    ///
+    /// The sum over a chunk has the order of its list, which no cut into tasks or ranks changes. The exact sum begins here.
     pub fn of_chunks(chunks: &[ChunkTotals]) -> Self {
-        let mut sum = ChunkTotals::NOTHING;
-        for chunk in chunks {
-            sum.add(chunk);
+        if chunks.is_empty() {
+            return Self::NOTHING;
         }
+        let mut column = Vec::with_capacity(chunks.len());
+        let sums = std::array::from_fn(|k| {
+            column.clear();
+            column.extend(chunks.iter().map(|chunk| chunk.number(k)));
+            ExactSum::of(&column)
+        });
+        Self::of_both_ends(sums, chunks.iter().map(|chunk| chunk.pairs).sum())
+    }
+
+    /// The totals where [`ChunkTotals::number`] and the number of pairs are summed over both ends of every pair.
+    pub fn of_both_ends(sums: [f64; ChunkTotals::NUMBERS], pairs: u64) -> Self {
+        let [energy, virial_trace, laplacian, at_cutoff, virial @ ..] = sums;
         Self {
-            energy: 0.5 * sum.energy,
-            virial_trace: 0.5 * sum.virial_trace,
-            virial: 0.5 * sum.virial,
-            laplacian: sum.laplacian,
-            at_cutoff: 0.5 * sum.at_cutoff,
-            pairs: sum.pairs / 2,
+            energy: 0.5 * energy,
+            virial_trace: 0.5 * virial_trace,
+            virial: 0.5 * DMat3::from_cols_array(&virial),
+            laplacian,
+            at_cutoff: 0.5 * at_cutoff,
+            pairs: pairs / 2,
         }
     }
 

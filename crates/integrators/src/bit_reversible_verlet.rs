@@ -1,6 +1,6 @@
 //! The bit-reversible Verlet of Levesque and Verlet: positions are integers, and nothing is ever lost.
 
-use lennard_core::parallel::{for_each_piece, for_each_piece_pair, ordered_sum};
+use lennard_core::parallel::{all_pieces, for_each_piece, for_each_piece_pair};
 use lennard_core::{
     DVec3, ForceError, Integrator, IntegratorSpec, Masses, Method, Parts, Persist, RestoreError,
     State, StateReader, StateWriter, Step, StepError,
@@ -77,10 +77,10 @@ impl BitReversibleVerlet {
     /// The first particle without room for the next sums, if there is one.
     fn off_the_grid(&self) -> Option<usize> {
         let outside = |q: &Cell| q.iter().any(|c| c.abs() > LARGEST);
-        let count: u64 = ordered_sum(self.current.len(), |range| {
-            self.current[range].iter().filter(|q| outside(q)).count() as u64
+        let inside = all_pieces(self.current.len(), |range| {
+            !self.current[range].iter().any(outside)
         });
-        (count > 0)
+        (!inside)
             .then(|| self.current.iter().position(outside))
             .flatten()
     }

@@ -1,6 +1,7 @@
 //! FIRE: relaxation of a configuration by damped dynamics, for starts that lie too close together.
 
-use lennard_core::parallel::{for_each_piece_pair, ordered_sum};
+use lennard_core::exact::exact_sum;
+use lennard_core::parallel::for_each_piece_pair;
 use lennard_core::{Backend, Configuration, DVec3, ForceError, Part, PeriodicBox, Want};
 use serde::{Deserialize, Serialize};
 
@@ -195,7 +196,7 @@ fn step(
 }
 
 fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
-    ordered_sum(a.len(), |range| range.map(|i| a[i].dot(b[i])).sum())
+    exact_sum(a.len(), |i| a[i].dot(b[i]))
 }
 
 /// √Σ|aᵢ|² without overflow: first forces may be near 1e200.
@@ -204,9 +205,7 @@ fn norm(a: &[DVec3]) -> f64 {
     if scale == 0.0 {
         return 0.0;
     }
-    let squares: f64 = ordered_sum(a.len(), |range| {
-        range.map(|i| (a[i] / scale).length_squared()).sum()
-    });
+    let squares: f64 = exact_sum(a.len(), |i| (a[i] / scale).length_squared());
     scale * squares.sqrt()
 }
 

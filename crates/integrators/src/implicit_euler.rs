@@ -1,7 +1,7 @@
 //! Implicit Euler: the force at the end of the step, found by solving for where the step ends.
 
 use glam::DMat2;
-use lennard_core::parallel::ordered_sum;
+use lennard_core::exact::exact_sum;
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, Integrator, IntegratorSpec, Masses,
     Method, Part, Parts, PeriodicBox, State, Step, StepError, Want, check_finite,
@@ -138,10 +138,8 @@ impl Equations<'_> {
         let downhill: Vec<DVec3> = (0..n)
             .map(|i| forces[i] - self.inertia(i) * (positions[i] - self.inertial[i]))
             .collect();
-        let kinetic: f64 = ordered_sum(n, |range| {
-            range
-                .map(|i| 0.5 * self.inertia(i) * (positions[i] - self.inertial[i]).length_squared())
-                .sum()
+        let kinetic: f64 = exact_sum(n, |i| {
+            0.5 * self.inertia(i) * (positions[i] - self.inertial[i]).length_squared()
         });
         let (mut residual, mut largest) = (0.0_f64, 0.0_f64);
         for i in 0..n {

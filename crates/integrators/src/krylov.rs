@@ -1,6 +1,7 @@
 //! Conjugate gradients for a matrix that is known only by what it does to a vector.
 
-use lennard_core::parallel::{for_each_piece_pair, ordered_sum};
+use lennard_core::exact::exact_sum;
+use lennard_core::parallel::for_each_piece_pair;
 use lennard_core::{DVec3, ForceError};
 
 /// How a solve ended.
@@ -85,9 +86,9 @@ where
     })
 }
 
-/// Σ aᵢ·bᵢ, the same bits for any number of threads.
+/// Σ aᵢ·bᵢ, an exact total.
 pub(crate) fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
-    ordered_sum(a.len(), |range| range.map(|i| a[i].dot(b[i])).sum())
+    exact_sum(a.len(), |i| a[i].dot(b[i]))
 }
 
 /// y ← y + factor·x.

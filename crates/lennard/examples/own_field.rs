@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use lennard::parts::{
     Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
-    PeriodicBox, Want, for_each_piece, ordered_sum, remembers_nothing,
+    PeriodicBox, Want, exact_sum, for_each_piece, remembers_nothing,
 };
 use lennard::prelude::*;
 
@@ -41,7 +41,7 @@ impl ForceTerm for Wave {
                 *force = of(i)[1] * DVec3::Z;
             }
         });
-        let total = |which: usize| ordered_sum(n, |range| range.map(|i| of(i)[which]).sum::<f64>());
+        let total = |which: usize| exact_sum(n, |i| of(i)[which]);
         let energy = want.energy.then(|| total(0));
         Ok(Energetics {
             potential_energy: energy,

@@ -50,7 +50,8 @@ pub mod prelude {
 
 /// The contracts of forces, integrators and observables, and what their implementations need.
 pub mod parts {
-    pub use lennard_core::parallel::{for_each_piece, ordered_sum};
+    pub use lennard_core::exact::exact_sum;
+    pub use lennard_core::parallel::for_each_piece;
     pub use lennard_core::{
         Array, Average, Configuration, DMat3, DVec3, Energetics, Estimate, Findings, ForceError,
         ForceProperties, ForceTerm, IntegratorSpec, Method, Observable, ObservableSpec, Part,

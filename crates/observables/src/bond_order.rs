@@ -3,9 +3,10 @@
 mod harmonics;
 mod particles;
 
+use lennard_core::exact::exact_sum;
 use lennard_core::{
     DVec3, Findings, Observable, ObservableSpec, PeriodicBox, Persist, RestoreError, StateReader,
-    StateWriter, Table, View, Want, parallel,
+    StateWriter, Table, View, Want,
 };
 
 use crate::averages::of_series;
@@ -136,26 +137,21 @@ impl BondOrder {
         let [four, six] = &self.orders;
         let bonds = Bonds::new([four, six], cell, positions, reach);
         let [all_four, all_six] = bonds.of_all();
-        // Chunks are constant: sums have one order on any number of threads.
-        let sums: Means = parallel::ordered_sum(positions.len(), |range| {
-            range
-                .map(|i| {
-                    let [own_four, own_six] = &bonds.moments[i];
-                    let [mean_four, mean_six] = &bonds.averaged(i);
-                    Means([
-                        four.q(own_four),
-                        six.q(own_six),
-                        four.q(mean_four),
-                        six.q(mean_six),
-                        four.w(mean_four),
-                        six.w(mean_six),
-                        bonds.neighbors[i].len() as f64,
-                    ])
-                })
-                .sum()
+        let sums = exact_sum(positions.len(), |i| {
+            let [own_four, own_six] = &bonds.moments[i];
+            let [mean_four, mean_six] = &bonds.averaged(i);
+            [
+                four.q(own_four),
+                six.q(own_six),
+                four.q(mean_four),
+                six.q(mean_six),
+                four.w(mean_four),
+                six.w(mean_six),
+                bonds.neighbors[i].len() as f64,
+            ]
         });
         let n = positions.len() as f64;
-        let [q4, q6, mean_q4, mean_q6, mean_w4, mean_w6, neighbors] = sums.0.map(|sum| sum / n);
+        let [q4, q6, mean_q4, mean_q6, mean_w4, mean_w6, neighbors] = sums.map(|sum| sum / n);
         [
             four.q(&all_four),
             six.q(&all_six),
@@ -170,22 +166,6 @@ impl BondOrder {
             bonds.solid(self.rule) as f64 / n,
             neighbors,
         ]
-    }
-}
-
-/// Sums over particles, one for each mean.
-struct Means([f64; 7]);
-
-impl std::ops::Add for Means {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self(std::array::from_fn(|k| self.0[k] + other.0[k]))
-    }
-}
-
-impl std::iter::Sum for Means {
-    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
-        all.fold(Self([0.0; 7]), |sum, one| sum + one)
     }
 }
 

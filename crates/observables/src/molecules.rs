@@ -1,8 +1,9 @@
 //! What molecules do: temperatures of their parts, strain of bonds, and the pressure by two routes.
 
+use lennard_core::exact::exact_sum;
 use lennard_core::{
     DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
-    Table, View, Want, parallel,
+    Table, View, Want,
 };
 
 use crate::averages::of_series;
@@ -102,24 +103,6 @@ struct Sums {
     end_to_end_squared: f64,
 }
 
-impl std::iter::Sum for Sums {
-    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
-        all.fold(Self::default(), |a, b| a + b)
-    }
-}
-
-impl std::ops::Add for Sums {
-    type Output = Self;
-    fn add(self, b: Self) -> Self {
-        Self {
-            kinetic_of_centers: self.kinetic_of_centers + b.kinetic_of_centers,
-            length: self.length + b.length,
-            strain_squared: self.strain_squared + b.strain_squared,
-            end_to_end_squared: self.end_to_end_squared + b.end_to_end_squared,
-        }
-    }
-}
-
 fn sums(view: &View<'_>) -> Sums {
     let (system, state) = (view.system, view.state);
     let molecules = &system.molecules;
@@ -143,7 +126,26 @@ fn sums(view: &View<'_>) -> Sums {
         }
         sums
     };
-    parallel::ordered_sum(system.n_molecules(), |range| range.map(of_molecule).sum())
+    let [
+        kinetic_of_centers,
+        length,
+        strain_squared,
+        end_to_end_squared,
+    ] = exact_sum(system.n_molecules(), |m| {
+        let of = of_molecule(m);
+        [
+            of.kinetic_of_centers,
+            of.length,
+            of.strain_squared,
+            of.end_to_end_squared,
+        ]
+    });
+    Sums {
+        kinetic_of_centers,
+        length,
+        strain_squared,
+        end_to_end_squared,
+    }
 }
 
 impl Observable for MolecularMotion {

@@ -1,8 +1,9 @@
 //! The pressure tensor.
 
+use lennard_core::exact::exact_sum;
 use lennard_core::{
     DMat3, DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
-    StateWriter, Table, View, Want, parallel,
+    StateWriter, Table, View, Want,
 };
 
 use crate::averages::of_series;
@@ -94,13 +95,9 @@ impl PressureTensor {
         let masses = &view.system.masses;
         // The mean of m·v⊗v over the half steps on both sides, as in the scalar pressure: m·v⊗v + (h/2)²·F⊗F/m.
         let quarter = view.half_kick_step.map_or(0.0, |h| 0.25 * h * h);
-        let kinetic = parallel::ordered_sum(velocities.len(), |range| {
-            range
-                .map(|i| {
-                    let (mass, v, force) = (masses.of(i), velocities[i], forces[i]);
-                    outer(mass * v, v) + outer(force * (quarter / mass), force)
-                })
-                .sum::<DMat3>()
+        let kinetic: DMat3 = exact_sum(velocities.len(), |i| {
+            let (mass, v, force) = (masses.of(i), velocities[i], forces[i]);
+            outer(mass * v, v) + outer(force * (quarter / mass), force)
         });
         let degrees = 3.0 * velocities.len() as f64 / view.n_dof();
         let virial = view.state.energetics.virial?;

@@ -9,6 +9,7 @@ mod species;
 
 use std::f64::consts::PI;
 
+use lennard_core::exact::exact_sum;
 use lennard_core::{
     Estimate, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
     StateWriter, View, Want,
@@ -202,9 +203,9 @@ impl Observable for Thermodynamics {
         self.seen.see(view.cell());
         self.n_dof = view.n_dof();
         if self.mass.is_nan() {
-            let all = 0..view.state.len();
+            let masses = &view.system.masses;
             let n = view.system.n_molecules() as f64;
-            self.mass = all.map(|i| view.system.masses.moving(i)).sum::<f64>() / n;
+            self.mass = exact_sum(view.state.len(), |i| masses.moving(i)) / n;
         }
         self.half_steps = view.half_kick_step.is_some();
         let instant = self.instant(view);

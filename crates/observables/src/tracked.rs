@@ -1,6 +1,7 @@
 //! Which particles the dynamic correlations follow.
 
-use lennard_core::{DVec3, SpeciesTable, System, parallel};
+use lennard_core::exact::exact_sum;
+use lennard_core::{DVec3, SpeciesTable, System};
 
 use crate::blocks::BlockedSums;
 
@@ -100,10 +101,8 @@ impl Tracked {
         values: &[DVec3],
     ) -> Vec<DVec3> {
         let masses = &system.masses;
-        let weighted: DVec3 = parallel::ordered_sum(values.len(), |r| {
-            r.map(|i| masses.moving(i) * values[i]).sum()
-        });
-        let total: f64 = parallel::ordered_sum(values.len(), |r| r.map(|i| masses.moving(i)).sum());
+        let weighted: DVec3 = exact_sum(values.len(), |i| masses.moving(i) * values[i]);
+        let total: f64 = exact_sum(values.len(), |i| masses.moving(i));
         let mean = weighted / total;
         self.indices
             .iter()
@@ -112,30 +111,22 @@ impl Tracked {
     }
 }
 
-/// Σ over particles of `pair(a_i, b_i)`, in constant chunks and constant order.
+/// Σ over particles of `pair(a_i, b_i)`, an exact total.
 pub(crate) fn sum_over_pairs(
     a: &[DVec3],
     b: &[DVec3],
     pair: impl Fn(DVec3, DVec3) -> f64 + Sync,
 ) -> f64 {
-    parallel::ordered_sum(a.len(), |range| {
-        a[range.clone()]
-            .iter()
-            .zip(&b[range])
-            .map(|(x, y)| pair(*x, *y))
-            .sum()
-    })
+    exact_sum(a.len(), |i| pair(a[i], b[i]))
 }
 
-/// The mean of `pair(a_i, b_i)` over some places i, in constant chunks and constant order.
+/// The mean of `pair(a_i, b_i)` over some places i, by an exact total.
 fn mean_over_members(
     members: &[usize],
     a: &[DVec3],
     b: &[DVec3],
     pair: impl Fn(DVec3, DVec3) -> f64 + Sync,
 ) -> f64 {
-    let sum: f64 = parallel::ordered_sum(members.len(), |range| {
-        members[range].iter().map(|&i| pair(a[i], b[i])).sum()
-    });
+    let sum: f64 = exact_sum(members.len(), |k| pair(a[members[k]], b[members[k]]));
     sum / members.len() as f64
 }

@@ -8,13 +8,13 @@
 mod equations;
 mod tridiagonal;
 
-use std::ops::{Add, Range};
+use std::ops::Range;
 
 pub use equations::BondEquations;
 pub use tridiagonal::Tridiagonal;
 
+use crate::exact::{exact_sum, exact_sums};
 use crate::molecules::MOLECULES_PER_TASK;
-use crate::parallel::ordered_sum;
 use crate::tasks::for_each_item;
 use crate::topology::Topology;
 use crate::{DMat3, DVec3, Masses, State, System};
@@ -184,23 +184,6 @@ impl ConstraintSums {
     };
 }
 
-impl Add for ConstraintSums {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self {
-            virial: self.virial + other.virial,
-            squared_forces: self.squared_forces + other.squared_forces,
-            largest_residual: self.largest_residual.max(other.largest_residual),
-        }
-    }
-}
-
-impl std::iter::Sum for ConstraintSums {
-    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
-        all.fold(Self::NOTHING, Add::add)
-    }
-}
-
 /// The sums of the instantaneous constraint forces, which belong to positions, velocities and forces of the state:
 /// A·λ = −(G·M⁻¹·F + |w|²).
 ///
@@ -211,12 +194,23 @@ pub fn constraint_sums(system: &System, state: &State) -> ConstraintSums {
     let Some(topology) = molecules.topology().filter(|_| molecules.are_rigid()) else {
         return ConstraintSums::NOTHING;
     };
-    ordered_sum(system.n_molecules(), |range| {
-        let mut space = Workspace::default();
-        range
-            .map(|m| space.sums(topology, system, state, molecules.sites_of(m)))
-            .sum()
-    })
+    let (sums, residuals) = exact_sums(system.n_molecules(), |range, sums| {
+        let (mut space, mut largest) = (Workspace::default(), 0.0_f64);
+        for m in range {
+            let found = space.sums(topology, system, state, molecules.sites_of(m));
+            let mut terms = [found.squared_forces; 10];
+            terms[1..].copy_from_slice(&found.virial.to_cols_array());
+            sums.add(terms);
+            largest = largest.max(found.largest_residual);
+        }
+        largest
+    });
+    let [squared_forces, virial @ ..] = sums.values();
+    ConstraintSums {
+        virial: DMat3::from_cols_array(&virial),
+        squared_forces,
+        largest_residual: residuals.into_iter().fold(0.0, f64::max),
+    }
 }
 
 impl Workspace {
@@ -284,17 +278,11 @@ pub fn intramolecular_virial(system: &System, positions: &[DVec3], forces: &[DVe
     if molecules.are_atoms() {
         return 0.0;
     }
-    ordered_sum(positions.len() / molecules.sites(), |range| {
-        range
-            .map(|m| {
-                let sites = molecules.sites_of(m);
-                let x = &positions[sites.clone()];
-                let center = molecules.center(&system.masses, sites.start, x);
-                x.iter()
-                    .zip(&forces[sites])
-                    .map(|(r, f)| (*r - center).dot(*f))
-                    .sum::<f64>()
-            })
-            .sum()
+    exact_sum(positions.len() / molecules.sites(), |m| {
+        let sites = molecules.sites_of(m);
+        let x = &positions[sites.clone()];
+        let center = molecules.center(&system.masses, sites.start, x);
+        let both = x.iter().zip(&forces[sites]);
+        both.map(|(r, f)| (*r - center).dot(*f)).sum::<f64>()
     })
 }

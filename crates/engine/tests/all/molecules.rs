@@ -1,8 +1,7 @@
 //! Fluids of molecules: bits, restarts, identities of the pressure, and files that bring them back.
 
-use lennard_core::{
-    Configuration, DVec3, Part, PeriodicBox, Persist, StateArchive, Want, parallel, rigid,
-};
+use lennard_core::exact::exact_sum;
+use lennard_core::{Configuration, DVec3, Part, PeriodicBox, Persist, StateArchive, Want, rigid};
 use lennard_engine::{EngineError, Simulation, StopAt, Unfollowed, prepare};
 use lennard_scene::Scene;
 
@@ -280,13 +279,9 @@ fn the_virials_of_sites_and_of_molecules_agree_at_each_instant() {
         let pairs = s.state.energetics.scalar_virial().expect("a sampled step");
         let w = rigid::constraint_sums(&s.system, &s.state).virial;
         let of_sites = 2.0 * view.kinetic_energy() + pairs + w.x_axis.x + w.y_axis.y + w.z_axis.z;
-        let centers: f64 = parallel::ordered_sum(s.system.n_molecules(), |range| {
-            range
-                .map(|m| {
-                    let v = &s.state.velocities[s.system.molecules.sites_of(m)];
-                    0.5 * (v[0] + v[1]).length_squared()
-                })
-                .sum()
+        let centers: f64 = exact_sum(s.system.n_molecules(), |m| {
+            let v = &s.state.velocities[s.system.molecules.sites_of(m)];
+            0.5 * (v[0] + v[1]).length_squared()
         });
         let of_molecules = centers + pairs - view.intramolecular_virial();
         let scale = 2.0 * view.kinetic_energy();

@@ -5,7 +5,10 @@ use lennard_neighbor::NeighborList;
 
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
 use crate::interaction::Interaction;
-use crate::simd::{ListInUse, ListStatus, MotionSummary, Ordered, Outcome, PerParticle};
+use crate::simd::{Detail, ListInUse, ListStatus, MotionSummary, Ordered, PerParticle};
+use crate::sums::Totals;
+
+use super::Evaluated;
 
 /// Folded positions, and the neighbors of each particle in ascending order.
 #[derive(Default)]
@@ -30,14 +33,15 @@ impl Folded {
     }
 
     /// Folds positions, judges the list, and writes forces (and `each`) where the list is complete.
-    pub fn evaluate<I: Interaction>(
+    pub(super) fn evaluate<I: Interaction>(
         &mut self,
         used: &ListInUse<'_, NeighborList>,
         interaction: I,
         positions: &[DVec3],
+        detail: Detail,
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
-    ) -> Outcome {
+    ) -> Evaluated {
         wrap(used.cell, positions, &mut self.wrapped);
         let order = &used.list.table().particle;
         let at = Ordered { positions, order };
@@ -49,9 +53,9 @@ impl Folded {
         summary.include(0, &squares, motion.far2);
         let status = (used.judge)(&summary, None, at);
         if status != ListStatus::Complete {
-            return Outcome {
+            return Evaluated {
                 status,
-                totals: Vec::new(),
+                totals: Totals::NOTHING,
                 broken: false,
             };
         }
@@ -62,9 +66,8 @@ impl Folded {
             wrapped: &self.wrapped,
             neighbors: NeighborSource::Listed(&self.lists),
         };
-        let totals = job.run(forces, each);
-        let broken = totals.iter().any(|c| c.broken);
-        Outcome {
+        let (totals, broken) = job.run(detail, forces, each);
+        Evaluated {
             status,
             totals,
             broken,

@@ -47,6 +47,26 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
 /// The smallest number of fused steps that is worth gathering the particles by slot.
 const FEWEST_STEPS: u64 = 3;
 
+/// The result of an evaluation with a list of any kind.
+struct Evaluated {
+    /// Whether the list could be used. If not, there are no sums.
+    status: ListStatus,
+    /// The totals over all pairs; nothing where only forces are summed.
+    totals: Totals,
+    /// Whether a force is not finite.
+    broken: bool,
+}
+
+impl Evaluated {
+    fn of(outcome: Outcome) -> Self {
+        Self {
+            status: outcome.status,
+            totals: Totals::of_chunks(&outcome.totals),
+            broken: outcome.broken,
+        }
+    }
+}
+
 /// A list with everything that belongs to it.
 pub struct Listed {
     validity: ListValidity,
@@ -193,7 +213,7 @@ impl Listed {
         if outcome.broken {
             return Err(non_finite::force(forces));
         }
-        Ok(Totals::of_chunks(&outcome.totals))
+        Ok(outcome.totals)
     }
 
     /// Judges the list where the request demands it, and evaluates where the list is complete.
@@ -204,31 +224,19 @@ impl Listed {
         request: Request,
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
-    ) -> Outcome {
+    ) -> Evaluated {
         let (validity, positions) = (&self.validity, at.positions);
         match &mut self.pairs {
             Pairs::Canonical(list, folded) => validity.with_list(&**list, at.cell, |used| {
-                folded.evaluate(used, interaction, positions, forces, each)
+                folded.evaluate(used, interaction, positions, request.detail, forces, each)
             }),
             Pairs::Rows(list, copies) => validity.with_list(&**list, at.cell, |used| {
-                used.evaluate(
-                    &mut copies.packed,
-                    interaction,
-                    positions,
-                    request,
-                    forces,
-                    each,
-                )
+                let packed = &mut copies.packed;
+                Evaluated::of(used.evaluate(packed, interaction, positions, request, forces, each))
             }),
             Pairs::Clusters(list, copies) => validity.with_list(&**list, at.cell, |used| {
-                used.evaluate(
-                    &mut copies.packed,
-                    interaction,
-                    positions,
-                    request,
-                    forces,
-                    each,
-                )
+                let packed = &mut copies.packed;
+                Evaluated::of(used.evaluate(packed, interaction, positions, request, forces, each))
             }),
         }
     }

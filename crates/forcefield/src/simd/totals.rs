@@ -47,6 +47,20 @@ impl ChunkTotals {
         broken: false,
     };
 
+    /// Numbers that are summed, besides counts.
+    pub const NUMBERS: usize = 13;
+
+    /// The `k`th number: energy, trace of the virial, Laplacian, energy at the cutoff, and the components of the virial.
+    pub fn number(&self, k: usize) -> f64 {
+        match k {
+            0 => self.energy,
+            1 => self.virial_trace,
+            2 => self.laplacian,
+            3 => self.at_cutoff,
+            _ => self.virial.col((k - 4) / 3)[(k - 4) % 3],
+        }
+    }
+
     /// Adds the sums over other pairs.
     #[inline(always)]
     pub fn add(&mut self, other: &Self) {

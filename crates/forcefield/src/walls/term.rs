@@ -1,9 +1,7 @@
 //! All walls of a slit as one force term, and as the boundary of free flight.
 
-use std::iter::Sum;
-use std::ops::Add;
-
-use lennard_core::parallel::{for_each_piece, ordered_sum};
+use lennard_core::exact::exact_sums;
+use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
 use lennard_core::{
     Axis, Boundary, Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties,
@@ -75,26 +73,6 @@ struct Felt {
     beyond: Option<(usize, usize, usize, f64)>,
 }
 
-impl Add for Felt {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        let both = |p: usize, end: usize| self.forces[p][end] + other.forces[p][end];
-        Self {
-            energy: self.energy + other.energy,
-            laplacian: self.laplacian + other.laplacian,
-            forces: std::array::from_fn(|p| [both(p, 0), both(p, 1)]),
-            beyond: self.beyond.or(other.beyond),
-        }
-    }
-}
-
-impl Sum for Felt {
-    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
-        all.fold(Self::default(), Add::add)
-    }
-}
-
 impl Walls {
     /// Walls that have felt nothing; walls at a temperature draw from `noise`.
     ///
@@ -143,30 +121,59 @@ impl Walls {
         force
     }
 
-    fn felt_of(&self, particles: std::ops::Range<usize>, positions: &[DVec3]) -> Felt {
+    /// What one particle makes the walls feel.
+    fn felt_of(&self, i: usize, r: DVec3) -> Felt {
         let mut felt = Felt::default();
-        for i in particles {
-            for (p, pair) in self.pairs.iter().enumerate() {
-                for (end, z) in pair.distances(positions[i]).into_iter().enumerate() {
-                    let Surface::Exerts(wall) = &pair.surfaces[end] else {
-                        continue;
-                    };
-                    let deepest = match wall.acts_behind_plane() {
-                        true => -pair.planes.room,
-                        false => 0.0,
-                    };
-                    if z <= deepest {
-                        felt.beyond = felt.beyond.or(Some((i, p, end, -z)));
-                    } else if z < wall.reach() {
-                        let point = wall.at(z);
-                        felt.energy += point.energy;
-                        felt.laplacian += point.curvature;
-                        felt.forces[p][end] += point.force;
-                    }
+        for (p, pair) in self.pairs.iter().enumerate() {
+            for (end, z) in pair.distances(r).into_iter().enumerate() {
+                let Surface::Exerts(wall) = &pair.surfaces[end] else {
+                    continue;
+                };
+                let deepest = match wall.acts_behind_plane() {
+                    true => -pair.planes.room,
+                    false => 0.0,
+                };
+                if z <= deepest {
+                    felt.beyond = felt.beyond.or(Some((i, p, end, -z)));
+                } else if z < wall.reach() {
+                    let point = wall.at(z);
+                    felt.energy += point.energy;
+                    felt.laplacian += point.curvature;
+                    felt.forces[p][end] += point.force;
                 }
             }
         }
         felt
+    }
+
+    /// What all particles make the walls feel, by exact sums.
+    fn felt_of_all(&self, positions: &[DVec3]) -> Felt {
+        let (sums, beyond) = exact_sums(positions.len(), |range, sums| {
+            let mut beyond = None;
+            for i in range {
+                let felt = self.felt_of(i, positions[i]);
+                let [x, y, z] = felt.forces;
+                sums.add([
+                    felt.energy,
+                    felt.laplacian,
+                    x[0],
+                    x[1],
+                    y[0],
+                    y[1],
+                    z[0],
+                    z[1],
+                ]);
+                beyond = beyond.or(felt.beyond);
+            }
+            beyond
+        });
+        let [energy, laplacian, forces @ ..] = sums.values();
+        Felt {
+            energy,
+            laplacian,
+            forces: std::array::from_fn(|p| [forces[2 * p], forces[2 * p + 1]]),
+            beyond: beyond.into_iter().flatten().next(),
+        }
     }
 }
 
@@ -202,7 +209,7 @@ impl ForceTerm for Walls {
         let positions = at.positions;
         let mut felt = Felt::default();
         if part != Part::Far {
-            felt = ordered_sum(positions.len(), |range| self.felt_of(range, positions));
+            felt = self.felt_of_all(positions);
             if let Some((particle, pair, end, depth)) = felt.beyond {
                 return Err(ForceError::BeyondWall {
                     particle,
@@ -223,7 +230,7 @@ impl ForceTerm for Walls {
             }
         }
         let per_particle = |r: &DVec3| -> (f64, DMat3) {
-            let alone = self.felt_of(0..1, std::slice::from_ref(r));
+            let alone = self.felt_of(0, *r);
             (alone.energy, DMat3::ZERO)
         };
         let each = match part {

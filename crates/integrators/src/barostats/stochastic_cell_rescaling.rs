@@ -1,6 +1,7 @@
 //! Stochastic cell rescaling: the volume follows its own Langevin equation, and Metropolis corrects each move.
 
-use lennard_core::parallel::{for_each_piece, ordered_sum};
+use lennard_core::exact::exact_sum;
+use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
 use lennard_core::{
     Barostat, BarostatSpec, BoxMoves, DVec3, Energetics, ForceError, Integrator, Part, Parts,
@@ -236,16 +237,12 @@ fn inside_molecules(system: &System, positions: &[DVec3], forces: &[DVec3]) -> D
     if molecules.are_atoms() {
         return DVec3::ZERO;
     }
-    ordered_sum(system.n_molecules(), |range| {
-        range
-            .map(|m| {
-                let sites = molecules.sites_of(m);
-                let x = &positions[sites.clone()];
-                let center = molecules.center(&system.masses, sites.start, x);
-                let both = x.iter().zip(&forces[sites]);
-                both.map(|(r, f)| (*r - center) * *f).sum::<DVec3>()
-            })
-            .sum()
+    exact_sum(system.n_molecules(), |m| {
+        let sites = molecules.sites_of(m);
+        let x = &positions[sites.clone()];
+        let center = molecules.center(&system.masses, sites.start, x);
+        let both = x.iter().zip(&forces[sites]);
+        both.map(|(r, f)| (*r - center) * *f).sum::<DVec3>()
     })
 }
 

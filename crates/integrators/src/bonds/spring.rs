@@ -1,6 +1,6 @@
 //! Stiff springs: bonds as forces.
 
-use lennard_core::parallel::ordered_sum;
+use lennard_core::exact::exact_sum;
 use lennard_core::{
     Bond, Bonds, Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm,
     Molecules, Part, Want,
@@ -88,7 +88,7 @@ pub struct Springs {
 
 lennard_core::remembers_nothing!(Springs);
 
-/// Totals of a part of the bonds.
+/// Totals over bonds.
 #[derive(Clone, Copy)]
 struct Sums {
     energy: f64,
@@ -102,23 +102,6 @@ impl Sums {
         virial: DMat3::ZERO,
         laplacian: 0.0,
     };
-}
-
-impl std::iter::Sum for Sums {
-    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
-        all.fold(Self::NOTHING, |a, b| a + b)
-    }
-}
-
-impl std::ops::Add for Sums {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self {
-            energy: self.energy + other.energy,
-            virial: self.virial + other.virial,
-            laplacian: self.laplacian + other.laplacian,
-        }
-    }
 }
 
 impl Springs {
@@ -143,22 +126,29 @@ impl Springs {
     }
 
     fn totals(&self, positions: &[DVec3]) -> Sums {
-        ordered_sum(positions.len() / self.molecules.sites(), |range| {
-            let mut sums = Sums::NOTHING;
-            for m in range {
-                let sites = &positions[self.molecules.sites_of(m)];
-                for bond in self.molecules.bonds() {
-                    let d = bond.vector(sites);
-                    let (f, energy) = self.bond(bond, d);
-                    sums.energy += energy;
-                    sums.virial += DMat3::from_cols(f * d.x, f * d.y, f * d.z);
-                    // ∇²U = U″ + 2U′/|d| at each of the two ends.
-                    let slope = 1.0 - bond.length / d.length();
-                    sums.laplacian += 2.0 * self.stiffness * (1.0 + 2.0 * slope);
-                }
+        let n = positions.len() / self.molecules.sites();
+        let [energy, laplacian, virial @ ..] = exact_sum(n, |m| {
+            let sites = &positions[self.molecules.sites_of(m)];
+            let (mut energy, mut laplacian, mut virial) = (0.0, 0.0, DMat3::ZERO);
+            for bond in self.molecules.bonds() {
+                let d = bond.vector(sites);
+                let (f, of_bond) = self.bond(bond, d);
+                energy += of_bond;
+                virial += DMat3::from_cols(f * d.x, f * d.y, f * d.z);
+                // ∇²U = U″ + 2U′/|d| at each of the two ends.
+                let slope = 1.0 - bond.length / d.length();
+                laplacian += 2.0 * self.stiffness * (1.0 + 2.0 * slope);
             }
-            sums
-        })
+            let mut terms = [energy; 11];
+            terms[1] = laplacian;
+            terms[2..].copy_from_slice(&virial.to_cols_array());
+            terms
+        });
+        Sums {
+            energy,
+            virial: DMat3::from_cols_array(&virial),
+            laplacian,
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! One sample of the thermodynamic series: of a state as it is, and of a row that a run has written.
 
-use lennard_core::{DVec3, TailCorrection, View, parallel};
+use lennard_core::exact::exact_sum;
+use lennard_core::{DVec3, TailCorrection, View};
 
 use super::Thermodynamics;
 
@@ -146,9 +147,7 @@ impl Thermodynamics {
         let virial = energetics.scalar_virial().expect(asked) - view.intramolecular_virial();
         let of_positions = view.temperature_of_positions();
         let (squared_force, laplacian) = if self.options.configurational_temperature {
-            let squares: f64 = parallel::ordered_sum(state.len(), |range| {
-                state.forces[range].iter().map(|f| f.length_squared()).sum()
-            });
+            let squares: f64 = exact_sum(state.len(), |i| state.forces[i].length_squared());
             let laplacian = energetics.laplacian.expect(asked);
             (squares / n, laplacian / n + self.jump_laplacian(volume))
         } else {

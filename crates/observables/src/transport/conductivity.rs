@@ -1,8 +1,9 @@
 //! The thermal conductivity.
 
+use lennard_core::exact::exact_sum;
 use lennard_core::{
     DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
-    View, Want, parallel,
+    View, Want,
 };
 
 use super::green_kubo::{GreenKubo, Words};
@@ -90,18 +91,14 @@ impl ThermalConductivity {
         let state = view.state;
         let each = state.energetics.per_particle.as_ref()?;
         let masses = &view.system.masses;
-        let mass: f64 = (0..state.len()).map(|i| masses.of(i)).sum();
+        let mass: f64 = exact_sum(state.len(), |i| masses.of(i));
         let drift = view.system.momentum(&state.velocities) / mass;
-        let sum = parallel::ordered_sum(state.len(), |range| {
-            range
-                .map(|i| {
-                    let v = state.velocities[i] - drift;
-                    let (potential, virial) = each[i];
-                    let energy = 0.5 * masses.of(i) * v.length_squared() + potential;
-                    // Columns of the tensor belong to the components of the force: (r ⊗ F) v = r (F·v).
-                    energy * v + virial * v
-                })
-                .sum::<DVec3>()
+        let sum: DVec3 = exact_sum(state.len(), |i| {
+            let v = state.velocities[i] - drift;
+            let (potential, virial) = each[i];
+            let energy = 0.5 * masses.of(i) * v.length_squared() + potential;
+            // Columns of the tensor belong to the components of the force: (r ⊗ F) v = r (F·v).
+            energy * v + virial * v
         });
         Some(sum / view.cell().volume())
     }

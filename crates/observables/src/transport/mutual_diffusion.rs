@@ -1,8 +1,9 @@
 //! The mutual diffusion of two species.
 
+use lennard_core::exact::exact_sum;
 use lennard_core::{
     DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, SpeciesTable, StateReader,
-    StateWriter, View, Want, parallel,
+    StateWriter, View, Want,
 };
 
 use super::green_kubo::{GreenKubo, Words};
@@ -90,7 +91,7 @@ impl MutualDiffusion {
             0 => velocities[i] / self.species.count(0) as f64,
             _ => velocities[i] / -(self.species.count(1) as f64),
         };
-        parallel::ordered_sum(velocities.len(), |range| range.map(of).sum())
+        exact_sum(velocities.len(), of)
     }
 }
 

@@ -306,7 +306,7 @@ fn a_saved_state_of_another_run_is_refused() {
 
 #[test]
 fn findings_have_the_same_bits_on_any_number_of_threads() {
-    // More than one chunk of the ordered sums.
+    // More than one task of the exact sums.
     let n = lennard_core::parallel::CHUNK + 1;
     let run = |threads: usize| -> Vec<StateArchive> {
         let pool = rayon::ThreadPoolBuilder::new()

@@ -1,0 +1,342 @@
+//! Exact totals: sums of floating-point numbers that depend on no order.
+//!
+//! A total is the exact sum of its terms, rounded once to the nearest double. No order of the terms and no cut into parts
+//! can change it: threads and ranks share this one definition. Every double is taken whole, so that no scale and no
+//! range has to be chosen. Rounding is the only error, half a unit in the last place of the total.
+//!
+//! An accumulator is one wide integer in units of 2⁻¹⁰⁷⁴, the smallest double (Kulisch and Miranker 1981; Neal 2015).
+//! Nearly all terms get by without it: two slices hold a term whole, and the sums of slices are exact doubles
+//! (Demmel and Nguyen 2015). Where the slices lie changes speed and no bit.
+//!
+//! ```text
+//!   term        ±1.0110…0101 · 2^p       53 bits, anywhere below the largest term so far
+//!   high slice  |<-- 43 bits -->|        1024 terms fill at most 53 bits
+//!   low slice                   |<-- 43 bits -->|
+//!   rest                                          zero, or it goes to the wide integer
+//! ```
+//!
+//! A term that is no finite number makes a total that is none either, which the watchdog sees.
+
+mod wide;
+mod window;
+
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
+use glam::{DMat3, DVec3};
+
+use crate::parallel::part;
+use crate::tasks::map_tasks;
+
+use wide::WideSum;
+use window::{MOST_TERMS, Window};
+
+/// Terms that are added in one loop without a branch.
+const BLOCK: usize = 64;
+/// Particles of a task, at least.
+const PARTICLES_PER_TASK: usize = 2048;
+
+/// An exact sum in the making.
+#[derive(Debug, Clone, Default)]
+pub struct ExactSum {
+    /// Where slices lie.
+    window: Window,
+    /// The sums of the high and of the low slices.
+    slices: [f64; 2],
+    /// The number of terms in the slices.
+    terms: u32,
+    /// What the slices do not hold.
+    wide: Option<Box<WideSum>>,
+}
+
+impl ExactSum {
+    /// Integers of [`ExactSum::words`].
+    pub const WORDS: usize = WideSum::WORDS;
+
+    /// The sum of some terms, rounded once.
+    #[must_use]
+    pub fn of(terms: &[f64]) -> f64 {
+        let mut sum = Self::default();
+        sum.add_all(terms);
+        sum.value()
+    }
+
+    /// Adds terms.
+    pub fn add_all(&mut self, terms: &[f64]) {
+        for block in terms.chunks(BLOCK) {
+            self.add_block(block);
+        }
+    }
+
+    /// Adds at most [`BLOCK`] terms.
+    #[inline]
+    fn add_block(&mut self, block: &[f64]) {
+        let terms = self.terms + block.len() as u32;
+        match self.window.sums(block) {
+            Some([high, low]) if terms <= MOST_TERMS => {
+                self.slices[0] += high;
+                self.slices[1] += low;
+                self.terms = terms;
+            }
+            _ => self.add_with_care(block),
+        }
+    }
+
+    /// Adds terms that the slices have no room for, or may not hold.
+    #[cold]
+    fn add_with_care(&mut self, block: &[f64]) {
+        self.empty_slices();
+        let largest = block.iter().fold(0.0, |largest: f64, term| {
+            // The comparison is false for NaN.
+            if term.abs() > largest {
+                term.abs()
+            } else {
+                largest
+            }
+        });
+        if largest >= self.window.limit && largest > 0.0 {
+            self.window = Window::above(largest).unwrap_or_default();
+        }
+        self.terms = block.len() as u32;
+        if let Some(sums) = self.window.sums(block) {
+            self.slices = sums;
+            return;
+        }
+        for term in block {
+            let mut rest = *term;
+            if term.abs() < self.window.limit {
+                let [high, low, below] = self.window.cut(*term);
+                self.slices[0] += high;
+                self.slices[1] += low;
+                rest = below;
+            }
+            if rest != 0.0 {
+                self.wide().add(rest);
+            }
+        }
+    }
+
+    /// Moves the slices to the wide integer.
+    fn empty_slices(&mut self) {
+        for slice in std::mem::take(&mut self.slices) {
+            if slice != 0.0 {
+                self.wide().add(slice);
+            }
+        }
+        self.terms = 0;
+    }
+
+    fn wide(&mut self) -> &mut WideSum {
+        self.wide.get_or_insert_default()
+    }
+
+    /// Adds a term.
+    pub fn add(&mut self, term: f64) {
+        self.add_block(&[term]);
+    }
+
+    /// Adds the terms of another sum.
+    pub fn merge(&mut self, other: &Self) {
+        for slice in other.slices {
+            self.wide().add(slice);
+        }
+        if let Some(wide) = &other.wide {
+            self.wide().merge(wide);
+        }
+    }
+
+    /// Integers whose sums, over up to 2³⁰ accumulators, are the integers of the sum of all accumulators.
+    #[must_use]
+    pub fn words(&self) -> [i64; Self::WORDS] {
+        let mut all = Self::default();
+        all.merge(self);
+        all.wide().words()
+    }
+
+    /// The sum whose integers, added over accumulators, are given.
+    #[must_use]
+    pub fn from_words(words: &[i64; Self::WORDS]) -> Self {
+        Self {
+            wide: Some(Box::new(WideSum::from_words(words))),
+            ..Self::default()
+        }
+    }
+
+    /// The sum, rounded once to the nearest double, ties to even; beyond the largest double it is infinite.
+    #[must_use]
+    pub fn value(&self) -> f64 {
+        let [high, low] = self.slices;
+        match &self.wide {
+            // Both are exact.
+            None => high + low,
+            Some(wide) => {
+                let mut all = wide.clone();
+                all.add(high);
+                all.add(low);
+                all.value()
+            }
+        }
+    }
+}
+
+/// Several exact sums over the same particles, which take their terms in blocks.
+pub struct ExactSums<const N: usize> {
+    blocks: [[f64; BLOCK]; N],
+    len: usize,
+    sums: [ExactSum; N],
+}
+
+impl<const N: usize> Default for ExactSums<N> {
+    fn default() -> Self {
+        Self {
+            blocks: [[0.0; BLOCK]; N],
+            len: 0,
+            sums: std::array::from_fn(|_| ExactSum::default()),
+        }
+    }
+}
+
+impl<const N: usize> ExactSums<N> {
+    /// Adds one term to each sum.
+    #[inline]
+    pub fn add(&mut self, terms: [f64; N]) {
+        if self.len == BLOCK {
+            self.flush();
+        }
+        for (block, term) in self.blocks.iter_mut().zip(terms) {
+            block[self.len] = term;
+        }
+        self.len += 1;
+    }
+
+    /// Adds the terms of some particles.
+    #[inline]
+    fn add_range(&mut self, range: Range<usize>, term: impl Fn(usize) -> [f64; N]) {
+        self.flush();
+        for first in range.clone().step_by(BLOCK) {
+            self.len = BLOCK.min(range.end - first);
+            for k in 0..self.len {
+                for (block, term) in self.blocks.iter_mut().zip(term(first + k)) {
+                    block[k] = term;
+                }
+            }
+            self.flush();
+        }
+    }
+
+    fn flush(&mut self) {
+        for (sum, block) in self.sums.iter_mut().zip(&self.blocks) {
+            sum.add_block(&block[..self.len]);
+        }
+        self.len = 0;
+    }
+
+    /// Adds the terms of other sums.
+    pub fn merge(&mut self, other: Self) {
+        for (mine, theirs) in self.sums.iter_mut().zip(other.accumulators()) {
+            mine.merge(&theirs);
+        }
+    }
+
+    /// The accumulators.
+    #[must_use]
+    pub fn accumulators(mut self) -> [ExactSum; N] {
+        self.flush();
+        self.sums
+    }
+
+    /// The sums, each rounded once.
+    #[must_use]
+    pub fn values(self) -> [f64; N] {
+        self.accumulators().map(|sum| sum.value())
+    }
+}
+
+/// A quantity of N numbers that is summed exactly.
+pub trait Summand<const N: usize> {
+    /// Its numbers.
+    fn numbers(self) -> [f64; N];
+    /// The quantity of some numbers.
+    fn from_numbers(numbers: [f64; N]) -> Self;
+}
+
+impl Summand<1> for f64 {
+    fn numbers(self) -> [f64; 1] {
+        [self]
+    }
+    fn from_numbers([sum]: [f64; 1]) -> Self {
+        sum
+    }
+}
+
+impl Summand<3> for DVec3 {
+    fn numbers(self) -> [f64; 3] {
+        self.to_array()
+    }
+    fn from_numbers(numbers: [f64; 3]) -> Self {
+        Self::from_array(numbers)
+    }
+}
+
+impl Summand<9> for DMat3 {
+    fn numbers(self) -> [f64; 9] {
+        self.to_cols_array()
+    }
+    fn from_numbers(numbers: [f64; 9]) -> Self {
+        Self::from_cols_array(&numbers)
+    }
+}
+
+impl<const N: usize> Summand<N> for [f64; N] {
+    fn numbers(self) -> [f64; N] {
+        self
+    }
+    fn from_numbers(numbers: [f64; N]) -> Self {
+        numbers
+    }
+}
+
+/// The exact sum of `term(0)`, …, `term(n − 1)`, rounded once: the same bits for any order, any threads and any ranks.
+pub fn exact_sum<T: Summand<N>, const N: usize>(n: usize, term: impl Fn(usize) -> T + Sync) -> T {
+    let (sums, _) = exact_sums(n, |range, sums: &mut ExactSums<N>| {
+        sums.add_range(range, |i| term(i).numbers());
+    });
+    T::from_numbers(sums.values())
+}
+
+/// The exact sum of numbers, rounded once.
+#[must_use]
+pub fn total(numbers: &[f64]) -> f64 {
+    exact_sum(numbers.len(), |i| numbers[i])
+}
+
+/// The exact sums over `0..n` of what `add` gives for each of some ranges, and what it returns for each, in their order.
+///
+/// The number of ranges depends on the number of threads.
+pub fn exact_sums<const N: usize, R: Send>(
+    n: usize,
+    add: impl Fn(Range<usize>, &mut ExactSums<N>) -> R + Sync,
+) -> (ExactSums<N>, Vec<R>) {
+    let tasks = n
+        .div_ceil(PARTICLES_PER_TASK)
+        .min(4 * rayon::current_num_threads());
+    let mut all = ExactSums::default();
+    if tasks <= 1 || rayon::current_num_threads() == 1 {
+        let found = add(0..n, &mut all);
+        return (all, vec![found]);
+    }
+    let size = n.div_ceil(tasks);
+    let merged = Mutex::new(all);
+    let found = map_tasks(n.div_ceil(size), |(): &mut (), task| {
+        let mut mine = ExactSums::default();
+        let found = add(part(task, size, n), &mut mine);
+        let mut merged = merged.lock().unwrap_or_else(PoisonError::into_inner);
+        merged.merge(mine);
+        found
+    });
+    let merged = merged.into_inner();
+    (merged.unwrap_or_else(PoisonError::into_inner), found)
+}
+
+#[cfg(test)]
+mod tests;

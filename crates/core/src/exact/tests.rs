@@ -1,0 +1,171 @@
+//! Exact sums against wide integers, in any order and by any cut.
+
+use rand::RngExt;
+use rand::seq::SliceRandom;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::SeedableRng;
+
+use super::*;
+
+fn random() -> Xoshiro256PlusPlus {
+    Xoshiro256PlusPlus::seed_from_u64(7)
+}
+
+/// The exact sum of multiples of 2⁻⁴⁰ below 2²², as an integer of 128 bits gives it.
+fn wide_sum(terms: &[f64]) -> f64 {
+    let unit = 2.0_f64.powi(-40);
+    let all = terms.iter().map(|x| (x / unit) as i128);
+    all.sum::<i128>() as f64 * unit
+}
+
+#[test]
+fn a_sum_is_the_wide_sum_rounded_once() {
+    let mut random = random();
+    for n in [0, 1, 2, 7, 8, 255, 256, 257, 1000, 20_000] {
+        for spread in [0, 20, 44] {
+            let terms: Vec<f64> = (0..n)
+                .map(|_| {
+                    let bits = 61 - random.random_range(0..=spread);
+                    let all = random.random::<i64>() >> (63 - bits);
+                    // A double takes 53 bits of it.
+                    all as f64 * 2.0_f64.powi(-40)
+                })
+                .collect();
+            let expected = wide_sum(&terms);
+            assert_eq!(ExactSum::of(&terms).to_bits(), expected.to_bits(), "{n}");
+            let mut one_by_one = ExactSum::default();
+            terms.iter().for_each(|x| one_by_one.add(*x));
+            assert_eq!(one_by_one.value().to_bits(), expected.to_bits());
+            let by_tasks = exact_sum(n, |i| terms[i]);
+            assert_eq!(by_tasks.to_bits(), expected.to_bits());
+        }
+    }
+}
+
+#[test]
+fn no_order_and_no_cut_changes_a_bit_of_a_sum_over_all_exponents() {
+    let mut random = random();
+    let any = |random: &mut Xoshiro256PlusPlus| loop {
+        let x = f64::from_bits(random.random());
+        if x.is_finite() {
+            return x;
+        }
+    };
+    for round in 0..60 {
+        let mut terms: Vec<f64> = (0..2000).map(|_| any(&mut random) * 1e-4).collect();
+        if round % 2 == 0 {
+            // What is left of a cancellation is exact, however large the terms were.
+            let opposite: Vec<f64> = terms.iter().map(|x| -x).collect();
+            terms.extend(opposite);
+            terms.extend([1.0, 1e-20, -3e-300]);
+            terms.shuffle(&mut random);
+            assert_eq!(ExactSum::of(&terms), 1.0);
+        }
+        let first = ExactSum::of(&terms).to_bits();
+        terms.shuffle(&mut random);
+        let mut all = ExactSum::default();
+        let mut words = [0; ExactSum::WORDS];
+        let mut rest = &terms[..];
+        while !rest.is_empty() {
+            let (part, left) = rest.split_at(random.random_range(1..=rest.len()));
+            let mut sum = ExactSum::default();
+            sum.add_all(part);
+            for (word, more) in words.iter_mut().zip(sum.words()) {
+                *word += more;
+            }
+            all.merge(&sum);
+            rest = left;
+        }
+        assert_eq!(all.value().to_bits(), first);
+        assert_eq!(ExactSum::from_words(&words).value().to_bits(), first);
+    }
+    // The same terms in two orders differ where sums are rounded on the way.
+    let terms = [1.0, 1e17, -1e17];
+    assert_eq!(ExactSum::of(&terms), 1.0);
+    assert_ne!(terms.iter().sum::<f64>(), 1.0);
+}
+
+#[test]
+fn ties_go_to_even_and_the_ends_of_the_range_hold() {
+    let tie = 1.0 + f64::EPSILON;
+    let half = 0.5 * f64::EPSILON;
+    let least = f64::from_bits(1);
+    let cases = [
+        (vec![1.0, half], 1.0),
+        (vec![tie, half], 1.0 + 2.0 * f64::EPSILON),
+        (vec![1.0, half, least], tie),
+        (vec![tie, half, -least], tie),
+        (vec![-1.0, -half, -least], -tie),
+        (vec![least, least], 2.0 * least),
+        (vec![f64::MIN_POSITIVE, -least], f64::MIN_POSITIVE - least),
+        (vec![f64::MAX, f64::MAX, -f64::MAX], f64::MAX),
+        (vec![f64::MAX, f64::MAX], f64::INFINITY),
+        (vec![-f64::MAX, -f64::MAX], f64::NEG_INFINITY),
+        (vec![], 0.0),
+        (vec![-0.0], 0.0),
+        (vec![f64::INFINITY, 1.0], f64::INFINITY),
+        (vec![f64::NEG_INFINITY, 1.0], f64::NEG_INFINITY),
+    ];
+    for (terms, expected) in cases {
+        assert_eq!(
+            ExactSum::of(&terms).to_bits(),
+            expected.to_bits(),
+            "{terms:?}"
+        );
+        let mut one_by_one = ExactSum::default();
+        terms.iter().for_each(|x| one_by_one.add(*x));
+        assert_eq!(
+            one_by_one.value().to_bits(),
+            expected.to_bits(),
+            "{terms:?}"
+        );
+    }
+    for terms in [[f64::NAN, 1.0], [f64::INFINITY, f64::NEG_INFINITY]] {
+        assert!(ExactSum::of(&terms).is_nan());
+        let words = [0, 1].map(|k| {
+            let mut sum = ExactSum::default();
+            sum.add(terms[k]);
+            sum.words()
+        });
+        let both = std::array::from_fn(|k| words[0][k] + words[1][k]);
+        assert!(ExactSum::from_words(&both).value().is_nan());
+    }
+}
+
+#[test]
+fn digits_are_carried_before_they_overflow() {
+    let mut sum = ExactSum::default();
+    sum.add(-1.5);
+    // Doubling an accumulator soon passes the number of terms that digits have room for.
+    for doublings in 1..200 {
+        let same = sum.clone();
+        sum.merge(&same);
+        assert_eq!(sum.value(), -1.5 * 2.0_f64.powi(doublings));
+    }
+    sum.add(1.5 * 2.0_f64.powi(199));
+    assert_eq!(sum.value(), 0.0);
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let terms: Vec<f64> = (0..50_000)
+        .map(|i| (f64::from(i) * 0.7).sin() * 1e3)
+        .collect();
+    let vectors = |i: usize| DVec3::new(terms[i], terms[i] * terms[i], 1.0 / terms[i]);
+    let sums = || {
+        (
+            exact_sum(terms.len(), vectors),
+            exact_sum(terms.len(), |i| terms[i]),
+        )
+    };
+    let one = sums();
+    assert_eq!(one.0.x.to_bits(), one.1.to_bits());
+    assert_eq!(one.1.to_bits(), ExactSum::of(&terms).to_bits());
+    for threads in [1, 2, 3, 8] {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        assert_eq!(pool.install(sums), one);
+    }
+}
