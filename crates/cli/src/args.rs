@@ -56,7 +56,10 @@ pub enum Command {
         lennard resume runs/triple-point-1 --steps 100000 --max-walltime 2h")]
     Resume(ResumeArgs),
     /// Say what a scene computes, what it leaves out and why, its memory, and about how long it takes.
-    #[command(after_help = "Example:\n  lennard plan inputs/verlet-1967/triple-point.toml")]
+    #[command(
+        after_help = "Examples:\n  lennard plan inputs/verlet-1967/triple-point.toml\n  \
+        lennard plan big-fluid.toml --nodes 64 --latency 2us --bandwidth 25GB/s"
+    )]
     Plan(PlanArgs),
     /// Evaluate energy, virial and pressure of a scene's start configuration once.
     #[command(after_help = "Examples:\n  \

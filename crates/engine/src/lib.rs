@@ -78,7 +78,9 @@ pub use lammps::{LammpsExport, export_to_lammps};
 pub use moment::Moment;
 pub use overlaps::SMALLEST_START_DISTANCE;
 pub use own::OwnParts;
-pub use plan::{Plan, PlanItem, plan, watching_seconds};
+pub use plan::{
+    Network, Nodes, NodesError, OnNodes, OneNode, Plan, PlanItem, plan, watching_seconds,
+};
 pub use recorded::responses_of_recorded;
 pub use resume::{ResumeOptions, Resumed, restored, restored_with, resume, resume_with, way_on};
 pub use run::{Ending, Instantaneous, Outcome, Progress, RunOptions, go_on, run};

@@ -1,5 +1,6 @@
 //! What a scene computes, what it leaves out and why, how much memory it takes and about how long.
 
+mod nodes;
 mod shares;
 
 use lennard_core::{DVec3, Observable};
@@ -14,6 +15,7 @@ use crate::watchdog;
 use crate::{EngineError, build};
 use shares::{Costs, barostat_name, bath_name};
 
+pub use nodes::{Network, Nodes, NodesError, OnNodes, OneNode};
 pub use shares::watching_seconds;
 
 /// One part of the work.
@@ -59,6 +61,30 @@ pub struct Plan {
     pub measured_steps: u64,
     /// Estimated wall time of the whole run, seconds.
     pub estimated_seconds: f64,
+    /// Sides of the box at the start, σ.
+    pub lengths: DVec3,
+    /// The distance that forces and lists reach, σ.
+    pub reach: f64,
+    /// What several machines make of the scene, where the command asks for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nodes: Option<Nodes>,
+}
+
+impl Plan {
+    /// The same plan with what several machines, each like this one, make of the scene.
+    ///
+    /// # Errors
+    /// [`NodesError`] where the box has no room for so many bricks.
+    pub fn on(self, network: Network) -> Result<Self, NodesError> {
+        let one = OneNode {
+            lengths: self.lengths,
+            atoms: self.atoms,
+            reach: self.reach,
+            seconds_per_step: self.seconds_per_step,
+        };
+        let nodes = Some(one.on(network)?);
+        Ok(Self { nodes, ..self })
+    }
 }
 
 /// Bytes of the state for each particle: position, velocity and force.
@@ -99,6 +125,9 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
         seconds_per_step: costs.median_step,
         measured_steps: costs.steps,
         estimated_seconds: total,
+        lengths: simulation.state.cell.lengths(),
+        reach: provider.plan().r_list,
+        nodes: None,
     })
 }
 

@@ -16,6 +16,35 @@ pub struct PlanArgs {
     /// Every part, with what is off and why.
     #[arg(long)]
     pub verbose: bool,
+    /// Predict the step of one big system on this many machines, each like this one.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub nodes: Option<u32>,
+    /// Time of an empty message between two machines, such as 2us.
+    #[arg(long, value_name = "TIME", default_value = "2us", requires = "nodes", value_parser = latency)]
+    pub latency: Duration,
+    /// Bytes per second that a machine sends and receives, such as 25GB/s or 800MB/s.
+    #[arg(long, value_name = "RATE", default_value = "25GB/s", requires = "nodes", value_parser = bandwidth)]
+    pub bandwidth: f64,
+}
+
+/// A time of zero or more.
+fn latency(text: &str) -> Result<Duration, String> {
+    humantime::parse_duration(text).map_err(|e| format!("{e}; wanted a time such as 2us or 500ns"))
+}
+
+/// Bytes per second: a number with a unit.
+fn bandwidth(text: &str) -> Result<f64, String> {
+    const UNITS: [(&str, f64); 4] = [("GB/s", 1e9), ("MB/s", 1e6), ("kB/s", 1e3), ("B/s", 1.0)];
+    let wanted = || "wanted a rate above zero, such as 25GB/s, 800MB/s or 100kB/s".to_owned();
+    let unit = UNITS.iter().find(|(name, _)| text.ends_with(name));
+    let (name, unit) = unit.ok_or_else(wanted)?;
+    let number = text[..text.len() - name.len()].trim();
+    let rate = number.parse::<f64>().map_or(f64::NAN, |x| x * unit);
+    if rate > 0.0 && rate.is_finite() {
+        Ok(rate)
+    } else {
+        Err(wanted())
+    }
 }
 
 /// Arguments of `tune`.
@@ -306,5 +335,20 @@ fn tuning_seconds(text: &str) -> Result<f64, String> {
         _ => Err(format!(
             "wanted a number of seconds from {FEWEST} to {MOST}"
         )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_have_a_unit_and_are_above_zero() {
+        assert_eq!(bandwidth("25GB/s"), Ok(25e9));
+        assert_eq!(bandwidth("1.5 MB/s"), Ok(1.5e6));
+        assert_eq!(bandwidth("10B/s"), Ok(10.0));
+        for wrong in ["25", "0GB/s", "-1MB/s", "infGB/s", "GB/s", "fast"] {
+            assert!(bandwidth(wrong).is_err(), "{wrong}");
+        }
     }
 }

@@ -1,8 +1,10 @@
 //! `lennard plan`: what a scene computes.
 
+use lennard_engine::Network;
+
 use crate::args::PlanArgs;
 use crate::commands::{load_locked, on_threads, print_json, threads_with};
-use crate::failure::{DONE, Failure};
+use crate::failure::{DONE, Failure, INPUT};
 use crate::show;
 
 /// Prints what a scene computes, what it leaves out and why, its memory and about how long it takes.
@@ -10,9 +12,19 @@ pub fn plan(args: &PlanArgs) -> Result<u8, Failure> {
     let (scene, lock) = load_locked(&args.scene)?;
     let mut simulation = lennard_engine::prepare(scene)?;
     let threads = threads_with(args.scene.threads, lock.as_ref(), simulation.state.len());
-    let plan = on_threads(threads, || {
+    let mut plan = on_threads(threads, || {
         Ok(lennard_engine::plan(&mut simulation, threads)?)
     })?;
+    if let Some(nodes) = args.nodes {
+        let network = Network {
+            nodes: nodes as usize,
+            latency: args.latency.as_secs_f64(),
+            bandwidth: args.bandwidth,
+        };
+        plan = plan
+            .on(network)
+            .map_err(|e| Failure::new("planning for several machines", e, INPUT))?;
+    }
     if args.scene.json {
         print_json(&plan)?;
     } else {

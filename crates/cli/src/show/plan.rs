@@ -1,7 +1,7 @@
 //! What a scene computes, in ten lines or in full.
 
 use lennard_core::{Cell, Table};
-use lennard_engine::{Plan, PlanItem};
+use lennard_engine::{Nodes, Plan, PlanItem};
 
 use super::{bytes, duration, table};
 
@@ -41,6 +41,46 @@ pub fn plan(plan: &Plan, verbose: bool) {
         duration(plan.seconds_per_step),
         plan.measured_steps
     );
+    if let Some(nodes) = &plan.nodes {
+        println!("{}", table(&of_nodes(nodes)));
+        println!("  {}", in_words(nodes));
+    }
+}
+
+/// Steps on machines, by the model.
+fn of_nodes(nodes: &Nodes) -> Table {
+    let micro = |seconds: f64| Cell::figures(format!("{:.1}", 1e6 * seconds));
+    Table::rows_of("nodes", &nodes.steps)
+        .column("machines", |s| s.nodes)
+        .column("bricks", |s| s.grid.map(|n| n.to_string()).join("×"))
+        .column("particles", |s| Cell::figures(format!("{:.0}", s.atoms)))
+        .column("ghosts", |s| Cell::figures(format!("{:.0}", s.ghosts)))
+        .column("step, µs", |s| micro(s.seconds_per_step))
+        .column("halo, µs", |s| micro(s.halo))
+        .column("decision, µs", |s| micro(s.deciding))
+        .column("speedup", |s| Cell::figures(format!("{:.1}", s.speedup)))
+        .column("efficiency", |s| {
+            Cell::figures(format!("{:.2}", s.efficiency))
+        })
+        .table()
+}
+
+/// Where more machines stop paying, and what the numbers are.
+fn in_words(nodes: &Nodes) -> String {
+    let why = if nodes.ends_with_the_box {
+        "for more there is no room in the box: a brick must be as thick as the list radius"
+    } else {
+        "with more, halo and decisions take more than half of the time"
+    };
+    format!(
+        "more machines pay up to {} (efficiency {:.2}): {why}\n  \
+         predicted from the measured step for {} and {:.3e} B/s, and a halo of {:.3} σ; not measured",
+        nodes.pays_up_to,
+        nodes.efficiency_there,
+        duration(nodes.network.latency),
+        nodes.network.bandwidth,
+        nodes.reach
+    )
 }
 
 fn percent(share: f64) -> String {
@@ -102,6 +142,8 @@ fn lines(plan: &Plan) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use lennard_core::DVec3;
+
     use super::*;
 
     #[test]
@@ -139,6 +181,9 @@ mod tests {
             seconds_per_step: 1.0,
             measured_steps: 1,
             estimated_seconds: 1.0,
+            lengths: DVec3::ONE,
+            reach: 1.0,
+            nodes: None,
         };
         assert_eq!(
             lines(&plan),
