@@ -210,14 +210,17 @@ impl<const N: usize> ExactSums<N> {
     }
 
     /// Adds the terms of some particles.
+    // Iterators over arrays are calls where little is inlined.
+    #[allow(clippy::needless_range_loop)]
     #[inline]
     fn add_range(&mut self, range: Range<usize>, term: impl Fn(usize) -> [f64; N]) {
         self.flush();
         for first in range.clone().step_by(BLOCK) {
             self.len = BLOCK.min(range.end - first);
             for k in 0..self.len {
-                for (block, term) in self.blocks.iter_mut().zip(term(first + k)) {
-                    block[k] = term;
+                let terms = term(first + k);
+                for quantity in 0..N {
+                    self.blocks[quantity][k] = terms[quantity];
                 }
             }
             self.flush();
@@ -261,36 +264,44 @@ pub trait Summand<const N: usize> {
 }
 
 impl Summand<1> for f64 {
+    #[inline(always)]
     fn numbers(self) -> [f64; 1] {
         [self]
     }
+    #[inline(always)]
     fn from_numbers([sum]: [f64; 1]) -> Self {
         sum
     }
 }
 
 impl Summand<3> for DVec3 {
+    #[inline(always)]
     fn numbers(self) -> [f64; 3] {
         self.to_array()
     }
+    #[inline(always)]
     fn from_numbers(numbers: [f64; 3]) -> Self {
         Self::from_array(numbers)
     }
 }
 
 impl Summand<9> for DMat3 {
+    #[inline(always)]
     fn numbers(self) -> [f64; 9] {
         self.to_cols_array()
     }
+    #[inline(always)]
     fn from_numbers(numbers: [f64; 9]) -> Self {
         Self::from_cols_array(&numbers)
     }
 }
 
 impl<const N: usize> Summand<N> for [f64; N] {
+    #[inline(always)]
     fn numbers(self) -> [f64; N] {
         self
     }
+    #[inline(always)]
     fn from_numbers(numbers: [f64; N]) -> Self {
         numbers
     }

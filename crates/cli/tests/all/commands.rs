@@ -232,6 +232,42 @@ fn plan_says_what_is_on_and_off_and_why() {
 }
 
 #[test]
+fn a_plan_for_several_machines_has_a_line_for_each_number_and_refuses_what_does_not_fit() {
+    let scene = "inputs/bench/fluid-864.toml";
+    let text = succeed(&["plan", scene, "--nodes", "8", "--latency", "500ns"]);
+    for wanted in ["2×2×2", "more machines pay up to", "not measured"] {
+        assert!(text.contains(wanted), "{wanted} in\n{text}");
+    }
+    let plan = json(&succeed(&["plan", scene, "--nodes", "8", "--json"]));
+    let steps = plan["nodes"]["steps"].as_array().unwrap();
+    let numbers: Vec<_> = steps
+        .iter()
+        .map(|step| step["nodes"].as_u64().unwrap())
+        .collect();
+    assert_eq!(numbers, [1, 2, 4, 8]);
+    assert!(steps[3]["ghosts"].as_f64().unwrap() > 0.0);
+    assert_eq!(steps[0]["efficiency"], 1.0);
+    for (arguments, wanted) in [
+        (["--nodes", "1000"], "up to 27 here"),
+        (["--nodes", "0"], "0 is not in"),
+        (["--latency", "1us"], "--nodes"),
+        (["--bandwidth", "25"], "wanted a rate above zero"),
+    ] {
+        let output = lennard(&[&["plan", scene], &arguments[..]].concat())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(stderr(&output).contains(wanted), "{}", stderr(&output));
+    }
+    let output = lennard(&["plan", scene, "--nodes", "1000"])
+        .output()
+        .unwrap();
+    let expected = "planning for several machines: the box cannot be cut into so many bricks\n  found:   --nodes 1000\n  \
+                    allowed: a number that divides into bricks no thinner than the 2.";
+    assert!(stderr(&output).contains(expected), "{}", stderr(&output));
+}
+
+#[test]
 fn every_list_names_its_methods() {
     for (what, wanted) in [
         ("integrators", "stormer-verlet"),

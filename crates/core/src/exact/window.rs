@@ -54,10 +54,14 @@ impl Window {
             four[..last.len()].copy_from_slice(last);
             lanes.add(self, &four);
         }
-        let rest = lanes.rest.iter().fold(0, |all, bits| all | bits);
+        let [a, b, c, d] = lanes.rest;
+        let [e, f, g, h] = lanes.largest.map(|x| x < self.limit);
         // The comparison is false for NaN, which leaves a rest too. A rest of zero may be negative.
-        let whole = rest << 1 == 0 && lanes.largest.iter().all(|x| *x < self.limit);
-        whole.then(|| [lanes.high, lanes.low].map(|sums| sums.iter().sum()))
+        if (a | b | c | d) << 1 != 0 || !(e & f & g & h) {
+            return None;
+        }
+        let sum = |[a, b, c, d]: [f64; LANES]| (a + b) + (c + d);
+        Some([sum(lanes.high), sum(lanes.low)])
     }
 }
 
@@ -74,26 +78,36 @@ struct Lanes {
 
 impl Lanes {
     /// Adds one term to each lane. Each loop is one instruction of the processor for two lanes or more.
+    // Iterators over arrays are calls where little is inlined.
+    #[allow(clippy::needless_range_loop)]
     #[inline(always)]
     fn add(&mut self, window: &Window, terms: &[f64; LANES]) {
         let [first, second] = window.rounders;
-        let high: [f64; LANES] = std::array::from_fn(|k| (terms[k] + first) - first);
-        let below: [f64; LANES] = std::array::from_fn(|k| terms[k] - high[k]);
-        let low: [f64; LANES] = std::array::from_fn(|k| (below[k] + second) - second);
-        for (sum, high) in self.high.iter_mut().zip(high) {
-            *sum += high;
+        let (mut high, mut low, mut below) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for k in 0..LANES {
+            high[k] = (terms[k] + first) - first;
         }
-        for (sum, low) in self.low.iter_mut().zip(low) {
-            *sum += low;
+        for k in 0..LANES {
+            below[k] = terms[k] - high[k];
         }
-        for (rest, (below, low)) in self.rest.iter_mut().zip(below.iter().zip(low)) {
-            *rest |= (below - low).to_bits();
+        for k in 0..LANES {
+            low[k] = (below[k] + second) - second;
         }
-        for (largest, x) in self.largest.iter_mut().zip(terms) {
-            *largest = if x.abs() > *largest {
-                x.abs()
+        for k in 0..LANES {
+            self.high[k] += high[k];
+        }
+        for k in 0..LANES {
+            self.low[k] += low[k];
+        }
+        for k in 0..LANES {
+            self.rest[k] |= (below[k] - low[k]).to_bits();
+        }
+        for k in 0..LANES {
+            let x = terms[k].abs();
+            self.largest[k] = if x > self.largest[k] {
+                x
             } else {
-                *largest
+                self.largest[k]
             };
         }
     }

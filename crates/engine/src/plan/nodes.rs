@@ -92,7 +92,7 @@ pub struct Nodes {
 pub enum NodesError {
     /// No grid of so many bricks has bricks that are at least as thick as their halo.
     #[error(
-        "the box cannot be cut into so many bricks\n  found: --nodes {nodes}\n  \
+        "the box cannot be cut into so many bricks\n  found:   --nodes {nodes}\n  \
          allowed: a number that divides into bricks no thinner than the {reach:.3} σ that a list reaches, up to {most} here"
     )]
     NoGrid {
@@ -113,7 +113,7 @@ impl OneNode {
     pub fn on(&self, network: Network) -> Result<Nodes, NodesError> {
         let refused = || NodesError::NoGrid {
             nodes: network.nodes,
-            most: self.most_bricks().iter().product(),
+            most: self.most_bricks().iter().product::<usize>().min(self.atoms),
             reach: self.reach,
         };
         let last = self.step(network.nodes, network).ok_or_else(refused)?;
@@ -171,14 +171,18 @@ impl OneNode {
         })
     }
 
-    /// The grid with the fewest ghosts, among grids of bricks that are no thinner than the reach.
+    /// The grid with the fewest ghosts, among grids of bricks that are no thinner than the reach; none for more bricks than
+    /// particles.
     fn grid(&self, nodes: usize) -> Option<[usize; 3]> {
         let most = self.most_bricks();
         let parts = |n: usize, axis: usize| {
             let up_to = most[axis].min(n);
             (1..=up_to).filter(move |parts| n.is_multiple_of(*parts))
         };
-        let grids = parts(nodes, 0)
+        let grids = (nodes <= self.atoms).then(|| parts(nodes, 0));
+        let grids = grids
+            .into_iter()
+            .flatten()
             .flat_map(|x| parts(nodes / x, 1).map(move |y| [x, y, nodes / x / y]))
             .filter(|[_, _, z]| *z <= most[2]);
         grids.min_by(|a, b| self.ghosts(*a).total_cmp(&self.ghosts(*b)))
@@ -287,6 +291,8 @@ mod tests {
         );
         // Along each axis there is room for three bricks, and 5 is a prime number.
         assert!(small.on(Network { nodes: 5, ..FAST }).is_err());
+        let few = OneNode { atoms: 3, ..small };
+        assert!(few.step(2, FAST).is_some() && few.step(4, FAST).is_none());
         let slow = Network {
             nodes: 2,
             latency: 0.0,

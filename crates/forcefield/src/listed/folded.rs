@@ -8,7 +8,7 @@ use crate::interaction::Interaction;
 use crate::simd::{Detail, ListInUse, ListStatus, MotionSummary, Ordered, PerParticle};
 use crate::sums::Totals;
 
-use super::Evaluated;
+use super::evaluated::Evaluated;
 
 /// Folded positions, and the neighbors of each particle in ascending order.
 #[derive(Default)]

@@ -1,5 +1,6 @@
 //! A Verlet list at work: positions are packed into rows, the list is judged before each use, and pairs are summed.
 
+mod evaluated;
 mod folded;
 mod persist;
 
@@ -9,13 +10,14 @@ use glam::DVec3;
 use lennard_core::{Configuration, Exclusions, ForceError, FusedSteps, PeriodicBox};
 use lennard_neighbor::{ClusterList, Images, NeighborList, Positions};
 
+use self::evaluated::Evaluated;
 use self::folded::Folded;
 use crate::clock::Clock;
 use crate::fused::FusedBuffers;
 use crate::interaction::Interaction;
 use crate::non_finite;
 use crate::simd::{
-    Detail, DoubleRow, FixedRow, KickDrift, Level, ListStatus, Outcome, PackedCopies, PerParticle,
+    Detail, DoubleRow, FixedRow, KickDrift, Level, ListStatus, PackedCopies, PerParticle,
     Prepared, Request,
 };
 use crate::sums::Totals;
@@ -46,26 +48,6 @@ impl<Row: Copy + Default + Send + Sync> Copies<Row> {
 
 /// The smallest number of fused steps that is worth gathering the particles by slot.
 const FEWEST_STEPS: u64 = 3;
-
-/// The result of an evaluation with a list of any kind.
-struct Evaluated {
-    /// Whether the list could be used. If not, there are no sums.
-    status: ListStatus,
-    /// The totals over all pairs; nothing where only forces are summed.
-    totals: Totals,
-    /// Whether a force is not finite.
-    broken: bool,
-}
-
-impl Evaluated {
-    fn of(outcome: Outcome) -> Self {
-        Self {
-            status: outcome.status,
-            totals: Totals::of_chunks(&outcome.totals),
-            broken: outcome.broken,
-        }
-    }
-}
 
 /// A list with everything that belongs to it.
 pub struct Listed {
