@@ -1,6 +1,7 @@
 //! The barostat of Martyna, Tobias and Klein with Nosé–Hoover chains: deterministic, inside the step.
 
-use lennard_core::parallel::{for_each_piece, for_each_piece_pair, ordered_sum};
+use lennard_core::exact::exact_sum;
+use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
 use lennard_core::random::NoiseStream;
 use lennard_core::{
     BarostatSpec, DVec3, ForceError, ForceProperties, Integrator, IntegratorSpec, Method, Parts,
@@ -249,15 +250,11 @@ fn kinetic_energy_of_centers(system: &System, velocities: &[DVec3]) -> f64 {
     if molecules.are_atoms() {
         return system.kinetic_energy(velocities);
     }
-    ordered_sum(system.n_molecules(), |range| {
-        range
-            .map(|m| {
-                let sites = molecules.sites_of(m);
-                let mass: f64 = sites.clone().map(|i| masses.of(i)).sum();
-                let center = molecules.center(masses, sites.start, &velocities[sites]);
-                0.5 * mass * center.length_squared()
-            })
-            .sum()
+    exact_sum(system.n_molecules(), |m| {
+        let sites = molecules.sites_of(m);
+        let mass: f64 = sites.clone().map(|i| masses.of(i)).sum();
+        let center = molecules.center(masses, sites.start, &velocities[sites]);
+        0.5 * mass * center.length_squared()
     })
 }
 
