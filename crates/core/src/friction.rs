@@ -1,7 +1,7 @@
 //! Friction and noise on every particle: the Ornstein–Uhlenbeck part of Langevin dynamics.
 
-use crate::normals::LANES;
 use crate::exact::total;
+use crate::normals::LANES;
 use crate::parallel::for_each_piece_pair;
 use crate::random::NoiseStream;
 use crate::{DVec3, Masses, Ramp};

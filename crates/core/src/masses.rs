@@ -64,7 +64,9 @@ impl Masses {
     /// The kinetic energy K = Σ ½ m v² in ε, an exact total.
     #[must_use]
     pub fn kinetic_energy(&self, velocities: &[DVec3]) -> f64 {
-        exact_sum(velocities.len(), |i| self.kinetic_energy_of(i, velocities[i]))
+        exact_sum(velocities.len(), |i| {
+            self.kinetic_energy_of(i, velocities[i])
+        })
     }
 
     /// The reduced mass m_i·m_j/(m_i + m_j) of two particles, of which one at most is held.

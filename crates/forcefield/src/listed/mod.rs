@@ -17,8 +17,8 @@ use crate::fused::FusedBuffers;
 use crate::interaction::Interaction;
 use crate::non_finite;
 use crate::simd::{
-    Detail, DoubleRow, FixedRow, KickDrift, Level, ListStatus, PackedCopies, PerParticle,
-    Prepared, Request,
+    Detail, DoubleRow, FixedRow, KickDrift, Level, ListStatus, PackedCopies, PerParticle, Prepared,
+    Request,
 };
 use crate::sums::Totals;
 use crate::validity::ListValidity;
