@@ -221,8 +221,8 @@ struct Impacts<'a> {
 }
 
 impl Impacts<'_> {
-    /// Newton's rule for all contacts of a group at once that do not part, wherever one of them is hit: 0 ≤ λ ⊥ A·λ + b ≥ 0, with b = (1 + e)·G·v
-    /// at contacts that are hit. The others do not approach faster than before: b = max(G·v, 0).
+    /// Newton's rule for all contacts of a group at once that do not part, wherever one of them is hit: 0 ≤ λ ⊥ A·λ + b ≥ 0.
+    /// Contacts that are hit have b = (1 + e)·G·v. The others do not approach faster than before: b = max(G·v, 0).
     ///
     /// Where an impact leaves no speed, bodies go back to where they touch, the shortest way in the metric of the masses.
     fn act(

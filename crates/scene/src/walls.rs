@@ -327,7 +327,6 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
     let surface = table.options.surface(&context, false);
     let contact = scene.contact.as_ref();
     if contact.is_some_and(|table| matches!(table.options.response(), Touch::Unilateral(_))) {
-        // Contacts of SPOOK refuse walls that do not go with them.
         return Ok(());
     }
     if surface.rule() == Some(HitRule::ByContacts) {

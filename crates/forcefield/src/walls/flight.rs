@@ -83,8 +83,8 @@ impl Walls {
         v[reading.axis] = 0.0;
     }
 
-    /// Whether a particle that arrives at a plane with an outward speed rests there, where forces have given it the change of
-    /// velocity `kick` in the time of its flight.
+    /// Whether a particle that arrives at a plane with an outward speed rests there. The forces change its velocity by `kick` in a
+    /// flight.
     ///
     /// It rests where the plane takes energy and the kick alone has brought the speed. That kick did no work on a particle at rest.
     pub(super) fn rests(&self, index: usize, towards: f64, kick: DVec3) -> bool {

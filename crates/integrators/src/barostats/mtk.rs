@@ -97,8 +97,8 @@ static STEP: IntegratorSpec = IntegratorSpec {
 /// with one chain on the velocities and another on v_ε. The conserved quantity is
 /// K + U_s + V·P_tail + P₀V + ½W·v_ε² + the energies of both chains; all but the first three count as heat.
 ///
-/// For molecules the terms with v_ε act on the centres of mass R and their velocities V alone, with α = 1 + 3/n_c: n_c, K and
-/// W_pairs are those of the centres, while the chain acts on all sites. Sites keep their places around the centre, so that bonds
+/// For molecules the terms with v_ε act on the centres of mass R and their velocities V alone, with α = 1 + 3/n_c. The centres
+/// have the numbers n_c, K and W_pairs, while the chain acts on all sites. Sites keep their places around the centre, so that bonds
 /// keep their length in a box that changes. The flow of R, V and the box then has no divergence of its own, as for atoms.
 #[derive(Debug, Clone)]
 pub struct Mtk {

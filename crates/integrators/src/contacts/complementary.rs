@@ -136,7 +136,7 @@ impl Problem<'_> {
     /// The direct solution of one group; `None` where its matrix is singular.
     ///
     /// Contacts that push solve A·λ = −b, and the others have λ = 0. All contacts of the wrong sign change sides at once, while
-    /// their number falls; then the last of them alone, which ends for every positive definite matrix (K. G. Murty, Linear Algebra
+    /// their number falls. Then the last of them changes alone, which ends for every positive definite matrix (K. G. Murty, Linear Algebra
     /// Appl. 7, 65 (1974)).
     fn exchange(&self, group: &[usize]) -> Option<Vec<f64>> {
         let n = group.len();

@@ -1,0 +1,73 @@
+//! Walls that are hit by molecules as the boundary of flights, as a force term, and in checkpoints.
+
+use lennard_core::{
+    Boundary, Configuration, DVec3, Energetics, Flight, ForceError, ForceProperties, ForceTerm,
+    Part, Persist, RestoreError, StateReader, StateWriter, WallReading, Want,
+};
+
+use super::MoleculesAtWalls;
+
+impl Boundary for MoleculesAtWalls {
+    fn fly(&mut self, mut flight: Flight<'_>) -> f64 {
+        match self.fly_all(&mut flight) {
+            Ok(heat) => heat,
+            Err((first, _)) => {
+                self.failed = self.failed.or(Some(first));
+                0.0
+            }
+        }
+    }
+}
+
+impl ForceTerm for MoleculesAtWalls {
+    fn evaluate(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        forces.fill(DVec3::ZERO);
+        self.add(at, part, want, &mut Vec::new(), forces)
+    }
+
+    fn add(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        scratch: &mut Vec<DVec3>,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        if let Some(particle) = self.failed.take() {
+            return Err(ForceError::NonFinitePosition { particle });
+        }
+        self.walls.add(at, part, want, scratch, forces)
+    }
+
+    fn force_on(&self, particle: usize, at: Configuration<'_>) -> DVec3 {
+        self.walls.force_on(particle, at)
+    }
+
+    fn properties(&self) -> ForceProperties {
+        self.walls.properties()
+    }
+
+    fn walls(&self) -> &[WallReading] {
+        self.walls.walls()
+    }
+
+    fn boundary(&mut self) -> Option<&mut dyn Boundary> {
+        Some(self)
+    }
+}
+
+impl Persist for MoleculesAtWalls {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.walls.save(to);
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.walls.restore(from)
+    }
+}
