@@ -55,8 +55,8 @@ pub(super) struct Costs {
     totals: f64,
     /// What the Laplacian adds to that.
     laplacian: f64,
-    /// What entries of single particles add to an evaluation.
-    per_particle: f64,
+    /// What observers want beyond that adds to it: the tensor of the virial, or entries of single particles.
+    beyond_totals: f64,
     thermodynamics: f64,
     /// What each observable wants of the forces, and a sample of it.
     observers: Vec<(Want, f64)>,
@@ -102,17 +102,11 @@ impl Costs {
         let forces = evaluate(&mut bare, Want::NOTHING)?;
         let energies = evaluate(&mut bare, Want::ENERGY_AND_VIRIAL)?;
         let laplacian = evaluate(&mut bare, Want::TOTALS)?;
-        let each = Want {
-            per_particle: true,
-            ..Want::TOTALS
-        };
         // Measured only where an observer asks: on a large system it takes memory. It also leaves what observers look at.
-        let wants_each = simulation
-            .observers
-            .iter()
-            .any(|o| o.observable.want().per_particle);
-        let per_particle = if wants_each {
-            evaluate(&mut bare, each)? - laplacian
+        let wants = simulation.observers.iter().map(|o| o.observable.want());
+        let wanted = wants.fold(Want::TOTALS, |all, want| all | want);
+        let beyond_totals = if is_beyond_totals(wanted) {
+            evaluate(&mut bare, wanted)? - laplacian
         } else {
             0.0
         };
@@ -139,7 +133,7 @@ impl Costs {
             evaluation: energies,
             totals: energies - forces,
             laplacian: laplacian - energies,
-            per_particle,
+            beyond_totals,
             thermodynamics,
             observers,
             baths,
@@ -214,13 +208,18 @@ impl Costs {
         } else {
             alone * self.totals.max(0.0)
         };
-        let each = if want.per_particle {
-            self.per_particle.max(0.0)
+        let beyond = if is_beyond_totals(want) {
+            self.beyond_totals.max(0.0)
         } else {
             0.0
         };
-        totals + each
+        totals + beyond
     }
+}
+
+/// Whether an evaluation with totals alone does not give what is wanted.
+fn is_beyond_totals(want: Want) -> bool {
+    want | Want::TOTALS != Want::TOTALS
 }
 
 /// The share of the steps due every so often on which no row of thermo.csv is due, which has energy and virial computed.

@@ -21,7 +21,7 @@ fn costs(observers: Vec<(Want, f64)>, baths: Vec<f64>) -> Costs {
         evaluation: 0.0,
         totals: 5.0,
         laplacian: -1.0,
-        per_particle: 7.0,
+        beyond_totals: 7.0,
         thermodynamics: 0.5,
         observers,
         baths,
