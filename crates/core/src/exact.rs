@@ -328,15 +328,14 @@ pub fn exact_sums<const N: usize, R: Send>(
     n: usize,
     add: impl Fn(Range<usize>, &mut ExactSums<N>) -> R + Sync,
 ) -> (ExactSums<N>, Vec<R>) {
-    let tasks = n
-        .div_ceil(PARTICLES_PER_TASK)
-        .min(4 * rayon::current_num_threads());
     let mut all = ExactSums::default();
-    if tasks <= 1 || rayon::current_num_threads() == 1 {
+    // The order of the two questions matters: asking for threads starts a pool, which a system may refuse.
+    if n <= PARTICLES_PER_TASK || rayon::current_num_threads() == 1 {
         let found = add(0..n, &mut all);
         return (all, vec![found]);
     }
-    let size = n.div_ceil(tasks);
+    let tasks = n.div_ceil(PARTICLES_PER_TASK);
+    let size = n.div_ceil(tasks.min(4 * rayon::current_num_threads()));
     let merged = Mutex::new(all);
     let found = map_tasks(n.div_ceil(size), |(): &mut (), task| {
         let mut mine = ExactSums::default();

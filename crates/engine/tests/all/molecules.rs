@@ -474,7 +474,7 @@ fn an_ideal_gas_of_rigid_dumbbells_has_the_volume_of_its_centres() {
     );
 }
 
-/// The mean volume of 32 dumbbells at T = 2 over 120 τ, with its error.
+/// The mean volume of 32 dumbbells at T = 2 over 240 τ, with its error.
 fn volume_of_a_gas(thermostat: &str, barostat: &str, potential: (&str, &str)) -> (f64, f64) {
     let mut s = build(&[
         ("system.n_molecules", "32"),
@@ -483,7 +483,7 @@ fn volume_of_a_gas(thermostat: &str, barostat: &str, potential: (&str, &str)) ->
         ("truncation", "{}"),
         ("stage.0.thermostat", thermostat),
         ("stage.0.barostat", barostat),
-        ("stage.0.steps", "60000"),
+        ("stage.0.steps", "120000"),
         ("observable", "[]"),
     ]);
     s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));

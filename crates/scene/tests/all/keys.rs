@@ -41,7 +41,7 @@ fn with_unknown_key(table: &str, method: Option<&str>) -> String {
     match table {
         "" => format!("zzz = 1\n{SYSTEM}{STAGE}"),
         "system" => format!("{SYSTEM}{rows}\n{STAGE}"),
-        "slab" => scene(&format!("[slab]\n{rows}")).replace("density = 0.8\n", ""),
+        "slab" | "crystal" => scene(&format!("[{table}]\n{rows}")).replace("density = 0.8\n", ""),
         "species" => scene(&format!("{species}{rows}")),
         "mixing" => scene(&format!("{species}[mixing]\n{rows}")),
         "pair" => scene(&format!("{species}[[pair]]\n{rows}")),

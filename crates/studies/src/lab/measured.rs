@@ -350,7 +350,7 @@ mod tests {
         let slopes = bench.slopes(&base, 1.0).unwrap();
         let run = |dt: f64| {
             let settings = Settings { dt, ..base.clone() };
-            bench.measure(&settings, 60.0, &slopes).unwrap()
+            bench.measure(&settings, 90.0, &slopes).unwrap()
         };
         let (coarse, fine) = (run(0.02), run(0.004));
         let heat = coarse.temperature_of_positions.mean - coarse.temperature.mean;
