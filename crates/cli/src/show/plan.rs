@@ -74,7 +74,8 @@ fn in_words(nodes: &Nodes) -> String {
     };
     format!(
         "more machines pay up to {} (efficiency {:.2}): {why}\n  \
-         predicted from the measured step for {} and {:.3e} B/s, and a halo of {:.3} σ; not measured",
+         predicted from the measured step for {} and {:.3e} B/s, and a halo of {:.3} σ; not measured,\n  \
+         since Lennard itself runs one fluid on one machine",
         nodes.pays_up_to,
         nodes.efficiency_there,
         duration(nodes.network.latency),
