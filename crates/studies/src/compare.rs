@@ -97,7 +97,11 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
     let equation = equation_of_state_for(model);
     let mut state = state_of(run, equation.as_ref().ok().copied());
     if let Some(confined) = run.scene.confined_by() {
-        state = state.of_no_phase(format!("a fluid that has {confined}"));
+        let what = match is_of_few_bodies(run.molecules()) {
+            true => "a few bodies with",
+            false => "a fluid that has",
+        };
+        state = state.of_no_phase(format!("{what} {confined}"));
     }
     if run.scene.half_crystal().is_some() {
         state = state.of_no_phase(HALF_CRYSTAL.to_owned());

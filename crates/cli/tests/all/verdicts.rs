@@ -243,6 +243,11 @@ fn a_run_of_few_bodies_ends_with_its_last_state() {
     );
     assert!(said.contains("last state: out/final.xyz"), "{said}");
     assert!(!said.contains("too short"), "{said}");
+    let stack = ["run", "mechanics/stack", "--out", "stack", "--quiet"];
+    assert!(lennard_in(folder.path(), &stack).status.success());
+    let compared = lennard_in(folder.path(), &["compare", "stack"]).stdout;
+    let compared = String::from_utf8_lossy(&compared);
+    assert!(compared.contains("a few bodies with"), "{compared}");
 }
 
 /// N over the whole box is no density of the fluid in a slit: no phase is named by it.
