@@ -24,7 +24,7 @@ const OF_A_CURVE: [&str; 5] = [
 
 /// Temperatures of a coexistence table where none are named, in parts of the critical one.
 const LOWEST_OF_CRITICAL: f64 = 0.5;
-const STEPS_TO_CRITICAL: u32 = 16;
+const TEMPERATURE_STEPS: u32 = 16;
 /// Temperatures of freezing where none are named: up to this many critical ones.
 const HIGHEST_OF_CRITICAL: f64 = 2.0;
 
@@ -33,10 +33,10 @@ pub fn eos(args: &EosArgs) -> Result<u8, Failure> {
     let equations = equations(args)?;
     let chosen = properties(&args.properties)?;
     if args.saturation {
-        return saturation(args, &equations);
+        return SATURATION.print(args, &equations);
     }
     if args.freezing {
-        return freezing(args, &equations);
+        return FREEZING.print(args, &equations);
     }
     let Some(temperatures) = &args.temperature else {
         return Err(refused(
@@ -84,119 +84,105 @@ pub fn eos(args: &EosArgs) -> Result<u8, Failure> {
     Ok(DONE)
 }
 
-fn saturation(args: &EosArgs, equations: &[Equation]) -> Result<u8, Failure> {
-    let mut found: Vec<(Equation, Vec<Coexistence>)> = Vec::new();
-    for equation in equations {
-        let critical = equation.spec().critical.temperature;
-        let lowest = equation
-            .spec()
-            .range
-            .t_min
-            .max(LOWEST_OF_CRITICAL * critical);
-        let temperatures = args.temperature.as_ref().map_or_else(
-            || {
-                let part = |i| f64::from(i) / f64::from(STEPS_TO_CRITICAL);
-                (0..STEPS_TO_CRITICAL)
-                    .map(|i| lowest + part(i) * (critical - lowest))
-                    .collect()
-            },
-            |values| values.0.clone(),
-        );
-        let rows: Vec<Coexistence> = temperatures
-            .iter()
-            .filter(|t| **t >= equation.spec().range.t_min)
-            .filter_map(|t| eos::coexistence_at(*equation, *t))
-            .collect();
-        if !rows.is_empty() {
-            found.push((*equation, rows));
-        }
-    }
-    if found.is_empty() {
-        let limits: Vec<String> = equations
-            .iter()
-            .map(|e| match e.spec().range.rho_max {
-                Some(_) => format!("{} is for a gas alone", e.spec().name),
-                None => format!(
-                    "{} has vapor and liquid from T = {} to {:.4}",
-                    e.spec().name,
-                    e.spec().range.t_min,
-                    e.spec().critical.temperature
-                ),
-            })
-            .collect();
-        return Err(refused(format!(
-            "nothing coexists there: {}",
-            limits.join("; ")
-        )));
-    }
-    if args.json {
-        let all: Vec<_> = found
-            .iter()
-            .map(|(equation, rows)| eos::coexistence_json(*equation, rows))
-            .collect();
-        print_json(&all)?;
-    } else {
-        for (equation, rows) in &found {
-            show::coexistence(*equation, rows);
-        }
-    }
-    Ok(DONE)
+/// A table of two phases side by side over temperatures.
+struct TwoPhases<R> {
+    /// Temperatures where none are named, ε/k_B; none where an equation has no such phases.
+    temperatures: fn(Equation) -> Option<Vec<f64>>,
+    /// The rows at one temperature.
+    rows: fn(Equation, f64) -> Vec<R>,
+    /// What is said where no equation has a row.
+    nothing: &'static str,
+    /// Why an equation has none.
+    limit: fn(Equation) -> String,
+    json: fn(Equation, &[R]) -> serde_json::Value,
+    show: fn(Equation, &[R]),
 }
 
-fn freezing(args: &EosArgs, equations: &[Equation]) -> Result<u8, Failure> {
-    let mut found: Vec<(Equation, Vec<Freezing>)> = Vec::new();
-    for equation in equations {
-        let lines = eos::lines_of(*equation);
-        let Some(lowest) = lines.iter().map(|line| line.t_triple).reduce(f64::max) else {
-            continue;
+impl<R> TwoPhases<R> {
+    fn print(&self, args: &EosArgs, equations: &[Equation]) -> Result<u8, Failure> {
+        let rows_of = |equation: Equation| -> Vec<R> {
+            let usual = (self.temperatures)(equation);
+            let named = args.temperature.as_ref().map(|values| values.0.clone());
+            let temperatures = usual.and_then(|usual| named.or(Some(usual)));
+            let each = temperatures.into_iter().flatten();
+            each.flat_map(|t| (self.rows)(equation, t)).collect()
         };
+        let all = equations.iter().map(|e| (*e, rows_of(*e)));
+        let found: Vec<(Equation, Vec<R>)> = all.filter(|(_, rows)| !rows.is_empty()).collect();
+        if found.is_empty() {
+            let limits: Vec<String> = equations.iter().map(|e| (self.limit)(*e)).collect();
+            return Err(refused(format!("{}: {}", self.nothing, limits.join("; "))));
+        }
+        if args.json {
+            let all: Vec<_> = found
+                .iter()
+                .map(|(e, rows)| (self.json)(*e, rows))
+                .collect();
+            print_json(&all)?;
+        } else {
+            found.iter().for_each(|(e, rows)| (self.show)(*e, rows));
+        }
+        Ok(DONE)
+    }
+}
+
+const SATURATION: TwoPhases<Coexistence> = TwoPhases {
+    temperatures: |equation| {
+        let spec = equation.spec();
+        let critical = spec.critical.temperature;
+        let lowest = spec.range.t_min.max(LOWEST_OF_CRITICAL * critical);
+        let mut all = evenly(lowest, critical);
+        all.pop();
+        Some(all)
+    },
+    rows: |equation, t| {
+        let covered = t >= equation.spec().range.t_min;
+        let found = covered.then(|| eos::coexistence_at(equation, t));
+        found.flatten().into_iter().collect()
+    },
+    nothing: "nothing coexists there",
+    limit: |equation| {
+        let spec = equation.spec();
+        match spec.range.rho_max {
+            Some(_) => format!("{} is for a gas alone", spec.name),
+            None => format!(
+                "{} has vapor and liquid from T = {} to {:.4}",
+                spec.name, spec.range.t_min, spec.critical.temperature
+            ),
+        }
+    },
+    json: |equation, rows| eos::coexistence_json(equation, rows),
+    show: |equation, rows| show::coexistence(equation, rows),
+};
+
+const FREEZING: TwoPhases<Freezing> = TwoPhases {
+    temperatures: |equation| {
+        let lines = eos::lines_of(equation);
+        let lowest = lines.iter().map(|line| line.t_triple).reduce(f64::max)?;
         let spec = equation.spec();
         let highest = (HIGHEST_OF_CRITICAL * spec.critical.temperature).min(spec.range.t_max);
-        let part = |i| f64::from(i) / f64::from(STEPS_TO_CRITICAL);
-        let between = (0..=STEPS_TO_CRITICAL).map(|i| lowest + part(i) * (highest - lowest));
-        let temperatures = args
-            .temperature
-            .as_ref()
-            .map_or_else(|| between.collect(), |values| values.0.clone());
-        let rows: Vec<Freezing> = temperatures
-            .iter()
-            .flat_map(|t| eos::freezing_at(*equation, *t))
-            .collect();
-        if !rows.is_empty() {
-            found.push((*equation, rows));
+        Some(evenly(lowest, highest))
+    },
+    rows: |equation, t| eos::freezing_at(equation, t),
+    nothing: "nothing freezes there",
+    limit: |equation| {
+        let name = &equation.spec().name;
+        let lines = eos::lines_of(equation);
+        match lines.iter().map(|line| line.t_triple).reduce(f64::min) {
+            Some(t) => format!("the lines beside {name} begin at the triple point, T = {t}"),
+            None => format!("no freezing line is known for the model of {name}"),
         }
-    }
-    if found.is_empty() {
-        let limits: Vec<String> = equations
-            .iter()
-            .map(|equation| {
-                let name = &equation.spec().name;
-                let lines = eos::lines_of(*equation);
-                match lines.iter().map(|line| line.t_triple).reduce(f64::min) {
-                    Some(t) => {
-                        format!("the lines beside {name} begin at the triple point, T = {t}")
-                    }
-                    None => format!("no freezing line is known for the model of {name}"),
-                }
-            })
-            .collect();
-        return Err(refused(format!(
-            "nothing freezes there: {}",
-            limits.join("; ")
-        )));
-    }
-    if args.json {
-        let all: Vec<_> = found
-            .iter()
-            .map(|(equation, rows)| eos::freezing_json(*equation, rows))
-            .collect();
-        print_json(&all)?;
-    } else {
-        for (equation, rows) in &found {
-            show::freezing(*equation, rows);
-        }
-    }
-    Ok(DONE)
+    },
+    json: |equation, rows| eos::freezing_json(equation, rows),
+    show: |equation, rows| show::freezing(equation, rows),
+};
+
+/// Temperatures from one to another, ends included.
+fn evenly(from: f64, to: f64) -> Vec<f64> {
+    let part = |i| f64::from(i) / f64::from(TEMPERATURE_STEPS);
+    (0..=TEMPERATURE_STEPS)
+        .map(|i| from + part(i) * (to - from))
+        .collect()
 }
 
 /// Why a single state is nothing; `None` where one of the equations covers one of the states.
