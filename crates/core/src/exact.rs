@@ -21,11 +21,10 @@ mod wide;
 mod window;
 
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
 
 use glam::{DMat3, DVec3};
 
-use crate::parallel::part;
+use crate::parallel::{CHUNK, part};
 use crate::tasks::map_tasks;
 
 use wide::WideSum;
@@ -33,12 +32,10 @@ use window::{MOST_TERMS, Window};
 
 /// Terms that are added in one loop without a branch.
 const BLOCK: usize = 64;
-/// Particles of a task, at least.
-const PARTICLES_PER_TASK: usize = 2048;
 
 /// An exact sum in the making.
 #[derive(Debug, Clone, Default)]
-pub struct ExactSum {
+struct ExactSum {
     /// Where slices lie.
     window: Window,
     /// The sums of the high and of the low slices.
@@ -50,24 +47,6 @@ pub struct ExactSum {
 }
 
 impl ExactSum {
-    /// Integers of [`ExactSum::words`].
-    pub const WORDS: usize = WideSum::WORDS;
-
-    /// The sum of some terms, rounded once.
-    #[must_use]
-    pub fn of(terms: &[f64]) -> f64 {
-        let mut sum = Self::default();
-        sum.add_all(terms);
-        sum.value()
-    }
-
-    /// Adds terms.
-    pub fn add_all(&mut self, terms: &[f64]) {
-        for block in terms.chunks(BLOCK) {
-            self.add_block(block);
-        }
-    }
-
     /// Adds at most [`BLOCK`] terms.
     #[inline]
     fn add_block(&mut self, block: &[f64]) {
@@ -94,7 +73,7 @@ impl ExactSum {
                 largest
             }
         });
-        if largest >= self.window.limit && largest > 0.0 {
+        if largest >= self.window.limit {
             self.window = Window::above(largest).unwrap_or_default();
         }
         self.terms = block.len() as u32;
@@ -110,61 +89,37 @@ impl ExactSum {
                 self.slices[1] += low;
                 rest = below;
             }
-            if rest != 0.0 {
-                self.wide().add(rest);
-            }
+            self.spill(rest);
         }
     }
 
     /// Moves the slices to the wide integer.
     fn empty_slices(&mut self) {
         for slice in std::mem::take(&mut self.slices) {
-            if slice != 0.0 {
-                self.wide().add(slice);
-            }
+            self.spill(slice);
         }
         self.terms = 0;
     }
 
-    fn wide(&mut self) -> &mut WideSum {
-        self.wide.get_or_insert_default()
-    }
-
-    /// Adds a term.
-    pub fn add(&mut self, term: f64) {
-        self.add_block(&[term]);
+    /// Adds a number to the wide integer, unless it is zero.
+    fn spill(&mut self, x: f64) {
+        if x != 0.0 {
+            self.wide.get_or_insert_default().add(x);
+        }
     }
 
     /// Adds the terms of another sum.
-    pub fn merge(&mut self, other: &Self) {
+    fn merge(&mut self, other: &Self) {
         for slice in other.slices {
-            self.wide().add(slice);
+            self.spill(slice);
         }
         if let Some(wide) = &other.wide {
-            self.wide().merge(wide);
-        }
-    }
-
-    /// Integers whose sums, over up to 2³⁰ accumulators, are the integers of the sum of all accumulators.
-    #[must_use]
-    pub fn words(&self) -> [i64; Self::WORDS] {
-        let mut all = Self::default();
-        all.merge(self);
-        all.wide().words()
-    }
-
-    /// The sum whose integers, added over accumulators, are given.
-    #[must_use]
-    pub fn from_words(words: &[i64; Self::WORDS]) -> Self {
-        Self {
-            wide: Some(Box::new(WideSum::from_words(words))),
-            ..Self::default()
+            self.wide.get_or_insert_default().merge(wide);
         }
     }
 
     /// The sum, rounded once to the nearest double, ties to even; beyond the largest double it is infinite.
-    #[must_use]
-    pub fn value(&self) -> f64 {
+    fn value(&self) -> f64 {
         let [high, low] = self.slices;
         match &self.wide {
             // Both are exact.
@@ -228,6 +183,9 @@ impl<const N: usize> ExactSums<N> {
     }
 
     fn flush(&mut self) {
+        if self.len == 0 {
+            return;
+        }
         for (sum, block) in self.sums.iter_mut().zip(&self.blocks) {
             sum.add_block(&block[..self.len]);
         }
@@ -236,14 +194,17 @@ impl<const N: usize> ExactSums<N> {
 
     /// Adds the terms of other sums.
     pub fn merge(&mut self, other: Self) {
-        for (mine, theirs) in self.sums.iter_mut().zip(other.accumulators()) {
-            mine.merge(&theirs);
+        self.merge_accumulators(&other.accumulators());
+    }
+
+    fn merge_accumulators(&mut self, others: &[ExactSum; N]) {
+        for (mine, theirs) in self.sums.iter_mut().zip(others) {
+            mine.merge(theirs);
         }
     }
 
     /// The accumulators.
-    #[must_use]
-    pub fn accumulators(mut self) -> [ExactSum; N] {
+    fn accumulators(mut self) -> [ExactSum; N] {
         self.flush();
         self.sums
     }
@@ -330,22 +291,23 @@ pub fn exact_sums<const N: usize, R: Send>(
 ) -> (ExactSums<N>, Vec<R>) {
     let mut all = ExactSums::default();
     // The order of the two questions matters: asking for threads starts a pool, which a system may refuse.
-    if n <= PARTICLES_PER_TASK || rayon::current_num_threads() == 1 {
+    if n <= CHUNK || rayon::current_num_threads() == 1 {
         let found = add(0..n, &mut all);
         return (all, vec![found]);
     }
-    let tasks = n.div_ceil(PARTICLES_PER_TASK);
+    let tasks = n.div_ceil(CHUNK);
     let size = n.div_ceil(tasks.min(4 * rayon::current_num_threads()));
-    let merged = Mutex::new(all);
-    let found = map_tasks(n.div_ceil(size), |(): &mut (), task| {
+    let parts = map_tasks(n.div_ceil(size), |(): &mut (), task| {
         let mut mine = ExactSums::default();
         let found = add(part(task, size, n), &mut mine);
-        let mut merged = merged.lock().unwrap_or_else(PoisonError::into_inner);
-        merged.merge(mine);
+        (mine.accumulators(), found)
+    });
+    let found = parts.into_iter().map(|(sums, found)| {
+        all.merge_accumulators(&sums);
         found
     });
-    let merged = merged.into_inner();
-    (merged.unwrap_or_else(PoisonError::into_inner), found)
+    let found = found.collect();
+    (all, found)
 }
 
 #[cfg(test)]

@@ -37,9 +37,6 @@ impl Default for WideSum {
 }
 
 impl WideSum {
-    /// Integers of [`WideSum::words`].
-    pub const WORDS: usize = DIGITS + 3;
-
     /// Adds a term.
     pub fn add(&mut self, term: f64) {
         let bits = term.to_bits();
@@ -108,31 +105,6 @@ impl WideSum {
         self.terms = 1;
     }
 
-    /// Integers whose sums, over up to 2³⁰ accumulators, are the integers of the sum of all accumulators.
-    #[must_use]
-    pub fn words(&self) -> [i64; Self::WORDS] {
-        let mut carried = self.clone();
-        carried.carry();
-        let mut words = [0; Self::WORDS];
-        words[..DIGITS].copy_from_slice(&carried.digits);
-        words[DIGITS..].copy_from_slice(&carried.not_finite);
-        words
-    }
-
-    /// The sum whose integers, added over accumulators, are given.
-    #[must_use]
-    pub fn from_words(words: &[i64; Self::WORDS]) -> Self {
-        let mut sum = Self {
-            used: 0..DIGITS,
-            terms: MOST_TERMS,
-            ..Self::default()
-        };
-        sum.digits.copy_from_slice(&words[..DIGITS]);
-        sum.not_finite.copy_from_slice(&words[DIGITS..]);
-        sum.carry();
-        sum
-    }
-
     /// The sum, rounded once to the nearest double, ties to even; beyond the largest double it is infinite.
     #[must_use]
     pub fn value(&self) -> f64 {
@@ -183,7 +155,8 @@ fn scaled(x: f64, k: i32) -> f64 {
     if k < -500 {
         x * power_of_two(k + 537) * power_of_two(-537)
     } else {
-        x * power_of_two(k)
+        // Beyond this power the product is infinite: x has more than 64 bits there.
+        x * power_of_two(k.min(1023))
     }
 }
 

@@ -12,12 +12,22 @@ const SPARE_BITS: i32 = 3;
 const LANES: usize = 4;
 
 /// The place of the slices.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct Window {
-    /// Slices hold terms below this power of two. Zero: there are no slices yet.
+    /// Slices hold terms below this power of two.
     pub limit: f64,
     /// Numbers that round to multiples of the last bit of each slice, added and taken away.
     rounders: [f64; 2],
+}
+
+impl Default for Window {
+    /// A window that holds zeros alone.
+    fn default() -> Self {
+        Self {
+            limit: f64::from_bits(1),
+            rounders: [0.0; 2],
+        }
+    }
 }
 
 impl Window {
