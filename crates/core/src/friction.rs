@@ -49,19 +49,37 @@ impl NoiseOfStep {
     /// Where lengths differ: that is a bug of the caller.
     #[inline(always)]
     pub fn act(&self, mass: f64, particles: &[u32], velocities: &mut [DVec3], gained: &mut [f64]) {
+        let scales = self.scales(mass);
+        self.act_by(|_| scales, particles, velocities, gained);
+    }
+
+    /// The width of the noise of a particle and half its mass. A held particle has an infinite mass and stays at rest.
+    fn scales(&self, mass: f64) -> [f64; 2] {
+        let weight = if mass.is_finite() { 0.5 * mass } else { 0.0 };
+        [(self.variance / mass).sqrt(), weight]
+    }
+
+    /// As [`NoiseOfStep::act`], with the scales of the `k`th particle.
+    #[inline(always)]
+    fn act_by(
+        &self,
+        scales: impl Fn(usize) -> [f64; 2],
+        particles: &[u32],
+        velocities: &mut [DVec3],
+        gained: &mut [f64],
+    ) {
         assert!(
             particles.len() == velocities.len() && particles.len() == gained.len(),
             "one number for each particle"
         );
-        let width = (self.variance / mass).sqrt();
-        // A held particle has an infinite mass and stays at rest.
-        let weight = if mass.is_finite() { 0.5 * mass } else { 0.0 };
         let parts = particles.chunks(LANES).zip(velocities.chunks_mut(LANES));
-        for ((numbers, velocities), gained) in parts.zip(gained.chunks_mut(LANES)) {
+        let parts = parts.zip(gained.chunks_mut(LANES)).enumerate();
+        for (block, ((numbers, velocities), gained)) in parts {
             let mut all = [0; LANES];
             all[..numbers.len()].copy_from_slice(numbers);
             let [x, y, z] = self.noise.normals(self.step, all);
             for (k, (v, gained)) in velocities.iter_mut().zip(gained).enumerate() {
+                let [width, weight] = scales(block * LANES + k);
                 let before = v.length_squared();
                 *v = self.keep * *v + width * DVec3::new(x[k], y[k], z[k]);
                 *gained = weight * (v.length_squared() - before);
@@ -82,10 +100,8 @@ impl NoiseOfStep {
                         self.act(*mass, &numbers[..velocities.len()], velocities, gained);
                     }
                     Masses::Each(masses) => {
-                        for (k, v) in velocities.iter_mut().enumerate() {
-                            let (v, gained) = (std::slice::from_mut(v), &mut gained[k..=k]);
-                            self.act(masses[first + k], &numbers[k..=k], v, gained);
-                        }
+                        let scales = |k: usize| self.scales(masses[first + k]);
+                        self.act_by(scales, &numbers[..velocities.len()], velocities, gained);
                     }
                 }
             }

@@ -6,9 +6,11 @@
 //!   Kick    v += kick               forces are kept: a bath scales all velocities before the next kick
 //! ```
 
+use std::ops::Range;
+
 use glam::DVec3;
 use lennard_core::NoiseOfStep;
-use lennard_core::parallel::for_each_piece_of_three;
+use lennard_core::parallel::for_each_piece_pair;
 use lennard_neighbor::ATOMS_PER_CHUNK;
 
 use super::disjoint::Disjoint;
@@ -20,21 +22,44 @@ pub enum Mover<'a> {
     /// Two half kicks and a drift.
     Drift,
     /// Two half kicks, and friction and noise between two half drifts.
-    Noise(NoiseAt<'a>),
+    ///
+    /// The kinetic energy that the particle at each slot gains is written to the array, ε.
+    Noise(SlotNoise<'a>, Disjoint<'a, f64>),
     /// One half kick; the forces by slot are kept here, ε/σ.
     Kick(Disjoint<'a, DVec3>),
 }
 
 /// Friction and noise on particles by slot.
-pub struct NoiseAt<'a> {
+#[derive(Clone, Copy)]
+pub struct SlotNoise<'a> {
     /// Friction and noise of the step.
-    pub noise: NoiseOfStep,
+    pub of_step: NoiseOfStep,
     /// The mass of each particle.
     pub mass: f64,
     /// The particle at each slot.
     pub particles: &'a [u32],
-    /// The kinetic energy that the particle at each slot gains, ε.
-    pub gained: Disjoint<'a, f64>,
+}
+
+impl SlotNoise<'_> {
+    /// Friction and noise on the particles at some slots.
+    pub fn part(self, slots: Range<usize>) -> Self {
+        Self {
+            particles: &self.particles[slots],
+            ..self
+        }
+    }
+}
+
+/// Particles of a chunk that move, with the forces on them.
+pub struct Moving<'a> {
+    /// Positions, σ.
+    pub positions: &'a mut [DVec3],
+    /// Velocities, σ/τ.
+    pub velocities: &'a mut [DVec3],
+    /// Forces, ε/σ.
+    pub forces: &'a [DVec3],
+    /// The kinetic energy that each particle gains by friction and noise, ε.
+    pub gained: &'a mut [f64],
 }
 
 impl KickDrift {
@@ -51,10 +76,10 @@ impl KickDrift {
         factor: f64,
         positions: &mut [DVec3],
         velocities: &mut [DVec3],
-        forces: &mut [DVec3],
+        forces: &[DVec3],
     ) {
-        for_each_piece_of_three(positions, velocities, forces, |_, xs, vs, fs| {
-            for ((x, v), f) in xs.iter_mut().zip(vs).zip(fs) {
+        for_each_piece_pair(positions, velocities, |first, xs, vs| {
+            for ((x, v), f) in xs.iter_mut().zip(vs).zip(&forces[first..]) {
                 *v *= factor;
                 *v += self.half_kick * *f;
                 *x += self.dt * *v;
@@ -65,66 +90,39 @@ impl KickDrift {
     /// Two half kicks, and friction and noise between two half drifts, for the particles of a chunk.
     ///
     /// Returns an upper bound of their steps |x − x_before|, σ.
-    pub fn apply_with_noise(
-        self,
-        level: Level,
-        noise: &ChunkNoise<'_>,
-        positions: &mut [DVec3],
-        velocities: &mut [DVec3],
-        forces: &[DVec3],
-        gained: &mut [f64],
-    ) -> f64 {
+    pub fn apply_with_noise(self, level: Level, noise: SlotNoise<'_>, moving: Moving<'_>) -> f64 {
         match level {
             // SAFETY: the level holds a token, which proves the instruction set.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx512(_) => unsafe {
-                self.noise_avx512(noise, positions, velocities, forces, gained)
-            },
+            Level::Avx512(_) => unsafe { self.noise_avx512(noise, moving) },
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx2(_) => unsafe {
-                self.noise_avx2(noise, positions, velocities, forces, gained)
-            },
-            _ => self.noise_plain(noise, positions, velocities, forces, gained),
+            Level::Avx2(_) => unsafe { self.noise_avx2(noise, moving) },
+            _ => self.noise_plain(noise, moving),
         }
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2")]
-    fn noise_avx512(
-        self,
-        noise: &ChunkNoise<'_>,
-        positions: &mut [DVec3],
-        velocities: &mut [DVec3],
-        forces: &[DVec3],
-        gained: &mut [f64],
-    ) -> f64 {
-        self.noise_plain(noise, positions, velocities, forces, gained)
+    fn noise_avx512(self, noise: SlotNoise<'_>, moving: Moving<'_>) -> f64 {
+        self.noise_plain(noise, moving)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
-    fn noise_avx2(
-        self,
-        noise: &ChunkNoise<'_>,
-        positions: &mut [DVec3],
-        velocities: &mut [DVec3],
-        forces: &[DVec3],
-        gained: &mut [f64],
-    ) -> f64 {
-        self.noise_plain(noise, positions, velocities, forces, gained)
+    fn noise_avx2(self, noise: SlotNoise<'_>, moving: Moving<'_>) -> f64 {
+        self.noise_plain(noise, moving)
     }
 
     /// [`KickDrift::apply_with_noise`] with whatever instructions the caller has: the bits are the same.
     #[inline(always)]
-    fn noise_plain(
-        self,
-        noise: &ChunkNoise<'_>,
-        positions: &mut [DVec3],
-        velocities: &mut [DVec3],
-        forces: &[DVec3],
-        gained: &mut [f64],
-    ) -> f64 {
+    fn noise_plain(self, noise: SlotNoise<'_>, moving: Moving<'_>) -> f64 {
+        let Moving {
+            positions,
+            velocities,
+            forces,
+            gained,
+        } = moving;
         let half = 0.5 * self.dt;
         let mut before = [DVec3::ZERO; ATOMS_PER_CHUNK];
         let before = &mut before[..positions.len()];
@@ -146,16 +144,6 @@ impl KickDrift {
         // The factor covers the rounding of the bound.
         longest.length() * (1.0 + 1e-12)
     }
-}
-
-/// Friction and noise on the particles of a chunk.
-pub struct ChunkNoise<'a> {
-    /// Friction and noise of the step.
-    pub of_step: NoiseOfStep,
-    /// The mass of each particle.
-    pub mass: f64,
-    /// The particle at each slot of the chunk.
-    pub particles: &'a [u32],
 }
 
 #[cfg(test)]
@@ -184,7 +172,7 @@ mod tests {
         };
         for n in [0, 1, 15, 16, 17, ATOMS_PER_CHUNK] {
             let particles: Vec<u32> = (0..n as u32).map(|k| 7919 * k % 1000).collect();
-            let of_chunk = ChunkNoise {
+            let of_chunk = SlotNoise {
                 of_step: noise.in_step(12, 0.004),
                 mass: 1.5,
                 particles: &particles,
@@ -194,14 +182,13 @@ mod tests {
                 let (mut x, mut v) = (start.clone(), vectors(99, n));
                 let mut gained = vec![0.0; n];
                 let forces = vectors(333, n);
-                let bound = kick_drift.apply_with_noise(
-                    level,
-                    &of_chunk,
-                    &mut x,
-                    &mut v,
-                    &forces,
-                    &mut gained,
-                );
+                let moving = Moving {
+                    positions: &mut x,
+                    velocities: &mut v,
+                    forces: &forces,
+                    gained: &mut gained,
+                };
+                let bound = kick_drift.apply_with_noise(level, of_chunk, moving);
                 (x, v, gained, bound)
             };
             let plain = run(Level::Portable);

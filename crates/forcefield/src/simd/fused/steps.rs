@@ -9,7 +9,7 @@ use crate::interaction::Interaction;
 use crate::simd::disjoint::Disjoint;
 use crate::simd::kick_drift::KickDrift;
 use crate::simd::list_in_use::{ListInUse, Ordered};
-use crate::simd::mover::{ChunkNoise, Mover};
+use crate::simd::mover::{Mover, Moving};
 use crate::simd::output::Output;
 use crate::simd::packed::{ListStatus, PackedCopies, Request, are_few};
 use crate::simd::pair_list::PairList;
@@ -94,16 +94,15 @@ pub fn fused_step<P: PairList, I: Interaction>(
         let totals = unsafe { P::run(used.level, job, rows, chunk, request.detail, &output) };
         let step = match mover {
             Mover::Drift => kick_drift.apply(used.level, positions, velocities, forces),
-            Mover::Noise(at) => {
-                let of_chunk = ChunkNoise {
-                    of_step: at.noise,
-                    mass: at.mass,
-                    particles: &at.particles[slots.clone()],
+            Mover::Noise(noise, gained) => {
+                let moving = Moving {
+                    positions,
+                    velocities,
+                    forces,
+                    // SAFETY: as above.
+                    gained: unsafe { gained.part(slots.clone()) },
                 };
-                // SAFETY: as above.
-                let gained = unsafe { at.gained.part(slots.clone()) };
-                let level = used.level;
-                kick_drift.apply_with_noise(level, &of_chunk, positions, velocities, forces, gained)
+                kick_drift.apply_with_noise(used.level, noise.part(slots.clone()), moving)
             }
             Mover::Kick(kept) => {
                 // SAFETY: as above.
@@ -147,24 +146,6 @@ pub fn to_particles<P: PairList>(list: &P, from: &[DVec3], to: &mut [DVec3]) {
         for (from, at) in from[slots.clone()].iter().zip(&order[slots]) {
             // SAFETY: each particle has one slot.
             unsafe { to.write(*at as usize, *from) };
-        }
-    });
-}
-
-/// Writes a number for each particle, which `number` gives for its slot and its index.
-pub fn numbers_to_particles<P: PairList>(
-    list: &P,
-    to: &mut Vec<f64>,
-    number: impl Fn(usize, usize) -> f64 + Sync,
-) {
-    let order = list.particles();
-    to.resize(order.len(), 0.0);
-    let to = Disjoint::new(to);
-    for_each_range(order.len(), |slots| {
-        for slot in slots {
-            let i = order[slot] as usize;
-            // SAFETY: each particle has one slot.
-            unsafe { to.write(i, number(slot, i)) };
         }
     });
 }
