@@ -150,16 +150,7 @@ fn virial_of(touch: &Touch) -> DMat3 {
 }
 
 impl ForceTerm for Contacts {
-    fn evaluate(
-        &mut self,
-        at: Configuration<'_>,
-        part: Part,
-        want: Want,
-        forces: &mut [DVec3],
-    ) -> Result<Energetics, ForceError> {
-        forces.fill(DVec3::ZERO);
-        self.add(at, part, want, &mut Vec::new(), forces)
-    }
+    lennard_core::evaluate_by_adding!();
 
     /// Contacts change quickly in space: their force belongs to the near part.
     fn add(

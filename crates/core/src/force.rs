@@ -119,6 +119,25 @@ pub struct ForceStatistics {
     pub bytes: u64,
 }
 
+/// Writes [`ForceTerm::evaluate`] for a term that has an `add` of its own: zero, then its forces.
+///
+/// A default method of the trait cannot say it: the default of `add` calls `evaluate`.
+#[macro_export]
+macro_rules! evaluate_by_adding {
+    () => {
+        fn evaluate(
+            &mut self,
+            at: $crate::Configuration<'_>,
+            part: $crate::Part,
+            want: $crate::Want,
+            forces: &mut [$crate::DVec3],
+        ) -> Result<$crate::Energetics, $crate::ForceError> {
+            forces.fill($crate::DVec3::ZERO);
+            self.add(at, part, want, &mut Vec::new(), forces)
+        }
+    };
+}
+
 /// One kind of force: pairs, bonds, walls, fields. Terms add; none of them moves a particle.
 pub trait ForceTerm: Persist + Send {
     /// Writes F = −∂U/∂r at `at` to `forces` (`[N]`, ε/σ) and returns what `want` asks for.

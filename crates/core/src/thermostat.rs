@@ -52,9 +52,14 @@ pub trait Thermostat: Persist + Send {
     fn copy(&self) -> Box<dyn Thermostat>;
 }
 
-/// The heat that a factor puts in, ε.
-pub(crate) fn heat(factor: f64, kinetic: f64) -> f64 {
-    factor * factor * kinetic - kinetic
+/// The factor of a bath and the heat that it puts in, ε; `None` for a system at rest, which has no velocities to scale.
+pub(crate) fn act(bath: &mut dyn Thermostat, at: BathStep) -> Option<(f64, f64)> {
+    let kinetic = at.kinetic;
+    if kinetic <= 0.0 {
+        return None;
+    }
+    let factor = bath.factor(at);
+    Some((factor, factor * factor * kinetic - kinetic))
 }
 
 /// A bath that acts in fused steps, between the two half kicks of a step.
@@ -94,16 +99,16 @@ impl<'a> FusedBath<'a> {
     pub fn factor(&mut self, kinetic: f64) -> f64 {
         let step = self.step;
         self.step += 1;
-        if kinetic <= 0.0 {
-            return 1.0;
-        }
-        let factor = self.bath.factor(BathStep {
+        let at = BathStep {
             kinetic,
             n_dof: self.n_dof,
             dt: self.dt,
             step,
-        });
-        self.heats.push(heat(factor, kinetic));
+        };
+        let Some((factor, heat)) = act(self.bath, at) else {
+            return 1.0;
+        };
+        self.heats.push(heat);
         factor
     }
 

@@ -4,7 +4,7 @@ mod transform;
 
 use std::f64::consts::TAU;
 
-use lennard_core::exact::ExactSum;
+use lennard_core::exact::total;
 use lennard_core::parallel::{CHUNK, for_each_piece, map_ranges};
 use lennard_core::{
     Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
@@ -174,13 +174,13 @@ impl PlanarTail {
                 .map(|m| m.map(|lanes| lanes.iter().sum::<f64>()));
             lanes.collect::<Vec<[f64; 2]>>()
         });
-        let total = |mode: usize, part: usize| {
+        let of_mode = |mode: usize, part: usize| {
             let of_ranges: Vec<f64> = of_ranges.iter().map(|sums| sums[mode][part]).collect();
-            ExactSum::of(&of_ranges)
+            total(&of_ranges)
         };
         Waves(
             (0..self.modes.len())
-                .map(|m| [total(m, 0), total(m, 1)])
+                .map(|m| [of_mode(m, 0), of_mode(m, 1)])
                 .collect(),
         )
     }
@@ -255,16 +255,7 @@ impl PlanarTail {
 }
 
 impl ForceTerm for PlanarTail {
-    fn evaluate(
-        &mut self,
-        at: Configuration<'_>,
-        part: Part,
-        want: Want,
-        forces: &mut [DVec3],
-    ) -> Result<Energetics, ForceError> {
-        forces.fill(DVec3::ZERO);
-        self.add(at, part, want, &mut Vec::new(), forces)
-    }
+    lennard_core::evaluate_by_adding!();
 
     /// The tail is smooth: it belongs to the far part.
     fn add(

@@ -4,7 +4,6 @@
 //! Over all pairs the loop is the direct sum. Over a list it has the same bits, whatever the list, its history, the skin
 //! and the number of threads.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
@@ -122,21 +121,16 @@ fn run_chunks(
 }
 
 impl<I: Interaction> CanonicalJob<'_, I> {
-    /// Writes forces (and `each`); returns the totals that `detail` asks for, and whether a force is not finite.
+    /// Writes forces (and `each`); returns the totals that `detail` asks for.
     pub fn run(
         &self,
         detail: Detail,
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
-    ) -> (Totals, bool) {
-        let broken = AtomicBool::new(false);
-        let totals = run_chunks(forces, each, detail, &|chunk, forces, each, sums| {
+    ) -> Totals {
+        run_chunks(forces, each, detail, &|chunk, forces, each, sums| {
             self.chunk(chunk, forces, each, sums);
-            if !forces.iter().all(|f| f.is_finite()) {
-                broken.store(true, Ordering::Relaxed);
-            }
-        });
-        (totals, broken.into_inner())
+        })
     }
 
     fn chunk(
@@ -164,8 +158,7 @@ impl<I: Interaction> CanonicalJob<'_, I> {
                 }
             };
             if let Some(sums) = &mut sums {
-                sums.numbers
-                    .add(std::array::from_fn(|number| mine.number(number)));
+                sums.numbers.add(mine.numbers());
                 sums.pairs += mine.pairs;
             }
             if let Some(each) = &mut each {

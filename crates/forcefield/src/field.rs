@@ -43,16 +43,7 @@ impl ConstantField {
 }
 
 impl ForceTerm for ConstantField {
-    fn evaluate(
-        &mut self,
-        at: Configuration<'_>,
-        part: Part,
-        want: Want,
-        forces: &mut [DVec3],
-    ) -> Result<Energetics, ForceError> {
-        forces.fill(DVec3::ZERO);
-        self.add(at, part, want, &mut Vec::new(), forces)
-    }
+    lennard_core::evaluate_by_adding!();
 
     /// The field belongs to the near part.
     fn add(

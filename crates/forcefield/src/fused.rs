@@ -1,15 +1,14 @@
 //! Fused steps: steps that follow each other, with the particles by slot.
 
 use glam::DVec3;
-use lennard_core::exact::total;
 use lennard_core::{ForceError, FusedBath, FusedSteps, Masses};
 use lennard_neighbor::Positions;
 
 use crate::clock::Clock;
 use crate::interaction::Interaction;
 use crate::simd::{
-    Detail, Disjoint, KickDrift, ListStatus, Mover, NoiseAt, PackedCopies, PairList, Prepared,
-    Request, SlotState, are_few, by_slot, fused_step, numbers_to_particles, to_particles,
+    Detail, Disjoint, KickDrift, ListStatus, Mover, PackedCopies, PairList, Prepared, Request,
+    SlotNoise, SlotState, are_few, by_slot, fused_step, to_particles,
 };
 use crate::validity::ListValidity;
 
@@ -24,8 +23,6 @@ pub struct FusedBuffers {
     forces: Vec<DVec3>,
     /// Kinetic energy that the particle at each slot gains by friction and noise.
     gained: Vec<f64>,
-    /// A number for each particle: totals have the order of the particles.
-    by_particle: Vec<f64>,
     /// 0, 1, …
     slots: Vec<u32>,
 }
@@ -35,9 +32,7 @@ impl FusedBuffers {
     pub fn bytes(&self) -> usize {
         let vectors = [&self.positions, &self.velocities, &self.next, &self.forces];
         let vectors: usize = vectors.iter().map(|v| v.capacity()).sum();
-        24 * vectors
-            + 8 * (self.gained.capacity() + self.by_particle.capacity())
-            + 4 * self.slots.capacity()
+        24 * vectors + 8 * self.gained.capacity() + 4 * self.slots.capacity()
     }
 
     /// Takes steps, and builds the list wherever it expires. Returns the number of steps taken.
@@ -80,9 +75,10 @@ impl FusedBuffers {
                     }
                     done += 1;
                     prepared = if acts {
-                        self.go_on_from_bath(list, steps, kick_drift)
+                        self.go_on_from_bath(steps, kick_drift);
+                        Prepared::Nothing
                     } else {
-                        self.finish_step(list, steps, request)
+                        self.finish_step(steps, request)
                     };
                 }
                 (done, ListStatus::Complete)
@@ -162,41 +158,25 @@ impl FusedBuffers {
     }
 
     /// Lets the bath scale the velocities after half a kick, and goes on with the other half and the drift.
-    fn go_on_from_bath<P: PairList>(
-        &mut self,
-        list: &P,
-        steps: &mut FusedSteps<'_>,
-        kick_drift: KickDrift,
-    ) -> Prepared {
-        let (velocities, masses) = (&self.velocities, steps.masses);
-        numbers_to_particles(list, &mut self.by_particle, |slot, i| {
-            masses.kinetic_energy_of(i, velocities[slot])
-        });
-        let kinetic = total(&self.by_particle);
+    fn go_on_from_bath(&mut self, steps: &mut FusedSteps<'_>, kick_drift: KickDrift) {
+        // All masses are equal, so that the order of the slots serves as well.
+        let kinetic = steps.masses.kinetic_energy(&self.velocities);
         let factor = steps.bath.as_mut().map_or(1.0, |bath| bath.factor(kinetic));
         kick_drift.scale_and_go_on(
             factor,
             &mut self.positions,
             &mut self.velocities,
-            &mut self.forces,
+            &self.forces,
         );
-        Prepared::Nothing
     }
 
     /// Makes the positions of the next step the present ones; returns the state of their rows.
-    fn finish_step<P: PairList>(
-        &mut self,
-        list: &P,
-        steps: &mut FusedSteps<'_>,
-        request: Request,
-    ) -> Prepared {
+    fn finish_step(&mut self, steps: &mut FusedSteps<'_>, request: Request) -> Prepared {
         if let Some(bath) = &mut steps.bath {
             bath.pass();
         }
         if let Some(noise) = &mut steps.noise {
-            let gained = &self.gained;
-            numbers_to_particles(list, &mut self.by_particle, |slot, _| gained[slot]);
-            noise.pass(&self.by_particle);
+            noise.pass(&self.gained);
         }
         if are_few(self.slots.len()) {
             std::mem::swap(&mut self.positions, &mut self.next);
@@ -226,12 +206,12 @@ impl<'a> Rest<'a> {
         match (&steps.noise, steps.masses) {
             (Some(noise), Masses::Uniform(mass)) => {
                 self.gained.resize(n, 0.0);
-                Mover::Noise(NoiseAt {
-                    noise: noise.next_step(),
+                let noise = SlotNoise {
+                    of_step: noise.next_step(),
                     mass: *mass,
                     particles,
-                    gained: Disjoint::new(self.gained),
-                })
+                };
+                Mover::Noise(noise, Disjoint::new(self.gained))
             }
             _ => Mover::Drift,
         }

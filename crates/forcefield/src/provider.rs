@@ -240,7 +240,7 @@ impl PairForces {
                     wrapped,
                     neighbors: NeighborSource::AllBut(exclusions),
                 };
-                job.run(detail, forces, each).0
+                job.run(detail, forces, each)
             }
             _ => reference::evaluate(interaction, &model, exclusions, at, forces, each),
         });
@@ -278,7 +278,7 @@ impl ForceTerm for PairForces {
             .per_particle
             .then(|| vec![(0.0, DMat3::ZERO); self.n_atoms]);
         let detail = if want.per_particle || want.virial_tensor {
-            Detail::PerParticle
+            Detail::Everything
         } else if want.is_nothing() {
             Detail::Forces
         } else {

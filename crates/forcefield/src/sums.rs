@@ -1,7 +1,7 @@
 //! Totals over pairs, and their conversion to energetics.
 
 use glam::{DMat3, DVec3};
-use lennard_core::exact::ExactSum;
+use lennard_core::exact::exact_sum;
 use lennard_core::{Energetics, Want};
 
 use crate::pair::Pair;
@@ -19,7 +19,7 @@ pub struct Totals {
     pub energy: f64,
     /// Σ r_ij·F_ij, ε.
     pub virial_trace: f64,
-    /// Σ r_ij ⊗ F_ij, ε; zero where only totals were summed.
+    /// Σ r_ij ⊗ F_ij, ε; it has no meaning where only totals were asked for.
     pub virial: DMat3,
     /// Σ_i ∇_i²U, ε/σ².
     pub laplacian: f64,
@@ -52,21 +52,13 @@ impl Totals {
 
     /// The exact totals of chunks, which contain every pair from both of its ends.
     ///
-    /// The sum over a chunk has the order of its list, which no cut into tasks or ranks changes. The exact sum begins here.
+    /// The sum over a chunk has the order of its list, which no cut into tasks changes. The exact sum begins here.
     pub fn of_chunks(chunks: &[ChunkTotals]) -> Self {
-        if chunks.is_empty() {
-            return Self::NOTHING;
-        }
-        let mut column = Vec::with_capacity(chunks.len());
-        let sums = std::array::from_fn(|k| {
-            column.clear();
-            column.extend(chunks.iter().map(|chunk| chunk.number(k)));
-            ExactSum::of(&column)
-        });
+        let sums = exact_sum(chunks.len(), |c| chunks[c].numbers());
         Self::of_both_ends(sums, chunks.iter().map(|chunk| chunk.pairs).sum())
     }
 
-    /// The totals where [`ChunkTotals::number`] and the number of pairs are summed over both ends of every pair.
+    /// The totals where [`ChunkTotals::numbers`] and the number of pairs are summed over both ends of every pair.
     pub fn of_both_ends(sums: [f64; ChunkTotals::NUMBERS], pairs: u64) -> Self {
         let [energy, virial_trace, laplacian, at_cutoff, virial @ ..] = sums;
         Self {

@@ -5,6 +5,7 @@ use lennard_core::parallel::for_each_piece_pair;
 use lennard_core::{Backend, Configuration, DVec3, ForceError, Part, PeriodicBox, Want};
 use serde::{Deserialize, Serialize};
 
+use crate::krylov::dot;
 /// When to stop, and how far a step may go.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -193,10 +194,6 @@ fn step(
             *x += dt * *v;
         }
     });
-}
-
-fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
-    exact_sum(a.len(), |i| a[i].dot(b[i]))
 }
 
 /// √Σ|aᵢ|² without overflow: first forces may be near 1e200.

@@ -20,16 +20,7 @@ impl Boundary for MoleculesAtWalls {
 }
 
 impl ForceTerm for MoleculesAtWalls {
-    fn evaluate(
-        &mut self,
-        at: Configuration<'_>,
-        part: Part,
-        want: Want,
-        forces: &mut [DVec3],
-    ) -> Result<Energetics, ForceError> {
-        forces.fill(DVec3::ZERO);
-        self.add(at, part, want, &mut Vec::new(), forces)
-    }
+    lennard_core::evaluate_by_adding!();
 
     fn add(
         &mut self,

@@ -66,11 +66,11 @@ impl Folded {
             wrapped: &self.wrapped,
             neighbors: NeighborSource::Listed(&self.lists),
         };
-        let (totals, broken) = job.run(detail, forces, each);
+        let totals = job.run(detail, forces, each);
         Evaluated {
             status,
             totals,
-            broken,
+            broken: !forces.iter().all(|f| f.is_finite()),
         }
     }
 }

@@ -21,7 +21,8 @@ impl F64x4 {
             let begin = _mm256_castsi256_pd(_mm256_slli_epi64::<SHIFT>(number));
             let first = _mm256_set1_epi64x(numbering.first as i64);
             let mut at = [0_u64; 4];
-            let units = _mm256_slli_epi64::<2>(_mm256_sub_epi64(number, first));
+            let units =
+                _mm256_slli_epi64::<{ UNITS.ilog2() as i32 }>(_mm256_sub_epi64(number, first));
             _mm256_storeu_si256(at.as_mut_ptr().cast(), units);
             let row = |k: usize| {
                 debug_assert!(at[k] as usize / UNITS < rows.len());
@@ -58,7 +59,8 @@ impl F32x8 {
             let begin = _mm256_castsi256_ps(_mm256_slli_epi32::<SHIFT>(number));
             let first = _mm256_set1_epi32(numbering.first as i32);
             let mut at = [0_u32; 8];
-            let units = _mm256_slli_epi32::<1>(_mm256_sub_epi32(number, first));
+            let units =
+                _mm256_slli_epi32::<{ UNITS.ilog2() as i32 }>(_mm256_sub_epi32(number, first));
             _mm256_storeu_si256(at.as_mut_ptr().cast(), units);
             let row = |k: usize| {
                 debug_assert!(at[k] as usize / UNITS < rows.len());

@@ -23,7 +23,7 @@ impl F64x8 {
             let begin = _mm512_castsi512_pd(_mm512_slli_epi64::<SHIFT>(number));
             let first = _mm512_set1_epi64(numbering.first as i64);
             let mut at = [0_u64; 8];
-            let units = _mm512_slli_epi64::<2>(_mm512_sub_epi64(number, first));
+            let units = _mm512_slli_epi64::<{ UNITS.ilog2() }>(_mm512_sub_epi64(number, first));
             _mm512_storeu_si512(at.as_mut_ptr().cast(), units);
             let row = |k: usize| {
                 debug_assert!(at[k] as usize / UNITS < rows.len());
@@ -64,7 +64,7 @@ impl F32x16 {
             let begin = _mm512_castsi512_ps(_mm512_slli_epi32::<SHIFT>(number));
             let first = _mm512_set1_epi32(numbering.first as i32);
             let mut at = [0_u32; 16];
-            let units = _mm512_slli_epi32::<1>(_mm512_sub_epi32(number, first));
+            let units = _mm512_slli_epi32::<{ UNITS.ilog2() }>(_mm512_sub_epi32(number, first));
             _mm512_storeu_si512(at.as_mut_ptr().cast(), units);
             let row = |k: usize| {
                 debug_assert!(at[k] as usize / UNITS < rows.len());

@@ -64,14 +64,14 @@ mod scanners;
 mod totals;
 
 pub use disjoint::Disjoint;
-pub use fused::{SlotState, by_slot, fused_step, numbers_to_particles, to_particles};
+pub use fused::{SlotState, by_slot, fused_step, to_particles};
 pub use kick_drift::KickDrift;
 pub use lanes::{BySpecies, Lanes};
 pub use level::Level;
 pub use limit::limit;
 pub use list_in_use::{ListInUse, Ordered};
 pub use motion::MotionSummary;
-pub use mover::{Mover, NoiseAt};
+pub use mover::{Mover, SlotNoise};
 pub use packed::{ListStatus, Outcome, PackedCopies, Prepared, Request, are_few};
 pub use pair_list::PairList;
 pub use row::{DoubleRow, FixedRow};

@@ -13,7 +13,7 @@ pub enum Detail {
     /// Forces and the totals of the chunk, without the tensor of the virial.
     Totals,
     /// Forces, totals with the tensor, and energy and virial of each particle.
-    PerParticle,
+    Everything,
 }
 
 /// Sums over one chunk. A full list contains every pair twice, so that each sum is twice the share of the chunk.
@@ -23,7 +23,7 @@ pub struct ChunkTotals {
     pub energy: f64,
     /// Σ r_ij·F_ij, ε.
     pub virial_trace: f64,
-    /// Σ r_ij ⊗ F_ij, ε; zero where only totals are summed.
+    /// Σ r_ij ⊗ F_ij, ε; it has no meaning where only totals are asked for.
     pub virial: DMat3,
     /// Σ (U″ + 2U′/r), ε/σ².
     pub laplacian: f64,
@@ -50,15 +50,24 @@ impl ChunkTotals {
     /// Numbers that are summed, besides counts.
     pub const NUMBERS: usize = 13;
 
-    /// The `k`th number: energy, trace of the virial, Laplacian, energy at the cutoff, and the components of the virial.
-    pub fn number(&self, k: usize) -> f64 {
-        match k {
-            0 => self.energy,
-            1 => self.virial_trace,
-            2 => self.laplacian,
-            3 => self.at_cutoff,
-            _ => self.virial.col((k - 4) / 3)[(k - 4) % 3],
-        }
+    /// Energy, trace of the virial, Laplacian, energy at the cutoff, and the components of the virial.
+    pub fn numbers(&self) -> [f64; Self::NUMBERS] {
+        let [a, b, c, d, e, f, g, h, i] = self.virial.to_cols_array();
+        [
+            self.energy,
+            self.virial_trace,
+            self.laplacian,
+            self.at_cutoff,
+            a,
+            b,
+            c,
+            d,
+            e,
+            f,
+            g,
+            h,
+            i,
+        ]
     }
 
     /// Adds the sums over other pairs.

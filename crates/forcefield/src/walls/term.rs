@@ -186,16 +186,7 @@ fn force_at(surface: &Surface, z: f64) -> f64 {
 }
 
 impl ForceTerm for Walls {
-    fn evaluate(
-        &mut self,
-        at: Configuration<'_>,
-        part: Part,
-        want: Want,
-        forces: &mut [DVec3],
-    ) -> Result<Energetics, ForceError> {
-        forces.fill(DVec3::ZERO);
-        self.add(at, part, want, &mut Vec::new(), forces)
-    }
+    lennard_core::evaluate_by_adding!();
 
     /// Walls change quickly in space: their force belongs to the near part.
     fn add(

@@ -153,16 +153,7 @@ impl Springs {
 }
 
 impl ForceTerm for Springs {
-    fn evaluate(
-        &mut self,
-        at: Configuration<'_>,
-        part: Part,
-        want: Want,
-        forces: &mut [DVec3],
-    ) -> Result<Energetics, ForceError> {
-        forces.fill(DVec3::ZERO);
-        self.add(at, part, want, &mut Vec::new(), forces)
-    }
+    lennard_core::evaluate_by_adding!();
 
     fn add(
         &mut self,
