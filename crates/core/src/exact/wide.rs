@@ -150,13 +150,12 @@ impl WideSum {
     }
 }
 
-/// x·2ᵏ for k ≥ −1074, where the result is exact or infinite.
+/// x·2ᵏ for −1074 ≤ k ≤ 1023, where the result is exact or infinite.
 fn scaled(x: f64, k: i32) -> f64 {
     if k < -500 {
         x * power_of_two(k + 537) * power_of_two(-537)
     } else {
-        // Beyond this power the product is infinite: x has more than 64 bits there.
-        x * power_of_two(k.min(1023))
+        x * power_of_two(k)
     }
 }
 
