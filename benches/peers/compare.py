@@ -166,8 +166,8 @@ OWN = {
 
 
 def chosen(options, refuse):
-    """The engines that were asked for, in the order of a round; `refuse` ends the program with a message."""
-    engines = dict(ENGINES)
+    """The engines of each case that were asked for, in the order of a round; `refuse` ends the program with a message."""
+    atoms = dict(ENGINES)
     for path in options.gmx:
         if shutil.which(path) is None:
             refuse(f"argument --gmx: no program `{path}`")
@@ -175,14 +175,18 @@ def chosen(options, refuse):
         precision = "double" if path.name.endswith("_d") else "mixed"
         for kind, settings in GROMACS.items():
             program = str(path.resolve())
-            engines[f"gromacs (own build), {precision}, {kind}"] = of("gromacs", program=program, **settings)
+            atoms[f"gromacs (own build), {precision}, {kind}"] = of("gromacs", program=program, **settings)
+    engines = {case: OF_MOLECULES if case == MOLECULES else atoms for case in options.cases}
     if options.only is None:
         return engines
-    words = options.only.split(",")
+    words, names = options.only.split(","), {name: None for of_case in engines.values() for name in of_case}
     for word in words:
-        if not word or not any(word in name for name in engines):
-            refuse(f"argument --only: no engine has `{word}` in its name; there are: {'; '.join(engines)}")
-    return {name: run for name, run in engines.items() if name in OWN or any(word in name for word in words)}
+        if not word or not any(word in name for name in names):
+            refuse(f"argument --only: no engine has `{word}` in its name; there are: {'; '.join(names)}")
+    return {
+        case: {name: run for name, run in of_case.items() if name in OWN or any(word in name for word in words)}
+        for case, of_case in engines.items()
+    }
 
 
 def main():
@@ -200,11 +204,11 @@ def main():
     engines = chosen(options, parser.error)
     results = {}
     for case in options.cases:
-        speeds = {name: [] for name in (OF_MOLECULES if case == MOLECULES else engines)}
+        speeds = {name: [] for name in engines[case]}
         for _ in range(options.repeats):
             for name in list(speeds):
                 try:
-                    speeds[name].append((OF_MOLECULES | engines)[name](case, options.threads))
+                    speeds[name].append(engines[case][name](case, options.threads))
                 except RuntimeError as reason:
                     print(f"{case}: {name} is skipped: {str(reason).strip().splitlines()[-1]}")
                     del speeds[name]

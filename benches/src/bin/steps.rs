@@ -114,7 +114,7 @@ fn measured_steps(
     };
     let mut last = Energetics::default();
     for begun in (0..steps).step_by(every) {
-        last = run.steps(every.min(steps - begun), Want::TOTALS)?;
+        last = run.steps(every.min(steps - begun), Want::ENERGY_AND_VIRIAL)?;
     }
     Ok(last)
 }

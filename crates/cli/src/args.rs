@@ -318,10 +318,17 @@ fn key_value(text: &str) -> Result<(String, String), String> {
     }
 }
 
+/// A time above zero.
 fn wall_time(text: &str) -> Result<Duration, String> {
-    match humantime::parse_duration(text) {
-        Ok(time) if time > Duration::ZERO => Ok(time),
-        Ok(_) => Err("wanted a time above zero, such as 90s, 10m, 2h or 1h30m".into()),
-        Err(e) => Err(format!("{e}; wanted a time such as 90s, 10m, 2h or 1h30m")),
+    let time = time(text, "90s, 10m, 2h or 1h30m")?;
+    if time > Duration::ZERO {
+        Ok(time)
+    } else {
+        Err("wanted a time above zero, such as 90s, 10m, 2h or 1h30m".into())
     }
+}
+
+/// A time with a unit; a message names `examples`.
+fn time(text: &str, examples: &str) -> Result<Duration, String> {
+    humantime::parse_duration(text).map_err(|e| format!("{e}; wanted a time such as {examples}"))
 }

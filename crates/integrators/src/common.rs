@@ -1,4 +1,4 @@
-//! What the methods share: checks of their options, and the scaling of velocities.
+//! What the methods share: checks of their options, and the harmonic oscillator.
 
 use lennard_core::options::Options;
 use lennard_core::random::NoiseStream;

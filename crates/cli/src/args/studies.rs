@@ -29,7 +29,7 @@ pub struct PlanArgs {
 
 /// A time of zero or more.
 fn latency(text: &str) -> Result<Duration, String> {
-    humantime::parse_duration(text).map_err(|e| format!("{e}; wanted a time such as 2us or 500ns"))
+    super::time(text, "2us or 500ns")
 }
 
 /// Bytes per second: a number with a unit.
