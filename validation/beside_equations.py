@@ -3,12 +3,15 @@
     lennard sweep sweep/states --out runs/states
     python validation/beside_equations.py runs/states > docs/states.md
 
-It reads `equations.csv`, `beside_equations.csv` and `table.csv` of the sweep, and needs the standard library alone.
+It reads `sweep.json`, `equations.csv`, `beside_equations.csv` and `table.csv` of the sweep, and needs the standard library alone. A sweep over
+several models, or with points that are not at constant density and temperature, is refused.
 """
 
 import csv
+import json
 import math
 import sys
+import tomllib
 from pathlib import Path
 
 SYMBOLS = {
@@ -41,6 +44,9 @@ def measured(value, error):
     if not (math.isfinite(error) and error > 0):
         return f"{value:.5g}"
     decimals = max(0, 1 - math.floor(math.log10(error)))
+    if round(error * 10**decimals) >= 100:
+        # 0.00996 has the digits 10, of one decimal less.
+        decimals = max(0, decimals - 1)
     digits = round(error * 10**decimals)
     return f"{value:.{decimals}f}({digits})"
 
@@ -63,29 +69,30 @@ def equations_table(judged):
                 cells.append("–")
                 continue
             row = found[0]
-            cells.append(f"{row['χ² per point']} of {row['points']} ({row['largest, in errors']})")
+            cells.append(f"{row['χ² per point']} ({row['points']} points, {row['largest, in errors']})")
         yield line(cells)
 
 
-def state_tables(beside):
-    """Every property of every state with its error, and the values of the equations below it."""
+def state_tables(beside, names):
+    """Every property of every state with its error, and the values of the equations beside it."""
     for key in SYMBOLS:
         of_property = [row for row in beside if row["property"] == key]
         if not of_property:
             continue
-        equations = [
-            name
-            for name in list(of_property[0])[6:]
-            if any(row[name] not in ("", "nan") for row in of_property)
-        ]
+        equations = [e for e in names if any(row[e] not in ("", "nan") for row in of_property)]
+        own_error = [row["error_of_difference"] != row["standard_error"] for row in of_property]
+        at_given = ["error at given T"] if any(own_error) else []
         yield f"### {SYMBOLS[key]} ({key.replace('_', ' ')})"
         yield ""
-        yield line(["ρ", "T", "measured", *equations])
-        yield line(["---"] * (len(equations) + 3))
+        yield line(["ρ", "T", "measured", *at_given, *(names[e] for e in equations)])
+        yield line(["---"] * (len(equations) + len(at_given) + 3))
         for row in sorted(of_property, key=lambda r: (number(r["density"]), number(r["temperature"]))):
             error = number(row["standard_error"])
             cells = [f"{number(row['density']):.4g}", f"{number(row['temperature']):.4f}"]
             cells.append(measured(number(row["measured"]), error))
+            if at_given:
+                of_difference = number(row["error_of_difference"])
+                cells.append("–" if math.isnan(of_difference) else f"{of_difference:.2g}")
             for name in equations:
                 value = number(row[name])
                 cells.append("–" if math.isnan(value) else f"{value:.5g}")
@@ -93,8 +100,32 @@ def state_tables(beside):
         yield ""
 
 
+def the_model(compared):
+    """The one model of all runs, in words."""
+    models = sorted({run["model"] for run in compared})
+    if len(models) != 1:
+        sys.exit(f"a page is of one model\n  found: {'; '.join(models) or 'no finished run'}")
+    return models[0]
+
+
+def is_at_constant_temperature(scene):
+    """Whether every measured stage has a bath and no barostat."""
+    measured_stages = [stage for stage in scene["stage"] if stage.get("measure", True)]
+    return all("thermostat" in stage and "barostat" not in stage for stage in measured_stages)
+
+
 def main(folder):
     folder = Path(folder)
+    with open(folder / "sweep.json", encoding="utf-8") as file:
+        record = json.load(file)
+    compared = {p["name"]: p["compared"] for p in record["points"] if p["compared"]}
+    model = the_model(compared.values())
+    for name in compared:
+        with open(folder / name / "scene.toml", "rb") as file:
+            if not is_at_constant_temperature(tomllib.load(file)):
+                sys.exit(f"a page is of runs at constant density and temperature\n  found: {name}, which is not")
+    cards = [run["card"] for run in compared.values() if run["card"]]
+    names = {equation["key"]: equation["name"] for card in cards for equation in card["equations"]}
     judged = rows(folder / "equations.csv")
     beside = rows(folder / "beside_equations.csv")
     points = rows(folder / "table.csv")
@@ -105,8 +136,8 @@ def main(folder):
     print("# States beside the equations")
     print()
     print(
-        f"{states} states of the full Lennard-Jones fluid from gas to dense liquid: {', '.join(atoms)} particles, cutoff 4 σ with tail correction, constant\n"
-        f"temperature, and {between} measured steps. Made by these commands:"
+        f"{states} states at constant density and temperature, {between} measured steps each, {', '.join(atoms)} particles.\n"
+        f"The model is: {model}. Made by these commands:"
     )
     print()
     print("```sh")
@@ -116,15 +147,16 @@ def main(folder):
     print()
     for count in reversed(steps):
         some = [row for row in points if row["steps"] == str(count)]
-        names = ", ".join(f"({number(r['density']):.4g}, {number(r['temperature']):.3f})" for r in some)
-        print(f"- {count:,} steps at (ρ, T) = {names}.")
+        at = ", ".join(f"({number(r['density']):.4g}, {number(r['temperature']):.3f})" for r in some)
+        print(f"- {count:,} steps at (ρ, T) = {at}.")
     print()
     print("## χ² of each equation")
     print()
     print(
         "Each entry: χ² per point, the number of points, and the largest distance in errors. An equation that is exact to the errors of the runs has 1. U and P are\n"
-        "compared for as many particles in a closed box, with the correlation of U, P and T. Other properties are compared for an infinite system. The cutoff leaves some\n"
-        "0.001 ε in U, and more near the critical point: errors of U are smaller than that."
+        "compared for as many particles in a closed box, less the bias of the cutoff where it is known. Their errors are at the given T: the correlation of U, P and T\n"
+        "makes them smaller than the printed ones. Other properties are compared for an infinite system. The bias is known to a third of itself, and no error counts the\n"
+        "rest."
     )
     print()
     for text in equations_table(judged):
@@ -132,9 +164,12 @@ def main(folder):
     print()
     print("## Every state")
     print()
-    print("Digits in brackets are one standard error in the last digits. A run that gives no error for a property has no row.")
+    print(
+        "Digits in brackets are one standard error in the last digits. A run that gives no error for a property has no row. Values of equations are of an infinite system,\n"
+        "at the measured T. The differences that χ² is made of stand in `beside_equations.csv`, with their errors."
+    )
     print()
-    for text in state_tables(beside):
+    for text in state_tables(beside, names):
         print(text)
 
 

@@ -15,6 +15,7 @@ pub struct Entry {
     /// What it declares about itself.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     pub properties: serde_json::Map<String, serde_json::Value>,
-    /// Where it comes from.
+    /// Where it comes from; empty for what is itself a list.
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub source: String,
 }

@@ -9,7 +9,7 @@ use clap_mangen::Man;
 use crate::args::Cli;
 
 /// The day of the last change to a command; readers of man pages want one.
-const DATE: &str = "2026-11-25";
+const DATE: &str = "2026-11-26";
 /// The longest line of source, bytes: readers of man pages complain of longer ones.
 const LONGEST: usize = 80;
 /// The section whose lines keep their breaks and blanks.

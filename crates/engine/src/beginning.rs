@@ -191,12 +191,9 @@ pub(crate) fn begin_in_memory(
 /// [`EngineError`] where the start cannot be made.
 pub fn size_and_density(scene: &Scene) -> Result<(usize, f64), EngineError> {
     let start = &scene.system.start;
-    let (n, cell) = match (start.count(), scene.placement()?) {
-        // Every site is listed; elsewhere the scene counts molecules.
-        (Some(sites), Some(placement)) if matches!(start, Start::Listed { .. }) => {
-            (sites, placement.cell)
-        }
-        (Some(count), Some(placement)) => (count * scene.molecules().sites(), placement.cell),
+    let particles = start.particles(scene.molecules().sites());
+    let (n, cell) = match (particles, scene.placement()?) {
+        (Some(n), Some(placement)) => (n, placement.cell),
         _ => {
             let beginning = begin(scene)?;
             (beginning.positions.len(), beginning.cell)

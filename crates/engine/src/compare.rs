@@ -99,14 +99,9 @@ pub fn beside_equation_of_state(
 ) -> Comparison {
     let results = what == Compared::Results;
     let mut comparison = Comparison::default();
-    if let Some(confined) = scene.confined_by() {
-        let remark = format!("not compared with any equation of state: the fluid has {confined}");
+    if let Some(why) = scene.not_homogeneous() {
+        let remark = format!("not compared with any equation of state: {why}");
         comparison.remarks.push(remark);
-        return comparison;
-    }
-    if scene.half_crystal().is_some() {
-        let remark = "not compared with any equation of state: a crystal beside its liquid";
-        comparison.remarks.push(remark.to_owned());
         return comparison;
     }
     let model = model_kind(scene);

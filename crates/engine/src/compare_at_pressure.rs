@@ -22,9 +22,9 @@ pub fn at_constant_pressure(
     changing: &ChangingBox,
 ) -> Comparison {
     let mut comparison = Comparison::default();
-    if scene.half_crystal().is_some() {
-        let remark = "not compared with any equation of state: a crystal beside its liquid";
-        comparison.remarks.push(remark.to_owned());
+    if let Some(why) = scene.not_homogeneous() {
+        let remark = format!("not compared with any equation of state: {why}");
+        comparison.remarks.push(remark);
         return comparison;
     }
     let model = model_kind(scene);

@@ -21,7 +21,7 @@ pub struct Confinement {
     planar_tail: Option<PlanarTail>,
     /// Whether the total momentum is free along all axes: particles are held, or the scene lists velocities.
     is_anchored: bool,
-    /// How bonds are held, and the molecules: walls that are hit need both.
+    /// How bonds are held, and the molecules: walls that are hit need both. `None` without walls.
     bonds: Option<(BondOptions, System)>,
 }
 
@@ -39,16 +39,14 @@ impl Confinement {
         let system = System::of_species(species).bonded(scene.molecules());
         // Held particles before the field, which they do not feel.
         let held = system.holding(&scene.system.held);
+        let molecule = scene.molecule.as_ref().filter(|_| walls.is_some());
         let confinement = Self {
             walls,
             contacts,
             field: scene.field_on(&held.masses),
             planar_tail: PlanarTail::of(scene, cell),
             is_anchored: scene.system.start.lists_velocities() || !scene.system.held.is_empty(),
-            bonds: scene
-                .molecule
-                .as_ref()
-                .map(|molecule| (molecule.bonds.clone(), held.clone())),
+            bonds: molecule.map(|molecule| (molecule.bonds.clone(), held.clone())),
         };
         (confinement.pushes(held, [false; 3]), confinement)
     }

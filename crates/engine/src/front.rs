@@ -11,6 +11,8 @@ const BOTH_PHASES: [f64; 2] = [0.15, 0.85];
 const ERRORS: f64 = 2.0;
 /// Fewest samples of the share that tell a velocity.
 const FEWEST: usize = 30;
+/// The remark that tells which phase grows begins so.
+pub const CRYSTAL_REMARK: &str = "crystal: ";
 /// Two fronts, since the box is periodic.
 const FRONTS: f64 = 2.0;
 
@@ -23,6 +25,8 @@ struct Motion {
     error: f64,
     /// Samples with both phases.
     samples: usize,
+    /// The parts of the run whose slopes tell the error.
+    blocks: usize,
     /// The first and the last share of the whole run.
     shares: [f64; 2],
 }
@@ -40,28 +44,34 @@ impl Motion {
                 false => f64::NAN,
             },
             samples,
+            blocks: line.blocks,
             shares: [*share.first()?, *share.last()?],
         })
     }
 
     fn average(&self) -> Average {
-        let n = self.samples as f64;
+        let blocks = self.blocks as f64;
         let estimate = Estimate {
             mean: self.velocity,
             standard_error: self.error,
-            n_effective: n,
-            least_effective: n,
-            freedom: n,
+            n_effective: blocks,
+            least_effective: blocks,
+            freedom: self.blocks.saturating_sub(1) as f64,
             equilibration_cut: 0,
         };
-        let short = self.error.is_nan().then(|| Doubt::TooShort {
-            why: format!(
+        // A longer run has no more of them: one phase is gone.
+        let few = self.too_few().map(Doubt::Incomplete);
+        Average::new("front_velocity", "σ/τ", estimate).doubted(few)
+    }
+
+    /// Why no velocity is told; `None` where there are samples enough.
+    fn too_few(&self) -> Option<String> {
+        self.error.is_nan().then(|| {
+            format!(
                 "{} samples with both phases where {FEWEST} are needed: look more often",
                 self.samples
-            ),
-            longer: 1.0,
-        });
-        Average::new("front_velocity", "σ/τ", estimate).doubted(short)
+            )
+        })
     }
 
     fn in_words(&self) -> String {
@@ -69,15 +79,18 @@ impl Motion {
         let shares = format!(
             "{first:.0} % of the particles are solid-like at the beginning, {last:.0} % at the end"
         );
+        if let Some(few) = self.too_few() {
+            return format!("{CRYSTAL_REMARK}no velocity is told, {few}: {shares}");
+        }
         let what = if self.velocity > ERRORS * self.error {
             "the crystal grows"
         } else if self.velocity < -ERRORS * self.error {
             "the crystal melts"
         } else {
-            return format!("crystal: neither phase is seen to grow: {shares}");
+            return format!("{CRYSTAL_REMARK}neither phase is seen to grow: {shares}");
         };
         format!(
-            "crystal: {what}, and each front moves by {:.4} ± {:.4} σ/τ while both phases are there: {shares}",
+            "{CRYSTAL_REMARK}{what}, and each front moves by {:.4} ± {:.4} σ/τ while both phases are there: {shares}",
             self.velocity, self.error
         )
     }
@@ -105,10 +118,9 @@ impl Simulation {
             }
             None => {
                 if let Some(first) = findings.first_mut() {
-                    first.remarks.push(
-                        "crystal: without the observable `bond-order` no run tells which phase grows"
-                            .to_owned(),
-                    );
+                    first.remarks.push(format!(
+                        "{CRYSTAL_REMARK}without the observable `bond-order` no run tells which phase grows"
+                    ));
                 }
             }
         }
@@ -149,7 +161,13 @@ mod tests {
             assert!(found.error < 0.5 * exact.abs(), "{found:?}");
             let grows = found.in_words().contains("the crystal grows");
             assert_eq!(grows, rate > 0.0, "{}", found.in_words());
-            assert_eq!(found.average().doubt, None);
+            let average = found.average();
+            assert_eq!(average.doubt, None);
+            // The error is of ten slopes, and is itself known to 1/√18.
+            assert_eq!(
+                (average.estimate.freedom, average.estimate.n_effective),
+                (9.0, 10.0)
+            );
         }
         let still = motion(0.0, 1000);
         assert!(still.in_words().contains("neither phase"), "{still:?}");
@@ -159,14 +177,16 @@ mod tests {
     fn too_few_samples_give_no_error() {
         let found = motion(2e-2, 1000);
         assert!(found.samples < FEWEST && found.error.is_nan(), "{found:?}");
-        let Some(Doubt::TooShort { why, .. }) = found.average().doubt else {
+        let Some(Doubt::Incomplete(why)) = found.average().doubt else {
             panic!("no doubt")
         };
         assert!(why.contains("look more often"), "{why}");
+        let words = found.in_words();
+        assert!(words.contains("98 % at the end"), "{words}");
+        // The share rises from 50 to 98 %: it is not said that nothing grows.
         assert!(
-            found.in_words().contains("98 % at the end"),
-            "{}",
-            found.in_words()
+            words.contains("no velocity is told") && !words.contains("neither"),
+            "{words}"
         );
     }
 }

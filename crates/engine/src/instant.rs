@@ -1,6 +1,7 @@
 //! The state of a simulation as observers see it, and its values of the moment.
 
 use lennard_core::{Momentum, Shared, State, System, TailCorrection, View, WallReading};
+use lennard_forcefield::Tail;
 
 use crate::Simulation;
 use crate::simulation::StageRun;
@@ -36,6 +37,14 @@ fn tail_work(state: &State, stage: Option<&StageRun>) -> f64 {
     }
 }
 
+/// A tail per particle as observers see it: per molecule of so many sites.
+pub(crate) fn correction(tail: Option<Tail>, sites: usize) -> Option<TailCorrection> {
+    tail.map(|t| TailCorrection {
+        energy_per_particle: t.energy_per_particle * sites as f64,
+        pressure: t.pressure,
+    })
+}
+
 impl Simulation {
     /// (K + U_conserved + V·P_tail − Σ heat)/N in ε, where the energy was asked for on this step.
     ///
@@ -62,10 +71,7 @@ impl Simulation {
     #[must_use]
     pub fn tail(&self) -> Option<TailCorrection> {
         let tail = self.tail_in(self.state.cell.volume());
-        tail.map(|t| TailCorrection {
-            energy_per_particle: t.energy_per_particle * self.system.molecules.sites() as f64,
-            pressure: t.pressure,
-        })
+        correction(tail, self.system.molecules.sites())
     }
 
     /// What observers see of the state as it is.

@@ -69,6 +69,7 @@ pub use files::{Marks, RunFiles, discard};
 pub use follower::{Follower, StopAt, Unfollowed, Verdict};
 pub use force_check::{ForceCheck, Seen};
 pub use from_memory::{StartError, start_from_arrays, write_start};
+pub use front::CRYSTAL_REMARK;
 pub use growing_scenes::{
     Addition, ended, from_text, planned_stages, planned_steps, planned_text, prolonged, with_stage,
 };

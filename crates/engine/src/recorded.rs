@@ -1,14 +1,16 @@
 //! Response functions of a run from the rows that it has written, by the code of a run.
 
-use lennard_core::{Findings, Observable, PeriodicBox, SpeciesTable, Table, TailCorrection};
+use lennard_core::{Findings, Observable, PeriodicBox, SpeciesTable, Table};
 use lennard_forcefield::tail_in;
-use lennard_observables::{Recorded, Thermodynamics, response_functions};
+use lennard_observables::{
+    NO_RESPONSES_REMARK, RESPONSES_REMARK, Recorded, Thermodynamics, response_functions,
+};
 use lennard_scene::Scene;
 
 use crate::baths::measured_baths;
 use crate::build::thermodynamics;
-use crate::confinement::Confinement;
 use crate::findings::judged;
+use crate::instant::correction;
 use crate::own::OwnParts;
 
 /// Response functions, their errors and what was assumed, from the table `thermo` of a finished run of this scene.
@@ -25,8 +27,8 @@ pub fn responses_of_recorded(
     let thermodynamics = recorded(scene, cell, species, n_dof, rows)?;
     let equilibrium = thermodynamics.equilibrium();
     let found = thermodynamics.finish(equilibrium.discarded);
-    let none = "no response functions: ";
-    if let Some(why) = found.remarks.iter().find_map(|r| r.strip_prefix(none)) {
+    let mut remarks = found.remarks.iter();
+    if let Some(why) = remarks.find_map(|r| r.strip_prefix(NO_RESPONSES_REMARK)) {
         return Err(why.to_owned());
     }
     let mut found = judged(
@@ -41,7 +43,7 @@ pub fn responses_of_recorded(
         .retain(|average| response_functions().any(|name| name == average.name));
     found
         .remarks
-        .retain(|remark| remark.starts_with("response functions: "));
+        .retain(|remark| remark.starts_with(RESPONSES_REMARK));
     Ok(Findings {
         tables: Vec::new(),
         ..found
@@ -69,12 +71,16 @@ fn recorded(
     let (conserved, heat) = (column("conserved_energy")?, column("heat")?);
     let density = column("density").ok();
     let n = species.n_particles();
-    let (system, _) = Confinement::with_system(scene, &cell, species.clone());
-    let mass = (0..n).map(|i| system.masses.moving(i)).sum::<f64>() / n as f64;
     let has_halves = half.iter().any(|t| t.is_finite());
-    thermodynamics.begin_recorded(n_dof, mass, has_halves);
+    thermodynamics.begin_recorded(n_dof, species.mean_mass(), has_halves);
     let options = scene.force_field();
     let mixture = scene.mixture_of(species);
+    let sites = scene.molecules().sites();
+    let tail_at = |volume: f64| {
+        let tail = tail_in(&options, mixture.as_ref(), n, volume);
+        correction(tail, sites).unwrap_or_default()
+    };
+    let at_start = tail_at(cell.volume());
     for i in 0..time.len() {
         let is_measured = scene
             .stages
@@ -83,14 +89,13 @@ fn recorded(
         if !is_measured {
             continue;
         }
-        let volume = density
-            .as_ref()
-            .map_or(cell.volume(), |density| n as f64 / density[i]);
-        let tail = tail_in(&options, mixture.as_ref(), n, volume);
-        let tail = tail.map_or_else(TailCorrection::default, |tail| TailCorrection {
-            energy_per_particle: tail.energy_per_particle,
-            pressure: tail.pressure,
-        });
+        let (volume, tail) = match &density {
+            None => (cell.volume(), at_start),
+            Some(density) => {
+                let volume = n as f64 / density[i];
+                (volume, tail_at(volume))
+            }
+        };
         thermodynamics.push_recorded(&Recorded {
             time: time[i],
             temperature: temperature[i],

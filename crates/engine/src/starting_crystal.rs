@@ -15,7 +15,7 @@ pub(crate) fn positions(
     start: &HalfCrystal,
     placement: &Placement,
 ) -> Result<Vec<DVec3>, EngineError> {
-    let cells = placement.cells.unwrap_or([1; 3]);
+    let cells = placement.cells.expect("a lattice has cells");
     let basis = Lattice::Fcc.basis();
     let mut positions = initial::lattice_sites(placement.corner, placement.filled, cells, basis);
     let n_liquid = start.n_atoms - positions.len();

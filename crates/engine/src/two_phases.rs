@@ -1,9 +1,7 @@
 //! What means nothing where two phases stand side by side, and is left out of a run.
 
-use std::any::Any;
-
-use lennard_core::{Average, Findings, Observable};
-use lennard_observables::{Interface, response_functions};
+use lennard_core::{Average, Findings};
+use lennard_observables::{LIQUID_DENSITY, RESPONSES_REMARK, response_functions};
 use lennard_scene::Scene;
 
 use crate::Simulation;
@@ -18,45 +16,31 @@ const OF_ONE_PHASE: [&str; 6] = [
     "thermodynamic_factor",
 ];
 
-/// Remarks of what is left out begin with these words.
-const REMARKS: [&str; 2] = ["heat_capacity: ", "response functions: "];
+/// Remarks of response functions begin with these words.
+const REMARKS: [&str; 2] = ["heat_capacity: ", RESPONSES_REMARK];
 
 /// Columns and means that a tail among the forces leaves without a meaning.
 const WITHOUT_TAIL: [&str; 2] = ["potential_energy_without_tail", "pressure_without_tail"];
 
 /// Why a mean over the whole box belongs to no phase; `None` where the box holds one phase, as far as the run knows.
-fn two_phases(scene: &Scene, observables: &[&dyn Observable]) -> Option<String> {
+fn two_phases(scene: &Scene, findings: &[Findings]) -> Option<String> {
     if let Some(surfaces) = scene.surfaces() {
         return Some(format!("the start has surfaces ({surfaces})"));
     }
     if scene.half_crystal().is_some() {
         return Some("a crystal stands beside its liquid (`[crystal]`)".to_owned());
     }
-    if scene.planar_tail {
-        return Some("the tail is of flat surfaces".to_owned());
-    }
-    let has_slab = |observable: &&dyn Observable| {
-        let any: &dyn Any = *observable;
-        any.downcast_ref::<Interface>()
-            .is_some_and(Interface::has_slab)
-    };
-    let found = observables.iter().any(has_slab);
+    let mut averages = findings.iter().flat_map(|f| &f.averages);
+    let found = averages.any(|average| average.name == LIQUID_DENSITY);
     found.then(|| "the density has two levels".to_owned())
 }
 
 impl Simulation {
     /// Leaves out of the findings what two phases side by side, or a tail among the forces, make meaningless, and says so.
     pub(crate) fn leave_out_meaningless(&self, findings: &mut [Findings]) {
-        let observables: Vec<&dyn Observable> = self
-            .observers
-            .iter()
-            .map(|o| o.observable.as_ref())
-            .collect();
-        if let Some(why) = two_phases(&self.scene, &observables) {
+        if let Some(why) = two_phases(&self.scene, findings) {
             let left_out = without(findings, is_of_one_phase);
-            for remarks in findings.iter_mut().map(|f| &mut f.remarks) {
-                remarks.retain(|r| !REMARKS.iter().any(|begin| r.starts_with(begin)));
-            }
+            forget_responses(findings);
             tell(
                 findings,
                 left_out,
@@ -64,6 +48,13 @@ impl Simulation {
             );
         }
         if self.scene.planar_tail {
+            let left_out = without(findings, is_response);
+            forget_responses(findings);
+            tell(
+                findings,
+                left_out,
+                "the planar tail is among the forces, and response functions do not count it",
+            );
             let left_out = without(findings, |name| WITHOUT_TAIL.contains(&name));
             for table in findings.iter_mut().flat_map(|f| &mut f.tables) {
                 table
@@ -79,9 +70,19 @@ impl Simulation {
     }
 }
 
-fn is_of_one_phase(name: &str) -> bool {
+fn is_response(name: &str) -> bool {
     response_functions().any(|function| function == name)
-        || OF_ONE_PHASE.iter().any(|begin| name.starts_with(begin))
+}
+
+fn is_of_one_phase(name: &str) -> bool {
+    is_response(name) || OF_ONE_PHASE.iter().any(|begin| name.starts_with(begin))
+}
+
+/// Takes out the remarks that tell how response functions were found.
+fn forget_responses(findings: &mut [Findings]) {
+    for remarks in findings.iter_mut().map(|f| &mut f.remarks) {
+        remarks.retain(|r| !REMARKS.iter().any(|begin| r.starts_with(begin)));
+    }
 }
 
 /// Takes means out, and gives their names.
@@ -129,19 +130,47 @@ mod tests {
         }
     }
 
+    const ESTIMATE: Estimate = Estimate {
+        mean: 1.0,
+        standard_error: 0.1,
+        n_effective: 100.0,
+        least_effective: 100.0,
+        freedom: 100.0,
+        equilibration_cut: 0,
+    };
+
+    #[test]
+    fn a_planar_tail_alone_is_no_sign_of_two_phases_and_a_liquid_density_is() {
+        let text = r#"
+            [system]
+            configuration = "slab.xyz"
+            temperature = 0.8
+            [truncation]
+            kind = "cut"
+            r_cut = 2.5
+            tail_correction = "planar"
+            [integrator]
+            dt = 0.004
+            [[stage]]
+            name = "production"
+            steps = 100
+        "#;
+        let scene = Scene::parse(text, "test.toml", &[]).unwrap();
+        assert!(scene.planar_tail);
+        assert_eq!(two_phases(&scene, &[]), None);
+        let findings = Findings {
+            averages: vec![Average::new(LIQUID_DENSITY, "σ⁻³", ESTIMATE)],
+            ..Findings::default()
+        };
+        let why = two_phases(&scene, &[findings]).unwrap();
+        assert_eq!(why, "the density has two levels");
+    }
+
     #[test]
     fn what_is_left_out_is_told_by_name() {
-        let estimate = Estimate {
-            mean: 1.0,
-            standard_error: 0.1,
-            n_effective: 100.0,
-            least_effective: 100.0,
-            freedom: 100.0,
-            equilibration_cut: 0,
-        };
         let mut findings = [Findings {
             averages: ["pressure", "speed_of_sound"]
-                .map(|name| Average::new(name, "", estimate))
+                .map(|name| Average::new(name, "", ESTIMATE))
                 .into(),
             ..Findings::default()
         }];

@@ -153,6 +153,12 @@ pub trait EquationOfState: Send + Sync + std::fmt::Debug {
     /// line of the model is not known or the temperature lies below the triple point.
     fn freezing_density(&self, temperature: f64) -> Option<f64>;
 
+    /// Whether the freezing line of the model is known: every line reaches the critical temperature.
+    fn has_freezing_line(&self) -> bool {
+        let critical = self.spec().critical.temperature;
+        self.freezing_density(critical).is_some()
+    }
+
     /// All properties at a density (σ⁻³) and a temperature (ε/k_B), both positive; not-a-number
     /// entries come back for other arguments. Whether the equation may be used there is told by
     /// [`EquationOfState::check`] and [`EquationOfState::phase`].
@@ -233,9 +239,7 @@ pub trait EquationOfState: Send + Sync + std::fmt::Debug {
             critical: self.spec().critical,
             saturation: self.saturation(temperature),
             freezing_density: self.freezing_density(temperature),
-            freezing_known: self
-                .freezing_density(self.spec().critical.temperature)
-                .is_some(),
+            freezing_known: self.has_freezing_line(),
             rho,
             temperature,
         })

@@ -56,7 +56,9 @@ impl FreezingLine {
     /// Where the line crosses the saturated liquid of an equation; `None` where it does not, and for equations of other models.
     #[must_use]
     pub fn triple_point(&self, equation: &dyn EquationOfState) -> Option<Saturation> {
-        equation.freezing_density(ABOVE_TRIPLE)?;
+        if !equation.has_freezing_line() {
+            return None;
+        }
         let excess = |t: f64| {
             let liquid = equation.saturation(t)?.liquid_density;
             Some(liquid - series(&self.liquid, t))
@@ -100,6 +102,13 @@ pub fn freezing_lines() -> [&'static FreezingLine; 2] {
     [&LINE, &OLDER]
 }
 
+/// The freezing lines of the model of an equation, the one that judges phases first; none where the model has no known line.
+#[must_use]
+pub fn freezing_lines_of(equation: &dyn EquationOfState) -> Vec<&'static FreezingLine> {
+    let lines = freezing_lines().into_iter();
+    lines.filter(|_| equation.has_freezing_line()).collect()
+}
+
 /// The freezing line of the full Lennard-Jones potential that judges phases.
 #[must_use]
 pub fn freezing_line() -> &'static FreezingLine {
@@ -139,6 +148,8 @@ mod tests {
             // Lines of the full potential say nothing of another model.
             assert!(line.triple_point(crate::thol_2015()).is_none());
         }
+        assert_eq!(freezing_lines_of(equation).len(), 2);
+        assert!(freezing_lines_of(crate::thol_2015()).is_empty());
     }
 
     #[test]

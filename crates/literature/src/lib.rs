@@ -46,7 +46,7 @@ pub use coexistence_data::coexistence_by_simulation;
 pub use equation::{EquationOfState, EquationSpec, OutsideRange, OwnUncertainty, Range};
 pub use finite_size::{FiniteSize, Kept};
 pub use fluid_state::{CriticalPoint, FluidState};
-pub use freezing::{FreezingLine, freezing_line, freezing_lines};
+pub use freezing::{FreezingLine, freezing_line, freezing_lines, freezing_lines_of};
 pub use jet::Jet;
 pub use johnson::Johnson;
 pub use known_points::{KnownPoint, known_points};

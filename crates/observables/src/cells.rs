@@ -54,10 +54,7 @@ impl Points {
             .zip(self.z[first..].chunks(BATCH));
         for (batch, ((x, y), z)) in batches.enumerate() {
             for (((squared, x), y), z) in squared.iter_mut().zip(x).zip(y).zip(z) {
-                // Both lie in the home box: the nearest image is the shorter way around.
-                let d = (from - DVec3::new(*x, *y, *z)).abs();
-                let d = d.min(sides - d);
-                *squared = d.length_squared();
+                *squared = nearest(from, DVec3::new(*x, *y, *z), sides).length_squared();
             }
             look(first + batch * BATCH, &squared[..x.len()]);
         }
@@ -67,6 +64,13 @@ impl Points {
     pub(crate) fn coordinates(&self, first: usize) -> [&[f64]; 3] {
         [&self.x, &self.y, &self.z].map(|along| &along[first..])
     }
+}
+
+/// The distance of two points of a box with these sides along each axis, by the nearest image: the shorter way around.
+#[inline]
+pub(crate) fn nearest(a: DVec3, b: DVec3, sides: DVec3) -> DVec3 {
+    let d = (a - b).abs();
+    d.min(sides - d)
 }
 
 impl FromIterator<DVec3> for Points {

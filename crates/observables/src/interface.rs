@@ -14,7 +14,7 @@ use crate::blocks::BlockedSums;
 use crate::pressure_tensor::PressureTensor;
 use crate::seen_box::SeenBox;
 use crate::series::{Series, impl_columns};
-use crate::statistics::{self, TRANSIENT_ERRORS};
+use crate::statistics;
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -41,6 +41,8 @@ const THIN: f64 = 12.0;
 const NARROW: f64 = 8.0;
 /// The part of the box farthest from the middle of the slab whose density is followed through time.
 const OUTER_PART: f64 = 1.0 / 3.0;
+/// The mean that a run with a slab has, and no other run.
+pub const LIQUID_DENSITY: &str = "liquid_density";
 /// Vapor of less than so many widths D between two surfaces is not bulk vapor.
 const LEAST_VAPOR: f64 = 3.0;
 
@@ -160,22 +162,13 @@ impl Interface {
         Some(of_blocks(name, unit, value, &pseudo, 0.0))
     }
 
-    /// Whether the mean profile has two surfaces.
-    #[must_use]
-    pub fn has_slab(&self) -> bool {
-        let density: Option<Vec<f64>> = (0..self.counts.width())
-            .map(|k| Some(self.counts.mean(k)? * self.per_count()))
-            .collect();
-        density.is_some_and(|density| fitted(&density, self.length()).is_some())
-    }
-
-    /// What speaks against all numbers where the vapor still gains or loses particles after `cut` rows. U and P of the whole box hardly
-    /// show it: a few particles of a thousand change places.
-    fn drift(&self, cut: usize) -> Option<Doubt> {
+    /// What speaks against all numbers where the outer third of the box still gains or loses particles after `cut` rows. That third is
+    /// vapor, unless the slab fills more than two thirds. U and P of the whole box hardly show it: a few particles of a thousand change places.
+    fn doubt_of_outer_part(&self, cut: usize) -> Option<Doubt> {
         let outer = &self.series.rows().outer;
-        let trend = statistics::trend(&outer[cut.min(outer.len())..], TRANSIENT_ERRORS)?;
+        let trend = statistics::trend(&outer[cut.min(outer.len())..], statistics::bar(cut))?;
         Some(Doubt::NotInEquilibrium(changes(
-            "the density far from the slab",
+            "the density far from the middle of the slab",
             &trend,
         )))
     }
@@ -317,7 +310,7 @@ impl Observable for Interface {
         };
         type Number = fn(&fit::Slab) -> f64;
         let numbers: [(&str, &str, Number); 4] = [
-            ("liquid_density", "σ⁻³", fit::Slab::liquid),
+            (LIQUID_DENSITY, "σ⁻³", fit::Slab::liquid),
             ("vapor_density", "σ⁻³", |slab| slab.vapor),
             ("interface_thickness", "σ", |slab| {
                 TEN_TO_NINETY * slab.width()
@@ -339,17 +332,17 @@ impl Observable for Interface {
             average.estimate.equilibration_cut *= self.series.stride();
             findings.averages.push(average);
         }
-        let drift = self.drift(cut);
+        let doubt = self.doubt_of_outer_part(cut);
         findings.averages = findings
             .averages
             .into_iter()
-            .map(|average| average.doubted(drift.clone()))
+            .map(|average| average.doubted(doubt.clone()))
             .collect();
         findings.tables.push(
             Table::new(
                 "interface",
                 format!(
-                    "normal and tangential pressure, surface tension, and the density of the third of the box farthest from the slab, against time; each row is the mean of {} samples",
+                    "normal and tangential pressure, surface tension, and the density of the third of the box farthest from the middle of the slab, against time; each row is the mean of {} samples",
                     self.series.stride()
                 ),
             )

@@ -94,7 +94,7 @@ impl MolecularMotion {
 }
 
 /// Sums over molecules.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Sums {
     /// Σ ½ M V² of the centres, ε.
     kinetic_of_centers: f64,
@@ -114,32 +114,25 @@ fn sums(view: &View<'_>) -> Sums {
         );
         let mass: f64 = sites.clone().map(|i| system.masses.of(i)).sum();
         let momentum: DVec3 = sites.zip(v).map(|(i, v)| system.masses.of(i) * *v).sum();
-        let mut sums = Sums {
-            kinetic_of_centers: 0.5 * momentum.length_squared() / mass,
-            end_to_end_squared: (x[x.len() - 1] - x[0]).length_squared(),
-            ..Sums::default()
-        };
+        let (mut length, mut strain_squared) = (0.0, 0.0);
         for bond in molecules.bonds() {
-            let length = bond.vector(x).length();
-            sums.length += length;
-            sums.strain_squared += (length / bond.length - 1.0).powi(2);
+            let found = bond.vector(x).length();
+            length += found;
+            strain_squared += (found / bond.length - 1.0).powi(2);
         }
-        sums
+        [
+            0.5 * momentum.length_squared() / mass,
+            length,
+            strain_squared,
+            (x[x.len() - 1] - x[0]).length_squared(),
+        ]
     };
     let [
         kinetic_of_centers,
         length,
         strain_squared,
         end_to_end_squared,
-    ] = exact_sum(system.n_molecules(), |m| {
-        let of = of_molecule(m);
-        [
-            of.kinetic_of_centers,
-            of.length,
-            of.strain_squared,
-            of.end_to_end_squared,
-        ]
-    });
+    ] = exact_sum(system.n_molecules(), of_molecule);
     Sums {
         kinetic_of_centers,
         length,

@@ -3,7 +3,7 @@
 use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
 use rayon::prelude::*;
 
-use crate::cells::{BATCH, Cells, Points};
+use crate::cells::{BATCH, Cells, Points, nearest};
 use crate::species_pairs::SpeciesPair;
 
 /// Particles whose pairs one task counts. Counts are whole numbers, so that no result depends on it.
@@ -112,10 +112,7 @@ impl Histogram {
         // One loop from coordinates to bins: in two, counting takes three times as long.
         for ((x, y), z) in x.zip(y).zip(z) {
             for (((bin, x), y), z) in bins.iter_mut().zip(x).zip(y).zip(z) {
-                // Both lie in the home box: the nearest image is the shorter way around.
-                let d = (from - DVec3::new(*x, *y, *z)).abs();
-                let d = d.min(self.sides - d);
-                let r = d.length();
+                let r = nearest(from, DVec3::new(*x, *y, *z), self.sides).length();
                 // Just below r_max the product can round up to the number of bins.
                 let place = (r * self.per_length).min(last);
                 *bin = if r < self.r_max { place } else { beyond } as u32;

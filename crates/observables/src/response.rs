@@ -43,6 +43,11 @@ const RESPONSES: [Response; COUNT] = [
     response("energy_virial_correlation", "", false),
 ];
 
+/// The remark that tells how response functions were found begins so.
+pub const RESPONSES_REMARK: &str = "response functions: ";
+/// The remark that tells why there are none begins so.
+pub const NO_RESPONSES_REMARK: &str = "no response functions: ";
+
 /// The names of all response functions, c_v first.
 pub fn response_functions() -> impl Iterator<Item = &'static str> {
     RESPONSES.iter().map(|response| response.name)
@@ -99,15 +104,15 @@ pub(crate) fn remark(setting: &Setting) -> String {
         .map(|r| r.name)
         .collect();
     match (setting.ensemble, setting.curvature) {
-        (Ensemble::Isobaric { .. }, _) => format!("response functions: {how}"),
+        (Ensemble::Isobaric { .. }, _) => format!("{RESPONSES_REMARK}{how}"),
         (_, None) => format!(
-            "response functions: {how}; not given, since Σ r²u″ does not follow from U and W of this potential: {}",
+            "{RESPONSES_REMARK}{how}; not given, since Σ r²u″ does not follow from U and W of this potential: {}",
             missing.join(", ")
         ),
         (_, Some(curvature)) if curvature.jumps => format!(
-            "response functions: {how}, with Σ r²u″ from U and W; the jump of the force at the cutoff counts with g(r_cut) = 1"
+            "{RESPONSES_REMARK}{how}, with Σ r²u″ from U and W; the jump of the force at the cutoff counts with g(r_cut) = 1"
         ),
-        _ => format!("response functions: {how}, with Σ r²u″ from U and W of the full potential"),
+        _ => format!("{RESPONSES_REMARK}{how}, with Σ r²u″ from U and W of the full potential"),
     }
 }
 

@@ -157,9 +157,7 @@ impl Reader<'_> {
         let line = freezing_line();
         let both = "`crystal_density` and `liquid_density` in [crystal]";
         let equation = model.and_then(|model| equation_of_state_for(model).ok());
-        // A model without a line has none at any temperature.
-        let has_line = equation.is_some_and(|e| e.freezing_density(2.0 * line.t_triple).is_some());
-        if !has_line {
+        if !equation.is_some_and(|e| e.has_freezing_line()) {
             return Err(missing(
                 "nothing, and no freezing line is known for this potential".to_owned(),
                 both.to_owned(),
@@ -188,6 +186,16 @@ impl Scene {
             Start::HalfCrystal(start) => Some(start),
             _ => None,
         }
+    }
+
+    /// Why the particles are no homogeneous fluid, in words: what confines them, or a crystal beside the liquid. `None` where the scene names
+    /// nothing of the kind.
+    #[must_use]
+    pub fn not_homogeneous(&self) -> Option<String> {
+        let confined = self.confined_by();
+        let confined = confined.map(|with| format!("the fluid has {with}"));
+        let crystal = self.half_crystal();
+        confined.or_else(|| crystal.map(|_| "a crystal beside its liquid".to_owned()))
     }
 
     /// The box, with the part that the crystal fills.

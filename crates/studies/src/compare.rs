@@ -21,6 +21,7 @@ pub use table::table;
 pub use verdict::{Row, Verdict};
 
 use lennard_literature::{equation_of_state_for, remark_for};
+use read::is_of_few_bodies;
 use rows::Compared;
 pub(crate) use rows::HANSEN_VERLET;
 use runs_of_others::RunsOfOthers;
@@ -73,15 +74,6 @@ pub struct ComparedRun {
     pub remarks: Vec<String>,
 }
 
-/// What a start with `[crystal]` is, in words.
-const HALF_CRYSTAL: &str = "a crystal beside its liquid";
-
-/// Whether a run has fewer bodies than a dozen: means over them say nothing of a fluid.
-fn is_of_few_bodies(molecules: u64) -> bool {
-    const FEW: u64 = 12;
-    molecules < FEW
-}
-
 impl ComparedRun {
     /// Whether it is of so few bodies that its means say nothing of a fluid.
     #[must_use]
@@ -96,23 +88,20 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
     let model = lennard_scene::model_kind(&run.scene);
     let equation = equation_of_state_for(model);
     let mut state = state_of(run, equation.as_ref().ok().copied());
+    let not_homogeneous = run.scene.not_homogeneous();
     if let Some(confined) = run.scene.confined_by() {
         let what = match is_of_few_bodies(run.molecules()) {
             true => "a few bodies with",
             false => "a fluid that has",
         };
         state = state.of_no_phase(format!("{what} {confined}"));
-    }
-    if run.scene.half_crystal().is_some() {
-        state = state.of_no_phase(HALF_CRYSTAL.to_owned());
+    } else if let Some(why) = &not_homogeneous {
+        state = state.of_no_phase(why.clone());
     }
     let mut remarks = Vec::new();
     let no_reference = match &equation {
-        _ if let Some(confined) = run.scene.confined_by() => {
-            Some(format!("the fluid has {confined}"))
-        }
+        _ if not_homogeneous.is_some() => not_homogeneous,
         _ if run.has_two_phases() => Some("vapor and liquid side by side".to_owned()),
-        _ if run.scene.half_crystal().is_some() => Some(HALF_CRYSTAL.to_owned()),
         Err(none) => {
             remarks.push(format!("not compared with any equation of state: {none}"));
             Some(format!("no equation of state for {}", none.model))
@@ -138,13 +127,6 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
     remarks.extend(others.remark());
     // A run beside runs of others has references, whatever the equations say.
     let missing = no_reference.clone().filter(|_| !others.are_there());
-    let measured = run
-        .scene
-        .stages
-        .iter()
-        .filter(|s| s.measure)
-        .map(|s| s.steps)
-        .sum();
     let rows = rows::all(&Compared {
         run,
         state: &state,
@@ -163,7 +145,7 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
         model: run.record.model.clone(),
         atoms: run.record.atoms,
         molecules: run.molecules(),
-        measured_steps: measured,
+        measured_steps: run.measured_steps(),
         equation: equation
             .as_ref()
             .ok()
@@ -173,7 +155,7 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
             "So few bodies have no thermodynamic state: positions and velocities are the result."
                 .into()
         } else {
-            headline(&rows, missing.as_deref())
+            which_phase_grows(run).unwrap_or_else(|| headline(&rows, missing.as_deref()))
         },
         shared_reason: shared_reason(&rows).map(|row| row.reason.clone()),
         rows,
@@ -189,6 +171,13 @@ fn shared_reason(rows: &[Row]) -> Option<&Row> {
         let same = primary().filter(|r| r.reason == row.reason).count();
         !row.reason.is_empty() && 2 * same > primary().count()
     })
+}
+
+/// What a run of a crystal beside its liquid is made for: it moves, so that its means are no results of an equilibrium.
+fn which_phase_grows(run: &RunFolder) -> Option<String> {
+    let mut remarks = run.record.remarks.iter();
+    let told = remarks.find_map(|r| r.strip_prefix(lennard_engine::CRYSTAL_REMARK))?;
+    Some(format!("{}.", capital(told)))
 }
 
 /// What the primary rows say together.

@@ -283,7 +283,7 @@ pub struct ListArgs {
     /// One of them alone, with everything that is known of it.
     pub name: Option<String>,
     /// All of them, with everything that is known of them.
-    #[arg(long)]
+    #[arg(long, requires = "what")]
     pub verbose: bool,
     /// One JSON document on standard output.
     #[arg(long)]

@@ -97,8 +97,10 @@ fn kinds(json: bool) -> Result<u8, Failure> {
             name: kind.get_name().into(),
             summary: kind.get_help().map(ToString::to_string).unwrap_or_default(),
             equation: None,
-            properties: serde_json::Map::new(),
-            source: format!("lennard list {}", kind.get_name()),
+            properties: properties! {
+                "command": format!("lennard list {}", kind.get_name()),
+            },
+            source: String::new(),
         })
         .collect();
     if json {

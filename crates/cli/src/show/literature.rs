@@ -9,9 +9,6 @@ use lennard_studies::sweep::{self, Sweep, SweepRecord, workers};
 
 use super::{WIDTH, note, table, wrapped};
 
-/// What remarks about response functions have in them: an old run has these numbers from now, or tells why it has none.
-const RESPONSES: &str = "response functions: ";
-
 /// What is about to run, with the points that are no single stable phase.
 pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) {
     println!("{}", console::style(&sweep.name).bold());
@@ -58,7 +55,7 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
     for remark in remarks.into_iter().filter(|r| !r.starts_with("by ")) {
         println!("  note: {remark}");
     }
-    if let Some(melting) = &record.melting {
+    for melting in &record.melting {
         note(&format!("{}.", melting.in_words()));
     }
     let kept = record.points.iter().filter(|p| p.kept).count();
@@ -83,7 +80,9 @@ pub fn compared(run: &ComparedRun, verbose: bool) {
     println!("{}", quantities(run, verbose));
     below_quantities(run, verbose);
     state_card(run);
-    for remark in run.remarks.iter().filter(|r| r.contains(RESPONSES)) {
+    // An old run has response functions from now, or tells why it has none. `verbose` shows all remarks.
+    let on_responses = |remark: &&String| remark.contains(lennard_observables::RESPONSES_REMARK);
+    for remark in run.remarks.iter().filter(on_responses).filter(|_| !verbose) {
         note(remark);
     }
     println!();

@@ -302,7 +302,16 @@ fn list_alone_names_every_list() {
     for entry in entries.as_array().unwrap() {
         let name = entry["name"].as_str().unwrap();
         assert!(!succeed(&["list", name]).is_empty(), "{name}");
+        // A command is no source.
+        assert_eq!(
+            entry["properties"]["command"],
+            format!("lennard list {name}")
+        );
+        assert_eq!(entry.get("source"), None);
     }
+    let refused = lennard(&["list", "--verbose"]).output().unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("<WHAT>"), "{}", stderr(&refused));
 }
 
 #[test]

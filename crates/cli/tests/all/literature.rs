@@ -317,11 +317,28 @@ fn an_old_run_gets_the_response_functions_that_a_new_one_has() {
                 (now - then).abs() <= 1e-8 * then.abs(),
                 "{name}: {response}: {now} {then}"
             );
+            // An error that is not there is null on both sides.
+            let errors = [&row["standard_error"], &own["standard_error"]].map(|e| e.as_f64());
+            let same = match errors {
+                [Some(now), Some(then)] => (now - then).abs() <= 1e-6 * then.abs(),
+                [now, then] => now == then,
+            };
+            assert!(same, "{name}: {response}: {errors:?}");
+            if own["standing"] == "sound" {
+                let judged = ["agrees", "differs", "predicted-bias", "no-reference"];
+                assert!(judged.iter().any(|v| row["verdict"] == *v), "{row}");
+            } else {
+                assert_eq!(row["verdict"], own["standing"], "{name}: {response}");
+                assert_eq!(row["reason"], own["reason"], "{name}: {response}");
+            }
         }
         assert!(found >= 10, "{name}: {found}");
         let said = lennard_in(folder.path(), &["compare", name]);
         let said = text(&said.stdout);
         assert!(said.contains("made from thermo.csv"), "{said}");
+        let all = lennard_in(folder.path(), &["compare", name, "--verbose"]);
+        let all = text(&all.stdout);
+        assert_eq!(all.matches("not in run.json").count(), 1, "{all}");
     }
 }
 
@@ -356,10 +373,20 @@ fn an_old_run_that_gives_no_response_functions_says_why() {
     );
     assert!(ran.status.success(), "{}", text(&ran.stderr));
     made_old(&folder.path().join("lost"));
-    std::fs::remove_file(folder.path().join("lost/thermo.csv")).unwrap();
+    let rows = folder.path().join("lost/thermo.csv");
+    let whole = std::fs::read_to_string(&rows).unwrap();
+    std::fs::write(&rows, whole.replacen('\n', "\n1,", 1)).unwrap();
+    let said = text(&lennard_in(folder.path(), &["compare", "lost"]).stdout);
+    let said: Vec<&str> = said.split_whitespace().collect();
+    let said = said.join(" ");
+    assert!(
+        said.contains("no response functions: lost/thermo.csv:2: found"),
+        "{said}"
+    );
+    std::fs::remove_file(&rows).unwrap();
     let said = text(&lennard_in(folder.path(), &["compare", "lost"]).stdout);
     assert!(
-        said.contains("the run has kept no thermo.csv that can be read"),
+        said.contains("no response functions: the run has kept no thermo.csv"),
         "{said}"
     );
     for (name, sets, why) in cases {
@@ -375,4 +402,38 @@ fn an_old_run_that_gives_no_response_functions_says_why() {
         assert!(said.contains("no response functions: "), "{said}");
         assert!(said.contains(why), "{said}");
     }
+}
+
+#[test]
+fn a_crystal_beside_its_liquid_is_headed_by_the_phase_that_grows() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = [
+        "run",
+        "two-phase/melting",
+        "--quiet",
+        "--no-report",
+        "--out",
+        "out",
+        "--set",
+        "system.n_atoms=700",
+        "--set",
+        "crystal.cells=4",
+        "--set",
+        "crystal.layers=6",
+        "--set",
+        "truncation.r_cut=2.5",
+        "--set",
+        "stage.settle.steps=100",
+        "--set",
+        "stage.production.steps=200",
+    ];
+    let ran = lennard_in(folder.path(), &run);
+    assert!(ran.status.success(), "{}", text(&ran.stderr));
+    let compared = lennard_in(folder.path(), &["compare", "out", "--json"]);
+    let compared: serde_json::Value = serde_json::from_slice(&compared.stdout).unwrap();
+    let headline = compared["runs"][0]["headline"].as_str().unwrap();
+    assert!(headline.starts_with("No velocity is told, "), "{headline}");
+    let said = text(&lennard_in(folder.path(), &["compare", "out"]).stdout);
+    assert!(said.contains("No velocity is told, "), "{said}");
+    assert!(said.contains("a crystal beside its liquid"), "{said}");
 }

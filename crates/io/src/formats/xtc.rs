@@ -30,7 +30,7 @@ const MAGIC: u32 = 1995;
 const LONG_MAGIC: u32 = 2023;
 /// More particles may need more than 32 bits for the length of a frame.
 const MOST_WITHOUT_LONG: usize = 298_261_617;
-/// So few particles are written in single precision.
+/// The positions of so few particles are in single precision, and no multiples of the precision.
 const MOST_UNCOMPRESSED: usize = 9;
 /// Added to a number below 2³¹ it leaves the nearest whole number in the lowest bits, ties to even.
 const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
@@ -64,7 +64,11 @@ fn push(
     let precision = (style.precision / style.length_scale) as f32;
     // Readers divide by the precision as the file has it.
     let scale = style.length_scale * f64::from(precision);
-    let mut multiples = Vec::with_capacity(state.len());
+    let is_rounded = state.len() > MOST_UNCOMPRESSED;
+    let (mut multiples, mut singles) = (Vec::new(), Vec::new());
+    if is_rounded {
+        multiples.reserve_exact(state.len());
+    }
     for i in 0..state.len() {
         let (position, _) = style.place(frame, i).map_err(|bad| bad.in_file(path))?;
         if position.abs().max_element() * style.precision >= LIMITS.multiples {
@@ -78,8 +82,12 @@ fn push(
                 format!("coordinates below {}/precision in XTC", LIMITS.multiples),
             ));
         }
-        let whole = position * scale + TO_WHOLE;
-        multiples.push(whole.to_array().map(|x| x.to_bits() as i32));
+        if is_rounded {
+            let whole = position * scale + TO_WHOLE;
+            multiples.push(whole.to_array().map(|x| x.to_bits() as i32));
+        } else {
+            singles.push((position * style.length_scale).as_vec3());
+        }
     }
     let long = state.len() > MOST_WITHOUT_LONG;
     let particles = (state.len() as u32).to_be_bytes();
@@ -92,13 +100,15 @@ fn push(
         to.extend(number.to_be_bytes());
     }
     to.extend(particles);
-    if state.len() <= MOST_UNCOMPRESSED {
-        for whole in multiples.as_flattened() {
-            to.extend((*whole as f32 / precision).to_be_bytes());
-        }
-    } else {
+    if is_rounded {
         to.extend(precision.to_be_bytes());
         compression::push(to, &multiples, long);
+    } else {
+        for position in singles {
+            for x in position.to_array() {
+                to.extend(x.to_be_bytes());
+            }
+        }
     }
     Ok(())
 }

@@ -192,6 +192,32 @@ fn xtc_has_positions_within_half_its_precision_and_the_box_in_single_precision()
 }
 
 #[test]
+fn xtc_has_the_positions_of_few_particles_in_single_precision() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trajectory.xtc");
+    let style = FrameStyle {
+        precision: 100.0,
+        length_scale: 0.3405,
+        wrapped: false,
+        ..style(TrajectoryFormat::Xtc)
+    };
+    for n in 1..=10 {
+        let few = [system(n, 2.0, 7), system(n, 2.0, 8)];
+        write(&path, TrajectoryFormat::Xtc, &style, &few);
+        let frames = XTCReader::open(&path).unwrap().read_all_frames().unwrap();
+        for (frame, state) in frames.iter().zip(&few) {
+            assert_eq!(frame.natoms(), n);
+            for (read, position) in frame.coords().zip(&state.positions) {
+                let read = glam::Vec3::from(read);
+                let single = (*position * style.length_scale).as_vec3();
+                // Ten are the fewest that are rounded to the precision.
+                assert_eq!(n < 10, read == single, "{n}: {read} {single}");
+            }
+        }
+    }
+}
+
+#[test]
 fn xtc_refuses_what_it_cannot_hold_and_leaves_whole_frames() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("trajectory.xtc");

@@ -132,7 +132,7 @@ fn a_vapor_that_still_loses_particles_is_not_in_equilibrium() {
         let Some(Doubt::NotInEquilibrium(why)) = of(name) else {
             panic!("{name}")
         };
-        let begin = "the density far from the slab still falls from 0.02";
+        let begin = "the density far from the middle of the slab still falls from 0.02";
         assert!(why.starts_with(begin), "{why}");
     }
 }

@@ -18,6 +18,8 @@ pub struct Drift {
     /// fluctuates about a line, it is up to ten times too large. The line through all samples is then
     /// known better than the mean of the slopes of its parts. It errs on the safe side.
     pub standard_error: f64,
+    /// The blocks that the error is from; too few for an error give their number all the same.
+    pub blocks: usize,
     /// The value at t = 0.
     pub intercept: f64,
     /// Root mean square of y − (intercept + slope·t).
@@ -40,14 +42,20 @@ pub fn drift(times: &[f64], values: &[f64]) -> Drift {
     Drift {
         slope: line.slope(),
         standard_error: slope_error(times, values),
+        blocks: slope_blocks(times.len()),
         intercept: line.intercept(),
         rms: line.rms(),
     }
 }
 
+/// Blocks whose slopes tell the error of the slope of so many samples.
+fn slope_blocks(samples: usize) -> usize {
+    SLOPE_BLOCKS.min(samples / 3)
+}
+
 /// The standard error of the slope from the slopes of successive blocks.
 pub(crate) fn slope_error(times: &[f64], values: &[f64]) -> f64 {
-    let blocks = SLOPE_BLOCKS.min(times.len() / 3);
+    let blocks = slope_blocks(times.len());
     if blocks < FEWEST_BLOCKS {
         return f64::NAN;
     }
@@ -172,7 +180,9 @@ mod tests {
             .enumerate()
             .map(|(i, t)| 7.0 + 0.5 * t + if i % 2 == 0 { 1e-3 } else { -1e-3 })
             .collect();
-        assert!((drift(&t, &y).rms / 1e-3 - 1.0).abs() < 1e-3);
+        let found = drift(&t, &y);
+        assert!((found.rms / 1e-3 - 1.0).abs() < 1e-3);
+        assert_eq!((found.blocks, drift(&t[..14], &y[..14]).blocks), (10, 4));
     }
 
     #[test]

@@ -88,7 +88,6 @@ pub fn equilibration(series: &[f64]) -> Equilibration {
     let blocks: Vec<f64> = series.chunks_exact(per_block).map(mean).collect();
     let most = (LARGEST_CUT * blocks.len() as f64) as usize;
     let mut start = 0;
-    let bar = |start: usize| TRANSIENT_ERRORS + if start > 0 { AFTER_A_CUT } else { 0.0 };
     while let Some(transient) = transient(&blocks[start..], bar(start)) {
         let rest = blocks.len() - start;
         match transient.harmless_after(rest).map(|cut| start + cut) {
@@ -105,6 +104,12 @@ pub fn equilibration(series: &[f64]) -> Equilibration {
         cut: start * per_block,
         ..whole
     }
+}
+
+/// The bar for what is left after a cut of so many samples, in standard errors.
+#[must_use]
+pub fn bar(cut: usize) -> f64 {
+    TRANSIENT_ERRORS + if cut > 0 { AFTER_A_CUT } else { 0.0 }
 }
 
 /// Whether a series changes from its beginning to its end by more than chance: the test of [`equilibration`], with the

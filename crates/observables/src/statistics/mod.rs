@@ -25,8 +25,8 @@ pub use combined::{about_line, common_cut, ratio};
 pub(crate) use drift::slope_error;
 pub use drift::{Drift, RunningLine, drift};
 pub use equilibration::{
-    Equilibration, LARGEST_CUT, TRANSIENT_ERRORS, TRANSIENT_OF_MANY_ERRORS, Trend, equilibration,
-    trend,
+    Equilibration, LARGEST_CUT, TRANSIENT_ERRORS, TRANSIENT_OF_MANY_ERRORS, Trend, bar,
+    equilibration, trend,
 };
 pub use error_of_mean::{ErrorOfMean, FEWEST_BLOCKS, error_of_mean, error_with_overlap};
 

@@ -98,6 +98,8 @@ impl Thermodynamics {
         self.n_dof = n_dof;
         self.mass = mass;
         self.half_steps = half_steps;
+        let cell = self.context.cell;
+        self.seen.see(&cell);
     }
 
     /// Takes a row that a run of atoms has written.

@@ -3,7 +3,7 @@
 use lennard_core::Average;
 
 use super::Thermodynamics;
-use crate::response::{self, Setting};
+use crate::response::{self, NO_RESPONSES_REMARK, Setting};
 use crate::statistics::mean;
 use crate::{Curvature, Ensemble};
 
@@ -42,7 +42,7 @@ impl Thermodynamics {
 
     /// How they were found, or why there are none.
     pub(super) fn remark_on_responses(&self) -> Option<String> {
-        let none = |why: &str| Some(format!("no response functions: {why}"));
+        let none = |why: &str| Some(format!("{NO_RESPONSES_REMARK}{why}"));
         if !self.context.molecules.are_atoms() {
             return none("they are given for atoms alone");
         }

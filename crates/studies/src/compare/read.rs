@@ -6,8 +6,6 @@ use lennard_core::{PeriodicBox, Table};
 use lennard_io::{AverageRecord, FormatError, RunRecord};
 use lennard_scene::{Scene, SceneError};
 
-use super::responses;
-
 /// The average of the temperature on half steps.
 pub(super) const HALF_STEPS: &str = "temperature_half_steps";
 
@@ -64,35 +62,13 @@ pub struct RunFolder {
     pub shortest_side: f64,
 }
 
-impl RunFolder {
-    /// Reads the folder of a finished run. Response functions that its version did not give are added from `thermo.csv`.
-    ///
-    /// # Errors
-    /// [`ReadError`] where there is no run, it did not finish, or a file of it cannot be read.
-    pub fn open(folder: &Path) -> Result<Self, ReadError> {
-        let mut run = Self::open_any(folder)?;
-        if run.record.finished {
-            let thermo = folder.join("thermo.csv");
-            let rows = || lennard_io::read_table_csv(&thermo).ok();
-            let two_phases = run.has_two_phases() || run.scene.half_crystal().is_some();
-            let (record, scene) = (&mut run.record, &run.scene);
-            run.notes = responses::complete(record, scene, run.cell, two_phases, rows);
-            return Ok(run);
-        }
-        let why = run
-            .record
-            .remarks
-            .first()
-            .map(|r| format!(": {r}"))
-            .unwrap_or_default();
-        Err(ReadError::Unfinished {
-            folder: folder.to_owned(),
-            steps: run.record.steps,
-            total: run.scene.total_steps(),
-            why,
-        })
-    }
+/// Whether a run has fewer bodies than a dozen: means over them say nothing of a fluid.
+pub(super) fn is_of_few_bodies(molecules: u64) -> bool {
+    const FEW: u64 = 12;
+    molecules < FEW
+}
 
+impl RunFolder {
     /// Reads the folder of a run, finished or not.
     ///
     /// # Errors
@@ -143,6 +119,13 @@ impl RunFolder {
         self.record.atoms / self.scene.molecules().sites() as u64
     }
 
+    /// Steps of the measured stages.
+    #[must_use]
+    pub fn measured_steps(&self) -> u64 {
+        let measured = self.scene.stages.iter().filter(|s| s.measure);
+        measured.map(|s| s.steps).sum()
+    }
+
     /// The mean volume of the box, σ³.
     #[must_use]
     pub fn volume(&self) -> f64 {
@@ -188,6 +171,11 @@ impl RunFolder {
     /// A table of the folder; `None` where the run has none of that name.
     #[must_use]
     pub fn table(&self, name: &str) -> Option<Table> {
-        lennard_io::read_table_csv(&self.folder.join(format!("{name}.csv"))).ok()
+        lennard_io::read_table_csv(&self.table_file(name)).ok()
+    }
+
+    /// The file of a table, whether it is there or not.
+    pub(super) fn table_file(&self, name: &str) -> PathBuf {
+        self.folder.join(format!("{name}.csv"))
     }
 }

@@ -1,60 +1,77 @@
 //! Response functions of a run that an older version made, from the rows that it has kept.
 
-use lennard_core::{PeriodicBox, Table};
+use std::path::Path;
+
 use lennard_engine::responses_of_recorded;
-use lennard_io::{AverageRecord, RunRecord};
-use lennard_observables::response_functions;
-use lennard_scene::Scene;
+use lennard_io::AverageRecord;
+use lennard_observables::{NO_RESPONSES_REMARK, RESPONSES_REMARK, response_functions};
+
+use super::read::{ReadError, RunFolder, is_of_few_bodies};
 
 /// c_v is as old as the program: it does not tell whether a run has response functions.
 const OLDEST: &str = "heat_capacity";
-/// Fewer particles than a dozen have no response functions of a fluid.
-const FEW: u64 = 12;
+/// The table of the rows that they are made from.
+const ROWS: &str = "thermo";
 
-/// Adds response functions to the record of a run that has none and does not say why. Gives what is to be said: where they are
-/// from, or why there are none. `has_two_phases` tells that the run is no homogeneous fluid.
-pub(super) fn complete(
-    record: &mut RunRecord,
-    scene: &Scene,
-    cell: PeriodicBox,
-    has_two_phases: bool,
-    thermo: impl FnOnce() -> Option<Table>,
-) -> Vec<String> {
-    let has_some = response_functions()
-        .filter(|name| *name != OLDEST)
-        .any(|name| record.averages.contains_key(name));
-    let says_why = |remark: &String| {
-        remark.contains("response functions: ") || remark.starts_with("left out: ")
-    };
-    if has_some || record.remarks.iter().any(says_why) || record.atoms < FEW {
-        return Vec::new();
-    }
-    let added = if has_two_phases {
-        Err("two phases side by side have no one density".into())
-    } else {
-        match thermo() {
-            None => Err("the run has kept no thermo.csv that can be read".into()),
-            Some(rows) => add(record, scene, cell, &rows),
+impl RunFolder {
+    /// Reads the folder of a finished run. Response functions that its version did not give are added from `thermo.csv`.
+    ///
+    /// # Errors
+    /// [`ReadError`] where there is no run, it did not finish, or a file of it cannot be read.
+    pub fn open(folder: &Path) -> Result<Self, ReadError> {
+        let mut run = Self::open_any(folder)?;
+        if run.record.finished {
+            run.notes = complete(&mut run);
+            return Ok(run);
         }
-    };
-    added.unwrap_or_else(|why| vec![format!("no response functions: {why}")])
+        let why = run
+            .record
+            .remarks
+            .first()
+            .map(|r| format!(": {r}"))
+            .unwrap_or_default();
+        Err(ReadError::Unfinished {
+            folder: folder.to_owned(),
+            steps: run.record.steps,
+            total: run.scene.total_steps(),
+            why,
+        })
+    }
 }
 
-fn add(
-    record: &mut RunRecord,
-    scene: &Scene,
-    cell: PeriodicBox,
-    rows: &Table,
-) -> Result<Vec<String>, String> {
+/// Adds response functions to the record of a run that has none and does not say why. Gives what is to be said: where they are
+/// from, or why there are none.
+fn complete(run: &mut RunFolder) -> Vec<String> {
+    let has_some = response_functions()
+        .filter(|name| *name != OLDEST)
+        .any(|name| run.record.averages.contains_key(name));
+    let says_why =
+        |remark: &String| remark.contains(RESPONSES_REMARK) || remark.starts_with("left out: ");
+    let is_said = run.record.remarks.iter().any(says_why);
+    if has_some || is_said || is_of_few_bodies(run.molecules()) {
+        return Vec::new();
+    }
+    let added = match run.has_two_phases() || run.scene.half_crystal().is_some() {
+        true => Err("two phases side by side have no one density".into()),
+        false => add(run),
+    };
+    added.unwrap_or_else(|why| vec![format!("{NO_RESPONSES_REMARK}{why}")])
+}
+
+fn add(run: &mut RunFolder) -> Result<Vec<String>, String> {
+    let file = run.table_file(ROWS);
+    if !file.exists() {
+        return Err(format!("the run has kept no {ROWS}.csv"));
+    }
+    let rows = lennard_io::read_table_csv(&file).map_err(|bad| bad.to_string())?;
+    let (steps, record, scene) = (run.measured_steps(), &mut run.record, &run.scene);
     let counts = record.species.iter().map(|s| s.count as usize);
     let counts: Vec<usize> = counts.collect();
     let species = match counts.as_slice() {
         [] => scene.one_species(record.atoms as usize),
         counts => scene.species_in_order(counts),
     };
-    let found = responses_of_recorded(scene, cell, &species, record.n_dof as f64, rows)?;
-    let measured = scene.stages.iter().filter(|s| s.measure);
-    let steps = measured.map(|s| s.steps).sum();
+    let found = responses_of_recorded(scene, run.cell, &species, record.n_dof as f64, &rows)?;
     for average in &found.averages {
         // What the run itself has said stays.
         let entry = record.averages.entry(average.name.clone());
@@ -62,7 +79,7 @@ fn add(
     }
     let mut remarks = found.remarks;
     remarks.push(format!(
-        "response functions: not in run.json (version {}), and made from thermo.csv now",
+        "{RESPONSES_REMARK}not in run.json (version {}), and made from {ROWS}.csv now",
         record.version
     ));
     Ok(remarks)

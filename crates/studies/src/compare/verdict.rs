@@ -183,14 +183,16 @@ fn rounded_up(x: f64) -> f64 {
     if !(x.is_finite() && x > 0.0) {
         return x;
     }
+    /// A number of two digits may be above itself by rounding.
+    const ROUNDING: f64 = 1e-9;
     let last_digit = 10_f64.powf(x.log10().floor() - 1.0);
-    let up = x + 0.499 * last_digit;
+    let up = (x / last_digit - ROUNDING).ceil() * last_digit;
     format!("{up:.1e}").parse().unwrap_or(up)
 }
 
 impl Row {
     /// An average of a run, with what speaks against it, and no reference yet.
-    pub(super) fn measured(quantity: &str, average: &AverageRecord) -> Self {
+    pub(crate) fn measured(quantity: &str, average: &AverageRecord) -> Self {
         let error_known_to = 1.0 / (2.0 * average.freedom).sqrt();
         Self {
             quantity: quantity.into(),

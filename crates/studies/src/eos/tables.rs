@@ -110,7 +110,8 @@ pub fn freezing(equation: &dyn EquationOfState, rows: &[Freezing]) -> Table {
             line.name, point.temperature, point.pressure, point.liquid_density
         ))
     };
-    let triple: Vec<String> = lines_of(equation).into_iter().filter_map(triple).collect();
+    let lines = lines_of(equation).into_iter();
+    let triple: Vec<String> = lines.filter_map(triple).collect();
     Table::rows_of("freezing", rows)
         .caption(triple.join("; "))
         .column("T [ε/k_B]", |f| Cell::rounded(f.temperature, DIGITS))

@@ -1,12 +1,13 @@
 //! The phase diagram of the model that was run, with the run in it.
 
 use lennard_literature::{
-    EquationOfState, KnownPoint, Saturation, equation_of_state_for, freezing_line, freezing_lines,
-    known_points,
+    EquationOfState, FreezingLine, KnownPoint, Saturation, equation_of_state_for, freezing_line,
+    freezing_lines, known_points,
 };
 use lennard_report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 
 use crate::compare::{ComparedRun, RunFolder};
+use crate::eos::{Freezing, freezing_at};
 
 pub(super) const PHASE_DIAGRAM: &str = "Lines are of the equation of state that judges the model; freezing and melting are of Mastny and de Pablo 2007, and P against T has an older fit beside it. Dots, rings and frames are results of others.";
 
@@ -50,8 +51,10 @@ struct Lines {
     /// From cold to hot.
     coexistence: Vec<Saturation>,
     spinodal: Vec<(f64, [f64; 2])>,
-    /// Temperature, density of the freezing liquid, density of the melting crystal.
-    freezing: Vec<(f64, f64, f64)>,
+    /// By every line, from cold to hot.
+    freezing: Vec<Freezing>,
+    /// Where the line that judges phases meets the saturated liquid.
+    triple: Option<Saturation>,
     /// Critical and triple points by others.
     points: Vec<KnownPoint>,
 }
@@ -79,17 +82,13 @@ impl Lines {
             let part = i as f64 / POINTS as f64;
             line.t_triple + part * (highest - line.t_triple)
         };
-        let freezing = (0..=POINTS)
-            .filter_map(|i| {
-                let t = on_line(i);
-                Some((t, equation.freezing_density(t)?, line.melting_density(t)?))
-            })
-            .collect();
+        let freezing = (0..=POINTS).flat_map(|i| freezing_at(equation, on_line(i)));
         Self {
             equation,
             coexistence,
             spinodal,
-            freezing,
+            freezing: freezing.collect(),
+            triple: line.triple_point(equation),
             points: Vec::new(),
         }
     }
@@ -114,15 +113,16 @@ impl Lines {
     }
 
     /// P against T on a freezing line, by the pressure of the equation at the density of the freezing liquid.
-    fn freezing_pressures(&self, density: impl Fn(f64) -> Option<f64>) -> Vec<(f64, f64)> {
-        let on_line = |t: f64| {
-            let liquid = density(t)?;
-            self.equation.check(liquid, t).ok()?;
-            let p = self.equation.pressure(liquid, t);
-            (p > 0.0).then_some((t, p))
-        };
-        let temperatures = self.freezing.iter().map(|(t, ..)| *t);
-        temperatures.filter_map(on_line).collect()
+    fn freezing_pressures(&self, line: &FreezingLine) -> Vec<(f64, f64)> {
+        let places = self
+            .on(line)
+            .filter_map(|f| Some((f.temperature, f.pressure?)));
+        places.filter(|(_, p)| *p > 0.0).collect()
+    }
+
+    /// Freezing by one line.
+    fn on(&self, line: &FreezingLine) -> impl Iterator<Item = &Freezing> {
+        self.freezing.iter().filter(move |f| f.line == line.name)
     }
 
     fn name(&self) -> &str {
@@ -158,8 +158,9 @@ impl Lines {
             [top],
         ));
         if !self.freezing.is_empty() {
-            let freezing = self.freezing.iter().map(|(t, liquid, _)| (*liquid, *t));
-            let melting = self.freezing.iter().map(|(t, _, solid)| (*solid, *t));
+            let line = freezing_line();
+            let freezing = self.on(line).map(|f| (f.liquid_density, f.temperature));
+            let melting = self.on(line).map(|f| (f.crystal_density, f.temperature));
             figure = figure
                 .with(Series::new("freezing", SOLID, SOLID_LIQUID, freezing))
                 .with(Series::new("melting", DASHED, SOLID_LIQUID, melting));
@@ -193,12 +194,12 @@ impl Lines {
             RUN,
             here,
         ));
-        let triple = self
-            .freezing
-            .first()
-            .map_or(String::new(), |(t, liquid, _)| {
-                format!(" Triple point: T = {t}, ρ of the liquid {liquid:.4}.")
-            });
+        let triple = self.triple.map_or(String::new(), |s| {
+            format!(
+                " Triple point: T = {:.4}, ρ of the liquid {:.4}.",
+                s.temperature, s.liquid_density
+            )
+        });
         let caption = format!(
             "{}. Critical point: T = {:.4}, ρ = {:.4}.{triple} This run: {}.",
             self.name(),
@@ -241,17 +242,16 @@ impl Lines {
         if !self.freezing.is_empty() {
             let [line, older] = freezing_lines();
             for (line, look) in [(line, SOLID), (older, DASHED)] {
-                let places = self.freezing_pressures(|t| line.freezing_density(t));
+                let places = self.freezing_pressures(line);
                 let name = format!("freezing, {}", line.name);
                 figure = figure.with(Series::new(name, look, SOLID_LIQUID, places));
             }
-            let triple = freezing_line().triple_point(self.equation);
             figure = figure
                 .with(Series::new(
                     "triple point",
                     Look::Points(Symbol::Triangle),
                     SOLID_LIQUID,
-                    triple.map(|s| (s.temperature, s.pressure)),
+                    self.triple.map(|s| (s.temperature, s.pressure)),
                 ))
                 .with(others(self.others(), |row| {
                     [(row.temperature, row.pressure)]
@@ -260,9 +260,9 @@ impl Lines {
         let figure = self.points_of_others(figure, |p| Some((p.temperature, p.pressure?)));
         let (t, p) = (temperature.mean, pressure.mean);
         let errors = (temperature.standard_error, pressure.standard_error);
+        // The rows of a slab have the pressure of the whole box: how its vapor pressure goes with T is not known.
         let correlation = correlation(run).filter(|_| name == "pressure");
-        let correlation = correlation.unwrap_or(0.0);
-        let ellipse = ellipse((t, p), errors, correlation);
+        let ellipse = ellipse((t, p), errors, correlation.unwrap_or(0.0));
         let figure = figure
             .with(Series::new("", SOLID, RUN, ellipse))
             .with(Series::new(
@@ -272,10 +272,11 @@ impl Lines {
                 [(t, p)],
             ));
         let caption = format!(
-            "{}. This run: T = {}, P = {}; the ellipse is three standard errors wide, with a correlation of {correlation:.2} of T and P.",
+            "{}. This run: T = {}, P = {}; the ellipse is three standard errors wide, {}.",
             self.name(),
             with_error(t, errors.0),
-            with_error(p, errors.1)
+            with_error(p, errors.1),
+            correlation_in_words(correlation)
         );
         Some(Picture::new(figure, caption, "run.json"))
     }
@@ -296,6 +297,13 @@ fn others<const N: usize>(
         Look::Points(Symbol::Disc),
         OTHERS,
         some.collect::<Vec<_>>(),
+    )
+}
+
+fn correlation_in_words(correlation: Option<f64>) -> String {
+    correlation.map_or_else(
+        || "along the axes, since the correlation of T and P is not known".to_owned(),
+        |r| format!("with a correlation of {r:.2} of T and P"),
     )
 }
 
@@ -339,9 +347,12 @@ mod tests {
         let lines = Lines::of(lennard_literature::thol_2016(), 1.5);
         assert_eq!(lines.coexistence.len(), POINTS);
         assert!(lines.spinodal.len() > POINTS - 4);
-        let (triple, liquid, crystal) = lines.freezing[0];
-        // Mastny and de Pablo have the triple point at 0.694.
-        assert!((triple - 0.694).abs() < 1e-9 && liquid < crystal);
+        let first = lines.on(freezing_line()).next().unwrap();
+        // Mastny and de Pablo have the triple point at 0.694; there the line meets the saturated liquid of the equation.
+        assert!((first.temperature - 0.694).abs() < 1e-9);
+        assert!(first.liquid_density < first.crystal_density);
+        let triple = lines.triple.unwrap();
+        assert!((triple.temperature - 0.694).abs() < 5e-4, "{triple:?}");
         for (t, [vapor, liquid]) in &lines.spinodal {
             let binodal = lines
                 .coexistence
@@ -356,7 +367,7 @@ mod tests {
     fn both_freezing_lines_rise_in_pressure_from_near_the_triple_point() {
         let lines = Lines::of(lennard_literature::thol_2016(), 1.5);
         for line in freezing_lines() {
-            let places = lines.freezing_pressures(|t| line.freezing_density(t));
+            let places = lines.freezing_pressures(line);
             assert!(places.len() > POINTS - 4, "{}", line.name);
             // The pressure of the liquid at T = 1 is about 4 on every line.
             let near = places
@@ -366,6 +377,12 @@ mod tests {
             assert!((t - 1.0).abs() < 0.02 && (3.5..5.0).contains(p), "{t} {p}");
             assert!(places.is_sorted_by(|a, b| a.1 < b.1));
         }
+    }
+
+    #[test]
+    fn a_correlation_that_is_not_known_is_no_zero() {
+        assert!(correlation_in_words(None).contains("not known"));
+        assert!(correlation_in_words(Some(0.25)).contains("0.25"));
     }
 
     #[test]

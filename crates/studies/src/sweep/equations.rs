@@ -1,22 +1,31 @@
 //! Every property of every point beside every equation of state, and χ² of each equation.
 
+use std::collections::HashMap;
+
 use lennard_core::{Cell, Table, Tone};
-use lennard_literature::{ModelKind, equation_of_state_for};
+use lennard_literature::{EquationOfState, equation_of_state_for};
 use lennard_report::significant;
+use lennard_scene::Scene;
 
 use super::agreement::tail_probability;
 use super::{Sweep, SweepRecord, SweptPoint, probability_words};
-use crate::compare::{CardRow, StateCard};
+use crate::compare::{CardRow, ComparedRun, Row, StateCard};
 
 /// Fewest points that say anything of an equation.
 const FEWEST: usize = 3;
+
+/// Properties that the comparison of a run sets beside the equation at the given temperature.
+const AT_GIVEN_TEMPERATURE: [&str; 2] = ["potential_energy", "pressure"];
 
 /// A measured property of a point beside the equations.
 #[derive(Clone, Copy)]
 struct Beside<'a> {
     point: &'a SweptPoint,
+    run: &'a ComparedRun,
     card: &'a StateCard,
     row: &'a CardRow,
+    /// The equation that judges U and P at the density and the temperature of the run; `None` where none does.
+    judge: Option<&'static dyn EquationOfState>,
 }
 
 /// How an equation does for one property over the points that it covers.
@@ -51,65 +60,86 @@ struct Item<'a> {
     equations: Vec<(&'a str, bool, f64, f64)>,
 }
 
-/// Measured − equation with its error.
+/// Measured − each equation of a card, and the error of these differences.
+type Differences = (Vec<f64>, f64);
+
+/// What U or P of a run is more than by the equation that judges it, with the error of this difference.
 ///
-/// U and P of a run in a closed box have a known shift by their size, and they fluctuate with T. The comparison with the equation that judges
-/// the run knows both. Other equations differ from that equation by what the card says.
-fn difference(beside: &Beside<'_>, column: usize, judge: Option<usize>) -> (f64, f64) {
-    let row = beside.row;
-    let plain = (row.measured - row.values[column], row.standard_error);
-    let compared = || {
-        let compared = beside.point.row(&row.property)?;
-        let judge = row.values[judge?];
-        let own = compared.measured - compared.reference?;
-        let error = compared.combined_error?;
-        Some((own + judge - row.values[column], error))
-    };
-    match row.property.as_str() {
-        "potential_energy" | "pressure" => compared().unwrap_or(plain),
-        _ => plain,
+/// `None` where the reference is not this equation at the density and the temperature of the run. The known bias of the cutoff is no fault
+/// of an equation, and is taken out.
+fn beyond_judge(row: &Row, judge: &dyn EquationOfState) -> Option<(f64, f64)> {
+    let difference = row.measured - row.reference?;
+    let is_of_judge = row.source == judge.spec().citation();
+    let own = difference - row.predicted_bias.unwrap_or(0.0);
+    is_of_judge.then_some((own, row.combined_error?))
+}
+
+impl Beside<'_> {
+    /// Measured − each equation, and the error of these differences; `None` where a difference would be of something else.
+    ///
+    /// U and P of a run in a closed box have a known shift by their size, and they fluctuate with T. The comparison with the equation that judges
+    /// the run knows both. Other equations differ from that equation by what the card says.
+    fn differences(&self) -> Option<Differences> {
+        let row = self.row;
+        let from = |value: f64| row.values.iter().map(|v| value - v).collect();
+        if !AT_GIVEN_TEMPERATURE.contains(&row.property.as_str()) {
+            return Some((from(row.measured), row.standard_error));
+        }
+        let judge = self.judge?;
+        let mut equations = self.card.equations.iter();
+        let column = equations.position(|e| e.key == judge.spec().key)?;
+        let (own, error) = beyond_judge(self.point.row(&row.property)?, judge)?;
+        Some((from(own + row.values[column]), error))
     }
 }
 
+/// The equation that judges U and P at the density and the temperature of a run. Under a barostat P is held, and U is judged at the pressure.
+fn judge(scene: &Scene) -> Option<&'static dyn EquationOfState> {
+    let is_held = scene
+        .stages
+        .iter()
+        .any(|s| s.measure && s.barostat.is_some());
+    let equation = equation_of_state_for(lennard_scene::model_kind(scene)).ok();
+    equation.filter(|_| !is_held)
+}
+
 /// All properties with an error, of all points that have a card, in the order of the cards.
-fn all<'a>(record: &'a SweepRecord) -> impl Iterator<Item = Beside<'a>> {
-    record.points.iter().flat_map(|point| {
-        let card = point.compared.as_ref().and_then(|c| c.card.as_ref());
-        card.into_iter().flat_map(move |card| {
+fn all<'a>(sweep: &'a Sweep, record: &'a SweepRecord) -> impl Iterator<Item = Beside<'a>> {
+    let scenes = sweep.points.iter().map(|p| (p.name.as_str(), &p.scene));
+    let scenes: HashMap<&str, &Scene> = scenes.collect();
+    record.points.iter().flat_map(move |point| {
+        let judge = scenes.get(point.name.as_str()).and_then(|s| judge(s));
+        let run = point.compared.as_ref();
+        let card = run.and_then(|run| Some((run, run.card.as_ref()?)));
+        card.into_iter().flat_map(move |(run, card)| {
             let rows = card.rows.iter().filter(|r| r.standard_error > 0.0);
-            rows.map(move |row| Beside { point, card, row })
+            rows.map(move |row| Beside {
+                point,
+                run,
+                card,
+                row,
+                judge,
+            })
         })
     })
 }
 
-/// The equation that judges the model of a sweep.
-fn judge(sweep: &Sweep) -> Option<String> {
-    let model: ModelKind = lennard_scene::model_kind(&sweep.points.first()?.scene);
-    let equation = equation_of_state_for(model).ok()?;
-    Some(equation.spec().key.clone())
-}
-
 /// Every equation for every property that has enough points.
 pub(super) fn judgements(sweep: &Sweep, record: &SweepRecord) -> Vec<Judgement> {
-    let judge = judge(sweep);
-    judged(all(record).map(|beside| {
-        let Beside { point, card, row } = beside;
-        let equations = card.equations.iter();
-        let judge = equations
-            .clone()
-            .position(|e| judge.as_ref() == Some(&e.key));
-        Item {
+    judged(all(sweep, record).filter_map(|beside| {
+        let Beside {
+            point, card, row, ..
+        } = beside;
+        let (differences, error) = beside.differences()?;
+        let equations = card.equations.iter().zip(differences);
+        Some(Item {
             point: &point.name,
             property: &row.property,
             measured: row.measured,
             equations: equations
-                .enumerate()
-                .map(|(column, equation)| {
-                    let (difference, error) = difference(&beside, column, judge);
-                    (equation.name.as_str(), equation.counts, difference, error)
-                })
+                .map(|(e, difference)| (e.name.as_str(), e.counts, difference, error))
                 .collect(),
-        }
+        })
     }))
 }
 
@@ -159,7 +189,8 @@ fn judged<'a>(items: impl Iterator<Item = Item<'a>>) -> Vec<Judgement> {
 /// χ² of each equation for each property.
 pub(super) fn table(judgements: &[Judgement]) -> Table {
     let caption = "Each equation beside all points that it covers, with the errors of the runs alone. χ² per point is 1 where an equation is exact to these errors. U and P are \
-                   compared for as many particles, other properties for an infinite system.";
+                   compared for as many particles and less the known bias of the cutoff, with errors at the given temperature. A point under a barostat has neither. Other \
+                   properties are compared for an infinite system.";
     Table::rows_of("equations", judgements)
         .caption(caption)
         .column("property", |j| j.property.as_str())
@@ -185,35 +216,82 @@ pub(super) fn table(judgements: &[Judgement]) -> Table {
         .table()
 }
 
-/// Every property of every point beside every equation: measured value, error, and a column for each equation of any card.
-pub(super) fn beside_equations(record: &SweepRecord) -> Table {
-    let rows: Vec<Beside<'_>> = all(record).collect();
-    let mut names: Vec<(&str, &str)> = Vec::new();
-    for equation in rows.iter().flat_map(|b| &b.card.equations) {
-        if names.iter().all(|(key, _)| *key != equation.key) {
-            names.push((&equation.key, &equation.name));
+/// Every property of every point beside every equation: measured value, error, and a column for each equation of any card. Then the
+/// differences that χ² is made of, and their error. These columns are empty where nothing is judged.
+pub(super) fn beside_equations(sweep: &Sweep, record: &SweepRecord) -> Table {
+    let rows: Vec<(Beside<'_>, Option<Differences>)> = all(sweep, record)
+        .map(|beside| (beside, beside.differences()))
+        .collect();
+    let mut keys: Vec<&str> = Vec::new();
+    for equation in rows.iter().flat_map(|(b, _)| &b.card.equations) {
+        if !keys.contains(&equation.key.as_str()) {
+            keys.push(&equation.key);
         }
     }
-    let state = |b: &Beside<'_>| b.point.compared.as_ref().map(|c| c.state.clone());
+    let column = |b: &Beside<'_>, key: &str| b.card.equations.iter().position(|e| e.key == key);
     let mut table = Table::rows_of("beside_equations", &rows)
-        .column("point", |b| b.point.name.as_str())
-        .column("density", |b| state(b).map(|s| s.density))
-        .column("temperature", |b| state(b).map(|s| s.temperature))
-        .column("property", |b| b.row.property.as_str())
-        .column("measured", |b| b.row.measured)
-        .column("standard_error", |b| b.row.standard_error);
-    for (key, _) in names {
-        table = table.column(key, |b| {
-            let column = b.card.equations.iter().position(|e| e.key == key)?;
-            Some(b.row.values[column])
+        .column("point", |(b, _)| b.point.name.as_str())
+        .column("density", |(b, _)| b.run.state.density)
+        .column("temperature", |(b, _)| b.run.state.temperature)
+        .column("property", |(b, _)| b.row.property.as_str())
+        .column("measured", |(b, _)| b.row.measured)
+        .column("standard_error", |(b, _)| b.row.standard_error);
+    for key in &keys {
+        table = table.column(key, |(b, _)| Some(b.row.values[column(b, key)?]));
+    }
+    for key in &keys {
+        table = table.column(&format!("difference_{key}"), |(b, found)| {
+            Some(found.as_ref()?.0[column(b, key)?])
         });
     }
-    table.table()
+    table
+        .column("error_of_difference", |(_, found)| {
+            found.as_ref().map(|(_, error)| *error)
+        })
+        .table()
 }
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
+    use lennard_io::AverageRecord;
+    use lennard_literature::thol_2016;
+
     use super::*;
+
+    #[test]
+    fn a_known_bias_is_no_fault_of_the_equation_and_a_held_pressure_judges_none() {
+        let average = AverageRecord {
+            mean: -5.0,
+            standard_error: 0.004,
+            n_effective: 500.0,
+            freedom: 64.0,
+            equilibration_cut: 0,
+            unit: "ε".into(),
+            standing: lennard_io::SOUND.into(),
+            reason: String::new(),
+        };
+        let row = |source: &str, predicted_bias| Row {
+            reference: Some(-5.01),
+            combined_error: Some(0.001),
+            predicted_bias,
+            source: source.into(),
+            ..Row::measured("potential_energy", &average)
+        };
+        let source = thol_2016().spec().citation();
+        let of = |row: Row| beyond_judge(&row, thol_2016());
+        let (plain, error) = of(row(&source, None)).unwrap();
+        assert!((plain - 0.01).abs() < 1e-12 && error == 0.001);
+        let (less, _) = of(row(&source, Some(0.008))).unwrap();
+        assert!((less - 0.002).abs() < 1e-12, "{less}");
+        assert_eq!(of(row("the pressure of the barostat", None)), None);
+
+        let load =
+            |name| Scene::load(&lennard_scene::shipped::locate(Path::new(name)), &[]).unwrap();
+        assert!(judge(&load("verlet-1967/triple-point")).is_some());
+        assert!(judge(&load("npt/liquid")).is_none());
+    }
 
     #[test]
     fn an_equation_that_is_exact_has_one_per_point_and_one_that_is_off_has_more() {

@@ -25,7 +25,7 @@ pub(super) fn all(sweep: &Sweep, record: &SweepRecord) -> Pictures {
     let mut together: Vec<Picture> = isotherms::picture(sweep, record).into_iter().collect();
     together.extend(coexistence::pictures(sweep, record));
     together.extend(arrhenius::picture(record));
-    together.extend(melting::picture(&record.points, record.melting.as_ref()));
+    together.extend(melting::picture(&record.points, &record.melting));
     let drawn: Vec<&str> = together.iter().map(Picture::name).collect();
     let properties = properties::pictures(sweep, record, &drawn);
     Pictures {

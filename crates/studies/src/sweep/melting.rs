@@ -2,9 +2,11 @@
 
 use lennard_literature::{equation_of_state_for, freezing_lines};
 use lennard_report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
+use lennard_scene::Scene;
 use serde::Serialize;
 
-use super::averaged::averaged;
+use super::averaged::{Averaged, averaged};
+use super::properties::{label_of, series_of};
 use super::{Sweep, SweptPoint};
 use crate::lines::WeightedLine;
 
@@ -27,6 +29,9 @@ struct Front {
 /// The temperature at which neither phase grows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeltingEstimate {
+    /// What its points share beside the pressure, "N = 2000"; absent where nothing was chosen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub of: Option<String>,
     /// T_m, ε/k_B.
     pub temperature: f64,
     /// Its standard error.
@@ -41,21 +46,27 @@ pub struct MeltingEstimate {
     pub references: Vec<(String, f64)>,
 }
 
-/// The fronts of a sweep from cold to hot, seeds together.
-fn fronts(points: &[SweptPoint]) -> Vec<Front> {
-    let mut fronts: Vec<Front> = averaged(points)
-        .iter()
-        .filter_map(|point| {
-            let mean = point.mean("front_velocity")?;
-            Some(Front {
-                temperature: point.points.first()?.planned.temperature,
-                velocity: mean.value,
-                error: mean.error?,
-            })
+/// The key of a sweep along which fronts are followed.
+const KEY: &str = "temperature";
+
+/// The fronts of points that differ in temperature alone, from cold to hot, seeds together.
+fn fronts(group: &[&Averaged<'_>]) -> Vec<Front> {
+    let front = |point: &&Averaged<'_>| {
+        let mean = point.mean("front_velocity")?;
+        Some(Front {
+            temperature: point.setting(KEY)?,
+            velocity: mean.value,
+            error: mean.error?,
         })
-        .collect();
-    fronts.sort_by(|a, b| a.temperature.total_cmp(&b.temperature));
-    fronts
+    };
+    group.iter().filter_map(front).collect()
+}
+
+/// What the points of a group share; `None` where nothing was chosen.
+fn shared(group: &[&Averaged<'_>]) -> Option<String> {
+    let others = |p: &&Averaged<'_>| p.settings.iter().any(|s| s.key != KEY);
+    let first = group.first().filter(|p| others(p))?;
+    Some(label_of(first, KEY))
 }
 
 /// Both temperatures between which the growing phase changes, and where a line through the velocities between them is zero.
@@ -75,19 +86,15 @@ fn crossing(fronts: &[Front]) -> Option<[f64; 4]> {
         .then_some([zero, error, bounds[0], bounds[1]])
 }
 
-/// The pressure that the measured stage of the points holds, where it holds one.
-fn pressure(sweep: &Sweep) -> Option<f64> {
-    let scene = &sweep.points.first()?.scene;
+/// The pressure that the measured stage of a scene holds, where it holds one.
+fn pressure(scene: &Scene) -> Option<f64> {
     let measured = scene.stages.iter().find(|s| s.measure)?;
     measured.barostat.as_ref().map(|control| control.pressure)
 }
 
 /// Where the freezing lines of others meet a pressure, by the equation that judges the model.
-fn references(sweep: &Sweep, pressure: f64) -> Vec<(String, f64)> {
-    let Some(first) = sweep.points.first() else {
-        return Vec::new();
-    };
-    let Ok(equation) = equation_of_state_for(lennard_scene::model_kind(&first.scene)) else {
+fn references(scene: &Scene, pressure: f64) -> Vec<(String, f64)> {
+    let Ok(equation) = equation_of_state_for(lennard_scene::model_kind(scene)) else {
         return Vec::new();
     };
     let lines = freezing_lines().into_iter();
@@ -99,18 +106,26 @@ fn references(sweep: &Sweep, pressure: f64) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// The melting temperature of a sweep over temperatures; `None` where no two of them lie on both sides of it.
-pub(super) fn estimate(sweep: &Sweep, points: &[SweptPoint]) -> Option<MeltingEstimate> {
-    let [temperature, temperature_error, grows_at, melts_at] = crossing(&fronts(points))?;
-    let pressure = pressure(sweep);
-    Some(MeltingEstimate {
-        temperature,
-        temperature_error,
-        grows_at,
-        melts_at,
-        pressure,
-        references: pressure.map_or(Vec::new(), |p| references(sweep, p)),
-    })
+/// The melting temperatures of a sweep: one for all points that differ in temperature alone. Points that do not lie on both sides of it have none.
+pub(super) fn estimates(sweep: &Sweep, points: &[SweptPoint]) -> Vec<MeltingEstimate> {
+    let points = averaged(points);
+    let groups = series_of(&points, KEY);
+    let estimate = |group: &Vec<&Averaged<'_>>| {
+        let [temperature, temperature_error, grows_at, melts_at] = crossing(&fronts(group))?;
+        let name = &group.first()?.points.first()?.name;
+        let scene = &sweep.points.iter().find(|p| p.name == *name)?.scene;
+        let pressure = pressure(scene);
+        Some(MeltingEstimate {
+            of: shared(group),
+            temperature,
+            temperature_error,
+            grows_at,
+            melts_at,
+            pressure,
+            references: pressure.map_or(Vec::new(), |p| references(scene, p)),
+        })
+    };
+    groups.iter().filter_map(estimate).collect()
 }
 
 impl MeltingEstimate {
@@ -129,8 +144,12 @@ impl MeltingEstimate {
             true => String::new(),
             false => format!("; lines of others have {}", of_others.join(" and ")),
         };
+        let of = self
+            .of
+            .as_ref()
+            .map_or(String::new(), |of| format!("{of}: "));
         format!(
-            "The crystal grows at T = {} and melts at T = {}{held}. Neither does at T = {}{beside}",
+            "{of}The crystal grows at T = {} and melts at T = {}{held}. Neither does at T = {}{beside}",
             self.grows_at,
             self.melts_at,
             with_error(self.temperature, self.temperature_error)
@@ -139,19 +158,15 @@ impl MeltingEstimate {
 }
 
 /// Velocity against temperature; `None` where the sweep has no fronts at several temperatures.
-pub(super) fn picture(
-    points: &[SweptPoint],
-    estimate: Option<&MeltingEstimate>,
-) -> Option<Picture> {
-    let fronts = fronts(points);
-    if fronts.len() < FEWEST {
-        return None;
-    }
-    let marks = fronts.iter().map(|f| Point {
-        error: Some(f.error),
-        ..Point::from((f.temperature, f.velocity))
-    });
-    let bounds = fronts.iter().fold([0.0_f64; 2], |[low, high], f| {
+pub(super) fn picture(points: &[SweptPoint], estimates: &[MeltingEstimate]) -> Option<Picture> {
+    let points = averaged(points);
+    let groups: Vec<(String, Vec<Front>)> = series_of(&points, KEY)
+        .iter()
+        .map(|group| (label_of(group[0], KEY), fronts(group)))
+        .filter(|(_, fronts)| fronts.len() >= FEWEST)
+        .collect();
+    let all = groups.iter().flat_map(|(_, fronts)| fronts);
+    let bounds = all.fold([0.0_f64; 2], |[low, high], f| {
         [low.min(f.velocity), high.max(f.velocity)]
     });
     let mut figure = Figure::new(
@@ -160,28 +175,122 @@ pub(super) fn picture(
         Axis::linear("T / (ε/k_B)"),
         Axis::linear("velocity of a front / (σ/τ)"),
     )
-    .level(0.0, "neither grows")
-    .with(Series::new(
-        "measured",
-        Look::Points(Symbol::Disc),
-        MEASURED,
-        marks.collect::<Vec<_>>(),
-    ));
-    for (at, (name, temperature)) in estimate.iter().flat_map(|e| &e.references).enumerate() {
+    .level(0.0, "neither grows");
+    for (at, (label, fronts)) in groups.iter().enumerate() {
+        let marks = fronts.iter().map(|f| Point {
+            error: Some(f.error),
+            ..Point::from((f.temperature, f.velocity))
+        });
+        let look = Look::Points(Symbol::cycle(at));
+        figure = figure.with(Series::new(label.clone(), look, MEASURED + at, marks));
+    }
+    let mut references: Vec<&(String, f64)> = Vec::new();
+    for reference in estimates.iter().flat_map(|e| &e.references) {
+        if !references.contains(&reference) {
+            references.push(reference);
+        }
+    }
+    for (at, (name, temperature)) in references.into_iter().enumerate() {
         let line = bounds.map(|v| (*temperature, v));
         let dash = Look::Line([Dash::Dashed, Dash::Dotted][at % 2]);
         figure = figure.with(Series::new(name.clone(), dash, OTHERS, line));
     }
-    let caption = estimate.map_or_else(
-        || "No two temperatures lie on both sides of the melting temperature.".to_owned(),
-        |e| format!("{}. Bars are one standard error.", e.in_words()),
-    );
-    Some(Picture::new(figure, caption, "table.csv"))
+    let told: Vec<String> = estimates.iter().map(MeltingEstimate::in_words).collect();
+    let caption = match told.is_empty() {
+        true => "No two temperatures lie on both sides of the melting temperature.".to_owned(),
+        false => format!("{}. Bars are one standard error.", told.join(". ")),
+    };
+    (!groups.is_empty()).then(|| Picture::new(figure, caption, "table.csv"))
 }
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
+    use lennard_io::AverageRecord;
+
     use super::*;
+    use crate::compare::{ComparedRun, Row, StateOfMatter};
+    use crate::sweep::{Point as SweepPoint, Setting};
+
+    /// A finished point with fronts of v = 2·(at − T).
+    fn point(n: f64, temperature: f64, at: f64) -> SweptPoint {
+        let average = AverageRecord {
+            mean: 2.0 * (at - temperature),
+            standard_error: 0.01,
+            n_effective: 10.0,
+            freedom: 9.0,
+            equilibration_cut: 0,
+            unit: "σ/τ".into(),
+            standing: lennard_io::SOUND.into(),
+            reason: String::new(),
+        };
+        let state = StateOfMatter::new(0.96, temperature, None);
+        let setting = |key, value| Setting { key, value };
+        SweptPoint {
+            name: format!("N{n}-T{temperature}"),
+            settings: vec![setting("n_atoms", n), setting("temperature", temperature)],
+            page: None,
+            planned: state.clone(),
+            kept: false,
+            failure: None,
+            elsewhere: None,
+            compared: Some(ComparedRun {
+                run: String::new(),
+                model: String::new(),
+                atoms: n as u64,
+                molecules: n as u64,
+                measured_steps: 1000,
+                state,
+                equation: None,
+                rows: vec![Row::measured("front_velocity", &average)],
+                card: None,
+                headline: String::new(),
+                shared_reason: None,
+                remarks: Vec::new(),
+            }),
+            wall_s: 0.0,
+            ns_per_atom_step: 0.0,
+        }
+    }
+
+    #[test]
+    fn points_of_other_sizes_have_a_melting_temperature_of_their_own() {
+        let mut points = Vec::new();
+        for t in [0.9, 0.96, 1.04, 1.1] {
+            points.extend([point(1000.0, t, 0.98), point(2000.0, t, 1.02)]);
+        }
+        let scene = Scene::load(
+            &lennard_scene::shipped::locate(Path::new("two-phase/melting")),
+            &[],
+        )
+        .unwrap();
+        let planned = |p: &SweptPoint| SweepPoint {
+            name: p.name.clone(),
+            settings: p.settings.clone(),
+            scene: scene.clone(),
+            atoms: 1000,
+            density: 0.96,
+        };
+        let sweep = Sweep {
+            name: "melting".into(),
+            base: "melting.toml".into(),
+            points: points.iter().map(planned).collect(),
+        };
+        let found = estimates(&sweep, &points);
+        let [small, large] = &found[..] else {
+            panic!("{found:?}")
+        };
+        for (found, of, t) in [(small, "N = 1000", 0.98), (large, "N = 2000", 1.02)] {
+            assert_eq!(found.of.as_deref(), Some(of));
+            assert!((found.temperature - t).abs() < 1e-9, "{found:?}");
+            assert_eq!((found.pressure, found.references.len()), (Some(4.0), 2));
+            assert!(found.in_words().starts_with(of), "{}", found.in_words());
+        }
+        let picture = picture(&points, &found).unwrap();
+        let svg = picture.to_svg().unwrap();
+        assert!(svg.contains("N = 1000") && svg.contains("N = 2000"));
+    }
 
     fn front(temperature: f64, velocity: f64) -> Front {
         Front {

@@ -135,9 +135,9 @@ pub struct SweepRecord {
     pub agreement: Vec<Agreement>,
     /// The critical point from slabs at three temperatures or more; `None` without them.
     pub critical_point: Option<CriticalEstimate>,
-    /// The melting temperature from crystals beside their liquids at several temperatures; absent without them.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub melting: Option<MeltingEstimate>,
+    /// Melting temperatures from crystals beside their liquids, one for all points that differ in temperature alone; absent without them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub melting: Vec<MeltingEstimate>,
 }
 
 /// Runs what is not finished yet, and writes table, page and record.
@@ -222,7 +222,7 @@ pub(super) fn record(
         .filter_map(|q| agreement(&points, q))
         .collect(),
         critical_point: coexistence::critical_point(&points),
-        melting: melting::estimate(sweep, &points),
+        melting: melting::estimates(sweep, &points),
         points,
     }
 }
@@ -240,7 +240,7 @@ pub(super) fn write(
     let judgements = equations::judgements(sweep, record);
     if !judgements.is_empty() {
         lennard_io::write_table_csv(&judged, &equations::table(&judgements))?;
-        lennard_io::write_table_csv(&beside, &equations::beside_equations(record))?;
+        lennard_io::write_table_csv(&beside, &equations::beside_equations(sweep, record))?;
     }
     let pictures = figures::all(sweep, record);
     for (file, picture) in pictures.files() {

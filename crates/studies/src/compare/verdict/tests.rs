@@ -37,6 +37,8 @@ fn the_allowance_of_a_reference_has_two_digits_and_is_never_too_small() {
         (2.2358183222459527e-4, "0.00023"),
         (0.003, "0.003"),
         (0.0999, "0.1"),
+        (0.160_000_5, "0.17"),
+        (0.009_901, "0.01"),
         (1.7, "1.7"),
     ] {
         let allowed = TOLERANCE.for_reference(Some(own));
