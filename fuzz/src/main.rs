@@ -18,14 +18,17 @@ const LONGEST_READ: Duration = Duration::from_secs(30);
 /// The most memory (kB) that the whole process may ever have held: inputs are below 64 kB.
 const MOST_MEMORY: u64 = 256 << 10;
 
-const HELP: &str = "\
-Usage: cargo xtask fuzz [--runs N] [--target NAME] [--seed N]
-
-  --runs N       Inputs for each reader (default 100000)
-  --target NAME  scene, extended-xyz, nist, lammps-dump, lammps-data, gzip, table, checkpoint or
-                 restart;
-                 all of them by default
-  --seed N       Seed of the mutations (default 1)";
+fn help() -> String {
+    let names: Vec<&str> = TARGETS.iter().map(|target| target.name).collect();
+    format!(
+        "Usage: cargo xtask fuzz [--runs N] [--target NAME] [--seed N]\n\n\
+         \x20 --runs N       Inputs for each reader (default {DEFAULT_RUNS})\n\
+         \x20 --target NAME  One of them; all by default:\n\
+         \x20                {}\n\
+         \x20 --seed N       Seed of the mutations (default 1)",
+        names.join(", ")
+    )
+}
 
 struct Arguments {
     runs: u64,
@@ -63,7 +66,7 @@ fn main() -> ExitCode {
     let arguments = match arguments() {
         Ok(arguments) => arguments,
         Err(fault) => {
-            eprintln!("{fault}\n\n{HELP}");
+            eprintln!("{fault}\n\n{}", help());
             return ExitCode::from(2);
         }
     };

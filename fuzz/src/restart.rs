@@ -25,7 +25,7 @@ fn a_few(from: u64) -> StopAt {
 }
 
 /// In memory where the system has such a place: a disk would make each input ten times as long.
-fn temporary() -> tempfile::TempDir {
+pub(crate) fn temporary() -> tempfile::TempDir {
     tempfile::tempdir_in("/dev/shm")
         .unwrap_or_else(|_| tempfile::tempdir().expect("a temporary folder can be made"))
 }

@@ -191,8 +191,7 @@ pub fn table(bytes: &[u8]) -> bool {
     /// Where the tables of the corpus begin and where they are cut, σ.
     const BEGIN: f64 = 1.0;
     const R_CUT: f64 = 1.14;
-    static FOLDER: LazyLock<TempDir> =
-        LazyLock::new(|| tempfile::tempdir().expect("a folder for a table"));
+    static FOLDER: LazyLock<TempDir> = LazyLock::new(crate::restart::temporary);
     let file = FOLDER.path().join("hostile.table");
     std::fs::write(&file, bytes).expect("a file for a table");
     let text = format!(

@@ -1,9 +1,9 @@
 //! Flights of hard bodies: from impact to impact in the order of time, between bodies and at walls.
 
 use lennard_core::random::CounterRng;
-use lennard_core::{Axis, DVec3, Flight, ForceTerm};
-use lennard_forcefield::Walls;
-use lennard_integrators::contacts::{Contact, impacts_at_once};
+use lennard_core::{Axis, DVec3, Drifted, Flight, ForceTerm};
+use lennard_forcefield::{KICKS_OF_REST, Walls};
+use lennard_integrators::contacts::{Contact, impacts_at_once, rates};
 
 use crate::Bodies;
 use crate::bodies::reduced_mass;
@@ -17,18 +17,25 @@ const MOST_EVENTS: u64 = 1000;
 const TOUCHING: f64 = 1e-9;
 /// Approach slower than this share of the fastest speed is rounding.
 const ROUNDING: f64 = 1e-13;
-/// Bodies that approach by so many kicks of a step, or fewer, rest on each other.
-const KICKS_OF_REST: f64 = 1.0 + 1e-9;
 /// How much faster than the fastest body at its start a flight lets bodies become, before it looks for pairs anew.
 const MARGIN: f64 = 1.5;
 
 /// What became of a flight.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Flown {
-    /// Kinetic energy that impacts put in, ε; negative where they take it out.
-    pub heat: f64,
-    /// Impacts between bodies.
+    /// What solvers took, and the kinetic energy that impacts put in; negative where they take it out.
+    pub drifted: Drifted,
+    /// Impacts between bodies; for unilateral contacts those with planes too.
     pub impacts: u64,
+}
+
+/// The kinetic energy that impulses λ of contacts put in, ε: ½·Σ λ·(G·v + G·v′).
+pub(crate) fn work_of(impulses: &[f64], before: &[f64], after: &[f64]) -> f64 {
+    let rates = before
+        .iter()
+        .zip(after)
+        .map(|(before, after)| before + after);
+    0.5 * impulses.iter().zip(rates).map(|(i, r)| i * r).sum::<f64>()
 }
 
 /// What happens next.
@@ -268,7 +275,7 @@ impl Run<'_> {
         if rests {
             return;
         }
-        self.done.heat += 0.5 * mass * rate * rate * (e * e - 1.0);
+        self.done.drifted.heat += 0.5 * mass * rate * rate * (e * e - 1.0);
         self.done.impacts += 1;
     }
 
@@ -285,7 +292,7 @@ impl Run<'_> {
         let reading = walls.walls()[plane];
         self.flight.positions[body][reading.axis] = reading.position;
         let v = &mut self.flight.velocities[body];
-        self.done.heat += walls.hit(plane, v, mass, kick, &mut random);
+        self.done.drifted.heat += walls.hit(plane, v, mass, kick, &mut random);
         self.random[body] = Some(random);
     }
 
@@ -315,17 +322,14 @@ impl Run<'_> {
         let planes = self.planes_touched(&mut contacts);
         let velocities = &mut *self.flight.velocities;
         let masses = self.flight.masses;
-        let kinetic = |v: &[DVec3]| -> f64 {
-            let each = v.iter().enumerate();
-            each.map(|(i, v)| 0.5 * masses.moving(i) * v.length_squared())
-                .sum()
-        };
-        let before = kinetic(velocities);
-        let rates = contacts.iter().map(|contact| -contact.rate(velocities));
-        let fastest = rates.fold(0.0, f64::max);
-        let impulses = impacts_at_once(&contacts, masses, velocities, 0.0);
+        let before = rates(&contacts, velocities);
+        let fastest = before.iter().fold(0.0, |most: f64, rate| most.max(-rate));
+        // Where the solve ends early, bodies still approach, and the flight goes on with impacts.
+        let solution = impacts_at_once(&contacts, masses, velocities, 0.0);
+        let impulses = &solution.impulses;
+        self.done.drifted = self.done.drifted.and(solution.report());
         if fastest > KICKS_OF_REST * kick {
-            self.done.heat += kinetic(velocities) - before;
+            self.done.drifted.heat += work_of(impulses, &before, &rates(&contacts, velocities));
         }
         if let Some(walls) = self.walls.as_deref_mut() {
             for (plane, impulse) in planes.iter().zip(&impulses[of_bodies..]) {

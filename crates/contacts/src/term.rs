@@ -1,8 +1,9 @@
 //! Contacts as a force term and as the boundary of flights, with the walls beside them.
 
 use lennard_core::{
-    Boundary, Configuration, DMat3, DVec3, Energetics, Flight, ForceError, ForceProperties,
-    ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, WallReading, Want, sweeps,
+    Boundary, Configuration, DMat3, DVec3, Drifted, Energetics, Flight, ForceError,
+    ForceProperties, ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, StepError,
+    WallReading, Want, sweeps,
 };
 use lennard_forcefield::{ContactLaw, Walls};
 
@@ -103,22 +104,19 @@ impl Contacts {
             .collect()
     }
 
-    /// Refuses bodies of unilateral contacts that overlap too deeply.
+    /// Refuses bodies of unilateral contacts that overlap too deeply: the first pair of them.
     fn none_too_deep(&mut self, at: &Configuration<'_>) -> Result<(), ForceError> {
         let pairs = self.near.at(&self.bodies, at.cell, at.positions, 0.0);
         let apart = |[i, j]: [usize; 2]| {
             let apart = at.positions[i] - at.positions[j];
             at.cell.minimum_image(apart)
         };
-        let pairs = pairs.iter().map(|pair| pair.map(|body| body as usize));
-        let deep: Vec<[usize; 2]> = pairs
-            .filter(|pair| {
-                let deepest = (1.0 - DEEPEST) * self.bodies.distance(pair[0], pair[1]);
-                apart(*pair).length_squared() < deepest * deepest
-            })
-            .collect();
-        let worst = deep.iter().min();
-        worst.map_or(Ok(()), |pair| self.too_deep(*pair, apart(*pair), at))
+        let mut pairs = pairs.iter().map(|pair| pair.map(|body| body as usize));
+        let first = pairs.find(|pair| {
+            let deepest = (1.0 - DEEPEST) * self.bodies.distance(pair[0], pair[1]);
+            apart(*pair).length_squared() < deepest * deepest
+        });
+        first.map_or(Ok(()), |pair| self.too_deep(pair, apart(pair), at))
     }
 
     /// Refuses an overlap beyond half the contact distance, for the vector from the second body to the first.
@@ -226,9 +224,11 @@ impl ForceTerm for Contacts {
     }
 
     fn properties(&self) -> ForceProperties {
+        let needs_solved_contacts = matches!(self.response, Response::Unilateral(_));
         let own = ForceProperties {
             splits: true,
-            bounds_flight: self.response.acts_in_flight(),
+            bounds_flight: self.response.acts_in_flight() && !needs_solved_contacts,
+            needs_solved_contacts,
             ..ForceProperties::default()
         };
         match &self.walls {
@@ -250,62 +250,69 @@ impl ForceTerm for Contacts {
 }
 
 impl Boundary for Contacts {
-    fn fly(&mut self, flight: Flight<'_>) -> f64 {
-        let (near, bodies) = (&mut self.near, &self.bodies);
-        match self.response {
+    fn fly(&mut self, flight: Flight<'_>) -> Result<Drifted, StepError> {
+        let (near, bodies, walls) = (&mut self.near, &self.bodies, self.walls.as_mut());
+        let flown = match self.response {
             Response::Impact { restitution } => {
-                let flown = impacts::fly(bodies, restitution, near, self.walls.as_mut(), flight);
-                self.reading.impacts += flown.impacts;
-                flown.heat
+                impacts::fly(bodies, restitution, near, walls, flight)
             }
-            Response::Unilateral(law) => {
-                let stepped = unilateral::step(&law, bodies, near, self.walls.as_mut(), flight);
-                self.reading.impacts += stepped.impacts;
-                stepped.heat
-            }
+            Response::Unilateral(law) => unilateral::step(&law, bodies, near, walls, flight)?,
             Response::Spring(law) => {
-                let Flight {
-                    cell,
-                    positions,
-                    velocities,
-                    masses,
-                    h,
-                    ..
-                } = flight;
-                let half = 0.5 * h;
-                let dashpots = |near: &mut NearPairs,
-                                positions: &[DVec3],
-                                velocities: &mut [DVec3],
-                                is_after: bool| {
-                    let pairs = near.at(bodies, cell, positions, 0.0);
-                    let mut moving = Moving {
-                        cell,
-                        positions,
-                        velocities,
-                        masses,
-                    };
-                    match is_after {
-                        false => damp(&law, bodies, pairs.iter(), &mut moving, half),
-                        true => damp(&law, bodies, pairs.iter().rev(), &mut moving, half),
-                    }
-                };
-                let before = dashpots(near, positions, velocities, false);
-                let on_the_way = match self.walls.as_mut().and_then(|walls| walls.boundary()) {
-                    Some(walls) => walls.fly(Flight {
-                        positions: &mut *positions,
-                        velocities: &mut *velocities,
-                        ..flight
-                    }),
-                    None => {
-                        sweeps::drift(positions, velocities, h);
-                        0.0
-                    }
-                };
-                let after = dashpots(near, positions, velocities, true);
-                before + on_the_way + after
+                return between_dashpots(&law, bodies, near, walls, flight);
             }
-        }
+        };
+        self.reading.impacts += flown.impacts;
+        Ok(flown.drifted)
     }
+}
+
+/// The flight of soft bodies, with half a step of their dashpots before it and half after it.
+fn between_dashpots(
+    law: &ContactLaw,
+    bodies: &Bodies,
+    near: &mut NearPairs,
+    walls: Option<&mut Walls>,
+    flight: Flight<'_>,
+) -> Result<Drifted, StepError> {
+    let Flight {
+        cell,
+        positions,
+        velocities,
+        masses,
+        h,
+        ..
+    } = flight;
+    let half = 0.5 * h;
+    let mut dashpots = |positions: &[DVec3], velocities: &mut [DVec3], is_after: bool| {
+        let pairs = near.at(bodies, cell, positions, 0.0);
+        let mut moving = Moving {
+            cell,
+            positions,
+            velocities,
+            masses,
+        };
+        match is_after {
+            false => damp(law, bodies, pairs.iter(), &mut moving, half),
+            true => damp(law, bodies, pairs.iter().rev(), &mut moving, half),
+        }
+    };
+    let before = dashpots(positions, velocities, false);
+    let on_the_way = match walls.and_then(|walls| walls.boundary()) {
+        Some(walls) => walls.fly(Flight {
+            positions: &mut *positions,
+            velocities: &mut *velocities,
+            ..flight
+        })?,
+        None => {
+            sweeps::drift(positions, velocities, h);
+            Drifted::default()
+        }
+    };
+    let after = dashpots(positions, velocities, true);
+    Ok(Drifted {
+        heat: before + on_the_way.heat + after,
+        ..on_the_way
+    })
 }
 
 impl Persist for Contacts {

@@ -6,13 +6,16 @@
 //! Impacts act on the velocities v + h·f/(2m) that belong to the time of the positions. In a constant field positions and these
 //! velocities lie on the exact parabola. With e = 1 a body therefore keeps its energy to rounding, wherever in a step it hits.
 
-use lennard_core::{DVec3, Flight, ForceTerm, Masses, sweeps};
+use lennard_core::{DVec3, Flight, ForceTerm, StepError, sweeps};
 use lennard_forcefield::{HitRule, Walls};
-use lennard_integrators::contacts::{Contact, Problem, Solver, groups, push_all, spook_contacts};
+use lennard_integrators::contacts::{
+    Contact, Problem, Solver, groups, push_all, rates, spook_contacts,
+};
 use lennard_integrators::spook::Damping;
 
 use crate::Bodies;
 use crate::bodies::reduced_mass;
+use crate::impacts::{Flown, work_of};
 use crate::near::NearPairs;
 
 /// Bodies that approach or part by no more than so many kicks of a step rest on each other, at the depth 0.
@@ -35,20 +38,12 @@ pub struct UnilateralLaw {
     pub solver: Solver,
 }
 
-/// What became of a step.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Stepped {
-    /// Kinetic energy that impacts put in, ε; 0 or less.
-    pub heat: f64,
-    /// Impacts: contacts at which bodies met faster than a kick explains.
-    pub impacts: u64,
-}
-
-/// Contacts of a step, those with planes last.
+/// Contacts of a step.
+#[derive(Default)]
 struct Touching {
     contacts: Vec<Contact>,
-    /// The plane of each contact with one.
-    planes: Vec<usize>,
+    /// The plane of each contact; `None` where it is one of two bodies.
+    planes: Vec<Option<usize>>,
     restitutions: Vec<f64>,
     /// Up to which rate bodies rest on each other, σ/τ.
     rest: Vec<f64>,
@@ -71,63 +66,57 @@ impl Touching {
         let kick = |body: usize| flight.h * flight.forces[body].length() / masses.of(body);
         let fastest = flight.velocities.iter().map(|v| v.length_squared());
         let rounding = ROUNDING * fastest.fold(0.0, f64::max).sqrt();
-        let mut found = Self {
-            contacts: Vec::new(),
-            planes: Vec::new(),
-            restitutions: Vec::new(),
-            rest: Vec::new(),
-        };
-        // The order of a list depends on when it was built, and no bit may.
-        let mut pairs: Vec<[usize; 2]> = near
-            .at(bodies, flight.cell, positions, 0.0)
-            .iter()
-            .map(|pair| pair.map(|body| body as usize))
-            .filter(|[i, j]| reduced_mass(masses, *i, *j).is_some())
-            .collect();
-        pairs.sort_unstable();
-        for [i, j] in pairs {
+        let rest = |kick: f64, gap: f64| rate_of_rest(kick, -gap, flight.h) + rounding;
+        let mut found = Self::default();
+        let pairs = near.at(bodies, flight.cell, positions, 0.0);
+        for [i, j] in pairs.iter().map(|pair| pair.map(|body| body as usize)) {
+            if reduced_mass(masses, i, j).is_none() {
+                continue;
+            }
             let apart = flight.cell.minimum_image(positions[j] - positions[i]);
             let gap = apart.length() - bodies.distance(i, j);
             if gap > 0.0 || apart == DVec3::ZERO {
                 continue;
             }
-            found.contacts.push(Contact {
+            let contact = Contact {
                 first: Some(i),
                 second: j,
                 normal: apart.normalize(),
                 gap,
-            });
-            found.restitutions.push(law.restitution);
-            let rest = rate_of_rest(kick(i) + kick(j), -gap, flight.h);
-            found.rest.push(rest + rounding);
-        }
-        for (plane, reading) in walls.iter().flat_map(|w| w.walls().iter().enumerate()) {
-            let surface = walls.map(|walls| walls.surface(plane));
-            let Some(surface) = surface.filter(|s| s.rule() == Some(HitRule::ByContacts)) else {
-                continue;
             };
-            let mut normal = DVec3::ZERO;
-            normal[reading.axis] = -reading.outward();
+            found.push(contact, None, law.restitution, rest(kick(i) + kick(j), gap));
+        }
+        let Some(walls) = walls else {
+            return found;
+        };
+        for (plane, reading) in walls.walls().iter().enumerate() {
+            let surface = walls.surface(plane);
+            if surface.rule() != Some(HitRule::ByContacts) {
+                continue;
+            }
+            let restitution = surface.restitution().unwrap_or(law.restitution);
             for body in (0..positions.len()).filter(|body| !masses.is_held(*body)) {
-                let gap = -reading.outward() * (positions[body][reading.axis] - reading.position);
+                let gap = reading.distance(positions[body]);
                 if gap > 0.0 {
                     continue;
                 }
-                found.planes.push(plane);
-                found.contacts.push(Contact {
+                let contact = Contact {
                     first: None,
                     second: body,
-                    normal,
+                    normal: -reading.normal(),
                     gap,
-                });
-                found
-                    .restitutions
-                    .push(surface.restitution().unwrap_or(law.restitution));
-                let rest = rate_of_rest(kick(body), -gap, flight.h);
-                found.rest.push(rest + rounding);
+                };
+                found.push(contact, Some(plane), restitution, rest(kick(body), gap));
             }
         }
         found
+    }
+
+    fn push(&mut self, contact: Contact, plane: Option<usize>, restitution: f64, rest: f64) {
+        self.contacts.push(contact);
+        self.planes.push(plane);
+        self.restitutions.push(restitution);
+        self.rest.push(rest);
     }
 
     fn is_empty(&self) -> bool {
@@ -135,63 +124,52 @@ impl Touching {
     }
 
     fn rates(&self, v: &[DVec3]) -> Vec<f64> {
-        self.contacts.iter().map(|c| c.rate(v)).collect()
+        rates(&self.contacts, v)
     }
 
     /// Hands impulses of contacts to the planes among them, and counts the contacts that are hit.
     fn tell(&self, walls: Option<&mut Walls>, impulses: &[f64], is_hit: impl Fn(usize) -> bool) {
         let Some(walls) = walls else { return };
-        let of_bodies = self.contacts.len() - self.planes.len();
-        for (c, plane) in (of_bodies..).zip(&self.planes) {
-            match is_hit(c) {
-                true => walls.count_hit(*plane, impulses[c]),
-                false => walls.take_momentum(*plane, impulses[c]),
+        for (c, plane) in self.planes.iter().enumerate() {
+            match plane {
+                Some(plane) if is_hit(c) => walls.count_hit(*plane, impulses[c]),
+                Some(plane) => walls.take_momentum(*plane, impulses[c]),
+                None => {}
             }
         }
     }
 
     /// The contacts of `kept`, in their order.
     fn only(&self, kept: impl Fn(usize) -> bool) -> Self {
-        let of_bodies = self.contacts.len() - self.planes.len();
-        let all: Vec<usize> = (0..self.contacts.len()).filter(|c| kept(*c)).collect();
-        let planes = all.iter().filter(|c| **c >= of_bodies);
-        Self {
-            contacts: all.iter().map(|c| self.contacts[*c]).collect(),
-            planes: planes.map(|c| self.planes[c - of_bodies]).collect(),
-            restitutions: all.iter().map(|c| self.restitutions[*c]).collect(),
-            rest: all.iter().map(|c| self.rest[*c]).collect(),
+        let mut some = Self::default();
+        for c in (0..self.contacts.len()).filter(|c| kept(*c)) {
+            let (restitution, rest) = (self.restitutions[c], self.rest[c]);
+            some.push(self.contacts[c], self.planes[c], restitution, rest);
         }
+        some
     }
 }
 
 /// Takes the contacts of a step and drifts: impacts, the solve of SPOOK, and the drift.
+///
+/// # Errors
+/// [`StepError::ContactsNotConverged`] where a solve ends far from a solution.
 pub(crate) fn step(
     law: &UnilateralLaw,
     bodies: &Bodies,
     near: &mut NearPairs,
     mut walls: Option<&mut Walls>,
-    flight: Flight<'_>,
-) -> Stepped {
+    mut flight: Flight<'_>,
+) -> Result<Flown, StepError> {
     let mut touching = Touching::of(law, bodies, near, walls.as_deref(), &flight);
-    let Flight {
-        positions,
-        velocities,
-        forces,
-        masses,
-        h,
-        ..
-    } = flight;
-    let mut done = Stepped::default();
+    let mut done = Flown::default();
     if !touching.is_empty() {
+        let (forces, masses, h) = (flight.forces, flight.masses, flight.h);
         let kick: Vec<DVec3> = (0..forces.len())
             .map(|i| h / masses.of(i) * forces[i])
             .collect();
-        let mut stage = Impacts {
-            touching: &mut touching,
-            law,
-            masses,
-        };
-        done = stage.act(positions, velocities, &kick, walls.as_deref_mut());
+        done = impact(law, &mut touching, &mut flight, &kick, walls.as_deref_mut())?;
+        let velocities = &mut *flight.velocities;
         let rates = touching.rates(&half_back(velocities, &kick));
         // Bodies that part faster than a kick explains are on their way: nothing is to push them.
         let resting = touching.only(|c| rates[c] <= touching.rest[c]);
@@ -201,10 +179,12 @@ pub(crate) fn step(
         let regular = law.damping.regularised(law.compliance, h);
         let contacts = &resting.contacts;
         let solved = spook_contacts(contacts, masses, velocities, &kick, regular, h, law.solver);
+        let solved = solved.settled(law.solver)?;
+        done.drifted = done.drifted.and(solved.report());
         resting.tell(walls, &solved.impulses, |_| false);
     }
-    sweeps::drift(positions, velocities, h);
-    done
+    sweeps::drift(flight.positions, flight.velocities, flight.h);
+    Ok(done)
 }
 
 /// The velocities that belong to the time of the positions, from those after the kick.
@@ -213,90 +193,80 @@ fn half_back(velocities: &[DVec3], kick: &[DVec3]) -> Vec<DVec3> {
     both.map(|(v, kick)| *v - 0.5 * *kick).collect()
 }
 
-/// The impact stage.
-struct Impacts<'a> {
-    touching: &'a mut Touching,
-    law: &'a UnilateralLaw,
-    masses: &'a Masses,
-}
-
-impl Impacts<'_> {
-    /// Newton's rule for all contacts of a group at once that do not part, wherever one of them is hit: 0 ≤ λ ⊥ A·λ + b ≥ 0.
-    /// Contacts that are hit have b = (1 + e)·G·v. The others do not approach faster than before: b = max(G·v, 0).
-    ///
-    /// Where an impact leaves no speed, bodies go back to where they touch, the shortest way in the metric of the masses.
-    fn act(
-        &mut self,
-        positions: &mut [DVec3],
-        velocities: &mut [DVec3],
-        kick: &[DVec3],
-        walls: Option<&mut Walls>,
-    ) -> Stepped {
-        let before = half_back(velocities, kick);
-        // Bodies that part already carry no impact: it would put energy in.
-        let rates = self.touching.rates(&before);
-        let together = self.touching.only(|c| rates[c] <= self.touching.rest[c]);
-        let rates = together.rates(&before);
-        let mut in_motion = vec![false; rates.len()];
-        for group in groups(&together.contacts, self.masses) {
-            let is_hit = |c: &usize| rates[*c] < -together.rest[*c];
-            if group.iter().any(is_hit) {
-                group.iter().for_each(|c| in_motion[*c] = true);
-            }
-        }
-        let struck = together.only(|c| in_motion[c]);
-        if struck.is_empty() {
-            return Stepped::default();
-        }
-        let rates = struck.rates(&before);
-        let is_hit = |c: usize| rates[c] < -struck.rest[c];
-        let b: Vec<f64> = (0..rates.len())
-            .map(|c| match is_hit(c) {
-                true => (1.0 + struck.restitutions[c]) * rates[c],
-                false => rates[c].max(0.0),
-            })
-            .collect();
-        let impulses = self.solved(&struck.contacts, &b);
-        let mut after = before.clone();
-        push_all(&struck.contacts, &impulses, self.masses, &mut after);
-        push_all(&struck.contacts, &impulses, self.masses, velocities);
-        struck.tell(walls, &impulses, is_hit);
-        let kinetic = |v: &[DVec3]| -> f64 {
-            let each = v.iter().enumerate();
-            each.map(|(i, v)| 0.5 * self.masses.moving(i) * v.length_squared())
-                .sum()
-        };
-        let stays = |c: usize| is_hit(c) && -struck.restitutions[c] * rates[c] <= struck.rest[c];
-        let gaps: Vec<f64> = (0..rates.len())
-            .map(|c| match stays(c) {
-                true => struck.contacts[c].gap,
-                false => 0.0,
-            })
-            .collect();
-        if gaps.iter().any(|gap| *gap < 0.0) {
-            let shifts = self.solved(&struck.contacts, &gaps);
-            let mut moved = vec![DVec3::ZERO; positions.len()];
-            push_all(&struck.contacts, &shifts, self.masses, &mut moved);
-            for (x, moved) in positions.iter_mut().zip(&moved) {
-                *x += *moved;
-            }
-            for contact in &mut self.touching.contacts {
-                contact.gap += contact.rate(&moved);
-            }
-        }
-        Stepped {
-            heat: kinetic(&after) - kinetic(&before),
-            impacts: (0..rates.len()).filter(|c| is_hit(*c)).count() as u64,
-        }
-    }
-
-    fn solved(&self, contacts: &[Contact], b: &[f64]) -> Vec<f64> {
+/// The impact stage: Newton's rule for all contacts of a group at once that do not part, wherever one of them is hit,
+/// 0 ≤ λ ⊥ A·λ + b ≥ 0. Contacts that are hit have b = (1 + e)·G·v. The others do not approach faster than before: b = max(G·v, 0).
+///
+/// Where an impact leaves no speed, bodies go back to where they touch, the shortest way in the metric of the masses.
+fn impact(
+    law: &UnilateralLaw,
+    touching: &mut Touching,
+    flight: &mut Flight<'_>,
+    kick: &[DVec3],
+    walls: Option<&mut Walls>,
+) -> Result<Flown, StepError> {
+    let masses = flight.masses;
+    let solved = |contacts: &[Contact], b: &[f64]| {
         let problem = Problem {
             contacts,
-            masses: self.masses,
+            masses,
             sigma: 0.0,
             b,
         };
-        problem.solve(self.law.solver).impulses
+        problem.solve(law.solver).settled(law.solver)
+    };
+    let before = half_back(flight.velocities, kick);
+    // Bodies that part already carry no impact: it would put energy in.
+    let rates = touching.rates(&before);
+    let together = touching.only(|c| rates[c] <= touching.rest[c]);
+    let rates = together.rates(&before);
+    let mut in_motion = vec![false; rates.len()];
+    for group in groups(&together.contacts, masses) {
+        let is_hit = |c: &usize| rates[*c] < -together.rest[*c];
+        if group.iter().any(is_hit) {
+            group.iter().for_each(|c| in_motion[*c] = true);
+        }
     }
+    let struck = together.only(|c| in_motion[c]);
+    if struck.is_empty() {
+        return Ok(Flown::default());
+    }
+    let rates = struck.rates(&before);
+    let is_hit = |c: usize| rates[c] < -struck.rest[c];
+    let b: Vec<f64> = (0..rates.len())
+        .map(|c| match is_hit(c) {
+            true => (1.0 + struck.restitutions[c]) * rates[c],
+            false => rates[c].max(0.0),
+        })
+        .collect();
+    let solution = solved(&struck.contacts, &b)?;
+    let impulses = &solution.impulses;
+    let mut after = before;
+    push_all(&struck.contacts, impulses, masses, &mut after);
+    push_all(&struck.contacts, impulses, masses, flight.velocities);
+    struck.tell(walls, impulses, is_hit);
+    let mut drifted = solution.report();
+    drifted.heat = work_of(impulses, &rates, &struck.rates(&after));
+    let stays = |c: usize| is_hit(c) && -struck.restitutions[c] * rates[c] <= struck.rest[c];
+    let gaps: Vec<f64> = (0..rates.len())
+        .map(|c| match stays(c) {
+            true => struck.contacts[c].gap,
+            false => 0.0,
+        })
+        .collect();
+    if gaps.iter().any(|gap| *gap < 0.0) {
+        let shifts = solved(&struck.contacts, &gaps)?;
+        drifted = drifted.and(shifts.report());
+        let mut moved = vec![DVec3::ZERO; flight.positions.len()];
+        push_all(&struck.contacts, &shifts.impulses, masses, &mut moved);
+        for (x, moved) in flight.positions.iter_mut().zip(&moved) {
+            *x += *moved;
+        }
+        for contact in &mut touching.contacts {
+            contact.gap += contact.rate(&moved);
+        }
+    }
+    Ok(Flown {
+        drifted,
+        impacts: (0..rates.len()).filter(|c| is_hit(*c)).count() as u64,
+    })
 }

@@ -2,15 +2,36 @@
 
 use crate::{DVec3, StepError, System};
 
-/// What a solver did for one drift.
+/// What happened in one drift.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct BondsSolved {
-    /// Iterations or sweeps of the molecule that needed most.
+pub struct Drifted {
+    /// Iterations or sweeps of the molecule, or of the group of contacts, that needed most.
     pub iterations: u32,
-    /// The largest | |d|/r − 1 | that is left.
+    /// The largest | |d|/r − 1 | of a bond that is left; for contacts the residual of their solver.
     pub residual: f64,
-    /// Energy that the way to hold bonds put in, ε; negative where it damps on purpose, else zero.
+    /// Energy that the drift put in, ε: by hits, by dashpots, or by a way to hold bonds that damps on purpose; else zero.
     pub heat: f64,
+}
+
+impl Drifted {
+    /// A drift in which nothing was solved for, and which put in this energy, ε.
+    #[must_use]
+    pub fn with_heat(heat: f64) -> Self {
+        Self {
+            heat,
+            ..Self::default()
+        }
+    }
+
+    /// What happened in this drift and in another one.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            iterations: self.iterations + other.iterations,
+            residual: self.residual.max(other.residual),
+            heat: self.heat + other.heat,
+        }
+    }
 }
 
 /// A drift under way, with the kick that goes before it.
@@ -43,5 +64,5 @@ pub trait BondSolver: Send {
     ///
     /// # Errors
     /// [`StepError::BondTurned`] where a bond has no solution, [`StepError::BondsNotConverged`] where iterations end early.
-    fn drift(&mut self, system: &System, moving: BoundDrift<'_>) -> Result<BondsSolved, StepError>;
+    fn drift(&mut self, system: &System, moving: BoundDrift<'_>) -> Result<Drifted, StepError>;
 }

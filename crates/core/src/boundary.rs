@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{Masses, PeriodicBox};
+use crate::{Drifted, Masses, PeriodicBox, StepError};
 
 /// One plane of a pair of walls, with what particles have done to it.
 ///
@@ -42,6 +42,20 @@ impl WallReading {
     pub fn outward(&self) -> f64 {
         if self.is_upper { 1.0 } else { -1.0 }
     }
+
+    /// The outward normal, a unit vector.
+    #[must_use]
+    pub fn normal(&self) -> DVec3 {
+        let mut normal = DVec3::ZERO;
+        normal[self.axis] = self.outward();
+        normal
+    }
+
+    /// The distance of a position from the plane, σ: positive between the planes.
+    #[must_use]
+    pub fn distance(&self, x: DVec3) -> f64 {
+        self.outward() * (self.position - x[self.axis])
+    }
 }
 
 /// Particles in free flight over a time h.
@@ -69,6 +83,9 @@ pub struct Flight<'a> {
 pub trait Boundary {
     /// Moves particles by h·v along straight lines from hit to hit, and changes velocities at hits. Held particles stay.
     ///
-    /// Returns the kinetic energy in ε that hits put in: E minus its sum is conserved.
-    fn fly(&mut self, flight: Flight<'_>) -> f64;
+    /// E minus the sum of the energy that it puts in is conserved.
+    ///
+    /// # Errors
+    /// [`StepError`] where bonds or contacts have no solution in the flight.
+    fn fly(&mut self, flight: Flight<'_>) -> Result<Drifted, StepError>;
 }

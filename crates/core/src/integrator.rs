@@ -81,6 +81,12 @@ impl Integrator {
         self.method.takes_hard_walls()
     }
 
+    /// Whether unilateral contacts may be solved for in the flight of this method.
+    #[must_use]
+    pub fn solves_contacts(&self) -> bool {
+        self.method.solves_contacts()
+    }
+
     /// Evaluates the forces at the start and prepares any memory; called again where something outside has changed the
     /// state.
     ///
@@ -103,6 +109,11 @@ impl Integrator {
         if forces.properties().bounds_flight && !self.takes_hard_walls() {
             return Err(unsuited(
                 "particles would pass its hard walls, which act in drifts".to_owned(),
+            ));
+        }
+        if forces.properties().needs_solved_contacts && !self.solves_contacts() {
+            return Err(unsuited(
+                "its unilateral contacts are solved for in the step of SPOOK alone".to_owned(),
             ));
         }
         self.method
@@ -181,7 +192,7 @@ impl Integrator {
             .with_bath(self.bath.as_mut())
             .holding_bonds(bonds);
         self.method.step(&mut step)?;
-        step.bonds_hold()?;
+        step.drifts_hold()?;
         if let Some(bath) = step.take_bath()
             && couple(bath.as_mut(), &mut step)
         {

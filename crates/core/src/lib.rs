@@ -14,6 +14,7 @@ mod cell;
 mod coupling;
 pub mod exact;
 mod force;
+mod force_error;
 mod force_sum;
 mod friction;
 mod integrator;
@@ -42,13 +43,12 @@ mod topology;
 
 pub use axis::Axis;
 pub use barostat::{Barostat, BarostatSpec, BoxMoves, PressureBath};
-pub use bonds::{BondSolver, BondsSolved, BoundDrift};
+pub use bonds::{BondSolver, BoundDrift, Drifted};
 pub use boundary::{Boundary, Flight, WallReading};
 pub use cell::{BoxError, PeriodicBox};
 pub use coupling::couple;
-pub use force::{
-    Backend, ForceError, ForceProperties, ForceStatistics, ForceTerm, FusedSteps, NoForces,
-};
+pub use force::{Backend, ForceProperties, ForceStatistics, ForceTerm, FusedSteps, NoForces};
+pub use force_error::ForceError;
 pub use force_sum::ForceSum;
 pub use friction::{FrictionAndNoise, FusedNoise, NoiseOfStep};
 pub use glam::{DMat3, DVec3};

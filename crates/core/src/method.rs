@@ -28,6 +28,13 @@ pub trait Method: Persist + Send {
         false
     }
 
+    /// Whether the flight of a step comes right after its whole kick, where unilateral contacts are solved for.
+    ///
+    /// The default is that it does not.
+    fn solves_contacts(&self) -> bool {
+        false
+    }
+
     /// Whether steps that nothing looks at may be taken at once.
     ///
     /// Each is a kick, a drift and a kick, with friction and noise in the middle of the drift or without

@@ -155,6 +155,21 @@ pub enum StepError {
         /// The tolerance.
         wanted: f64,
     },
+    /// The impulses of contacts did not settle.
+    #[error(
+        "{contacts} contacts of bodies that touch each other were not solved for in {iterations} sweeps: the last one still \
+         changed rates by {residual:e} of the largest, wanted {wanted:e}"
+    )]
+    ContactsNotConverged {
+        /// Contacts of the group of bodies.
+        contacts: usize,
+        /// Sweeps made.
+        iterations: u32,
+        /// The largest change of a rate by the last sweep, over the largest rate.
+        residual: f64,
+        /// The residual up to which a solution counts as one.
+        wanted: f64,
+    },
     /// The method needs something that this system does not offer.
     #[error("`{method}` cannot run this system: {reason}")]
     Unsuited {

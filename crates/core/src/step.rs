@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use crate::parallel::all_pieces;
 use crate::{
-    Backend, BondSolver, BoundDrift, Configuration, DVec3, Energetics, Flight, ForceError,
+    Backend, BondSolver, BoundDrift, Configuration, DVec3, Drifted, Energetics, Flight, ForceError,
     FrictionAndNoise, IntegratorSpec, Momentum, Part, State, StepError, StepReport, System,
     Thermostat, Want, rigid, sweeps,
 };
@@ -35,8 +35,8 @@ pub struct Step<'a> {
     report: StepReport,
     /// What holds rigid bonds, where the system has some.
     bonds: Option<&'a mut (dyn BondSolver + 'static)>,
-    /// Why bonds could not be held in a drift.
-    broken_bonds: Option<StepError>,
+    /// Why a drift could not hold bonds, or solve for contacts.
+    failed_drift: Option<StepError>,
 }
 
 /// What belongs to a step, for operators that are neither a kick nor a drift.
@@ -75,7 +75,7 @@ impl<'a> Step<'a> {
             drifted: 0.0,
             report: StepReport::default(),
             bonds: None,
-            broken_bonds: None,
+            failed_drift: None,
         }
     }
 
@@ -138,7 +138,7 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// The drift by `h` that holds bonds; a failure ends the step where it can fail next.
+    /// The drift by `h` that holds bonds.
     fn drift_with_bonds(&mut self, h: f64) {
         let Some(bonds) = &mut self.bonds else {
             return;
@@ -151,13 +151,19 @@ impl<'a> Step<'a> {
             kick: self.waiting_kick.take().map(|kick| kick * self.dt),
             h,
         };
-        match bonds.drift(self.system, moving) {
-            Ok(solved) => {
-                self.report.iterations += solved.iterations;
-                self.report.residual = self.report.residual.max(solved.residual);
-                self.report.heat += solved.heat;
+        let drifted = bonds.drift(self.system, moving);
+        self.note(drifted);
+    }
+
+    /// Notes what happened in a drift; a failure ends the step where it can fail next.
+    fn note(&mut self, drifted: Result<Drifted, StepError>) {
+        match drifted {
+            Ok(drifted) => {
+                self.report.iterations += drifted.iterations;
+                self.report.residual = self.report.residual.max(drifted.residual);
+                self.report.heat += drifted.heat;
             }
-            Err(e) => self.broken_bonds = self.broken_bonds.take().or(Some(e)),
+            Err(e) => self.failed_drift = self.failed_drift.take().or(Some(e)),
         }
     }
 
@@ -173,7 +179,7 @@ impl<'a> Step<'a> {
         self.give_waiting_kick();
         let state = &mut *self.state;
         if let Some(boundary) = self.backend.boundary() {
-            self.report.heat += boundary.fly(Flight {
+            let drifted = boundary.fly(Flight {
                 cell: &state.cell,
                 positions: &mut state.positions,
                 velocities: &mut state.velocities,
@@ -183,6 +189,7 @@ impl<'a> Step<'a> {
                 step: state.step,
                 is_later: self.drifted > 0.0,
             });
+            self.note(drifted);
         }
         self.drifted += fraction;
     }
@@ -306,12 +313,12 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// Fails where bonds could not be held in a drift of this step.
+    /// Fails where bonds could not be held, or contacts not solved for, in a drift of this step.
     ///
     /// # Errors
     /// The error of the solver.
-    pub(crate) fn bonds_hold(&mut self) -> Result<(), StepError> {
-        self.broken_bonds.take().map_or(Ok(()), Err)
+    pub(crate) fn drifts_hold(&mut self) -> Result<(), StepError> {
+        self.failed_drift.take().map_or(Ok(()), Err)
     }
 
     fn evaluate_here(&mut self, want: Want) -> Result<(), StepError> {
@@ -320,7 +327,7 @@ impl<'a> Step<'a> {
 
     fn evaluate(&mut self, time: f64, want: Want) -> Result<(), StepError> {
         self.give_waiting_kick();
-        self.bonds_hold()?;
+        self.drifts_hold()?;
         self.report.force_evaluations += 1;
         let state = &mut *self.state;
         let at = Configuration {

@@ -279,7 +279,7 @@ pub(crate) fn thermodynamics(
         by_hits: Confinement::with_system(scene, &cell, species.clone())
             .1
             .properties()
-            .bounds_flight,
+            .acts_in_flight(),
     });
     thermodynamics.set_confined(confined);
     Ok(thermodynamics)

@@ -53,11 +53,6 @@ pub enum Symptom {
         /// The largest difference that rounding explains, ε/σ.
         tolerance: f64,
     },
-    /// The bonds of a molecule had no solution in a flight from wall to wall.
-    BondsInFlight {
-        /// A particle of the molecule, from 0.
-        particle: usize,
-    },
     /// The method itself gave up (a solver did not converge).
     Method(StepError),
 }
@@ -142,10 +137,6 @@ impl std::fmt::Display for PhysicsFailure {
                 wanted.z,
                 (*found - *wanted).length()
             )?,
-            Symptom::BondsInFlight { particle } => write!(
-                f,
-                "the bonds of the molecule of particle {particle} could not be held in a flight between walls"
-            )?,
             Symptom::Method(e) => write!(f, "{e}")?,
         }
         if let Some(pair) = self.closest {
@@ -189,11 +180,10 @@ impl PhysicsFailure {
                     `neighbor.mode = \"direct\"` does without lists"
                 .into();
         }
-        if let Symptom::BondsInFlight { .. } = self.symptom {
-            return format!(
-                "a bond turned too far in dt = {} τ: take a smaller dt",
-                self.dt
-            );
+        if let Symptom::Method(StepError::ContactsNotConverged { .. }) = self.symptom {
+            return "so many bodies that touch each other are too many for sweeps from rest: take `contact.compliance` above 0, \
+                    or say with `contact.sweeps` how many are enough"
+                .into();
         }
         if let Symptom::NonFinite(ForceError::BeyondWall { .. }) = self.symptom {
             return format!(

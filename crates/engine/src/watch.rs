@@ -1,6 +1,6 @@
 //! Where the watchdog looks during a run, and what its findings become.
 
-use lennard_core::{Configuration, ForceError, StepError};
+use lennard_core::{Configuration, StepError};
 
 use crate::close_pairs::Sizes;
 use crate::failure::{LARGEST_MOVE, PhysicsFailure, Symptom};
@@ -62,27 +62,13 @@ impl Simulation {
         distances.fold(LARGEST_MOVE, |least, distance| least.min(0.25 * distance))
     }
 
-    /// What a failed force says. Walls that are hit cannot report bonds that failed in a flight but by a position that is none,
-    /// while all positions are numbers.
-    fn symptom_of(&self, error: ForceError) -> Symptom {
-        match error {
-            ForceError::NonFinitePosition { particle }
-                if self.scene.molecule.is_some()
-                    && !self.scene.walls.is_empty()
-                    && self.state.positions.iter().all(|r| r.is_finite()) =>
-            {
-                Symptom::BondsInFlight { particle }
-            }
-            other => Symptom::NonFinite(other),
-        }
-    }
-
     pub(crate) fn failed(&self, error: StepError) -> EngineError {
         match error {
-            StepError::Force(e) => self.diagnosed(self.symptom_of(e)),
+            StepError::Force(e) => self.diagnosed(Symptom::NonFinite(e)),
             StepError::NotConverged { .. }
             | StepError::BondTurned { .. }
-            | StepError::BondsNotConverged { .. } => self.diagnosed(Symptom::Method(error)),
+            | StepError::BondsNotConverged { .. }
+            | StepError::ContactsNotConverged { .. } => self.diagnosed(Symptom::Method(error)),
             // Everything else is a combination that the scene should not ask for.
             other => self
                 .scene

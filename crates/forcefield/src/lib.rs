@@ -46,8 +46,8 @@ pub use plan::{Conditions, ForcePlan, Search, recommended_threads};
 pub use provider::{PairForces, build};
 pub use real::Real;
 pub use walls::{
-    Hard, Hit, HitRule, Rebound, Response, SHALLOWEST_ROOM, SlitPlanes, Soft, Surface, WallContext,
-    WallForce, WallOptions, WallPair, WallPoint, WallSpec, Walls, walls,
+    Hard, Hit, HitRule, KICKS_OF_REST, Rebound, Response, SHALLOWEST_ROOM, SlitPlanes, Soft,
+    Surface, WallContext, WallForce, WallOptions, WallPair, WallPoint, WallSpec, Walls, walls,
 };
 
 /// Whether a force field can be built for these conditions; nothing is built.

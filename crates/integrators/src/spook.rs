@@ -157,8 +157,8 @@ impl Method for Spook {
         }
     }
 
-    /// Walls and contacts act on the sites of bonds behind the back of their constraints.
-    fn takes_hard_walls(&self) -> bool {
+    /// Contacts act on the sites of bonds behind the back of their constraints.
+    fn solves_contacts(&self) -> bool {
         self.bonds.is_none()
     }
 

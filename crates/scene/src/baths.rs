@@ -69,14 +69,14 @@ impl From<&PressureControl> for BarostatTable {
 }
 
 /// A quantity that changes linearly with the steps of a stage.
-pub(crate) trait Ramp: Options + DeserializeOwned {
+pub(crate) trait RampKeys: Options + DeserializeOwned {
     fn between(from: f64, to: f64) -> Self;
     fn ends(&self) -> [Option<f64>; 2];
 }
 
 macro_rules! ramps {
     ($($ramp:ident)*) => {$(
-        impl Ramp for $ramp {
+        impl RampKeys for $ramp {
             fn between(from: f64, to: f64) -> Self {
                 Self { from: Some(from), to: Some(to) }
             }
@@ -129,7 +129,7 @@ pub(crate) struct Ends {
     pub to: f64,
 }
 
-impl<R: Ramp> From<Ends> for Ramped<R> {
+impl<R: RampKeys> From<Ends> for Ramped<R> {
     fn from(ends: Ends) -> Self {
         match ends.from {
             Some(from) => Self::Linear(R::between(from, ends.to)),
@@ -149,7 +149,7 @@ impl fmt::Display for Ends {
 
 impl Reader<'_> {
     /// Takes a key whose value is a table `{ from, to }`; a plain number stays where it is.
-    pub fn take_ramp<R: Ramp>(
+    pub fn take_ramp<R: RampKeys>(
         &self,
         node: &mut Node,
         key: &str,

@@ -2,13 +2,14 @@
 
 use lennard_contacts::{Bodies, ContactOptions, Contacts, Response};
 use lennard_core::{Bonds, Integrator, PeriodicBox, SpeciesTable};
-use lennard_forcefield::{HitRule, WallContext, Walls};
-use lennard_integrators::{integrators, spook};
+use lennard_forcefield::{HitRule, Walls};
+use lennard_integrators::{build, integrators};
 
 use crate::Scene;
 use crate::error::SceneError;
 use crate::read::Reader;
 use crate::reference::quoted;
+use crate::stiff::TooStiff;
 
 /// The table `[contact]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -150,16 +151,11 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Whether walls that are hit, hard contacts and dashpots may act in the drifts of a method. SPOOK takes contacts of its own alone.
-pub(crate) fn flies_from_hit_to_hit(integrator: &Integrator) -> bool {
-    integrator.takes_hard_walls() && integrator.spec().name != spook::SPEC.name
-}
-
 /// Refuses the method SPOOK where it has nothing to solve for.
 fn spook_has_contacts(scene: &Scene, table: &ContactTable) -> Result<(), SceneError> {
-    let is_spook = scene.integrator.method.name() == spook::SPEC.name;
+    let solves = build(&scene.integrator.method).solves_contacts();
     let has_contacts = matches!(table.options.response(), Response::Unilateral(_));
-    if !is_spook || has_contacts || scene.molecule.is_some() {
+    if !solves || has_contacts || scene.molecule.is_some() {
         return Ok(());
     }
     Err(scene
@@ -167,7 +163,7 @@ fn spook_has_contacts(scene: &Scene, table: &ContactTable) -> Result<(), SceneEr
         .refuse("integrator.kind", "has nothing to solve for")
         .found(format!(
             "{:?} with [contact] kind = {:?}",
-            spook::SPEC.name,
+            scene.integrator.method.name(),
             table.options.spec().name
         ))
         .allowed("[contact] kind = \"spook\", or another integrator"))
@@ -183,24 +179,20 @@ fn springs_are_stable(scene: &Scene, table: &ContactTable) -> Result<(), SceneEr
     let Some(omega) = law.frequency(0.5 * lightest) else {
         return Ok(());
     };
-    for stage in &scene.stages {
-        let limit = scene.method_of(stage).spec().stability_limit;
-        let (dt, limit) = (scene.stage_dt(stage), limit.unwrap_or(f64::INFINITY));
-        if omega * dt >= limit {
-            return Err(scene
-                .source
-                .refuse("contact.stiffness", "is too stiff for the step")
-                .found(format!(
-                    "ω·dt = {:.3} with ω = √(2k/m) = {omega:.3} per τ and dt = {dt}",
-                    omega * dt
-                ))
-                .allowed(format!(
-                    "a stiffness below {:.4e} ε/σ²; bodies in a row vibrate up to √2 times as fast",
-                    0.5 * lightest * (limit / dt).powi(2)
-                )));
-        }
-    }
-    Ok(())
+    let Some(TooStiff { dt, limit, .. }) = scene.too_stiff(omega) else {
+        return Ok(());
+    };
+    Err(scene
+        .source
+        .refuse("contact.stiffness", "is too stiff for the step")
+        .found(format!(
+            "ω·dt = {:.3} with ω = √(2k/m) = {omega:.3} per τ and dt = {dt}",
+            omega * dt
+        ))
+        .allowed(format!(
+            "a stiffness below {:.4e} ε/σ²; bodies in a row vibrate up to √2 times as fast",
+            0.5 * lightest * (limit / dt).powi(2)
+        )))
 }
 
 /// Refuses what does not go with impulses inside a drift.
@@ -208,14 +200,26 @@ fn acts_in_flight(scene: &Scene, table: &ContactTable) -> Result<(), SceneError>
     let source = &scene.source;
     let name = table.options.spec().name;
     let response = table.options.response();
-    let (key, what) = match response {
-        Response::Impact { .. } => ("contact.kind", "acts by impacts in drifts"),
-        Response::Unilateral(_) => ("contact.kind", "acts by impulses in the step of SPOOK"),
-        Response::Spring(_) => ("contact.restitution", "below 1 acts by a dashpot in drifts"),
+    let (key, what, contacts) = match response {
+        Response::Impact { .. } => (
+            "contact.kind",
+            "acts by impacts in drifts",
+            "contacts with impacts",
+        ),
+        Response::Unilateral(_) => (
+            "contact.kind",
+            "acts by impulses in the step of SPOOK",
+            "contacts of SPOOK",
+        ),
+        Response::Spring(_) => (
+            "contact.restitution",
+            "below 1 acts by a dashpot in drifts",
+            "contacts with a dashpot",
+        ),
     };
     let suits = |integrator: &Integrator| match response {
-        Response::Unilateral(_) => integrator.spec().name == spook::SPEC.name,
-        Response::Impact { .. } | Response::Spring(_) => flies_from_hit_to_hit(integrator),
+        Response::Unilateral(_) => integrator.solves_contacts(),
+        Response::Impact { .. } | Response::Spring(_) => integrator.takes_hard_walls(),
     };
     for stage in &scene.stages {
         let integrator = scene.method_of(stage);
@@ -250,15 +254,12 @@ fn acts_in_flight(scene: &Scene, table: &ContactTable) -> Result<(), SceneError>
                     &format!("stage.{i}.barostat"),
                     "needs a virial of all forces",
                 )
-                .found(format!("a barostat with contacts that {what}"))
+                .found(format!("a barostat beside {contacts}"))
                 .allowed("soft contacts with restitution = 1, or a fixed box"));
         }
     }
-    let context = WallContext {
-        temperature: scene.system.temperature,
-    };
     for (i, wall) in scene.walls.iter().enumerate() {
-        let surface = wall.options.surface(&context, false);
+        let surface = scene.surface(wall);
         let (message, rule, found, allowed) = match response {
             Response::Spring(_) => continue,
             Response::Impact { .. } => (

@@ -1,15 +1,14 @@
 //! The table `[crystal]`: a start with a crystal across z, and its liquid beside it.
 
-use lennard_core::{DVec3, PeriodicBox};
+use lennard_core::DVec3;
 use lennard_literature::{ModelKind, equation_of_state_for, freezing_line};
 
 use crate::error::SceneError;
+use crate::phases::MissingDensity;
 use crate::read::Reader;
 use crate::reference::{DENSEST, MOST_ATOMS, MOST_ENTRIES, THINNEST};
-use crate::{Placement, Scene, Start};
+use crate::{Lattice, Placement, Scene, Start};
 
-/// Particles of a cell of the face-centred cubic lattice.
-const PER_CELL: usize = 4;
 /// The length of the crystal over its side, where the scene does not say.
 const LENGTH_OF_SIDE: f64 = 2.0;
 /// The part of the particles that starts as crystal, where the scene does not say.
@@ -35,16 +34,21 @@ pub struct HalfCrystal {
     pub liquid_density: f64,
 }
 
+/// Particles of a cell of the face-centred cubic lattice.
+fn per_cell() -> usize {
+    Lattice::Fcc.basis().len()
+}
+
 impl HalfCrystal {
     /// How many particles start in the crystal.
     #[must_use]
     pub fn n_crystal(&self) -> usize {
-        PER_CELL * self.cells * self.cells * self.layers
+        per_cell() * self.cells * self.cells * self.layers
     }
 
     /// The edge of a cell, σ.
     fn edge(&self) -> f64 {
-        (PER_CELL as f64 / self.crystal_density).cbrt()
+        (per_cell() as f64 / self.crystal_density).cbrt()
     }
 
     /// The side of the cross-section, σ.
@@ -105,16 +109,18 @@ impl Reader<'_> {
         {
             (Some(crystal), Some(liquid)) => [crystal, liquid],
             (crystal, liquid) => {
-                let [c, l] = self.on_freezing_line(temperature, model)?;
+                let keys = ["crystal_density", "liquid_density"];
+                let missing = MissingDensity::of("crystal", keys, [crystal, liquid]);
+                let [c, l] = self.on_freezing_line(temperature, model, &missing)?;
                 [crystal.unwrap_or(c), liquid.unwrap_or(l)]
             }
         };
         let in_crystal = SHARE * n_atoms as f64;
         let cells = table.cells.unwrap_or_else(|| {
-            let cells = (in_crystal / (PER_CELL as f64 * LENGTH_OF_SIDE)).cbrt();
+            let cells = (in_crystal / (per_cell() as f64 * LENGTH_OF_SIDE)).cbrt();
             (cells.round() as usize).max(1)
         });
-        let of_layer = (PER_CELL * cells * cells) as f64;
+        let of_layer = (per_cell() * cells * cells) as f64;
         let layers = (in_crystal / of_layer).round() as usize;
         let start = HalfCrystal {
             n_atoms,
@@ -147,20 +153,18 @@ impl Reader<'_> {
         &self,
         temperature: f64,
         model: Option<ModelKind>,
+        MissingDensity { key, allowed }: &MissingDensity,
     ) -> Result<[f64; 2], SceneError> {
         let missing = |found: String, allowed: String| {
-            self.source
-                .refuse("crystal.crystal_density", "is missing")
-                .found(found)
-                .allowed(allowed)
+            let refused = self.source.refuse(key, "is missing");
+            refused.found(found).allowed(allowed)
         };
         let line = freezing_line();
-        let both = "`crystal_density` and `liquid_density` in [crystal]";
         let equation = model.and_then(|model| equation_of_state_for(model).ok());
         if !equation.is_some_and(|e| e.has_freezing_line()) {
             return Err(missing(
                 "nothing, and no freezing line is known for this potential".to_owned(),
-                both.to_owned(),
+                allowed.clone(),
             ));
         }
         let on_line = line
@@ -170,7 +174,7 @@ impl Reader<'_> {
             missing(
                 format!("nothing, at temperature {temperature}"),
                 format!(
-                    "a temperature above the triple point, {} ({}), or {both}",
+                    "a temperature above the triple point, {} ({}), or {allowed}",
                     line.t_triple, line.name
                 ),
             )
@@ -203,14 +207,8 @@ impl Scene {
         let side = start.side();
         let crystal = DVec3::new(side, side, start.crystal_length());
         let sides = crystal + DVec3::new(0.0, 0.0, start.liquid_length());
-        let cell = PeriodicBox::new(sides).map_err(|_| {
-            self.source
-                .refuse("crystal", "makes an impossible box")
-                .found(format!("sides of {} and {} σ", sides.x, sides.z))
-                .allowed("finite sides above 0")
-        })?;
         Ok(Placement {
-            cell,
+            cell: self.box_of_phases("crystal", sides)?,
             corner: DVec3::ZERO,
             filled: crystal,
             cells: Some([start.cells, start.cells, start.layers]),

@@ -1,12 +1,13 @@
 //! Whether molecules and the ways to hold their bonds fit the rest of a scene.
 
 use lennard_core::{Bonds, IntegratorSpec};
-use lennard_forcefield::{HitRule, WallContext};
-use lennard_integrators::{BarostatOptions, BondOptions, spook, stormer_verlet};
+use lennard_forcefield::HitRule;
+use lennard_integrators::{BarostatOptions, stormer_verlet};
 
 use crate::error::SceneError;
 use crate::molecule::{Molecule, MoleculeKind};
 use crate::reference::quoted;
+use crate::stiff::TooStiff;
 use crate::{Lattice, Scene, Start};
 
 /// Whether molecules fit the rest of the scene.
@@ -49,28 +50,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
             .allowed("\"fcc\", \"sc\" or \"bcc\", or `configuration` with a file"));
     }
     between_walls(scene, molecule)?;
-    for (i, stage) in scene.stages.iter().enumerate() {
-        if let Some(control) = &stage.barostat
-            && control.options.is_inside_step()
-            && matches!(molecule.bonds, BondOptions::Spook(_))
-        {
-            let name = control.options.name();
-            let beside = |options: &&BarostatOptions| !options.is_inside_step();
-            let all = BarostatOptions::all();
-            let fit: Vec<&str> = (all.iter().filter(beside))
-                .map(BarostatOptions::name)
-                .collect();
-            return Err(source
-                .refuse(
-                    &format!("stage.{i}.barostat"),
-                    "does not go with the bonds of SPOOK",
-                )
-                .found(format!(
-                    "{name:?}, whose step takes the place of the method that solves for them"
-                ))
-                .allowed(format!("{}; or another way to hold bonds", quoted(&fit))));
-        }
-    }
+    under_barostats(scene, molecule)?;
     if scene.accuracy.is_some() {
         return Err(source
             .refuse("accuracy", "does not go with molecules")
@@ -87,34 +67,84 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     stable_springs(scene, molecule)
 }
 
+/// Refuses barostats whose step takes the place of the method, where that method holds the bonds or there is one molecule.
+fn under_barostats(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> {
+    let is_alone = scene.n_particles() == Some(molecule.topology.sites());
+    let by_method = molecule.bonds.spec().integrator.is_some();
+    for (i, stage) in scene.stages.iter().enumerate() {
+        let inside = |options: &BarostatOptions| options.is_inside_step();
+        let Some(control) = (stage.barostat.as_ref()).filter(|c| inside(&c.options)) else {
+            continue;
+        };
+        let name = control.options.name();
+        let (message, found, or) = if by_method {
+            (
+                "does not go with the bonds of SPOOK",
+                format!("{name:?}, whose step takes the place of the method that solves for them"),
+                "another way to hold bonds",
+            )
+        } else if is_alone {
+            (
+                "needs more than one molecule",
+                format!("{name:?} with one molecule, whose centre has no degree of freedom"),
+                "more molecules",
+            )
+        } else {
+            continue;
+        };
+        let all = BarostatOptions::all();
+        let fit: Vec<&str> = (all.iter().filter(|options| !inside(options)))
+            .map(BarostatOptions::name)
+            .collect();
+        return Err(scene
+            .source
+            .refuse(&format!("stage.{i}.barostat"), message)
+            .found(found)
+            .allowed(format!("{}; or {or}", quoted(&fit))));
+    }
+    Ok(())
+}
+
 /// Refuses walls that act in drifts, where bonds are held too, but for planes that are hit on the way of a flight.
 fn between_walls(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> {
     // Springs that are forces leave drifts alone.
     if molecule.bonds.bonds() == Bonds::Springs {
         return Ok(());
     }
-    let context = WallContext {
-        temperature: scene.system.temperature,
-    };
+    let by_spook = molecule.bonds.spec().integrator.is_some();
+    // Contacts fly bodies from wall to wall by themselves, without bonds.
+    let takes_hits = !by_spook && scene.contact.is_none();
     for (i, table) in scene.walls.iter().enumerate() {
-        let surface = table.options.surface(&context, false);
-        // Contacts fly bodies from wall to wall by themselves, without bonds.
-        let straight = matches!(molecule.bonds, BondOptions::Spook(_)) || scene.contact.is_some();
-        let is_hit = surface.rule() == Some(HitRule::OnLines) && !straight;
-        if surface.dashpot().is_none() && (surface.rule().is_none() || is_hit) {
+        let surface = scene.surface(table);
+        let on_lines = surface.rule() == Some(HitRule::OnLines);
+        let fits = match surface.rule() {
+            None => surface.dashpot().is_none(),
+            Some(_) => takes_hits && on_lines,
+        };
+        if fits {
             continue;
         }
+        let kind = table.options.spec().name;
+        // Molecules hit this wall where there are no contacts.
+        let is_for_contacts = on_lines && !by_spook;
+        let beside = match is_for_contacts {
+            true => "beside [contact]".to_owned(),
+            false => format!("and [bonds] method = {:?}", molecule.bonds.name()),
+        };
+        let exerts = "a wall that only exerts a force";
+        let without_hits = format!(
+            "{exerts}: \"lennard-jones-9-3\", \"lennard-jones-10-4\", \"wca\", or \"soft\" with restitution = 1"
+        );
         return Err(scene
             .source
             .refuse(&format!("wall.{i}.kind"), "does not go with molecules")
-            .found(format!(
-                "{:?}, which acts in drifts, and [bonds] method = {:?}",
-                table.options.spec().name,
-                molecule.bonds.name()
-            ))
-            .allowed(match straight {
-                true => "a wall that only exerts a force: \"lennard-jones-9-3\", \"lennard-jones-10-4\", \"wca\", or \"soft\" with restitution = 1",
-                false => "\"hard\" with response = \"billiard\", \"thermal\", or a wall that only exerts a force",
+            .found(format!("{kind:?}, which acts in drifts, {beside}"))
+            .allowed(if is_for_contacts {
+                format!("{without_hits}, or no [contact]")
+            } else if takes_hits {
+                format!("\"hard\" with response = \"billiard\", \"thermal\", or {exerts}")
+            } else {
+                without_hits
             }));
     }
     Ok(())
@@ -147,10 +177,11 @@ fn suited_observables(scene: &Scene) -> Result<(), SceneError> {
 
 /// Refuses ways to hold bonds under a method that does not hold them, in any stage.
 fn suited_methods(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> {
-    let by_spook = matches!(molecule.bonds, BondOptions::Spook(_));
-    let suits = |spec: &IntegratorSpec| match by_spook {
-        true => spec.name == spook::SPEC.name,
-        false => match molecule.bonds.bonds() {
+    let solver = molecule.bonds.spec().integrator;
+    let by_spook = solver.is_some();
+    let suits = |spec: &IntegratorSpec| match solver {
+        Some(name) => spec.name == name,
+        None => match molecule.bonds.bonds() {
             Bonds::Springs => true,
             Bonds::Rigid => spec.holds_rigid_bonds,
             // A method on positions alone forgets the velocities that impulses leave.
@@ -205,25 +236,19 @@ fn suited_methods(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> 
 fn stable_springs(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> {
     // Bonds that share sites vibrate faster together than alone: a long chain √2 times as fast.
     let omega = molecule.bonds.frequency() * (0.5 * molecule.topology.stiffest()).sqrt();
-    for (i, stage) in scene.stages.iter().enumerate() {
-        // A bath that stands inside the step takes the place of the integrator.
-        let limit = scene.method_of(stage).spec().stability_limit;
-        let (dt, limit) = (scene.stage_dt(stage), limit.unwrap_or(f64::INFINITY));
-        if omega * dt < limit {
-            continue;
-        }
-        let key = match stage.dt {
-            Some(_) => format!("stage.{i}.dt"),
-            None => "integrator.dt".to_owned(),
-        };
-        return Err(scene
-            .source
-            .refuse(&key, "is too long for the springs")
-            .found(format!(
-                "{dt}: ω·dt = {:.3}, with ω = {omega:.3} per τ",
-                omega * dt
-            ))
-            .allowed(format!("below {:.3e} τ, or softer springs", limit / omega)));
-    }
-    Ok(())
+    let Some(TooStiff { stage, dt, limit }) = scene.too_stiff(omega) else {
+        return Ok(());
+    };
+    let key = match scene.stages[stage].dt {
+        Some(_) => format!("stage.{stage}.dt"),
+        None => "integrator.dt".to_owned(),
+    };
+    Err(scene
+        .source
+        .refuse(&key, "is too long for the springs")
+        .found(format!(
+            "{dt}: ω·dt = {:.3}, with ω = {omega:.3} per τ",
+            omega * dt
+        ))
+        .allowed(format!("below {:.3e} τ, or softer springs", limit / omega)))
 }

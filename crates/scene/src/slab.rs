@@ -1,9 +1,10 @@
 //! The table `[slab]`: a start with liquid in the middle of the box and vapor on both sides.
 
-use lennard_core::{DVec3, PeriodicBox};
+use lennard_core::DVec3;
 use lennard_literature::{ModelKind, TwoPhaseSource};
 
 use crate::error::SceneError;
+use crate::phases::MissingDensity;
 use crate::read::Reader;
 use crate::reference::{DENSEST, LONGEST_SIDE, SHORTEST_SIDE, THINNEST};
 use crate::{Placement, Scene, Start};
@@ -94,7 +95,9 @@ impl Reader<'_> {
         let [liquid_density, vapor_density] = match (table.liquid_density, table.vapor_density) {
             (Some(liquid), Some(vapor)) => [liquid, vapor],
             (liquid, vapor) => {
-                let [l, v] = self.coexisting(temperature, model)?;
+                let keys = ["liquid_density", "vapor_density"];
+                let missing = MissingDensity::of("slab", keys, [liquid, vapor]);
+                let [l, v] = self.coexisting(temperature, model, &missing)?;
                 [liquid.unwrap_or(l), vapor.unwrap_or(v)]
             }
         };
@@ -143,12 +146,11 @@ impl Reader<'_> {
         &self,
         temperature: f64,
         model: Option<ModelKind>,
+        MissingDensity { key, allowed }: &MissingDensity,
     ) -> Result<[f64; 2], SceneError> {
         let missing = |found: String| {
-            self.source
-                .refuse("slab.liquid_density", "is missing")
-                .found(found)
-                .allowed("`liquid_density` and `vapor_density`, in σ⁻³")
+            let refused = self.source.refuse(key, "is missing");
+            refused.found(found).allowed(allowed.clone())
         };
         let Some(model) = model else {
             return Err(missing(
@@ -162,8 +164,7 @@ impl Reader<'_> {
                 .refuse("system.temperature", "has no liquid beside its vapor")
                 .found(temperature)
                 .allowed(format!(
-                    "below the critical temperature {} ({}) and not far below the triple point, or `liquid_density` and \
-                     `vapor_density` in [slab]",
+                    "below the critical temperature {} ({}) and not far below the triple point, or {allowed}",
                     source.critical().temperature,
                     source.name()
                 ))
@@ -215,14 +216,8 @@ impl Scene {
     /// The box of a slab, with the part that the liquid fills.
     pub(crate) fn slab_placement(&self, slab: &Slab) -> Result<Placement, SceneError> {
         let sides = slab.sides();
-        let cell = PeriodicBox::new(sides).map_err(|_| {
-            self.source
-                .refuse("slab", "makes an impossible box")
-                .found(format!("sides of {} and {} σ", sides.x, sides.z))
-                .allowed("finite sides above 0")
-        })?;
         Ok(Placement {
-            cell,
+            cell: self.box_of_phases("slab", sides)?,
             corner: DVec3::new(0.0, 0.0, 0.5 * (slab.length - slab.thickness)),
             filled: DVec3::new(sides.x, sides.y, slab.thickness),
             cells: None,

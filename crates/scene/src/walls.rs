@@ -1,18 +1,19 @@
 //! The tables `[[wall]]` and `[field]`: what confines a fluid, and what must hold of it.
 
-use lennard_contacts::Response as Touch;
+use lennard_contacts::Response;
 use lennard_core::random::Streams;
 use lennard_core::{Axis, DVec3, Integrator, Masses, PeriodicBox};
 use lennard_forcefield::{
-    ConstantField, HitRule, SHALLOWEST_ROOM, SlitPlanes, WallContext, WallOptions, WallPair, Walls,
+    ConstantField, HitRule, SHALLOWEST_ROOM, SlitPlanes, Surface, WallContext, WallOptions,
+    WallPair, Walls,
 };
 use lennard_integrators::integrators;
 use lennard_observables::Surroundings;
 
-use crate::contact::flies_from_hit_to_hit;
 use crate::error::SceneError;
 use crate::read::Reader;
 use crate::reference::quoted;
+use crate::stiff::TooStiff;
 use crate::typed::Section;
 use crate::{Lattice, Scene, Start};
 
@@ -125,15 +126,24 @@ impl Scene {
     /// The walls of this scene in a box; `None` where it has none.
     #[must_use]
     pub fn walls_in(&self, cell: &PeriodicBox) -> Option<Walls> {
-        let context = WallContext {
-            temperature: self.system.temperature,
-        };
+        let context = self.context_of_walls();
         let pairs = self
             .walls
             .iter()
             .map(|table| WallPair::new(&table.options, self.planes(table, cell), &context));
         let noise = Streams::new(self.system.seed).noise("walls");
         (!self.walls.is_empty()).then(|| Walls::new(pairs.collect(), noise))
+    }
+
+    fn context_of_walls(&self) -> WallContext {
+        WallContext {
+            temperature: self.system.temperature,
+        }
+    }
+
+    /// What the walls of a table do to a particle, at the lower end.
+    pub(crate) fn surface(&self, table: &WallTable) -> Surface {
+        table.options.surface(&self.context_of_walls(), false)
     }
 
     /// The planes of each pair of walls in a box.
@@ -160,11 +170,8 @@ impl Scene {
         let (mut sides, mut corner) = (DVec3::ZERO, DVec3::ZERO);
         for table in &self.walls {
             let axis = table.axis.index();
-            let context = WallContext {
-                temperature: self.system.temperature,
-            };
             let clearance = match is_lattice {
-                true => table.options.surface(&context, false).clearance(),
+                true => self.surface(table).clearance(),
                 false => 0.0,
             };
             sides[axis] += table.thickness + 2.0 * clearance;
@@ -286,47 +293,33 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
 
 /// Refuses walls whose spring is too stiff for the step of a stage: ω·h must stay below the limit of the method.
 fn springs_are_stable(scene: &Scene, i: usize, table: &WallTable) -> Result<(), SceneError> {
-    let context = WallContext {
-        temperature: scene.system.temperature,
-    };
-    let surface = table.options.surface(&context, false);
-    let Some(omega) = surface.frequency() else {
+    let Some(omega) = scene.surface(table).frequency() else {
         return Ok(());
     };
     let lightest = scene.lightest_mass();
     let omega = omega / lightest.sqrt();
-    for stage in &scene.stages {
-        let limit = scene.method_of(stage).spec().stability_limit;
-        let (dt, limit) = (scene.stage_dt(stage), limit.unwrap_or(f64::INFINITY));
-        if omega * dt >= limit {
-            return Err(scene
-                .source
-                .refuse(
-                    &format!("wall.{i}.stiffness"),
-                    "is too stiff for the step",
-                )
-                .found(format!(
-                    "ω·dt = {:.3} with ω = √(k/m) = {omega:.3} per τ and dt = {dt}",
-                    omega * dt
-                ))
-                .allowed(format!(
-                    "a stiffness below {:.4e} ε/σ²; hits keep their energy to 10⁻⁴ below {:.4e} ε/σ²",
-                    lightest * (limit / dt).powi(2),
-                    lightest * (ACCURATE_PHASE / dt).powi(2)
-                )));
-        }
-    }
-    Ok(())
+    let Some(TooStiff { dt, limit, .. }) = scene.too_stiff(omega) else {
+        return Ok(());
+    };
+    Err(scene
+        .source
+        .refuse(&format!("wall.{i}.stiffness"), "is too stiff for the step")
+        .found(format!(
+            "ω·dt = {:.3} with ω = √(k/m) = {omega:.3} per τ and dt = {dt}",
+            omega * dt
+        ))
+        .allowed(format!(
+            "a stiffness below {:.4e} ε/σ²; hits keep their energy to 10⁻⁴ below {:.4e} ε/σ²",
+            lightest * (limit / dt).powi(2),
+            lightest * (ACCURATE_PHASE / dt).powi(2)
+        )))
 }
 
 /// Refuses walls that are hit under a method or a start that does not suit their flight.
 fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), SceneError> {
-    let context = WallContext {
-        temperature: scene.system.temperature,
-    };
-    let surface = table.options.surface(&context, false);
+    let surface = scene.surface(table);
     let contact = scene.contact.as_ref();
-    if contact.is_some_and(|table| matches!(table.options.response(), Touch::Unilateral(_))) {
+    if contact.is_some_and(|table| matches!(table.options.response(), Response::Unilateral(_))) {
         return Ok(());
     }
     if surface.rule() == Some(HitRule::ByContacts) {
@@ -345,7 +338,7 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
     };
     let suits = |integrator: &Integrator| {
         let kicks = integrator.spec().is_kick_drift_kick || !rule.needs_kick_drift_kick();
-        flies_from_hit_to_hit(integrator) && kicks
+        integrator.takes_hard_walls() && kicks
     };
     for stage in &scene.stages {
         let integrator = scene.method_of(stage);

@@ -53,8 +53,16 @@ impl Contact for Spook {
     }
 
     fn in_words(&self) -> String {
+        let damping = match self.damping() {
+            Damping::Time(time) => format!("damping time {time} τ"),
+            Damping::Steps(steps) => format!("damping over {steps} steps"),
+        };
+        let solved = match self.sweeps {
+            0 => String::new(),
+            sweeps => format!(", {sweeps} sweeps"),
+        };
         format!(
-            "contacts of SPOOK, restitution {}, compliance {} σ²/ε",
+            "contacts of SPOOK, restitution {}, compliance {} σ²/ε, {damping}{solved}",
             self.restitution, self.compliance
         )
     }

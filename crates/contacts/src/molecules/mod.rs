@@ -12,7 +12,7 @@ mod term;
 
 use lennard_core::random::CounterRng;
 use lennard_core::{
-    BondSolver, BoundDrift, DVec3, Flight, ForceTerm, Masses, StepError, System, rigid,
+    BondSolver, BoundDrift, DVec3, Drifted, Flight, ForceTerm, Masses, StepError, System, rigid,
 };
 use lennard_forcefield::{Hit, HitRule, Rebound, Surface, Walls};
 
@@ -24,8 +24,6 @@ const MOST_EVENTS: usize = 64;
 const MOST_ROOT_STEPS: usize = 100;
 /// A site so near a plane, as a share of the plane's coordinate, is at the plane.
 const AT_PLANE: f64 = 4.0 * f64::EPSILON;
-/// A site that arrives by no more than so many kicks of the flight rests at a plane that takes energy.
-const KICKS_OF_REST: f64 = 1.0 + 1e-9;
 
 /// Walls that are hit by molecules, as a force term and as the boundary of flights.
 pub struct MoleculesAtWalls {
@@ -34,12 +32,14 @@ pub struct MoleculesAtWalls {
     solver: Box<dyn BondSolver>,
     /// One molecule alone, for its flights from hit to hit.
     one: System,
-    /// The first site of a molecule whose bonds had no solution in a flight.
-    failed: Option<usize>,
+    /// The planes that are hit.
+    planes: Vec<usize>,
+    /// All sites as they were before the flight.
+    before: Sites,
 }
 
-/// The sites of one molecule.
-#[derive(Clone)]
+/// The sites of one molecule, or of all.
+#[derive(Clone, Default)]
 struct Sites {
     x: Vec<DVec3>,
     v: Vec<DVec3>,
@@ -65,19 +65,20 @@ impl MoleculesAtWalls {
     #[must_use]
     pub fn new(walls: Walls, system: &System, solver: Box<dyn BondSolver>) -> Self {
         let molecules = system.molecules.clone();
+        let is_hit = |plane: &usize| walls.surface(*plane).rule() == Some(HitRule::OnLines);
         Self {
+            planes: (0..walls.walls().len()).filter(is_hit).collect(),
             walls,
             one: System::of_molecules(molecules.sites(), molecules),
             system: system.clone(),
             solver,
-            failed: None,
+            before: Sites::default(),
         }
     }
 
     /// The distance of a site from a plane, σ: positive between the planes.
     fn distance(&self, plane: usize, x: DVec3) -> f64 {
-        let reading = &self.walls.walls()[plane];
-        reading.outward() * (reading.position - x[reading.axis])
+        self.walls.walls()[plane].distance(x)
     }
 
     /// The speed of a site towards a plane, σ/τ.
@@ -86,25 +87,17 @@ impl MoleculesAtWalls {
         reading.outward() * v[reading.axis]
     }
 
-    fn planes(&self) -> impl Iterator<Item = usize> + use<> {
-        0..self.walls.walls().len()
-    }
-
     /// Whether a site lies behind a plane that is hit.
     fn is_behind(&self, x: DVec3) -> bool {
-        self.planes()
-            .any(|plane| self.is_hit(plane) && self.distance(plane, x) < -self.rounding(plane))
+        let mut planes = self.planes.iter();
+        planes.any(|plane| self.distance(*plane, x) < -self.rounding(*plane))
     }
 
-    fn is_hit(&self, plane: usize) -> bool {
-        self.walls.surface(plane).rule() == Some(HitRule::OnLines)
-    }
-
-    /// The molecule after a free flight over t, and the energy that its bonds put in.
-    fn flown(&mut self, from: &Sites, t: f64) -> Result<(Sites, f64), StepError> {
+    /// The molecule after a free flight over t, and what its bonds took and put in.
+    fn flown(&mut self, from: &Sites, t: f64) -> Result<(Sites, Drifted), StepError> {
         let mut to = from.clone();
         if t == 0.0 {
-            return Ok((to, 0.0));
+            return Ok((to, Drifted::default()));
         }
         let still = vec![DVec3::ZERO; to.x.len()];
         let drift = BoundDrift {
@@ -114,8 +107,8 @@ impl MoleculesAtWalls {
             kick: None,
             h: t,
         };
-        let solved = self.solver.drift(&self.one, drift)?;
-        Ok((to, solved.heat))
+        let drifted = self.solver.drift(&self.one, drift)?;
+        Ok((to, drifted))
     }
 
     /// The first arrival of a site at a plane in a flight over t that ends at `end`.
@@ -130,10 +123,8 @@ impl MoleculesAtWalls {
             if self.one.masses.is_held(site) {
                 continue;
             }
-            for plane in self.planes() {
-                if !self.is_hit(plane) {
-                    continue;
-                }
+            for k in 0..self.planes.len() {
+                let plane = self.planes[k];
                 let (before, after) = (
                     self.distance(plane, from.x[site]),
                     self.distance(plane, end.x[site]),
@@ -215,9 +206,7 @@ impl MoleculesAtWalls {
     ) -> f64 {
         self.project(&sites.x, &mut sites.v);
         let reading = self.walls.walls()[plane];
-        let axis = reading.axis;
-        let mut normal = DVec3::ZERO;
-        normal[axis] = reading.outward();
+        let (axis, normal) = (reading.axis, reading.normal());
         let masses = self.one.masses.clone();
         let mut along = vec![DVec3::ZERO; sites.x.len()];
         along[site] = normal / masses.of(site);
@@ -246,7 +235,7 @@ impl MoleculesAtWalls {
                     .map(|(k, f)| given.h / masses.of(k) * *f)
                     .collect();
                 self.project(&sites.x, &mut kick);
-                is_rest = e < 1.0 && towards <= KICKS_OF_REST * normal.dot(kick[site]);
+                is_rest = self.walls.rests(plane, towards, kick[site]);
                 if is_rest { 0.0 } else { e * towards }
             }
             None => {
@@ -282,86 +271,89 @@ impl MoleculesAtWalls {
         }
     }
 
-    /// Flies one molecule from hit to hit; returns the molecule and the energy that hits and bonds put in.
+    /// Flies one molecule from hit to hit, where its flight without hits is known. Returns the molecule, and what hits and bonds did.
     fn fly_one(
         &mut self,
         mut sites: Sites,
+        (mut end, mut to_end): (Sites, Drifted),
         mut given: Given<'_>,
-    ) -> Result<(Sites, f64), StepError> {
-        let (mut left, mut heat) = (given.h, 0.0);
+    ) -> Result<(Sites, Drifted), StepError> {
+        let (mut left, mut drifted) = (given.h, Drifted::default());
         for hits in 0..MOST_EVENTS {
-            let (end, by_bonds) = self.flown(&sites, left)?;
             let Some(arrival) = self.first_arrival(&sites, &end, left)? else {
-                return Ok((end, heat + by_bonds));
+                break;
             };
-            let (at_plane, by_bonds) = self.flown(&sites, arrival.time)?;
+            let (at_plane, to_plane) = self.flown(&sites, arrival.time)?;
             sites = at_plane;
             left -= arrival.time;
-            heat += by_bonds + self.hit(&mut sites, arrival, &mut given, hits >= MOST_HITS);
+            drifted = drifted.and(to_plane);
+            drifted.heat += self.hit(&mut sites, arrival, &mut given, hits >= MOST_HITS);
+            (end, to_end) = self.flown(&sites, left)?;
         }
-        let (end, by_bonds) = self.flown(&sites, left)?;
-        Ok((end, heat + by_bonds))
+        Ok((end, drifted.and(to_end)))
     }
 
-    /// Flies all molecules; returns the energy that hits and bonds put in.
-    fn fly_all(&mut self, flight: &mut Flight<'_>) -> Result<f64, (usize, StepError)> {
-        let (before_x, before_v) = (flight.positions.to_vec(), flight.velocities.to_vec());
+    /// Flies all molecules from what they were `before`.
+    fn fly_all(&mut self, before: &Sites, flight: Flight<'_>) -> Result<Drifted, StepError> {
+        let Flight {
+            positions,
+            velocities,
+            forces,
+            h,
+            step,
+            is_later,
+            ..
+        } = flight;
         let drift = BoundDrift {
-            positions: flight.positions,
-            velocities: flight.velocities,
-            forces: flight.forces,
+            positions: &mut *positions,
+            velocities: &mut *velocities,
+            forces,
             kick: None,
-            h: flight.h,
+            h,
         };
+        let mut drifted = self.solver.drift(&self.system, drift)?;
         let sites = self.system.molecules.sites();
-        let of_molecule = |e: &StepError| match e {
-            StepError::BondTurned { molecule, .. }
-            | StepError::BondsNotConverged { molecule, .. } => (molecule - 1) * sites,
-            _ => 0,
-        };
-        let solved = self.solver.drift(&self.system, drift);
-        let mut heat = match solved {
-            Ok(solved) => solved.heat,
-            Err(e) => {
-                // What failed left numbers that are none.
-                flight.positions.copy_from_slice(&before_x);
-                flight.velocities.copy_from_slice(&before_v);
-                return Err((of_molecule(&e), e));
-            }
-        };
-        for first in (0..before_x.len()).step_by(sites) {
+        for (molecule, first) in (0..positions.len()).step_by(sites).enumerate() {
             let own = first..first + sites;
-            if !flight.positions[own.clone()]
-                .iter()
-                .any(|x| self.is_behind(*x))
-            {
+            if !positions[own.clone()].iter().any(|x| self.is_behind(*x)) {
                 continue;
             }
-            if let Masses::Each(_) = self.system.masses {
-                let own = own.clone().map(|i| self.system.masses.of(i));
-                self.one.masses = Masses::Each(own.collect());
-            } else {
-                self.one.masses.clone_from(&self.system.masses);
-            }
+            self.one.masses = match &self.system.masses {
+                Masses::Each(_) => {
+                    Masses::Each(own.clone().map(|i| self.system.masses.of(i)).collect())
+                }
+                alike => alike.clone(),
+            };
             let start = Sites {
-                x: before_x[own.clone()].to_vec(),
-                v: before_v[own.clone()].to_vec(),
+                x: before.x[own.clone()].to_vec(),
+                v: before.v[own.clone()].to_vec(),
             };
             let given = Given {
-                forces: &flight.forces[own.clone()],
-                h: flight.h,
-                random: self.walls.noise_of(first, flight.step, flight.is_later),
+                forces: &forces[own.clone()],
+                h,
+                random: self.walls.noise_of(first, step, is_later),
             };
-            let failed = |e: StepError| (first, e);
+            let numbered = |error| of_molecule(error, molecule + 1);
+            let whole = self.flown(&start, h).map_err(numbered)?;
             // What the bonds put in over the whole flight is counted already.
-            heat -= self.flown(&start, flight.h).map_err(failed)?.1;
-            let (end, put_in) = self.fly_one(start, given).map_err(failed)?;
-            heat += put_in;
-            flight.positions[own.clone()].copy_from_slice(&end.x);
-            flight.velocities[own].copy_from_slice(&end.v);
+            drifted.heat -= whole.1.heat;
+            let (end, by_hits) = self.fly_one(start, whole, given).map_err(numbered)?;
+            drifted = drifted.and(by_hits);
+            positions[own.clone()].copy_from_slice(&end.x);
+            velocities[own].copy_from_slice(&end.v);
         }
-        Ok(heat)
+        Ok(drifted)
     }
+}
+
+/// What a solver said of one molecule alone, with the number that it has among all, from 1.
+fn of_molecule(mut error: StepError, number: usize) -> StepError {
+    if let StepError::BondTurned { molecule, .. } | StepError::BondsNotConverged { molecule, .. } =
+        &mut error
+    {
+        *molecule = number;
+    }
+    error
 }
 
 /// A velocity of a mass, with three components as a wall draws them along its plane.

@@ -1,21 +1,22 @@
 //! Walls that are hit by molecules as the boundary of flights, as a force term, and in checkpoints.
 
 use lennard_core::{
-    Boundary, Configuration, DVec3, Energetics, Flight, ForceError, ForceProperties, ForceTerm,
-    Part, Persist, RestoreError, StateReader, StateWriter, WallReading, Want,
+    Boundary, Configuration, DVec3, Drifted, Energetics, Flight, ForceError, ForceProperties,
+    ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, StepError, WallReading, Want,
 };
 
 use super::MoleculesAtWalls;
 
 impl Boundary for MoleculesAtWalls {
-    fn fly(&mut self, mut flight: Flight<'_>) -> f64 {
-        match self.fly_all(&mut flight) {
-            Ok(heat) => heat,
-            Err((first, _)) => {
-                self.failed = self.failed.or(Some(first));
-                0.0
-            }
-        }
+    fn fly(&mut self, flight: Flight<'_>) -> Result<Drifted, StepError> {
+        let mut before = std::mem::take(&mut self.before);
+        before.x.clear();
+        before.x.extend_from_slice(flight.positions);
+        before.v.clear();
+        before.v.extend_from_slice(flight.velocities);
+        let drifted = self.fly_all(&before, flight);
+        self.before = before;
+        drifted
     }
 }
 
@@ -30,9 +31,6 @@ impl ForceTerm for MoleculesAtWalls {
         scratch: &mut Vec<DVec3>,
         forces: &mut [DVec3],
     ) -> Result<Energetics, ForceError> {
-        if let Some(particle) = self.failed.take() {
-            return Err(ForceError::NonFinitePosition { particle });
-        }
         self.walls.add(at, part, want, scratch, forces)
     }
 

@@ -3,8 +3,8 @@
 use lennard_contacts::MoleculesAtWalls;
 use lennard_core::random::Streams;
 use lennard_core::{
-    BondSolver, Bonds, DVec3, ForceSum, ForceTerm, Molecules, NoForces, PeriodicBox, State, System,
-    Want, rigid,
+    BondSolver, Bonds, DVec3, ForceSum, ForceTerm, Molecules, NoForces, PeriodicBox, State,
+    StepError, StepReport, System, Want, rigid,
 };
 use lennard_forcefield::{Hard, SlitPlanes, WallContext, WallOptions, WallPair, Walls};
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build};
@@ -44,6 +44,8 @@ struct Gas {
     method: lennard_core::Integrator,
     h: f64,
     heat: f64,
+    /// What the last step told.
+    report: StepReport,
 }
 
 impl Gas {
@@ -72,6 +74,7 @@ impl Gas {
             method: build(&IntegratorOptions::default()).with_bonds(solver(&molecules)),
             h,
             heat: 0.0,
+            report: StepReport::default(),
         };
         let Self {
             system,
@@ -87,6 +90,10 @@ impl Gas {
     }
 
     fn step(&mut self) {
+        self.tried().unwrap();
+    }
+
+    fn tried(&mut self) -> Result<(), StepError> {
         let Self {
             system,
             state,
@@ -94,9 +101,11 @@ impl Gas {
             method,
             h,
             heat,
+            report,
         } = self;
-        let report = method.step(system, state, forces, *h, Want::NOTHING);
-        *heat += report.unwrap().heat;
+        *report = method.step(system, state, forces, *h, Want::NOTHING)?;
+        *heat += report.heat;
+        Ok(())
     }
 
     fn energy(&self) -> f64 {
@@ -120,7 +129,7 @@ impl Gas {
 }
 
 #[test]
-fn rigid_dumbbells_keep_energy_and_bonds_over_thousands_of_hits() {
+fn rigid_dumbbells_keep_energy_and_bonds_over_300_hits() {
     let mut gas = Gas::new(&hard(1.0), 60, 2, 0.005);
     let before = gas.energy();
     let mut worst = 0.0_f64;
@@ -132,8 +141,24 @@ fn rigid_dumbbells_keep_energy_and_bonds_over_thousands_of_hits() {
     assert!(worst < 1e-12, "{worst:e}");
     assert!(gas.residual() < 1e-13, "{}", gas.residual());
     assert!(gas.heat.abs() < 1e-11, "{}", gas.heat);
+    assert!(gas.report.iterations > 0 && gas.report.residual < 1e-13);
+    let hits: u64 = gas.forces.walls().iter().map(|wall| wall.hits).sum();
+    assert!(hits > 300, "{hits}");
     // 20 τ at a speed of about 1.2: each centre hits a wall more than twice.
     assert!(gas.impulse() > 60.0 * 2.0, "{}", gas.impulse());
+}
+
+#[test]
+fn a_bond_that_turns_too_far_between_walls_is_named_with_its_molecule() {
+    let mut gas = Gas::new(&hard(1.0), 3, 2, 0.005);
+    let turn = DVec3::new(0.0, 0.0, 400.0);
+    gas.state.velocities[2] += turn;
+    gas.state.velocities[3] -= turn;
+    let error = gas.tried().unwrap_err();
+    let StepError::BondTurned { molecule, bond, .. } = error else {
+        panic!("{error}");
+    };
+    assert_eq!((molecule, bond), (2, 1));
 }
 
 #[test]

@@ -1,18 +1,23 @@
 //! The scenes of `inputs/mechanics` against closed forms and solutions of high precision.
 
 use lennard_core::{DVec3, Observable};
-use lennard_engine::Simulation;
+use lennard_engine::{Simulation, StopAt, Unfollowed};
 use lennard_scene::Scene;
 
 use crate::common::{self, ran};
 
-/// A scene of `inputs/mechanics` after its last step.
-fn of_inputs(name: &str, overrides: &[(&str, &str)]) -> Simulation {
+/// A scene of `inputs/mechanics`.
+fn scene_of_inputs(name: &str, overrides: &[(&str, &str)]) -> Scene {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../inputs/mechanics");
     let owned = |(key, value): &(&str, &str)| ((*key).to_owned(), (*value).to_owned());
     let overrides: Vec<_> = overrides.iter().map(owned).collect();
     let scene = Scene::load(&root.join(format!("{name}.toml")), &overrides);
-    ran(scene.unwrap_or_else(|e| panic!("{e}")))
+    scene.unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The same after its last step.
+fn of_inputs(name: &str, overrides: &[(&str, &str)]) -> Simulation {
+    ran(scene_of_inputs(name, overrides))
 }
 
 /// The errors of the last position over a step, half of it and a quarter, against what is known.
@@ -127,9 +132,15 @@ fn a_stack_at_rest_sinks_in_by_the_weight_above_over_the_stiffness() {
 
 #[test]
 fn a_stack_of_spook_carries_its_weight_and_sinks_in_by_the_compliance_times_its_forces() {
+    let mut run = common::prepared(scene_of_inputs(
+        "stack-spook",
+        &[("stage.0.steps", "18000")],
+    ));
     let mut impulses = [0.0; 2];
-    for (impulse, steps) in impulses.iter_mut().zip(["16000", "18000"]) {
-        let run = of_inputs("stack-spook", &[("stage.0.steps", steps)]);
+    for (impulse, step) in impulses.iter_mut().zip([16_000, 18_000]) {
+        let stopped = run.run(&mut StopAt::new(step));
+        stopped.unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(run.state.step, step);
         let floor = lennard_core::ForceTerm::walls(run.forces.as_ref())[0];
         *impulse = floor.impulse;
         let x = &run.state.positions;
@@ -147,6 +158,28 @@ fn a_stack_of_spook_carries_its_weight_and_sinks_in_by_the_compliance_times_its_
     // 2000 steps of 0.005 τ.
     let weight = (impulses[1] - impulses[0]) / 10.0;
     assert!((weight / 5.0 - 1.0).abs() < 1e-10, "{weight}");
+}
+
+#[test]
+fn a_column_that_sweeps_do_not_solve_ends_the_run_and_a_number_of_sweeps_is_taken_as_it_is() {
+    let places: Vec<String> = (0..80).map(|i| format!("[10, 10, {i}]")).collect();
+    let column = [
+        ("system.positions", format!("[{}]", places.join(", "))),
+        ("system.box", "[20, 20, 100]".to_owned()),
+        ("contact.compliance", "0.0".to_owned()),
+        ("stage.0.steps", "10".to_owned()),
+    ];
+    let mut column: Vec<(&str, &str)> = column.iter().map(|(k, v)| (*k, v.as_str())).collect();
+    let mut run = common::prepared(scene_of_inputs("stack-spook", &column));
+    let words = run.run(&mut Unfollowed).unwrap_err().to_string();
+    for part in [
+        "80 contacts of bodies that touch each other were not solved for in 20000 sweeps",
+        "take `contact.compliance` above 0",
+    ] {
+        assert!(words.contains(part), "{words}");
+    }
+    column.push(("contact.sweeps", "50"));
+    assert_eq!(of_inputs("stack-spook", &column).state.step, 10);
 }
 
 #[test]

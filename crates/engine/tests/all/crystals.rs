@@ -109,4 +109,13 @@ fn the_cross_section_may_change_beside_a_crystal_and_not_in_a_fluid() {
         "{ kind = \"stochastic-cell-rescaling\", pressure = 4.0, coupling = \"xy-z\" }",
     );
     assert_eq!(build(&[coupling]).state.len(), 700);
+    let fluid = CRYSTAL.replace("[crystal]\n    cells = 4\n    layers = 6\n", "");
+    let as_fluid = [
+        ("system.n_atoms", "864"),
+        ("system.density", "0.8"),
+        (coupling.0, &coupling.1.replace("4.0", "1.0")),
+    ];
+    let error = lennard_engine::prepare(common::scene(&fluid, &as_fluid)).err();
+    let words = error.expect("a fluid is refused").to_string();
+    assert!(words.contains("has no stiffness of shape"), "{words}");
 }

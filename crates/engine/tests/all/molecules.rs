@@ -573,7 +573,7 @@ fn rigid_molecules_between_walls_that_are_hit_keep_energy_and_bonds_and_both_wal
 }
 
 #[test]
-fn a_bond_that_turns_too_far_between_walls_ends_the_run_with_the_particle_and_the_cause() {
+fn a_bond_that_turns_too_far_between_walls_ends_the_run_with_the_molecule_and_the_cause() {
     let mut s = build(&[
         ("wall", "[{ kind = \"hard\" }]"),
         ("observable", "[]"),
@@ -584,7 +584,7 @@ fn a_bond_that_turns_too_far_between_walls_ends_the_run_with_the_particle_and_th
     let failed = s.run(&mut Unfollowed).expect_err("a step of 0.2 τ");
     let text = failed.to_string();
     assert!(
-        text.contains("could not be held in a flight between walls")
+        text.contains(" (counted from 1) turned too far in one step")
             && text.contains("take a smaller dt"),
         "{text}"
     );

@@ -16,7 +16,7 @@ impl Walls {
         self.any_surface(|s| s.dashpot().is_some())
     }
 
-    fn any_surface(&self, wanted: impl Fn(&Surface) -> bool) -> bool {
+    pub(super) fn any_surface(&self, wanted: impl Fn(&Surface) -> bool) -> bool {
         self.pairs
             .iter()
             .any(|pair| pair.surfaces.iter().any(&wanted))
@@ -53,8 +53,7 @@ impl Walls {
                     v[axis] += half_kick[axis];
                     if self.rests(index, outward * v[axis], kick) {
                         x[axis] = reading.position;
-                        self.take_momentum(index, outward * mass * v[axis]);
-                        v[axis] = 0.0;
+                        self.stop(index, v, mass);
                     }
                     if outward * v[axis] > 0.0 {
                         let before = v.length_squared();
@@ -67,11 +66,11 @@ impl Walls {
                     let before = v[axis];
                     x[axis] = reading.position;
                     v[axis] = (x[axis] - start[axis]) / h;
-                    let rests = self.rests(index, outward * before, kick);
-                    let reading = &mut self.readings[index];
-                    reading.impulse += outward * mass * (before - v[axis]);
-                    if !rests {
-                        reading.hits += 1;
+                    let momentum = outward * mass * (before - v[axis]);
+                    if self.rests(index, outward * before, kick) {
+                        self.take_momentum(index, momentum);
+                    } else {
+                        self.count_hit(index, momentum);
                         heat += 0.5 * mass * (v[axis] * v[axis] - before * before);
                     }
                 }

@@ -1,14 +1,14 @@
 //! The flight of particles between walls that are hit: along straight lines, the billiard rule.
 
 use lennard_core::random::CounterRng;
-use lennard_core::{Boundary, DVec3, Flight};
+use lennard_core::{Boundary, DVec3, Drifted, Flight, StepError};
 
 use super::{Hit, HitRule, SlitPlanes, Surface, WallPair, Walls};
 
 /// Hits of one particle in one flight, after which it rests at the plane.
 pub(super) const MOST_HITS: usize = 16;
 /// A particle that arrives by no more than so many kicks of the flight rests at a plane that takes energy.
-const KICKS_OF_REST: f64 = 1.0 + 1e-9;
+pub const KICKS_OF_REST: f64 = 1.0 + 1e-9;
 
 impl Walls {
     /// Flies one particle over `h` τ; returns the kinetic energy that hits put in.
@@ -72,12 +72,12 @@ impl Walls {
 
     /// Counts a hit that hands this momentum to a plane, m·σ/τ along the outward normal.
     pub fn count_hit(&mut self, index: usize, momentum: f64) {
-        self.readings[index].impulse += momentum;
+        self.take_momentum(index, momentum);
         self.readings[index].hits += 1;
     }
 
     /// Takes the speed across a plane off a particle, and hands the momentum to the wall.
-    fn stop(&mut self, index: usize, v: &mut DVec3, mass: f64) {
+    pub(super) fn stop(&mut self, index: usize, v: &mut DVec3, mass: f64) {
         let reading = self.readings[index];
         self.take_momentum(index, reading.outward() * mass * v[reading.axis]);
         v[reading.axis] = 0.0;
@@ -87,10 +87,16 @@ impl Walls {
     /// flight.
     ///
     /// It rests where the plane takes energy and the kick alone has brought the speed. That kick did no work on a particle at rest.
-    pub(super) fn rests(&self, index: usize, towards: f64, kick: DVec3) -> bool {
+    #[must_use]
+    pub fn rests(&self, index: usize, towards: f64, kick: DVec3) -> bool {
         let reading = &self.readings[index];
-        let takes_energy = self.surface(index).restitution().is_some_and(|e| e < 1.0);
-        takes_energy && towards <= KICKS_OF_REST * reading.outward() * kick[reading.axis]
+        self.takes_energy(index)
+            && towards <= KICKS_OF_REST * reading.outward() * kick[reading.axis]
+    }
+
+    /// Whether hits of a plane take energy: its restitution is below 1.
+    pub(super) fn takes_energy(&self, index: usize) -> bool {
+        self.surface(index).restitution().is_some_and(|e| e < 1.0)
     }
 
     /// The hit of a particle at a plane: it bounces, or it rests where the `kick` of the flight alone, σ/τ, pressed it there.
@@ -119,7 +125,7 @@ impl Walls {
         let Surface::Hit(wall) = &self.pairs[index / 2].surfaces[index % 2] else {
             return;
         };
-        let reading = &mut self.readings[index];
+        let reading = &self.readings[index];
         let (axis, outward) = (reading.axis, reading.outward());
         let after = wall.leave(Hit {
             axis,
@@ -128,8 +134,7 @@ impl Walls {
             mass,
             random,
         });
-        reading.impulse += outward * mass * (v[axis] - after[axis]);
-        reading.hits += 1;
+        self.count_hit(index, outward * mass * (v[axis] - after[axis]));
         *v = after;
     }
 
@@ -174,7 +179,7 @@ impl Walls {
 }
 
 impl Boundary for Walls {
-    fn fly(&mut self, flight: Flight<'_>) -> f64 {
+    fn fly(&mut self, flight: Flight<'_>) -> Result<Drifted, StepError> {
         let along_parabolas = self.follows_parabolas();
         let (is_damped, acts_at_end) = (self.has_dashpots(), self.acts_at_end());
         let particles = flight.positions.iter_mut().zip(flight.velocities);
@@ -201,6 +206,6 @@ impl Boundary for Walls {
                 heat += self.damp(*x, v, mass, 0.5 * h);
             }
         }
-        heat
+        Ok(Drifted::with_heat(heat))
     }
 }

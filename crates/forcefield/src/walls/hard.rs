@@ -34,8 +34,8 @@ lennard_core::options! {
     /// With `mirror` a step ends first, and then position and velocity are mirrored. In a field each bounce gains 2g·|x|. With
     /// `project` a position behind the plane is moved to the plane, and its velocity becomes (x' − x)/h: e is 0.
     ///
-    /// With `contact` the planes are contacts of SPOOK, as bodies are to each other. Where e is below 1, a particle that the kick of
-    /// one step alone pressed to a plane rests there. No heat is counted then.
+    /// With `contact` the planes are contacts of SPOOK, as bodies are to each other. With `billiard`, `mirror` and `project`, where e
+    /// is below 1, a particle rests at a plane where one kick alone has brought its speed. No heat is counted then.
     #[derive(Copy)]
     pub struct Hard {
         /// What happens at a hit; `event` for one particle under velocity Verlet alone, `mirror` under velocity Verlet, `contact` beside contacts of SPOOK.

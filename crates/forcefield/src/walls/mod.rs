@@ -10,6 +10,7 @@ mod term;
 use lennard_core::options::{Keys, OptionError, Options};
 use serde::{Deserialize, Serialize};
 
+pub use flight::KICKS_OF_REST;
 pub use hard::Response;
 pub use planes::{SHALLOWEST_ROOM, SlitPlanes};
 pub use surface::{Hit, HitRule, Rebound, Surface, WallForce, WallPoint};

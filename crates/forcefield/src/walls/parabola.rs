@@ -50,10 +50,9 @@ impl Walls {
             self.strike(index, v, mass, random);
             let pull = outward * free[axis];
             // The next flight would be shorter than two steps, or there are too many in this one.
-            let loses = self.surface(index).restitution().is_some_and(|e| e < 1.0)
-                && v[axis].abs() < pull * h;
+            let loses = self.takes_energy(index) && v[axis].abs() < pull * h;
             if pull > 0.0 && (loses || hits >= MOST_HITS) {
-                self.readings[index].impulse += mass * (pull * left + outward * v[axis]);
+                self.take_momentum(index, mass * (pull * left + outward * v[axis]));
                 v[axis] = 0.0;
                 free[axis] = 0.0;
             }

@@ -132,6 +132,12 @@ impl Surface {
         }
     }
 
+    /// Whether the wall exerts a force at a distance.
+    #[must_use]
+    pub fn exerts(&self) -> bool {
+        matches!(self, Self::Exerts(_))
+    }
+
     /// The share of its normal speed that a particle keeps at a hit; `None` where the wall is not hit or gives a speed of its own.
     #[must_use]
     pub fn restitution(&self) -> Option<f64> {

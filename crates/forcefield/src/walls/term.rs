@@ -42,8 +42,15 @@ impl WallPair {
 
     /// Whether a wall acts in flights: it is hit, or it has a dashpot.
     fn bounds_flight(&self) -> bool {
-        let bounds = |s: &Surface| s.rule().is_some() || s.dashpot().is_some();
+        let is_hit = |s: &Surface| s.rule().is_some_and(|rule| rule != HitRule::ByContacts);
+        let bounds = |s: &Surface| is_hit(s) || s.dashpot().is_some();
         self.surfaces.iter().any(bounds)
+    }
+
+    /// Whether contacts are to solve for a plane.
+    fn needs_solved_contacts(&self) -> bool {
+        let by_contacts = |s: &Surface| s.rule() == Some(HitRule::ByContacts);
+        self.surfaces.iter().any(by_contacts)
     }
 }
 
@@ -199,7 +206,8 @@ impl ForceTerm for Walls {
     ) -> Result<Energetics, ForceError> {
         let positions = at.positions;
         let mut felt = Felt::default();
-        if part != Part::Far {
+        // Walls that are only hit feel nothing here.
+        if part != Part::Far && self.any_surface(Surface::exerts) {
             felt = self.felt_of_all(positions);
             if let Some((particle, pair, end, depth)) = felt.beyond {
                 return Err(ForceError::BeyondWall {
@@ -259,6 +267,7 @@ impl ForceTerm for Walls {
             splits: true,
             breaks_momentum,
             bounds_flight: self.pairs.iter().any(WallPair::bounds_flight),
+            needs_solved_contacts: self.pairs.iter().any(WallPair::needs_solved_contacts),
             ..ForceProperties::default()
         }
     }

@@ -97,9 +97,9 @@ static STEP: IntegratorSpec = IntegratorSpec {
 /// with one chain on the velocities and another on v_ε. The conserved quantity is
 /// K + U_s + V·P_tail + P₀V + ½W·v_ε² + the energies of both chains; all but the first three count as heat.
 ///
-/// For molecules the terms with v_ε act on the centres of mass R and their velocities V alone, with α = 1 + 3/n_c. The centres
+/// For molecules the terms with v_ε act on the centres of mass R and their velocities U alone, with α = 1 + 3/n_c. The centres
 /// have the numbers n_c, K and W_pairs, while the chain acts on all sites. Sites keep their places around the centre, so that bonds
-/// keep their length in a box that changes. The flow of R, V and the box then has no divergence of its own, as for atoms.
+/// keep their length in a box that changes. The flow of R, U and the box then has no divergence of its own, as for atoms.
 #[derive(Debug, Clone)]
 pub struct Mtk {
     tau: f64,
@@ -244,7 +244,7 @@ impl Held {
     }
 }
 
-/// ½·Σ M·V² over the centres of mass, ε.
+/// ½·Σ M·U² over the centres of mass, ε.
 fn kinetic_energy_of_centers(system: &System, velocities: &[DVec3]) -> f64 {
     let (molecules, masses) = (&system.molecules, &system.masses);
     if molecules.are_atoms() {
@@ -258,7 +258,7 @@ fn kinetic_energy_of_centers(system: &System, velocities: &[DVec3]) -> f64 {
     })
 }
 
-/// Half a kick of molecules, after which V is V·`damping` + `push`·F/M. The velocities around the centre take a plain kick.
+/// Half a kick of molecules, after which U is U·`damping` + `push`·F/M. The velocities around the centre take a plain kick.
 fn kick_molecules(s: &mut Step<'_>, (damping, push): (f64, f64), half: f64) {
     s.kick(half / s.dt());
     let Parts { system, state, .. } = s.parts();
@@ -278,7 +278,7 @@ fn kick_molecules(s: &mut Step<'_>, (damping, push): (f64, f64), half: f64) {
     });
 }
 
-/// The drift of molecules, after which R is `stretch`·R + `way`·V. The sites drift around the centre, with their bonds held.
+/// The drift of molecules, after which R is `stretch`·R + `way`·U. The sites drift around the centre, with their bonds held.
 fn drift_molecules(s: &mut Step<'_>, stretch: f64, way: f64) {
     let h = s.dt();
     s.drift(1.0);
@@ -329,6 +329,9 @@ impl Method for Mtk {
     }
 
     fn suits(&self, system: &System, _forces: ForceProperties) -> Result<(), String> {
+        if dof_of_centers(system, system.n_dof(STEP.momentum())) <= 0.0 {
+            return Err("it has one molecule, whose centre has no degree of freedom".to_owned());
+        }
         rigid_bonds_alone(system)
     }
 

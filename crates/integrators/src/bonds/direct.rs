@@ -2,10 +2,10 @@
 
 use lennard_core::options::OptionError;
 use lennard_core::rigid::{Tridiagonal, add_along_bonds, bond_vectors, equations_of};
-use lennard_core::{Bond, Bonds, BondsSolved, DVec3, Molecules, Topology};
+use lennard_core::{Bond, Bonds, DVec3, Drifted, Molecules, Topology};
 
 use super::dumbbells::Dumbbells;
-use super::molecule::{Drifted, EachMolecule, MoleculeRule, NoSolution, Space};
+use super::molecule::{EachMolecule, MoleculeRule, MovedMolecule, NoSolution, Space};
 use super::{BondHolder, BondMethod, BondSpec};
 
 lennard_core::options! {
@@ -29,6 +29,7 @@ impl BondMethod for Options {
         summary: "Rigid bonds by the exact solution for each molecule: closed form for one bond, Newton's method for chains, rings and branches.",
         equations: "x = x~ + M^-1 G_n^T L with |d| = r for each bond; one bond: eta = -c/(b + sqrt(b^2 - a c)), a = |d_n|^2, b = s.d_n, c = |s|^2 - r^2; then v += dx/h, and v - M^-1 G^T A^-1 G v after each kick",
         bonds: Bonds::Rigid,
+        integrator: None,
         source: "Andersen, \"Rattle: a velocity version of the Shake algorithm\", J. Comput. Phys. 52, 24 (1983)",
     };
 
@@ -80,9 +81,9 @@ struct Direct {
 impl MoleculeRule for Direct {
     fn solve(
         &self,
-        molecule: &mut Drifted<'_>,
+        molecule: &mut MovedMolecule<'_>,
         space: &mut Space,
-    ) -> Result<BondsSolved, NoSolution> {
+    ) -> Result<Drifted, NoSolution> {
         if molecule.topology.is_chain() {
             newton_on_a_chain(molecule, space, self.tolerance)
         } else {
@@ -93,17 +94,17 @@ impl MoleculeRule for Direct {
 
 /// Newton's method on ½(|d|² − r²) = 0 for all bonds of a chain; rows of G at the iterate, columns before the drift.
 fn newton_on_a_chain(
-    chain: &mut Drifted<'_>,
+    chain: &mut MovedMolecule<'_>,
     space: &mut Space,
     tolerance: f64,
-) -> Result<BondsSolved, NoSolution> {
+) -> Result<Drifted, NoSolution> {
     for iterations in 0..=MOST_ITERATIONS {
         let residual = chain.residual();
         if residual <= tolerance {
-            return Ok(BondsSolved {
+            return Ok(Drifted {
                 iterations,
                 residual,
-                ..BondsSolved::default()
+                ..Drifted::default()
             });
         }
         newton_step(chain, space)?;
@@ -116,7 +117,7 @@ fn newton_on_a_chain(
 }
 
 /// One step of Newton's method for a chain.
-fn newton_step(chain: &mut Drifted<'_>, space: &mut Space) -> Result<(), NoSolution> {
+fn newton_step(chain: &mut MovedMolecule<'_>, space: &mut Space) -> Result<(), NoSolution> {
     let topology = chain.topology;
     bond_vectors(topology, chain.sites, &mut space.bonds);
     let matrix = space
@@ -140,7 +141,7 @@ fn off_by(topology: &Topology, bonds: &[DVec3], to: &mut Vec<f64>) {
 }
 
 /// Moves the sites by M⁻¹·G_nᵀ·`multipliers`.
-fn displace_along(molecule: &mut Drifted<'_>, by: &mut Vec<DVec3>, multipliers: &[f64]) {
+fn displace_along(molecule: &mut MovedMolecule<'_>, by: &mut Vec<DVec3>, multipliers: &[f64]) {
     by.clear();
     by.resize(molecule.sites.len(), DVec3::ZERO);
     let (topology, masses, first) = (molecule.topology, molecule.masses, molecule.first);
@@ -154,10 +155,10 @@ fn displace_along(molecule: &mut Drifted<'_>, by: &mut Vec<DVec3>, multipliers: 
 ///
 /// The error falls by a factor of the order of h at each iteration.
 fn frozen_newton(
-    molecule: &mut Drifted<'_>,
+    molecule: &mut MovedMolecule<'_>,
     space: &mut Space,
     tolerance: f64,
-) -> Result<BondsSolved, NoSolution> {
+) -> Result<Drifted, NoSolution> {
     let (topology, masses, first) = (molecule.topology, molecule.masses, molecule.first);
     let equations = equations_of(&mut space.equations, topology);
     if let Err(c) = equations.factor(topology, masses, first, molecule.before, 0.0) {
@@ -167,10 +168,10 @@ fn frozen_newton(
     for iterations in 0..=MOST_ITERATIONS {
         let residual = molecule.residual();
         if residual <= tolerance {
-            return Ok(BondsSolved {
+            return Ok(Drifted {
                 iterations,
                 residual,
-                ..BondsSolved::default()
+                ..Drifted::default()
             });
         }
         bond_vectors(topology, molecule.sites, &mut space.bonds);
@@ -206,22 +207,22 @@ struct Cut {
 impl MoleculeRule for Cut {
     fn solve(
         &self,
-        molecule: &mut Drifted<'_>,
+        molecule: &mut MovedMolecule<'_>,
         space: &mut Space,
-    ) -> Result<BondsSolved, NoSolution> {
+    ) -> Result<Drifted, NoSolution> {
         for iterations in 0..=MOST_SWEEPS {
             let residual = molecule.residual();
             if residual <= self.tolerance {
-                return Ok(BondsSolved {
+                return Ok(Drifted {
                     iterations,
                     residual,
-                    ..BondsSolved::default()
+                    ..Drifted::default()
                 });
             }
             let mut at = 0;
             for part in &self.parts {
                 let bonds = part.bonds().len();
-                let mut own = Drifted {
+                let mut own = MovedMolecule {
                     topology: part,
                     masses: molecule.masses,
                     first: molecule.first + at,

@@ -1,6 +1,6 @@
 //! The closed form for dumbbells: kick, drift and correction in one pass, four molecules at a time.
 
-use lennard_core::{BondSolver, BondsSolved, BoundDrift, DVec3, Masses, StepError, System, rigid};
+use lennard_core::{BondSolver, BoundDrift, DVec3, Drifted, Masses, StepError, System, rigid};
 
 use super::molecule::{NoSolution, Outcome, over_tasks};
 
@@ -37,7 +37,7 @@ fn bonds(x: &[DVec3]) -> Vectors {
 }
 
 impl BondSolver for Dumbbells {
-    fn drift(&mut self, system: &System, moving: BoundDrift<'_>) -> Result<BondsSolved, StepError> {
+    fn drift(&mut self, system: &System, moving: BoundDrift<'_>) -> Result<Drifted, StepError> {
         let masses = &system.masses;
         over_tasks(system, moving, |_, topology, task, outcome| {
             let length = topology.bonds()[0].length;
@@ -124,10 +124,10 @@ fn drift_block(
     for l in 0..LANES {
         // Negated, so that numbers that are not finite fail too.
         if b[l] > 0.0 && root2[l] >= 0.0 {
-            outcome.solved(BondsSolved {
+            outcome.solved(Drifted {
                 iterations: 1,
                 residual: off[l],
-                ..BondsSolved::default()
+                ..Drifted::default()
             });
         } else {
             let along = (1.0 / a[l]) * b[l];

@@ -4,9 +4,9 @@
 //! K = k·ÛᵀÛ. The equations have A = Û·M⁻¹·Ûᵀ with a number added to the diagonal, as rigid bonds and SPOOK have it.
 
 use lennard_core::rigid::{add_along_bonds, bond_vectors, equations_of};
-use lennard_core::{BondsSolved, DVec3, Topology};
+use lennard_core::{DVec3, Drifted, Topology};
 
-use super::molecule::{Drifted, MoleculeRule, NoSolution, Space};
+use super::molecule::{MoleculeRule, MovedMolecule, NoSolution, Space};
 
 /// The implicit midpoint rule for springs: x′ = x + h·(v + v′)/2, v′ = v + h·f((x + x′)/2)/m.
 ///
@@ -26,9 +26,9 @@ const MOST_ITERATIONS: u32 = 100;
 impl MoleculeRule for Midpoint {
     fn solve(
         &self,
-        molecule: &mut Drifted<'_>,
+        molecule: &mut MovedMolecule<'_>,
         space: &mut Space,
-    ) -> Result<BondsSolved, NoSolution> {
+    ) -> Result<Drifted, NoSolution> {
         let (topology, masses, first) = (molecule.topology, molecule.masses, molecule.first);
         let (h, k) = (molecule.h, self.stiffness);
         let bonds = topology.bonds();
@@ -67,10 +67,10 @@ impl MoleculeRule for Midpoint {
                 molecule.displace(site, by);
             }
             if change <= TOLERANCE {
-                return Ok(BondsSolved {
+                return Ok(Drifted {
                     iterations,
                     residual: change,
-                    ..BondsSolved::default()
+                    ..Drifted::default()
                 });
             }
         }
@@ -100,9 +100,9 @@ pub struct LinearlyImplicit {
 impl MoleculeRule for LinearlyImplicit {
     fn solve(
         &self,
-        molecule: &mut Drifted<'_>,
+        molecule: &mut MovedMolecule<'_>,
         space: &mut Space,
-    ) -> Result<BondsSolved, NoSolution> {
+    ) -> Result<Drifted, NoSolution> {
         let (topology, masses, first) = (molecule.topology, molecule.masses, molecule.first);
         let h = molecule.h;
         bond_vectors(topology, molecule.sites, &mut space.bonds);
@@ -126,9 +126,9 @@ impl MoleculeRule for LinearlyImplicit {
             let by = space.by[site];
             molecule.displace(site, by);
         }
-        Ok(BondsSolved {
+        Ok(Drifted {
             iterations: 1,
-            ..BondsSolved::default()
+            ..Drifted::default()
         })
     }
 

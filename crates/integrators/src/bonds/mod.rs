@@ -29,6 +29,8 @@ pub struct BondSpec {
     pub equations: &'static str,
     /// Whether bonds are constraints or springs, with default options.
     pub bonds: Bonds,
+    /// The one integrator that solves for them in its step; `None` where they are held in drifts, or by a force.
+    pub integrator: Option<&'static str>,
     /// Author, title, equation.
     pub source: &'static str,
 }

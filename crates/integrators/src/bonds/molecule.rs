@@ -3,12 +3,11 @@
 use lennard_core::rigid::{self, BondEquations};
 use lennard_core::tasks::map_items;
 use lennard_core::{
-    BondSolver, BondsSolved, BoundDrift, DVec3, MOLECULES_PER_TASK, Masses, StepError, System,
-    Topology,
+    BondSolver, BoundDrift, DVec3, Drifted, MOLECULES_PER_TASK, Masses, StepError, System, Topology,
 };
 
 /// One molecule after a drift.
-pub struct Drifted<'a> {
+pub struct MovedMolecule<'a> {
     /// Its bonds.
     pub topology: &'a Topology,
     /// Masses of all particles.
@@ -33,7 +32,7 @@ pub enum NoSolution {
     NotConverged(u32, f64, f64),
 }
 
-impl Drifted<'_> {
+impl MovedMolecule<'_> {
     /// The largest | |d|/r − 1 |.
     pub fn residual(&self) -> f64 {
         let bonds = self.topology.bonds().iter();
@@ -83,9 +82,9 @@ pub trait MoleculeRule: Send + Sync {
     /// [`NoSolution`] where there is none.
     fn solve(
         &self,
-        molecule: &mut Drifted<'_>,
+        molecule: &mut MovedMolecule<'_>,
         space: &mut Space,
-    ) -> Result<BondsSolved, NoSolution>;
+    ) -> Result<Drifted, NoSolution>;
 
     /// As [`BondSolver::has_velocity_stage`].
     fn has_velocity_stage(&self) -> bool {
@@ -113,14 +112,14 @@ pub struct EachMolecule<R>(pub R);
 /// What the molecules of some tasks took, and the first that failed.
 #[derive(Default)]
 pub struct Outcome {
-    solved: BondsSolved,
+    solved: Drifted,
     failed: Option<(usize, NoSolution)>,
 }
 
 impl Outcome {
     /// Counts a molecule that was solved.
     #[inline]
-    pub fn solved(&mut self, solved: BondsSolved) {
+    pub fn solved(&mut self, solved: Drifted) {
         self.solved.iterations = self.solved.iterations.max(solved.iterations);
         self.solved.residual = self.solved.residual.max(solved.residual);
         self.solved.heat += solved.heat;
@@ -140,7 +139,7 @@ impl Outcome {
         }
     }
 
-    fn finish(self, topology: &Topology) -> Result<BondsSolved, StepError> {
+    fn finish(self, topology: &Topology) -> Result<Drifted, StepError> {
         match self.failed {
             None => Ok(self.solved),
             Some((m, NoSolution::Turned(bond, found))) => Err(StepError::BondTurned {
@@ -182,9 +181,9 @@ pub fn over_tasks(
     system: &System,
     moving: BoundDrift<'_>,
     work: impl Fn(&mut Space, &Topology, TaskOf<'_>, &mut Outcome) + Sync,
-) -> Result<BondsSolved, StepError> {
+) -> Result<Drifted, StepError> {
     let Some(topology) = system.molecules.topology() else {
-        return Ok(BondsSolved::default());
+        return Ok(Drifted::default());
     };
     let size = topology.sites() * MOLECULES_PER_TASK;
     let (kick, h) = (moving.kick, moving.h);
@@ -227,7 +226,7 @@ impl<R: MoleculeRule> BondSolver for EachMolecule<R> {
         self.0.has_velocity_stage()
     }
 
-    fn drift(&mut self, system: &System, moving: BoundDrift<'_>) -> Result<BondsSolved, StepError> {
+    fn drift(&mut self, system: &System, moving: BoundDrift<'_>) -> Result<Drifted, StepError> {
         let (rule, masses) = (&self.0, &system.masses);
         over_tasks(system, moving, |space, topology, task, outcome| {
             let (sites, h) = (topology.sites(), task.h);
@@ -254,7 +253,7 @@ impl<R: MoleculeRule> BondSolver for EachMolecule<R> {
                 for (x, v) in x.iter_mut().zip(v.iter()) {
                     *x += h * *v;
                 }
-                let mut molecule = Drifted {
+                let mut molecule = MovedMolecule {
                     topology,
                     masses,
                     first,

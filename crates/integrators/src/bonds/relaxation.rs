@@ -1,9 +1,9 @@
 //! Relaxation: one bond after another is brought to its length, in sweeps over the molecule.
 
 use lennard_core::options::OptionError;
-use lennard_core::{Bonds, BondsSolved, Molecules};
+use lennard_core::{Bonds, Drifted, Molecules};
 
-use super::molecule::{Drifted, EachMolecule, MoleculeRule, NoSolution, Space};
+use super::molecule::{EachMolecule, MoleculeRule, MovedMolecule, NoSolution, Space};
 use super::{BondHolder, BondMethod, BondSpec};
 
 lennard_core::choices! {
@@ -41,6 +41,7 @@ impl BondMethod for Options {
         summary: "Rigid bonds by relaxation: each bond is corrected in turn until all have their length (SHAKE), or for a number of sweeps.",
         equations: "direction old: eta = w (r^2 - |s|^2)/(2 s.d_n), x_i -= eta d_n/(m_i k), x_j += eta d_n/(m_j k); direction new: f = w (|s| - r)/(|s| k), x_i += f s/m_i, x_j -= f s/m_j; k = 1/m_i + 1/m_j",
         bonds: Bonds::Rigid,
+        integrator: None,
         source: "Ryckaert, Ciccotti and Berendsen, \"Numerical integration of the cartesian equations of motion of a system with constraints\", J. Comput. Phys. 23, 327 (1977)",
     };
 
@@ -74,9 +75,9 @@ struct Relaxation {
 impl MoleculeRule for Relaxation {
     fn solve(
         &self,
-        molecule: &mut Drifted<'_>,
+        molecule: &mut MovedMolecule<'_>,
         _space: &mut Space,
-    ) -> Result<BondsSolved, NoSolution> {
+    ) -> Result<Drifted, NoSolution> {
         relax(molecule, &self.options)
     }
 
@@ -86,25 +87,25 @@ impl MoleculeRule for Relaxation {
     }
 }
 
-fn relax(molecule: &mut Drifted<'_>, options: &Options) -> Result<BondsSolved, NoSolution> {
+fn relax(molecule: &mut MovedMolecule<'_>, options: &Options) -> Result<Drifted, NoSolution> {
     if options.sweeps > 0 {
         for _ in 0..options.sweeps {
             sweep(molecule, options)?;
         }
-        return Ok(BondsSolved {
+        return Ok(Drifted {
             iterations: options.sweeps,
             residual: molecule.residual(),
-            ..BondsSolved::default()
+            ..Drifted::default()
         });
     }
     let tolerance = options.tolerance.unwrap_or(DEFAULT_TOLERANCE);
     for sweeps in 0..=MOST_SWEEPS {
         let residual = molecule.residual();
         if residual <= tolerance {
-            return Ok(BondsSolved {
+            return Ok(Drifted {
                 iterations: sweeps,
                 residual,
-                ..BondsSolved::default()
+                ..Drifted::default()
             });
         }
         sweep(molecule, options)?;
@@ -114,7 +115,7 @@ fn relax(molecule: &mut Drifted<'_>, options: &Options) -> Result<BondsSolved, N
 }
 
 /// One sweep over the bonds.
-fn sweep(molecule: &mut Drifted<'_>, options: &Options) -> Result<(), NoSolution> {
+fn sweep(molecule: &mut MovedMolecule<'_>, options: &Options) -> Result<(), NoSolution> {
     let topology = molecule.topology;
     for (c, bond) in topology.bonds().iter().enumerate() {
         let s = bond.vector(molecule.sites);

@@ -21,12 +21,19 @@ lennard_core::options! {
     }
 }
 
+impl Options {
+    fn damping(&self) -> Damping {
+        Damping::new(self.damping_steps, self.damping_time)
+    }
+}
+
 impl BondMethod for Options {
     const SPEC: BondSpec = BondSpec {
         name: "spook",
         summary: "Regularised, damped constraints of SPOOK, solved exactly for each molecule; with the integrator `spook` alone.",
         equations: "g = |d| - r; S L = -(4/h) y g + y G v - G (v + h f/m), S = G M^-1 G^T + (4/h^2) eps y, y = 1/(1 + 4 tau/h); v' = v + h f/m + M^-1 G^T L",
         bonds: Bonds::Rigid,
+        integrator: Some(crate::spook::SPEC.name),
         source: "Lacoursière, \"Ghosts and Machines: Regularized Variational Methods for Interactive Simulations of Multibodies with Dry Frictional Contacts\", PhD thesis, Umeå University (2007), the SPOOK stepper",
     };
 
@@ -38,11 +45,14 @@ impl BondMethod for Options {
     }
 
     fn build(&self, _molecules: &Molecules) -> BondHolder {
-        let damping = Damping::new(self.damping_steps, self.damping_time);
-        BondHolder::Spook(SpookBonds::new(self.compliance, damping, self.sweeps))
+        BondHolder::Spook(SpookBonds::new(
+            self.compliance,
+            self.damping(),
+            self.sweeps,
+        ))
     }
 
     fn check_together(&self) -> Result<(), OptionError> {
-        Damping::new(self.damping_steps, self.damping_time).suits(self.compliance)
+        self.damping().suits(self.compliance)
     }
 }

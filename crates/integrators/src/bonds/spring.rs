@@ -39,6 +39,7 @@ impl BondMethod for Options {
         summary: "Bonds as stiff springs, which take no degree of freedom away: a force, or implicit inside the drift.",
         equations: "U = k/2 (|d| - r)^2; omega = sqrt(k (1/m_i + 1/m_j)); explicit: h below 2/omega; midpoint: x' = x + h (v + v')/2, v' = v + h f((x + x')/2)/m; linearly implicit: (M + h^2 K) dv = h (f - h K v), K = k u u^T",
         bonds: Bonds::Springs,
+        integrator: None,
         source: "Allen and Tildesley, \"Computer Simulation of Liquids\", 2nd ed. (2017), section 1.3.3",
     };
 

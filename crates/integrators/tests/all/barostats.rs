@@ -3,11 +3,12 @@
 use lennard_core::Persist;
 use lennard_core::random::Streams;
 use lennard_core::{
-    DVec3, Integrator, Momentum, NoForces, PeriodicBox, PressureBath, State, StateArchive, System,
-    Want,
+    Bonds, DVec3, Integrator, Molecules, Momentum, NoForces, PeriodicBox, PressureBath, State,
+    StateArchive, System, Want,
 };
 use lennard_integrators::{
-    BarostatOptions, IntegratorOptions, ThermostatOptions, barostats, build,
+    BarostatOptions, BondHolder, BondOptions, IntegratorOptions, ThermostatOptions, barostats,
+    build,
 };
 
 const N: usize = 32;
@@ -140,6 +141,31 @@ fn the_deterministic_barostat_gives_the_ideal_gas_the_same_volumes() {
     let mut method = integrator(thermostat, barostat, 5);
     let volumes = volumes(&mut method, 0.02, 200, 8000);
     is_canonical(&volumes, n_dof, barostat);
+}
+
+#[test]
+fn one_molecule_has_no_centre_that_a_box_could_feel() {
+    for n in [1, 2] {
+        let molecules = Molecules::chains(2, 1.0, Bonds::Rigid);
+        let system = System::of_molecules(2 * n, molecules);
+        let x = (0..2 * n).map(|i| DVec3::new(i as f64, 0.0, 0.0)).collect();
+        let cell = PeriodicBox::new(DVec3::splat(7.0)).unwrap();
+        let mut state = State::new(cell, x, vec![DVec3::ZERO; 2 * n]);
+        let solver = match BondOptions::default().build(&system.molecules) {
+            BondHolder::Drift(solver) => solver,
+            _ => panic!("the direct solution acts in drifts"),
+        };
+        let method = integrator("kind = \"nose-hoover\"", "kind = \"mtk\"", 1);
+        let mut method = method.with_bonds(solver);
+        let started = method.start(&system, &mut state, &mut NoForces, 0.01, Want::NOTHING);
+        if n == 1 {
+            let words = started.unwrap_err().to_string();
+            let reason = "it has one molecule, whose centre has no degree of freedom";
+            assert!(words.contains(reason), "{words}");
+        } else {
+            started.unwrap();
+        }
+    }
 }
 
 #[test]

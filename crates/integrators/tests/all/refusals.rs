@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use lennard_core::{
-    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part, State,
-    StepError, System, Want,
+    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Integrator,
+    Part, State, StepError, System, Want,
 };
 use lennard_integrators::measure::{Kepler, KeplerForces, run};
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces};
@@ -212,12 +212,15 @@ fn impossible_options_are_named() {
     }
 }
 
-/// Forces between hard walls, as far as a method can know before its first drift.
-struct BetweenHardWalls(HarmonicForces);
+/// Forces that act in flights, as far as a method can know before its first drift.
+struct InFlight {
+    forces: HarmonicForces,
+    own: ForceProperties,
+}
 
-lennard_core::remembers_nothing!(BetweenHardWalls);
+lennard_core::remembers_nothing!(InFlight);
 
-impl ForceTerm for BetweenHardWalls {
+impl ForceTerm for InFlight {
     fn evaluate(
         &mut self,
         at: Configuration<'_>,
@@ -225,20 +228,18 @@ impl ForceTerm for BetweenHardWalls {
         want: Want,
         forces: &mut [DVec3],
     ) -> Result<Energetics, ForceError> {
-        self.0.evaluate(at, part, want, forces)
+        self.forces.evaluate(at, part, want, forces)
     }
     fn properties(&self) -> ForceProperties {
-        ForceProperties {
-            bounds_flight: true,
-            ..self.0.properties()
-        }
+        self.forces.properties().with_term(self.own)
     }
 }
 
-impl Backend for BetweenHardWalls {}
+impl Backend for InFlight {}
 
-#[test]
-fn methods_whose_particles_would_pass_hard_walls_refuse_them() {
+/// Starts every method with such forces. A method that `takes` them starts, and every other says why not.
+fn only_some_start(own: ForceProperties, takes: impl Fn(&Integrator) -> bool, why: &str) -> usize {
+    let mut started = 0;
     for entry in general_methods() {
         let mut method = entry.build();
         let mut state = State::new(
@@ -246,21 +247,45 @@ fn methods_whose_particles_would_pass_hard_walls_refuse_them() {
             vec![DVec3::X],
             vec![DVec3::ZERO],
         );
-        let mut forces = BetweenHardWalls(HarmonicForces::new(1.0));
+        let mut forces = InFlight {
+            forces: HarmonicForces::new(1.0),
+            own,
+        };
         let mut system = System::atoms(1);
         if entry.oscillator == OscillatorModel::Constraint {
             let spring = lennard_integrators::oscillator::OscillatorConstraint::new(1.0, 0.0);
-            system.constraints = vec![std::sync::Arc::new(spring)];
+            system.constraints = vec![Arc::new(spring)];
         }
-        let started = method.start(&system, &mut state, &mut forces, 0.1, Want::NOTHING);
-        if method.takes_hard_walls() {
-            assert!(started.is_ok(), "{}", entry.spec.name);
+        let found = method.start(&system, &mut state, &mut forces, 0.1, Want::NOTHING);
+        if takes(&method) {
+            assert!(found.is_ok(), "{}", entry.spec.name);
+            started += 1;
             continue;
         }
-        let words = started.unwrap_err().to_string();
-        assert!(
-            words.contains("particles would pass its hard walls, which act in drifts"),
-            "{words}"
-        );
+        let words = found.unwrap_err().to_string();
+        assert!(words.contains(why), "{words}");
     }
+    started
+}
+
+#[test]
+fn methods_whose_particles_would_pass_hard_walls_refuse_them() {
+    let hits = ForceProperties {
+        bounds_flight: true,
+        ..ForceProperties::default()
+    };
+    let why = "particles would pass its hard walls, which act in drifts";
+    assert!(only_some_start(hits, Integrator::takes_hard_walls, why) > 1);
+}
+
+#[test]
+fn spook_alone_takes_unilateral_contacts_and_takes_no_hard_walls() {
+    let solved = ForceProperties {
+        needs_solved_contacts: true,
+        ..ForceProperties::default()
+    };
+    let why = "its unilateral contacts are solved for in the step of SPOOK alone";
+    assert_eq!(only_some_start(solved, Integrator::solves_contacts, why), 1);
+    let spook = lennard_integrators::build(&IntegratorOptions::Spook(Default::default()));
+    assert!(spook.solves_contacts() && !spook.takes_hard_walls());
 }

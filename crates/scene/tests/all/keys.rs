@@ -1,9 +1,11 @@
 //! A key that is declared once is read, written and documented.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use lennard_scene::{Scene, reference};
+
+use crate::inputs::good_scenes;
 
 const SYSTEM: &str = "[system]\nn_atoms = 500\ndensity = 0.8\ntemperature = 1.0\n";
 const STAGE: &str = "[[stage]]\nname = \"a\"\nsteps = 10\n";
@@ -102,19 +104,6 @@ fn the_reader_knows_exactly_the_documented_keys_of_every_table() {
     }
 }
 
-/// Scenes below a folder, without sweeps and refused scenes.
-fn scenes_below(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        if path.is_dir() && name != "bad" && name != "sweep" {
-            scenes_below(&path, found);
-        } else if name.ends_with(".toml") && !name.ends_with(".lock.toml") {
-            found.push(path);
-        }
-    }
-}
-
 /// Every `table.key` of a scene as it is written out; numbers of entries are left out.
 fn written(prefix: &str, table: &toml::Table, found: &mut BTreeSet<String>) {
     let is_table = |name: &str| reference::tables().iter().any(|t| t.table == name);
@@ -141,17 +130,8 @@ fn written(prefix: &str, table: &toml::Table, found: &mut BTreeSet<String>) {
 #[test]
 fn scenes_are_written_with_documented_keys_and_each_of_them_is_written() {
     let inputs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../inputs");
-    let mut paths = Vec::new();
-    scenes_below(&inputs, &mut paths);
     let mut found = BTreeSet::new();
-    for path in paths {
-        // A sweep that lies among the scenes names its scene as `base`.
-        if !std::fs::read_to_string(&path)
-            .unwrap()
-            .contains("[[stage]]")
-        {
-            continue;
-        }
+    for path in good_scenes(&inputs) {
         let scene = Scene::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
         written("", &scene.resolved_toml().parse().unwrap(), &mut found);
     }

@@ -1,4 +1,4 @@
-//! One ball over a plane.
+//! Balls in a column over a plane.
 
 use lennard_core::random::Streams;
 use lennard_core::{
@@ -15,8 +15,21 @@ pub(crate) const PLANE: f64 = 2.0;
 /// Side of the box, σ.
 pub(crate) const SIDE: f64 = 20.0;
 
-/// A ball over a plane at z = 2 σ.
-pub(crate) struct Ball {
+/// Walls at z = 2 σ and at the same distance from the other end.
+pub(crate) fn floor(wall: &WallOptions) -> Result<Walls, StudyError> {
+    let cell = PeriodicBox::new(DVec3::splat(SIDE))?;
+    let planes = SlitPlanes::new(&cell, Axis::Z.index(), 2.0 * PLANE, 0.0);
+    let pair = WallPair::new(wall, planes, &WallContext { temperature: 1.0 });
+    Ok(Walls::new(vec![pair], Streams::new(1).noise("walls")))
+}
+
+/// A field that pulls balls of mass 1 to the lower plane, σ/τ².
+pub(crate) fn gravity(g: f64) -> ConstantField {
+    ConstantField::new(DVec3::new(0.0, 0.0, -g), Masses::Uniform(1.0))
+}
+
+/// Balls in a column over a plane at z = 2 σ.
+pub(crate) struct Balls {
     system: System,
     state: State,
     forces: ForceSum<NoForces>,
@@ -24,31 +37,25 @@ pub(crate) struct Ball {
     h: f64,
 }
 
-impl Ball {
+impl Balls {
+    /// Balls at heights over the plane, σ, with one velocity, σ/τ.
     pub(crate) fn start(
-        wall: &WallOptions,
-        (height, speed): (f64, f64),
-        gravity: f64,
+        forces: ForceSum<NoForces>,
+        method: &IntegratorOptions,
+        (heights, speed): (&[f64], f64),
         h: f64,
     ) -> Result<Self, StudyError> {
-        let cell = PeriodicBox::new(DVec3::splat(SIDE))?;
-        let planes = SlitPlanes::new(&cell, Axis::Z.index(), 2.0 * PLANE, 0.0);
-        let context = WallContext { temperature: 1.0 };
-        let walls = Walls::new(
-            vec![WallPair::new(wall, planes, &context)],
-            Streams::new(1).noise("walls"),
-        );
-        let field = ConstantField::new(DVec3::new(0.0, 0.0, -gravity), Masses::Uniform(1.0));
-        let forces = ForceSum::new(NoForces).with(walls).with(field);
-        let mut ball = Self {
-            system: System::atoms(1).pushed_along(forces.properties().breaks_momentum),
+        let n = heights.len();
+        let place = |z: &f64| DVec3::new(5.0, 5.0, PLANE + z);
+        let mut balls = Self {
+            system: System::atoms(n).pushed_along(forces.properties().breaks_momentum),
             state: State::new(
-                cell,
-                vec![DVec3::new(5.0, 5.0, PLANE + height)],
-                vec![DVec3::new(0.0, 0.0, speed)],
+                PeriodicBox::new(DVec3::splat(SIDE))?,
+                heights.iter().map(place).collect(),
+                vec![DVec3::new(0.0, 0.0, speed); n],
             ),
             forces,
-            integrator: build(&IntegratorOptions::default()),
+            integrator: build(method),
             h,
         };
         let Self {
@@ -57,7 +64,7 @@ impl Ball {
             forces,
             integrator,
             ..
-        } = &mut ball;
+        } = &mut balls;
         let method = integrator.spec().name;
         integrator
             .start(system, state, forces, h, Want::ENERGY)
@@ -66,9 +73,22 @@ impl Ball {
                 dt: h,
                 source,
             })?;
-        Ok(ball)
+        Ok(balls)
     }
 
+    /// One ball over a wall under velocity Verlet.
+    pub(crate) fn one_over(
+        wall: &WallOptions,
+        (height, speed): (f64, f64),
+        g: f64,
+        h: f64,
+    ) -> Result<Self, StudyError> {
+        let forces = ForceSum::new(NoForces).with(floor(wall)?).with(gravity(g));
+        let method = IntegratorOptions::default();
+        Self::start(forces, &method, (&[height], speed), h)
+    }
+
+    /// A step, which may fail at a wall that is too weak.
     pub(crate) fn step(&mut self) -> Result<(), StepError> {
         let Self {
             system,
@@ -81,15 +101,37 @@ impl Ball {
         Ok(())
     }
 
-    pub(crate) fn height(&self) -> f64 {
-        self.state.positions[0].z - PLANE
+    /// Steps that must not fail.
+    pub(crate) fn steps(&mut self, n: u32) -> Result<(), StudyError> {
+        (0..n)
+            .try_for_each(|_| self.step())
+            .map_err(|source| StudyError::Step {
+                method: self.integrator.spec().name,
+                dt: self.h,
+                source,
+            })
     }
 
+    /// The height of the lowest ball over the plane, σ.
+    pub(crate) fn height(&self) -> f64 {
+        self.height_of(0)
+    }
+
+    pub(crate) fn height_of(&self, ball: usize) -> f64 {
+        self.state.positions[ball].z - PLANE
+    }
+
+    /// The speed of the lowest ball away from the plane, σ/τ.
     pub(crate) fn speed(&self) -> f64 {
         self.state.velocities[0].z
     }
 
     pub(crate) fn hits(&self) -> u64 {
         self.forces.walls()[0].hits
+    }
+
+    /// The momentum that the plane has taken, m·σ/τ.
+    pub(crate) fn impulse(&self) -> f64 {
+        self.forces.walls()[0].impulse
     }
 }

@@ -4,7 +4,7 @@ use lennard_core::{DVec3, PeriodicBox};
 use lennard_forcefield::{Hard, Response, SlitPlanes, Soft, SpringLaw, WallOptions};
 use serde::Serialize;
 
-use super::ball::{Ball, PLANE, SIDE};
+use super::ball::{Balls, PLANE, SIDE};
 use super::cradle::{Cradle, cradles, spook_rebound, stack};
 use super::unilateral::{self, Unilateral};
 use crate::StudyError;
@@ -99,7 +99,7 @@ fn rebounds(wall: &WallOptions, h: f64, phases: u32) -> Result<(Vec<f64>, f64), 
     let mut speeds = Vec::new();
     for k in 0..phases {
         let phase = (f64::from(k) + 0.5) / f64::from(phases);
-        let mut ball = Ball::start(wall, ((1.0 + phase) * h, -1.0), 0.0, h)?;
+        let mut ball = Balls::one_over(wall, ((1.0 + phase) * h, -1.0), 0.0, h)?;
         for _ in 0..1_000_000 {
             if ball.step().is_err() {
                 break;
@@ -156,7 +156,7 @@ fn damped(quick: bool) -> Result<Vec<DampedHit>, StudyError> {
 /// Time of contact and depth of Hertz's contact, each over theory: 2.9432·δ/v and (5v²/(4k))^{2/5}.
 fn hertz() -> Result<[f64; 2], StudyError> {
     let h = 1e-4;
-    let mut ball = Ball::start(&soft(SpringLaw::Hertz, 1.0), (0.5 * h, -1.0), 0.0, h)?;
+    let mut ball = Balls::one_over(&soft(SpringLaw::Hertz, 1.0), (0.5 * h, -1.0), 0.0, h)?;
     let (mut inside, mut deepest) = (0.0, 0.0_f64);
     for _ in 0..100_000 {
         if ball.step().is_err() || (ball.speed() > 0.0 && ball.height() > 0.0) {
@@ -175,7 +175,7 @@ fn passes() -> Result<[f64; 2], StudyError> {
     let limit = STIFFNESS.sqrt() * room;
     let is_held = |share: f64| -> Result<bool, StudyError> {
         let wall = soft(SpringLaw::Linear, 1.0);
-        let mut ball = Ball::start(&wall, (0.1, -share * limit), 0.0, 1e-3)?;
+        let mut ball = Balls::one_over(&wall, (0.1, -share * limit), 0.0, 1e-3)?;
         for _ in 0..10_000 {
             if ball.step().is_err() {
                 return Ok(false);
@@ -204,15 +204,11 @@ fn bouncing(
     restitution: f64,
 ) -> Result<Bouncing, StudyError> {
     let h = 0.01;
-    let mut ball = Ball::start(&hard(response, restitution), (1.0, 0.0), 1.0, h)?;
+    let mut ball = Balls::one_over(&hard(response, restitution), (1.0, 0.0), 1.0, h)?;
     let (mut path, mut energies) = (vec![(0.0, 1.0)], Vec::new());
     for n in 1..=1200_u32 {
         let before = ball.hits();
-        ball.step().map_err(|source| StudyError::Step {
-            method: "velocity-verlet",
-            dt: h,
-            source,
-        })?;
+        ball.steps(1)?;
         path.push((f64::from(n) * h, ball.height()));
         let theory = restitution.powi(2 * ball.hits() as i32);
         if ball.hits() > before && theory > 1e-3 {
@@ -230,14 +226,10 @@ fn bouncing(
 /// The largest | E/E₀ − 1 | over 2000 bounces of a billiard ball in gravity, and the trend of its mean between the halves.
 fn billiard(quick: bool) -> Result<[f64; 2], StudyError> {
     let bounces = if quick { 400 } else { 2000 };
-    let mut ball = Ball::start(&hard(Response::Billiard, 1.0), (1.0, 0.0), 1.0, 0.01)?;
+    let mut ball = Balls::one_over(&hard(Response::Billiard, 1.0), (1.0, 0.0), 1.0, 0.01)?;
     let (mut worst, mut sums, mut counts) = (0.0_f64, [0.0; 2], [0.0; 2]);
     while ball.hits() < bounces {
-        ball.step().map_err(|source| StudyError::Step {
-            method: "velocity-verlet",
-            dt: 0.01,
-            source,
-        })?;
+        ball.steps(1)?;
         let off = 0.5 * ball.speed().powi(2) + ball.height() - 1.0;
         worst = worst.max(off.abs());
         let half = usize::from(2 * ball.hits() >= bounces);
@@ -251,14 +243,8 @@ fn projected() -> Result<f64, StudyError> {
     let mut worst = 0.0_f64;
     for phase in [0.1, 0.4, 0.9] {
         let wall = hard(Response::Project, 0.0);
-        let mut ball = Ball::start(&wall, (phase * 0.01, -1.0), 0.0, 0.01)?;
-        for _ in 0..2 {
-            ball.step().map_err(|source| StudyError::Step {
-                method: "velocity-verlet",
-                dt: 0.01,
-                source,
-            })?;
-        }
+        let mut ball = Balls::one_over(&wall, (phase * 0.01, -1.0), 0.0, 0.01)?;
+        ball.steps(2)?;
         worst = worst.max(ball.speed().abs()).max(ball.height().abs());
     }
     Ok(worst)

@@ -100,16 +100,8 @@ pub(crate) fn cradles() -> Result<Vec<Cradle>, StudyError> {
 /// The largest deviation of the contact forces of a stack of five balls at rest, relative.
 pub(crate) fn stack() -> f64 {
     const G: f64 = 9.81;
-    let floor_and_balls: Vec<Contact> = (0..5_usize)
-        .map(|second| Contact {
-            first: second.checked_sub(1),
-            second,
-            normal: DVec3::Z,
-            gap: 0.0,
-        })
-        .collect();
     let fall = [DVec3::new(0.0, 0.0, -G); 5];
-    let forces = contacts::resting_forces(&floor_and_balls, &Masses::Uniform(1.0), &fall);
+    let forces = contacts::resting_forces(&contacts::column(5), &Masses::Uniform(1.0), &fall);
     let off = forces
         .iter()
         .zip([5.0, 4.0, 3.0, 2.0, 1.0])

@@ -1,20 +1,14 @@
 //! Unilateral contacts of SPOOK in whole steps: restitution, stacks at rest, energy of a ball, sweeps.
 
 use lennard_contacts::{Bodies, Contacts, Response, UnilateralLaw};
-use lennard_core::random::Streams;
-use lennard_core::{
-    Axis, DVec3, Exclusions, ForceSum, ForceTerm, Integrator, Masses, NoForces, PeriodicBox, State,
-    System, Want,
-};
-use lennard_forcefield::{
-    ConstantField, Hard, SlitPlanes, WallContext, WallOptions, WallPair, Walls,
-};
-use lennard_integrators::contacts::{Contact, Problem, Solver};
+use lennard_core::{Exclusions, ForceSum, Masses, NoForces};
+use lennard_forcefield::{Hard, WallOptions};
+use lennard_integrators::IntegratorOptions;
+use lennard_integrators::contacts::{Problem, Solver, column};
 use lennard_integrators::spook::{self, Damping};
-use lennard_integrators::{IntegratorOptions, build};
 use serde::Serialize;
 
-use super::ball::{PLANE, SIDE};
+use super::ball::{Balls, floor, gravity};
 use crate::StudyError;
 
 /// Restitution of the measurements over phases.
@@ -27,7 +21,7 @@ const SWEPT: usize = 10;
 /// What runs with contacts of SPOOK showed.
 #[derive(Debug, Clone, Serialize)]
 pub struct Unilateral {
-    /// The restitution farthest from 0.4 over 100 phases of a step, less 0.4.
+    /// The restitution farthest from the one that was set over 100 phases of a step, less that one.
     pub restitution: f64,
     /// The depth of a stack of five at rest that is farthest from ε × force, relative.
     pub sunk: f64,
@@ -39,106 +33,37 @@ pub struct Unilateral {
     pub sweep: [f64; 2],
 }
 
-/// Balls over a plane that contacts solve for.
-struct Bodied {
-    system: System,
-    state: State,
-    forces: ForceSum<NoForces>,
-    method: Integrator,
+/// Balls of diameter 1 over a plane, with contacts of SPOOK for both.
+fn balls(
+    (restitution, compliance): (f64, f64),
+    column: (&[f64], f64),
+    g: f64,
     h: f64,
-}
-
-impl Bodied {
-    /// Balls of diameter 1 in a column, at heights over the plane, with one velocity.
-    fn start(
-        (restitution, compliance): (f64, f64),
-        heights: &[f64],
-        (speed, gravity): (f64, f64),
-        h: f64,
-    ) -> Result<Self, StudyError> {
-        let cell = PeriodicBox::new(DVec3::splat(SIDE))?;
-        let planes = SlitPlanes::new(&cell, Axis::Z.index(), 2.0 * PLANE, 0.0);
-        let wall = WallOptions::Hard(Hard {
-            response: lennard_forcefield::Response::Contact,
-            restitution: Some(restitution),
-        });
-        let pair = WallPair::new(&wall, planes, &WallContext { temperature: 1.0 });
-        let walls = Walls::new(vec![pair], Streams::new(1).noise("walls"));
-        let law = UnilateralLaw {
-            restitution,
-            compliance,
-            damping: Damping::Steps(2.0),
-            solver: Solver::Exact,
-        };
-        let bodies = Bodies::alike(1.0, Exclusions::NONE);
-        let contacts = Contacts::new(Response::Unilateral(law), bodies, Some(walls));
-        let field = ConstantField::new(DVec3::new(0.0, 0.0, -gravity), Masses::Uniform(1.0));
-        let forces = ForceSum::new(NoForces).with(contacts).with(field);
-        let place = |z: &f64| DVec3::new(5.0, 5.0, PLANE + z);
-        let mut started = Self {
-            system: System::atoms(heights.len()).pushed_along(forces.properties().breaks_momentum),
-            state: State::new(
-                cell,
-                heights.iter().map(place).collect(),
-                vec![DVec3::new(0.0, 0.0, speed); heights.len()],
-            ),
-            forces,
-            method: build(&IntegratorOptions::Spook(spook::Options {})),
-            h,
-        };
-        let Self {
-            system,
-            state,
-            forces,
-            method,
-            ..
-        } = &mut started;
-        method
-            .start(system, state, forces, h, Want::NOTHING)
-            .map_err(|source| failed(h, source))?;
-        Ok(started)
-    }
-
-    fn steps(&mut self, n: u32) -> Result<(), StudyError> {
-        let Self {
-            system,
-            state,
-            forces,
-            method,
-            h,
-        } = self;
-        for _ in 0..n {
-            method
-                .step(system, state, forces, *h, Want::NOTHING)
-                .map_err(|source| failed(*h, source))?;
-        }
-        Ok(())
-    }
-
-    fn floor(&self) -> f64 {
-        self.forces.walls()[0].impulse
-    }
-
-    fn z(&self, i: usize) -> f64 {
-        self.state.positions[i].z - PLANE
-    }
-}
-
-fn failed(dt: f64, source: lennard_core::StepError) -> StudyError {
-    StudyError::Step {
-        method: spook::SPEC.name,
-        dt,
-        source,
-    }
+) -> Result<Balls, StudyError> {
+    let wall = WallOptions::Hard(Hard {
+        response: lennard_forcefield::Response::Contact,
+        restitution: Some(restitution),
+    });
+    let law = UnilateralLaw {
+        restitution,
+        compliance,
+        damping: Damping::Steps(2.0),
+        solver: Solver::Exact,
+    };
+    let bodies = Bodies::alike(1.0, Exclusions::NONE);
+    let contacts = Contacts::new(Response::Unilateral(law), bodies, Some(floor(&wall)?));
+    let forces = ForceSum::new(NoForces).with(contacts).with(gravity(g));
+    let method = IntegratorOptions::Spook(spook::Options {});
+    Balls::start(forces, &method, column, h)
 }
 
 fn restitution() -> Result<f64, StudyError> {
     let (h, mut worst) = (0.01, 0.0_f64);
     for k in 1..=100 {
         let above = (1.0 - f64::from(k) / 100.0) * h;
-        let mut ball = Bodied::start((SHARE, 0.0), &[above], (-1.0, 0.0), h)?;
+        let mut ball = balls((SHARE, 0.0), (&[above], -1.0), 0.0, h)?;
         ball.steps(30)?;
-        let off = ball.state.velocities[0].z - SHARE;
+        let off = ball.speed() - SHARE;
         if off.abs() > worst.abs() {
             worst = off;
         }
@@ -149,29 +74,34 @@ fn restitution() -> Result<f64, StudyError> {
 fn stack() -> Result<[f64; 2], StudyError> {
     let h = 0.005;
     let heights: Vec<f64> = (0..5).map(|i| 0.1 + 1.1 * f64::from(i)).collect();
-    let mut stack = Bodied::start((0.2, COMPLIANCE), &heights, (0.0, 1.0), h)?;
+    let mut stack = balls((0.2, COMPLIANCE), (&heights, 0.0), 1.0, h)?;
     stack.steps(16_000)?;
-    let before = stack.floor();
+    let before = stack.impulse();
     stack.steps(2000)?;
-    let weight = (stack.floor() - before) / (2000.0 * h * 5.0) - 1.0;
+    let weight = (stack.impulse() - before) / (2000.0 * h * 5.0) - 1.0;
     let depth = |i: usize| match i {
-        0 => -stack.z(0),
-        _ => 1.0 - (stack.z(i) - stack.z(i - 1)),
+        0 => -stack.height(),
+        _ => 1.0 - (stack.height_of(i) - stack.height_of(i - 1)),
     };
     let off = (0..5).map(|i| (depth(i) / (COMPLIANCE * (5 - i) as f64) - 1.0).abs());
     Ok([off.fold(0.0, f64::max), weight])
 }
 
+/// Steps over which a ball that bounces keeps its energy.
+pub(crate) fn steps_of_ball(quick: bool) -> u32 {
+    if quick { 20_000 } else { 200_000 }
+}
+
 /// In a constant field positions and v + h·f/(2m) lie on the exact parabola, so that the energy there is exact.
 fn energy(quick: bool) -> Result<f64, StudyError> {
     let h = 0.01;
-    let mut ball = Bodied::start((1.0, 0.0), &[1.0], (0.0, 1.0), h)?;
-    let of = |ball: &Bodied| {
-        let v = ball.state.velocities[0].z - 0.5 * h;
-        0.5 * v * v + ball.z(0)
+    let mut ball = balls((1.0, 0.0), (&[1.0], 0.0), 1.0, h)?;
+    let of = |ball: &Balls| {
+        let v = ball.speed() - 0.5 * h;
+        0.5 * v * v + ball.height()
     };
     let (start, mut worst) = (of(&ball), 0.0_f64);
-    for _ in 0..if quick { 20_000 } else { 200_000 } {
+    for _ in 0..steps_of_ball(quick) {
         ball.steps(1)?;
         worst = worst.max((of(&ball) / start - 1.0).abs());
     }
@@ -179,14 +109,7 @@ fn energy(quick: bool) -> Result<f64, StudyError> {
 }
 
 fn sweep() -> [f64; 2] {
-    let contacts: Vec<Contact> = (0..SWEPT)
-        .map(|second| Contact {
-            first: second.checked_sub(1),
-            second,
-            normal: DVec3::Z,
-            gap: 0.0,
-        })
-        .collect();
+    let contacts = column(SWEPT);
     // What gravity does in a step: the floor alone sees the fall, and the solution is (n, …, 1).
     let mut b = vec![0.0; SWEPT];
     b[0] = -1.0;

@@ -9,7 +9,7 @@ use crate::tidy::lennard_commands;
 use crate::workspace::Workspace;
 
 /// The lists of `lennard list` with their headings.
-const LISTS: [(&str, &str); 13] = [
+const LISTS: [(&str, &str); 15] = [
     ("observables", "Observables"),
     ("integrators", "Integrators"),
     ("thermostats", "Thermostats"),
@@ -17,7 +17,9 @@ const LISTS: [(&str, &str); 13] = [
     ("exchanges", "Exchanges of velocities"),
     ("potentials", "Potentials"),
     ("truncations", "Truncations"),
+    ("combining-rules", "Rules for unlike species"),
     ("walls", "Walls"),
+    ("contacts", "Contacts"),
     ("bonds", "Ways to hold bonds"),
     ("equations-of-state", "Equations of state"),
     ("formats", "Formats of trajectories"),

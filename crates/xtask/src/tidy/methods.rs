@@ -11,6 +11,7 @@ const LISTS: &[(&str, &str)] = &[
     ("crates/integrators/src/", "IntegratorOptions"),
     ("crates/integrators/src/", "ThermostatOptions"),
     ("crates/integrators/src/", "BarostatOptions"),
+    ("crates/integrators/src/", "BondOptions"),
     ("crates/forcefield/src/pair/potentials/", "PotentialOptions"),
     ("crates/forcefield/src/pair/truncations/", "TruncationKind"),
     ("crates/forcefield/src/pair/combining/", "CombiningOptions"),
