@@ -3,12 +3,12 @@
 use lennard_contacts::{Bodies, ContactOptions, Contacts, Response};
 use lennard_core::{Bonds, Integrator, PeriodicBox, SpeciesTable};
 use lennard_forcefield::{HitRule, Walls};
-use lennard_integrators::{build, integrators};
+use lennard_integrators::build;
 
 use crate::Scene;
 use crate::error::SceneError;
+use crate::integrator::kinds_that;
 use crate::read::Reader;
-use crate::reference::quoted;
 use crate::stiff::TooStiff;
 
 /// The table `[contact]`.
@@ -226,14 +226,12 @@ fn acts_in_flight(scene: &Scene, table: &ContactTable) -> Result<(), SceneError>
         if suits(&integrator) {
             continue;
         }
-        let fit = integrators().iter().filter(|entry| suits(&entry.build()));
-        let names: Vec<&str> = fit.map(|entry| entry.spec.name).collect();
         return Err(source
             .refuse(key, format!("{what}, which the method does not make"))
             .found(format!("{name:?} with {:?}", integrator.spec().name))
             .allowed(format!(
-                "the integrators {}, or soft contacts with restitution = 1",
-                quoted(&names)
+                "{}, or soft contacts with restitution = 1",
+                kinds_that(|entry| suits(&entry.build()))
             )));
     }
     if let Some(molecule) = &scene.molecule

@@ -1,11 +1,11 @@
 //! The exchange of a stage: how it is read, and what it needs.
 
 use lennard_core::options::Options;
-use lennard_integrators::{ExchangeOptions, Exchanged, integrators};
+use lennard_integrators::{ExchangeOptions, Exchanged};
 
 use crate::error::SceneError;
+use crate::integrator::kinds_that;
 use crate::read::Reader;
-use crate::reference::quoted;
 use crate::tree::Node;
 use crate::typed::Section;
 use crate::{Scene, Stage};
@@ -83,12 +83,10 @@ fn fits(scene: &Scene, stage: &Stage, key: &str) -> Result<(), SceneError> {
     }
     let method = lennard_integrators::build(&scene.integrator.method);
     if !method.spec().is_kick_drift_kick {
-        let fit = integrators().iter().filter(|e| e.spec.is_kick_drift_kick);
-        let names: Vec<&str> = fit.map(|e| e.spec.name).collect();
         return refuse(
             "needs a method that starts each step from the velocities",
             format!("an exchange with integrator {:?}", method.spec().name),
-            format!("integrator.kind = {}", quoted(&names)),
+            kinds_that(|e| e.spec.is_kick_drift_kick),
         );
     }
     Ok(())

@@ -97,3 +97,13 @@ impl Reader<'_> {
             .allowed(quoted(&names)))
     }
 }
+
+/// The integrators that fit, as a scene names them: `integrator.kind = "leapfrog", "velocity-verlet"`.
+pub(crate) fn kinds_that(fit: impl Fn(&IntegratorEntry) -> bool) -> String {
+    let all = lennard_integrators::integrators().iter();
+    let names: Vec<&str> = all
+        .filter(|entry| fit(entry))
+        .map(|entry| entry.spec.name)
+        .collect();
+    format!("integrator.kind = {}", quoted(&names))
+}

@@ -12,8 +12,11 @@ pub fn nearest<'a>(found: &str, known: impl Iterator<Item = &'a str>) -> Option<
     known
         .map(|name| {
             let plain = name.to_lowercase().replace('-', "_");
-            let slips = SLIPS_WEIGH * strsim::normalized_damerau_levenshtein(&found, &plain);
-            (strsim::jaro_winkler(&found, &plain).max(slips), name)
+            let slips = |known| strsim::normalized_damerau_levenshtein(&found, known);
+            let whole = strsim::jaro_winkler(&found, &plain).max(SLIPS_WEIGH * slips(&plain));
+            // `densty` may mean `crystal_density`.
+            let last = plain.rsplit('_').next().unwrap_or_default();
+            (whole.max(slips(last)), name)
         })
         .filter(|(similarity, _)| *similarity >= NEAR_ENOUGH)
         .max_by(|a, b| a.0.total_cmp(&b.0))
@@ -197,6 +200,7 @@ mod tests {
         assert_eq!(meant("N-Atoms").as_deref(), Some("n_atoms"));
         assert_eq!(meant("rfd").as_deref(), Some("rdf"));
         assert_eq!(meant("velocity_verlet").as_deref(), Some("velocity-verlet"));
+        assert_eq!(meant("atms").as_deref(), Some("n_atoms"));
         for other in ["", "x", "pressure", "wavelet", "фыва"] {
             assert_eq!(meant(other), None, "{other}");
         }

@@ -7,12 +7,11 @@ use lennard_forcefield::{
     ConstantField, HitRule, SHALLOWEST_ROOM, SlitPlanes, Surface, WallContext, WallOptions,
     WallPair, Walls,
 };
-use lennard_integrators::integrators;
 use lennard_observables::Surroundings;
 
 use crate::error::SceneError;
+use crate::integrator::kinds_that;
 use crate::read::Reader;
-use crate::reference::quoted;
 use crate::stiff::TooStiff;
 use crate::typed::Section;
 use crate::{Lattice, Scene, Start};
@@ -343,8 +342,6 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
     for stage in &scene.stages {
         let integrator = scene.method_of(stage);
         if !suits(&integrator) {
-            let fit = integrators().iter().filter(|entry| suits(&entry.build()));
-            let names: Vec<&str> = fit.map(|entry| entry.spec.name).collect();
             return Err(scene
                 .source
                 .refuse(&format!("wall.{i}.kind"), message)
@@ -354,8 +351,8 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
                     integrator.spec().name
                 ))
                 .allowed(format!(
-                    "the integrators {}, or a wall that only exerts a force",
-                    quoted(&names)
+                    "{}, or a wall that only exerts a force",
+                    kinds_that(|entry| suits(&entry.build()))
                 )));
         }
     }
