@@ -211,7 +211,9 @@ mod tests {
 
     use super::*;
     use crate::compare::{ComparedRun, Row, StateOfMatter};
+    use crate::sweep::point_table::of_points;
     use crate::sweep::{Point as SweepPoint, Setting};
+    use lennard_core::Cell;
 
     /// A finished point with fronts of v = 2·(at − T).
     fn point(n: f64, temperature: f64, at: f64) -> SweptPoint {
@@ -252,6 +254,20 @@ mod tests {
             wall_s: 0.0,
             ns_per_atom_step: 0.0,
         }
+    }
+
+    #[test]
+    fn the_table_has_the_fronts_and_no_column_without_a_number() {
+        let mut failed = point(1000.0, 1.1, 1.0);
+        failed.compared = None;
+        let table = of_points(&[point(1000.0, 0.9, 1.0), failed]);
+        let names: Vec<&str> = table.columns.iter().map(|c| c.name.as_str()).collect();
+        assert!(names.contains(&"Velocity of a front"), "{names:?}");
+        assert!(!names.iter().any(|name| name.contains("equation")));
+        assert!(!names.iter().any(|name| name.contains("Verdicts")));
+        // A point that has no results says so.
+        let state = table.columns.last().unwrap();
+        assert_eq!(state.cells[1].value, Cell::words("not finished").value);
     }
 
     #[test]

@@ -5,8 +5,9 @@ use lennard_report::{Axis, Figure, Look, Page, Picture, Point, Section, Series, 
 
 use super::equations::{self, Judgement};
 use super::figures::Pictures;
+use super::point_table::{Kind, point_table, state};
 use super::{SweepRecord, SweptPoint, probability_words};
-use crate::compare::{ComparedRun, Row, StateOfMatter, Verdict, quantity_words};
+use crate::compare::{ComparedRun, Row, quantity_words};
 
 /// The quantities of a sweep with their short names.
 const QUANTITIES: [(&str, &str); 3] = [
@@ -14,11 +15,6 @@ const QUANTITIES: [(&str, &str); 3] = [
     ("pressure", "p"),
     ("heat_capacity", "cv"),
 ];
-
-/// The state of a point: the measured one, or the one that was asked for.
-fn state(point: &SweptPoint) -> &StateOfMatter {
-    point.compared.as_ref().map_or(&point.planned, |c| &c.state)
-}
 
 /// The points with U, P and c_v beside the equation of state, as CSV.
 pub(super) fn csv(record: &SweepRecord) -> Table {
@@ -87,14 +83,6 @@ fn others(record: &SweepRecord) -> Vec<String> {
     names
 }
 
-/// Whether its points are slabs of liquid beside their vapor.
-fn is_of_slabs(record: &SweepRecord) -> bool {
-    record
-        .points
-        .iter()
-        .any(|p| p.row("liquid_density").is_some())
-}
-
 /// The table of points with a link from each name to its page.
 fn linked(mut table: Table, record: &SweepRecord) -> Table {
     if let Some(names) = table.columns.first_mut() {
@@ -114,6 +102,7 @@ pub(super) fn page(
     pictures: Pictures,
     judgements: &[Judgement],
 ) -> Page {
+    let kind = Kind::of(&record.points);
     let finished = record
         .points
         .iter()
@@ -141,9 +130,9 @@ pub(super) fn page(
     let points = Section::new("Points")
         .figures(pictures.together.into_iter().chain(drawn).collect())
         .table(linked(point_table(record), record));
-    let mut sections = match is_of_slabs(record) {
-        true => vec![points],
-        false => vec![together, points],
+    let mut sections = match kind {
+        Kind::Fluids => vec![together, points],
+        Kind::Slabs | Kind::Crystals => vec![points],
     };
     if !judgements.is_empty() {
         sections
@@ -161,7 +150,7 @@ pub(super) fn page(
         lead: format!(
             "{finished} of {} points are finished. {}",
             record.points.len(),
-            compared_with(record)
+            kind.in_words()
         ),
         command: None,
         sections,
@@ -174,21 +163,6 @@ pub(super) fn page(
                 record.threads.to_string(),
             ),
         ],
-    }
-}
-
-/// What the points stand beside.
-fn compared_with(record: &SweepRecord) -> &'static str {
-    match is_of_slabs(record) {
-        true => {
-            "Each is a slab of liquid beside its vapor. It is compared with two coexisting phases of its model at the measured \
-             temperature."
-        }
-        false => {
-            "Each is compared with the equation of state that describes its model, at the measured temperature that belongs to its \
-             positions (of half steps where the method has them) and for as many particles in a closed box; the error of a \
-             difference counts that U, P and T fluctuate together."
-        }
     }
 }
 
@@ -272,91 +246,6 @@ pub fn agreement_table(record: &SweepRecord) -> Table {
 
 /// The columns of [`agreement_table`] that p already says.
 pub const CHI_SQUARED: [&str; 2] = ["χ²", "χ² with the equation's own uncertainty"];
-
-/// The points with U, P and c_v beside the equation of state.
-#[must_use]
-pub fn point_table(record: &SweepRecord) -> Table {
-    let caption = "Digits in brackets are one standard error in the last digits. Differences in green agree, in red they do not; in brown they are as large as the predicted bias of a short \
-                   cutoff.";
-    let mean =
-        |p: &SweptPoint, quantity: &str| Cell::rounded(p.row(quantity).map(|r| r.measured), 5);
-    let mut table = Table::rows_of("points", &record.points)
-        .caption(caption)
-        .column("Point", |p| &p.name)
-        .column("T, whole steps", |p| mean(p, "temperature"))
-        .column("T, half steps", |p| mean(p, "temperature_half_steps"));
-    for (quantity, heading, beside) in columns(record) {
-        table = table
-            .measured(heading, |p| {
-                p.row(quantity).map(|r| (r.measured, r.standard_error))
-            })
-            .column(beside, |p| {
-                let row = p.row(quantity)?;
-                let cell = Cell::measured(row.difference?, row.combined_error?);
-                Some(cell.toned(row.verdict.tone()))
-            });
-    }
-    let shown: Vec<&str> = columns(record)
-        .iter()
-        .map(|(quantity, ..)| *quantity)
-        .collect();
-    let heading = match is_of_slabs(record) {
-        true => "Verdicts of ρ, p_s, γ",
-        false => "Verdicts of U, P, c_v",
-    };
-    table
-        .column(heading, |p| verdicts(p, &shown))
-        .column("State", |p| {
-            let state = state(p);
-            Cell::words(&state.words).toned(if state.is_single_stable_phase() {
-                Tone::Plain
-            } else {
-                Tone::Careful
-            })
-        })
-        .table()
-}
-
-/// A quantity of the table, its heading, and the heading of its difference.
-type Shown = (&'static str, &'static str, &'static str);
-
-/// The quantities of the table of points.
-fn columns(record: &SweepRecord) -> &'static [Shown] {
-    match is_of_slabs(record) {
-        true => &[
-            ("liquid_density", "ρ of liquid [σ⁻³]", "ρ_l − literature"),
-            ("vapor_density", "ρ of vapor [σ⁻³]", "ρ_v − literature"),
-            ("vapor_pressure", "p_s [(ε/σ³)]", "p_s − literature"),
-            ("surface_tension", "γ [(ε/σ²)]", "γ − literature"),
-        ],
-        false => &[
-            ("potential_energy", "U [ε]", "U − equation"),
-            ("pressure", "P [(ε/σ³)]", "P − equation"),
-            ("heat_capacity", "c_v [k_B]", "c_v − equation"),
-        ],
-    }
-}
-
-/// The verdicts of a point, or why there are none.
-fn verdicts(point: &SweptPoint, shown: &[&str]) -> Cell {
-    let Some(compared) = &point.compared else {
-        let why = point
-            .failure
-            .as_ref()
-            .and_then(|why| why.reason.lines().next());
-        return Cell::words(why.unwrap_or("not finished")).toned(Tone::Bad);
-    };
-    let rows = || shown.iter().filter_map(|quantity| point.row(quantity));
-    if !compared.state.is_single_stable_phase() && !rows().any(|r| r.verdict.is_judged()) {
-        return Cell::words("not judged").toned(Tone::Careful);
-    }
-    let rows = rows();
-    let words = rows.map(|r| match r.verdict {
-        Verdict::PredictedBias => r.verdict_words(),
-        other => other.words().to_owned(),
-    });
-    Cell::words(words.collect::<Vec<_>>().join(", "))
-}
 
 /// Remarks of all points, each once, with how many points they belong to.
 fn remarks(record: &SweepRecord) -> Vec<String> {

@@ -1,0 +1,177 @@
+//! The table of the points of a sweep, by what the points are.
+
+use lennard_core::{Cell, Table, Tone};
+
+use super::{SweepRecord, SweptPoint};
+use crate::compare::{StateOfMatter, Verdict};
+
+/// What the points of a sweep are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Homogeneous fluids, or anything else that one equation of state may describe.
+    Fluids,
+    /// Slabs of liquid beside their vapor.
+    Slabs,
+    /// Crystals beside their liquid.
+    Crystals,
+}
+
+/// A quantity of the table, its heading, and the heading of its difference where it has a reference.
+type Shown = (&'static str, &'static str, Option<&'static str>);
+
+impl Kind {
+    /// What the points are, by what any of them has measured.
+    pub(super) fn of(points: &[SweptPoint]) -> Self {
+        let measured = |quantity: &str| points.iter().any(|p| p.row(quantity).is_some());
+        if measured("liquid_density") {
+            Self::Slabs
+        } else if measured("front_velocity") {
+            Self::Crystals
+        } else {
+            Self::Fluids
+        }
+    }
+
+    /// The quantities of the table.
+    fn columns(self) -> &'static [Shown] {
+        match self {
+            Self::Fluids => &[
+                ("potential_energy", "U [ε]", Some("U − equation")),
+                ("pressure", "P [(ε/σ³)]", Some("P − equation")),
+                ("heat_capacity", "c_v [k_B]", Some("c_v − equation")),
+            ],
+            Self::Slabs => &[
+                (
+                    "liquid_density",
+                    "ρ of liquid [σ⁻³]",
+                    Some("ρ_l − literature"),
+                ),
+                (
+                    "vapor_density",
+                    "ρ of vapor [σ⁻³]",
+                    Some("ρ_v − literature"),
+                ),
+                ("vapor_pressure", "p_s [(ε/σ³)]", Some("p_s − literature")),
+                ("surface_tension", "γ [(ε/σ²)]", Some("γ − literature")),
+            ],
+            Self::Crystals => &[
+                ("front_velocity", "Velocity of a front [(σ/τ)]", None),
+                ("solid_share", "Solid share", None),
+                ("pressure", "P [(ε/σ³)]", None),
+            ],
+        }
+    }
+
+    /// The heading of the verdicts; `None` where nothing is judged.
+    fn verdicts(self) -> Option<&'static str> {
+        match self {
+            Self::Fluids => Some("Verdicts of U, P, c_v"),
+            Self::Slabs => Some("Verdicts of ρ, p_s, γ"),
+            Self::Crystals => None,
+        }
+    }
+
+    /// What the points are, and what they stand beside.
+    pub(super) fn in_words(self) -> &'static str {
+        match self {
+            Self::Fluids => {
+                "Each is compared with the equation of state that describes its model, at the measured temperature that belongs to its \
+                 positions (of half steps where the method has them) and for as many particles in a closed box; the error of a \
+                 difference counts that U, P and T fluctuate together."
+            }
+            Self::Slabs => {
+                "Each is a slab of liquid beside its vapor. It is compared with two coexisting phases of its model at the measured \
+                 temperature."
+            }
+            Self::Crystals => {
+                "Each is a crystal beside its liquid. The velocity of a front is positive where the crystal grows."
+            }
+        }
+    }
+}
+
+/// The state of a point: the measured one, or the one that was asked for.
+pub(super) fn state(point: &SweptPoint) -> &StateOfMatter {
+    point.compared.as_ref().map_or(&point.planned, |c| &c.state)
+}
+
+/// The points with what was measured, beside the equation of state or the coexisting phases where there are some.
+#[must_use]
+pub fn point_table(record: &SweepRecord) -> Table {
+    of_points(&record.points)
+}
+
+pub(super) fn of_points(points: &[SweptPoint]) -> Table {
+    let kind = Kind::of(points);
+    let caption = match kind {
+        Kind::Crystals => "Digits in brackets are one standard error in the last digits.",
+        Kind::Fluids | Kind::Slabs => {
+            "Digits in brackets are one standard error in the last digits. Differences in green agree, in red they do not; in brown they are as large as the predicted bias of a short \
+             cutoff."
+        }
+    };
+    let mean =
+        |p: &SweptPoint, quantity: &str| Cell::rounded(p.row(quantity).map(|r| r.measured), 5);
+    let mut table = Table::rows_of("points", points)
+        .caption(caption)
+        .column("Point", |p| &p.name)
+        .column("T, whole steps", |p| mean(p, "temperature"))
+        .column("T, half steps", |p| mean(p, "temperature_half_steps"));
+    for (quantity, heading, beside) in kind.columns() {
+        table = table.measured(heading, |p| {
+            p.row(quantity).map(|r| (r.measured, r.standard_error))
+        });
+        let Some(beside) = beside else { continue };
+        table = table.column(beside, |p| {
+            let row = p.row(quantity)?;
+            let cell = Cell::measured(row.difference?, row.combined_error?);
+            Some(cell.toned(row.verdict.tone()))
+        });
+    }
+    if let Some(heading) = kind.verdicts() {
+        table = table.column(heading, |p| verdicts(p, kind));
+    }
+    // Where all are the same, there is nothing to tell.
+    if kind != Kind::Crystals || points.iter().any(|p| p.compared.is_none()) {
+        table = table.column("State", |p| {
+            if p.compared.is_none() && kind.verdicts().is_none() {
+                return why_unfinished(p);
+            }
+            let state = state(p);
+            Cell::words(&state.words).toned(if state.is_single_stable_phase() {
+                Tone::Plain
+            } else {
+                Tone::Careful
+            })
+        });
+    }
+    table.table()
+}
+
+/// Why a point has no results.
+fn why_unfinished(point: &SweptPoint) -> Cell {
+    let failure = point.failure.as_ref();
+    let why = failure.and_then(|why| why.reason.lines().next());
+    Cell::words(why.unwrap_or("not finished")).toned(Tone::Bad)
+}
+
+/// The verdicts of a point, or why there are none.
+fn verdicts(point: &SweptPoint, kind: Kind) -> Cell {
+    let Some(compared) = &point.compared else {
+        return why_unfinished(point);
+    };
+    let rows = || {
+        kind.columns()
+            .iter()
+            .filter_map(|(quantity, ..)| point.row(quantity))
+    };
+    if !compared.state.is_single_stable_phase() && !rows().any(|r| r.verdict.is_judged()) {
+        return Cell::words("not judged").toned(Tone::Careful);
+    }
+    let rows = rows();
+    let words = rows.map(|r| match r.verdict {
+        Verdict::PredictedBias => r.verdict_words(),
+        other => other.words().to_owned(),
+    });
+    Cell::words(words.collect::<Vec<_>>().join(", "))
+}
