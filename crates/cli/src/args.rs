@@ -34,6 +34,35 @@ pub struct Cli {
     pub command: Command,
 }
 
+/// One big system on several ranks, which MPI starts: the same bits as `lennard`.
+#[derive(Debug, Parser)]
+#[command(
+    name = "lennard-mpi",
+    version,
+    about,
+    after_help = "Examples:\n  \
+        mpirun -n 4 lennard-mpi run big-fluid.toml --threads 16 --out runs/big\n  \
+        mpirun -n 8 lennard-mpi resume runs/big\n\n\
+        Any other command is one of `lennard`, which reads what this program writes.\n\
+        Exit codes: 0 done, 2 the input is wrong, 3 physics failed, 4 stopped on request and resumable, 1 anything else.",
+    propagate_version = true,
+    arg_required_else_help = true
+)]
+pub struct RanksCli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: RanksCommand,
+}
+
+/// The commands of `lennard-mpi`.
+#[derive(Debug, Subcommand)]
+pub enum RanksCommand {
+    /// Run a scene on all ranks; rank 0 writes and prints.
+    Run(RunArgs),
+    /// Go on with a run on any number of ranks, to the bit, whether one process or several began it.
+    Resume(ResumeArgs),
+}
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {

@@ -12,6 +12,7 @@ mod failure;
 mod list_entry;
 mod man;
 mod progress;
+mod ranks;
 mod show;
 mod signals;
 
@@ -19,7 +20,9 @@ use std::ffi::OsString;
 
 use clap::Parser;
 
-use crate::args::{Cli, Command};
+use lennard_core::Team;
+
+use crate::args::{Cli, Command, RanksCli, RanksCommand};
 use crate::failure::Failure;
 
 /// Runs the command line with these arguments, the name of the program first, and returns the exit code.
@@ -55,13 +58,39 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Schema => commands::documents::schema(),
         Command::Version { json } => commands::version(*json),
     };
+    exit_code(done)
+}
+
+/// Runs the command line of `lennard-mpi` on one of several ranks, and returns the exit code, which all ranks share.
+///
+/// Every rank is given the same arguments. What only one rank meets ends all of them ([`Team::abort`]).
+pub fn main_on_ranks(arguments: impl IntoIterator<Item = OsString>, team: &Team) -> u8 {
+    let cli = match RanksCli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => {
+            if team.leads() {
+                let _ = error.print();
+            }
+            return u8::try_from(error.exit_code()).unwrap_or(failure::INPUT);
+        }
+    };
+    exit_code(match &cli.command {
+        RanksCommand::Run(args) => commands::run::run_on(args, Some(team)),
+        RanksCommand::Resume(args) => commands::resume::resume_on(args, Some(team)),
+    })
+}
+
+/// Prints a failure, unless another rank does, and gives the exit code.
+fn exit_code(done: Result<u8, Failure>) -> u8 {
     match done.and_then(|code| out::finish().map(|()| code)) {
         Ok(code) => code,
         Err(Failure { message, code }) => {
-            eprintln!(
-                "{} {message}",
-                console::style("error:").for_stderr().red().bold()
-            );
+            if !message.is_empty() {
+                eprintln!(
+                    "{} {message}",
+                    console::style("error:").for_stderr().red().bold()
+                );
+            }
             code
         }
     }

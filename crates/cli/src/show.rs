@@ -114,11 +114,18 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
         scene.total_steps(),
         lennard_report::counted(scene.stages.len(), "stage")
     );
-    println!(
-        "  {}, output in {}",
-        lennard_report::counted(threads, "thread"),
-        folder.display()
-    );
+    let threads = lennard_report::counted(threads, "thread");
+    let workers = match &simulation.team {
+        None => threads,
+        Some(team) => {
+            let ranks = lennard_report::counted(team.ranks(), "rank");
+            format!("{ranks} with {threads} each")
+        }
+    };
+    println!("  {workers}, output in {}", folder.display());
+    if simulation.team.is_some() && !simulation.shares_forces {
+        println!("  each rank computes all pair forces: this search for pairs has no shared form");
+    }
 }
 
 /// What a run found, and what can be said of it.
@@ -167,6 +174,20 @@ pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, verbos
         p.atom_steps_per_s / 1e6,
         p.ns_per_atom_step
     );
+    if let Some(ranks) = &p.ranks {
+        let number = lennard_report::counted(ranks.ranks as usize, "rank");
+        let halo = match ranks.shared_forces {
+            true => format!(
+                "lists of rank 0 named {:.0} particles of others",
+                ranks.halo
+            ),
+            false => "pair forces were not shared".to_owned(),
+        };
+        println!(
+            "  {number}: {:.0} % of the time in messages; {halo}",
+            100.0 * ranks.communication
+        );
+    }
     if verbose {
         where_the_time_went(record);
     }

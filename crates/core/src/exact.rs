@@ -24,6 +24,7 @@ use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 
+use crate::Team;
 use crate::parallel::{CHUNK, part};
 use crate::tasks::map_tasks;
 
@@ -124,13 +125,15 @@ impl ExactSum {
         match &self.wide {
             // Both are exact.
             None => high + low,
-            Some(wide) => {
-                let mut all = wide.clone();
-                all.add(high);
-                all.add(low);
-                all.value()
-            }
+            Some(_) => self.as_wide().value(),
         }
+    }
+
+    /// The sum as one wide integer.
+    fn as_wide(&self) -> WideSum {
+        let mut all = self.wide.as_deref().cloned().unwrap_or_default();
+        self.slices.into_iter().for_each(|slice| all.add(slice));
+        all
     }
 }
 
@@ -209,6 +212,24 @@ impl<const N: usize> ExactSums<N> {
         self.sums
     }
 
+    /// The sums over all ranks of a team, of which each has some of the terms; without a team these sums.
+    #[must_use]
+    pub fn over(self, team: Option<&Team>) -> Self {
+        let Some(team) = team else { return self };
+        let sums = self.accumulators();
+        let mut words: Vec<i64> = sums.iter().flat_map(|sum| sum.as_wide().words()).collect();
+        team.sum(&mut words);
+        let (all, _) = words.as_chunks();
+        let mut wides = all.iter().map(WideSum::of_words);
+        Self {
+            sums: std::array::from_fn(|_| ExactSum {
+                wide: wides.next().map(Box::new),
+                ..ExactSum::default()
+            }),
+            ..Self::default()
+        }
+    }
+
     /// The sums, each rounded once.
     #[must_use]
     pub fn values(self) -> [f64; N] {
@@ -270,10 +291,19 @@ impl<const N: usize> Summand<N> for [f64; N] {
 
 /// The exact sum of `term(0)`, …, `term(n − 1)`, rounded once: the same bits for any order, any threads and any ranks.
 pub fn exact_sum<T: Summand<N>, const N: usize>(n: usize, term: impl Fn(usize) -> T + Sync) -> T {
+    exact_sum_over(None, n, term)
+}
+
+/// As [`exact_sum`], over the terms of all ranks of a team, where there is one.
+pub fn exact_sum_over<T: Summand<N>, const N: usize>(
+    team: Option<&Team>,
+    n: usize,
+    term: impl Fn(usize) -> T + Sync,
+) -> T {
     let (sums, _) = exact_sums(n, |range, sums: &mut ExactSums<N>| {
         sums.add_range(range, |i| term(i).numbers());
     });
-    T::from_numbers(sums.values())
+    T::from_numbers(sums.over(team).values())
 }
 
 /// The exact sum of numbers, rounded once.

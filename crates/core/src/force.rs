@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::parallel::for_each_piece;
 use crate::{
     Boundary, Configuration, Energetics, ForceError, FusedBath, FusedNoise, Masses, Part,
-    PeriodicBox, Persist, WallReading, Want,
+    PeriodicBox, Persist, Team, TooManyRanks, WallReading, Want,
 };
 
 /// What kind of force it is.
@@ -228,6 +228,37 @@ pub trait Backend: ForceTerm {
         let _ = steps;
         0
     }
+
+    /// Shares its work with the other ranks of a team from now on; returns whether it does. All ranks have the same state,
+    /// and each gets all forces, to the bit of one rank alone.
+    ///
+    /// The default shares nothing: each rank computes everything.
+    ///
+    /// # Errors
+    /// [`TooManyRanks`] where a rank would have nothing to do.
+    fn share(&mut self, team: &Team) -> Result<bool, TooManyRanks> {
+        let _ = team;
+        Ok(false)
+    }
+
+    /// What a rank would need of others, if so many ranks shared the work at the last evaluation.
+    ///
+    /// The default is nothing, as suits what is not shared out; so it is with more ranks than can be kept busy.
+    fn halo_on(&self, ranks: usize) -> Option<HaloSize> {
+        let _ = ranks;
+        None
+    }
+}
+
+/// What a rank needs of others in each step, as a mean over ranks.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct HaloSize {
+    /// Particles of other ranks that its lists name.
+    pub particles: f64,
+    /// Ranks that have such particles.
+    pub partners: f64,
+    /// Bytes of its lists.
+    pub lists: f64,
 }
 
 /// No force at all: free flight.

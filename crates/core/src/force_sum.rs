@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use crate::{
     Backend, Boundary, Configuration, Energetics, ForceError, ForceProperties, ForceStatistics,
-    ForceTerm, FusedSteps, Part, Persist, RestoreError, StateReader, StateWriter, WallReading,
-    Want,
+    ForceTerm, FusedSteps, HaloSize, Part, Persist, RestoreError, StateReader, StateWriter, Team,
+    TooManyRanks, WallReading, Want,
 };
 
 /// Forces that add, in a fixed order: the first may be a backend of its own, which alone takes several steps at once.
@@ -115,6 +115,15 @@ impl<B: Backend> Backend for ForceSum<B> {
         } else {
             0
         }
+    }
+
+    /// The first term alone is shared: the others touch few particles, and each rank computes them.
+    fn share(&mut self, team: &Team) -> Result<bool, TooManyRanks> {
+        self.first.share(team)
+    }
+
+    fn halo_on(&self, ranks: usize) -> Option<HaloSize> {
+        self.first.halo_on(ranks)
     }
 }
 

@@ -1,10 +1,10 @@
 //! Friction and noise on every particle: the Ornstein–Uhlenbeck part of Langevin dynamics.
 
-use crate::exact::total;
+use crate::exact::{exact_sum_over, total};
 use crate::normals::LANES;
 use crate::parallel::for_each_piece_pair;
 use crate::random::NoiseStream;
-use crate::{DVec3, Masses, Ramp};
+use crate::{DVec3, Masses, Ramp, Team};
 
 /// Friction γ and noise at a temperature, v ← c·v + √((1 − c²)·T/m)·R with c = e^{−γ·dt}: exact over a step.
 #[derive(Debug, Clone, Copy)]
@@ -137,10 +137,11 @@ impl FusedNoise {
         self.noise.in_step(self.step, self.dt)
     }
 
-    /// Ends a step in which the particles gained so much kinetic energy, `[N]`, ε.
-    pub fn pass(&mut self, gained: &[f64]) {
+    /// Ends a step in which the particles gained so much kinetic energy, `[N]`, ε. With a team, they belong to one rank.
+    pub fn pass(&mut self, gained: &[f64], team: Option<&Team>) {
         self.step += 1;
-        self.heats.push(total(gained));
+        self.heats
+            .push(exact_sum_over(team, gained.len(), |i| gained[i]));
     }
 
     /// The heats of the steps so far, ε.

@@ -38,6 +38,7 @@ pub mod sweeps;
 mod system;
 mod table;
 pub mod tasks;
+mod team;
 mod thermostat;
 mod topology;
 
@@ -47,7 +48,9 @@ pub use bonds::{BondSolver, BoundDrift, Drifted};
 pub use boundary::{Boundary, Flight, WallReading};
 pub use cell::{BoxError, PeriodicBox};
 pub use coupling::couple;
-pub use force::{Backend, ForceProperties, ForceStatistics, ForceTerm, FusedSteps, NoForces};
+pub use force::{
+    Backend, ForceProperties, ForceStatistics, ForceTerm, FusedSteps, HaloSize, NoForces,
+};
 pub use force_error::ForceError;
 pub use force_sum::ForceSum;
 pub use friction::{FrictionAndNoise, FusedNoise, NoiseOfStep};
@@ -68,5 +71,6 @@ pub use state::{Configuration, Energetics, Part, State, Want};
 pub use step::{Parts, Step, check_finite};
 pub use system::{Constraint, ExactSolution, Momentum, System};
 pub use table::{Cell, Column, RowsOf, Table, Tone, Value};
+pub use team::{Parcel, Team, TeamStatistics, TooManyRanks, Wire, team_of_threads};
 pub use thermostat::{BathStep, FusedBath, Thermostat, ThermostatSpec};
 pub use topology::{Bond, Coupling, MOST_SITES, Topology, TopologyError};

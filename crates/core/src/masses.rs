@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use crate::exact::exact_sum;
+use crate::Team;
+use crate::exact::{exact_sum, exact_sum_over};
 use crate::species::SpeciesTable;
 
 /// The masses of the particles. A held particle, which never moves, has an infinite mass.
@@ -65,6 +66,14 @@ impl Masses {
     #[must_use]
     pub fn kinetic_energy(&self, velocities: &[DVec3]) -> f64 {
         exact_sum(velocities.len(), |i| {
+            self.kinetic_energy_of(i, velocities[i])
+        })
+    }
+
+    /// As [`Masses::kinetic_energy`], where all masses are equal and each rank of a team has some of the velocities.
+    #[must_use]
+    pub fn kinetic_energy_over(&self, team: Option<&Team>, velocities: &[DVec3]) -> f64 {
+        exact_sum_over(team, velocities.len(), |i| {
             self.kinetic_energy_of(i, velocities[i])
         })
     }

@@ -27,6 +27,13 @@ pub fn part(k: usize, size: usize, n: usize) -> Range<usize> {
     k * size..((k + 1) * size).min(n)
 }
 
+/// So many ranges that make up `0..n`, one after another, as equal as can be.
+#[must_use]
+pub fn equal_parts(n: usize, parts: usize) -> Vec<Range<usize>> {
+    let begin = |part: usize| n * part / parts;
+    (0..parts).map(|k| begin(k)..begin(k + 1)).collect()
+}
+
 /// Processors that this process may use; 1 where the system does not say.
 #[must_use]
 pub fn processors() -> usize {

@@ -166,6 +166,8 @@ pub(crate) fn prepare_own_from(
         timers: Timers::default(),
         isa,
         own,
+        team: None,
+        shares_forces: false,
     };
     simulation.keeps_own_method()?;
     simulation.tells_observables_apart()?;

@@ -8,6 +8,7 @@ use lennard_scene::{SceneError, Source};
 
 use crate::failure::PhysicsFailure;
 use crate::names::SCENE;
+use crate::ranks_error::RanksError;
 
 /// Why a run did not start or did not end.
 #[derive(Debug, thiserror::Error)]
@@ -30,6 +31,9 @@ pub enum EngineError {
     /// Physics stopped the run: exit code 3.
     #[error(transparent)]
     Physics(Box<PhysicsFailure>),
+    /// Several ranks cannot run together: exit code 2, and 1 where their machines differ on the way.
+    #[error(transparent)]
+    Ranks(#[from] RanksError),
 }
 
 impl EngineError {
@@ -47,6 +51,7 @@ impl EngineError {
             Self::Scene(_) | Self::Configuration(_) | Self::Folder(_) | Self::Resume(_) => 2,
             Self::Physics(_) => 3,
             Self::Write(_) => 1,
+            Self::Ranks(error) => error.exit_code(),
         }
     }
 }

@@ -20,6 +20,17 @@ pub trait Follower {
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError>;
 }
 
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// All stages are done.
+    Finished,
+    /// It was asked to stop, and has written a checkpoint.
+    Stopped,
+    /// Its time was up, and it has written a checkpoint.
+    OutOfTime,
+}
+
 /// Whether to go on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {

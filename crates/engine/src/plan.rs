@@ -65,6 +65,9 @@ pub struct Plan {
     pub lengths: DVec3,
     /// The distance that forces and lists reach, σ.
     pub reach: f64,
+    /// What the parts of the scene would need of each other, for the numbers of ranks that were asked for.
+    #[serde(skip)]
+    pub one_node: OneNode,
     /// What several machines make of the scene, where the command asks for it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nodes: Option<Nodes>,
@@ -74,15 +77,9 @@ impl Plan {
     /// The same plan with what several machines, each like this one, make of the scene.
     ///
     /// # Errors
-    /// [`NodesError`] where the box has no room for so many bricks.
+    /// [`NodesError`] where the work cannot be shared out so.
     pub fn on(self, network: Network) -> Result<Self, NodesError> {
-        let one = OneNode {
-            lengths: self.lengths,
-            atoms: self.atoms,
-            reach: self.reach,
-            seconds_per_step: self.seconds_per_step,
-        };
-        let nodes = Some(one.on(network)?);
+        let nodes = Some(self.one_node.on(network)?);
         Ok(Self { nodes, ..self })
     }
 }
@@ -91,15 +88,19 @@ impl Plan {
 const STATE_BYTES: usize = 3 * size_of::<DVec3>();
 
 /// Makes the plan of a scene. What is on and off follows from the scene alone; a short measurement of its first steps and
-/// of each part says what they cost.
+/// of each part says what they cost. Halos are counted for the numbers of ranks in `ranks`.
 ///
 /// # Errors
 /// [`EngineError`] for everything that is wrong with the scene.
-pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineError> {
+pub fn plan(
+    simulation: &mut Simulation,
+    threads: usize,
+    ranks: &[usize],
+) -> Result<Plan, EngineError> {
     let scene = simulation.scene.clone();
     let (_, provider) = build::forces(&scene, simulation.state.cell, simulation.system.species())?;
     let mut items = items(&scene, simulation, provider.plan(), threads);
-    let costs = Costs::measure(simulation)?;
+    let costs = Costs::measure(simulation, ranks)?;
     let seconds = costs.of_run(&scene);
     let total: f64 = seconds.values().sum();
     for item in &mut items {
@@ -111,6 +112,16 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
     let (n, molecules) = (simulation.state.len(), simulation.system.n_molecules());
     let state = n * STATE_BYTES;
     let set_aside = n * SET_ASIDE_BYTES;
+    let bytes = (state + set_aside + costs.checkpoint_bytes) as u64 + costs.force_bytes;
+    let one_node = OneNode {
+        atoms: n,
+        seconds_per_step: costs.median_step,
+        halos: costs.halos.clone(),
+        most: lennard_forcefield::most_ranks(n),
+        // Rows gather forces too, half as many bytes as the state.
+        gathers: costs.builds + 1.5 / scene.output.thermo_every as f64,
+        bytes,
+    };
     Ok(Plan {
         schema: "lennard-plan-2",
         scene: scene.name.clone(),
@@ -121,12 +132,13 @@ pub fn plan(simulation: &mut Simulation, threads: usize) -> Result<Plan, EngineE
         steps: scene.total_steps(),
         threads,
         items,
-        bytes: (state + set_aside + costs.checkpoint_bytes) as u64 + costs.force_bytes,
+        bytes,
         seconds_per_step: costs.median_step,
         measured_steps: costs.steps,
         estimated_seconds: total,
         lengths: simulation.state.cell.lengths(),
         reach: provider.plan().r_list,
+        one_node,
         nodes: None,
     })
 }

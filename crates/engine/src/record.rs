@@ -65,6 +65,7 @@ pub fn finished(
         performance: Performance {
             atom_steps_per_s: atom_steps / wall_s,
             ns_per_atom_step: 1e9 * wall_s / atom_steps,
+            ranks: simulation.ranks_record(wall_s),
             stages: stages(simulation),
         },
         averages,

@@ -9,7 +9,8 @@ use lennard_io::{OutputFolder, RunRecord};
 use crate::checkpointing::{Checkpointer, Past};
 use crate::failure::PhysicsFailure;
 use crate::files::RunFiles;
-use crate::follower::{Follower, Verdict};
+use crate::follower::{Ending, Follower, Verdict};
+use crate::ranks::{Decision, agree};
 use crate::resume::Resumed;
 use crate::schedule::{Action, Schedule};
 use crate::simulation::Simulation;
@@ -67,17 +68,6 @@ pub struct RunOptions<'a> {
     pub deadline: Option<Instant>,
     /// Told how far the run is.
     pub progress: &'a mut dyn Progress,
-}
-
-/// How a run ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ending {
-    /// All stages are done.
-    Finished,
-    /// It was asked to stop, and has written a checkpoint.
-    Stopped,
-    /// Its time was up, and it has written a checkpoint.
-    OutOfTime,
 }
 
 /// What a run gives back.
@@ -144,6 +134,7 @@ fn drive(
         total: simulation.scene.total_steps(),
         checkpoints: Checkpointer::new(options.folder.path(), &simulation.scene.checkpoint),
         before: aside(&simulation.state),
+        is_alone: simulation.team.is_none(),
         files,
         past,
         started,
@@ -184,6 +175,8 @@ struct Recorder<'a> {
     total: u64,
     /// A state with which nothing was wrong.
     before: State,
+    /// Whether no other rank takes part.
+    is_alone: bool,
     ending: Ending,
 }
 
@@ -323,8 +316,9 @@ impl Follower for Recorder<'_> {
         &self.schedule
     }
 
+    /// Clocks of ranks differ: several ranks wait for the step at which they agree.
     fn is_waiting(&self) -> bool {
-        self.checkpoints.time_is_up()
+        self.is_alone && self.checkpoints.time_is_up()
     }
 
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
@@ -345,14 +339,19 @@ impl Follower for Recorder<'_> {
         self.options
             .progress
             .update(&simulation.current_stage().name, step, self.total);
+        let own = Decision {
+            stop: self.told_to_stop(),
+            checkpoint: self.checkpoints.time_is_up(),
+        };
+        let decided = agree(simulation, own)?;
         // A request that comes with the last step changes nothing any more.
         if step < self.total
-            && let Some(ending) = self.told_to_stop()
+            && let Some(ending) = decided.stop
         {
             self.ending = ending;
             return Ok(Verdict::Stop);
         }
-        if self.schedule.does(Action::Checkpoint, step, measured) || self.checkpoints.time_is_up() {
+        if self.schedule.does(Action::Checkpoint, step, measured) || decided.checkpoint {
             self.checkpoint(simulation)?;
         }
         Ok(Verdict::Continue)

@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use lennard_core::random::Streams;
-use lennard_core::{Backend, Integrator, Observable, PeriodicBox, State, System};
+use lennard_core::{Backend, Integrator, Observable, PeriodicBox, State, System, Team};
 use lennard_forcefield::{ForceFieldOptions, Mixture, NeighborOptions, Tail};
 use lennard_observables::Thermodynamics;
 use lennard_scene::{Scene, Stage};
@@ -49,6 +49,10 @@ pub struct Simulation {
     pub isa: String,
     /// What the program brings beside the scene.
     pub own: OwnParts,
+    /// The ranks of this run, where there are several ([`Simulation::share`]).
+    pub team: Option<Team>,
+    /// Whether the ranks share the pair forces out.
+    pub shares_forces: bool,
 }
 
 /// The stage under way: its integrator, and what its heat bath has put in.

@@ -1,11 +1,14 @@
 //! Fused steps: steps that follow each other, with the particles by slot.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use lennard_core::{ForceError, FusedBath, FusedSteps, Masses};
 use lennard_neighbor::Positions;
 
 use crate::clock::Clock;
 use crate::interaction::Interaction;
+use crate::share::Share;
 use crate::simd::{
     Detail, Disjoint, KickDrift, ListStatus, Mover, PackedCopies, PairList, Prepared, Request,
     SlotNoise, SlotState, are_few, by_slot, fused_step, to_particles,
@@ -55,7 +58,7 @@ impl FusedBuffers {
                 return 0;
             }
         }
-        self.gather(list, steps);
+        self.gather(list, steps, validity.shared());
         let (mut taken, mut is_new, mut prepared) = (0, false, Prepared::Nothing);
         loop {
             let most = steps.steps - taken;
@@ -73,13 +76,17 @@ impl FusedBuffers {
                     if status != ListStatus::Complete {
                         return (done, status);
                     }
-                    done += 1;
                     prepared = if acts {
-                        self.go_on_from_bath(steps, kick_drift);
+                        // The bath must not see numbers that are none.
+                        if used.share.is_some_and(Share::is_broken) {
+                            return (done, ListStatus::NonFinite);
+                        }
+                        self.go_on_from_bath(steps, kick_drift, used.share);
                         Prepared::Nothing
                     } else {
-                        self.finish_step(steps, request)
+                        self.finish_step(steps, request, used.share)
                     };
+                    done += 1;
                 }
                 (done, ListStatus::Complete)
             });
@@ -94,6 +101,7 @@ impl FusedBuffers {
                 ListStatus::Expired | ListStatus::Incomplete(_) => {
                     assert!(done > 0 || !is_new, "a new list is complete");
                     let built = clock.building(|| {
+                        self.make_whole(validity.shared());
                         validity.build(list, cell, Positions::BySlot(&self.positions))?;
                         self.reorder(list, validity.built());
                         Ok::<_, ForceError>(())
@@ -105,6 +113,12 @@ impl FusedBuffers {
                 }
             }
         }
+        if let Some(share) = validity.shared() {
+            if share.is_broken() {
+                return 0;
+            }
+            self.make_whole(Some(share));
+        }
         if taken > 0 {
             to_particles(list, &self.positions, steps.positions);
             to_particles(list, &self.velocities, steps.velocities);
@@ -113,21 +127,37 @@ impl FusedBuffers {
     }
 
     /// Gathers positions and velocities by slot.
-    fn gather<P: PairList>(&mut self, list: &P, steps: &FusedSteps<'_>) {
+    fn gather<P: PairList>(&mut self, list: &P, steps: &FusedSteps<'_>, share: Option<&Share>) {
         let n = steps.positions.len();
-        by_slot(list.particles(), steps.positions, &mut self.positions);
-        by_slot(list.particles(), steps.velocities, &mut self.velocities);
         if self.slots.len() != n {
             self.slots = (0..n as u32).collect();
         }
-        self.next
-            .resize(if are_few(n) { n } else { 0 }, DVec3::ZERO);
+        let (order, own) = (list.particles(), self.own(share));
+        by_slot(order, own.clone(), steps.positions, &mut self.positions);
+        by_slot(order, own, steps.velocities, &mut self.velocities);
+        let reads_while_it_writes = are_few(n) && share.is_none();
+        let next = if reads_while_it_writes { n } else { 0 };
+        self.next.resize(next, DVec3::ZERO);
+    }
+
+    /// Gathers what the ranks have of positions and velocities, where there are several.
+    fn make_whole(&mut self, share: Option<&Share>) {
+        if let Some(share) = share {
+            share.team().gather(&mut self.positions, share.slots());
+            share.team().gather(&mut self.velocities, share.slots());
+        }
+    }
+
+    /// The slots whose particles this process moves.
+    fn own(&self, share: Option<&Share>) -> Range<usize> {
+        share.map_or(0..self.slots.len(), Share::own)
     }
 
     /// Puts the particles in the order of a list that was just built; `built` has their positions in that order.
     fn reorder<P: PairList>(&mut self, list: &P, built: &[DVec3]) {
         // The velocities move to the room of the old positions.
-        by_slot(list.source(), &self.velocities, &mut self.positions);
+        let all = 0..self.velocities.len();
+        by_slot(list.source(), all, &self.velocities, &mut self.positions);
         std::mem::swap(&mut self.positions, &mut self.velocities);
         self.positions.copy_from_slice(built);
     }
@@ -143,10 +173,9 @@ impl FusedBuffers {
     }
 
     fn particles(&mut self) -> (SlotState<'_>, Rest<'_>) {
-        let few = are_few(self.slots.len());
         let particles = SlotState {
             positions: &mut self.positions,
-            next: few.then_some(&mut self.next[..]),
+            next: (!self.next.is_empty()).then_some(&mut self.next[..]),
             velocities: &mut self.velocities,
             slots: &self.slots,
         };
@@ -158,27 +187,35 @@ impl FusedBuffers {
     }
 
     /// Lets the bath scale the velocities after half a kick, and goes on with the other half and the drift.
-    fn go_on_from_bath(&mut self, steps: &mut FusedSteps<'_>, kick_drift: KickDrift) {
+    fn go_on_from_bath(
+        &mut self,
+        steps: &mut FusedSteps<'_>,
+        kick_drift: KickDrift,
+        share: Option<&Share>,
+    ) {
+        let own = self.own(share);
+        let (positions, velocities) = (&mut self.positions[own.clone()], &mut self.velocities);
+        let velocities = &mut velocities[own.clone()];
         // All masses are equal, so that the order of the slots serves as well.
-        let kinetic = steps.masses.kinetic_energy(&self.velocities);
+        let kinetic = (steps.masses).kinetic_energy_over(share.map(Share::team), velocities);
         let factor = steps.bath.as_mut().map_or(1.0, |bath| bath.factor(kinetic));
-        kick_drift.scale_and_go_on(
-            factor,
-            &mut self.positions,
-            &mut self.velocities,
-            &self.forces,
-        );
+        kick_drift.scale_and_go_on(factor, positions, velocities, &self.forces[own]);
     }
 
     /// Makes the positions of the next step the present ones; returns the state of their rows.
-    fn finish_step(&mut self, steps: &mut FusedSteps<'_>, request: Request) -> Prepared {
+    fn finish_step(
+        &mut self,
+        steps: &mut FusedSteps<'_>,
+        request: Request,
+        share: Option<&Share>,
+    ) -> Prepared {
         if let Some(bath) = &mut steps.bath {
             bath.pass();
         }
         if let Some(noise) = &mut steps.noise {
-            noise.pass(&self.gained);
+            noise.pass(&self.gained[self.own(share)], share.map(Share::team));
         }
-        if are_few(self.slots.len()) {
+        if !self.next.is_empty() {
             std::mem::swap(&mut self.positions, &mut self.next);
         }
         if request.packs_next {

@@ -20,6 +20,7 @@ mod plan;
 mod provider;
 mod real;
 mod reference;
+mod share;
 mod simd;
 mod sums;
 mod validity;
@@ -45,6 +46,7 @@ pub use pair::{
 pub use plan::{Conditions, ForcePlan, Search, recommended_threads};
 pub use provider::{PairForces, build};
 pub use real::Real;
+pub use share::most_ranks;
 pub use walls::{
     Hard, Hit, HitRule, KICKS_OF_REST, Rebound, Response, SHALLOWEST_ROOM, SlitPlanes, Soft,
     Surface, WallContext, WallForce, WallOptions, WallPair, WallPoint, WallSpec, Walls, walls,

@@ -1,12 +1,13 @@
 //! Pair forces: the force term, and the backend that takes fused steps. All choices are made when it is built.
 
+mod persist;
+
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 use lennard_core::{
     Backend, Configuration, Energetics, Exclusions, ForceError, ForceProperties, ForceStatistics,
-    ForceTerm, FusedSteps, Masses, Part, PeriodicBox, Persist, RestoreError, StateReader,
-    StateWriter, Want,
+    ForceTerm, FusedSteps, HaloSize, Masses, Part, PeriodicBox, Team, TooManyRanks, Want,
 };
 
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
@@ -368,29 +369,21 @@ impl Backend for PairForces {
         self.evaluations += taken;
         taken
     }
-}
 
-impl Persist for PairForces {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_u64("evaluations", &[self.evaluations]);
-        to.put_f64("seconds", &[self.clock.force, self.clock.neighbor]);
-        if let Strategy::Verlet(listed) = &self.strategy {
-            listed.save(&mut to.section("list"));
+    fn share(&mut self, team: &Team) -> Result<bool, TooManyRanks> {
+        let Strategy::Verlet(listed) = &mut self.strategy else {
+            return Ok(false);
+        };
+        if let Some(near) = self.split.as_mut().and_then(|s| s.near.as_mut()) {
+            near.share(team, self.n_atoms)?;
         }
-        if let Some(near) = self.split.as_ref().and_then(|s| s.near.as_ref()) {
-            near.save(&mut to.section("near_list"));
-        }
+        listed.share(team, self.n_atoms)
     }
 
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        if let Strategy::Verlet(listed) = &mut self.strategy {
-            listed.restore(&from.section("list"), self.n_atoms)?;
+    fn halo_on(&self, ranks: usize) -> Option<HaloSize> {
+        match &self.strategy {
+            Strategy::Verlet(listed) => listed.halo_on(self.n_atoms, ranks),
+            _ => None,
         }
-        if let Some(near) = self.split.as_mut().and_then(|s| s.near.as_mut()) {
-            near.restore(&from.section("near_list"), self.n_atoms)?;
-        }
-        [self.evaluations] = from.u64s("evaluations")?;
-        [self.clock.force, self.clock.neighbor] = from.f64s("seconds")?;
-        Ok(())
     }
 }

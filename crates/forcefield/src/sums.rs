@@ -1,8 +1,8 @@
 //! Totals over pairs, and their conversion to energetics.
 
 use glam::{DMat3, DVec3};
-use lennard_core::exact::exact_sum;
-use lennard_core::{Energetics, Want};
+use lennard_core::exact::exact_sum_over;
+use lennard_core::{Energetics, Team, Want};
 
 use crate::pair::Pair;
 use crate::simd::{ChunkTotals, PerParticle};
@@ -53,9 +53,14 @@ impl Totals {
     /// The exact totals of chunks, which contain every pair from both of its ends.
     ///
     /// The sum over a chunk has the order of its list, which no cut into tasks changes. The exact sum begins here.
-    pub fn of_chunks(chunks: &[ChunkTotals]) -> Self {
-        let sums = exact_sum(chunks.len(), |c| chunks[c].numbers());
-        Self::of_both_ends(sums, chunks.iter().map(|chunk| chunk.pairs).sum())
+    /// With a team, each rank has some of the chunks.
+    pub fn of_chunks(chunks: &[ChunkTotals], team: Option<&Team>) -> Self {
+        let sums = exact_sum_over(team, chunks.len(), |c| chunks[c].numbers());
+        let mut pairs = [chunks.iter().map(|chunk| chunk.pairs as i64).sum()];
+        if let Some(team) = team {
+            team.sum(&mut pairs);
+        }
+        Self::of_both_ends(sums, pairs[0] as u64)
     }
 
     /// The totals where [`ChunkTotals::numbers`] and the number of pairs are summed over both ends of every pair.

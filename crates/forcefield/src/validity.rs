@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use lennard_core::{ForceError, PeriodicBox};
+use lennard_core::{ForceError, PeriodicBox, Team, TooManyRanks};
 use lennard_neighbor::{
     Criterion, Displacements, GridError, PackedDisplacement, Positions, Reach, Validity,
     unlisted_pairs,
 };
 
+use crate::share::Share;
 use crate::simd::{Level, ListInUse, ListStatus, MotionSummary, Ordered, PairList, by_slot};
 
 /// The last build of a list.
@@ -22,8 +23,15 @@ struct Build {
     r_list: f64,
 }
 
+impl Build {
+    /// The distance, σ, within which no pair may be missing. The factor is a margin for rounding: no pair inside the cutoff
+    /// may seem to lie outside.
+    fn inner(&self) -> f64 {
+        (self.r_list - self.skin) * (1.0 + 1e-12)
+    }
+}
+
 /// When a list may be used, and the record of its last build.
-#[derive(Debug)]
 pub struct ListValidity {
     r_cut: f64,
     /// The skin of the plan, σ. A build in a smaller box may have a thinner one.
@@ -40,6 +48,8 @@ pub struct ListValidity {
     /// The pairs of slots that were inserted since the build, in their order.
     inserted: Vec<[u32; 2]>,
     builds: u64,
+    /// The share of this rank, where there are several.
+    share: Option<Share>,
 }
 
 impl ListValidity {
@@ -55,7 +65,29 @@ impl ListValidity {
             species: Vec::new(),
             inserted: Vec::new(),
             builds: 0,
+            share: None,
         }
+    }
+
+    /// Shares a list of `n` particles with the other ranks of a team.
+    pub fn share<P: PairList>(
+        &mut self,
+        list: &mut P,
+        team: &Team,
+        n: usize,
+    ) -> Result<(), TooManyRanks> {
+        let mut share = Share::new(team, n)?;
+        list.keep(share.chunks());
+        if self.build.is_some() {
+            share.agree(list);
+        }
+        self.share = Some(share);
+        Ok(())
+    }
+
+    /// The share of this rank, where there are several.
+    pub fn shared(&self) -> Option<&Share> {
+        self.share.as_ref()
     }
 
     /// Number of builds so far.
@@ -90,7 +122,8 @@ impl ListValidity {
 
     /// Number of bytes held.
     pub fn bytes(&self) -> usize {
-        size_of::<DVec3>() * self.built.capacity() + self.species.capacity()
+        let share = self.share.as_ref().map_or(0, Share::bytes);
+        size_of::<DVec3>() * self.built.capacity() + self.species.capacity() + share
     }
 
     /// Builds a list in a box.
@@ -118,7 +151,8 @@ impl ListValidity {
             |GridError::BadPosition { particle }| ForceError::NonFinitePosition { particle },
         )?;
         debug_assert!(list.is_valid(), "the loops rely on valid lists");
-        by_slot(list.source(), positions.values(), &mut self.built);
+        let (source, values) = (list.source(), positions.values());
+        by_slot(source, 0..values.len(), values, &mut self.built);
         if let Some(of_particle) = &self.of_particle {
             let of_slots = list.particles().iter().map(|p| of_particle[*p as usize]);
             self.species.clear();
@@ -126,6 +160,9 @@ impl ListValidity {
         }
         self.inserted.clear();
         self.builds += 1;
+        if let Some(share) = &mut self.share {
+            share.agree(list);
+        }
         self.build = Some(Build {
             cell: *cell,
             skin,
@@ -139,6 +176,9 @@ impl ListValidity {
         if P::INSERTS {
             pairs.iter().for_each(|pair| list.insert(*pair));
             self.inserted.extend(pairs);
+            if let Some(share) = &mut self.share {
+                share.include(list, pairs);
+            }
             debug_assert!(list.is_valid(), "the loops rely on valid lists");
         }
         P::INSERTS
@@ -181,7 +221,11 @@ impl ListValidity {
             species: self.of_particle.is_some().then_some(&self.species[..]),
             stretch: cell.lengths() / build.cell.lengths(),
             far2: criterion.far2(),
+            share: self.share.as_ref(),
             judge: &|summary, packed, at| {
+                if let Some(share) = &self.share {
+                    return self.judge_together(share, list, (build, criterion), summary, at);
+                }
                 let far = summary.far.len();
                 if !summary.finite {
                     return ListStatus::NonFinite;
@@ -195,6 +239,57 @@ impl ListValidity {
         })
     }
 
+    /// Judges a list together with the other ranks: all come to the judgment of one rank that sees all particles.
+    fn judge_together<P: PairList>(
+        &self,
+        share: &Share,
+        list: &P,
+        (build, criterion): (&Build, Criterion),
+        summary: &MotionSummary,
+        at: Ordered<'_>,
+    ) -> ListStatus {
+        let n = self.built.len();
+        let Some(largest2) = share.largest2(summary) else {
+            return ListStatus::NonFinite;
+        };
+        match criterion.check(largest2, 0, n) {
+            Validity::Valid => return ListStatus::Complete,
+            Validity::Expired => return ListStatus::Expired,
+            Validity::Uncertain => {}
+        }
+        let position = |slot: u32| at.positions[at.order[slot as usize] as usize];
+        let movers = share.far_movers(&summary.far, position);
+        if criterion.check(largest2, movers.len(), n) == Validity::Expired {
+            return ListStatus::Expired;
+        }
+        let far: Vec<u32> = movers.iter().map(|(slot, _)| *slot).collect();
+        let own = share.own();
+        let displacements = Displacements {
+            cells: list.cells(),
+            // Positions of other ranks are known of far movers alone, and the search asks for no others.
+            at: |slot: u32| {
+                if own.contains(&(slot as usize)) {
+                    return position(slot);
+                }
+                let mover = movers.binary_search_by_key(&slot, |(slot, _)| *slot);
+                mover.map_or(DVec3::NAN, |mover| movers[mover].1)
+            },
+            built: &self.built,
+            packed: None,
+            largest2,
+            partners: own.start as u32..own.end as u32,
+            columns: Some(share.columns()),
+        };
+        let inner = build.inner();
+        let found = unlisted_pairs(&build.cell, build.r_list, inner, displacements, &far);
+        let missing = share.missing(&found, |pair| list.contains(pair));
+        if missing.is_empty() {
+            ListStatus::Complete
+        } else {
+            ListStatus::Incomplete(missing)
+        }
+    }
+
     /// Whether the list contains every pair inside the cutoff, by a search ahead of the far movers.
     ///
     /// The box equals the box of the build: in any other box the criterion never asks for this search.
@@ -206,19 +301,19 @@ impl ListValidity {
         packed: Option<&[PackedDisplacement]>,
         at: Ordered<'_>,
     ) -> ListStatus {
-        // The factor is a margin for rounding: no pair inside the cutoff may seem to lie outside.
-        let inner = (build.r_list - build.skin) * (1.0 + 1e-12);
         let displacements = Displacements {
             cells: list.cells(),
             at: |slot: u32| at.positions[at.order[slot as usize] as usize],
             built: &self.built,
             packed,
             largest2: summary.largest2,
+            partners: 0..self.built.len() as u32,
+            columns: None,
         };
         let mut unlisted = unlisted_pairs(
             &build.cell,
             build.r_list,
-            inner,
+            build.inner(),
             displacements,
             &summary.far,
         );

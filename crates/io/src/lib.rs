@@ -64,8 +64,8 @@ pub use lammps_data_writer::write_lammps_data;
 pub use mixture_record::{PairRecord, SpeciesRecord};
 pub use record::{
     AverageRecord, BarostatRecord, Comparison, Conservation, Host, NeighborRecord, Performance,
-    RUN_SCHEMA, RunRecord, SOUND, StageSeconds, StatePoint, ThermostatRecord, read_run_record,
-    read_run_record_bytes,
+    RUN_SCHEMA, RanksRecord, RunRecord, SOUND, StageSeconds, StatePoint, ThermostatRecord,
+    read_run_record, read_run_record_bytes,
 };
 pub use sink::{FileMark, Sink};
 pub use tables::{TableWriter, read_table_csv, read_table_csv_bytes, write_table_csv};

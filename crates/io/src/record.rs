@@ -93,6 +93,24 @@ pub struct Performance {
     pub ns_per_atom_step: f64,
     /// Where the time went.
     pub stages: StageSeconds,
+    /// What several ranks did; absent where one process did everything.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ranks: Option<RanksRecord>,
+}
+
+/// Several ranks in one run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct RanksRecord {
+    /// Number of ranks; each had the threads of the record.
+    pub ranks: u64,
+    /// Whether they shared the pair forces out, or each computed all of them.
+    pub shared_forces: bool,
+    /// The share of the wall time in which rank 0 moved messages or waited for them.
+    #[serde(with = "number")]
+    pub communication: f64,
+    /// Particles of other ranks that the lists of rank 0 named, as a mean over its builds.
+    #[serde(with = "number")]
+    pub halo: f64,
 }
 
 /// Wall time by kind of work, in s.

@@ -34,5 +34,7 @@ pub use sort::{
     Cells, ColumnTable, FIXED_ROUNDING, FIXED_UNITS, Ghost, GridError, PADDING, Positions,
     RowCoordinates, RowTable, to_fixed,
 };
-pub use unlisted::{DisplacementScale, Displacements, PackedDisplacement, unlisted_pairs};
+pub use unlisted::{
+    DisplacementScale, Displacements, PackedDisplacement, columns_of, unlisted_pairs,
+};
 pub use validity::{Criterion, LARGE_SYSTEM, Validity};

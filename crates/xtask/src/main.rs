@@ -41,6 +41,8 @@ Commands:
            and a grid of cheaper settings; --state NAME, --seconds S for a tuning, --share X of the runs
   cluster  One sweep by an array of Slurm, by GNU parallel and by dask, stopped and killed on the way;
            as root on Debian, what is missing is installed
+  mpi      One run on ranks of MPI against one process, byte by byte, with a rank that is killed, halos and speed;
+           MPICH comes from PyPI, and Open MPI from Debian as root
   docs     Run the commands of README.md and of the tutorials, and build the book in target/book/site
   python   The Python package: make the virtual environment .venv from validation/requirements.txt, build the
            wheel, install it there, and run python/tests
@@ -94,6 +96,7 @@ fn main() -> ExitCode {
             &[
                 "physics: U and P at eight state points, error bars over ten seeds (cargo xtask physics)",
                 "cluster: sweeps by Slurm, GNU parallel and dask (cargo xtask cluster)",
+                "mpi: one run on several ranks (cargo xtask mpi)",
                 "soak: runs killed at random times and resumed (cargo xtask soak)",
                 "coverage: printed errors against 2,700 runs of many seeds (cargo xtask coverage)",
                 "accuracy: tuned settings on trial at eight states (cargo xtask accuracy)",
@@ -103,6 +106,7 @@ fn main() -> ExitCode {
         ),
         "physics" => tiers::run_all(&workspace, &tiers::physics(), &[]),
         "cluster" => tiers::run_all(&workspace, &tiers::cluster(), &[]),
+        "mpi" => tiers::run_all(&workspace, &tiers::mpi(), &[]),
         "tidy" => tiers::run_all(&workspace.with_tested_binary(), &tiers::tidy(), &[]),
         "docs" => tiers::run_all(&workspace.with_tested_binary(), &tiers::docs(), &[]),
         "python" => tiers::run_all(&workspace.with_tested_binary(), &tiers::python(), &[]),

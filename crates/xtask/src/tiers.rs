@@ -146,7 +146,7 @@ const VALIDATION: Tier = Tier {
     name: "validation",
     run: |w| {
         by_counts(
-            pytest(w, "validation", "not physics and not cluster"),
+            pytest(w, "validation", "not physics and not cluster and not mpi"),
             Format::Pytest,
         )
     },
@@ -154,6 +154,10 @@ const VALIDATION: Tier = Tier {
 const CLUSTER: Tier = Tier {
     name: "cluster",
     run: |w| by_counts(pytest(w, "validation", "cluster"), Format::Pytest),
+};
+const RANKS: Tier = Tier {
+    name: "ranks of MPI",
+    run: |w| by_counts(pytest(w, "validation", "mpi"), Format::Pytest),
 };
 const PHYSICS: Tier = Tier {
     name: "physics",
@@ -192,6 +196,11 @@ pub fn physics() -> Vec<Tier> {
 /// What `cargo xtask cluster` runs.
 pub fn cluster() -> Vec<Tier> {
     vec![RELEASE_BUILD, PYTHON, CLUSTER]
+}
+
+/// What `cargo xtask mpi` runs.
+pub fn mpi() -> Vec<Tier> {
+    vec![RELEASE_BUILD, PYTHON, RANKS]
 }
 
 /// What `cargo xtask tidy` runs, on a workspace [as tested](Workspace::with_tested_binary).

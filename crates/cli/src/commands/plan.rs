@@ -12,15 +12,16 @@ pub fn plan(args: &PlanArgs) -> Result<u8, Failure> {
     let (scene, lock) = load_locked(&args.scene)?;
     let mut simulation = lennard_engine::prepare(scene)?;
     let threads = threads_with(args.scene.threads, lock.as_ref(), simulation.state.len());
+    let network = args.nodes.map(|nodes| Network {
+        nodes: nodes as usize,
+        latency: args.latency.as_secs_f64(),
+        bandwidth: args.bandwidth,
+    });
+    let sizes = network.map_or(Vec::new(), |network| network.sizes());
     let mut plan = on_threads(threads, || {
-        Ok(lennard_engine::plan(&mut simulation, threads)?)
+        Ok(lennard_engine::plan(&mut simulation, threads, &sizes)?)
     })?;
-    if let Some(nodes) = args.nodes {
-        let network = Network {
-            nodes: nodes as usize,
-            latency: args.latency.as_secs_f64(),
-            bandwidth: args.bandwidth,
-        };
+    if let Some(network) = network {
         plan = plan
             .on(network)
             .map_err(|e| Failure::new("planning for several machines", e, INPUT))?;

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use lennard_core::Team;
 use lennard_engine::{EngineError, ResumeError, ResumeOptions, RunOptions};
 use lennard_io::Existing;
 
@@ -10,11 +11,17 @@ use crate::commands::run::tell;
 use crate::commands::{on_threads, output_folder, threads, write_report};
 use crate::failure::Failure;
 use crate::progress::Display;
+use crate::ranks;
 use crate::show;
 use crate::signals::{Signals, StartUp};
 
 /// Goes on with a run and prints the table of its results.
 pub fn resume(args: &ResumeArgs) -> Result<u8, Failure> {
+    resume_on(args, None)
+}
+
+/// As [`resume`], on one of several ranks where there is a team. Rank 0 alone writes and prints.
+pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> {
     let deadline = args.control.deadline(Instant::now());
     let loading = || {
         StartUp::resumable(&format!(
@@ -28,18 +35,32 @@ pub fn resume(args: &ResumeArgs) -> Result<u8, Failure> {
         isa: args.isa.clone(),
         older: args.older,
     };
-    if !args.folder.is_dir() {
-        return Err(EngineError::from(ResumeError::NoRun(args.folder.clone())).into());
-    }
+    let resume = || Ok(lennard_engine::resume(&args.folder, &options)?);
     // Claimed before it is read: what another process writes there would change in between.
-    let folder = signals.claim(
-        || output_folder(Some(&args.folder), Existing::Keep, ""),
-        |_| Some(loading()),
-    )?;
-    let mut resumed = lennard_engine::resume(&args.folder, &options)?;
+    let claim = || {
+        if !args.folder.is_dir() {
+            return Err(EngineError::from(ResumeError::NoRun(args.folder.clone())).into());
+        }
+        signals.claim(
+            || output_folder(Some(&args.folder), Existing::Keep, ""),
+            |_| Some(loading()),
+        )
+    };
+    let threads = |n: usize| ranks::threads(team, args.threads, |asked| threads(asked, n));
+    if let Some(team) = team.filter(|team| !team.leads()) {
+        ranks::together(Some(team), Ok(()))?;
+        let mut resumed = ranks::together(Some(team), resume())?;
+        let threads = threads(resumed.simulation.state.len());
+        ranks::share(Some(team), &mut resumed.simulation)?;
+        signals.under_way();
+        return ranks::beside(team, &mut resumed.simulation, threads, &signals);
+    }
+    let folder = ranks::together(team, claim())?;
+    let mut resumed = ranks::together(team, resume())?;
     let quiet = args.control.quiet || args.json;
+    let threads = threads(resumed.simulation.state.len());
+    ranks::share(team, &mut resumed.simulation)?;
     let simulation = &resumed.simulation;
-    let threads = threads(args.threads, simulation.state.len());
     let (step, total) = (simulation.state.step, simulation.scene.total_steps());
     if !quiet {
         show::header(simulation, threads, &args.folder);
@@ -62,7 +83,8 @@ pub fn resume(args: &ResumeArgs) -> Result<u8, Failure> {
             deadline,
             progress: &mut display,
         };
-        lennard_engine::go_on(&mut resumed, options).map_err(|e| Failure::of_run(e, &args.folder))
+        let ended = lennard_engine::go_on(&mut resumed, options);
+        ended.map_err(|e| ranks::failed(team, e, &args.folder))
     })?;
     drop(display);
     write_report(&outcome, &args.folder, &args.control)?;

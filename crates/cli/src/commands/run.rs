@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
+use lennard_core::Team;
 use lennard_engine::{Ending, Outcome, RunOptions};
 
 use crate::args::{ControlArgs, RunArgs};
@@ -11,27 +12,45 @@ use crate::commands::{
 };
 use crate::failure::{DONE, Failure, STOPPED};
 use crate::progress::Display;
+use crate::ranks;
 use crate::show;
 use crate::signals::{FirstStep, Leave, Signals, StartUp};
 
 /// Runs a scene and prints the table of its results.
 pub fn run(args: &RunArgs) -> Result<u8, Failure> {
+    run_on(args, None)
+}
+
+/// As [`run`], on one of several ranks where there is a team. Rank 0 alone writes and prints.
+pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
     let deadline = args.control.deadline(Instant::now());
     let nothing = || StartUp::of_nothing("stopped before the first step: nothing was written");
     let signals = Signals::listen(nothing())?;
-    let (scene, lock) = load_locked(&args.scene)?;
+    let prepared = || {
+        let (scene, lock) = load_locked(&args.scene)?;
+        if let Some(folder) = &args.out {
+            args.scene.inputs(&scene, lock.as_ref()).not_in(folder)?;
+        }
+        // Everything that can be wrong with the scene shows before anything is written.
+        let simulation = lennard_engine::prepare(scene)?;
+        Ok((simulation, lock))
+    };
     let quiet = args.control.quiet || args.scene.json;
-    if let Some(folder) = &args.out {
-        args.scene.inputs(&scene, lock.as_ref()).not_in(folder)?;
+    let (mut simulation, lock) = ranks::together(team, prepared())?;
+    let threads = ranks::threads(team, args.scene.threads, |asked| {
+        threads_with(asked, lock.as_ref(), simulation.state.len())
+    });
+    ranks::share(team, &mut simulation)?;
+    if let Some(team) = team.filter(|team| !team.leads()) {
+        ranks::together(Some(team), Ok(()))?;
+        return ranks::beside(team, &mut simulation, threads, &signals);
     }
-    // Everything that can be wrong with the scene shows before anything is written.
-    let mut simulation = lennard_engine::prepare(scene)?;
-    let threads = threads_with(args.scene.threads, lock.as_ref(), simulation.state.len());
     let name = &simulation.scene.name;
-    let folder = signals.claim(
+    let claimed = signals.claim(
         || output_folder(args.out.as_deref(), replace_if(args.force), name),
         |_| Some(nothing().leaving(Leave::WithoutTheRun)),
-    )?;
+    );
+    let folder = ranks::together(team, claimed)?;
     if !quiet {
         show::header(&simulation, threads, folder.path());
         if let Some(lock) = &lock {
@@ -50,7 +69,8 @@ pub fn run(args: &RunArgs) -> Result<u8, Failure> {
             deadline,
             progress: &mut display,
         };
-        lennard_engine::run(&mut simulation, options).map_err(|e| Failure::of_run(e, folder.path()))
+        let ended = lennard_engine::run(&mut simulation, options);
+        ended.map_err(|e| ranks::failed(team, e, folder.path()))
     })?;
     drop(display);
     write_report(&outcome, folder.path(), &args.control)?;

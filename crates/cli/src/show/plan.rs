@@ -52,11 +52,12 @@ fn of_nodes(nodes: &Nodes) -> Table {
     let micro = |seconds: f64| Cell::figures(format!("{:.1}", 1e6 * seconds));
     Table::rows_of("nodes", &nodes.steps)
         .column("machines", |s| s.nodes)
-        .column("bricks", |s| s.grid.map(|n| n.to_string()).join("×"))
         .column("particles", |s| Cell::figures(format!("{:.0}", s.atoms)))
-        .column("ghosts", |s| Cell::figures(format!("{:.0}", s.ghosts)))
+        .column("halo", |s| Cell::figures(format!("{:.0}", s.ghosts)))
+        .column("MB", |s| Cell::figures(format!("{:.1}", s.bytes * 1e-6)))
         .column("step, µs", |s| micro(s.seconds_per_step))
         .column("halo, µs", |s| micro(s.halo))
+        .column("gathering, µs", |s| micro(s.gathering))
         .column("decision, µs", |s| micro(s.deciding))
         .column("speedup", |s| Cell::figures(format!("{:.1}", s.speedup)))
         .column("efficiency", |s| {
@@ -67,20 +68,18 @@ fn of_nodes(nodes: &Nodes) -> Table {
 
 /// Where more machines stop paying, and what the numbers are.
 fn in_words(nodes: &Nodes) -> String {
-    let why = if nodes.ends_with_the_box {
-        "for more there is no room in the box: a brick must be as thick as the list radius"
+    let why = if nodes.ends_with_the_particles {
+        "for more there are too few particles: each machine takes 48 or more"
     } else {
-        "with more, halo and decisions take more than half of the time"
+        "with more, messages take more than half of the time"
     };
     format!(
         "more machines pay up to {} (efficiency {:.2}): {why}\n  \
-         predicted from the measured step for {} and {:.3e} B/s, and a halo of {:.3} σ; not measured,\n  \
-         since Lennard itself runs one fluid on one machine",
+         predicted for `lennard-mpi` from the measured step, counted halos, {} and {:.3e} B/s; not measured",
         nodes.pays_up_to,
         nodes.efficiency_there,
         duration(nodes.network.latency),
-        nodes.network.bandwidth,
-        nodes.reach
+        nodes.network.bandwidth
     )
 }
 
@@ -184,6 +183,7 @@ mod tests {
             estimated_seconds: 1.0,
             lengths: DVec3::ONE,
             reach: 1.0,
+            one_node: lennard_engine::OneNode::default(),
             nodes: None,
         };
         assert_eq!(

@@ -235,7 +235,12 @@ fn plan_says_what_is_on_and_off_and_why() {
 fn a_plan_for_several_machines_has_a_line_for_each_number_and_refuses_what_does_not_fit() {
     let scene = "inputs/bench/fluid-864.toml";
     let text = succeed(&["plan", scene, "--nodes", "8", "--latency", "500ns"]);
-    for wanted in ["2×2×2", "more machines pay up to", "not measured"] {
+    for wanted in [
+        "halo",
+        "gathering",
+        "more machines pay up to",
+        "not measured",
+    ] {
         assert!(text.contains(wanted), "{wanted} in\n{text}");
     }
     let plan = json(&succeed(&["plan", scene, "--nodes", "8", "--json"]));
@@ -248,7 +253,11 @@ fn a_plan_for_several_machines_has_a_line_for_each_number_and_refuses_what_does_
     assert!(steps[3]["ghosts"].as_f64().unwrap() > 0.0);
     assert_eq!(steps[0]["efficiency"], 1.0);
     for (arguments, wanted) in [
-        (["--nodes", "1000"], "up to 27 here"),
+        (["--nodes", "1000"], "up to 18 here"),
+        (
+            ["--nodes=2", "--set=neighbor.mode=direct"],
+            "have no form that several machines share",
+        ),
         (["--nodes", "0"], "0 is not in"),
         (["--latency", "1us"], "--nodes"),
         (["--bandwidth", "25"], "wanted a rate above zero"),
@@ -262,8 +271,8 @@ fn a_plan_for_several_machines_has_a_line_for_each_number_and_refuses_what_does_
     let output = lennard(&["plan", scene, "--nodes", "1000"])
         .output()
         .unwrap();
-    let expected = "planning for several machines: the box cannot be cut into so many bricks\n  found:   --nodes 1000\n  \
-                    allowed: a number that divides into bricks no thinner than the 2.";
+    let expected = "planning for several machines: too few particles for so many machines\n  found:   --nodes 1000\n  \
+                    allowed: up to 18 here, since each takes 48 particles or more";
     assert!(stderr(&output).contains(expected), "{}", stderr(&output));
 }
 

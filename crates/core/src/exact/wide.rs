@@ -37,6 +37,27 @@ impl Default for WideSum {
 }
 
 impl WideSum {
+    /// Words that a sum takes: sums of words of several sums are the words of their total.
+    pub const WORDS: usize = DIGITS + 3;
+
+    /// Its words, none of which is large.
+    pub fn words(mut self) -> [i64; Self::WORDS] {
+        self.carry();
+        let mut words = [0; Self::WORDS];
+        words[..DIGITS].copy_from_slice(&self.digits);
+        words[DIGITS..].copy_from_slice(&self.not_finite);
+        words
+    }
+
+    /// The sum with words that are sums of words.
+    pub fn of_words(words: &[i64; Self::WORDS]) -> Self {
+        let mut sum = Self::default();
+        sum.digits.copy_from_slice(&words[..DIGITS]);
+        sum.not_finite.copy_from_slice(&words[DIGITS..]);
+        sum.carry();
+        sum
+    }
+
     /// Adds a term.
     pub fn add(&mut self, term: f64) {
         let bits = term.to_bits();

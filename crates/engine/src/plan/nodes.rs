@@ -1,21 +1,23 @@
-//! A model of one big system on several machines: the measured step, the halo of each brick, and the network.
+//! A model of one big system on several machines: the measured step, the counted halo, and the network.
 //!
 //! ```text
 //!   seconds per step on P nodes = t₁/P                              particles, as measured on one node
-//!                               + messages·latency + ghosts·24 B/bandwidth   halo of each step
+//!                               + partners·latency + halo·24 B/bandwidth     positions of each step
+//!                               + g·(48 N B·(1 − 1/P)/bandwidth + ⌈log₂ P⌉·latency)  state that is gathered
 //!                               + ⌈log₂ P⌉·latency                  whether the list is still valid, on all nodes alike
 //! ```
 //!
-//! The box is cut into p_x × p_y × p_z equal bricks, and P = p_x·p_y·p_z. The *halo* of a brick are all particles outside it
-//! that are within the list radius. Nothing is overlapped with work, and every brick has as many particles as the next.
+//! It is a model of `lennard-mpi`, which cuts the order of a list into ranges. The halo of a rank is counted in a list of the
+//! scene itself. g is how often all nodes gather the whole state: at builds, and where something is observed. Nothing is
+//! overlapped with work. Sorting, which every node does for all particles, is not in the model.
 
-use std::f64::consts::PI;
-
-use lennard_core::DVec3;
+use lennard_core::HaloSize;
 use serde::Serialize;
 
-/// Bytes of a ghost in a message: its position.
-const GHOST_BYTES: f64 = 24.0;
+/// Bytes of a position in a message.
+const POSITION_BYTES: f64 = 24.0;
+/// Bytes of a particle where the whole state is gathered.
+const STATE_BYTES: f64 = 48.0;
 /// More nodes pay while a node spends at least this share of its time on its particles.
 const PAYS: f64 = 0.5;
 /// The numbers of nodes that are looked at end here: 3·2ᵏ.
@@ -32,17 +34,35 @@ pub struct Network {
     pub bandwidth: f64,
 }
 
-/// A fluid as one machine computes it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+impl Network {
+    /// The numbers of machines at which the model looks: 2ᵏ, 3·2ᵏ, and the number itself.
+    #[must_use]
+    pub fn sizes(&self) -> Vec<usize> {
+        let mut sizes: Vec<usize> = (0..=MOST_DOUBLINGS)
+            .flat_map(|k| [1 << k, 3 << k])
+            .chain([self.nodes])
+            .collect();
+        sizes.sort_unstable();
+        sizes.dedup();
+        sizes
+    }
+}
+
+/// A fluid as one machine computes it, and what its parts would need of each other.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct OneNode {
-    /// Sides of the box, σ.
-    pub lengths: DVec3,
     /// Number of particles.
     pub atoms: usize,
-    /// The distance that forces and lists reach, σ.
-    pub reach: f64,
     /// Measured time of a step, seconds.
     pub seconds_per_step: f64,
+    /// What a rank needs of others, by the number of ranks; nothing where forces are not shared out.
+    pub halos: Vec<(usize, HaloSize)>,
+    /// The largest number of ranks.
+    pub most: usize,
+    /// How often the whole state is gathered, in a step.
+    pub gathers: f64,
+    /// Bytes that one machine holds.
+    pub bytes: u64,
 }
 
 /// A step on a number of machines, as the model predicts it.
@@ -50,16 +70,20 @@ pub struct OneNode {
 pub struct OnNodes {
     /// Number of machines.
     pub nodes: usize,
-    /// Bricks along x, y and z.
-    pub grid: [usize; 3],
     /// Particles of each machine.
     pub atoms: f64,
     /// Particles in the halo of each machine.
     pub ghosts: f64,
+    /// Machines that a machine gets positions from.
+    pub partners: f64,
+    /// Bytes that each machine holds.
+    pub bytes: f64,
     /// Seconds of a step for the particles of a machine.
     pub computing: f64,
     /// Seconds of a step for its halo.
     pub halo: f64,
+    /// Seconds of a step for gathering the whole state, as a mean over steps.
+    pub gathering: f64,
     /// Seconds of a step for what all machines decide together.
     pub deciding: f64,
     /// Seconds of a step.
@@ -75,33 +99,36 @@ pub struct OnNodes {
 pub struct Nodes {
     /// The network.
     pub network: Network,
-    /// The list radius, or the cutoff where there is no list, σ.
-    pub reach: f64,
     /// The powers of two below the number of machines, and the number itself.
     pub steps: Vec<OnNodes>,
     /// The largest number of machines, of the form 2ᵏ or 3·2ᵏ, that spend half of their time on particles.
     pub pays_up_to: usize,
     /// The efficiency at that number.
     pub efficiency_there: f64,
-    /// Whether more machines do not pay because the box has no room for their bricks.
-    pub ends_with_the_box: bool,
+    /// Whether more machines do not pay because there are too few particles to share out.
+    pub ends_with_the_particles: bool,
 }
 
 /// Why a number of machines is impossible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NodesError {
-    /// No grid of so many bricks has bricks that are at least as thick as their halo.
+    /// Some machines would have nothing to do.
     #[error(
-        "the box cannot be cut into so many bricks\n  found:   --nodes {nodes}\n  \
-         allowed: a number that divides into bricks no thinner than the {reach:.3} σ that a list reaches, up to {most} here"
+        "too few particles for so many machines\n  found:   --nodes {nodes}\n  allowed: up to {most} here, since each takes 48 particles or more"
     )]
-    NoGrid {
+    TooMany {
         /// The number asked for.
         nodes: usize,
-        /// The largest number that fits.
+        /// The largest number.
         most: usize,
-        /// The reach, σ.
-        reach: f64,
+    },
+    /// The search for pairs has no shared form.
+    #[error(
+        "these pair forces have no form that several machines share: each would compute all of them\n  found:   --nodes {nodes}\n  allowed: forces over a Verlet list, without `integrator.kind = \"bit-reversible-verlet\"`"
+    )]
+    NotShared {
+        /// The number asked for.
+        nodes: usize,
     },
 }
 
@@ -109,109 +136,61 @@ impl OneNode {
     /// Predicts steps on machines that a network joins.
     ///
     /// # Errors
-    /// [`NodesError`] where the box has no room for so many bricks.
+    /// [`NodesError`] where the work cannot be shared out so.
     pub fn on(&self, network: Network) -> Result<Nodes, NodesError> {
-        let refused = || NodesError::NoGrid {
-            nodes: network.nodes,
-            most: self.most_bricks().iter().product::<usize>().min(self.atoms),
-            reach: self.reach,
+        let nodes = network.nodes;
+        if self.halos.is_empty() {
+            return Err(NodesError::NotShared { nodes });
+        }
+        let refused = || NodesError::TooMany {
+            nodes,
+            most: self.most,
         };
-        let last = self.step(network.nodes, network).ok_or_else(refused)?;
+        let last = self.step(nodes, network).ok_or_else(refused)?;
         let powers = (0..).map(|k| 1_usize << k);
-        let below = powers.take_while(|nodes| *nodes < network.nodes);
-        let steps = below.filter_map(|nodes| self.step(nodes, network));
+        let below = powers.take_while(|below| *below < nodes);
+        let steps = below.filter_map(|below| self.step(below, network));
         let steps = steps.chain([last]).collect();
-        let sizes = (0..=MOST_DOUBLINGS).flat_map(|k| [1 << k, 3 << k]);
-        let all: Vec<OnNodes> = sizes
-            .filter_map(|nodes| self.step(nodes, network))
-            .collect();
+        let all = self.halos.iter().map(|(nodes, _)| *nodes);
+        let all: Vec<OnNodes> = all.filter_map(|n| self.step(n, network)).collect();
         let pays = all.iter().filter(|step| step.efficiency >= PAYS);
         let pays = pays.max_by_key(|step| step.nodes);
         let (pays_up_to, efficiency_there) = pays.map_or((1, 1.0), |s| (s.nodes, s.efficiency));
         Ok(Nodes {
             network,
-            reach: self.reach,
             steps,
             pays_up_to,
             efficiency_there,
-            ends_with_the_box: all.iter().all(|step| step.nodes <= pays_up_to),
+            ends_with_the_particles: all.iter().all(|step| step.nodes <= pays_up_to),
         })
     }
 
-    /// The most bricks along each axis that are no thinner than the reach.
-    fn most_bricks(&self) -> [usize; 3] {
-        let most = self.lengths / self.reach.max(f64::MIN_POSITIVE);
-        [0, 1, 2].map(|axis| (most[axis] as usize).max(1))
-    }
-
-    /// A step on a number of machines; `None` where the box has no room for so many bricks.
+    /// A step on a number of machines; `None` where some would have nothing to do.
     fn step(&self, nodes: usize, network: Network) -> Option<OnNodes> {
-        let grid = self.grid(nodes)?;
-        let ghosts = self.ghosts(grid);
-        let cut = grid.iter().filter(|parts| **parts > 1).count();
-        // One message to each side of each axis that is cut; edges and corners go with them.
-        let messages = 2 * cut;
-        let rounds = nodes.next_power_of_two().ilog2();
+        let (_, size) = self.halos.iter().find(|(ranks, _)| *ranks == nodes)?;
+        let rounds = f64::from(nodes.next_power_of_two().ilog2()) * network.latency;
+        let others = 1.0 - 1.0 / nodes as f64;
+        let whole = self.atoms as f64 * STATE_BYTES * others;
         let computing = self.seconds_per_step / nodes as f64;
-        let halo = messages as f64 * network.latency + ghosts * GHOST_BYTES / network.bandwidth;
-        let deciding = f64::from(rounds) * network.latency;
-        let seconds_per_step = computing + halo + deciding;
+        let halo =
+            size.partners * network.latency + size.particles * POSITION_BYTES / network.bandwidth;
+        let gathering = self.gathers * (whole / network.bandwidth + rounds);
+        let seconds_per_step = computing + halo + gathering + rounds;
         let speedup = self.seconds_per_step / seconds_per_step;
         Some(OnNodes {
             nodes,
-            grid,
             atoms: self.atoms as f64 / nodes as f64,
-            ghosts,
+            ghosts: size.particles,
+            partners: size.partners,
+            bytes: self.bytes as f64 - size.lists * (nodes as f64 - 1.0),
             computing,
             halo,
-            deciding,
+            gathering,
+            deciding: rounds,
             seconds_per_step,
             speedup,
             efficiency: speedup / nodes as f64,
         })
-    }
-
-    /// The grid with the fewest ghosts, among grids of bricks that are no thinner than the reach; none for more bricks than
-    /// particles.
-    fn grid(&self, nodes: usize) -> Option<[usize; 3]> {
-        let most = self.most_bricks();
-        let parts = |n: usize, axis: usize| {
-            let up_to = most[axis].min(n);
-            (1..=up_to).filter(move |parts| n.is_multiple_of(*parts))
-        };
-        let grids = (nodes <= self.atoms).then(|| parts(nodes, 0));
-        let grids = grids
-            .into_iter()
-            .flatten()
-            .flat_map(|x| parts(nodes / x, 1).map(move |y| [x, y, nodes / x / y]))
-            .filter(|[_, _, z]| *z <= most[2]);
-        grids.min_by(|a, b| self.ghosts(*a).total_cmp(&self.ghosts(*b)))
-    }
-
-    /// Mean number of particles outside a brick and within the reach of it (the formula of Steiner for a convex body).
-    ///
-    /// There is no halo along an axis that is not cut.
-    #[must_use]
-    pub fn ghosts(&self, grid: [usize; 3]) -> f64 {
-        let h = self.reach;
-        let density = self.atoms as f64 / self.lengths.element_product();
-        let side = |axis: usize| self.lengths[axis] / grid[axis] as f64;
-        let cut: Vec<usize> = (0..3).filter(|axis| grid[*axis] > 1).collect();
-        let whole: f64 = (0..3).filter(|axis| grid[*axis] == 1).map(side).product();
-        let volume = match cut[..] {
-            [] => 0.0,
-            [_] => 2.0 * h,
-            [x, y] => 2.0 * h * (side(x) + side(y)) + PI * h * h,
-            _ => {
-                let [a, b, c] = [side(0), side(1), side(2)];
-                2.0 * h * (a * b + b * c + c * a)
-                    + PI * h * h * (a + b + c)
-                    + 4.0 / 3.0 * PI * h.powi(3)
-            }
-        };
-        // Around a brick as wide as half the box, both sides of the halo can meet.
-        let others = self.atoms as f64 * (1.0 - 1.0 / grid.iter().product::<usize>() as f64);
-        (density * volume * whole).min(others)
     }
 }
 
@@ -219,12 +198,32 @@ impl OneNode {
 mod tests {
     use super::*;
 
+    /// A liquid whose ranks are slabs with a halo of 2.8 σ on both sides.
     fn liquid(atoms: usize, seconds_per_step: f64) -> OneNode {
+        let most = atoms.div_ceil(48);
+        let density = 0.8442;
+        let area = (atoms as f64 / density).powf(2.0 / 3.0);
+        let halo = |ranks: usize| HaloSize {
+            particles: match ranks {
+                1 => 0.0,
+                _ => (density * area * 5.6).min(atoms as f64 * (1.0 - 1.0 / ranks as f64)),
+            },
+            partners: [0.0, 1.0, 2.0][ranks.min(3) - 1],
+            lists: 300.0 * atoms as f64 / ranks as f64,
+        };
+        let sizes = Network {
+            nodes: 1000,
+            ..FAST
+        }
+        .sizes()
+        .into_iter();
         OneNode {
-            lengths: DVec3::splat((atoms as f64 / 0.8442).cbrt()),
             atoms,
-            reach: 2.8,
             seconds_per_step,
+            halos: sizes.filter(|n| *n <= most).map(|n| (n, halo(n))).collect(),
+            most,
+            gathers: 0.1,
+            bytes: 600 * atoms as u64,
         }
     }
 
@@ -241,24 +240,22 @@ mod tests {
         let [step] = &nodes.steps[..] else {
             panic!("one step")
         };
-        assert_eq!((step.grid, step.ghosts, step.halo), ([1; 3], 0.0, 0.0));
+        assert_eq!((step.ghosts, step.halo, step.gathering), (0.0, 0.0, 0.0));
         assert_eq!((step.seconds_per_step, step.efficiency), (1e-3, 1.0));
+        assert_eq!(step.bytes, one.bytes as f64);
     }
 
     #[test]
-    fn a_step_is_work_halo_and_decision() {
+    fn a_step_is_work_halo_gathering_and_decision() {
         let one = liquid(1_000_000, 0.1);
         let step = one.step(8, FAST).unwrap();
-        // Cubes of half a side have as large a surface, and more edges.
-        assert_eq!(step.grid, [1, 2, 4]);
-        let (length, h) = (one.lengths.x, 2.8);
-        let shell = (2.0 * h * 0.75 * length + PI * h * h) * length;
-        assert!((step.ghosts - 0.8442 * shell).abs() < 1e-6 * step.ghosts);
-        assert!(step.ghosts < one.ghosts([2; 3]));
-        let expected = 0.1 / 8.0 + 4.0 * 2e-6 + step.ghosts * 24.0 / 25e9 + 3.0 * 2e-6;
+        let halo = 2.0 * 2e-6 + step.ghosts * 24.0 / 25e9;
+        let gathering = 0.1 * (48e6 * 0.875 / 25e9 + 3.0 * 2e-6);
+        let expected = 0.1 / 8.0 + halo + gathering + 3.0 * 2e-6;
         assert!((step.seconds_per_step - expected).abs() < 1e-15);
         assert!((step.efficiency - 0.1 / (8.0 * expected)).abs() < 1e-12);
-        // A slow network is felt.
+        // Of 600 bytes for each particle, half are lists, which eight share out.
+        assert!((step.bytes / 1e6 - 337.5).abs() < 1e-9);
         let slow = Network {
             bandwidth: 1e8,
             ..FAST
@@ -267,78 +264,40 @@ mod tests {
     }
 
     #[test]
-    fn more_machines_pay_up_to_a_number_and_the_box_has_an_end() {
+    fn more_machines_pay_up_to_a_number_and_particles_have_an_end() {
         // 60 ns for each particle and step on one core, and 64 cores.
-        let nodes = liquid(1_000_000, 0.06 / 64.0).on(FAST).unwrap();
-        assert!(nodes.pays_up_to > 8 && nodes.pays_up_to < 1000, "{nodes:?}");
-        assert!(nodes.efficiency_there >= 0.5 && !nodes.ends_with_the_box);
+        let nodes = liquid(10_000_000, 0.6 / 64.0).on(FAST).unwrap();
+        assert!(nodes.pays_up_to > 1 && nodes.pays_up_to < 1000, "{nodes:?}");
+        assert!(nodes.efficiency_there >= 0.5 && !nodes.ends_with_the_particles);
         let last = nodes.steps.last().unwrap();
         assert!(last.nodes == 1000 && last.efficiency < 0.5);
         let all = nodes.steps.windows(2);
         assert!(all.clone().all(|s| s[1].efficiency < s[0].efficiency));
-        let more = liquid(100_000_000, 6.0 / 64.0).on(FAST).unwrap();
-        assert!(more.pays_up_to > nodes.pays_up_to);
 
         let small = liquid(864, 4e-5);
-        let error = small.on(FAST).unwrap_err();
         assert_eq!(
-            error,
-            NodesError::NoGrid {
+            small.on(FAST).unwrap_err(),
+            NodesError::TooMany {
                 nodes: 1000,
-                most: 27,
-                reach: 2.8
+                most: 18
             }
         );
-        // Along each axis there is room for three bricks, and 5 is a prime number.
-        assert!(small.on(Network { nodes: 5, ..FAST }).is_err());
-        let few = OneNode { atoms: 3, ..small };
-        assert!(few.step(2, FAST).is_some() && few.step(4, FAST).is_none());
         let slow = Network {
             nodes: 2,
             latency: 0.0,
             bandwidth: 1e20,
         };
-        assert!(small.on(slow).unwrap().ends_with_the_box);
-    }
-
-    #[test]
-    fn ghosts_are_as_many_as_a_count_finds() {
-        use lennard_core::random::Streams;
-        use rand::RngExt;
-        let one = OneNode {
-            lengths: DVec3::new(30.0, 36.0, 42.0),
-            atoms: 40_000,
-            reach: 2.8,
-            seconds_per_step: 1.0,
+        assert!(small.on(slow).unwrap().ends_with_the_particles);
+        let alone = OneNode {
+            halos: Vec::new(),
+            ..small
         };
-        let mut random = Streams::new(11).sequential("positions");
-        let positions: Vec<DVec3> = (0..one.atoms)
-            .map(|_| one.lengths * DVec3::from_array(std::array::from_fn(|_| random.random())))
-            .collect();
-        for grid in [[2, 1, 1], [1, 2, 2], [2, 2, 2], [3, 4, 3], [1, 1, 5]] {
-            let sides = one.lengths / DVec3::from_array(grid.map(|parts| parts as f64));
-            let bricks: usize = grid.iter().product();
-            let mut ghosts = 0;
-            for brick in 0..bricks {
-                let number = [
-                    brick % grid[0],
-                    brick / grid[0] % grid[1],
-                    brick / grid[0] / grid[1],
-                ];
-                let middle = sides * (DVec3::from_array(number.map(|k| k as f64)) + 0.5);
-                ghosts += positions
-                    .iter()
-                    .filter(|r| {
-                        let d = **r - middle;
-                        let d = d - one.lengths * (d / one.lengths).round();
-                        let beyond = (d.abs() - 0.5 * sides).max(DVec3::ZERO);
-                        let beyond2 = beyond.length_squared();
-                        beyond2 > 0.0 && beyond2 <= one.reach * one.reach
-                    })
-                    .count();
-            }
-            let ratio = ghosts as f64 / bricks as f64 / one.ghosts(grid);
-            assert!((ratio - 1.0).abs() < 0.02, "{grid:?}: {ratio}");
-        }
+        let error = alone.on(FAST).unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .starts_with("these pair forces have no form that several machines share"),
+            "{error}"
+        );
     }
 }

@@ -1,12 +1,16 @@
 //! What each part of a run costs: a short measurement, which decides nothing.
 
+mod names;
+
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use lennard_core::stopwatch::{Spread, Stopwatch, repeated, timed};
-use lennard_core::{Configuration, Integrator, NoForces, Part, Persist, StateArchive, Want};
+use lennard_core::{
+    Configuration, HaloSize, Integrator, NoForces, Part, Persist, StateArchive, Want,
+};
 use lennard_io::{Frame, Sink, TrajectoryWriter};
 use lennard_scene::{Scene, Stage};
 
@@ -21,6 +25,8 @@ use crate::run::{aside, set_aside};
 use crate::schedule::{Action, Observer, Operation, Schedule, Trigger};
 use crate::simulation::Simulation;
 use crate::{EngineError, SET_ASIDE_EVERY, watchdog};
+
+pub(super) use names::{barostat_name, bath_name};
 
 /// How long the steps are measured.
 const STEPS_FOR: Duration = Duration::from_millis(400);
@@ -63,11 +69,17 @@ pub(super) struct Costs {
     baths: Vec<f64>,
     frame: f64,
     watch: f64,
+    /// Builds of the list in such a step, and what a rank would need of others, by the number of ranks.
+    pub(super) builds: f64,
+    pub(super) halos: Vec<(usize, HaloSize)>,
 }
 
 impl Costs {
     /// Measures at the start of a scene, after some of its steps.
-    pub(super) fn measure(simulation: &mut Simulation) -> Result<Self, EngineError> {
+    pub(super) fn measure(
+        simulation: &mut Simulation,
+        ranks: &[usize],
+    ) -> Result<Self, EngineError> {
         let mut bare = with_everything_off(simulation)?;
         let now = Instant::now();
         let each_step = Operation::new(Action::Call, Trigger::Always);
@@ -79,6 +91,8 @@ impl Costs {
         };
         bare.run(&mut follower)?;
         let statistics = bare.forces.statistics();
+        let halo = |n: &usize| Some((*n, bare.forces.halo_on(*n)?));
+        let halos = ranks.iter().filter_map(halo).collect();
         let all = follower.steps.len() as f64;
         // The first step also builds the list and warms the caches.
         let first = usize::from(follower.steps.len() > 1);
@@ -139,6 +153,8 @@ impl Costs {
             baths,
             frame: frame(&bare),
             watch: watching_seconds(&bare),
+            builds: statistics.builds as f64 / all,
+            halos,
         })
     }
 
@@ -225,16 +241,6 @@ fn is_beyond_totals(want: Want) -> bool {
 /// The share of the steps due every so often on which no row of thermo.csv is due, which has energy and virial computed.
 fn alone(every: u64, rows: u64) -> f64 {
     1.0 - gcd(every, rows) as f64 / rows as f64
-}
-
-/// The name of a stage's heat bath in the plan.
-pub(super) fn bath_name(stage: &Stage, thermostat: &str) -> String {
-    format!("thermostat {thermostat} of {}", stage.name)
-}
-
-/// The name of a stage's barostat in the plan.
-pub(super) fn barostat_name(stage: &Stage, barostat: &str) -> String {
-    format!("barostat {barostat} of {}", stage.name)
 }
 
 fn gcd(a: u64, b: u64) -> u64 {

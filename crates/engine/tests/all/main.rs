@@ -12,6 +12,7 @@ mod messages;
 mod mixtures;
 mod molecules;
 mod pressure;
+mod ranks;
 mod response;
 mod restart;
 mod slabs;

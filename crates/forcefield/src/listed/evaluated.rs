@@ -1,6 +1,8 @@
 //! The result of an evaluation.
 
-use crate::simd::{ListStatus, Outcome};
+use lennard_core::Team;
+
+use crate::simd::{Detail, ListStatus, Outcome};
 use crate::sums::Totals;
 
 /// The result of an evaluation with a list of any kind.
@@ -14,11 +16,16 @@ pub struct Evaluated {
 }
 
 impl Evaluated {
-    /// The result of a loop over chunks.
-    pub fn of(outcome: Outcome) -> Self {
+    /// The result of a loop over chunks, of which each rank of a team has some.
+    pub fn of(outcome: Outcome, detail: Detail, team: Option<&Team>) -> Self {
+        let has_totals = detail != Detail::Forces && outcome.status == ListStatus::Complete;
         Self {
             status: outcome.status,
-            totals: Totals::of_chunks(&outcome.totals),
+            totals: if has_totals {
+                Totals::of_chunks(&outcome.totals, team)
+            } else {
+                Totals::NOTHING
+            },
             broken: outcome.broken,
         }
     }

@@ -7,7 +7,9 @@ mod persist;
 use std::sync::Arc;
 
 use glam::DVec3;
-use lennard_core::{Configuration, Exclusions, ForceError, FusedSteps, PeriodicBox};
+use lennard_core::{
+    Configuration, Exclusions, ForceError, FusedSteps, HaloSize, PeriodicBox, Team, TooManyRanks,
+};
 use lennard_neighbor::{ClusterList, Images, NeighborList, Positions};
 
 use self::evaluated::Evaluated;
@@ -16,6 +18,7 @@ use crate::clock::Clock;
 use crate::fused::FusedBuffers;
 use crate::interaction::Interaction;
 use crate::non_finite;
+use crate::share::{Share, halo_on};
 use crate::simd::{
     Detail, DoubleRow, FixedRow, KickDrift, Level, ListStatus, PackedCopies, PerParticle, Prepared,
     Request,
@@ -101,6 +104,28 @@ impl Listed {
         Self {
             validity: ListValidity::new(r_cut, skin, level, of_particle),
             pairs,
+        }
+    }
+
+    /// Shares the list of `n` particles with the other ranks of a team; returns whether it can.
+    ///
+    /// Canonical forces have a loop in the order of the particles, which is not shared.
+    pub fn share(&mut self, team: &Team, n: usize) -> Result<bool, TooManyRanks> {
+        let validity = &mut self.validity;
+        match &mut self.pairs {
+            Pairs::Canonical(..) => return Ok(false),
+            Pairs::Rows(list, _) => validity.share(&mut **list, team, n)?,
+            Pairs::Clusters(list, _) => validity.share(&mut **list, team, n)?,
+        }
+        Ok(true)
+    }
+
+    /// What a rank would need of others, if so many ranks shared the list as it is.
+    pub fn halo_on(&self, n: usize, ranks: usize) -> Option<HaloSize> {
+        match &self.pairs {
+            Pairs::Canonical(..) => None,
+            Pairs::Rows(list, _) => halo_on(&**list, n, ranks),
+            Pairs::Clusters(list, _) => halo_on(&**list, n, ranks),
         }
     }
 
@@ -214,11 +239,13 @@ impl Listed {
             }),
             Pairs::Rows(list, copies) => validity.with_list(&**list, at.cell, |used| {
                 let packed = &mut copies.packed;
-                Evaluated::of(used.evaluate(packed, interaction, positions, request, forces, each))
+                let found = used.evaluate(packed, interaction, positions, request, forces, each);
+                Evaluated::of(found, request.detail, used.share.map(Share::team))
             }),
             Pairs::Clusters(list, copies) => validity.with_list(&**list, at.cell, |used| {
                 let packed = &mut copies.packed;
-                Evaluated::of(used.evaluate(packed, interaction, positions, request, forces, each))
+                let found = used.evaluate(packed, interaction, positions, request, forces, each);
+                Evaluated::of(found, request.detail, used.share.map(Share::team))
             }),
         }
     }

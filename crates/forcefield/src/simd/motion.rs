@@ -27,6 +27,15 @@ pub struct Motion<'a> {
     pub species: Option<SlotSpecies<'a>>,
 }
 
+/// Runs of slots and of ghosts (by their place in the table), whose rows are packed together.
+#[derive(Debug, Clone, Copy)]
+pub struct SomeRows<'a> {
+    /// Runs of slots.
+    pub slots: &'a [Range<usize>],
+    /// Runs of ghosts.
+    pub ghosts: &'a [Range<usize>],
+}
+
 /// The species of the particles at some slots.
 #[derive(Debug, Clone, Copy)]
 pub struct SlotSpecies<'a> {

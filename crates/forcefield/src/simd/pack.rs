@@ -8,7 +8,7 @@ use lennard_neighbor::{ColumnTable, PackedDisplacement, RowTable};
 
 use super::disjoint::Disjoint;
 use super::level::Level;
-use super::motion::{Motion, MotionSummary};
+use super::motion::{Motion, MotionSummary, SomeRows};
 use super::packing;
 #[cfg(target_arch = "x86_64")]
 use super::packing256;
@@ -26,12 +26,16 @@ pub enum By {
 /// Slots whose displacements are summarized together.
 const BATCH: usize = 64;
 
-/// Writes all rows in double precision, ghosts included, and packed displacements where given; summarizes the motion.
+/// Shorter runs than this, among others, are packed by one thread.
+const SHORT_RUN: usize = 1024;
+
+/// Writes some rows in double precision, first slots and then ghosts, and packed displacements where given; summarizes the
+/// motion of the slots.
 pub fn pack_double(
     level: Level,
     by: By,
     table: &RowTable,
-    motion: Motion<'_>,
+    (motion, which): (Motion<'_>, SomeRows<'_>),
     rows: &mut [DoubleRow],
     packed: Option<&mut [PackedDisplacement]>,
 ) -> MotionSummary {
@@ -45,9 +49,9 @@ pub fn pack_double(
             _ => packing::pack_double(table, motion, first, squares, &rows),
         }
     };
-    let summary = pack_slots(level, by, motion, packed, pack);
+    let summary = pack_slots(level, by, (motion, which.slots), packed, pack);
     // SAFETY: tasks have disjoint ghosts, and all other rows are at rest.
-    in_tasks(by, table.ghosts.len(), |ghosts| unsafe {
+    in_tasks(by, which.ghosts, |ghosts| unsafe {
         pack_ghosts(level, table, motion.lengths, ghosts, &rows);
         MotionSummary::NOTHING
     });
@@ -75,20 +79,21 @@ unsafe fn pack_ghosts(
     }
 }
 
-/// Writes the rows of all slots in fixed point; as [`pack_double`].
+/// Writes the rows of some slots in fixed point; as [`pack_double`].
 pub fn pack_fixed(
     level: Level,
     by: By,
     table: &ColumnTable,
-    motion: Motion<'_>,
+    (motion, which): (Motion<'_>, SomeRows<'_>),
     rows: &mut [FixedRow],
     packed: Option<&mut [PackedDisplacement]>,
 ) -> MotionSummary {
     let rows = Disjoint::new(rows);
     // SAFETY: tasks have disjoint slots.
-    pack_slots(level, by, motion, packed, |motion, first, squares| unsafe {
+    let pack = |motion: Motion<'_>, first, squares: &mut [f64]| unsafe {
         pack_fixed_part(level, table, motion, first, Some(squares), &rows);
-    })
+    };
+    pack_slots(level, by, (motion, which.slots), packed, pack)
 }
 
 /// Writes the rows of some slots in fixed point; see [`packing::pack_fixed`].
@@ -128,16 +133,16 @@ pub fn pack_displacements(
     }
 }
 
-/// Packs all slots in batches by `pack(motion, first, squares)`, which writes |d|² of each slot from `first` on.
+/// Packs runs of slots in batches by `pack(motion, first, squares)`, which writes |d|² of each slot from `first` on.
 fn pack_slots(
     level: Level,
     by: By,
-    motion: Motion<'_>,
+    (motion, runs): (Motion<'_>, &[Range<usize>]),
     packed: Option<&mut [PackedDisplacement]>,
     pack: impl Fn(Motion<'_>, usize, &mut [f64]) + Sync,
 ) -> MotionSummary {
     let packed = packed.map(Disjoint::new);
-    in_tasks(by, motion.order.len(), |slots| {
+    in_tasks(by, runs, |slots| {
         let mut summary = MotionSummary::NOTHING;
         let mut squares = [0.0; BATCH];
         for first in slots.clone().step_by(BATCH) {
@@ -155,15 +160,22 @@ fn pack_slots(
     })
 }
 
+/// Does tasks over runs of numbers, and takes their summaries together in the order of the runs.
 fn in_tasks(
     by: By,
-    n: usize,
+    runs: &[Range<usize>],
     task: impl Fn(Range<usize>) -> MotionSummary + Sync,
 ) -> MotionSummary {
-    if by == By::OneThread {
-        return task(0..n);
+    let mut all = MotionSummary::NOTHING;
+    for run in runs {
+        // Short runs are not worth waking another thread.
+        if by == By::OneThread || run.len() < SHORT_RUN && runs.len() > 1 {
+            all = all.and(task(run.clone()));
+            continue;
+        }
+        let offset = |part: Range<usize>| run.start + part.start..run.start + part.end;
+        let parts = map_ranges(run.len(), |part| task(offset(part)));
+        all = parts.into_iter().fold(all, MotionSummary::and);
     }
-    map_ranges(n, task)
-        .into_iter()
-        .fold(MotionSummary::NOTHING, MotionSummary::and)
+    all
 }

@@ -16,6 +16,7 @@ use super::fused::{ChunkDisplacement, NextRows};
 use super::motion::MotionSummary;
 use super::pack::By;
 use super::totals::{ChunkTotals, Detail};
+use crate::share::Share;
 
 /// Whether a list may be used at some positions.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -67,15 +68,40 @@ impl Request {
 pub struct Outcome {
     /// Whether the list could be used. If not, there are no sums.
     pub status: ListStatus,
-    /// The totals of all chunks in order: every pair from both of its ends. Empty where only forces are summed.
+    /// The totals of all chunks of this rank: every pair from both of its ends. Empty where only forces are summed.
     pub totals: Vec<ChunkTotals>,
     /// Whether a force is not finite.
     pub broken: bool,
 }
 
+impl Outcome {
+    /// No sums.
+    fn without_sums(status: ListStatus) -> Self {
+        Self {
+            status,
+            totals: Vec::new(),
+            broken: false,
+        }
+    }
+}
+
+/// Rows that are packed together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Which {
+    /// All rows.
+    All,
+    /// The rows of this rank.
+    Own,
+    /// The rows of the halo of this rank.
+    Halo,
+}
+
 /// Packs rows and packed displacements, by one thread or by all.
 pub type PackRows<'a, Row> =
-    dyn Fn(By, &mut [Row], Option<&mut [PackedDisplacement]>) -> MotionSummary + Sync + 'a;
+    dyn Fn(By, Which, &mut [Row], Option<&mut [PackedDisplacement]>) -> MotionSummary + Sync + 'a;
+
+/// Fetches the positions of the halo while some work is done.
+pub type Fetch<'a> = dyn Fn(&mut dyn FnMut()) + Sync + 'a;
 
 /// Judges the list by the motion. Packed displacements change the time that it takes, and never the result.
 pub type JudgeList<'a> =
@@ -103,6 +129,10 @@ pub struct Evaluation<'a, Row> {
     pub judge: &'a JudgeList<'a>,
     /// Runs a chunk.
     pub run: &'a RunChunk<'a, Row>,
+    /// The share of this rank, where there are several.
+    pub share: Option<&'a Share>,
+    /// Fetches the positions of the halo, where they are not known.
+    pub fetch: Option<&'a Fetch<'a>>,
 }
 
 /// Whether particles are so few that each thread packs all of them for itself.
@@ -163,9 +193,12 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
 
     /// Packs, judges, and runs each chunk exactly once where the list is complete.
     pub fn run(&mut self, evaluation: &Evaluation<'_, Row>) -> Outcome {
-        let few = are_few(evaluation.n);
+        let few = are_few(evaluation.n) && evaluation.share.is_none();
         let copies = if few { rayon::current_num_threads() } else { 1 };
         self.0.resize_with(copies, Mutex::default);
+        if let Some(share) = evaluation.share {
+            return self.run_share(evaluation, share);
+        }
         if few {
             return self.run_few(evaluation);
         }
@@ -175,16 +208,43 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
             Prepared::Judged => (lock(&self.0[0]), ListStatus::Complete),
         };
         if status != ListStatus::Complete {
-            return Outcome {
-                status,
-                totals: Vec::new(),
-                broken: false,
-            };
+            return Outcome::without_sums(status);
         }
         let (rows, next) = copy.for_chunks(evaluation);
-        run_chunks(evaluation, status, &|(), c| {
+        let mut outcome = run_chunks(evaluation, evaluation.chunks, &|(), c| {
             (evaluation.run)(rows, next.as_ref(), c)
-        })
+        });
+        outcome.status = status;
+        outcome
+    }
+
+    /// Packs the rows of this rank, judges the list with the other ranks, and runs the chunks of this rank.
+    fn run_share(&mut self, evaluation: &Evaluation<'_, Row>, share: &Share) -> Outcome {
+        let (mut copy, status) = match evaluation.request.prepared {
+            Prepared::Nothing => self.pack(0, By::All, evaluation),
+            Prepared::Packed => self.take_next(evaluation),
+            Prepared::Judged => (lock(&self.0[0]), ListStatus::Complete),
+        };
+        if status != ListStatus::Complete {
+            return Outcome::without_sums(status);
+        }
+        let run = |chunks: &[u32], copy: &mut PackedCopy<Row>| {
+            let (rows, next) = copy.for_chunks(evaluation);
+            run_chunks(evaluation, chunks.len(), &|(), k| {
+                (evaluation.run)(rows, next.as_ref(), chunks[k] as usize)
+            })
+        };
+        let [inner, outer] = share.inner_and_outer();
+        let mut first = Outcome::without_sums(status);
+        match evaluation.fetch {
+            Some(fetch) => fetch(&mut || first = run(inner, &mut copy)),
+            None => first = run(inner, &mut copy),
+        }
+        (evaluation.pack)(By::All, Which::Halo, &mut copy.rows, None);
+        let mut both = run(outer, &mut copy);
+        both.totals.append(&mut first.totals);
+        both.broken |= first.broken;
+        both
     }
 
     /// Each thread packs a copy of its own before its first chunk, and all threads come to the same judgment.
@@ -203,7 +263,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
                 _ => ChunkTotals::NOTHING,
             }
         };
-        let mut outcome = run_chunks(evaluation, ListStatus::Complete, &run);
+        let mut outcome = run_chunks(evaluation, evaluation.chunks, &run);
         // Without particles no thread judges, and no pair is missing.
         if let Some(judged) = status.into_inner() {
             outcome.status = judged;
@@ -224,7 +284,11 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
         copy.begin_packed(evaluation);
         let has_packed = copy.has_packed;
         let PackedCopy { rows, packed, .. } = &mut *copy;
-        let summary = (evaluation.pack)(by, rows, has_packed.then_some(packed));
+        let which = match evaluation.share {
+            None => Which::All,
+            Some(_) => Which::Own,
+        };
+        let summary = (evaluation.pack)(by, which, rows, has_packed.then_some(packed));
         let status = copy.judge(&summary, evaluation);
         (copy, status)
     }
@@ -247,7 +311,10 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
     /// Decides whether displacements are packed, and makes room for them.
     fn begin_packed(&mut self, evaluation: &Evaluation<'_, Row>) {
         let n = evaluation.n;
-        self.has_packed = evaluation.inserts && n >= LARGE_SYSTEM && self.far * PACKED_AMONG > n;
+        self.has_packed = evaluation.inserts
+            && evaluation.share.is_none()
+            && n >= LARGE_SYSTEM
+            && self.far * PACKED_AMONG > n;
         if self.has_packed {
             self.packed.resize(n, PackedDisplacement::default());
         }
@@ -284,29 +351,28 @@ fn lock<Row>(copy: &Mutex<PackedCopy<Row>>) -> MutexGuard<'_, PackedCopy<Row>> {
     copy.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Runs each chunk once. One instance serves all potentials, since the loop over chunks is short.
+/// Runs so many chunks once each. One instance serves all potentials, since the loop over chunks is short.
 fn run_chunks<Row, S: Default>(
     evaluation: &Evaluation<'_, Row>,
-    status: ListStatus,
+    chunks: usize,
     run: &(dyn Fn(&mut S, usize) -> ChunkTotals + Sync),
 ) -> Outcome {
     if evaluation.request.detail == Detail::Forces {
         let broken = AtomicBool::new(false);
-        for_each_task(evaluation.chunks, |scratch, c| {
+        for_each_task(chunks, |scratch, c| {
             if run(scratch, c).broken {
                 broken.store(true, Ordering::Relaxed);
             }
         });
         return Outcome {
-            status,
-            totals: Vec::new(),
             broken: broken.into_inner(),
+            ..Outcome::without_sums(ListStatus::Complete)
         };
     }
-    let totals = map_tasks(evaluation.chunks, run);
+    let totals = map_tasks(chunks, run);
     let broken = totals.iter().any(|c| c.broken);
     Outcome {
-        status,
+        status: ListStatus::Complete,
         totals,
         broken,
     }

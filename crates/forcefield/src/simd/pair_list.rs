@@ -1,5 +1,7 @@
 //! The two kinds of lists, each with the rows that its loop reads.
 
+use std::ops::Range;
+
 use lennard_core::PeriodicBox;
 use lennard_neighbor::{
     Cells, ClusterList, FIXED_UNITS, GridError, NeighborList, PackedDisplacement, Positions, Reach,
@@ -9,7 +11,7 @@ use super::by_level::by_level;
 use super::cluster_loop::ClusterJob;
 use super::disjoint::Disjoint;
 use super::level::Level;
-use super::motion::{Motion, MotionSummary};
+use super::motion::{Motion, MotionSummary, SomeRows};
 use super::output::Output;
 use super::pack::{By, pack_double, pack_fixed, pack_fixed_part};
 use super::row::{DoubleRow, FixedRow};
@@ -70,6 +72,8 @@ pub trait PairList: Sync {
     fn rows(&self) -> usize;
     /// Number of chunks.
     fn chunks(&self) -> usize;
+    /// Bytes of the lists themselves, without the sorted particles.
+    fn list_bytes(&self) -> usize;
     /// Prepares an evaluation in a box.
     fn job<I: Interaction>(
         &self,
@@ -77,12 +81,31 @@ pub trait PairList: Sync {
         r_cut: f64,
         cell: &PeriodicBox,
     ) -> Self::Job<'_, I>;
-    /// Writes all rows, and packed displacements where given; summarizes the motion.
+    /// Keeps the lists of these chunks alone, in this build and in all later ones.
+    fn keep(&mut self, chunks: Range<usize>);
+    /// Numbers that [`PairList::for_each_beyond`] needs, once for all chunks.
+    fn outside_before(&self, _own: &Range<usize>) -> Vec<u32> {
+        Vec::new()
+    }
+    /// Calls `name` with each slot outside `own` that the lists of a chunk name, as often as they do.
+    fn for_each_beyond(
+        &self,
+        own: &Range<usize>,
+        outside_before: &[u32],
+        chunk: usize,
+        name: impl FnMut(u32),
+    );
+    /// The slot that each ghost repeats.
+    fn slots_of_ghosts(&self) -> impl ExactSizeIterator<Item = u32>;
+    /// Writes rows of some slots and ghosts, and packed displacements where given; summarizes the motion of the slots.
+    ///
+    /// A ghost needs the row of its slot.
     fn pack(
         &self,
         level: Level,
         by: By,
         motion: Motion<'_>,
+        which: SomeRows<'_>,
         rows: &mut [Self::Row],
         packed: Option<&mut [PackedDisplacement]>,
     ) -> MotionSummary;
@@ -152,6 +175,10 @@ impl PairList for NeighborList {
         self.chunks().len()
     }
 
+    fn list_bytes(&self) -> usize {
+        self.bytes() - self.table().bytes()
+    }
+
     fn job<I: Interaction>(
         &self,
         interaction: I,
@@ -166,10 +193,35 @@ impl PairList for NeighborList {
         level: Level,
         by: By,
         motion: Motion<'_>,
+        which: SomeRows<'_>,
         rows: &mut [DoubleRow],
         packed: Option<&mut [PackedDisplacement]>,
     ) -> MotionSummary {
-        pack_double(level, by, self.table(), motion, rows, packed)
+        pack_double(level, by, self.table(), (motion, which), rows, packed)
+    }
+
+    fn keep(&mut self, chunks: Range<usize>) {
+        self.keep(chunks);
+    }
+
+    fn outside_before(&self, own: &Range<usize>) -> Vec<u32> {
+        self.outside_before(own)
+    }
+
+    fn for_each_beyond(
+        &self,
+        own: &Range<usize>,
+        outside_before: &[u32],
+        chunk: usize,
+        name: impl FnMut(u32),
+    ) {
+        self.for_each_beyond(own, outside_before, chunk, name);
+    }
+
+    fn slots_of_ghosts(&self) -> impl ExactSizeIterator<Item = u32> {
+        let slots = self.table().slots();
+        let ghosts = self.table().ghosts.iter();
+        ghosts.map(|ghost| slots[ghost.row as usize])
     }
 
     unsafe fn run<I: Interaction>(
@@ -238,6 +290,10 @@ impl PairList for ClusterList {
         self.chunks().len()
     }
 
+    fn list_bytes(&self) -> usize {
+        self.bytes() - self.table().bytes()
+    }
+
     fn job<I: Interaction>(
         &self,
         interaction: I,
@@ -253,10 +309,29 @@ impl PairList for ClusterList {
         level: Level,
         by: By,
         motion: Motion<'_>,
+        which: SomeRows<'_>,
         rows: &mut [FixedRow],
         packed: Option<&mut [PackedDisplacement]>,
     ) -> MotionSummary {
-        pack_fixed(level, by, self.table(), motion, rows, packed)
+        pack_fixed(level, by, self.table(), (motion, which), rows, packed)
+    }
+
+    fn keep(&mut self, chunks: Range<usize>) {
+        self.keep(chunks);
+    }
+
+    fn for_each_beyond(
+        &self,
+        own: &Range<usize>,
+        _outside_before: &[u32],
+        chunk: usize,
+        name: impl FnMut(u32),
+    ) {
+        self.for_each_beyond(own, chunk, name);
+    }
+
+    fn slots_of_ghosts(&self) -> impl ExactSizeIterator<Item = u32> {
+        std::iter::empty()
     }
 
     fn contains(&self, pair: [u32; 2]) -> bool {

@@ -7,6 +7,7 @@ mod formulas;
 mod kernels;
 mod mixtures;
 mod nist;
+mod ranks;
 mod stride_baths;
 mod strides;
 mod tables;

@@ -90,7 +90,7 @@ impl Backend for Cluster {
                 let (v, gained) = (std::slice::from_mut(v), std::slice::from_mut(gained));
                 of_step.act(stride.masses.of(i), &[i as u32], v, gained);
             }
-            noise.pass(&gained);
+            noise.pass(&gained, None);
             sweeps::drift(stride.positions, velocities, 0.5 * h);
         }
         steps

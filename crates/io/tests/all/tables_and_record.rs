@@ -198,6 +198,7 @@ fn record() -> RunRecord {
                 observe: 0.125,
                 write: 0.125,
             },
+            ranks: None,
         },
         neighbor: NeighborRecord {
             builds: 900,

@@ -11,6 +11,8 @@
 //!
 //! The loop reads a block of sixteen neighbors once and computes it with all members: *cluster × single*.
 
+use std::ops::Range;
+
 use lennard_core::parallel::part;
 use lennard_core::tasks::for_each_item;
 use lennard_core::{Exclusions, PeriodicBox};
@@ -35,6 +37,8 @@ pub struct ClusterList {
     exclusions: Exclusions,
     /// The slot of each particle, `[N]`, where pairs are excluded.
     slot_of: Vec<u32>,
+    /// The chunks of this rank, where there are several ranks. All others stay empty.
+    own: Option<Range<usize>>,
 }
 
 impl ClusterList {
@@ -42,6 +46,35 @@ impl ClusterList {
     #[must_use]
     pub fn excluding(self, exclusions: Exclusions) -> Self {
         Self { exclusions, ..self }
+    }
+
+    /// Keeps the lists of these chunks alone, in this build and in all later ones.
+    pub fn keep(&mut self, own: Range<usize>) {
+        for (_, chunk) in self
+            .chunks
+            .iter_mut()
+            .enumerate()
+            .filter(|(c, _)| !own.contains(c))
+        {
+            *chunk = ClusterChunk::default();
+        }
+        self.own = Some(own);
+    }
+
+    /// The chunks whose lists are kept.
+    #[must_use]
+    pub fn own(&self) -> Range<usize> {
+        self.own.clone().unwrap_or(0..self.chunks.len())
+    }
+
+    /// Calls `name` with each slot outside `own` that the lists of a chunk name, as often as they do.
+    pub fn for_each_beyond(&self, own: &Range<usize>, chunk: usize, name: impl FnMut(u32)) {
+        let chunk = &self.chunks[chunk];
+        let end = chunk.spans.last().map_or(0, |span| span.end as usize);
+        let named = chunk.blocks[..end].iter().flat_map(Block::slots);
+        named
+            .filter(|slot| !own.contains(&(*slot as usize)))
+            .for_each(name);
     }
 
     /// The sorted particles.
@@ -69,10 +102,11 @@ impl ClusterList {
         lists.map(|(_, list)| list.lanes() as u64).sum()
     }
 
-    /// Number of pairs in the list, each counted once.
+    /// Number of pairs in the list, each counted once; of the lists of one rank, half the number of their pairs.
     #[must_use]
     pub fn pairs(&self) -> u64 {
         let n = self.table.particle.len();
+        let own = self.own_slots();
         let lists = self.chunks.iter().flat_map(ClusterChunk::lists);
         let of_cluster = |(first, list): (usize, ClusterBlocks<'_>)| -> u64 {
             (0..(n - first).min(CLUSTER))
@@ -81,9 +115,16 @@ impl ClusterList {
                 .sum()
         };
         // Members are entries of their own lists, and so are the particles that they do not interact with.
-        let excluded = (0..n as u32).map(|i| self.exclusions.of(i).count());
-        let not_pairs = n + excluded.sum::<usize>();
+        let members = &self.table.particle[own];
+        let excluded = members.iter().map(|i| self.exclusions.of(*i).count());
+        let not_pairs = members.len() + excluded.sum::<usize>();
         (lists.map(of_cluster).sum::<u64>() - not_pairs as u64) / 2
+    }
+
+    /// The slots of the chunks whose lists are kept.
+    fn own_slots(&self) -> Range<usize> {
+        let (own, n) = (self.own(), self.table.particle.len());
+        (own.start * ATOMS_PER_CHUNK).min(n)..(own.end * ATOMS_PER_CHUNK).min(n)
     }
 
     /// Number of bytes held.
@@ -122,20 +163,22 @@ impl ClusterList {
         }
         let exclusions = (&self.exclusions, &self.slot_of[..]);
         let search = Search::new(&self.table, cell, reach, scanner, exclusions);
-        let chunks = self.chunks.iter_mut();
+        let own = self.own.clone().unwrap_or(0..self.chunks.len());
+        let chunks = self.chunks[own.clone()].iter_mut();
         for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
-            let slots = part(c, ATOMS_PER_CHUNK, n);
+            let slots = part(own.start + c, ATOMS_PER_CHUNK, n);
             search.fill(slots, scratch, chunk);
         });
         Ok(())
     }
 
-    /// Whether a pair of slots is listed at both ends.
+    /// Whether a pair of slots is listed at both ends; an end whose list is not kept here counts as listed.
     #[must_use]
     pub fn contains(&self, [a, b]: [u32; 2]) -> bool {
+        let kept = self.own();
         [(a, b), (b, a)].into_iter().all(|(own, other)| {
             let (chunk, k, member) = address(own);
-            self.chunks[chunk].contains(k, member, other)
+            !kept.contains(&chunk) || self.chunks[chunk].contains(k, member, other)
         })
     }
 
@@ -143,8 +186,12 @@ impl ClusterList {
     ///
     /// The forces equal the forces of a list that had the pair from its build on, except for the order of the sums.
     pub fn insert(&mut self, [a, b]: [u32; 2]) {
+        let kept = self.own();
         for (own, other) in [(a, b), (b, a)] {
             let (chunk, k, member) = address(own);
+            if !kept.contains(&chunk) {
+                continue;
+            }
             let chunk = &mut self.chunks[chunk];
             if !chunk.contains(k, member, other) {
                 chunk.insert(k, other);
@@ -177,13 +224,17 @@ impl ClusterList {
         all
     }
 
-    /// Whether every entry numbers a slot that exists, and the clusters cover all slots.
+    /// Whether every entry numbers a slot that exists, and the clusters cover all slots of the lists that are kept.
     ///
     /// The force loops rely on it: they read rows through entries without a test of their own.
     #[must_use]
     pub fn is_valid(&self) -> bool {
         let n = self.table.particle.len();
+        let own = self.own();
         let fits = |(c, chunk): (usize, &ClusterChunk)| {
+            if !own.contains(&c) {
+                return true;
+            }
             let slots = part(c, ATOMS_PER_CHUNK, n);
             chunk.first_slot as usize == slots.start
                 && chunk.spans.len() == slots.len().div_ceil(CLUSTER)

@@ -1,10 +1,12 @@
 //! Full Verlet lists in chunks of constant size.
 
+use std::ops::Range;
+
 use lennard_core::parallel::part;
 use lennard_core::tasks::for_each_item;
 use lennard_core::{Exclusions, PeriodicBox};
 
-use super::chunk::{ATOMS_PER_CHUNK, Images, ListChunk};
+use super::chunk::{ATOMS_PER_CHUNK, Entries, Images, ListChunk};
 use super::fill::{Filler, Scratch};
 use super::scan::RowScanner;
 use crate::sort::{GridError, Positions, RowTable};
@@ -20,6 +22,8 @@ pub struct NeighborList {
     exclusions: Exclusions,
     table: RowTable,
     chunks: Vec<ListChunk>,
+    /// The chunks of this rank, where there are several ranks. All others stay empty.
+    own: Option<Range<usize>>,
 }
 
 impl NeighborList {
@@ -32,6 +36,7 @@ impl NeighborList {
             exclusions: Exclusions::NONE,
             table: RowTable::default(),
             chunks: Vec::new(),
+            own: None,
         }
     }
 
@@ -39,6 +44,77 @@ impl NeighborList {
     #[must_use]
     pub fn excluding(self, exclusions: Exclusions) -> Self {
         Self { exclusions, ..self }
+    }
+
+    /// Keeps the lists of these chunks alone, in this build and in all later ones.
+    pub fn keep(&mut self, own: Range<usize>) {
+        for (_, chunk) in self
+            .chunks
+            .iter_mut()
+            .enumerate()
+            .filter(|(c, _)| !own.contains(c))
+        {
+            *chunk = ListChunk::default();
+        }
+        self.own = Some(own);
+    }
+
+    /// The chunks whose lists are kept.
+    #[must_use]
+    pub fn own(&self) -> Range<usize> {
+        self.own.clone().unwrap_or(0..self.chunks.len())
+    }
+
+    /// For each row, and for the end, how many rows before it show a slot outside `own`.
+    #[must_use]
+    pub fn outside_before(&self, own: &Range<usize>) -> Vec<u32> {
+        let mut before = 0;
+        let mut count = |slot: &u32| {
+            let so_far = before;
+            before += u32::from(!own.contains(&(*slot as usize)));
+            so_far
+        };
+        let mut all: Vec<u32> = self.table.slots().iter().map(&mut count).collect();
+        all.push(before);
+        all
+    }
+
+    /// Calls `name` with each slot outside `own` that the lists of a chunk name, as often as they do, by ghosts too.
+    ///
+    /// `outside_before` is [`NeighborList::outside_before`] of `own`: most chunks need no look at their entries.
+    pub fn for_each_beyond(
+        &self,
+        own: &Range<usize>,
+        outside_before: &[u32],
+        chunk: usize,
+        mut name: impl FnMut(u32),
+    ) {
+        assert_eq!(self.images, Images::Ghosts, "entries number rows");
+        let chunk = &self.chunks[chunk];
+        let (base, slots) = (chunk.base as usize, self.table.slots());
+        // Padding names the slot itself.
+        let padded = |count: &u32| (*count as usize).next_multiple_of(self.lanes);
+        let used: usize = chunk.counts.iter().map(padded).sum();
+        let mut look_at = |entry: usize| {
+            let slot = slots[base + entry];
+            if !own.contains(&(slot as usize)) {
+                name(slot);
+            }
+        };
+        let has_none = |first: Option<usize>, last: Option<usize>| match (first, last) {
+            (Some(a), Some(b)) => outside_before[base + a] == outside_before[base + b + 1],
+            _ => true,
+        };
+        match &chunk.entries {
+            Entries::Narrow(e) => {
+                let e = &e[..used];
+                let ends = [e.iter().min(), e.iter().max()].map(|e| e.map(|e| usize::from(*e)));
+                if !has_none(ends[0], ends[1]) {
+                    e.iter().for_each(|e| look_at(usize::from(*e)));
+                }
+            }
+            Entries::Wide(e) => e[..used].iter().for_each(|e| look_at(*e as usize)),
+        }
     }
 
     /// The sorted rows.
@@ -104,15 +180,16 @@ impl NeighborList {
             scanner,
             exclusions: self.exclusions,
         };
-        let chunks = self.chunks.iter_mut();
+        let own = self.own.clone().unwrap_or(0..self.chunks.len());
+        let chunks = self.chunks[own.clone()].iter_mut();
         for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
-            let slots = part(c, ATOMS_PER_CHUNK, n);
+            let slots = part(own.start + c, ATOMS_PER_CHUNK, n);
             filler.fill(slots, scratch, chunk);
         });
         Ok(())
     }
 
-    /// Number of pairs in the list, each counted once.
+    /// Number of pairs in the list, each counted once; of the lists of one rank, half the number of their pairs.
     #[must_use]
     pub fn pairs(&self) -> u64 {
         let entries: u64 = self
@@ -167,14 +244,15 @@ impl NeighborList {
         all
     }
 
-    /// Whether every entry numbers a row or a slot that exists, and the chunks cover all slots.
+    /// Whether every entry numbers a row or a slot that exists, and the chunks cover all slots of the lists that are kept.
     ///
     /// The force loops rely on it: they read rows through entries without a test of their own.
     #[must_use]
     pub fn is_valid(&self) -> bool {
         let targets = self.targets() as u64;
-        let mut slots = 0;
-        for chunk in &self.chunks {
+        let (own, n) = (self.own(), self.table.particle.len());
+        let mut slots = (own.start * ATOMS_PER_CHUNK).min(n);
+        for chunk in &self.chunks[own.clone()] {
             let padded = |count: &u32| (*count as usize).next_multiple_of(self.lanes);
             let used: usize = chunk.counts.iter().map(padded).sum();
             let fits = chunk.first_slot as usize == slots && used <= chunk.entries.len();
@@ -184,7 +262,7 @@ impl NeighborList {
             }
             slots += chunk.counts.len();
         }
-        slots == self.table.particle.len()
+        slots == (own.end * ATOMS_PER_CHUNK).min(n)
     }
 }
 

@@ -34,6 +34,25 @@ pub struct Displacements<'a, C, A> {
     pub packed: Option<&'a [PackedDisplacement]>,
     /// The largest |x − x⁰|², σ².
     pub largest2: f64,
+    /// The slots that a far mover may meet: all, or the slots of one rank, whose positions alone are asked for then.
+    pub partners: Range<u32>,
+    /// The columns that have partners, along x and y ([`columns_of`]); none where all have.
+    pub columns: Option<&'a [Vec<bool>; 2]>,
+}
+
+/// The columns with some of these slots, along x and y: a column without is not in both.
+#[must_use]
+pub fn columns_of<C: Cells>(cells: &C, slots: Range<u32>) -> [Vec<bool>; 2] {
+    let [nx, ny, nz] = cells.count();
+    let mut columns = [vec![false; nx as usize], vec![false; ny as usize]];
+    for (x, y) in (0..nx).flat_map(|x| (0..ny).map(move |y| (x, y))) {
+        let found = cells.slots(x, y, [0, nz - 1]);
+        if found.start.max(slots.start) < found.end.min(slots.end) {
+            columns[0][x as usize] = true;
+            columns[1][y as usize] = true;
+        }
+    }
+    columns
 }
 
 impl<C: Cells, A: Fn(u32) -> DVec3> Displacements<'_, C, A> {
@@ -55,6 +74,7 @@ const BATCH: usize = 16;
 ///
 /// A list of that radius need not contain them. In each pair the lower slot comes first, and pairs ascend.
 /// `far` holds the slots of all particles that moved by more than half the skin, where skin = `radius` − `inner`.
+/// The partners of all ranks together give all pairs, since one of the two moved far.
 ///
 /// Let n be the unit vector from one particle to the other at the build. Then r ≥ r⁰ − (d_i − d_j)·n.
 /// Two particles that came closer by more than the skin moved by more than it along n.
@@ -175,7 +195,9 @@ impl<C: Cells, A: Fn(u32) -> DVec3> Search<'_, C, A> {
             below: ahead.below,
             partners: {
                 let (x, y, z) = ahead.partners;
-                self.displacements.cells.slots(x, y, z)
+                let slots = self.displacements.cells.slots(x, y, z);
+                let of = &self.displacements.partners;
+                slots.start.max(of.start)..slots.end.min(of.end)
             },
         }));
         let mut look_at = |mover: u8, other: u32| {
@@ -218,8 +240,12 @@ impl<C: Cells, A: Fn(u32) -> DVec3> Search<'_, C, A> {
         };
         let [x, y, z] = [axis(0), axis(1), axis(2)];
         let [nx, ny, nz] = self.count;
-        for x in x.wrapped(nx) {
-            for y in y.wrapped(ny) {
+        let has = |axis: usize, column: u32| {
+            let columns = self.displacements.columns;
+            columns.is_none_or(|columns| columns[axis][column as usize])
+        };
+        for x in x.wrapped(nx).filter(|x| has(0, *x)) {
+            for y in y.wrapped(ny).filter(|y| has(1, *y)) {
                 for z in z.runs(nz) {
                     to.push(Ahead {
                         mover: number,
@@ -307,7 +333,8 @@ fn find_closer(
     } in slots
     {
         let of_mover = packed[movers[usize::from(*mover)].slot as usize];
-        let of_partners = &packed[partners.start as usize..partners.end as usize];
+        let slots = partners.start as usize..partners.end as usize;
+        let of_partners = packed.get(slots).unwrap_or_default();
         for (slot, other) in partners.clone().zip(of_partners) {
             if other.square > *below && of_mover.may_be_closer(*other) {
                 to.push((*mover, slot));

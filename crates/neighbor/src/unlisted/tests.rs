@@ -49,18 +49,33 @@ fn by_cells_of<C: Cells>(
         .zip(&built)
         .map(|((slot, square), built)| scale.pack(at(slot) - *built, *square))
         .collect();
-    let unlisted = |packed| {
+    let n = built.len() as u32;
+    let unlisted = |packed, partners: std::ops::Range<u32>| {
+        let columns = (partners != (0..n)).then(|| columns_of(cells, partners.clone()));
         let displacements = Displacements {
             cells,
             at,
             built: &built,
             packed,
             largest2: squares.iter().copied().fold(0.0, f64::max),
+            columns: columns.as_ref(),
+            partners,
         };
         unlisted_pairs(cell, radius, inner, displacements, &far)
     };
-    let (found, by_packed) = (unlisted(None), unlisted(Some(&packed[..])));
-    assert_eq!(found, by_packed);
+    let found = unlisted(None, 0..n);
+    for packed in [None, Some(&packed[..])] {
+        assert_eq!(found, unlisted(packed, 0..n));
+        // Ranks that own a range of slots each find all pairs together.
+        let ends = [0, n / 3, n / 3, n / 2, n];
+        let parts = ends
+            .windows(2)
+            .map(|ends| unlisted(packed, ends[0]..ends[1]));
+        let mut together = parts.collect::<Vec<_>>().concat();
+        together.sort_unstable();
+        together.dedup();
+        assert_eq!(found, together);
+    }
     assert!(found.is_sorted_by(|a, b| a < b));
     let particle = |slot: u32| particles[slot as usize];
     let mut unlisted: Vec<[u32; 2]> = found

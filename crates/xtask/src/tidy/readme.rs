@@ -12,8 +12,8 @@ type Commands = BTreeMap<String, Vec<String>>;
 /// Folders that runs and builds make.
 const MADE_LATER: [&str; 3] = ["runs", "target", ".venv"];
 const XTASK: [&str; 12] = [
-    "docs", "test", "check", "physics", "cluster", "tidy", "soak", "fuzz", "coverage", "accuracy",
-    "python", "help",
+    "docs", "test", "check", "physics", "cluster", "mpi", "tidy", "soak", "fuzz", "coverage",
+    "accuracy", "python", "help",
 ];
 const CARGO: [&str; 12] = [
     "check", "run", "xtask", "test", "build", "bench", "fmt", "clippy", "doc", "install",

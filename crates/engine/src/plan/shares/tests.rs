@@ -27,6 +27,8 @@ fn costs(observers: Vec<(Want, f64)>, baths: Vec<f64>) -> Costs {
         baths,
         frame: 3.0,
         watch: 0.25,
+        builds: 0.0,
+        halos: Vec::new(),
     }
 }
 
@@ -34,7 +36,7 @@ fn costs(observers: Vec<(Want, f64)>, baths: Vec<f64>) -> Costs {
 fn memory_is_counted_as_a_run_takes_it() {
     let measured = |more: &str| {
         let mut simulation = crate::prepare(scene(more)).unwrap();
-        Costs::measure(&mut simulation).unwrap()
+        Costs::measure(&mut simulation, &[]).unwrap()
     };
     let stage = "[[stage]]\nname = \"a\"\nsteps = 300\n";
     let observed = format!("{stage}[[observable]]\nkind = \"momentum\"\nevery = 1\n");

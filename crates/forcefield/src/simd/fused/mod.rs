@@ -4,4 +4,4 @@ mod pack_ahead;
 mod steps;
 
 pub use pack_ahead::{ChunkDisplacement, NextRows};
-pub use steps::{SlotState, by_slot, fused_step, to_particles};
+pub use steps::{SlotState, fused_step};

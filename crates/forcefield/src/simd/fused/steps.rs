@@ -1,7 +1,7 @@
 //! One fused step: chunk by chunk, forces, two half kicks, a drift, and rows of the next step.
 
 use glam::DVec3;
-use lennard_core::parallel::{for_each_piece, for_each_range, part};
+use lennard_core::parallel::part;
 use lennard_neighbor::ATOMS_PER_CHUNK;
 
 use super::pack_ahead::{Ahead, NextRows};
@@ -47,7 +47,7 @@ pub fn fused_step<P: PairList, I: Interaction>(
         "one vector per slot"
     );
     assert!(
-        particles.next.is_some() || !are_few(n),
+        particles.next.is_some() || !are_few(n) || used.share.is_some(),
         "few particles are packed while chunks run"
     );
     let positions = Disjoint::new(particles.positions);
@@ -118,34 +118,22 @@ pub fn fused_step<P: PairList, I: Interaction>(
         unsafe { ahead.pack(chunk, next_rows, motion, step) };
         totals
     };
-    let outcome = used.run_chunks(copies, &at, request, &run);
-    if outcome.broken {
-        ListStatus::NonFinite
-    } else {
-        outcome.status
-    }
-}
-
-/// Gathers elements by slot from an array by index, where `order` has the index of each slot.
-pub fn by_slot(order: &[u32], from: &[DVec3], to: &mut Vec<DVec3>) {
-    to.resize(order.len(), DVec3::ZERO);
-    for_each_piece(to, |first, piece| {
-        for (to, at) in piece.iter_mut().zip(&order[first..]) {
-            *to = from[*at as usize];
-        }
-    });
-}
-
-/// Scatters elements by slot to an array by particle.
-pub fn to_particles<P: PairList>(list: &P, from: &[DVec3], to: &mut [DVec3]) {
-    let order = list.particles();
-    let n = order.len();
-    assert!(from.len() == n && to.len() == n, "one vector per slot");
-    let to = Disjoint::new(to);
-    for_each_range(n, |slots| {
-        for (from, at) in from[slots.clone()].iter().zip(&order[slots]) {
-            // SAFETY: each particle has one slot.
-            unsafe { to.write(*at as usize, *from) };
-        }
-    });
+    let Some(share) = used.share else {
+        let outcome = used.run_chunks(copies, &at, request, None, &run);
+        return if outcome.broken {
+            ListStatus::NonFinite
+        } else {
+            outcome.status
+        };
+    };
+    let fetch = |meanwhile: &mut dyn FnMut()| {
+        let own = |slot: u32| at().positions[slot as usize];
+        // SAFETY: the slots of a halo belong to no chunk of this rank, and they are put when no chunk runs.
+        let put = |slot: u32, r| unsafe { positions.write(slot as usize, r) };
+        share.fetch(own, meanwhile, put);
+    };
+    let outcome = used.run_chunks(copies, &at, request, Some(&fetch), &run);
+    // All ranks learn it when they judge the list next.
+    share.note_broken(outcome.broken);
+    outcome.status
 }

@@ -1,7 +1,7 @@
 //! Registers pack the bits of the plain loops.
 
 use super::super::level::{Avx2, Level};
-use super::super::motion::{MotionSummary, SlotSpecies};
+use super::super::motion::{MotionSummary, SlotSpecies, SomeRows};
 use super::super::pack::{By, pack_double, pack_fixed};
 use super::*;
 use lennard_core::PeriodicBox;
@@ -97,7 +97,13 @@ fn packed(level: Level, by: By, shift: f64, stretch: DVec3, broken: bool) -> Pac
         level,
         by,
         &by_cell,
-        motion_of((&now, stretch), &by_cell.particle, &at),
+        (
+            motion_of((&now, stretch), &by_cell.particle, &at),
+            SomeRows {
+                slots: std::slice::from_ref(&(0..n)),
+                ghosts: std::slice::from_ref(&(0..by_cell.ghosts.len())),
+            },
+        ),
         &mut double,
         Some(&mut in_bytes[0]),
     );
@@ -110,7 +116,14 @@ fn packed(level: Level, by: By, shift: f64, stretch: DVec3, broken: bool) -> Pac
         level,
         by,
         &columns,
-        motion_of((&now, stretch), &columns.particle, &at),
+        (
+            motion_of((&now, stretch), &columns.particle, &at),
+            // The same in two runs, as a rank and its halo are packed.
+            SomeRows {
+                slots: &[0..n / 3, n / 3..n],
+                ghosts: &[],
+            },
+        ),
         &mut fixed,
         Some(&mut in_bytes[1]),
     );

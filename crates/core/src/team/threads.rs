@@ -1,0 +1,144 @@
+//! A team of threads in one process: channels in the place of a network.
+
+use std::ops::Range;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Mutex, PoisonError};
+
+use super::{Parcel, Team, Wire};
+
+/// A message between two ranks.
+enum Message {
+    Words(Vec<u64>),
+    Vectors(Vec<[f64; 3]>),
+}
+
+/// One rank: its ends of the channels, by the other rank.
+struct Channels {
+    rank: usize,
+    to: Vec<Mutex<Sender<Message>>>,
+    from: Vec<Mutex<Receiver<Message>>>,
+}
+
+/// The ranks of a team, each for a thread of its own: for tests, and to see what a team does.
+///
+/// Where one of the threads panics, the others panic at their next message.
+#[must_use]
+pub fn team_of_threads(ranks: usize) -> Vec<Team> {
+    let mut to: Vec<_> = (0..ranks).map(|_| Vec::new()).collect();
+    let mut from: Vec<_> = (0..ranks).map(|_| Vec::new()).collect();
+    for senders in &mut to {
+        for receivers in &mut from {
+            let (sender, receiver) = channel();
+            senders.push(Mutex::new(sender));
+            receivers.push(Mutex::new(receiver));
+        }
+    }
+    let ends = (0..).zip(to.into_iter().zip(from));
+    let all = ends.map(|(rank, (to, from))| Channels { rank, to, from });
+    let team = |channels| Team::new(Box::new(channels));
+    all.map(team).collect()
+}
+
+/// What a rank panics with whose team has lost a rank.
+const GONE: &str = "another rank of the team is gone";
+
+impl Channels {
+    fn send(&self, to: usize, message: Message) {
+        let channel = self.to[to].lock().unwrap_or_else(PoisonError::into_inner);
+        channel.send(message).expect(GONE);
+    }
+
+    fn receive(&self, from: usize) -> Message {
+        let channel = self.from[from]
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        channel.recv().expect(GONE)
+    }
+
+    fn words(&self, from: usize) -> Vec<u64> {
+        match self.receive(from) {
+            Message::Words(words) => words,
+            Message::Vectors(_) => unreachable!("ranks call the same functions in the same order"),
+        }
+    }
+
+    fn vectors(&self, from: usize) -> Vec<[f64; 3]> {
+        match self.receive(from) {
+            Message::Vectors(vectors) => vectors,
+            Message::Words(_) => unreachable!("ranks call the same functions in the same order"),
+        }
+    }
+
+    /// The words of each rank.
+    fn all(&self, words: &[u64]) -> Vec<Vec<u64>> {
+        for to in 0..self.ranks() {
+            self.send(to, Message::Words(words.to_vec()));
+        }
+        (0..self.ranks()).map(|from| self.words(from)).collect()
+    }
+}
+
+impl Wire for Channels {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn ranks(&self) -> usize {
+        self.from.len()
+    }
+
+    fn sum(&self, words: &mut [i64]) {
+        let mine: Vec<u64> = words.iter().map(|word| *word as u64).collect();
+        words.fill(0);
+        for other in self.all(&mine) {
+            assert_eq!(other.len(), words.len(), "ranks add up as many words");
+            for (sum, word) in words.iter_mut().zip(other) {
+                *sum += word as i64;
+            }
+        }
+    }
+
+    fn max(&self, words: &mut [u64]) {
+        for other in self.all(words) {
+            assert_eq!(other.len(), words.len(), "ranks compare as many words");
+            for (largest, word) in words.iter_mut().zip(other) {
+                *largest = word.max(*largest);
+            }
+        }
+    }
+
+    fn concat(&self, words: &[u64]) -> Vec<u64> {
+        self.all(words).concat()
+    }
+
+    fn trade(&self, words: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
+        assert_eq!(words.len(), self.ranks(), "a list for each rank");
+        for (to, words) in words.into_iter().enumerate() {
+            let words = words.into_iter().map(u64::from).collect();
+            self.send(to, Message::Words(words));
+        }
+        let narrow = |words: Vec<u64>| words.into_iter().map(|word| word as u32).collect();
+        (0..self.ranks())
+            .map(|from| narrow(self.words(from)))
+            .collect()
+    }
+
+    fn gather(&self, mine: &[[f64; 3]], whole: &mut [[f64; 3]], ranges: &[Range<usize>]) {
+        for to in 0..self.ranks() {
+            self.send(to, Message::Vectors(mine.to_vec()));
+        }
+        for (from, range) in ranges.iter().enumerate() {
+            whole[range.clone()].copy_from_slice(&self.vectors(from));
+        }
+    }
+
+    fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut()) {
+        for parcel in outgoing {
+            self.send(parcel.rank, Message::Vectors(parcel.vectors.clone()));
+        }
+        meanwhile();
+        for parcel in incoming {
+            parcel.vectors.copy_from_slice(&self.vectors(parcel.rank));
+        }
+    }
+}

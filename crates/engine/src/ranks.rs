@@ -1,0 +1,188 @@
+//! Several ranks in one run. Each has the whole state; rank 0 writes and prints, and the others take the same steps beside it.
+//!
+//! Clocks and signals differ between ranks, and no rank may act by its own. After some steps all ranks therefore agree
+//! whether to stop, and whether a checkpoint is due ([`agree`]). All else is computed alike from the same numbers.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use lennard_core::{DVec3, State, Team};
+use lennard_io::RanksRecord;
+
+use crate::follower::{Ending, Follower, Verdict};
+use crate::ranks_error::RanksError;
+use crate::schedule::{Action, Schedule};
+use crate::watchdog::LISTS_EVERY;
+use crate::{EngineError, Simulation};
+
+impl Simulation {
+    /// Shares the run with the other ranks of a team, which have the same simulation. Every rank has to call it.
+    ///
+    /// Pair forces over lists are shared out. Any other search is done by each rank alone, with the same results.
+    ///
+    /// # Errors
+    /// [`EngineError::Ranks`] where the ranks do not have the same simulation, or are more than can be kept busy.
+    pub fn share(&mut self, team: &Team) -> Result<(), EngineError> {
+        let same = |what, advice, hash: u64| match team.first_that_differs(&[hash]) {
+            None => Ok(()),
+            Some(rank) => Err(RanksError::Differs { rank, what, advice }),
+        };
+        let scene = (env!("CARGO_PKG_VERSION"), self.scene.resolved_toml());
+        same("scene or version of the program", "", hash_of(&scene))?;
+        let advice = "\n  one that all have: --isa avx2 or --isa portable";
+        same("instruction set", advice, hash_of(&self.isa))?;
+        same("start", "", hash_of_state(&self.state))?;
+        self.shares_forces = self.forces.share(team).map_err(RanksError::from)?;
+        self.team = Some(team.clone());
+        Ok(())
+    }
+
+    /// What the ranks did, where there are several, in a run that took so many seconds.
+    pub(crate) fn ranks_record(&self, seconds: f64) -> Option<RanksRecord> {
+        let team = self.team.as_ref()?;
+        let statistics = team.statistics();
+        Some(RanksRecord {
+            ranks: team.ranks() as u64,
+            shared_forces: self.shares_forces,
+            communication: statistics.seconds / seconds,
+            halo: statistics.halo,
+        })
+    }
+
+    /// Fails where a rank has another state than rank 0. It looks every [`LISTS_EVERY`] steps.
+    fn compare_ranks(&self) -> Result<(), EngineError> {
+        let step = self.state.step;
+        match &self.team {
+            Some(team) if step.is_multiple_of(LISTS_EVERY) => {
+                let differs = team.first_that_differs(&[hash_of_state(&self.state)]);
+                differs.map_or(Ok(()), |rank| {
+                    Err(RanksError::Diverged { rank, step }.into())
+                })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn hash_of(value: &impl Hash) -> u64 {
+    // Its keys are constants, so that it gives all ranks the same.
+    let mut hasher = DefaultHasher::new();
+    value.hash(&mut hasher);
+    hasher.finish()
+}
+
+/// A number that another bit anywhere in positions or velocities changes.
+fn hash_of_state(state: &State) -> u64 {
+    let fold = |hash: u64, v: &DVec3| {
+        let words = v.to_array().map(f64::to_bits);
+        // An odd factor loses no bit, and the rotation brings high bits down.
+        words.iter().fold(hash, |hash, word| {
+            (hash ^ word)
+                .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+                .rotate_left(29)
+        })
+    };
+    let all = state.positions.iter().chain(&state.velocities);
+    all.fold(state.step, fold)
+}
+
+/// What is decided after some steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Decision {
+    /// Whether and why to stop.
+    pub stop: Option<Ending>,
+    /// Whether the time between two checkpoints is over.
+    pub checkpoint: bool,
+}
+
+/// What all ranks decide: a request to any rank stops all, and so does any clock. One process decides for itself.
+///
+/// Every rank calls it after the same steps.
+pub(crate) fn agree(simulation: &Simulation, own: Decision) -> Result<Decision, EngineError> {
+    let Some(team) = &simulation.team else {
+        return Ok(own);
+    };
+    simulation.compare_ranks()?;
+    let is = |ending| u64::from(own.stop == Some(ending));
+    let mut words = [
+        is(Ending::Stopped),
+        is(Ending::OutOfTime),
+        u64::from(own.checkpoint),
+    ];
+    team.max(&mut words);
+    let [stopped, out_of_time, checkpoint] = words.map(|word| word > 0);
+    let stop = if stopped {
+        Some(Ending::Stopped)
+    } else {
+        out_of_time.then_some(Ending::OutOfTime)
+    };
+    Ok(Decision { stop, checkpoint })
+}
+
+/// Runs a shared simulation beside rank 0, which writes its files; `stop` is set from outside to stop all ranks.
+///
+/// # Errors
+/// [`EngineError`] where physics stops the run, as on all ranks.
+///
+/// # Panics
+/// Where the simulation is not shared: that is a bug of the caller.
+pub fn run_beside(simulation: &mut Simulation, stop: &AtomicBool) -> Result<Ending, EngineError> {
+    assert!(simulation.team.is_some(), "the simulation is shared");
+    let mut companion = Companion {
+        schedule: Schedule::of_output(&simulation.scene),
+        total: simulation.scene.total_steps(),
+        stop,
+        last_checkpoint: None,
+        ending: Ending::Finished,
+    };
+    simulation.run(&mut companion)?;
+    companion.checkpoint(simulation)?;
+    Ok(companion.ending)
+}
+
+/// Follows the run as the recorder of rank 0 does, and writes nothing.
+struct Companion<'a> {
+    schedule: Schedule,
+    total: u64,
+    stop: &'a AtomicBool,
+    last_checkpoint: Option<u64>,
+    ending: Ending,
+}
+
+impl Companion<'_> {
+    /// Looks at what rank 0 looks at before it writes a checkpoint: a failure is met by all ranks.
+    fn checkpoint(&mut self, simulation: &Simulation) -> Result<(), EngineError> {
+        if self.last_checkpoint != Some(simulation.state.step) {
+            simulation.watch_closely()?;
+            self.last_checkpoint = Some(simulation.state.step);
+        }
+        Ok(())
+    }
+}
+
+impl Follower for Companion<'_> {
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
+    }
+
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+        let stop = self.stop.load(Ordering::Relaxed);
+        let own = Decision {
+            stop: stop.then_some(Ending::Stopped),
+            checkpoint: false,
+        };
+        let agreed = agree(simulation, own)?;
+        let step = simulation.state.step;
+        let measured = simulation.current_stage().measure;
+        if step < self.total
+            && let Some(ending) = agreed.stop
+        {
+            self.ending = ending;
+            return Ok(Verdict::Stop);
+        }
+        if self.schedule.does(Action::Checkpoint, step, measured) || agreed.checkpoint {
+            self.checkpoint(simulation)?;
+        }
+        Ok(Verdict::Continue)
+    }
+}

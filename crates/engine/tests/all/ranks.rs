@@ -1,0 +1,322 @@
+//! Several ranks in one run: the same files as one process, whatever the number of ranks and threads.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use lennard_core::{Team, team_of_threads};
+use lennard_engine::{
+    Ending, EngineError, Progress, ResumeOptions, RunOptions, Simulation, go_on, prepare, resume,
+    run, run_beside,
+};
+use lennard_io::{Existing, create_named_folder};
+
+use crate::common;
+
+/// A liquid of few chunks, with rows, frames and checkpoints at odd places.
+const LIQUID: &str = r#"
+    [system]
+    n_atoms = 256
+    density = 0.8442
+    temperature = 1.2
+    seed = 11
+    [truncation]
+    kind = "shift"
+    r_cut = 2.5
+    [integrator]
+    dt = 0.004
+    [[stage]]
+    name = "melt"
+    steps = 60
+    thermostat = "bussi"
+    [[stage]]
+    name = "production"
+    steps = 240
+    [output]
+    thermo_every = 9
+    trajectory_every = 50
+    [checkpoint]
+    every_steps = 130
+    [[observable]]
+    kind = "pressure-tensor"
+    every = 20
+    [[observable]]
+    kind = "rdf"
+    every = 40
+"#;
+
+/// Stops a run from outside once a step is done.
+struct StopAt<'a>(u64, &'a AtomicBool);
+
+impl Progress for StopAt<'_> {
+    fn update(&mut self, _stage: &str, done: u64, _total: u64) {
+        if self.0 > 0 && done >= self.0 {
+            self.1.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// A scene and its overrides.
+type Case<'a> = (&'a str, &'a [(&'a str, &'a str)]);
+
+type Ended = Result<Ending, EngineError>;
+
+/// Runs or goes on in a folder up to a step (0: to the end) as one rank of a team, or alone.
+fn on_rank(case: Case<'_>, folder: &Path, until: u64, team: Option<&Team>) -> Ended {
+    let goes_on = folder.join("scene.toml").exists();
+    if let Some(team) = team {
+        // Rank 0 makes files at once.
+        assert!(!team.any(false));
+    }
+    let stop = AtomicBool::new(false);
+    let mut progress = StopAt(until, &stop);
+    let shared = |simulation: &mut Simulation| team.map_or(Ok(()), |team| simulation.share(team));
+    if let Some(team) = team
+        && !team.leads()
+    {
+        if goes_on {
+            let mut resumed = resume(folder, &ResumeOptions::default())?;
+            shared(&mut resumed.simulation)?;
+            return run_beside(&mut resumed.simulation, &stop);
+        }
+        let mut simulation = prepare(common::scene(case.0, case.1))?;
+        shared(&mut simulation)?;
+        return run_beside(&mut simulation, &stop);
+    }
+    let held = create_named_folder(folder, Existing::Keep).unwrap();
+    let options = RunOptions {
+        folder: &held,
+        threads: 1,
+        stop: &stop,
+        deadline: None,
+        progress: &mut progress,
+    };
+    let outcome = if goes_on {
+        let mut resumed = resume(folder, &ResumeOptions::default())?;
+        shared(&mut resumed.simulation)?;
+        go_on(&mut resumed, options)?
+    } else {
+        let mut simulation = prepare(common::scene(case.0, case.1))?;
+        shared(&mut simulation)?;
+        run(&mut simulation, options)?
+    };
+    let ranks = outcome.record.performance.ranks;
+    assert_eq!(ranks.map(|r| r.ranks), team.map(|t| t.ranks() as u64));
+    Ok(outcome.ending)
+}
+
+/// The same on all ranks of a team of threads, each with a pool of its own.
+fn on_ranks(case: Case<'_>, folder: &Path, until: u64, [ranks, threads]: [usize; 2]) -> Vec<Ended> {
+    std::thread::scope(|scope| {
+        let start = |team: Team| {
+            let work = move || on_rank(case, folder, until, Some(&team));
+            scope.spawn(move || common::on_threads(threads, work))
+        };
+        let running: Vec<_> = team_of_threads(ranks).into_iter().map(start).collect();
+        running.into_iter().map(|r| r.join().unwrap()).collect()
+    })
+}
+
+/// Every file to the byte, without what a clock has measured.
+fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entry = |entry: fs::DirEntry| {
+        let name = entry.file_name().into_string().unwrap();
+        let mut bytes = fs::read(entry.path()).unwrap();
+        if name == "run.json" {
+            let mut record: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
+            for key in ["wall_s", "performance", "host"] {
+                record.as_object_mut().unwrap().remove(key).unwrap();
+            }
+            bytes = record.to_string().into_bytes();
+        } else if name.ends_with(".lennard") {
+            let mut checkpoint = lennard_io::read_checkpoint(&entry.path()).unwrap();
+            let arrays = &mut checkpoint.archive.arrays;
+            let before = arrays.len();
+            arrays.retain(|name, _| !name.ends_with("seconds"));
+            assert_eq!(
+                before - arrays.len(),
+                2,
+                "clock times of the forces and of the run"
+            );
+            bytes = lennard_io::checkpoint_bytes(&checkpoint);
+        }
+        (name, bytes)
+    };
+    fs::read_dir(folder)
+        .unwrap()
+        .map(|e| entry(e.unwrap()))
+        .collect()
+}
+
+fn same(expected: &Path, found: &Path, what: &str) {
+    let (expected, found) = (contents(expected), contents(found));
+    let names = |files: &BTreeMap<String, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(&expected), names(&found), "{what}");
+    for (name, bytes) in &expected {
+        assert!(*bytes == found[name], "{what}: {name} differs");
+    }
+}
+
+/// Compares teams with one process in whole runs, and in runs that go on with another number of ranks.
+fn ranks_are_one_process(case: Case<'_>, teams: &[[usize; 2]]) {
+    let root = tempfile::tempdir().unwrap();
+    let alone = root.path().join("alone");
+    let ending = on_rank(case, &alone, 0, None).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(ending, Ending::Finished);
+    for (k, team) in teams.iter().enumerate() {
+        let what = format!("{:?} on {team:?}", case.1);
+        let folder = root.path().join(format!("team-{k}"));
+        for ended in on_ranks(case, &folder, 0, *team) {
+            assert_eq!(ended.unwrap_or_else(|e| panic!("{e}")), Ending::Finished);
+        }
+        same(&alone, &folder, &what);
+    }
+    // Stopped on several ranks, gone on alone, stopped again, and ended on another number of ranks.
+    let parts = root.path().join("parts");
+    for ended in on_ranks(case, &parts, 77, [3, 1]) {
+        assert_eq!(ended.unwrap_or_else(|e| panic!("{e}")), Ending::Stopped);
+    }
+    let stopped = on_rank(case, &parts, 150, None).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(stopped, Ending::Stopped);
+    for ended in on_ranks(case, &parts, 0, [2, 1]) {
+        assert_eq!(ended.unwrap_or_else(|e| panic!("{e}")), Ending::Finished);
+    }
+    let (alone, parts) = (contents(&alone), contents(&parts));
+    let last = alone.keys().rfind(|name| name.ends_with(".lennard"));
+    for name in ["final.xyz", "thermo.csv", last.unwrap()] {
+        assert!(alone[name] == parts[name], "{:?}: {name}", case.1);
+    }
+}
+
+#[test]
+fn fluids_under_baths_have_the_bytes_of_one_process() {
+    for precision in ["double", "mixed"] {
+        for bath in ["none", "bussi", "langevin", "nose-hoover"] {
+            let bath = match bath {
+                "none" => vec![],
+                bath => vec![("stage.production.thermostat", bath)],
+            };
+            let overrides = [vec![("kernel.precision", precision)], bath].concat();
+            ranks_are_one_process((LIQUID, &overrides), &[[1, 1], [2, 1], [4, 2]]);
+        }
+    }
+}
+
+#[test]
+fn more_kinds_of_fluids_have_the_bytes_of_one_process() {
+    let barostat = r#"{ kind = "stochastic-cell-rescaling", pressure = 1.19 }"#;
+    let species = r#"[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3, sigma = 0.9, epsilon = 0.6 }]"#;
+    let heavy = r#"[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3, sigma = 0.9, mass = 4.0 }]"#;
+    let mixing = r#"{ rule = "lorentz-berthelot" }"#;
+    let cases: [&[(&str, &str)]; 8] = [
+        &[
+            ("stage.production.thermostat", "bussi"),
+            ("stage.production.barostat", barostat),
+        ],
+        &[
+            ("species", species),
+            ("mixing", mixing),
+            ("kernel.precision", "mixed"),
+        ],
+        &[("species", heavy), ("mixing", mixing)],
+        &[("integrator.kind", "stormer-verlet")],
+        &[("integrator.kind", "leapfrog"), ("neighbor.skin", "0.2")],
+        &[("integrator.kind", "respa"), ("integrator.dt", "0.008")],
+        &[
+            ("wall", r#"[{ kind = "wca", axis = "z" }]"#),
+            ("observable", r#"[{ kind = "density-profile" }]"#),
+        ],
+        // Forces that are not shared: each rank computes all of them.
+        &[("neighbor.mode", "direct")],
+    ];
+    for overrides in cases {
+        ranks_are_one_process((LIQUID, overrides), &[[2, 2], [3, 1]]);
+    }
+}
+
+/// A dense fluid of rigid dumbbells.
+const DUMBBELLS: &str = r#"
+    [system]
+    lattice = "fcc"
+    n_molecules = 108
+    density = 0.4
+    temperature = 2.0
+    seed = 5
+    [molecule]
+    bond_length = 0.67
+    [truncation]
+    kind = "force-shift"
+    r_cut = 2.5
+    [integrator]
+    dt = 0.002
+    [[stage]]
+    name = "production"
+    steps = 300
+    thermostat = "bussi"
+    [output]
+    thermo_every = 10
+    [[observable]]
+    kind = "molecules"
+"#;
+
+#[test]
+fn dumbbells_have_the_bytes_of_one_process() {
+    for precision in ["double", "mixed"] {
+        for bonds in ["direct", "spring"] {
+            let overrides = [("kernel.precision", precision), ("bonds.method", bonds)];
+            ranks_are_one_process((DUMBBELLS, &overrides), &[[2, 1], [3, 2]]);
+        }
+    }
+}
+
+#[test]
+fn a_failure_of_physics_is_met_by_all_ranks_and_one_of_them_tells_it() {
+    let overrides = [
+        ("integrator.dt", "0.06"),
+        ("stage.production.thermostat", "none"),
+    ];
+    let root = tempfile::tempdir().unwrap();
+    let alone = on_rank((LIQUID, &overrides), &root.path().join("alone"), 0, None).unwrap_err();
+    let text = alone.to_string();
+    assert_eq!(alone.exit_code(), 3, "{text}");
+    let first = |text: &str| text.lines().next().unwrap_or_default().to_owned();
+    for ended in on_ranks((LIQUID, &overrides), &root.path().join("team"), 0, [3, 1]) {
+        let error = ended.unwrap_err();
+        assert_eq!(error.exit_code(), 3);
+        assert_eq!(first(&error.to_string()), first(&text));
+    }
+}
+
+#[test]
+fn ranks_that_cannot_run_together_are_told_apart() {
+    let told = |overrides: [&[(&'static str, &'static str)]; 2]| -> Vec<String> {
+        std::thread::scope(|scope| {
+            let start = |team: Team| {
+                scope.spawn(move || {
+                    let of_rank = overrides[team.rank().min(1)];
+                    let mut simulation = prepare(common::scene(LIQUID, of_rank)).unwrap();
+                    let error = simulation.share(&team).unwrap_err();
+                    assert_eq!(error.exit_code(), 2);
+                    error.to_string()
+                })
+            };
+            let running: Vec<_> = team_of_threads(3).into_iter().map(start).collect();
+            running.into_iter().map(|r| r.join().unwrap()).collect()
+        })
+    };
+    for text in told([&[], &[("system.seed", "12")]]) {
+        assert_eq!(
+            text,
+            "rank 1 has another scene or version of the program than rank 0: all ranks need the same program, input and kind \
+             of processor"
+        );
+    }
+    let few = [("system.n_atoms", "32"), ("truncation.r_cut", "1.6")];
+    for text in told([&few, &few]) {
+        assert_eq!(
+            text,
+            "3 ranks for 32 particles\n  allowed: at most 1, since each rank takes 48 neighbors in space or more"
+        );
+    }
+}

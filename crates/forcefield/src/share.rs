@@ -1,0 +1,397 @@
+//! The share of one rank: the chunks that it computes, the particles that it needs of other ranks, and what all ranks
+//! decide together.
+//!
+//! ```text
+//!   slots of all ranks   | rank 0 | rank 1 (this one)   | rank 2 |     cut at chunks, in the order of the list
+//!   its lists name           xxx  |                     | xxxxx        the halo: positions come with messages
+//!   its chunks                    | outer  inner  outer |              inner ones name no particle of the halo
+//! ```
+//!
+//! Positions in messages are true coordinates, never shifted by a box: each rank then takes nearest images by the same
+//! numbers. The lists of a rank are the lists that one process makes, so that forces have its bits.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use glam::DVec3;
+use lennard_core::parallel::equal_parts;
+use lennard_core::tasks::map_tasks;
+use lennard_core::{HaloSize, Parcel, Team, TooManyRanks};
+use lennard_neighbor::{ATOMS_PER_CHUNK, columns_of};
+
+use crate::simd::{MotionSummary, PairList, SomeRows};
+
+/// What one rank computes of a list.
+pub struct Share {
+    team: Team,
+    /// The slots of each rank.
+    slots: Vec<Range<usize>>,
+    /// The chunks of this rank.
+    chunks: Range<usize>,
+    /// 0, 1, …: the number of each slot.
+    numbers: Vec<u32>,
+    /// For each rank, the slots of that rank that the lists of this rank name.
+    wanted: Vec<Vec<u32>>,
+    /// For each rank, the slots of this rank that the lists of that rank name.
+    given: Vec<Vec<u32>>,
+    /// Whether each chunk of this rank names a slot of another one.
+    is_outer: Vec<bool>,
+    /// The chunks that name no slot of another rank, and the others.
+    inner_and_outer: [Vec<u32>; 2],
+    /// The rows of this rank, and the rows of its halo.
+    rows: [RowRuns; 2],
+    /// The columns of the sort with slots of this rank, along x and y.
+    columns: [Vec<bool>; 2],
+    /// Whether a force of this rank is not finite since all ranks asked last.
+    broken: AtomicBool,
+    buffers: Mutex<Buffers>,
+}
+
+/// Runs of slots and of ghosts, whose rows are packed together.
+#[derive(Default)]
+struct RowRuns {
+    slots: Vec<Range<usize>>,
+    ghosts: Vec<Range<usize>>,
+}
+
+/// Memory that is used again.
+#[derive(Default)]
+pub struct Buffers {
+    outgoing: Vec<Parcel>,
+    incoming: Vec<Parcel>,
+    /// Forces by slot.
+    pub forces: Vec<DVec3>,
+}
+
+impl Share {
+    /// The share of this rank of a list of `n` particles.
+    pub fn new(team: &Team, n: usize) -> Result<Self, TooManyRanks> {
+        let chunks = most_ranks(n);
+        if team.ranks() > chunks {
+            return Err(TooManyRanks {
+                ranks: team.ranks(),
+                particles: n,
+                least: ATOMS_PER_CHUNK,
+                most: chunks,
+            });
+        }
+        let shares = team.shares(chunks);
+        Ok(Self {
+            slots: shares.iter().map(|chunks| slots_of(chunks, n)).collect(),
+            chunks: shares[team.rank()].clone(),
+            team: team.clone(),
+            numbers: (0..n as u32).collect(),
+            wanted: Vec::new(),
+            given: Vec::new(),
+            is_outer: Vec::new(),
+            inner_and_outer: Default::default(),
+            rows: Default::default(),
+            columns: Default::default(),
+            broken: AtomicBool::new(false),
+            buffers: Mutex::default(),
+        })
+    }
+
+    /// The team.
+    pub fn team(&self) -> &Team {
+        &self.team
+    }
+
+    /// The slots of each rank.
+    pub fn slots(&self) -> &[Range<usize>] {
+        &self.slots
+    }
+
+    /// The slots of this rank.
+    pub fn own(&self) -> Range<usize> {
+        self.slots[self.team.rank()].clone()
+    }
+
+    /// The chunks of this rank.
+    pub fn chunks(&self) -> Range<usize> {
+        self.chunks.clone()
+    }
+
+    /// The chunks that name no slot of another rank, and the others.
+    pub fn inner_and_outer(&self) -> [&[u32]; 2] {
+        let [inner, outer] = &self.inner_and_outer;
+        [inner, outer]
+    }
+
+    /// The number of each slot.
+    pub fn numbers(&self) -> &[u32] {
+        &self.numbers
+    }
+
+    /// The rows of this rank (0), or the rows of its halo (1).
+    pub fn rows(&self, of: usize) -> SomeRows<'_> {
+        let RowRuns { slots, ghosts } = &self.rows[of];
+        SomeRows { slots, ghosts }
+    }
+
+    /// The columns of the sort with slots of this rank, along x and y.
+    pub fn columns(&self) -> &[Vec<bool>; 2] {
+        &self.columns
+    }
+
+    /// Memory that is used again.
+    pub fn buffers(&self) -> MutexGuard<'_, Buffers> {
+        self.buffers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Number of bytes held.
+    pub fn bytes(&self) -> usize {
+        let buffers = self.buffers();
+        let words: usize = (self.wanted.iter().chain(&self.given))
+            .map(Vec::capacity)
+            .sum();
+        let parcels = buffers.outgoing.iter().chain(&buffers.incoming);
+        let vectors: usize = parcels.map(|parcel| parcel.vectors.capacity()).sum();
+        4 * (words + self.numbers.capacity()) + 24 * (vectors + buffers.forces.capacity())
+    }
+
+    /// Agrees with the other ranks who needs which positions for a list that was just built.
+    pub fn agree<P: PairList>(&mut self, list: &P) {
+        let (own, first) = (self.own(), self.chunks.start);
+        let n = self.numbers.len();
+        let is_named: Vec<AtomicBool> = (0..n).map(|_| AtomicBool::new(false)).collect();
+        let outside = list.outside_before(&own);
+        self.is_outer = map_tasks(self.chunks.len(), |(): &mut (), chunk| {
+            let mut is_outer = false;
+            list.for_each_beyond(&own, &outside, first + chunk, |slot| {
+                is_outer = true;
+                is_named[slot as usize].store(true, Ordering::Relaxed);
+            });
+            is_outer
+        });
+        self.columns = columns_of(list.cells(), own.start as u32..own.end as u32);
+        let is_named = |slot: &usize| is_named[*slot].load(Ordering::Relaxed);
+        let named = |slots: &Range<usize>| slots.clone().filter(is_named).map(|slot| slot as u32);
+        self.wanted = self.slots.iter().map(|s| named(s).collect()).collect();
+        self.given = self.team.trade(self.wanted.clone());
+        let mut rows = [RowRuns::default(), RowRuns::default()];
+        rows[0].slots.push(own.clone());
+        for slot in self.wanted.iter().flatten() {
+            push_to_runs(*slot as usize, &mut rows[1].slots);
+        }
+        for (ghost, slot) in list.slots_of_ghosts().enumerate() {
+            let slot = slot as usize;
+            if own.contains(&slot) {
+                push_to_runs(ghost, &mut rows[0].ghosts);
+            } else if is_named(&slot) {
+                push_to_runs(ghost, &mut rows[1].ghosts);
+            }
+        }
+        self.rows = rows;
+        self.sort_chunks();
+        self.team.note_halo(self.wanted.iter().map(Vec::len).sum());
+    }
+
+    /// Includes in the halo what pairs need that all ranks insert.
+    pub fn include<P: PairList>(&mut self, list: &P, pairs: &[[u32; 2]]) {
+        assert!(
+            list.slots_of_ghosts().next().is_none(),
+            "lists with ghosts take no pairs"
+        );
+        let me = self.team.rank();
+        for [a, b] in pairs {
+            for (own, other) in [(*a, *b), (*b, *a)] {
+                let (rank, rank_of_other) = (self.rank_of(own), self.rank_of(other));
+                if rank == rank_of_other {
+                    continue;
+                }
+                if rank == me {
+                    if !self.wanted[rank_of_other].contains(&other) {
+                        self.wanted[rank_of_other].push(other);
+                        push_to_runs(other as usize, &mut self.rows[1].slots);
+                    }
+                    self.is_outer[own as usize / ATOMS_PER_CHUNK - self.chunks.start] = true;
+                }
+                if rank_of_other == me && !self.given[rank].contains(&other) {
+                    self.given[rank].push(other);
+                }
+            }
+        }
+        self.sort_chunks();
+    }
+
+    fn rank_of(&self, slot: u32) -> usize {
+        self.slots
+            .partition_point(|range| range.end <= slot as usize)
+    }
+
+    fn sort_chunks(&mut self) {
+        let chunks = || (self.chunks.start as u32..).zip(&self.is_outer);
+        let of = |outer: bool| chunks().filter(move |(_, is_outer)| **is_outer == outer);
+        self.inner_and_outer = [false, true].map(|outer| of(outer).map(|(c, _)| c).collect());
+    }
+
+    /// Fetches the positions of the halo while `meanwhile` works. `position` gives the position at a slot of this rank,
+    /// and `put` takes the position at a slot of the halo.
+    pub fn fetch(
+        &self,
+        position: impl Fn(u32) -> DVec3,
+        meanwhile: &mut dyn FnMut(),
+        mut put: impl FnMut(u32, DVec3),
+    ) {
+        let mut buffers = self.buffers();
+        let Buffers {
+            outgoing, incoming, ..
+        } = &mut *buffers;
+        address(outgoing, &self.given);
+        address(incoming, &self.wanted);
+        for parcel in &mut *outgoing {
+            let slots = self.given[parcel.rank].iter();
+            for (vector, slot) in parcel.vectors.iter_mut().zip(slots) {
+                *vector = position(*slot).to_array();
+            }
+        }
+        self.team.exchange(outgoing, incoming, meanwhile);
+        for parcel in &*incoming {
+            let slots = self.wanted[parcel.rank].iter();
+            for (slot, vector) in slots.zip(&parcel.vectors) {
+                put(*slot, DVec3::from_array(*vector));
+            }
+        }
+    }
+
+    /// Notes whether a force of this rank is not finite.
+    pub fn note_broken(&self, broken: bool) {
+        self.broken.fetch_or(broken, Ordering::Relaxed);
+    }
+
+    /// Whether a force of any rank is not finite since all ranks asked last.
+    pub fn is_broken(&self) -> bool {
+        self.team.any(self.broken.swap(false, Ordering::Relaxed))
+    }
+
+    /// The largest |d|² of all ranks, σ²; `None` where a position or a force of any rank is not finite.
+    pub fn largest2(&self, own: &MotionSummary) -> Option<f64> {
+        let broken = self.broken.swap(false, Ordering::Relaxed);
+        // Numbers that are not negative have the order of their bits.
+        let largest2 = own.largest2.max(0.0);
+        let mut words = [largest2.to_bits(), u64::from(!own.finite || broken)];
+        self.team.max(&mut words);
+        (words[1] == 0).then(|| f64::from_bits(words[0]))
+    }
+
+    /// The far movers of all ranks with their positions, σ, by ascending slot.
+    pub fn far_movers(&self, own: &[u32], position: impl Fn(u32) -> DVec3) -> Vec<(u32, DVec3)> {
+        let words: Vec<u64> = own
+            .iter()
+            .flat_map(|slot| {
+                let [x, y, z] = position(*slot).to_array().map(f64::to_bits);
+                [u64::from(*slot), x, y, z]
+            })
+            .collect();
+        let all = self.team.concat(&words);
+        let (all, _) = all.as_chunks::<4>();
+        let mover = |[slot, at @ ..]: &[u64; 4]| {
+            (
+                *slot as u32,
+                DVec3::from_array(at.map(|x: u64| f64::from_bits(x))),
+            )
+        };
+        let mut movers: Vec<(u32, DVec3)> = all.iter().map(mover).collect();
+        movers.sort_unstable_by_key(|(slot, _)| *slot);
+        movers
+    }
+
+    /// Of the pairs that any rank found, those that a list lacks, in ascending order.
+    pub fn missing(
+        &self,
+        found: &[[u32; 2]],
+        is_listed: impl Fn([u32; 2]) -> bool,
+    ) -> Vec<[u32; 2]> {
+        let words: Vec<u64> = found
+            .iter()
+            .map(|[a, b]| u64::from(*a) << 32 | u64::from(*b))
+            .collect();
+        let mut all = self.team.concat(&words);
+        all.sort_unstable();
+        all.dedup();
+        let pairs: Vec<[u32; 2]> = all
+            .iter()
+            .map(|word| [(word >> 32) as u32, *word as u32])
+            .collect();
+        if pairs.is_empty() {
+            return pairs;
+        }
+        let mut lacks: Vec<u64> = pairs.iter().map(|p| u64::from(!is_listed(*p))).collect();
+        self.team.max(&mut lacks);
+        let lacked = pairs.into_iter().zip(lacks).filter(|(_, lacks)| *lacks > 0);
+        lacked.map(|(pair, _)| pair).collect()
+    }
+}
+
+/// The largest number of ranks that can share lists of `n` particles.
+#[must_use]
+pub fn most_ranks(n: usize) -> usize {
+    n.div_ceil(ATOMS_PER_CHUNK)
+}
+
+/// The slots of some chunks of `n` particles.
+fn slots_of(chunks: &Range<usize>, n: usize) -> Range<usize> {
+    chunks.start * ATOMS_PER_CHUNK..(chunks.end * ATOMS_PER_CHUNK).min(n)
+}
+
+/// Ranks whose halos are counted, at most; halos of many ranks are much alike.
+const COUNTED: usize = 8;
+
+/// What a rank would need of others, if so many ranks shared a list of `n` particles; `None` where some had no chunk.
+pub fn halo_on<P: PairList>(list: &P, n: usize, ranks: usize) -> Option<HaloSize> {
+    let chunks = list.chunks();
+    if ranks == 0 || ranks > chunks {
+        return None;
+    }
+    let shares = equal_parts(chunks, ranks);
+    let rank_of = |slot: usize| shares.partition_point(|s| s.end * ATOMS_PER_CHUNK <= slot);
+    let counted = ranks.min(COUNTED);
+    let mut named_by = vec![0; n];
+    let mut sum = HaloSize::default();
+    for k in 0..counted {
+        let rank = k * ranks / counted;
+        let own = slots_of(&shares[rank], n);
+        let outside = list.outside_before(&own);
+        let mut is_partner = vec![false; ranks];
+        for chunk in shares[rank].clone() {
+            list.for_each_beyond(&own, &outside, chunk, |slot| {
+                let last = std::mem::replace(&mut named_by[slot as usize], k + 1);
+                if last != k + 1 {
+                    sum.particles += 1.0;
+                    is_partner[rank_of(slot as usize)] = true;
+                }
+            });
+        }
+        sum.partners += is_partner.iter().filter(|is| **is).count() as f64;
+    }
+    Some(HaloSize {
+        particles: sum.particles / counted as f64,
+        partners: sum.partners / counted as f64,
+        lists: list.list_bytes() as f64 / ranks as f64,
+    })
+}
+
+/// Adds a number behind the last run, or to it.
+fn push_to_runs(number: usize, runs: &mut Vec<Range<usize>>) {
+    match runs.last_mut() {
+        Some(run) if run.end == number => run.end += 1,
+        _ => runs.push(number..number + 1),
+    }
+}
+
+/// Makes a parcel for each rank with slots, of their number of vectors.
+fn address(parcels: &mut Vec<Parcel>, slots: &[Vec<u32>]) {
+    let ranks = (0..).zip(slots).filter(|(_, slots)| !slots.is_empty());
+    let mut used = 0;
+    for (rank, slots) in ranks {
+        if used == parcels.len() {
+            parcels.push(Parcel::default());
+        }
+        parcels[used].rank = rank;
+        parcels[used].vectors.resize(slots.len(), [0.0; 3]);
+        used += 1;
+    }
+    parcels.truncate(used);
+}

@@ -1,0 +1,459 @@
+//! Ranks that share lists and steps have the bits of one process.
+
+use std::ops::Range;
+
+use crate::common::*;
+use lennard_core::random::Streams;
+use lennard_core::{
+    Backend, BathStep, Configuration, DVec3, ForceTerm, FrictionAndNoise, FusedBath, FusedNoise,
+    FusedSteps, Masses, Parcel, Part, PeriodicBox, Persist, RestoreError, StateArchive,
+    StateReader, StateWriter, Team, Thermostat, ThermostatSpec, Want, Wire, team_of_threads,
+};
+use lennard_forcefield::{
+    ForceFieldOptions, KernelOptions, Mixture, PairForces, Precision, SplitOptions, TruncationKind,
+    TruncationOptions, build,
+};
+
+const DT: f64 = 0.004;
+
+/// Runs `work` on each rank of a team, each with so many threads.
+fn on_ranks<R: Send>(ranks: usize, threads: usize, work: impl Fn(&Team) -> R + Sync) -> Vec<R> {
+    std::thread::scope(|scope| {
+        let work = &work;
+        let start = |team: Team| scope.spawn(move || in_threads(threads, || work(&team)));
+        let running: Vec<_> = team_of_threads(ranks).into_iter().map(start).collect();
+        running.into_iter().map(|r| r.join().unwrap()).collect()
+    })
+}
+
+/// A bath whose factor shows each bit of the kinetic energy.
+#[derive(Clone)]
+struct Sensitive {
+    every: u64,
+}
+
+impl Persist for Sensitive {
+    fn save(&self, _to: &mut StateWriter<'_>) {}
+    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
+        Ok(())
+    }
+}
+
+impl Thermostat for Sensitive {
+    fn spec(&self) -> &'static ThermostatSpec {
+        unreachable!("no step asks")
+    }
+    fn acts_after(&self, step: u64) -> bool {
+        step.is_multiple_of(self.every)
+    }
+    fn factor(&mut self, at: BathStep) -> f64 {
+        1.0 + 0.002 * ((at.kinetic * 1e9).fract() - 0.5)
+    }
+    fn copy(&self) -> Box<dyn Thermostat> {
+        Box::new(self.clone())
+    }
+}
+
+/// What happens between two evaluations.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Isolated,
+    Bath(u64),
+    Noise,
+}
+
+struct Fluid {
+    cell: PeriodicBox,
+    positions: Vec<DVec3>,
+    velocities: Vec<DVec3>,
+}
+
+/// A liquid in which one particle in 40 is so fast that lists lack pairs before they expire.
+fn fluid(k: [usize; 3], density: f64) -> Fluid {
+    let (cell, positions) = liquid(k, density, 0.1);
+    let noise = scatter(positions.len(), DVec3::splat(4.0), 0.7);
+    let velocities = noise.iter().map(|v| *v - DVec3::splat(2.0)).enumerate();
+    let speed = |k: usize| if k.is_multiple_of(40) { 4.0 } else { 2.0 };
+    Fluid {
+        cell,
+        positions,
+        velocities: velocities.map(|(k, v)| v.normalize() * speed(k)).collect(),
+    }
+}
+
+/// Everything that a history leaves behind, to the bit: numbers are written so that each bit shows.
+fn history(start: &Fluid, forces: &mut PairForces, kind: Kind, rounds: usize) -> Vec<String> {
+    let mut cell = start.cell;
+    let (mut positions, mut velocities) = (start.positions.clone(), start.velocities.clone());
+    let masses = Masses::Uniform(1.5);
+    let mut bath = match kind {
+        Kind::Bath(every) => Some(Sensitive { every }),
+        _ => None,
+    };
+    let noise = FrictionAndNoise {
+        friction: 0.7,
+        temperature: 0.9.into(),
+        noise: Streams::new(5).noise("langevin"),
+    };
+    let mut told = Vec::new();
+    let mut step = 0;
+    for round in 0..rounds {
+        let want = match round % 3 {
+            0 => Want {
+                per_particle: true,
+                virial_tensor: true,
+                ..Want::TOTALS
+            },
+            1 => Want::NOTHING,
+            _ => Want::TOTALS,
+        };
+        let mut f = vec![DVec3::ZERO; positions.len()];
+        let at = Configuration::at_rest(&cell, &positions);
+        let found = forces.evaluate(at, Part::All, want, &mut f);
+        // Where it fails, forces have no meaning.
+        let f = found.is_ok().then_some(f);
+        told.push(format!("{found:?} {f:?} {positions:?} {velocities:?}"));
+        let mut steps = FusedSteps {
+            cell: &cell,
+            positions: &mut positions,
+            velocities: &mut velocities,
+            masses: &masses,
+            dt: DT,
+            steps: 17 + round as u64,
+            bath: bath
+                .as_mut()
+                .map(|bath| FusedBath::new(bath, 12.0, DT, step)),
+            noise: matches!(kind, Kind::Noise).then(|| FusedNoise::new(noise, DT, step)),
+        };
+        let taken = forces.advance(&mut steps);
+        let FusedSteps { bath, noise, .. } = steps;
+        // Where no step is taken, heats have no meaning.
+        let heats = (taken > 0).then_some((
+            bath.map(FusedBath::into_heats),
+            noise.map(FusedNoise::into_heats),
+        ));
+        told.push(format!("{taken} {heats:?}"));
+        step += taken;
+        let mut archive = StateArchive::default();
+        forces.save(&mut archive.writer());
+        // Times are no part of the state.
+        let kept = (archive.arrays.iter()).filter(|(name, _)| !name.ends_with("seconds"));
+        told.extend(kept.map(|(name, array)| format!("{name} {array:?}")));
+        if round % 4 == 3 {
+            // The box changes a little, as a barostat changes it.
+            let factor = DVec3::new(1.001, 0.999, 1.0005);
+            cell = PeriodicBox::new(cell.lengths() * factor).unwrap();
+            positions.iter_mut().for_each(|r| *r *= factor);
+        }
+    }
+    told.push(format!("{}", forces.statistics().builds));
+    told
+}
+
+fn options(kernel: KernelOptions) -> ForceFieldOptions {
+    ForceFieldOptions {
+        kernel,
+        truncation: TruncationOptions::new(TruncationKind::Shift, 2.3),
+        neighbor: verlet(Some(0.4)),
+        ..ForceFieldOptions::default()
+    }
+}
+
+fn compare(
+    start: &Fluid,
+    fresh: impl Fn() -> PairForces + Sync,
+    kind: Kind,
+    teams: &[[usize; 2]],
+) -> Vec<String> {
+    let alone = history(start, &mut fresh(), kind, 7);
+    for [ranks, threads] in teams {
+        let found = on_ranks(*ranks, *threads, |team| {
+            let mut forces = fresh();
+            assert!(forces.share(team).unwrap());
+            (history(start, &mut forces, kind, 7), team.statistics())
+        });
+        for (rank, (told, statistics)) in found.iter().enumerate() {
+            for (k, (a, b)) in told.iter().zip(&alone).enumerate() {
+                let cut = |s: &String| s.chars().take(300).collect::<String>();
+                assert!(
+                    a == b,
+                    "{kind:?}, {ranks} ranks, {threads} threads: rank {rank} differs at {k} of {}:\n{}\n{}",
+                    alone.len(),
+                    cut(a),
+                    cut(b)
+                );
+            }
+            assert_eq!(told.len(), alone.len());
+            assert_eq!(statistics.halo > 0.0, *ranks > 1);
+        }
+    }
+    alone
+}
+
+#[test]
+fn any_number_of_ranks_and_threads_has_the_bits_of_one_process() {
+    // Fewer and more particles than each thread packs for itself; neither is a multiple of a chunk.
+    for (k, teams) in [
+        ([9, 10, 9], &[[1, 1], [2, 1], [3, 2], [4, 1]][..]),
+        ([13, 14, 13], &[[2, 2], [5, 1]]),
+    ] {
+        let start = fluid(k, 0.75);
+        let n = start.positions.len();
+        for kernel in kernels() {
+            for (kind, species) in [
+                (Kind::Isolated, 1),
+                (Kind::Isolated, 2),
+                (Kind::Bath(1), 1),
+                (Kind::Bath(10), 2),
+                (Kind::Noise, 1),
+            ] {
+                let mixture: Option<Mixture> = mixture_or_one(species, 2.3, n);
+                let fresh = || built(&options(kernel), mixture.as_ref(), start.cell, n);
+                compare(&start, fresh, kind, teams);
+            }
+        }
+    }
+}
+
+/// A gas in which pairs that no list names fly at each other, and meet while the list still lasts.
+fn meeting_pairs(k: [usize; 3]) -> Fluid {
+    let Fluid {
+        cell,
+        mut positions,
+        mut velocities,
+    } = fluid(k, 0.05);
+    velocities.iter_mut().for_each(|v| *v = v.normalize() * 0.3);
+    let toward = DVec3::ONE.normalize();
+    for first in (0..30).map(|pair| 60 * pair) {
+        let other = first + 30;
+        positions[other] = positions[first] + toward * 2.75;
+        velocities[first] = toward * 4.0;
+        velocities[other] = toward * -4.0;
+    }
+    Fluid {
+        cell,
+        positions,
+        velocities,
+    }
+}
+
+#[test]
+fn pairs_that_lists_lack_are_found_and_inserted_by_all_ranks_alike() {
+    for k in [[12, 13, 13], [14, 14, 13]] {
+        let start = meeting_pairs(k);
+        let n = start.positions.len();
+        for kernel in kernels() {
+            let fresh = || build(&options(kernel), &conditions(start.cell, n)).unwrap();
+            for kind in [Kind::Isolated, Kind::Bath(3)] {
+                let told = compare(&start, fresh, kind, &[[2, 1], [3, 2], [4, 1]]);
+                let mut inserted = told.iter().filter(|line| line.starts_with("list/named"));
+                assert_eq!(
+                    inserted.any(|line| line.matches(',').count() > 20),
+                    kernel.precision == Precision::Mixed,
+                    "{kernel:?}, {kind:?}"
+                );
+            }
+        }
+    }
+}
+
+/// A team that loses the last position of each message between two ranks.
+struct Lossy(Team);
+
+impl Wire for Lossy {
+    fn rank(&self) -> usize {
+        self.0.rank()
+    }
+    fn ranks(&self) -> usize {
+        self.0.ranks()
+    }
+    fn sum(&self, words: &mut [i64]) {
+        self.0.sum(words);
+    }
+    fn max(&self, words: &mut [u64]) {
+        self.0.max(words);
+    }
+    fn concat(&self, words: &[u64]) -> Vec<u64> {
+        self.0.concat(words)
+    }
+    fn trade(&self, words: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
+        self.0.trade(words)
+    }
+    fn gather(&self, mine: &[[f64; 3]], whole: &mut [[f64; 3]], ranges: &[Range<usize>]) {
+        let mut array = vec![DVec3::ZERO; whole.len()];
+        for (to, from) in array[ranges[self.rank()].clone()].iter_mut().zip(mine) {
+            *to = DVec3::from_array(*from);
+        }
+        self.0.gather(&mut array, ranges);
+        for (to, from) in whole.iter_mut().zip(array) {
+            *to = from.to_array();
+        }
+    }
+    fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut()) {
+        let before: Vec<_> = incoming.iter().map(|p| p.vectors.last().copied()).collect();
+        self.0.exchange(outgoing, incoming, meanwhile);
+        for (parcel, before) in incoming.iter_mut().zip(before) {
+            let last = parcel.vectors.last_mut().zip(before);
+            last.into_iter().for_each(|(last, before)| *last = before);
+        }
+    }
+}
+
+#[test]
+fn one_position_too_few_in_a_halo_is_seen_in_the_bits() {
+    let start = fluid([9, 10, 9], 0.75);
+    let n = start.positions.len();
+    for kernel in kernels() {
+        let fresh = || build(&options(kernel), &conditions(start.cell, n)).unwrap();
+        let alone = history(&start, &mut fresh(), Kind::Isolated, 2);
+        for found in on_ranks(2, 1, |team| {
+            let mut forces = fresh();
+            let lossy = Team::new(Box::new(Lossy(team.clone())));
+            assert!(forces.share(&lossy).unwrap());
+            history(&start, &mut forces, Kind::Isolated, 2)
+        }) {
+            assert!(found != alone, "{kernel:?}");
+        }
+    }
+}
+
+#[test]
+fn a_near_part_and_excluded_pairs_are_shared_too() {
+    let start = fluid([10, 9, 9], 0.75);
+    let n = start.positions.len();
+    for precision in [Precision::Double, Precision::Mixed] {
+        let options = ForceFieldOptions {
+            split: Some(SplitOptions {
+                r_split: 1.6,
+                width: 0.3,
+            }),
+            exclusions: lennard_core::Molecules::chains(2, 0.45, lennard_core::Bonds::Rigid)
+                .exclusions(),
+            ..options(KernelOptions {
+                precision,
+                ..KernelOptions::default()
+            })
+        };
+        let at = conditions(start.cell, n);
+        let parts = |forces: &mut PairForces| {
+            [Part::Near, Part::Far, Part::All].map(|part| {
+                let found = evaluate(forces, start.cell, &start.positions, part, Want::TOTALS);
+                format!("{found:?}")
+            })
+        };
+        let alone = parts(&mut build(&options, &at).unwrap());
+        for found in on_ranks(3, 1, |team| {
+            let mut forces = build(&options, &at).unwrap();
+            assert!(forces.share(team).unwrap());
+            parts(&mut forces)
+        }) {
+            assert_eq!(found, alone);
+        }
+    }
+}
+
+#[test]
+fn a_list_that_is_there_already_is_shared_from_then_on() {
+    let start = fluid([9, 10, 9], 0.75);
+    let n = start.positions.len();
+    for kernel in kernels() {
+        let fresh = || build(&options(kernel), &conditions(start.cell, n)).unwrap();
+        let mut saved = StateArchive::default();
+        let mut first = fresh();
+        history(&start, &mut first, Kind::Isolated, 2);
+        first.save(&mut saved.writer());
+        let again = || {
+            let mut forces = fresh();
+            forces.restore(&saved.reader()).unwrap();
+            forces
+        };
+        compare(&start, again, Kind::Isolated, &[[2, 1], [3, 1]]);
+    }
+}
+
+#[test]
+fn all_ranks_meet_a_failure_in_the_same_step() {
+    let mut sound = fluid([9, 10, 9], 0.75);
+    let n = sound.positions.len();
+    // Two particles meet in one point after some steps.
+    let at = sound.positions[300];
+    sound.positions[301] = at + DVec3::X * 0.9;
+    sound.velocities[300] = DVec3::ZERO;
+    let mut infinite = fluid([9, 10, 9], 0.75);
+    infinite.velocities[77].y = f64::INFINITY;
+    let mut together = fluid([9, 10, 9], 0.75);
+    together.positions[301] = together.positions[300];
+    for start in [&sound, &infinite, &together] {
+        for kernel in kernels() {
+            for kind in [Kind::Isolated, Kind::Bath(1), Kind::Noise] {
+                let fresh = || build(&options(kernel), &conditions(start.cell, n)).unwrap();
+                compare(start, fresh, kind, &[[2, 1], [4, 1]]);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_halo_is_as_large_as_was_foreseen() {
+    let start = fluid([13, 14, 13], 0.75);
+    let n = start.positions.len();
+    for kernel in kernels() {
+        for ranks in [1, 2, 3, 7] {
+            let fresh = || build(&options(kernel), &conditions(start.cell, n)).unwrap();
+            let mut alone = fresh();
+            let want = Want::NOTHING;
+            evaluate(&mut alone, start.cell, &start.positions, Part::All, want).unwrap();
+            let foreseen = alone.halo_on(ranks).unwrap();
+            let halos = on_ranks(ranks, 1, |team| {
+                let mut forces = fresh();
+                assert!(forces.share(team).unwrap());
+                evaluate(&mut forces, start.cell, &start.positions, Part::All, want).unwrap();
+                team.statistics().halo
+            });
+            let mean = halos.iter().sum::<f64>() / ranks as f64;
+            assert!(
+                (foreseen.particles - mean).abs() < 1e-9,
+                "{ranks}: {foreseen:?}, {mean}"
+            );
+            assert_eq!(foreseen.particles > 0.0, ranks > 1);
+            assert!(foreseen.partners < ranks as f64);
+            // There are 50 chunks, the last of 14 particles.
+            assert!(alone.halo_on(50).is_some() && alone.halo_on(51).is_none());
+        }
+    }
+}
+
+#[test]
+fn more_ranks_than_chunks_are_refused_and_other_searches_are_not_shared() {
+    let start = fluid([4, 5, 5], 0.3);
+    let n = start.positions.len();
+    let options = ForceFieldOptions {
+        truncation: TruncationOptions::new(TruncationKind::Shift, 2.3),
+        neighbor: verlet(Some(0.1)),
+        ..ForceFieldOptions::default()
+    };
+    let at = conditions(start.cell, n);
+    let errors = on_ranks(4, 1, |team| {
+        build(&options, &at).unwrap().share(team).unwrap_err()
+    });
+    for error in errors {
+        assert_eq!(
+            error.to_string(),
+            "4 ranks for 100 particles\n  allowed: at most 3, since each rank takes 48 neighbors in space or more"
+        );
+    }
+    for shared in on_ranks(3, 1, |team| {
+        build(&options, &at).unwrap().share(team).unwrap()
+    }) {
+        assert!(shared);
+    }
+    let canonical = ForceFieldOptions {
+        canonical: true,
+        ..options
+    };
+    for shared in on_ranks(2, 1, |team| {
+        build(&canonical, &at).unwrap().share(team).unwrap()
+    }) {
+        assert!(!shared);
+    }
+}

@@ -1,0 +1,141 @@
+"""MPI for the tests of `lennard-mpi`: a library from PyPI or the system's, and the program built with it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from cluster import NotHere, install
+
+import lennard_validation as lv
+
+ROOT = Path(__file__).resolve().parent.parent
+#: Environments and builds of these tests.
+FOLDER = ROOT / "target" / "mpi"
+#: The library and the parser of C headers from PyPI. No root is needed for them.
+WHEELS = ["mpich==5.0.2", "libclang==18.1.1"]
+#: Debian's packages, where PyPI cannot be reached.
+PACKAGES = ["libopenmpi-dev", "openmpi-bin", "libclang-dev"]
+
+
+@dataclass
+class Mpi:
+    """One MPI library, with `lennard-mpi` built for it."""
+
+    name: str
+    mpirun: list[str]
+    mpicc: Path
+    program: Path
+    environment: dict[str, str]
+
+    def command(self, ranks: int, *arguments: str) -> list[str]:
+        return [*self.mpirun, "-n", str(ranks), str(self.program), *arguments]
+
+    def run(self, ranks: int, *arguments: str) -> subprocess.CompletedProcess:
+        command = self.command(ranks, *arguments)
+        return subprocess.run(
+            command, env=self.environment, capture_output=True, text=True, check=False, timeout=600
+        )
+
+    def start(self, ranks: int, *arguments: str) -> subprocess.Popen:
+        return subprocess.Popen(
+            self.command(ranks, *arguments),
+            env=self.environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+
+
+def wheels() -> Path:
+    """An environment of its own with the wheels."""
+    folder = FOLDER / "venv"
+    python = folder / "bin" / "python"
+    stamp = folder / "made-from.txt"
+    if stamp.exists() and stamp.read_text(encoding="utf-8") == "\n".join(WHEELS):
+        return folder
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "text": True}
+    commands = [
+        [sys.executable, "-m", "venv", "--clear", str(folder)],
+        [str(python), "-m", "pip", "install", "--quiet", *WHEELS],
+    ]
+    for command in commands:
+        done = subprocess.run(command, check=False, **quiet)
+        if done.returncode != 0:
+            last = (done.stderr.strip().splitlines() or ["no reason given"])[-1]
+            raise NotHere(f"pip install {' '.join(WHEELS)}: {last}")
+    stamp.write_text("\n".join(WHEELS), encoding="utf-8")
+    return folder
+
+
+def mpich() -> Mpi:
+    """MPICH from PyPI."""
+    folder = wheels()
+    clang = next(folder.glob("lib/python*/site-packages/clang/native"), None)
+    if clang is None:
+        raise NotHere("the wheel of libclang has no library for this machine")
+    environment = {
+        **os.environ,
+        "LIBCLANG_PATH": str(clang),
+        # The build of the Rust crate drops the path that `mpicc` gives to the linker.
+        "LD_LIBRARY_PATH": str(folder / "lib"),
+    }
+    mpicc = folder / "bin" / "mpicc"
+    return built("MPICH", [str(folder / "bin" / "mpiexec")], mpicc, environment)
+
+
+def open_mpi() -> Mpi:
+    """Open MPI of the system, installed where that is possible."""
+    install(["mpicc.openmpi", "mpirun.openmpi"], PACKAGES)
+    environment = dict(os.environ)
+    if (FOLDER / "venv").exists():
+        clang = next((FOLDER / "venv").glob("lib/python*/site-packages/clang/native"), None)
+        environment |= {"LIBCLANG_PATH": str(clang)} if clang else {}
+    mpirun = ["mpirun.openmpi", "--oversubscribe"] + (["--allow-run-as-root"] if os.geteuid() == 0 else [])
+    mpicc = Path(shutil.which("mpicc.openmpi") or "mpicc")
+    return built("Open MPI", mpirun, mpicc, environment)
+
+
+def built(name: str, mpirun: list[str], mpicc: Path, environment: dict[str, str]) -> Mpi:
+    """The program, built for a library in the profile of the program under test."""
+    target = FOLDER / name.lower().replace(" ", "-")
+    folder = lv.binary().resolve().parent.name
+    profile = "dev" if folder == "debug" else folder
+    command = [os.environ.get("CARGO", "cargo"), "build", "--quiet", "--profile", profile]
+    command += ["--manifest-path", str(ROOT / "crates" / "mpi" / "Cargo.toml"), "--target-dir", str(target)]
+    environment = {**environment, "MPICC": str(mpicc)}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return Mpi(name, mpirun, mpicc, target / folder / "lennard-mpi", environment)
+
+
+def ranks_of(process: subprocess.Popen, program: Path, ranks: int) -> list[int]:
+    """The process ids of the ranks that a starter has started, once all are there."""
+    for _ in range(200):
+        found = [pid for pid in descendants(process.pid) if name_of(pid) == program.name]
+        if len(found) == ranks:
+            return found
+        time.sleep(0.05)
+    raise AssertionError(f"{ranks} ranks did not start: {process.poll()}")
+
+
+def descendants(pid: int) -> list[int]:
+    listed = subprocess.run(["ps", "-e", "-o", "pid=,ppid="], capture_output=True, text=True, check=True)
+    parents = {int(line.split()[0]): int(line.split()[1]) for line in listed.stdout.splitlines()}
+    found, new = [], [pid]
+    while new:
+        new = [child for child, parent in parents.items() if parent in new]
+        found += new
+    return found
+
+
+def name_of(pid: int) -> str:
+    try:
+        return os.readlink(f"/proc/{pid}/exe").rsplit("/", 1)[-1]
+    except OSError:
+        return ""

@@ -1,0 +1,207 @@
+"""One run on several ranks of MPI, compared with one process byte by byte: `cargo xtask mpi`."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import conftest
+import pytest
+import ranks
+from cluster import NotHere
+from ranks import Mpi
+
+import lennard_validation as lv
+
+pytestmark = pytest.mark.mpi
+
+SCENE = """
+[system]
+lattice = "fcc"
+n_atoms = {n}
+density = 0.8442
+temperature = 1.2
+seed = 3
+
+[truncation]
+kind = "shift"
+r_cut = 2.5
+
+[integrator]
+dt = 0.004
+
+[[stage]]
+name = "melt"
+steps = {melt}
+thermostat = "bussi"
+
+[[stage]]
+name = "production"
+steps = {steps}
+
+[output]
+thermo_every = 10
+"""
+
+BAROSTAT = 'stage.production.barostat={kind="stochastic-cell-rescaling",pressure=1.2}'
+BUSSI = "stage.production.thermostat=bussi"
+#: Kinds of motion, as overrides.
+MOTIONS = {
+    "constant energy": [],
+    "Bussi": [BUSSI],
+    "Langevin": ["stage.production.thermostat=langevin"],
+    "constant pressure": [BUSSI, BAROSTAT],
+}
+
+
+@pytest.fixture(scope="module", params=["MPICH", "Open MPI"])
+def mpi(request) -> Mpi:
+    try:
+        return ranks.mpich() if request.param == "MPICH" else ranks.open_mpi()
+    except NotHere as reason:
+        pytest.skip(f"{request.param}: {reason}")
+
+
+def scene(folder: Path, n: int = 4000, melt: int = 100, steps: int = 300) -> Path:
+    path = folder / "scene.toml"
+    path.write_text(SCENE.format(n=n, melt=melt, steps=steps), encoding="utf-8")
+    return path
+
+
+def alone(*arguments: str) -> subprocess.CompletedProcess:
+    return subprocess.run([str(lv.binary()), *arguments], capture_output=True, text=True, check=False, timeout=600)
+
+
+def overridden(overrides: list[str]) -> list[str]:
+    return [word for override in overrides for word in ("--set", override)]
+
+
+def results(folder: Path) -> dict[str, bytes]:
+    """The files of a run to the byte, without clock times."""
+    names = ["final.xyz", "thermo.csv", "scene.toml"]
+    found = {name: (folder / name).read_bytes() for name in names}
+    record = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    for key in ["wall_s", "performance", "host"]:
+        del record[key]
+    found["run.json"] = json.dumps(record).encode()
+    found["checkpoints"] = " ".join(sorted(p.name for p in folder.glob("*.lennard"))).encode()
+    return found
+
+
+def same(one: Path, other: Path) -> None:
+    expected, found = results(one), results(other)
+    for name, contents in expected.items():
+        assert contents == found[name], f"{other.name}: {name} differs"
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("precision", ["double", "mixed"])
+def test_ranks_and_threads_have_the_bytes_of_one_process(mpi: Mpi, tmp_path, motion, precision) -> None:
+    common = [str(scene(tmp_path)), "--precision", precision, "--quiet", "--no-report"]
+    common += overridden(MOTIONS[motion])
+    done = alone("run", *common, "--threads", "1", "--out", str(tmp_path / "alone"))
+    assert done.returncode == 0, done.stderr
+    for number, threads in [(1, 1), (2, 1), (2, 2), (4, 1)]:
+        out = tmp_path / f"{number}x{threads}"
+        done = mpi.run(number, "run", *common, "--threads", str(threads), "--out", str(out))
+        assert done.returncode == 0, done.stderr
+        assert done.stdout == ""
+        same(tmp_path / "alone", out)
+
+
+def test_a_killed_rank_ends_all_and_the_run_goes_on_elsewhere(mpi: Mpi, tmp_path) -> None:
+    every = ["checkpoint.every_steps=200"]
+    common = [str(scene(tmp_path, steps=4000)), "--threads", "1", "--quiet", "--no-report", *overridden(every)]
+    done = alone("run", *common, "--out", str(tmp_path / "alone"))
+    assert done.returncode == 0, done.stderr
+    out = tmp_path / "killed"
+    running = mpi.start(3, "run", *common, "--out", str(out))
+    members = ranks.ranks_of(running, mpi.program, 3)
+    for _ in range(2400):
+        if list(out.glob("*.lennard")):
+            break
+        time.sleep(0.05)
+    os.kill(members[-1], signal.SIGKILL)
+    killed = time.monotonic()
+    running.communicate(timeout=60)
+    left = [pid for pid in members if ranks.name_of(pid) == mpi.program.name]
+    assert time.monotonic() - killed < 10 and not left
+    assert running.returncode != 0
+    done = mpi.run(2, "resume", str(out), "--threads", "1", "--quiet", "--no-report")
+    assert done.returncode == 0, done.stderr
+    same(tmp_path / "alone", out)
+
+
+def test_a_request_to_stop_is_met_by_all_ranks_and_one_process_goes_on(mpi: Mpi, tmp_path) -> None:
+    common = [str(scene(tmp_path, steps=6000)), "--threads", "1", "--quiet", "--no-report"]
+    done = alone("run", *common, "--out", str(tmp_path / "alone"))
+    assert done.returncode == 0, done.stderr
+    out = tmp_path / "stopped"
+    running = mpi.start(2, "run", *common, "--out", str(out))
+    members = ranks.ranks_of(running, mpi.program, 2)
+    while (out / "thermo.csv").exists() is False or (out / "thermo.csv").stat().st_size < 400:
+        assert running.poll() is None, running.communicate()
+        time.sleep(0.05)
+    # One of them is told, not rank 0 alone.
+    os.kill(members[-1], signal.SIGTERM)
+    _, errors = running.communicate(timeout=60)
+    assert running.returncode == 4, errors
+    assert "stopped on request after step" in errors
+    done = alone("resume", str(out), "--threads", "1", "--quiet", "--no-report")
+    assert done.returncode == 0, done.stderr
+    same(tmp_path / "alone", out)
+
+
+def test_wrong_input_is_told_once(mpi: Mpi, tmp_path) -> None:
+    path = str(scene(tmp_path, n=108))
+    cut = ["--set", "truncation.r_cut=2.2"]
+    done = mpi.run(4, "run", path, *cut, "--out", str(tmp_path / "out"))
+    assert done.returncode == 2
+    assert done.stderr.count("4 ranks for 108 particles") == 1
+    assert "allowed: at most 3, since each rank takes 48 neighbors in space or more" in done.stderr
+    done = mpi.run(2, "run", path, *cut, "--set", "system.densty=1", "--out", str(tmp_path / "out"))
+    assert done.returncode == 2
+    assert done.stderr.count("densty") >= 1 and done.stderr.count("error:") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_halos_are_as_large_as_the_plan_says(mpi: Mpi, tmp_path) -> None:
+    for precision in ["double", "mixed"]:
+        common = [str(scene(tmp_path, n=32000, melt=20, steps=200)), "--precision", precision]
+        planned = alone("plan", *common, "--nodes", "2", "--latency", "2us", "--bandwidth", "10GB/s", "--json")
+        assert planned.returncode == 0, planned.stderr
+        steps = json.loads(planned.stdout)["nodes"]["steps"]
+        expected = next(step["ghosts"] for step in steps if step["nodes"] == 2)
+        out = tmp_path / precision
+        done = mpi.run(2, "run", *common, "--threads", "1", "--quiet", "--no-report", "--out", str(out))
+        assert done.returncode == 0, done.stderr
+        found = json.loads((out / "run.json").read_text())["performance"]["ranks"]["halo"]
+        conftest.RESULTS.append(f"{mpi.name}, {precision}: halo {found:.0f}, planned {expected:.0f}")
+        assert abs(found / expected - 1) < 0.02
+
+
+def test_speed_beside_threads(mpi: Mpi, tmp_path) -> None:
+    """Two ranks beside two threads at 32,000 particles: printed, since a machine may be busy."""
+    for precision in ["double", "mixed"]:
+        common = [str(scene(tmp_path, n=32000, melt=20, steps=200)), "--precision", precision, "--quiet", "--no-report"]
+        times: dict[str, list[float]] = {"ranks": [], "threads": []}
+        for turn in range(3):
+            out = tmp_path / f"ranks-{precision}-{turn}"
+            done = mpi.run(2, "run", *common, "--threads", "1", "--out", str(out))
+            assert done.returncode == 0, done.stderr
+            record = json.loads((out / "run.json").read_text())
+            times["ranks"].append(record["wall_s"])
+            share = record["performance"]["ranks"]["communication"]
+            out = tmp_path / f"threads-{precision}-{turn}"
+            done = alone("run", *common, "--threads", "2", "--out", str(out))
+            assert done.returncode == 0, done.stderr
+            times["threads"].append(json.loads((out / "run.json").read_text())["wall_s"])
+        ratio = min(times["threads"]) / min(times["ranks"])
+        conftest.RESULTS.append(
+            f"{mpi.name}, {precision}: 2 ranks × 1 thread have {ratio:.2f} of the speed of 1 × 2 threads at 32,000 "
+            f"(bar 0.85); {100 * share:.0f} % of the time in messages"
+        )
