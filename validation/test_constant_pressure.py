@@ -70,7 +70,9 @@ def test_pressure_density_and_compressibility_are_the_equations(tmp_path, densit
     # The box of a gas moves slowly and far.
     steps = 100_000 if density > 0.2 else 300_000
     # The watch for equilibrium takes noise for a trend once in a while: two runs of one state would be a fault.
-    for seed in (41, 42):
+    # States have seeds of their own: with the same noise of the barostat, all would be off to the same side.
+    first = 41 + 2 * STATES.index((density, temperature))
+    for seed in (first, first + 1):
         run = scene(density, temperature, pressure, steps, seed=seed).run(tmp_path, f"seed{seed}", threads=1)
         if run.averages["pressure"]["standing"] == "sound":
             break
