@@ -103,15 +103,26 @@ def open_mpi() -> Mpi:
 
 def built(name: str, mpirun: list[str], mpicc: Path, environment: dict[str, str]) -> Mpi:
     """The program, built for a library in the profile of the program under test."""
-    target = FOLDER / name.lower().replace(" ", "-")
     folder = lv.binary().resolve().parent.name
     profile = "dev" if folder == "debug" else folder
-    command = [os.environ.get("CARGO", "cargo"), "build", "--quiet", "--profile", profile]
-    command += ["--manifest-path", str(ROOT / "crates" / "mpi" / "Cargo.toml"), "--target-dir", str(target)]
     environment = {**environment, "MPICC": str(mpicc)}
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return Mpi(name, mpirun, mpicc, target / folder / "lennard-mpi", environment)
+    manifest = ["--manifest-path", str(ROOT / "crates" / "mpi" / "Cargo.toml"), "--target-dir", str(FOLDER / "build")]
+
+    def cargo(*arguments: str) -> None:
+        command = [os.environ.get("CARGO", "cargo"), *arguments, *manifest]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+
+    # All but the bindings is the same for every library.
+    stamp = FOLDER / f"built-for-{folder}.txt"
+    if not stamp.exists() or stamp.read_text(encoding="utf-8") != str(mpicc):
+        cargo("clean", "--profile", profile, "-p", "mpi-sys")
+        stamp.write_text(str(mpicc), encoding="utf-8")
+    cargo("build", "--quiet", "--profile", profile)
+    program = FOLDER / name.lower().replace(" ", "-") / "lennard-mpi"
+    program.parent.mkdir(exist_ok=True)
+    shutil.copy(FOLDER / "build" / folder / "lennard-mpi", program)
+    return Mpi(name, mpirun, mpicc, program, environment)
 
 
 def ranks_of(process: subprocess.Popen, program: Path, ranks: int) -> list[int]:

@@ -66,7 +66,7 @@ def mpi(request) -> Mpi:
         pytest.skip(f"{request.param}: {reason}")
 
 
-def scene(folder: Path, n: int = 4000, melt: int = 100, steps: int = 300) -> Path:
+def scene(folder: Path, n: int = 1372, melt: int = 60, steps: int = 140) -> Path:
     path = folder / "scene.toml"
     path.write_text(SCENE.format(n=n, melt=melt, steps=steps), encoding="utf-8")
     return path
@@ -114,8 +114,8 @@ def test_ranks_and_threads_have_the_bytes_of_one_process(mpi: Mpi, tmp_path, mot
 
 
 def test_a_killed_rank_ends_all_and_the_run_goes_on_elsewhere(mpi: Mpi, tmp_path) -> None:
-    every = ["checkpoint.every_steps=200"]
-    common = [str(scene(tmp_path, steps=4000)), "--threads", "1", "--quiet", "--no-report", *overridden(every)]
+    every = ["checkpoint.every_steps=100"]
+    common = [str(scene(tmp_path, steps=2000)), "--threads", "1", "--quiet", "--no-report", *overridden(every)]
     done = alone("run", *common, "--out", str(tmp_path / "alone"))
     assert done.returncode == 0, done.stderr
     out = tmp_path / "killed"
@@ -137,7 +137,7 @@ def test_a_killed_rank_ends_all_and_the_run_goes_on_elsewhere(mpi: Mpi, tmp_path
 
 
 def test_a_request_to_stop_is_met_by_all_ranks_and_one_process_goes_on(mpi: Mpi, tmp_path) -> None:
-    common = [str(scene(tmp_path, steps=6000)), "--threads", "1", "--quiet", "--no-report"]
+    common = [str(scene(tmp_path, steps=3000)), "--threads", "1", "--quiet", "--no-report"]
     done = alone("run", *common, "--out", str(tmp_path / "alone"))
     assert done.returncode == 0, done.stderr
     out = tmp_path / "stopped"

@@ -123,7 +123,7 @@ pub fn plan(
         bytes,
     };
     Ok(Plan {
-        schema: "lennard-plan-2",
+        schema: "lennard-plan-3",
         scene: scene.name.clone(),
         model: scene.model_name(),
         atoms: n,

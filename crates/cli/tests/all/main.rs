@@ -13,6 +13,7 @@ mod literature;
 mod messages;
 mod mixtures;
 mod output_folders;
+mod ranks;
 mod restart;
 mod shared_sweeps;
 mod signals;

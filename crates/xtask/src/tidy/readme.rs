@@ -11,7 +11,7 @@ type Commands = BTreeMap<String, Vec<String>>;
 
 /// Folders that runs and builds make.
 const MADE_LATER: [&str; 3] = ["runs", "target", ".venv"];
-const XTASK: [&str; 12] = [
+const XTASK: [&str; 13] = [
     "docs", "test", "check", "physics", "cluster", "mpi", "tidy", "soak", "fuzz", "coverage",
     "accuracy", "python", "help",
 ];
