@@ -4,7 +4,7 @@ mod base;
 mod ensembles;
 mod influence;
 
-use lennard_core::Average;
+use lennard_core::{Average, Doubt, Estimate};
 
 use crate::averages::{FEWEST_FLUCTUATIONS, of_fluctuations};
 use crate::{BuildContext, Ensemble, ThermoSeries};
@@ -28,12 +28,14 @@ const fn response(name: &'static str, unit: &'static str, needs_curvature: bool)
     }
 }
 
+const COMPRESSIBILITY: &str = "isothermal_compressibility";
+
 /// In the order of [`base::Values`]; c_v is the first.
 const RESPONSES: [Response; COUNT] = [
     response("heat_capacity", "k_B per particle", false),
     response("heat_capacity_pressure", "k_B per particle", true),
     response("thermal_pressure_coefficient", "k_B/σ³", false),
-    response("isothermal_compressibility", "σ³/ε", true),
+    response(COMPRESSIBILITY, "σ³/ε", true),
     response("isentropic_compressibility", "σ³/ε", true),
     response("thermal_expansion", "k_B/ε", true),
     response("speed_of_sound", "σ/τ", true),
@@ -69,6 +71,7 @@ pub(crate) fn averages(
     let values = influence::of(&parts, |means| {
         ensembles::base(setting, context, means).all()
     });
+    let unstable = why_unstable(&values);
     RESPONSES
         .iter()
         .zip(values)
@@ -85,8 +88,22 @@ pub(crate) fn averages(
                 &influence,
                 FEWEST_FLUCTUATIONS,
             )
+            .doubted(unstable.clone().filter(|_| response.needs_curvature))
         })
         .collect()
+}
+
+/// Why values that need the compressibility are none of a homogeneous fluid; `None` where it may be one.
+///
+/// κ_T < 0 means ∂P/∂ρ < 0: such a fluid separates.
+fn why_unstable(values: &[(Estimate, Vec<f64>)]) -> Option<Doubt> {
+    let of = RESPONSES.iter().position(|r| r.name == COMPRESSIBILITY)?;
+    let kappa = values[of].0.mean;
+    (kappa < 0.0).then(|| {
+        Doubt::Incomplete(format!(
+            "the isothermal compressibility is {kappa:.3}, and no stable phase has one below zero: the fluid separates, or the run is too short"
+        ))
+    })
 }
 
 /// What was assumed, and what is missing by name.

@@ -224,3 +224,31 @@ fn without_the_second_derivative_what_needs_it_is_left_out_by_name() {
         "{said}"
     );
 }
+
+#[test]
+fn a_fluid_that_separates_has_no_compressibility_and_says_why() {
+    // The variance of W in a box of two phases is larger than any single phase has.
+    let mut samples = canonical(2, 20_000);
+    for [.., w, _] in &mut samples {
+        *w *= 4.0;
+    }
+    let found = averages(
+        &setting(Ensemble::Canonical),
+        &rows(&samples),
+        0,
+        &context(10.0, N),
+    );
+    assert!(named(&found, COMPRESSIBILITY).mean < 0.0);
+    for average in &found {
+        let needs = RESPONSES
+            .iter()
+            .any(|r| r.name == average.name && r.needs_curvature);
+        let why = format!("{:?}", average.doubt);
+        assert_eq!(
+            why.contains("no stable phase"),
+            needs,
+            "{}: {why}",
+            average.name
+        );
+    }
+}
