@@ -24,10 +24,14 @@ class NotHere(Exception):
 def install(programs: list[str], packages: list[str]) -> None:
     """Installs the packages of programs that are missing, where that is possible."""
     missing = [program for program in programs if not shutil.which(program)]
-    if not missing:
-        return
+    if missing:
+        install_packages(packages, missing[0])
+
+
+def install_packages(packages: list[str], missing: str) -> None:
+    """Installs packages of Debian, where that is possible, since something is missing."""
     if os.geteuid() != 0 or shutil.which("apt-get") is None:
-        raise NotHere(f"{missing[0]} is missing: as root on Debian, apt-get install {' '.join(packages)}")
+        raise NotHere(f"{missing} is missing: as root on Debian, apt-get install {' '.join(packages)}")
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     subprocess.run(["apt-get", "update"], check=False, **quiet)
     command = ["apt-get", "install", "-y", "--no-install-recommends", *packages]

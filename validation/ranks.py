@@ -10,7 +10,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from cluster import NotHere, install
+from cluster import NotHere, install_packages
 
 import lennard_validation as lv
 
@@ -91,14 +91,27 @@ def mpich() -> Mpi:
 
 def open_mpi() -> Mpi:
     """Open MPI of the system, installed where that is possible."""
-    install(["mpicc.openmpi", "mpirun.openmpi"], PACKAGES)
+    if not has_headers():
+        install_packages(PACKAGES, "mpi.h of Open MPI")
     environment = dict(os.environ)
     if (FOLDER / "venv").exists():
         clang = next((FOLDER / "venv").glob("lib/python*/site-packages/clang/native"), None)
         environment |= {"LIBCLANG_PATH": str(clang)} if clang else {}
+    # The wheel of libclang has no headers of the language itself.
+    asked = subprocess.run(["cc", "-print-file-name=include"], capture_output=True, text=True, check=False)
+    environment["BINDGEN_EXTRA_CLANG_ARGS"] = f"-I{asked.stdout.strip()}"
     mpirun = ["mpirun.openmpi", "--oversubscribe"] + (["--allow-run-as-root"] if os.geteuid() == 0 else [])
     mpicc = Path(shutil.which("mpicc.openmpi") or "mpicc")
     return built("Open MPI", mpirun, mpicc, environment)
+
+
+def has_headers() -> bool:
+    """Whether programs can be built with Open MPI: its compiler alone is in a package without them."""
+    compiler = shutil.which("mpicc.openmpi")
+    if compiler is None:
+        return False
+    asked = subprocess.run([compiler, "--showme:incdirs"], capture_output=True, text=True, check=False)
+    return any((Path(folder) / "mpi.h").exists() for folder in asked.stdout.split())
 
 
 def built(name: str, mpirun: list[str], mpicc: Path, environment: dict[str, str]) -> Mpi:
