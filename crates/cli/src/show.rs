@@ -9,7 +9,7 @@ mod plan;
 mod tune;
 
 pub use bench::bench;
-pub use chart::chart;
+pub use chart::{chart, ensembles};
 pub use eos::{coexistence, curve, freezing, state};
 pub use list::{entries, list};
 pub use literature::{compared, sweep, sweep_header};

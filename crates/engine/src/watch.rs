@@ -78,19 +78,11 @@ impl Simulation {
         }
     }
 
-    /// The estimate of [`watchdog::rough_stable_dt`], τ, for the pair of species with the shortest step. The unit of time of a
-    /// pair is σ_ab·√(2μ_ab/ε_ab) with the reduced mass μ_ab.
+    /// The estimate of [`watchdog::rough_stable_dt`], τ, for the pair of species with the shortest step.
     fn rough_stable_dt(&self, temperature: f64, limit: f64) -> f64 {
         let species = self.system.species();
-        let of_pair = |[a, b]: [usize; 2]| {
-            let pair = self.scene.species_pair(a, b);
-            let [m_a, m_b] = [a, b].map(|a| species.species(a).mass);
-            let unit = pair.sigma * (2.0 * m_a * m_b / ((m_a + m_b) * pair.epsilon)).sqrt();
-            unit * watchdog::rough_stable_dt(temperature / pair.epsilon, limit)
-        };
-        let pairs = self.scene.species_pairs();
-        let repelling = pairs.filter(|[a, b]| self.scene.species_pair(*a, *b).epsilon > 0.0);
-        repelling.map(of_pair).fold(f64::INFINITY, f64::min)
+        watchdog::fastest_pair(&self.scene, species, temperature, limit)
+            .map_or(f64::INFINITY, |pair| pair.stable_dt)
     }
 
     fn diagnosed(&self, symptom: Symptom) -> EngineError {

@@ -5,7 +5,8 @@
 //! [`LISTS_EVERY`]th step it checks forces of a few particles ([`crate::ForceCheck`]). A box too small for its cutoff is refused
 //! before the first step, and by the forces where it shrinks.
 
-use lennard_core::{DVec3, Exclusions, State, parallel};
+use lennard_core::{DVec3, Exclusions, SpeciesTable, State, parallel};
+use lennard_scene::Scene;
 
 use crate::close_pairs::{Sizes, closest_pair};
 use crate::failure::{LARGEST_ENERGY_CHANGE, PhysicsFailure, Symptom};
@@ -135,6 +136,39 @@ pub fn rough_stable_dt(temperature: f64, limit: f64) -> f64 {
     let s = 0.5 * (1.0 + (1.0 + 4.0 * temperature).sqrt());
     let curvature = 4.0 * (156.0 * s * s - 42.0 * s) * s.cbrt();
     limit / (2.0 * curvature).sqrt()
+}
+
+/// The pair of species that bounds the step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FastestPair {
+    /// The two species, by number.
+    pub species: [usize; 2],
+    /// The estimate of [`rough_stable_dt`], τ.
+    pub stable_dt: f64,
+}
+
+/// The pair of species with the shortest [`rough_stable_dt`]; `None` where no pair repels. The unit of time of a pair is
+/// σ_ab·√(2μ_ab/ε_ab) with the reduced mass μ_ab.
+#[must_use]
+pub fn fastest_pair(
+    scene: &Scene,
+    species: &SpeciesTable,
+    temperature: f64,
+    limit: f64,
+) -> Option<FastestPair> {
+    let of_pair = |[a, b]: [usize; 2]| {
+        let pair = scene.species_pair(a, b);
+        let [m_a, m_b] = [a, b].map(|a| species.species(a).mass);
+        let unit = pair.sigma * (2.0 * m_a * m_b / ((m_a + m_b) * pair.epsilon)).sqrt();
+        FastestPair {
+            species: [a, b],
+            stable_dt: unit * rough_stable_dt(temperature / pair.epsilon, limit),
+        }
+    };
+    let pairs = scene.species_pairs();
+    let repelling = pairs.filter(|[a, b]| scene.species_pair(*a, *b).epsilon > 0.0);
+    let shortest = |x: &FastestPair, y: &FastestPair| x.stable_dt.total_cmp(&y.stable_dt);
+    repelling.map(of_pair).min_by(shortest)
 }
 
 #[cfg(test)]

@@ -64,7 +64,7 @@ pub use kirkwood_buff::{KirkwoodBuff, KirkwoodBuffOptions};
 pub use molecules::{MolecularMotion, MolecularMotionOptions};
 pub use momentum::{Momentum, MomentumOptions};
 pub use msd::{MeanSquareDisplacement, MsdOptions, YEH_HUMMER_XI};
-pub use pairs::count_distances;
+pub use pairs::{count_distances, count_distances_by_species};
 pub use pressure_tensor::{PressureTensor, PressureTensorOptions};
 pub use rdf::{RadialDistribution, RdfOptions};
 pub use recipe::{BuildContext, Recipe, Surroundings};

@@ -27,10 +27,10 @@ pub fn count_distances(
     histogram.pairs_in_cells(&cells)
 }
 
-/// The same counts for the pairs of each two species, in the order of [`SpeciesPair::all`]. They add up to `all`, the
-/// counts of all pairs, since the same bits decide about each pair.
+/// The same counts for the pairs of each two species a ≤ b, row by row. They add up to `all`, the counts of all pairs, since the
+/// same bits decide about each pair.
 #[must_use]
-pub(crate) fn count_distances_by_species(
+pub fn count_distances_by_species(
     species: &SpeciesTable,
     positions: &[DVec3],
     cell: &PeriodicBox,

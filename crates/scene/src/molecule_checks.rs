@@ -51,11 +51,14 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     }
     between_walls(scene, molecule)?;
     under_barostats(scene, molecule)?;
-    if scene.accuracy.is_some() {
+    if let (true, Some(method)) = (scene.accuracy.is_some(), molecule.bonds.spec().integrator) {
         return Err(source
-            .refuse("accuracy", "does not go with molecules")
-            .found("`[accuracy]` and `[molecule]`")
-            .allowed("settings of your own: the predictions of errors are for atoms"));
+            .refuse(
+                "accuracy",
+                "does not go with bonds that are solved for in a step of their own",
+            )
+            .found(format!("`[accuracy]` and [bonds] method = {method:?}"))
+            .allowed("another way to hold bonds, or settings of your own"));
     }
     molecule.bonds.check_for(&molecule.topology).map_err(|e| {
         source
@@ -234,8 +237,7 @@ fn suited_methods(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> 
 
 /// Refuses steps that a stiff spring does not bear: ω·h must stay below the limit of the method.
 fn stable_springs(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> {
-    // Bonds that share sites vibrate faster together than alone: a long chain √2 times as fast.
-    let omega = molecule.bonds.frequency() * (0.5 * molecule.topology.stiffest()).sqrt();
+    let omega = molecule.fastest_vibration();
     let Some(TooStiff { stage, dt, limit }) = scene.too_stiff(omega) else {
         return Ok(());
     };

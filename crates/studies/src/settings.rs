@@ -1,7 +1,8 @@
 //! Everything about a scene that trades speed for accuracy, as one value.
 
 use lennard_forcefield::{
-    ListMode, NeighborOptions, Precision, SplitOptions, TruncationKind, TruncationOptions,
+    CutoffUnit, ListMode, NeighborOptions, Precision, SplitOptions, TruncationKind,
+    TruncationOptions,
 };
 use lennard_integrators::IntegratorOptions;
 use lennard_scene::{DEFAULT_SPLIT, Scene};
@@ -145,15 +146,19 @@ impl Settings {
     #[must_use]
     pub fn truncation_label(&self) -> String {
         let r_cut = rounded(self.truncation.r_cut);
+        let unit = match self.truncation.r_cut_in {
+            Some(CutoffUnit::Pair) => "σ_ab",
+            Some(CutoffUnit::Sigma) | None => "σ",
+        };
         match self.truncation.kind {
             TruncationKind::Cut if self.truncation.tail_correction => {
-                format!("cut at {r_cut} σ with tail")
+                format!("cut at {r_cut} {unit} with tail")
             }
-            TruncationKind::Cut => format!("cut at {r_cut} σ without tail"),
-            TruncationKind::Shift => format!("shifted at {r_cut} σ"),
-            TruncationKind::ForceShift => format!("force-shifted at {r_cut} σ"),
-            TruncationKind::Switch => format!("switched at {r_cut} σ"),
-            other => format!("{} at {r_cut} σ", other.name()),
+            TruncationKind::Cut => format!("cut at {r_cut} {unit} without tail"),
+            TruncationKind::Shift => format!("shifted at {r_cut} {unit}"),
+            TruncationKind::ForceShift => format!("force-shifted at {r_cut} {unit}"),
+            TruncationKind::Switch => format!("switched at {r_cut} {unit}"),
+            other => format!("{} at {r_cut} {unit}", other.name()),
         }
     }
 

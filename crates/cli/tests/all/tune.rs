@@ -237,3 +237,92 @@ fn a_time_too_short_to_tell_anything_is_refused() {
         &["wanted a number of seconds from 5 to 86400"],
     );
 }
+
+/// A scene of something else than atoms, tuned in seconds: the document, and the run of the lock.
+fn tuned(scene: &str) -> serde_json::Value {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tuned.toml");
+    std::fs::write(&path, scene).unwrap();
+    let path = path.to_str().unwrap();
+    let mut tune = vec!["tune", path, "--json", "--quiet"];
+    tune.extend(SHORT);
+    let tuning: serde_json::Value = serde_json::from_str(&succeed(&tune)).unwrap();
+    let out = folder.path().join("out");
+    let text = succeed(&["run", path, "--out", out.to_str().unwrap(), "--no-report"]);
+    assert!(text.contains("settings from"), "{text}");
+    let resolved = std::fs::read_to_string(out.join("scene.toml")).unwrap();
+    let dt = tuning["settings"]["dt"].as_f64().unwrap();
+    assert!(resolved.contains(&format!("dt = {dt}")), "{dt}: {resolved}");
+    for row in tuning["rows"].as_array().unwrap() {
+        let number = |key: &str| row[key].as_f64().unwrap();
+        assert!(number("predicted").abs() <= number("target"), "{row}");
+        let margin = 4.0 * number("measured_error");
+        assert!(
+            number("measured").abs() <= number("target") + margin,
+            "{row}"
+        );
+    }
+    tuning
+}
+
+fn notes(tuning: &serde_json::Value) -> String {
+    tuning["notes"].to_string()
+}
+
+#[test]
+fn a_mixture_is_tuned_by_its_fastest_pair_and_keeps_its_unit_of_cutoffs() {
+    let scene = SCENE.replace("density = 0.3", "density = 0.4")
+        + r#"
+[[species]]
+name = "big"
+fraction = 0.8
+
+[[species]]
+name = "light"
+fraction = 0.2
+sigma = 0.9
+mass = 0.1
+
+[mixing]
+rule = "lorentz-berthelot"
+
+[truncation]
+r_cut_in = "pair"
+"#;
+    let tuning = tuned(&scene);
+    let said = notes(&tuning);
+    assert!(
+        said.contains("the fastest pair is light–light (σ 0.9, ε 1, masses 0.1 and 0.1)"),
+        "{said}"
+    );
+    // The theory of one fluid judges no mixture.
+    assert!(
+        said.contains("theory with a band of its own") || said.contains("no equation of state"),
+        "{said}"
+    );
+    assert_eq!(tuning["settings"]["truncation"]["r_cut_in"], "pair");
+    assert!(tuning["label"].as_str().unwrap().contains("σ_ab"));
+}
+
+#[test]
+fn molecules_are_tuned_for_each_molecule_and_say_what_bounds_their_step() {
+    let molecules = SCENE.replace("n_atoms = 500", "n_molecules = 256")
+        + r#"
+[molecule]
+bond_length = 0.67
+
+[bonds]
+method = "direct"
+"#;
+    let scene = molecules.replace(
+        "potential_energy = 0.03, pressure = 0.02,",
+        "potential_energy = 0.3, pressure = 0.2,",
+    );
+    let tuning = tuned(&scene);
+    assert!(
+        notes(&tuning).contains("bonds (direct) do not limit the step"),
+        "{tuning}"
+    );
+    assert_eq!(tuning["rows"][0]["unit"], "ε per molecule");
+    assert!((tuning["density"].as_f64().unwrap() - 0.3).abs() < 1e-9);
+}

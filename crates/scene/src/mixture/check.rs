@@ -37,10 +37,6 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
             return beside(&format!("wall.{i}.kind"), &kind, allowed);
         }
     }
-    if scene.accuracy.is_some() {
-        let allowed = "settings of your own: the predictions of errors are for one species";
-        return beside("accuracy", "`[accuracy]`", allowed);
-    }
     if source.wrote("output.element") {
         let allowed = "`element` of each species";
         return beside("output.element", "`element` in `[output]`", allowed);

@@ -154,6 +154,20 @@ impl Scene {
         SpeciesTable::one(species, n)
     }
 
+    /// The scene with the shares that each species has in a system, in place of numbers of particles: it fits any size.
+    #[must_use]
+    pub fn with_shares_of(&self, species: &SpeciesTable) -> Self {
+        let mut scene = self.clone();
+        for (a, entry) in scene
+            .mixture
+            .iter_mut()
+            .flat_map(|m| m.species.iter_mut().enumerate())
+        {
+            entry.amount = Amount::Fraction(species.fraction(a));
+        }
+        scene
+    }
+
     /// The number of particles of each species among `n` on a lattice.
     ///
     /// # Errors
@@ -245,6 +259,15 @@ impl Scene {
                 own_end.map_or(pair.r_cut, |end| end.r * pair.sigma)
             })
             .fold(0.0, f64::max)
+    }
+
+    /// The longest distance that a cutoff of 1 stands for where it is written, σ: the largest σ_ab where cutoffs are in σ_ab.
+    #[must_use]
+    pub fn cutoff_unit(&self) -> f64 {
+        match (&self.mixture, self.truncation.r_cut_in) {
+            (Some(_), Some(CutoffUnit::Pair)) => self.largest_sigma(),
+            _ => 1.0,
+        }
     }
 
     /// The largest σ_ab of all pairs of species, in σ.

@@ -3,6 +3,7 @@
 //! All runs begin at one equilibrated start. What each finishes is stored in the output folder, so that the same command
 //! goes on where it was stopped.
 
+pub mod ensembles;
 mod figures;
 pub(crate) mod grid;
 mod kinds;

@@ -20,6 +20,24 @@ pub fn has_points(folder: &Path) -> bool {
     std::fs::read_dir(folder.join(POINTS)).is_ok_and(|mut points| points.next().is_some())
 }
 
+/// A point that can be stored.
+pub(super) trait Stored: Serialize + DeserializeOwned {
+    /// Its number, from 1.
+    fn number(&self) -> usize;
+    /// Whether a stored point is of the same settings as a fresh one.
+    fn is_of(&self, fresh: &Self) -> bool;
+}
+
+impl Stored for ChartedPoint {
+    fn number(&self) -> usize {
+        self.number
+    }
+
+    fn is_of(&self, fresh: &Self) -> bool {
+        self.settings == fresh.settings
+    }
+}
+
 /// Where points are stored.
 pub(super) struct Store {
     folder: PathBuf,
@@ -89,14 +107,14 @@ impl Store {
     }
 
     /// The point as it was stored, if it was, and with the same settings.
-    pub(super) fn load(&self, fresh: &ChartedPoint) -> Option<ChartedPoint> {
-        let stored: ChartedPoint = self.read(&self.file(fresh.number))?;
-        (stored.settings == fresh.settings).then_some(stored)
+    pub(super) fn load<P: Stored>(&self, fresh: &P) -> Option<P> {
+        let stored: P = self.read(&self.file(fresh.number()))?;
+        stored.is_of(fresh).then_some(stored)
     }
 
     /// Stores a point as it is.
-    pub(super) fn save(&self, point: &ChartedPoint) -> Result<(), ChartError> {
-        self.write(&self.file(point.number), point)
+    pub(super) fn save(&self, point: &impl Stored) -> Result<(), ChartError> {
+        self.write(&self.file(point.number()), point)
     }
 
     fn file(&self, number: usize) -> PathBuf {

@@ -138,8 +138,8 @@ impl Workbench {
         let rows = found.series();
         let comparison = beside_equation_of_state(
             &simulation.scene,
-            self.start().density(),
-            simulation.state.len(),
+            self.start().density_of_molecules(self.scene()),
+            simulation.system.n_molecules(),
             found,
             Compared::Anything,
         );
@@ -222,7 +222,7 @@ impl Workbench {
         about: impl Fn(f64, f64) -> (Value, Value),
     ) -> Result<Option<AgainstEquation>, StudyError> {
         let model = model_kind(&settings.apply(self.scene())?);
-        let density = self.start().density();
+        let density = self.start().density_of_molecules(self.scene());
         let equation = lennard_literature::equation_of_state_for(model).ok();
         let covered = equation.filter(|e| e.check(density, temperature).is_ok());
         Ok(covered.map(|equation| {

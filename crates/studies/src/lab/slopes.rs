@@ -34,7 +34,10 @@ impl Workbench {
         let temperature = self.measured_stage().temperature;
         let equation = lennard_literature::thol_2016();
         let density = self.start().density();
-        if self.scene().potential.spec().is_lennard_jones
+        let scene = self.scene();
+        let is_one_fluid = scene.molecule.is_none() && scene.cutoff_of_one_fluid().is_some();
+        if is_one_fluid
+            && scene.potential.spec().is_lennard_jones
             && equation.check(density, temperature).is_ok()
         {
             let state = equation.at(density, temperature);

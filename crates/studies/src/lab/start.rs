@@ -85,6 +85,11 @@ impl Start {
         self.positions.len() as f64 / self.cell.volume()
     }
 
+    /// Number density of molecules of a scene, σ⁻³; of particles where it has none.
+    pub(crate) fn density_of_molecules(&self, scene: &Scene) -> f64 {
+        self.density() / scene.molecules().sites() as f64
+    }
+
     /// Box and positions.
     pub(crate) fn configuration(&self) -> Configuration<'_> {
         Configuration::at_rest(&self.cell, &self.positions)

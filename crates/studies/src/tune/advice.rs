@@ -6,7 +6,7 @@ use super::choose::{Candidate, Choice, Freedom, choose};
 use super::drift::Stability;
 use super::predict::{Models, Prediction};
 use super::prices::Prices;
-use super::sample::Sample;
+use super::sample::{Sample, stable_dt_of_springs};
 use super::verify::Runs;
 use super::{Row, TuneError};
 use crate::lab::Value;
@@ -203,19 +203,32 @@ pub(super) fn relaxed(accuracy: &Accuracy, planned: [f64; 2]) -> Accuracy {
 }
 
 /// How the chosen settings stand beside an equation of state, or why they do not.
-pub(super) fn beside_equation(runs: &Runs) -> String {
+pub(super) fn beside_equation(scene: &Scene, runs: &Runs) -> String {
     let value = |v: &Value| format!("{:+.4} ± {:.4}", v.mean, v.standard_error);
     match &runs.against_equation {
-        Some((source, u, p)) => format!("beside {source}: U {}, P {}", value(u), value(p)),
+        Some((source, u, p)) => {
+            let said = format!("beside {source}: U {}, P {}", value(u), value(p));
+            match scene.mixture.is_some() && scene.cutoff_of_one_fluid().is_none() {
+                true => format!(
+                    "{said}; a theory with a band of its own, so the safest run alone judges"
+                ),
+                false => said,
+            }
+        }
         None => {
-            "no equation of state describes this model here: judged by the safest run alone".into()
+            let what = match (&scene.mixture, &scene.molecule) {
+                (Some(_), _) if scene.cutoff_of_one_fluid().is_none() => "this mixture",
+                (_, Some(_)) => "these molecules",
+                _ => "this model here",
+            };
+            format!("no equation of state describes {what}: judged by the safest run alone")
         }
     }
 }
 
 /// What is to be known of how it was judged.
 pub(super) fn notes(scene: &Scene, sample: &Sample) -> Vec<String> {
-    let mut notes = Vec::new();
+    let mut notes = modes(scene, sample);
     if sample.start.len() != sample.scene_atoms {
         notes.push(format!(
             "errors were judged with {} particles at the density of the {} of the scene",
@@ -230,6 +243,57 @@ pub(super) fn notes(scene: &Scene, sample: &Sample) -> Vec<String> {
     {
         notes.push(
             "no U and no P was asked for, so nothing decides the cutoff: it is the usual one"
+                .into(),
+        );
+    }
+    notes
+}
+
+/// What bounds the step of a mixture and of molecules, and how their errors are judged.
+fn modes(scene: &Scene, sample: &Sample) -> Vec<String> {
+    let mut notes = Vec::new();
+    let digits = |x: f64| lennard_report::significant(x, 3);
+    if let (Some(_), Some(pair)) = (&scene.mixture, &sample.fastest) {
+        let species = sample.fluid.system().species();
+        let [a, b] = pair.species.map(|a| species.name(a));
+        let [i, j] = pair.species;
+        let size = scene.species_pair(i, j);
+        let masses = pair.species.map(|a| species.species(a).mass);
+        notes.push(format!(
+            "the fastest pair is {a}–{b} (σ {}, ε {}, masses {} and {}): ω·dt = 2 near dt {}",
+            size.sigma,
+            size.epsilon,
+            masses[0],
+            masses[1],
+            digits(pair.stable_dt)
+        ));
+        notes.push(
+            "errors of cutoffs and tails are added pair of species by pair of species".into(),
+        );
+    }
+    let Some(molecule) = &scene.molecule else {
+        return notes;
+    };
+    let of_pairs = sample.fastest.map_or(f64::INFINITY, |pair| pair.stable_dt);
+    notes.push(match stable_dt_of_springs(scene) {
+        Some(springs) => format!(
+            "springs of bonds have ω·dt = 2 at dt {}, and colliding sites near {}: {} bound the step",
+            digits(springs),
+            digits(of_pairs),
+            if springs < of_pairs { "springs" } else { "sites" }
+        ),
+        None => format!(
+            "bonds ({}) do not limit the step: colliding sites have ω·dt = 2 near dt {}",
+            molecule.bonds.name(),
+            digits(of_pairs)
+        ),
+    });
+    notes.push(
+        "no law is known for the error of the step with bonds: it is fitted to a short and a long step".into(),
+    );
+    if !sample.has_a_lattice {
+        notes.push(
+            "molecules without a shape fill no lattice: they are judged and timed as they are"
                 .into(),
         );
     }

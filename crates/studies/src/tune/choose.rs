@@ -10,7 +10,7 @@ use super::prices::Prices;
 use super::sample::Sample;
 use crate::settings::Settings;
 
-/// Smallest cutoff tried, σ: well beyond the minimum of the potential.
+/// Smallest cutoff tried, σ or σ_ab: well beyond the minimum of the potential.
 const SMALLEST_CUTOFF: f64 = 2.0;
 /// Distance between two cutoffs tried, σ.
 const CUTOFF_STEP: f64 = 0.1;
@@ -126,11 +126,11 @@ fn truncations(
                 true => scene.truncation.tail_correction,
                 false => kind == TruncationKind::Cut,
             };
-            let switch_from = scene.truncation.switch_from;
             all.push(TruncationOptions {
-                switch_from,
+                kind,
+                r_cut: *r_cut,
                 tail_correction: tail,
-                ..TruncationOptions::new(kind, *r_cut)
+                ..scene.truncation
             });
         }
     }

@@ -8,6 +8,7 @@ use lennard_scene::Scene;
 use super::TuneError;
 use super::sample::Sample;
 use super::survey::Survey;
+use super::terms::model_of;
 use crate::jobs::side_by_side_quietly;
 use crate::lab::{Failed, Workbench};
 use crate::settings::Settings;
@@ -127,26 +128,61 @@ impl Stability {
 /// A pair that crosses r_cut at a share α of a step gains the energy F·v·h·(α − ½), with the jump F and the radial
 /// speed v. The mean of this is zero, and its variance F²v²h²/12. The map is reversible and keeps volume in phase
 /// space, so energy diffuses towards more states. The drift is half the growth of the variance over T. Pairs cross at
-/// the rate ½Nρ·4πr²g(r)⟨|v|⟩, and ⟨|v|³⟩ = 2√(2/π)·(2T)^{3/2} for relative velocities.
+/// the rate ½Nρ·4πr²g(r)⟨|v|⟩, and ⟨|v|³⟩ = 2√(2/π)·(T/μ)^{3/2} for relative velocities with the reduced mass μ. Species
+/// add up pair by pair.
 pub(super) fn of_jump(
     scene: &Scene,
     truncation: TruncationOptions,
     survey: &Survey,
     dt: f64,
 ) -> Result<f64, TuneError> {
-    let model = Model::new(&scene.potential, &truncation)
-        .map_err(|e| scene.source.invalid(&e.key(), e.found(), e.allowed()))?;
-    let (t, g) = (survey.temperature, survey.g(model.r_cut));
-    Ok(0.5 * variance_growth(&model, survey.density(), g, t, dt) / t)
+    let mut scene = scene.clone();
+    scene.truncation = truncation;
+    let (t, fluid) = (survey.temperature, &survey.fluid);
+    // Bonds held rigid take degrees of freedom from the sites.
+    let share = fluid.n_dof() / (3.0 * survey.n_atoms - 3.0);
+    let mut growth = 0.0;
+    for (i, kind) in fluid.kinds.iter().enumerate() {
+        let [a, b] = kind.species;
+        let pair = scene.species_pair(a, b);
+        let model = model_of(&scene, &pair)?;
+        growth += Crossing {
+            model: &model,
+            sigma: pair.sigma,
+            epsilon: pair.epsilon,
+            pairs: kind.pairs / (fluid.units() * survey.volume),
+            g: survey.g(i, model.r_cut * pair.sigma),
+            squared_speed: share * t * kind.inverse_mass(),
+        }
+        .variance_growth(dt);
+    }
+    Ok(0.5 * growth / t)
 }
 
-/// How fast the variance of the energy grows by pairs that cross the cutoff, ε²/τ a particle.
-fn variance_growth(model: &Model, density: f64, g: f64, temperature: f64, dt: f64) -> f64 {
-    let r = model.r_cut;
-    let jump = model.eval(r * r).force * r;
-    let crossings = 0.5 * density * 4.0 * PI * r * r * g;
-    let cubed_speed = 2.0 * (2.0 / PI).sqrt() * (2.0 * temperature).powf(1.5);
-    crossings * cubed_speed * (jump * dt).powi(2) / 12.0
+/// Pairs of one kind that cross their cutoff.
+struct Crossing<'a> {
+    /// f of u = ε·f(r/σ).
+    model: &'a Model,
+    sigma: f64,
+    epsilon: f64,
+    /// Pairs for each volume and each particle or molecule, σ⁻³.
+    pairs: f64,
+    /// g at the cutoff.
+    g: f64,
+    /// Mean square of a relative velocity along one axis, (σ/τ)²: T over the reduced mass.
+    squared_speed: f64,
+}
+
+impl Crossing<'_> {
+    /// How fast the variance of the energy grows by these, ε²/τ a particle or molecule.
+    fn variance_growth(&self, dt: f64) -> f64 {
+        let x = self.model.r_cut;
+        let r = x * self.sigma;
+        let jump = self.model.eval(x * x).force * x * self.epsilon / self.sigma;
+        let crossings = self.pairs * 4.0 * PI * r * r * self.g;
+        let cubed_speed = 2.0 * (2.0 / PI).sqrt() * self.squared_speed.powf(1.5);
+        crossings * cubed_speed * (jump * dt).powi(2) / 12.0
+    }
 }
 
 #[cfg(test)]
@@ -250,7 +286,15 @@ mod tests {
         let g = pairs / (0.5 * 256.0 * 0.6 * volume);
         let t = lennard_observables::statistics::mean(&looks.temperatures[from..]);
         let model = Model::new(&scene.potential, &scene.truncation).unwrap();
-        let law = variance_growth(&model, 0.6, g, t, dt);
+        let law = Crossing {
+            model: &model,
+            sigma: 1.0,
+            epsilon: 1.0,
+            pairs: 0.5 * 0.6,
+            g,
+            squared_speed: 2.0 * t,
+        }
+        .variance_growth(dt);
         // 307 squares of normal increments know their mean to 8 %; the bounded error of the step adds some per cent.
         assert!((measured / law - 1.0).abs() < 0.3, "{measured:e} {law:e}");
     }

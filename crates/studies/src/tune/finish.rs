@@ -17,7 +17,7 @@ pub(super) const FINAL_TIMING: (usize, f64) = (3, 0.15);
 /// The settings with the longest cutoff that fits the box of a workbench.
 pub(super) fn fitting(settings: &Settings, bench: &Workbench) -> Settings {
     let mut fitted = settings.clone();
-    let largest = bench.start().cell.largest_cutoff();
+    let largest = bench.start().cell.largest_cutoff() / bench.scene().cutoff_unit();
     fitted.truncation.r_cut = fitted.truncation.r_cut.min(largest * (1.0 - 1e-6));
     fitted
 }

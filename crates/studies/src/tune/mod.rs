@@ -10,6 +10,7 @@ mod choose;
 mod drift;
 mod error;
 mod finish;
+mod pairs;
 mod predict;
 mod prices;
 mod sample;

@@ -17,8 +17,12 @@ use crate::settings::Settings;
 
 /// What the next order leaves unsure of a law in dt, as a share.
 const NEXT_ORDER: f64 = 0.1;
-/// Step of the longer run from which an unknown law is fitted, as a share of the rough limit of the method.
+/// Step of the longer run from which an unknown law is fitted, as a share of the rough limit of the method. Laws of second order
+/// bear a longer one, and the noise of the fit falls with its square.
 const FITTED_AT: f64 = 0.25;
+const FITTED_AT_SECOND_ORDER: f64 = 0.4;
+/// Both runs of a law of second order are that much longer: its noise bounds the step.
+const LONGER: f64 = 2.5;
 
 /// The error of one quantity by its causes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -91,15 +95,23 @@ impl<'a> Models<'a> {
                 )
         });
         let like_verlet = method.name == "velocity-verlet" || !stands_for_itself(method.name);
+        // Bonds have modes that the sums over pairs do not know.
+        let like_verlet = like_verlet && !sample.fluid.has_bonds();
         let (law, order) = if like_verlet && !langevin {
             (survey.step_law(method.half_kicks), 2)
         } else {
             let order = method.position_order.min(method.velocity_order) as i32;
             let order = if langevin { 2 } else { order };
-            (fitted_law(sample, survey, order, seconds)?, order)
+            (
+                fitted_law(sample, survey, stability, order, seconds)?,
+                order,
+            )
         };
         let full = if full {
-            let whole = TruncationOptions::new(TruncationKind::Cut, f64::MAX);
+            let whole = TruncationOptions {
+                r_cut_in: sample.own.truncation.r_cut_in,
+                ..TruncationOptions::new(TruncationKind::Cut, f64::MAX)
+            };
             Some(survey.terms(&sample.own, whole)?)
         } else {
             None
@@ -204,7 +216,7 @@ fn mixed_errors(sample: &Sample, survey: &Survey) -> Result<[Value; 2], TuneErro
                 let (e, _) = end
                     .evaluate(&mut forces, Part::All, Want::ENERGY_AND_VIRIAL)
                     .map_err(|e| TuneError::Force(e.to_string()))?;
-                let energy = e.potential_energy.unwrap_or(f64::NAN) / survey.n_atoms;
+                let energy = e.potential_energy.unwrap_or(f64::NAN) / survey.fluid.units();
                 let pressure = e.scalar_virial().unwrap_or(f64::NAN) / (3.0 * survey.volume);
                 Ok::<_, TuneError>([energy, pressure])
             });
@@ -227,6 +239,7 @@ fn mixed_errors(sample: &Sample, survey: &Survey) -> Result<[Value; 2], TuneErro
 fn fitted_law(
     sample: &Sample,
     survey: &Survey,
+    stability: &Stability,
     order: i32,
     seconds: f64,
 ) -> Result<[Value; 2], TuneError> {
@@ -236,8 +249,14 @@ fn fitted_law(
         .unwrap_or(super::sample::VERLET_LIMIT)
         / super::sample::VERLET_LIMIT;
     let careful = sample.careful();
+    let (share, seconds) = match order {
+        2 => (FITTED_AT_SECOND_ORDER, LONGER * seconds),
+        _ => (FITTED_AT, seconds),
+    };
     let long = Settings {
-        dt: FITTED_AT * limit * sample.stable_dt,
+        dt: (share * limit * sample.stable_dt)
+            .min(stability.ceiling)
+            .max(2.0 * careful.dt),
         ..careful.clone()
     };
     let bench = Workbench::with_start(&sample.own, survey.ends[0].clone());

@@ -35,9 +35,8 @@ impl Prices {
             // Of a truncation that is fixed, one price is enough.
             r_cut if !crate::settings::truncation_is_free(&sample.own) => vec![r_cut],
             _ => {
-                let largest = sample
-                    .largest_cutoff
-                    .min(bench.start().cell.largest_cutoff());
+                let half = bench.start().cell.largest_cutoff() / sample.own.cutoff_unit();
+                let largest = sample.largest_cutoff.min(half);
                 let mut nodes: Vec<f64> =
                     NODES.into_iter().filter(|r| *r < 0.97 * largest).collect();
                 nodes.push(largest);
@@ -116,11 +115,14 @@ fn timed_atoms(scene_atoms: usize) -> usize {
 }
 
 fn bench(sample: &Sample) -> Result<Workbench, TuneError> {
-    let density = sample.start.density();
-    if sample.scene_atoms <= TIMED_UP_TO && sample.scene_atoms == sample.start.len() {
+    let as_it_is = sample.scene_atoms <= TIMED_UP_TO && sample.scene_atoms == sample.start.len();
+    if as_it_is || !sample.has_a_lattice {
         return Ok(Workbench::with_start(&sample.own, sample.start.clone()));
     }
-    let n_atoms = timed_atoms(sample.scene_atoms);
+    let density = sample.start.density_of_molecules(&sample.own);
+    // On a lattice stand particles, or the centres of molecules.
+    let sites = sample.own.molecules().sites();
+    let n_atoms = timed_atoms(sample.scene_atoms.min(TIMED_UP_TO) / sites);
     let mut scene: Scene = sample.own.clone();
     scene.system.start = SceneStart::Lattice {
         lattice: Lattice::Fcc,
@@ -134,7 +136,7 @@ fn bench(sample: &Sample) -> Result<Workbench, TuneError> {
         measure: false,
         ..sample.canonical.stages[0].clone()
     }];
-    let largest = 0.5 * (n_atoms as f64 / density).cbrt();
+    let largest = 0.5 * (n_atoms as f64 / density).cbrt() / scene.cutoff_unit();
     before.truncation.r_cut = before.truncation.r_cut.min(largest);
     let start = Start::equilibrate(&before)?;
     Ok(Workbench::with_start(&scene, start))

@@ -1,12 +1,13 @@
 //! The fluid in which settings are judged. It is the scene's own, or one of the same density and temperature with
 //! the size at which a minute teaches most.
 
-use lennard_engine::watchdog::rough_stable_dt;
+use lennard_engine::watchdog::{FastestPair, fastest_pair};
 use lennard_forcefield::{Kernel, NeighborOptions, Precision, TruncationKind, TruncationOptions};
 use lennard_integrators::{ThermostatOptions, bussi, velocity_verlet};
-use lennard_scene::{Geometry, Lattice, Scene, Stage, Start as SceneStart};
+use lennard_scene::{Geometry, Lattice, MoleculeKind, Scene, Stage, Start as SceneStart};
 
 use super::TuneError;
+use super::pairs::Fluid;
 use crate::lab::Start;
 use crate::settings::Settings;
 
@@ -16,6 +17,8 @@ use crate::settings::Settings;
 const AS_THEY_ARE: std::ops::RangeInclusive<usize> = 500..=2048;
 /// Particles of the fluid that stands for a scene of another size, 4·m³: the first whose box holds the cutoff.
 const STAND_INS: [usize; 3] = [864, 1372, 2048];
+/// Molecules of the same: the first with so many sites as the least of [`AS_THEY_ARE`].
+const MOLECULES: [usize; 7] = [32, 108, 256, 500, 864, 1372, 2048];
 /// Correlations are followed up to this distance, σ; beyond it g(r) = 1 is good to 10⁻³ in any fluid.
 const LONGEST_SIGHT: f64 = 6.0;
 /// Cutoff of the survey, σ: in the middle of those that are chosen among.
@@ -45,11 +48,17 @@ pub(super) struct Sample {
     pub temperature: f64,
     /// How far correlations are seen, σ.
     pub sight: f64,
-    /// The largest cutoff that the scene's own box allows, up to the sight, σ.
+    /// The largest cutoff that the scene's own box allows, up to the sight, as the scene writes cutoffs: in σ or in σ_ab.
     pub largest_cutoff: f64,
+    /// What it is made of.
+    pub fluid: Fluid,
+    /// The pair of species that bounds the step; absent where nothing repels.
+    pub fastest: Option<FastestPair>,
+    /// Whether a lattice can stand for the start at another size.
+    pub has_a_lattice: bool,
     /// Particles of the scene itself.
     pub scene_atoms: usize,
-    /// A rough stability limit of velocity Verlet, τ.
+    /// A rough stability limit of velocity Verlet, τ: of pairs that collide, and of springs.
     pub stable_dt: f64,
 }
 
@@ -58,9 +67,15 @@ impl Sample {
     pub fn prepare(scene: &Scene) -> Result<Self, TuneError> {
         let beginning = lennard_engine::begin(scene)?;
         let scene_atoms = beginning.positions.len();
-        let density = scene_atoms as f64 / beginning.cell.volume();
+        let sites = scene.molecules().sites();
+        let density = (scene_atoms / sites) as f64 / beginning.cell.volume();
         let temperature = temperature(scene);
-        let stable_dt = rough_stable_dt(temperature, VERLET_LIMIT);
+        let pair_at = |t: f64| fastest_pair(scene, &beginning.species, t, VERLET_LIMIT);
+        let stable_at = |t: f64| {
+            let of_pairs = pair_at(t).map_or(f64::INFINITY, |pair| pair.stable_dt);
+            of_pairs.min(stable_dt_of_springs(scene).unwrap_or(f64::INFINITY))
+        };
+        let stable_dt = stable_at(temperature);
         let hottest = scene
             .stages
             .iter()
@@ -69,23 +84,36 @@ impl Sample {
 
         let mut own = scene.without_accuracy();
         let full = scene.wants_full_potential();
-        let needed = if full { 0.0 } else { own.truncation.r_cut };
+        let unit = scene.cutoff_unit();
+        let needed = match (full, &scene.mixture) {
+            (true, _) => 0.0,
+            (false, None) => own.truncation.r_cut,
+            (false, Some(_)) => own.longest_cutoff(),
+        };
         let own_half = beginning.cell.largest_cutoff();
         let mut half = own_half;
-        if !AS_THEY_ARE.contains(&scene_atoms) {
+        let has_a_lattice = has_a_lattice(scene);
+        if !AS_THEY_ARE.contains(&scene_atoms) && has_a_lattice {
             let side = |n: usize| (n as f64 / density).cbrt();
-            let fitting = STAND_INS.iter().find(|n| 0.5 * side(**n) > needed);
+            let sizes: &[usize] = match sites {
+                1 => &STAND_INS,
+                _ => &MOLECULES,
+            };
+            let fitting = sizes
+                .iter()
+                .find(|n| 0.5 * side(**n) > needed && **n * sites >= *AS_THEY_ARE.start());
             let n_atoms = *fitting.ok_or_else(|| {
-                let largest = 0.5 * side(STAND_INS[STAND_INS.len() - 1]);
+                let most = sizes[sizes.len() - 1];
+                let largest = 0.5 * side(most);
                 let allowed = format!(
-                    "below {largest:.2} σ: the fluid is judged in a box of at most {} particles",
-                    STAND_INS[STAND_INS.len() - 1]
+                    "below {largest:.2} σ: the fluid is judged in a box of at most {most} particles"
                 );
                 scene
                     .source
                     .invalid("truncation.r_cut", format!("{needed} σ"), allowed)
             })?;
             half = 0.5 * side(n_atoms);
+            own = own.with_shares_of(&beginning.species);
             own.system.start = SceneStart::Lattice {
                 lattice: Lattice::Fcc,
                 n_atoms,
@@ -95,13 +123,16 @@ impl Sample {
         }
         let sight = LONGEST_SIGHT.max(needed).min(half * (1.0 - 1e-6));
         if full {
-            own.truncation = TruncationOptions::new(TruncationKind::Cut, SURVEY_CUTOFF.min(sight));
+            own.truncation = TruncationOptions {
+                r_cut_in: scene.truncation.r_cut_in,
+                ..TruncationOptions::new(TruncationKind::Cut, SURVEY_CUTOFF.min(sight / unit))
+            };
         }
         own.kernel.precision = Precision::Double;
         own.neighbor = NeighborOptions::default();
         own.observables.clear();
         own.output.trajectory_every = None;
-        own.integrator.dt = CAREFUL_STEP * rough_stable_dt(hottest, VERLET_LIMIT);
+        own.integrator.dt = CAREFUL_STEP * stable_at(hottest);
         for stage in &mut own.stages {
             stage.dt = None;
             stage.steps = stage.steps.min(MOST_STEPS);
@@ -122,9 +153,13 @@ impl Sample {
         before
             .stages
             .push(canonical_stage(temperature, settling, false));
+        let start = Start::equilibrate(&before)?;
         Ok(Self {
-            start: Start::equilibrate(&before)?,
-            largest_cutoff: sight.min(own_half),
+            fluid: Fluid::at(&own, &start),
+            fastest: pair_at(temperature),
+            has_a_lattice,
+            start,
+            largest_cutoff: sight.min(own_half) / unit,
             own,
             canonical,
             temperature,
@@ -134,9 +169,18 @@ impl Sample {
         })
     }
 
-    /// The longest cutoff that leaves the list its skin in this box, σ.
+    /// The longest cutoff that leaves the list its skin in this box, as the scene writes cutoffs.
     pub fn comfortable_cutoff(&self) -> f64 {
-        comfortable_cutoff(self.start.cell.largest_cutoff()).min(self.sight)
+        let longest = comfortable_cutoff(self.start.cell.largest_cutoff()).min(self.sight);
+        longest / self.own.cutoff_unit()
+    }
+
+    /// What energies are given for each of.
+    pub fn start_system_unit(&self) -> &'static str {
+        match self.fluid.has_bonds() {
+            true => "molecule",
+            false => "particle",
+        }
     }
 
     /// Settings of survey and reference except for their cutoff.
@@ -151,6 +195,18 @@ pub(super) fn comfortable_cutoff(half: f64) -> f64 {
     /// Skin that the cost model chooses for liquids, σ.
     const SKIN: f64 = 0.3;
     ((half - SKIN) * 100.0).floor() / 100.0
+}
+
+/// The stability limit that springs of bonds set velocity Verlet, τ; `None` where bonds do not limit the step.
+pub(super) fn stable_dt_of_springs(scene: &Scene) -> Option<f64> {
+    let omega = scene.molecule.as_ref()?.fastest_vibration();
+    (omega > 0.0).then(|| VERLET_LIMIT / omega)
+}
+
+/// Whether a lattice of any size can be filled with what a scene is made of: molecules of listed bonds need a shape.
+fn has_a_lattice(scene: &Scene) -> bool {
+    let molecule = scene.molecule.as_ref();
+    molecule.is_none_or(|m| m.options.kind != MoleculeKind::Sites || m.shape().is_some())
 }
 
 /// The temperature at which the scene measures: the temperature of the last heat bath up to there, or of the system.

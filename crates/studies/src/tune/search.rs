@@ -121,14 +121,15 @@ pub(super) fn tune_and<T>(
         None => None,
     };
     let planned = advice::planned_errors(scene, &sample, &runs, settings.dt);
-    let rows = rows(&accuracy, &candidate, &measured, &runs, planned);
+    let each = sample.start_system_unit();
+    let rows = rows(&accuracy, &candidate, &measured, &runs, planned, each);
     let relaxed = advice::relaxed(&accuracy, planned);
     let relaxed = search
         .choose(&mut models, &relaxed, None, f64::INFINITY)?
         .cheapest;
     notes.extend(advice::spending(&rows, relaxed.as_ref(), candidate.price));
     notes.extend(advice::cancelling(&candidate, &accuracy));
-    notes.push(advice::beside_equation(&runs));
+    notes.push(advice::beside_equation(scene, &runs));
     let missed = usual_errors.map(|errors| speed::missed(&accuracy, &errors));
     let usual_cost = found.get(2).copied();
     let beside = usual_cost.as_ref().zip(missed.as_deref());
@@ -266,6 +267,7 @@ fn rows(
     measured: &[Value; 2],
     runs: &Runs,
     planned: [f64; 2],
+    each: &str,
 ) -> Vec<Row> {
     let row = |(key, target, unit): (&str, f64, &str)| {
         let which = match key {
@@ -281,7 +283,7 @@ fn rows(
         Row {
             judged: Judged {
                 quantity: key.into(),
-                unit: unit.into(),
+                unit: unit.replace("particle", each),
                 target,
                 predicted: predicted.0,
                 predicted_error: predicted.1,

@@ -8,12 +8,13 @@ use lennard_engine::{
     Action, EngineError, Follower, Operation, Schedule, Simulation, Trigger, Verdict,
 };
 use lennard_forcefield::TruncationOptions;
-use lennard_observables::{count_distances, statistics};
+use lennard_observables::statistics;
 use lennard_scene::Scene;
 
 use super::TuneError;
+use super::pairs::{BIN_WIDTH, Counts, Fluid};
 use super::sample::Sample;
-use super::terms::{BIN_WIDTH, Change, Terms, bins_within, dot};
+use super::terms::{Change, Terms, bins_within, dot};
 use crate::jobs::side_by_side_quietly;
 use crate::lab::{Slopes, Start, Value};
 
@@ -28,14 +29,14 @@ const PARTING_TIME: f64 = 3.0;
 struct Frame {
     /// U that the forces conserve, ε.
     potential: f64,
-    /// W = Σ r·F, ε.
+    /// W = Σ r·F, ε; of molecules Σ R·F.
     virial: f64,
-    /// Σ|F|², ε²/σ².
+    /// Σ|F|²/m, ε²/(m·σ²).
     squared_force: f64,
-    /// ∇²U, ε/σ².
-    laplacian: f64,
+    /// Σ∇²U/m, ε/(m·σ²), where the masses are alike; else the sums of bins have it.
+    laplacian: Option<f64>,
     /// Pairs in each bin of distance.
-    pairs: Vec<f32>,
+    counts: Counts,
 }
 
 /// What a run of the sample says.
@@ -51,7 +52,8 @@ pub(super) struct Survey {
     pub n_atoms: f64,
     /// Volume, σ³.
     pub volume: f64,
-    n_dof: f64,
+    /// What it is made of.
+    pub fluid: Fluid,
     /// The pair terms of the run.
     run: Terms,
 }
@@ -77,15 +79,21 @@ impl Follower for Watcher<'_> {
         }
         let e = &state.energetics;
         let asked = "the step was asked for totals";
-        let bins = bins_within(self.sample.sight);
-        let reach = bins as f64 * BIN_WIDTH;
-        let counts = count_distances(&state.positions, &simulation.state.cell, reach, bins);
+        let fluid = &self.sample.fluid;
+        let masses = &fluid.system().masses;
+        let inside = match fluid.has_bonds() {
+            true => simulation.view().intramolecular_virial(),
+            false => 0.0,
+        };
+        let squares = state.forces.iter().enumerate();
         self.frames.push(Frame {
             potential: e.conserved_potential.expect(asked),
-            virial: e.scalar_virial().expect(asked),
-            squared_force: state.forces.iter().map(|f| f.length_squared()).sum(),
-            laplacian: e.laplacian.expect(asked),
-            pairs: counts.iter().map(|c| *c as f32).collect(),
+            virial: e.scalar_virial().expect(asked) - inside,
+            squared_force: squares
+                .map(|(i, f)| f.length_squared() / masses.of(i))
+                .sum(),
+            laplacian: (fluid.common_mass().zip(e.laplacian)).map(|(m, laplacian)| laplacian / m),
+            counts: fluid.count(state, bins_within(self.sample.sight)),
         });
         let over = Instant::now() >= self.end && self.frames.len() >= FEWEST_FRAMES;
         Ok(if over {
@@ -129,11 +137,11 @@ impl Survey {
             temperature: sample.temperature,
             n_atoms,
             volume,
-            n_dof: 3.0 * n_atoms - 3.0,
+            fluid: sample.fluid.clone(),
             run: Terms::of(
                 &sample.canonical,
                 sample.canonical.truncation,
-                sample.start.len(),
+                &sample.fluid,
                 volume,
                 sample.sight,
             )?,
@@ -149,22 +157,28 @@ impl Survey {
 
     /// The pair terms of another truncation of the potential that ran.
     pub fn terms(&self, scene: &Scene, truncation: TruncationOptions) -> Result<Terms, TuneError> {
-        let sight = self.run.energy.len() as f64 * BIN_WIDTH;
-        Terms::of(scene, truncation, self.n_atoms as usize, self.volume, sight)
+        let sight = self.bins() as f64 * BIN_WIDTH;
+        Terms::of(scene, truncation, &self.fluid, self.volume, sight)
     }
 
-    /// Number density, σ⁻³.
+    /// Bins of distance of each kind of pairs.
+    fn bins(&self) -> usize {
+        self.run.energy.len() / self.fluid.kinds.len()
+    }
+
+    /// Number density of molecules, σ⁻³; of particles where there are none.
     pub fn density(&self) -> f64 {
-        self.n_atoms / self.volume
+        self.fluid.units() / self.volume
     }
 
-    /// g(r) at a distance, from all frames.
-    pub fn g(&self, r: f64) -> f64 {
-        let bin = ((r / BIN_WIDTH) as usize).min(self.frames[0].pairs.len() - 1);
-        let mean = statistics::mean(&self.series(|f| f64::from(f.pairs[bin])));
+    /// g(r) of one kind of pairs at a distance, from all frames.
+    pub fn g(&self, kind: usize, r: f64) -> f64 {
+        let bin = ((r / BIN_WIDTH) as usize).min(self.bins() - 1);
+        let at = kind * self.bins() + bin;
+        let mean = statistics::mean(&self.series(|f| f64::from(f.counts.pairs[at])));
         let (low, high) = (bin as f64 * BIN_WIDTH, (bin + 1) as f64 * BIN_WIDTH);
         let shell = 4.0 / 3.0 * std::f64::consts::PI * (high.powi(3) - low.powi(3));
-        mean / (0.5 * self.n_atoms * self.density() * shell)
+        mean / (self.fluid.kinds[kind].pairs / self.volume * shell)
     }
 
     fn series(&self, of: impl Fn(&Frame) -> f64) -> Vec<f64> {
@@ -174,7 +188,7 @@ impl Survey {
     /// U a particle and the configurational part W/(3V) of the pressure, of the model that ran, without tail.
     fn own(&self) -> (Vec<f64>, Vec<f64>) {
         (
-            self.series(|f| f.potential / self.n_atoms),
+            self.series(|f| f.potential / self.fluid.units()),
             self.series(|f| f.virial / (3.0 * self.volume)),
         )
     }
@@ -193,21 +207,33 @@ impl Survey {
         }
     }
 
+    /// Σ∇²U/m, frame by frame, ε/(m·σ²).
+    fn laplacians(&self) -> Vec<f64> {
+        self.series(|f| {
+            let of_bins = || dot(&f.counts.pairs, &self.run.laplacian);
+            f.laplacian.unwrap_or_else(of_bins)
+        })
+    }
+
     /// The coefficients of dt² in the errors of U and P that velocity Verlet makes, at the temperature of half steps or of
     /// whole steps.
     ///
     /// Velocity Verlet samples exp(−H̃/T̃) of its shadow Hamiltonian H̃ = H + h²·(pᵀ·∇∇U·p/12 − |∇U|²/24) exactly to
-    /// this order (E. Hairer, C. Lubich and G. Wanner, Geometric Numerical Integration, IX.3). Integrated over p,
+    /// this order, here for unit masses (E. Hairer, C. Lubich and G. Wanner, Geometric Numerical Integration, IX.3). Integrated over p,
     /// positions follow U + h²X with X = −|∇U|²/24 + T·∇²U/12. The kinetic temperature of whole steps is T̃·(1 − h²ω²/6)
     /// with ω² = ⟨∇²U⟩/n_dof, and the temperature of half steps is higher by T·h²ω²/4. At a temperature T̃·(1 − c·h²ω²)
     /// a quantity A is off by h²·(c·ω²·⟨δA δU⟩ − ⟨δA δX⟩)/T. For an oscillator this is zero at half steps, and the exact
-    /// ⟨U⟩·h²ω²/4 at whole steps.
+    /// ⟨U⟩·h²ω²/4 at whole steps. With other masses |∇U|² is Σ|∇_iU|²/m_i and ∇²U is Σ∇_i²U/m_i.
     pub fn step_law(&self, half_steps: bool) -> [Value; 2] {
         let t = self.temperature;
         let c = if half_steps { -1.0 / 12.0 } else { 1.0 / 6.0 };
-        let frequency = statistics::mean(&self.series(|f| f.laplacian)) / self.n_dof;
+        let laplacians = self.laplacians();
+        let frequency = statistics::mean(&laplacians) / self.fluid.n_dof();
         let total = self.series(|f| f.potential);
-        let x = self.series(|f| -f.squared_force / 24.0 + t * f.laplacian / 12.0);
+        let frames = self.frames.iter().zip(&laplacians);
+        let x: Vec<f64> = frames
+            .map(|(f, laplacian)| -f.squared_force / 24.0 + t * laplacian / 12.0)
+            .collect();
         let (energy, pressure) = self.own();
         [energy, pressure].map(|a| {
             let (with_u, with_x) = (products(&a, &total), products(&a, &x));
@@ -226,7 +252,12 @@ impl Survey {
     pub fn difference(&self, c: &Terms, f: &Terms) -> [Change; 2] {
         let run = &self.run;
         let (own_u, own_p) = self.own();
-        let series = |weights: &[f64]| self.series(|frame| dot(&frame.pairs, weights));
+        let series = |weights: &[f64]| self.series(|frame| dot(&frame.counts.pairs, weights));
+        let of_virial = |weights: &[f64]| {
+            self.series(|Frame { counts, .. }| {
+                dot(counts.leverage.as_ref().unwrap_or(&counts.pairs), weights)
+            })
+        };
         let less =
             |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
         // Energies of the whole system whose gradients differ from the forces of the run.
@@ -234,7 +265,7 @@ impl Survey {
         let (more_c, more_f) = (more(c), more(f));
         let energy = (
             &own_u,
-            1.0 / self.n_atoms,
+            1.0 / self.fluid.units(),
             [&c.energy, &f.energy, &run.conserved],
         );
         let pressure = (
@@ -243,10 +274,15 @@ impl Survey {
             [&c.virial, &f.virial, &run.virial],
         );
         let tails = [c.tail[0] - f.tail[0], c.tail[1] - f.tail[1]];
-        [(energy, tails[0]), (pressure, tails[1])].map(|((own, scale, weights), tail)| {
+        let quantities = [(energy, tails[0], false), (pressure, tails[1], true)];
+        quantities.map(|((own, scale, weights), tail, is_virial)| {
             let [in_c, in_f, in_run] = weights;
             let at = |weights: &[f64]| -> Vec<f64> {
-                let more = series(&less(weights, in_run));
+                let weights = less(weights, in_run);
+                let more = match is_virial {
+                    true => of_virial(&weights),
+                    false => series(&weights),
+                };
                 own.iter()
                     .zip(more)
                     .map(|(own, more)| own + scale * more)

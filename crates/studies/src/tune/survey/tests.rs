@@ -1,3 +1,4 @@
+use lennard_core::System;
 use lennard_core::random::Streams;
 use lennard_forcefield::TruncationKind;
 use rand_distr::{Distribution, StandardNormal};
@@ -9,7 +10,8 @@ fn survey(frames: Vec<Frame>, n_atoms: usize, volume: f64, sight: f64) -> (Scene
     const TEXT: &str = "[system]\nn_atoms = 864\ndensity = 0.5\ntemperature = 0.8\n\
                         [truncation]\nr_cut = 3.0\n[[stage]]\nname = \"p\"\nsteps = 1\n";
     let scene = Scene::parse(TEXT, "test.toml", &[]).unwrap();
-    let run = Terms::of(&scene, scene.truncation, n_atoms, volume, sight).unwrap();
+    let fluid = Fluid::of(&scene, System::atoms(n_atoms));
+    let run = Terms::of(&scene, scene.truncation, &fluid, volume, sight).unwrap();
     let survey = Survey {
         frames,
         ends: Vec::new(),
@@ -17,10 +19,18 @@ fn survey(frames: Vec<Frame>, n_atoms: usize, volume: f64, sight: f64) -> (Scene
         temperature: 0.8,
         n_atoms: n_atoms as f64,
         volume,
-        n_dof: 3.0 * n_atoms as f64,
+        fluid,
         run,
     };
     (scene, survey)
+}
+
+/// Pairs of atoms.
+fn counts(pairs: Vec<f32>) -> Counts {
+    Counts {
+        pairs,
+        leverage: None,
+    }
 }
 
 #[test]
@@ -42,8 +52,8 @@ fn the_step_law_of_oscillators_is_the_exact_one() {
                 potential: 0.5 * k * squares,
                 virial: k * squares,
                 squared_force: k * k * squares,
-                laplacian: 3.0 * n as f64 * k,
-                pairs: Vec::new(),
+                laplacian: Some((3.0 * n as f64 - 3.0) * k),
+                counts: counts(Vec::new()),
             }
         })
         .collect();
@@ -80,8 +90,8 @@ fn frame(n: f64, density: f64, bins: usize, g: impl Fn(f64) -> f64) -> Frame {
         potential: 0.0,
         virial: 0.0,
         squared_force: 1.0,
-        laplacian: 1.0,
-        pairs,
+        laplacian: Some(1.0),
+        counts: counts(pairs),
     }
 }
 
@@ -139,7 +149,7 @@ fn a_shell_of_neighbors_beyond_the_cutoff_is_missed_by_its_energy() {
         "{missed} {expected}"
     );
     assert!(survey.difference(&at(3.6), &full)[0].direct.mean.abs() < 1e-4);
-    assert!((survey.g(3.3) - 1.5).abs() < 1e-3 && (survey.g(2.0) - 1.0).abs() < 1e-3);
+    assert!((survey.g(0, 3.3) - 1.5).abs() < 1e-3 && (survey.g(0, 2.0) - 1.0).abs() < 1e-3);
 }
 
 #[test]
@@ -161,4 +171,122 @@ fn a_response_that_is_lost_in_noise_adds_an_uncertainty_and_no_error() {
     }
     .total();
     assert!((seen.mean - 1.99).abs() < 0.01 && (seen.standard_error - 0.1).abs() < 0.001);
+}
+
+/// A short survey of a scene, with the frames of its one chain.
+fn surveyed(text: &str) -> (Sample, Survey) {
+    let scene = Scene::parse(text, "test.toml", &[]).unwrap();
+    let sample = Sample::prepare(&scene).unwrap();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .unwrap();
+    let survey = pool.install(|| Survey::run(&sample, Duration::from_millis(100)));
+    (sample, survey.unwrap())
+}
+
+/// What the run's own terms give for U, W and, by masses, ∇²U of each frame, over the values of the engine.
+fn beside_the_engine(survey: &Survey) -> [f64; 3] {
+    let sums = |of: &dyn Fn(&Frame) -> f64| survey.frames.iter().map(of).sum::<f64>();
+    let leverage = |f: &Frame| {
+        let counts = f.counts.leverage.as_ref().unwrap_or(&f.counts.pairs);
+        dot(counts, &survey.run.virial)
+    };
+    [
+        sums(&|f| dot(&f.counts.pairs, &survey.run.conserved)) / sums(&|f| f.potential),
+        sums(&leverage) / sums(&|f| f.virial),
+        sums(&|f| dot(&f.counts.pairs, &survey.run.laplacian))
+            / sums(&|f| f.laplacian.unwrap_or(f64::NAN)),
+    ]
+}
+
+const ACCURACY: &str = "accuracy = { potential_energy = 0.01 }\n[[stage]]\nname = \"e\"\nsteps = 300\nthermostat = \"bussi\"\n\
+    [[stage]]\nname = \"p\"\nsteps = 100\nthermostat = \"bussi\"\n";
+
+#[test]
+fn pairs_of_species_add_up_to_the_energy_the_virial_and_the_laplacian_of_the_engine() {
+    let mixture = "[system]\nlattice = \"sc\"\nn_atoms = 512\ndensity = 1.0\ntemperature = 2.0\n\
+        [[species]]\nname = \"A\"\nfraction = 0.75\n\
+        [[species]]\nname = \"B\"\nfraction = 0.25\nsigma = 0.88\nepsilon = 0.5\n\
+        [mixing]\nrule = \"explicit\"\n[[pair]]\na = \"A\"\nb = \"B\"\nsigma = 0.8\nepsilon = 1.5\n\
+        [truncation]\nr_cut_in = \"pair\"\n";
+    let (sample, survey) = surveyed(&format!("{}{mixture}", ACCURACY));
+    // The stiffest pair bounds the step: σ_AB√(1/ε_AB) is the shortest time.
+    assert_eq!(sample.fastest.unwrap().species, [0, 1]);
+    let one = lennard_engine::watchdog::rough_stable_dt(2.0 / 1.5, 2.0);
+    assert!((sample.stable_dt / (one * 0.8 / 1.5_f64.sqrt()) - 1.0).abs() < 1e-12);
+    let [u, w, l] = beside_the_engine(&survey);
+    // Bins of 0.02 σ, where the energy of close pairs changes by a third from edge to edge.
+    assert!(
+        (u - 1.0).abs() < 0.02 && (w - 1.0).abs() < 0.02 && (l - 1.0).abs() < 0.02,
+        "{u} {w} {l}"
+    );
+    let beyond: Vec<f64> = (0..3).map(|kind| survey.g(kind, 2.9)).collect();
+    assert!(beyond.iter().all(|g| (g - 1.0).abs() < 0.15), "{beyond:?}");
+}
+
+#[test]
+fn masses_weigh_forces_and_laplacians() {
+    let of_mass = |mass: f64| {
+        let text = format!(
+            "{}[system]\nn_atoms = 500\ndensity = 0.7\ntemperature = 1.5\n[[species]]\nname = \"A\"\nfraction = 0.5\n\
+             [[species]]\nname = \"B\"\nfraction = 0.5\nmass = {mass}\n[mixing]\nrule = \"geometric\"\n",
+            ACCURACY
+        );
+        surveyed(&text)
+    };
+    let (sample, survey) = of_mass(0.25);
+    assert_eq!(sample.fastest.unwrap().species, [1, 1]);
+    assert!(survey.frames.iter().all(|f| f.laplacian.is_none()));
+    let mean = |series: &[f64]| statistics::mean(series);
+    let laplacian = mean(&survey.laplacians());
+    // Positions do not know masses: half of the particles count once, the others four times. By ⟨|F|²⟩ = T⟨∇²U⟩, particle by particle.
+    let forces = mean(&survey.series(|f| f.squared_force));
+    assert!(
+        (forces / (1.5 * laplacian) - 1.0).abs() < 0.1,
+        "{forces} {laplacian}"
+    );
+    let (_, light) = of_mass(1.0);
+    let ratio = laplacian / mean(&light.laplacians());
+    assert!((ratio - 2.5).abs() < 0.15, "{ratio}");
+}
+
+#[test]
+fn sites_of_molecules_add_up_to_the_molecular_virial() {
+    let text = format!(
+        "{}[system]\nn_molecules = 256\ndensity = 0.4\ntemperature = 2.0\n[molecule]\nbond_length = 0.67\n[bonds]\nmethod = \"direct\"\n",
+        ACCURACY
+    );
+    let (sample, survey) = surveyed(&text);
+    assert!((survey.density() - 0.4).abs() < 1e-9);
+    assert_eq!(sample.fluid.n_dof(), 5.0 * 256.0 - 3.0);
+    let [u, _, l] = beside_the_engine(&survey);
+    assert!((u - 1.0).abs() < 0.02 && (l - 1.0).abs() < 0.02, "{u} {l}");
+    // Pushes and pulls nearly cancel in W: it is measured by 3NT, which P has beside it.
+    let mean =
+        |of: &dyn Fn(&Frame) -> f64| statistics::mean(&survey.series(of)) / (3.0 * 256.0 * 2.0);
+    let engine = mean(&|f| f.virial);
+    let found = mean(&|f| dot(f.counts.leverage.as_ref().unwrap(), &survey.run.virial));
+    assert!((found - engine).abs() < 0.06, "{found} {engine}");
+    // The virial of sites is another one: the arms of the sites count.
+    let sites = mean(&|f| dot(&f.counts.pairs, &survey.run.virial));
+    assert!((sites - engine).abs() > 0.5, "{sites} {engine}");
+}
+
+#[test]
+fn springs_bound_the_step_where_they_are_faster_than_collisions() {
+    let text = |stiffness: f64| {
+        format!(
+            "{}[system]\nn_molecules = 256\ndensity = 0.4\ntemperature = 2.0\n[molecule]\nbond_length = 0.67\n\
+             [bonds]\nmethod = \"spring\"\nstiffness = {stiffness}\nscheme = \"explicit\"\n[integrator]\ndt = 0.001\n",
+            ACCURACY
+        )
+    };
+    let limit = |stiffness: f64| {
+        let scene = Scene::parse(&text(stiffness), "test.toml", &[]).unwrap();
+        crate::tune::sample::stable_dt_of_springs(&scene).unwrap()
+    };
+    // ω² = 2k/m for two unit masses.
+    assert!((limit(40_000.0) - 2.0 / 80_000.0_f64.sqrt()).abs() < 1e-12);
+    assert!((limit(4.0) / limit(400.0) - 10.0).abs() < 1e-9);
 }

@@ -1,0 +1,290 @@
+//! Choices of barostat and thermostat around the scene's own.
+
+use lennard_engine::measured_stage;
+use lennard_integrators::barostats::{mtk, stochastic_cell_rescaling};
+use lennard_integrators::{BarostatOptions, ThermostatOptions, bussi, langevin, nose_hoover};
+use lennard_scene::{PressureControl, Scene, SceneError};
+
+use super::point::Baths;
+use crate::chart::{LeftOut, Size};
+
+/// Factors on the interval of the scene's barostat …
+const INTERVALS: [f64; 4] = [0.2, 1.0, 5.0, 20.0];
+/// … on its τ_p …
+const PACES: [f64; 3] = [0.5, 1.0, 4.0];
+/// … and on the τ of its thermostat.
+const HEATS: [f64; 3] = [0.2, 1.0, 5.0];
+
+/// Choices to be tried; the scene's own stand first.
+#[derive(Debug, Default)]
+pub(super) struct Grid {
+    pub all: Vec<Baths>,
+    pub left_out: Vec<LeftOut>,
+}
+
+/// The pressure bath of the measured stage.
+///
+/// # Errors
+/// [`SceneError`] where the scene has none, or where pressure or temperature change on the way.
+pub(super) fn pressure_of(
+    scene: &Scene,
+) -> Result<(&PressureControl, &ThermostatOptions), SceneError> {
+    let index = scene.stages.iter().position(|s| s.measure).unwrap_or(0);
+    let stage = measured_stage(scene);
+    let key = |name: &str| format!("stage.{index}.{name}");
+    let allowed = "a stage that is measured with a thermostat and a barostat of one pressure; `lennard chart` without --ensemble for other scenes";
+    let refused = |key: &str, message: &str, found: &str| {
+        Err(scene.contradiction(key, message, found, allowed))
+    };
+    let (Some(control), Some(thermostat)) = (&stage.barostat, &stage.thermostat) else {
+        let found = format!("stage {:?} at constant volume", stage.name);
+        return refused(
+            &key("barostat"),
+            "is missing: `lennard chart --ensemble` crosses the settings of a barostat",
+            &found,
+        );
+    };
+    if stage.is_ramp() {
+        let found = format!("a ramp in stage {:?}", stage.name);
+        return refused(
+            &key("barostat"),
+            "has no one state for `lennard chart --ensemble`",
+            &found,
+        );
+    }
+    Ok((control, thermostat))
+}
+
+/// The choices around the scene's own.
+pub(super) fn grid(scene: &Scene, own: &Baths, size: Size) -> Grid {
+    let mut grid = Grid::default();
+    grid.take(scene, own.clone());
+    let scr = rescaling_like(own);
+    let mtk = chains_like(own);
+    match size {
+        Size::Quick => {
+            for interval in [0.2, 5.0] {
+                grid.take(scene, vary(&scr, interval, 1.0, 1.0));
+            }
+            grid.take(scene, vary(&scr, 1.0, 4.0, 1.0));
+            grid.take(scene, mtk);
+        }
+        Size::Default => {
+            for interval in INTERVALS {
+                for pace in PACES {
+                    grid.take(scene, vary(&scr, interval, pace, 1.0));
+                }
+            }
+            for heat in HEATS {
+                grid.take(scene, vary(&scr, 1.0, 1.0, heat));
+                grid.take(scene, vary(&mtk, 1.0, 1.0, heat));
+            }
+            for pace in PACES {
+                grid.take(scene, vary(&mtk, 1.0, pace, 1.0));
+            }
+        }
+        Size::Full => {
+            for heat in HEATS {
+                for pace in PACES {
+                    for interval in INTERVALS {
+                        grid.take(scene, vary(&scr, interval, pace, heat));
+                    }
+                    grid.take(scene, vary(&mtk, 1.0, pace, heat));
+                }
+            }
+        }
+    }
+    grid
+}
+
+impl Grid {
+    /// Takes baths that fit the scene and are not there yet.
+    fn take(&mut self, scene: &Scene, baths: Baths) {
+        if self.all.contains(&baths) {
+            return;
+        }
+        match with_baths(scene, &baths).check() {
+            Ok(()) => self.all.push(baths),
+            Err(error) => {
+                let lines = error.to_string();
+                let mut lines = lines.lines().map(str::trim);
+                let first = lines.next().unwrap_or_default();
+                let why = first.split_once(": ").map_or(first, |(_, why)| why);
+                self.left_out.push(LeftOut {
+                    what: baths.label(),
+                    why: why.to_owned(),
+                });
+            }
+        }
+    }
+}
+
+/// The scene with these baths in its measured stages.
+pub(super) fn with_baths(scene: &Scene, baths: &Baths) -> Scene {
+    let mut scene = scene.clone();
+    for stage in scene.stages.iter_mut().filter(|s| s.measure) {
+        stage.thermostat = Some(baths.thermostat.clone());
+        if let Some(control) = &mut stage.barostat {
+            control.options = baths.barostat.clone();
+        }
+    }
+    scene
+}
+
+/// Stochastic cell rescaling in the place of another barostat, with its τ.
+fn rescaling_like(own: &Baths) -> Baths {
+    let barostat = match &own.barostat {
+        BarostatOptions::StochasticCellRescaling(_) => own.barostat.clone(),
+        BarostatOptions::Mtk(o) => {
+            BarostatOptions::StochasticCellRescaling(stochastic_cell_rescaling::Options {
+                tau: o.tau,
+                ..stochastic_cell_rescaling::Options::default()
+            })
+        }
+    };
+    Baths {
+        barostat,
+        thermostat: own.thermostat.clone(),
+    }
+}
+
+/// The barostat of Martyna, Tobias and Klein in the place of another, with its τ and a chain on the particles.
+fn chains_like(own: &Baths) -> Baths {
+    let barostat = match &own.barostat {
+        BarostatOptions::Mtk(_) => own.barostat.clone(),
+        BarostatOptions::StochasticCellRescaling(o) => BarostatOptions::Mtk(mtk::Options {
+            tau: o.tau,
+            ..mtk::Options::default()
+        }),
+    };
+    let thermostat = match &own.thermostat {
+        ThermostatOptions::NoseHoover(_) => own.thermostat.clone(),
+        _ => ThermostatOptions::NoseHoover(nose_hoover::Options::default()),
+    };
+    Baths {
+        barostat,
+        thermostat,
+    }
+}
+
+/// These baths with factors on interval, τ_p and τ_T.
+fn vary(of: &Baths, interval: f64, pace: f64, heat: f64) -> Baths {
+    let barostat = match &of.barostat {
+        BarostatOptions::StochasticCellRescaling(o) => {
+            BarostatOptions::StochasticCellRescaling(stochastic_cell_rescaling::Options {
+                interval: ((o.interval as f64 * interval).round() as u64).max(1),
+                tau: o.tau * pace,
+                ..o.clone()
+            })
+        }
+        BarostatOptions::Mtk(o) => BarostatOptions::Mtk(mtk::Options {
+            tau: o.tau * pace,
+            ..o.clone()
+        }),
+    };
+    Baths {
+        barostat,
+        thermostat: with_tau(&of.thermostat, heat),
+    }
+}
+
+/// A thermostat with a factor on its τ. Rescaling has none, and stays.
+fn with_tau(of: &ThermostatOptions, factor: f64) -> ThermostatOptions {
+    match of {
+        ThermostatOptions::Bussi(o) => ThermostatOptions::Bussi(bussi::Options {
+            tau: o.tau * factor,
+        }),
+        ThermostatOptions::NoseHoover(o) => ThermostatOptions::NoseHoover(nose_hoover::Options {
+            tau: o.tau * factor,
+            ..o.clone()
+        }),
+        ThermostatOptions::Langevin(o) => ThermostatOptions::Langevin(langevin::Options {
+            friction: o.friction / factor,
+        }),
+        ThermostatOptions::Rescale(_) => of.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "[system]\nn_atoms = 500\ndensity = 0.65\ntemperature = 1.2\n[truncation]\nkind = \"shift\"\nr_cut = 2.5\n\
+        [integrator]\ndt = 0.004\n[[stage]]\nname = \"p\"\nsteps = 1000\nthermostat = { kind = \"bussi\", tau = 0.5 }\n\
+        barostat = { kind = \"stochastic-cell-rescaling\", pressure = 1.0, tau = 1.0, interval = 10 }\n";
+
+    fn scene(set: &[(&str, &str)]) -> Scene {
+        let set: Vec<_> = set
+            .iter()
+            .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
+            .collect();
+        Scene::parse(TEXT, "t.toml", &set).unwrap()
+    }
+
+    fn own(scene: &Scene) -> Baths {
+        let (control, thermostat) = pressure_of(scene).unwrap();
+        Baths {
+            thermostat: thermostat.clone(),
+            barostat: control.options.clone(),
+        }
+    }
+
+    #[test]
+    fn intervals_paces_and_both_barostats_are_crossed_and_what_is_refused_is_left_out_with_the_reason()
+     {
+        let scene = scene(&[]);
+        let own = own(&scene);
+        let found = grid(&scene, &own, Size::Default);
+        assert_eq!(found.all[0], own);
+        let mut intervals: Vec<u64> = found.all.iter().map(|b| b.barostat.interval()).collect();
+        intervals.sort_unstable();
+        intervals.dedup();
+        assert_eq!(intervals, [1, 2, 10, 50]);
+        let kinds = |name: &str| {
+            found
+                .all
+                .iter()
+                .filter(|b| b.barostat.name() == name)
+                .count()
+        };
+        assert!(
+            kinds("mtk") == 5 && kinds("stochastic-cell-rescaling") >= 8,
+            "{found:?}"
+        );
+        // Every 200 steps of 0.004 τ need a τ_p of 16 τ.
+        let out = found
+            .left_out
+            .iter()
+            .filter(|l| l.what.contains("every 200"))
+            .count();
+        assert_eq!(out, 3);
+        assert!(
+            found.left_out.iter().all(|l| l.why.contains("tau")),
+            "{found:?}"
+        );
+        let all = grid(&scene, &own, Size::Full);
+        assert!(all.all.len() > found.all.len());
+        for baths in &found.all {
+            assert!(all.all.contains(baths), "{}", baths.label());
+        }
+    }
+
+    #[test]
+    fn a_scene_without_a_barostat_is_refused_by_its_stage() {
+        let text = TEXT
+            .lines()
+            .filter(|l| !l.starts_with("barostat"))
+            .collect::<Vec<_>>()
+            .join("\n");
+        let scene = Scene::parse(&text, "t.toml", &[]).unwrap();
+        let error = pressure_of(&scene).unwrap_err().to_string();
+        assert!(
+            error.contains("t.toml") && error.contains("`stage.0.barostat` is missing"),
+            "{error}"
+        );
+        assert!(
+            error.contains("at constant volume") && error.contains("--ensemble"),
+            "{error}"
+        );
+    }
+}
