@@ -43,6 +43,12 @@ impl Arguments {
         Ok(read)
     }
 
+    /// The `n`th word, from 0, where there is one.
+    #[must_use]
+    pub fn word(&self, n: usize) -> Option<&str> {
+        self.words.get(n).map(String::as_str)
+    }
+
     /// The case that the first word names.
     ///
     /// # Errors

@@ -18,6 +18,7 @@ mod force_error;
 mod force_sum;
 mod friction;
 mod integrator;
+pub mod lanes;
 mod masses;
 mod method;
 mod molecules;

@@ -5,15 +5,19 @@
 //! The matrix A = G·M⁻¹·Gᵀ has A_cc = κ_c·|d_c|² and A_cd = ±d_c·d_d/m_shared for bonds that share a site: + where both
 //! leave it or both enter it.
 
+mod chains;
 mod equations;
 mod tridiagonal;
 
 use std::ops::Range;
 
+pub use chains::InverseMasses;
+use chains::Project;
 pub use equations::BondEquations;
 pub use tridiagonal::Tridiagonal;
 
 use crate::exact::{exact_sum, exact_sums};
+use crate::lanes::in_lanes;
 use crate::molecules::MOLECULES_PER_TASK;
 use crate::tasks::for_each_item;
 use crate::topology::Topology;
@@ -107,15 +111,26 @@ fn on_rigid_molecules(
     let size = sites * MOLECULES_PER_TASK;
     let tasks = velocities.chunks_mut(size).zip(positions.chunks(size));
     for_each_item(tasks, |space: &mut Workspace, task, (v, x)| {
-        let first = task * size;
+        let (masses, first) = (&system.masses, task * size);
+        let is_single = topology.bonds().len() == 1;
+        if topology.is_chain() && !is_single {
+            return in_lanes(Project {
+                before: &before,
+                sites,
+                masses,
+                first,
+                x,
+                v,
+            });
+        }
         before(first, v);
         let both = v.chunks_exact_mut(sites).zip(x.chunks_exact(sites));
         for (m, (v, x)) in both.enumerate() {
             let first = first + m * sites;
-            if topology.bonds().len() == 1 {
-                project_bond(&system.masses, first, x, v);
+            if is_single {
+                project_bond(masses, first, x, v);
             } else {
-                space.project(topology, &system.masses, first, x, v);
+                space.project(topology, masses, first, x, v);
             }
         }
     });

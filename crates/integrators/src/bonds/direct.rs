@@ -4,6 +4,7 @@ use lennard_core::options::OptionError;
 use lennard_core::rigid::{Tridiagonal, add_along_bonds, bond_vectors, equations_of};
 use lennard_core::{Bond, Bonds, DVec3, Drifted, Molecules, Topology};
 
+use super::chains::Chains;
 use super::dumbbells::Dumbbells;
 use super::molecule::{EachMolecule, MoleculeRule, MovedMolecule, NoSolution, Space};
 use super::{BondHolder, BondMethod, BondSpec};
@@ -18,7 +19,7 @@ lennard_core::options! {
     }
 }
 
-/// Newton's method converges in two to four iterations, or not at all; with the matrix of the start in up to ten.
+/// Newton's method with the matrix of the start converges in up to ten iterations, or not at all.
 const MOST_ITERATIONS: u32 = 50;
 /// Parts of a chain converge as pq/((p + 1)(q + 1)): two halves of a chain of 64 sites in some 10³ sweeps.
 const MOST_SWEEPS: u32 = 100_000;
@@ -47,6 +48,9 @@ impl BondMethod for Options {
             let parts = bonds.chunks(most).map(part).collect();
             return BondHolder::Drift(Box::new(EachMolecule(Cut { tolerance, parts })));
         }
+        if topology.is_chain() {
+            return BondHolder::Drift(Box::new(Chains { tolerance }));
+        }
         BondHolder::Drift(Box::new(EachMolecule(Direct { tolerance })))
     }
 
@@ -72,7 +76,8 @@ fn part(bonds: &[Bond]) -> Topology {
     Topology::new(bonds.len() + 1, bonds).expect("a part of a chain is a chain")
 }
 
-/// The direct solution, with corrections along the bonds before the drift, which makes the method time-reversible.
+/// The direct solution of molecules that are no chains, with corrections along the bonds before the drift, which makes the method
+/// time-reversible.
 #[derive(Debug, Clone)]
 struct Direct {
     tolerance: f64,
@@ -84,39 +89,11 @@ impl MoleculeRule for Direct {
         molecule: &mut MovedMolecule<'_>,
         space: &mut Space,
     ) -> Result<Drifted, NoSolution> {
-        if molecule.topology.is_chain() {
-            newton_on_a_chain(molecule, space, self.tolerance)
-        } else {
-            frozen_newton(molecule, space, self.tolerance)
-        }
+        frozen_newton(molecule, space, self.tolerance)
     }
 }
 
-/// Newton's method on ½(|d|² − r²) = 0 for all bonds of a chain; rows of G at the iterate, columns before the drift.
-fn newton_on_a_chain(
-    chain: &mut MovedMolecule<'_>,
-    space: &mut Space,
-    tolerance: f64,
-) -> Result<Drifted, NoSolution> {
-    for iterations in 0..=MOST_ITERATIONS {
-        let residual = chain.residual();
-        if residual <= tolerance {
-            return Ok(Drifted {
-                iterations,
-                residual,
-                ..Drifted::default()
-            });
-        }
-        newton_step(chain, space)?;
-    }
-    Err(NoSolution::NotConverged(
-        MOST_ITERATIONS,
-        chain.residual(),
-        tolerance,
-    ))
-}
-
-/// One step of Newton's method for a chain.
+/// One step of Newton's method on ½(|d|² − r²) = 0 for a part of a chain; rows of G at the iterate, columns before the drift.
 fn newton_step(chain: &mut MovedMolecule<'_>, space: &mut Space) -> Result<(), NoSolution> {
     let topology = chain.topology;
     bond_vectors(topology, chain.sites, &mut space.bonds);

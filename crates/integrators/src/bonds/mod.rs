@@ -3,6 +3,7 @@
 //! A *rigid* way is a [`BondSolver`]: kick, drift and the position stage after it. The velocity stage is the same for all
 //! ([`lennard_core::rigid::project_velocities`]). A *spring* is a force term, and takes no degree of freedom away.
 
+mod chains;
 pub mod direct;
 mod dumbbells;
 mod implicit_springs;

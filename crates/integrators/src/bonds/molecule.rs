@@ -32,6 +32,14 @@ pub enum NoSolution {
     NotConverged(u32, f64, f64),
 }
 
+impl NoSolution {
+    /// The error for bond `c`, which has the vector `d` before the drift and `s` after it.
+    pub fn turned(c: usize, d: DVec3, s: DVec3) -> Self {
+        let along = d.normalize_or_zero();
+        Self::Turned(c, (s - s.dot(along) * along).length())
+    }
+}
+
 impl MovedMolecule<'_> {
     /// The largest | |d|/r − 1 |.
     pub fn residual(&self) -> f64 {
@@ -50,8 +58,7 @@ impl MovedMolecule<'_> {
 
     /// The error for bond `c`, which has the vector `s` after the drift.
     pub fn turned(&self, c: usize, s: DVec3) -> NoSolution {
-        let along = self.before[c].normalize_or_zero();
-        NoSolution::Turned(c, (s - s.dot(along) * along).length())
+        NoSolution::turned(c, self.before[c], s)
     }
 }
 

@@ -8,6 +8,7 @@ mod conformance;
 mod fire;
 mod force_terms;
 mod implicit_and_constrained;
+mod many_chains;
 mod messages;
 mod refusals;
 mod shapes;
