@@ -90,6 +90,16 @@ impl SceneError {
         }
     }
 
+    /// Without a place, where that is one of these overrides: the program added them, and nobody typed them.
+    pub(crate) fn not_typed(mut self, added: &[(String, String)]) -> Self {
+        let is_added = |text: &str| added.iter().any(|(k, v)| format!("{k}={v}") == text);
+        self.0.place = self
+            .0
+            .place
+            .filter(|place| !matches!(place, Place::Override(text) if is_added(text)));
+        self
+    }
+
     /// The override, as typed, where the trouble came from one.
     #[must_use]
     pub fn overridden_by(&self) -> Option<&str> {

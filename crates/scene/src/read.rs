@@ -32,8 +32,8 @@ impl Scene {
     /// As [`Scene::load`].
     pub fn load_freed(path: &Path, overrides: &[(String, String)]) -> Result<Self, SceneError> {
         let usual = accuracy::usual_overrides();
-        let overrides: Vec<_> = usual.into_iter().chain(overrides.iter().cloned()).collect();
-        Self::load_after(path, &overrides, accuracy::free)
+        let all: Vec<_> = usual.iter().chain(overrides).cloned().collect();
+        Self::load_after(path, &all, accuracy::free).map_err(|error| error.not_typed(&usual))
     }
 
     /// Reads a scene file, with a change to what stands there before overrides are written over it.

@@ -71,6 +71,20 @@ fn a_scene_with_settings_can_be_freed_of_them() {
     assert_eq!(settled.kernel.precision, Precision::Mixed);
 }
 
+#[test]
+fn an_accuracy_that_nobody_typed_is_named_as_no_override() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cold.toml");
+    let text = ASKING.lines().skip(1).collect::<Vec<_>>().join("\n");
+    std::fs::write(&path, text.replace("thermostat = \"bussi\"\n", "")).unwrap();
+    let cold = ("system.temperature".to_owned(), "0".to_owned());
+    let message = Scene::load_freed(&path, &[cold]).unwrap_err().to_string();
+    assert!(
+        message.contains("cold.toml: `accuracy` has no state"),
+        "{message}"
+    );
+}
+
 fn judged() -> Vec<Judged> {
     vec![Judged {
         quantity: "potential_energy".into(),
