@@ -50,14 +50,20 @@ fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
     let compared = compare(run);
     let record = &run.record;
     let particles = lennard_report::particles(compared.atoms as usize, compared.molecules as usize);
+    let is_fluid = !compared.is_of_few_bodies();
+    let state = match is_fluid {
+        true => format!(
+            ": {} at ρ = {:.4}, {} = {:.4}",
+            compared.state.words,
+            compared.state.density,
+            compared.state.temperature_words(),
+            compared.state.temperature,
+        ),
+        false => String::new(),
+    };
     let lead = format!(
-        "{particles}, {}: {} at ρ = {:.4}, {} = {:.4}. {} Reduced units throughout (ε = σ = m = k_B = 1).",
-        compared.model,
-        compared.state.words,
-        compared.state.density,
-        compared.state.temperature_words(),
-        compared.state.temperature,
-        compared.headline,
+        "{particles}, {}{state}. {} Reduced units throughout (ε = σ = m = k_B = 1).",
+        compared.model, compared.headline,
     );
     let drawn = |(title, text, figures): (&str, &str, Vec<Picture>)| {
         let section = Section::new(title).text(text);
@@ -78,7 +84,15 @@ fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
             figures::TIME_SERIES,
             figures::time_series(run),
         ),
-        ("Error bars", figures::ERROR_BARS, figures::blocking(run)),
+        (
+            "Error bars",
+            figures::ERROR_BARS,
+            if is_fluid {
+                figures::blocking(run)
+            } else {
+                Vec::new()
+            },
+        ),
         ("Interface", figures::INTERFACE, figures::interface(run)),
         ("Structure", figures::STRUCTURE, figures::structure(run)),
         (
@@ -88,19 +102,24 @@ fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
         ),
     ];
     let mut sections: Vec<Section> = at_a_glance.into_iter().filter_map(drawn).collect();
-    sections.push(
-        Section::new("Beside the literature")
-            .table(tables::comparison(&compared))
-            .list(tables::sources(&compared)),
-    );
-    sections.push(tables::state_card(&compared));
+    // Means over few bodies are no properties of a fluid, and nothing is said of their errors.
+    if is_fluid {
+        sections.push(
+            Section::new("Beside the literature")
+                .table(tables::comparison(&compared))
+                .list(tables::sources(&compared)),
+        );
+        sections.push(tables::state_card(&compared));
+    }
     sections.extend(figures.into_iter().filter_map(drawn));
     sections.push(
         Section::new("What was run, and what was left out")
             .table(tables::stages(run))
             .list(tables::left_out(run)),
     );
-    sections.push(Section::new("Averages").table(tables::averages(&compared, record)));
+    if is_fluid {
+        sections.push(Section::new("Averages").table(tables::averages(&compared, record)));
+    }
     sections.push(Section::new("Performance").table(tables::performance(record)));
     if !record.remarks.is_empty() {
         sections.push(Section::new("Remarks").list(record.remarks.clone()));

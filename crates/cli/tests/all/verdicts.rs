@@ -243,6 +243,17 @@ fn a_run_of_few_bodies_ends_with_its_last_state() {
     );
     assert!(said.contains("last state: out/final.xyz"), "{said}");
     assert!(!said.contains("too short"), "{said}");
+    // The page has the picture of the bodies, and no table of their means.
+    let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
+    assert!(page.contains("So few bodies") && page.contains("Particles"));
+    for absent in [
+        "Beside the literature",
+        "State card",
+        "too short",
+        "<h2>Averages",
+    ] {
+        assert!(!page.contains(absent), "{absent}");
+    }
     let stack = ["run", "mechanics/stack", "--out", "stack", "--quiet"];
     assert!(lennard_in(folder.path(), &stack).status.success());
     let compared = lennard_in(folder.path(), &["compare", "stack"]).stdout;
