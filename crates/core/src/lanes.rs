@@ -5,7 +5,7 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
-pub use pulp::{Simd, WithSimd};
+pub use pulp::{Scalar, Simd, WithSimd};
 
 use crate::DVec3;
 
@@ -17,11 +17,11 @@ pub fn in_lanes<W: WithSimd>(work: W) -> W::Output {
     pulp::Arch::new().dispatch(work)
 }
 
-/// One number in each lane.
+/// A register: one number in each lane.
 #[derive(Debug, Clone, Copy)]
-pub struct Lane<S: Simd>(S, S::f64s);
+pub struct Register<S: Simd>(S, S::f64s);
 
-impl<S: Simd> Lane<S> {
+impl<S: Simd> Register<S> {
     /// How many lanes there are.
     pub const LANES: usize = {
         assert!(S::F64_LANES <= MOST_LANES);
@@ -96,7 +96,7 @@ impl<S: Simd> Lane<S> {
 /// A binary operation, rounded once in each lane.
 macro_rules! in_each_lane {
     ($($operator:ident $name:ident $on_registers:ident,)*) => {$(
-        impl<S: Simd> $operator for Lane<S> {
+        impl<S: Simd> $operator for Register<S> {
             type Output = Self;
 
             #[inline(always)]
@@ -114,21 +114,25 @@ in_each_lane! {
     Div div div_f64s,
 }
 
-/// One vector in each lane.
+/// One vector in each lane, in three registers.
 #[derive(Debug, Clone, Copy)]
-pub struct LaneVector<S: Simd>([Lane<S>; 3]);
+pub struct RegisterVector<S: Simd>([Register<S>; 3]);
 
-impl<S: Simd> LaneVector<S> {
+impl<S: Simd> RegisterVector<S> {
     /// The same vector in all lanes.
     #[inline(always)]
     pub fn all(simd: S, vector: DVec3) -> Self {
         let DVec3 { x, y, z } = vector;
-        Self([Lane::all(simd, x), Lane::all(simd, y), Lane::all(simd, z)])
+        Self([
+            Register::all(simd, x),
+            Register::all(simd, y),
+            Register::all(simd, z),
+        ])
     }
 
     /// a·b in each lane.
     #[inline(always)]
-    pub fn dot(self, other: Self) -> Lane<S> {
+    pub fn dot(self, other: Self) -> Register<S> {
         let ([x, y, z], [a, b, c]) = (self.0, other.0);
         x * a + y * b + z * c
     }
@@ -139,7 +143,7 @@ impl<S: Simd> LaneVector<S> {
     }
 }
 
-impl<S: Simd> Add for LaneVector<S> {
+impl<S: Simd> Add for RegisterVector<S> {
     type Output = Self;
 
     #[inline(always)]
@@ -149,7 +153,7 @@ impl<S: Simd> Add for LaneVector<S> {
     }
 }
 
-impl<S: Simd> Sub for LaneVector<S> {
+impl<S: Simd> Sub for RegisterVector<S> {
     type Output = Self;
 
     #[inline(always)]
@@ -159,13 +163,13 @@ impl<S: Simd> Sub for LaneVector<S> {
     }
 }
 
-impl<S: Simd> Mul<LaneVector<S>> for Lane<S> {
-    type Output = LaneVector<S>;
+impl<S: Simd> Mul<RegisterVector<S>> for Register<S> {
+    type Output = RegisterVector<S>;
 
     #[inline(always)]
-    fn mul(self, vector: LaneVector<S>) -> LaneVector<S> {
+    fn mul(self, vector: RegisterVector<S>) -> RegisterVector<S> {
         let [x, y, z] = vector.0;
-        LaneVector([self * x, self * y, self * z])
+        RegisterVector([self * x, self * y, self * z])
     }
 }
 
@@ -182,7 +186,7 @@ impl Block {
     #[inline(always)]
     #[must_use]
     pub fn size<S: Simd>(sites: usize) -> usize {
-        Lane::<S>::LANES * sites
+        Register::<S>::LANES * sites
     }
 
     /// The molecules of a slice of `n_sites` sites, at least one molecule and no more than there are lanes.
@@ -206,25 +210,25 @@ impl Block {
 
     /// The vectors of site `k` of each molecule.
     #[inline(always)]
-    pub fn gather<S: Simd>(&self, simd: S, from: &[DVec3], k: usize) -> LaneVector<S> {
+    pub fn gather<S: Simd>(&self, simd: S, from: &[DVec3], k: usize) -> RegisterVector<S> {
         let [mut x, mut y, mut z] = [[0.0; MOST_LANES]; 3];
-        for lane in 0..Lane::<S>::LANES {
+        for lane in 0..Register::<S>::LANES {
             let vector = from[self.site(lane, k)];
             (x[lane], y[lane], z[lane]) = (vector.x, vector.y, vector.z);
         }
-        LaneVector([
-            Lane::of_array(simd, &x),
-            Lane::of_array(simd, &y),
-            Lane::of_array(simd, &z),
+        RegisterVector([
+            Register::of_array(simd, &x),
+            Register::of_array(simd, &y),
+            Register::of_array(simd, &z),
         ])
     }
 
     /// Writes the vectors of site `k` of each molecule.
     #[inline(always)]
-    pub fn scatter<S: Simd>(&self, vectors: LaneVector<S>, to: &mut [DVec3], k: usize) {
+    pub fn scatter<S: Simd>(&self, vectors: RegisterVector<S>, to: &mut [DVec3], k: usize) {
         let [x, y, z] = vectors.0;
         let (x, y, z) = (x.numbers(), y.numbers(), z.numbers());
-        for lane in 0..Lane::<S>::LANES {
+        for lane in 0..Register::<S>::LANES {
             to[self.site(lane, k)] = DVec3::new(x[lane], y[lane], z[lane]);
         }
     }
@@ -234,6 +238,10 @@ impl Block {
 mod tests {
     use super::*;
 
+    fn site(k: f64) -> DVec3 {
+        DVec3::new(0.1 + k, 1.0 / (1.0 + k), -0.37 * k - 3.0)
+    }
+
     /// What a sum of all operations gives for the sites of `molecules` molecules of two sites.
     struct Sum(usize);
 
@@ -241,15 +249,15 @@ mod tests {
         type Output = Vec<DVec3>;
 
         fn with_simd<S: Simd>(self, simd: S) -> Vec<DVec3> {
-            let site = |k: usize| DVec3::new(0.1 + k as f64, 1.0 / (1.0 + k as f64), -3.0);
-            let mut sites: Vec<DVec3> = (0..2 * self.0).map(site).collect();
+            let mut sites: Vec<DVec3> = (0..2 * self.0).map(|k| site(k as f64)).collect();
             for sites in sites.chunks_mut(Block::size::<S>(2)) {
                 let block = Block::new(sites.len(), 2);
                 let (a, b) = (block.gather(simd, sites, 0), block.gather(simd, sites, 1));
-                let three = Lane::all(simd, 3.0);
-                let root = a.dot(b).abs().sqrt().max(Lane::all(simd, 2.0)) / three;
+                let three = Register::all(simd, 3.0);
+                let dot = a.dot(b);
+                let root = dot.abs().sqrt().max(Register::all(simd, 2.0)) / three;
                 let chosen = root.choose_up_to(three, root, three);
-                block.scatter(chosen * (a - b) + a, sites, 1);
+                block.scatter(chosen * (a - b) + dot * a, sites, 1);
             }
             sites
         }
@@ -261,13 +269,14 @@ mod tests {
     fn lanes_have_the_bits_of_numbers_one_by_one() {
         for molecules in 1..20 {
             let found = in_lanes(Sum(molecules));
-            assert_eq!(found, Sum(molecules).with_simd(pulp::Scalar));
+            assert_eq!(found, Sum(molecules).with_simd(Scalar));
             for pair in found.chunks_exact(2) {
                 let a = pair[0];
-                let k = a.x - 0.1;
-                let b = DVec3::new(0.1 + (k + 1.0), 1.0 / (1.0 + (k + 1.0)), -3.0);
-                let root = (a.dot(b).abs().sqrt().max(2.0) / 3.0).min(3.0);
-                assert!((pair[1] - (root * (a - b) + a)).length() < 1e-12);
+                let b = site((a.x - 0.1).round() + 1.0);
+                let dot = a.dot(b);
+                let root = (dot.abs().sqrt().max(2.0) / 3.0).min(3.0);
+                let wanted = root * (a - b) + dot * a;
+                assert!((pair[1] - wanted).length() < 1e-12 * (1.0 + wanted.length()));
             }
         }
     }
@@ -278,9 +287,9 @@ mod tests {
         type Output = [f64; 2];
 
         fn with_simd<S: Simd>(self, simd: S) -> [f64; 2] {
-            let [none, zero, one] = [f64::NAN, 0.0, 1.0].map(|number| Lane::all(simd, number));
+            let [none, zero, one] = [f64::NAN, 0.0, 1.0].map(|number| Register::all(simd, number));
             let chosen = [none, zero].map(|number| number.choose_up_to(one, zero, one));
-            chosen.map(Lane::largest)
+            chosen.map(Register::largest)
         }
     }
 

@@ -9,14 +9,14 @@
 //! v_k ← v_k + (λ_k·d_k − λ_k−1·d_k−1)/m_k
 //! ```
 
-use crate::lanes::{Block, Lane, LaneVector, Simd, WithSimd};
+use crate::lanes::{Block, Register, RegisterVector, Simd, WithSimd};
 use crate::{DVec3, Masses};
 
 /// 1/m of sites, in the lanes of their molecules.
 #[derive(Debug, Clone, Copy)]
 pub struct InverseMasses<'a, S: Simd> {
     simd: S,
-    uniform: Lane<S>,
+    uniform: Register<S>,
     each: Option<&'a [f64]>,
 }
 
@@ -30,17 +30,17 @@ impl<'a, S: Simd> InverseMasses<'a, S> {
         };
         Self {
             simd,
-            uniform: Lane::all(simd, uniform),
+            uniform: Register::all(simd, uniform),
             each,
         }
     }
 
     /// 1/m of site `k` of each molecule of a block whose first site is particle `first`.
     #[inline(always)]
-    pub fn of(&self, block: &Block, first: usize, k: usize) -> Lane<S> {
+    pub fn of(&self, block: &Block, first: usize, k: usize) -> Register<S> {
         match self.each {
             None => self.uniform,
-            Some(m) => Lane::each(self.simd, |lane| 1.0 / m[first + block.site(lane, k)]),
+            Some(m) => Register::each(self.simd, |lane| 1.0 / m[first + block.site(lane, k)]),
         }
     }
 }
@@ -64,11 +64,11 @@ pub(super) struct Project<'a, B> {
 /// What the way back needs of a bond c: d_c, −A_c,c−1·p_c−1, p_c, y_c, and 1/m of site c + 1.
 #[derive(Clone, Copy)]
 struct Row<S: Simd> {
-    d: LaneVector<S>,
-    factor: Lane<S>,
-    inverse_pivot: Lane<S>,
-    right: Lane<S>,
-    inverse_mass: Lane<S>,
+    d: RegisterVector<S>,
+    factor: Register<S>,
+    inverse_pivot: Register<S>,
+    right: Register<S>,
+    inverse_mass: Register<S>,
 }
 
 impl<B: Fn(usize, &mut [DVec3])> WithSimd for Project<'_, B> {
@@ -77,9 +77,9 @@ impl<B: Fn(usize, &mut [DVec3])> WithSimd for Project<'_, B> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let sites = self.sites;
-        let zero = Lane::all(simd, 0.0);
-        let one = Lane::all(simd, 1.0);
-        let nowhere = LaneVector::all(simd, DVec3::ZERO);
+        let zero = Register::all(simd, 0.0);
+        let one = Register::all(simd, 1.0);
+        let nowhere = RegisterVector::all(simd, DVec3::ZERO);
         let none = Row {
             d: nowhere,
             factor: zero,
@@ -134,6 +134,47 @@ impl<B: Fn(usize, &mut [DVec3])> WithSimd for Project<'_, B> {
             let after = block.gather(simd, v, 0) + first_mass * impulse;
             block.scatter(after, v, 0);
             first += x.len();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::{Scalar, in_lanes};
+    use crate::rigid::kick;
+
+    /// The velocity stage has the bits of numbers one by one, as where there is no AVX2. The last register is not full.
+    #[test]
+    fn chains_have_the_same_bits_in_registers_and_one_by_one() {
+        for (sites, n) in [(3, 1), (3, 7), (10, 13)] {
+            let sites_of = |shift: f64| -> Vec<DVec3> {
+                let at = |i: usize| shift + 1.7 * i as f64;
+                let site = |i| DVec3::new(at(i).sin(), (0.7 * at(i)).cos(), (1.9 * at(i)).sin());
+                (0..sites * n).map(site).collect()
+            };
+            let (x, v, f) = (sites_of(0.0), sites_of(0.4), sites_of(0.8));
+            let each = (0..sites * n).map(|i| 1.0 + 0.1 * i as f64).collect();
+            for masses in [Masses::Uniform(1.3), Masses::Each(each)] {
+                let after = |one_by_one: bool| {
+                    let mut v = v.clone();
+                    let stage = Project {
+                        before: &|first, v: &mut [DVec3]| kick(&masses, first, v, &f[first..], 0.1),
+                        sites,
+                        masses: &masses,
+                        first: 0,
+                        x: &x,
+                        v: &mut v,
+                    };
+                    match one_by_one {
+                        true => stage.with_simd(Scalar),
+                        false => in_lanes(stage),
+                    }
+                    v.iter().map(|v| v.to_array().map(f64::to_bits)).collect()
+                };
+                let found: Vec<[u64; 3]> = after(false);
+                assert_eq!(found, after(true), "{n} chains of {sites} sites");
+            }
         }
     }
 }

@@ -12,7 +12,7 @@
 //! Each matrix serves for two iterations, which together are of order three: Shamanskii's method (C. T. Kelley, *Iterative
 //! Methods for Linear and Nonlinear Equations*, SIAM 1995, chapter 5). The second iteration costs no division.
 
-use lennard_core::lanes::{Block, Lane, LaneVector, Simd, WithSimd, in_lanes};
+use lennard_core::lanes::{Block, Register, RegisterVector, Simd, WithSimd, in_lanes};
 use lennard_core::rigid::{self, InverseMasses};
 use lennard_core::{BondSolver, BoundDrift, DVec3, Drifted, Masses, StepError, System, Topology};
 
@@ -46,12 +46,17 @@ impl BondSolver for Chains {
 }
 
 /// Kicks, drifts and corrects the chains of a task.
-struct DriftChains<'a, 'b> {
-    tolerance: f64,
-    topology: &'a Topology,
-    masses: &'a Masses,
-    task: TaskOf<'b>,
-    outcome: &'a mut Outcome,
+pub(super) struct DriftChains<'a, 'b> {
+    /// The largest | |d|/r − 1 | that is left.
+    pub tolerance: f64,
+    /// One chain.
+    pub topology: &'a Topology,
+    /// Masses of all particles.
+    pub masses: &'a Masses,
+    /// The chains.
+    pub task: TaskOf<'b>,
+    /// What it took.
+    pub outcome: &'a mut Outcome,
 }
 
 impl WithSimd for DriftChains<'_, '_> {
@@ -101,31 +106,31 @@ impl WithSimd for DriftChains<'_, '_> {
 #[derive(Clone, Copy)]
 struct Row<S: Simd> {
     /// d_c before the drift.
-    d: LaneVector<S>,
+    d: RegisterVector<S>,
     /// s_c at the iterate.
-    s: LaneVector<S>,
+    s: RegisterVector<S>,
     /// −A_c,c−1·p_c−1.
-    factor: Lane<S>,
+    factor: Register<S>,
     /// −A_c−1,c.
-    above: Lane<S>,
+    above: Register<S>,
     /// p_c.
-    inverse_pivot: Lane<S>,
+    inverse_pivot: Register<S>,
     /// ½(r² − |s|²), and y_c after the way forward.
-    right: Lane<S>,
+    right: Register<S>,
     /// Λ_c.
-    multiplier: Lane<S>,
+    multiplier: Register<S>,
     /// 1/m of site c + 1.
-    inverse_mass: Lane<S>,
+    inverse_mass: Register<S>,
     /// r².
-    square: Lane<S>,
+    square: Register<S>,
     /// 1/r².
-    inverse_square: Lane<S>,
+    inverse_square: Register<S>,
 }
 
 impl<S: Simd> Row<S> {
     /// Moves the bond vector; returns ½·| |s|²/r² − 1 |.
     #[inline(always)]
-    fn moved_by(&mut self, by: LaneVector<S>, half: Lane<S>) -> Lane<S> {
+    fn moved_by(&mut self, by: RegisterVector<S>, half: Register<S>) -> Register<S> {
         self.s = self.s + by;
         self.right = half * (self.square - self.s.dot(self.s));
         self.inverse_square * self.right.abs()
@@ -137,17 +142,17 @@ struct ChainsInLanes<S: Simd> {
     simd: S,
     tolerance: f64,
     /// What ½·| |d|²/r² − 1 | may be.
-    limit: Lane<S>,
+    limit: Register<S>,
     /// 1/m of the first site.
-    first_mass: Lane<S>,
+    first_mass: Register<S>,
     rows: Vec<Row<S>>,
 }
 
 impl<S: Simd> ChainsInLanes<S> {
     #[inline(always)]
     fn new(simd: S, topology: &Topology, tolerance: f64) -> Self {
-        let nowhere = LaneVector::all(simd, DVec3::ZERO);
-        let zero = Lane::all(simd, 0.0);
+        let nowhere = RegisterVector::all(simd, DVec3::ZERO);
+        let zero = Register::all(simd, 0.0);
         let row = |length: f64| Row {
             d: nowhere,
             s: nowhere,
@@ -157,14 +162,14 @@ impl<S: Simd> ChainsInLanes<S> {
             right: zero,
             multiplier: zero,
             inverse_mass: zero,
-            square: Lane::all(simd, length * length),
-            inverse_square: Lane::all(simd, 1.0 / (length * length)),
+            square: Register::all(simd, length * length),
+            inverse_square: Register::all(simd, 1.0 / (length * length)),
         };
         Self {
             simd,
             tolerance,
             // With |d|/r = 1 − δ it is δ·(1 − δ/2): no bond with δ above the tolerance is within the limit.
-            limit: Lane::all(simd, tolerance * (1.0 - 0.5 * tolerance)),
+            limit: Register::all(simd, tolerance * (1.0 - 0.5 * tolerance)),
             first_mass: zero,
             rows: topology
                 .bonds()
@@ -175,8 +180,8 @@ impl<S: Simd> ChainsInLanes<S> {
     }
 
     #[inline(always)]
-    fn all(&self, number: f64) -> Lane<S> {
-        Lane::all(self.simd, number)
+    fn all(&self, number: f64) -> Register<S> {
+        Register::all(self.simd, number)
     }
 
     /// The bonds before the drift and after it.
@@ -231,9 +236,9 @@ impl<S: Simd> ChainsInLanes<S> {
     ///
     /// Chains whose residual `off` is within the limit stay as they are, whatever their neighbors need.
     #[inline(always)]
-    fn factor(&mut self, off: Lane<S>) -> Lane<S> {
+    fn factor(&mut self, off: Register<S>) -> Register<S> {
         let (zero, one, least) = (self.all(0.0), self.all(1.0), self.all(f64::MIN_POSITIVE));
-        let nowhere = LaneVector::all(self.simd, DVec3::ZERO);
+        let nowhere = RegisterVector::all(self.simd, DVec3::ZERO);
         let (mut d, mut s) = (nowhere, nowhere);
         let (mut inverse_pivot, mut right, mut fine) = (zero, zero, one);
         let mut inverse_mass = self.first_mass;
@@ -256,7 +261,7 @@ impl<S: Simd> ChainsInLanes<S> {
 
     /// Goes forward with the factors of the iteration before.
     #[inline(always)]
-    fn forward(&mut self, off: Lane<S>) {
+    fn forward(&mut self, off: Register<S>) {
         let zero = self.all(0.0);
         let mut right = zero;
         for row in &mut self.rows {
@@ -267,9 +272,9 @@ impl<S: Simd> ChainsInLanes<S> {
 
     /// Goes backward, moves the bonds, and returns the largest ½·| |s|²/r² − 1 |.
     #[inline(always)]
-    fn backward(&mut self) -> Lane<S> {
+    fn backward(&mut self) -> Register<S> {
         let (zero, half) = (self.all(0.0), self.all(0.5));
-        let nowhere = LaneVector::all(self.simd, DVec3::ZERO);
+        let nowhere = RegisterVector::all(self.simd, DVec3::ZERO);
         let (mut worst, mut sum) = (zero, zero);
         // f_c+1 and g_c+2 of the bond and of the site behind.
         let (mut f, mut g) = (nowhere, nowhere);
@@ -300,7 +305,7 @@ impl<S: Simd> ChainsInLanes<S> {
     fn finish(&self, block: &Block, x: &mut [DVec3], v: &mut [DVec3], h: f64) -> f64 {
         let (simd, zero, half, one) = (self.simd, self.all(0.0), self.all(0.5), self.all(1.0));
         let (rate, h) = (self.all(1.0 / h), self.all(h));
-        let nowhere = LaneVector::all(simd, DVec3::ZERO);
+        let nowhere = RegisterVector::all(simd, DVec3::ZERO);
         let (mut f, mut x_before) = (nowhere, nowhere);
         let (mut inverse_mass, mut inverse_square) = (self.first_mass, zero);
         let mut worst = zero;
@@ -329,8 +334,8 @@ impl<S: Simd> ChainsInLanes<S> {
 
     /// For each lane with a pivot that is not positive: the bond, and its part across its old direction.
     #[cold]
-    fn turned(&self, fine: Lane<S>) -> Vec<(usize, NoSolution)> {
-        let lanes = (0..Lane::<S>::LANES).filter(|lane| fine.numbers()[*lane] == 0.0);
+    fn turned(&self, fine: Register<S>) -> Vec<(usize, NoSolution)> {
+        let lanes = (0..Register::<S>::LANES).filter(|lane| fine.numbers()[*lane] == 0.0);
         lanes
             .map(|lane| {
                 let is_fine = |row: &Row<S>| 1.0 / row.inverse_pivot.numbers()[lane] > 0.0;
@@ -343,8 +348,12 @@ impl<S: Simd> ChainsInLanes<S> {
 
     /// The lanes whose residual is above the limit.
     #[cold]
-    fn not_converged(&self, off: Lane<S>) -> Vec<(usize, NoSolution)> {
-        let found = off.numbers().into_iter().take(Lane::<S>::LANES).enumerate();
+    fn not_converged(&self, off: Register<S>) -> Vec<(usize, NoSolution)> {
+        let found = off
+            .numbers()
+            .into_iter()
+            .take(Register::<S>::LANES)
+            .enumerate();
         let limit = self.limit.numbers()[0];
         found
             .filter(|(_, off)| off.is_nan() || *off > limit)

@@ -1,6 +1,6 @@
 //! The closed form for dumbbells: kick, drift and correction in one pass, several molecules at a time.
 
-use lennard_core::lanes::{Block, Lane, Simd, WithSimd, in_lanes};
+use lennard_core::lanes::{Block, Register, Simd, WithSimd, in_lanes};
 use lennard_core::rigid::{self, InverseMasses};
 use lennard_core::{BondSolver, BoundDrift, Drifted, Masses, StepError, System};
 
@@ -28,11 +28,15 @@ impl BondSolver for Dumbbells {
 }
 
 /// Kicks, drifts and corrects the dumbbells of a task.
-struct DriftDumbbells<'a, 'b> {
-    length: f64,
-    masses: &'a Masses,
-    task: TaskOf<'b>,
-    outcome: &'a mut Outcome,
+pub(super) struct DriftDumbbells<'a, 'b> {
+    /// The length of the bond, σ.
+    pub length: f64,
+    /// Masses of all particles.
+    pub masses: &'a Masses,
+    /// The dumbbells.
+    pub task: TaskOf<'b>,
+    /// What it took.
+    pub outcome: &'a mut Outcome,
 }
 
 impl WithSimd for DriftDumbbells<'_, '_> {
@@ -43,10 +47,11 @@ impl WithSimd for DriftDumbbells<'_, '_> {
         let task = self.task;
         let inverse_masses = InverseMasses::new(simd, self.masses);
         let square = self.length * self.length;
-        let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| Lane::all(simd, number));
-        let [square, inverse_square] = [square, 1.0 / square].map(|number| Lane::all(simd, number));
-        let [h, rate] = [task.h, 1.0 / task.h].map(|number| Lane::all(simd, number));
-        let least = Lane::all(simd, f64::MIN_POSITIVE);
+        let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| Register::all(simd, number));
+        let [square, inverse_square] =
+            [square, 1.0 / square].map(|number| Register::all(simd, number));
+        let [h, rate] = [task.h, 1.0 / task.h].map(|number| Register::all(simd, number));
+        let least = Register::all(simd, f64::MIN_POSITIVE);
         let mut worst = zero;
         let mut molecule = task.first_molecule;
         let size = Block::size::<S>(2);

@@ -12,6 +12,8 @@ mod molecule;
 pub mod relaxation;
 pub mod spook;
 pub mod spring;
+#[cfg(test)]
+mod tests;
 
 use lennard_core::options::{Keys, OptionError, Options};
 use lennard_core::{BondSolver, Bonds, ForceTerm, Molecules, Topology};

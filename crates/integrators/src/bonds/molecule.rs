@@ -146,7 +146,11 @@ impl Outcome {
         }
     }
 
-    fn finish(self, topology: &Topology) -> Result<Drifted, StepError> {
+    /// What all molecules took, or why the first that failed did.
+    ///
+    /// # Errors
+    /// [`StepError`] where a molecule has no solution.
+    pub fn finish(self, topology: &Topology) -> Result<Drifted, StepError> {
         match self.failed {
             None => Ok(self.solved),
             Some((m, NoSolution::Turned(bond, found))) => Err(StepError::BondTurned {
