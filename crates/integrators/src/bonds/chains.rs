@@ -232,9 +232,9 @@ impl<S: Simd> ChainsInLanes<S> {
         Err(self.not_converged(off))
     }
 
-    /// Factors the matrix at the iterate and goes forward; returns 0 in lanes with a pivot that is not positive, else 1.
+    /// Factors the matrix at the iterate and goes forward; returns 0 in lanes that fail by a pivot that is not positive, else 1.
     ///
-    /// Chains whose residual `off` is within the limit stay as they are, whatever their neighbors need.
+    /// Chains whose residual `off` is within the limit stay as they are, whatever their neighbors need, and whatever their pivots.
     #[inline(always)]
     fn factor(&mut self, off: Register<S>) -> Register<S> {
         let (zero, one, least) = (self.all(0.0), self.all(1.0), self.all(f64::MIN_POSITIVE));
@@ -256,7 +256,7 @@ impl<S: Simd> ChainsInLanes<S> {
                 (factor, above, inverse_pivot, right);
             (d, s, inverse_mass) = (row.d, row.s, row.inverse_mass);
         }
-        fine
+        off.choose_up_to(self.limit, one, fine)
     }
 
     /// Goes forward with the factors of the iteration before.
