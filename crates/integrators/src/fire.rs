@@ -6,6 +6,7 @@ use lennard_core::{Backend, Configuration, DVec3, ForceError, Part, PeriodicBox,
 use serde::{Deserialize, Serialize};
 
 use crate::krylov::dot;
+
 /// When to stop, and how far a step may go.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]

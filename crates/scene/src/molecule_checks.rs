@@ -51,13 +51,16 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     }
     between_walls(scene, molecule)?;
     under_barostats(scene, molecule)?;
-    if let (true, Some(method)) = (scene.accuracy.is_some(), molecule.bonds.spec().integrator) {
+    if scene.accuracy.is_some() && molecule.bonds.spec().integrator.is_some() {
         return Err(source
             .refuse(
                 "accuracy",
                 "does not go with bonds that are solved for in a step of their own",
             )
-            .found(format!("`[accuracy]` and [bonds] method = {method:?}"))
+            .found(format!(
+                "`[accuracy]` and [bonds] method = {:?}",
+                molecule.bonds.name()
+            ))
             .allowed("another way to hold bonds, or settings of your own"));
     }
     molecule.bonds.check_for(&molecule.topology).map_err(|e| {
