@@ -181,8 +181,8 @@ impl PhysicsFailure {
                 .into();
         }
         if let Symptom::Method(StepError::ContactsNotConverged { .. }) = self.symptom {
-            return "so many bodies that touch each other are too many for sweeps from rest: take `contact.compliance` above 0, \
-                    or say with `contact.sweeps` how many are enough"
+            return "sweeps settle slowly where so many bodies touch each other: at rest take `contact.compliance` above 0; \
+                    in impacts, which are rigid, say with `contact.sweeps` how many are enough"
                 .into();
         }
         if let Symptom::NonFinite(ForceError::BeyondWall { .. }) = self.symptom {
