@@ -1,18 +1,14 @@
 //! Running the points: errors side by side, then costs one after the other.
 
-use std::sync::Mutex;
-use std::sync::atomic::Ordering;
-
-use lennard_core::stopwatch::{in_turn, shuffled};
 use lennard_forcefield::{ListMode, Precision, TruncationKind};
 use lennard_scene::Scene;
 
 use super::grid::{COMMON_STEPS, Grid, Size, grid};
 use super::point::{ChartedPoint, Errors, Outcome};
 use super::store::Store;
-use super::{Chart, ChartError, ChartOptions, Plan, SCHEMA, panels, peers};
-use crate::jobs::{pool, side_by_side_on};
-use crate::lab::{Failed, Workbench, modelled_work};
+use super::workshop::Workshop;
+use super::{Chart, ChartError, ChartOptions, Plan, SCHEMA, bounded, panels, peers};
+use crate::lab::{Workbench, modelled_work};
 use crate::settings::{Settings, truncation_is_free};
 use crate::{Progress, StudyError};
 
@@ -44,13 +40,6 @@ pub(super) fn all(
     let tightest = with_tightest(&mut grid, &bench)?;
     let plan = plan(&bench, &grid, tightest, options);
     store.begin(scene, &plan)?;
-    let points: Vec<Mutex<ChartedPoint>> = grid
-        .settings
-        .iter()
-        .enumerate()
-        .map(|(i, settings)| ChartedPoint::new(i + 1, settings.clone()))
-        .map(|fresh| Mutex::new(store.load(&fresh).unwrap_or(fresh)))
-        .collect();
     let slopes = bench.slopes(&grid.settings[tightest], plan.time)?;
     let untruncated = if truncation_is_free(scene) {
         Some(bench.untruncated()?)
@@ -58,43 +47,34 @@ pub(super) fn all(
         None
     };
 
-    let waiting: Vec<usize> = shuffled(points.len(), scene.system.seed, usize::MAX)
-        .into_iter()
-        .filter(|i| get(&points[*i]).errors.is_none())
-        .collect();
-    let measured: Vec<Result<(), ChartError>> = side_by_side_on(
-        options.workers,
-        &waiting,
-        |i| {
-            if options.stop.load(Ordering::Relaxed) {
-                return Ok(());
+    let fresh = grid.settings.iter().enumerate();
+    let fresh = fresh.map(|(i, settings)| ChartedPoint::new(i + 1, settings.clone()));
+    let workshop = Workshop::new(fresh, scene, &store, options, &plan, ERRORS_SHARE);
+    workshop.measure("measuring errors", progress, |point| {
+        let time = if point.number == tightest + 1 {
+            plan.tight_time
+        } else {
+            plan.time
+        };
+        point.errors = Some(errors(&bench, &point.settings, time, &plan, &slopes)?);
+        Ok(())
+    })?;
+    workshop.time(progress, |point| {
+        match Outcome::of(bench.timing(&point.settings, plan.timing_seconds))? {
+            Outcome::Found(timing) => {
+                if point.pair_forces_per_atom_tau.is_none() {
+                    let evaluations = timing.evaluations_per_tau;
+                    point.pair_forces_per_atom_tau =
+                        Some(bench.pair_forces(&point.settings, evaluations)?);
+                }
+                point.timings.push(timing);
             }
-            let mut point = get(&points[*i]);
-            let time = if *i == tightest {
-                plan.tight_time
-            } else {
-                plan.time
-            };
-            point.errors = Some(errors(&bench, &point.settings, time, &plan, &slopes)?);
-            store.save(&point)?;
-            set(&points[*i], point);
-            Ok(())
-        },
-        |share| progress.update("measuring errors", ERRORS_SHARE * share),
-    );
-    measured.into_iter().collect::<Result<Vec<()>, _>>()?;
-    time_all(&bench, &points, &plan, &store, options, progress)?;
+            Outcome::Failed(failed) => point.not_timed = Some(failed),
+        }
+        Ok(())
+    })?;
 
-    let mut points: Vec<ChartedPoint> = points
-        .into_iter()
-        .map(|p| {
-            p.into_inner()
-                .unwrap_or_else(std::sync::PoisonError::into_inner)
-        })
-        .collect();
-    let finished = points
-        .iter()
-        .all(|p| p.errors.is_some() && p.is_timed(plan.repeats));
+    let (mut points, finished) = workshop.close();
     let mut remarks = Vec::new();
     if options.with_peers && finished {
         progress.update("other engines", 0.99);
@@ -124,18 +104,6 @@ pub(super) fn all(
         progress.update("done", 1.0);
     }
     Ok(chart)
-}
-
-fn get(slot: &Mutex<ChartedPoint>) -> ChartedPoint {
-    slot.lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner)
-        .clone()
-}
-
-fn set(slot: &Mutex<ChartedPoint>, point: ChartedPoint) {
-    *slot
-        .lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner) = point;
 }
 
 /// Adds the settings by which all others are judged, and gives their place.
@@ -199,11 +167,7 @@ fn plan(bench: &Workbench, grid: &Grid, tightest: usize, options: &ChartOptions<
         Size::Default => (DEFAULT_SECONDS / a_tau, 5, 0.03),
         Size::Full => (FULL_TIME, 5, 0.03),
     };
-    // Longer than the run that the scene plans would tell more than is asked.
-    let scene = bench.scene();
-    let planned = scene.stages.iter().filter(|s| s.measure);
-    let planned: f64 = planned.map(|s| s.steps as f64 * scene.stage_dt(s)).sum();
-    let time = time.clamp(SHORTEST, LONGEST.min(planned).max(SHORTEST));
+    let time = bounded(bench.scene(), time, SHORTEST, LONGEST);
     let unit = COMMON_STEPS * bench.scene().integrator.dt;
     Plan {
         size: options.size,
@@ -229,53 +193,9 @@ fn errors(
 ) -> Result<Errors, StudyError> {
     Ok(Errors {
         forces: bench.force_errors(settings)?,
-        measured: outcome(bench.measure(settings, time, slopes))?,
-        trajectory: outcome(bench.trajectory_error(settings, plan.short_time))?,
-        reversibility: outcome(bench.reversibility(settings, plan.short_time))?,
-    })
-}
-
-/// A run that failed is a result.
-fn outcome<T>(result: Result<T, StudyError>) -> Result<Outcome<T>, StudyError> {
-    match result {
-        Ok(found) => Ok(Outcome::Found(found)),
-        Err(error) => Ok(Outcome::Failed(Failed::from_error(error)?)),
-    }
-}
-
-/// Times what is not timed often enough, one after the other, each round in another order.
-fn time_all(
-    bench: &Workbench,
-    points: &[Mutex<ChartedPoint>],
-    plan: &Plan,
-    store: &Store,
-    options: &ChartOptions<'_>,
-    progress: &mut dyn Progress,
-) -> Result<(), ChartError> {
-    let pool = pool(plan.threads)?;
-    let seed = bench.scene().system.seed;
-    in_turn(points.len(), plan.repeats, seed, |turn| {
-        let slot = &points[turn.item];
-        let mut point = get(slot);
-        if options.stop.load(Ordering::Relaxed) || point.is_timed(turn.round + 1) {
-            return Ok(());
-        }
-        let timing = || outcome(bench.timing(&point.settings, plan.timing_seconds));
-        match pool.install(timing)? {
-            Outcome::Found(timing) => {
-                if point.pair_forces_per_atom_tau.is_none() {
-                    let evaluations = timing.evaluations_per_tau;
-                    point.pair_forces_per_atom_tau =
-                        Some(bench.pair_forces(&point.settings, evaluations)?);
-                }
-                point.timings.push(timing);
-            }
-            Outcome::Failed(failed) => point.not_timed = Some(failed),
-        }
-        store.save(&point)?;
-        set(slot, point);
-        progress.update("timing", ERRORS_SHARE + (1.0 - ERRORS_SHARE) * turn.done);
-        Ok(())
+        measured: Outcome::of(bench.measure(settings, time, slopes))?,
+        trajectory: Outcome::of(bench.trajectory_error(settings, plan.short_time))?,
+        reversibility: Outcome::of(bench.reversibility(settings, plan.short_time))?,
     })
 }
 

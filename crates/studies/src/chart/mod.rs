@@ -15,6 +15,7 @@ mod point;
 mod standings;
 mod store;
 mod tables;
+mod workshop;
 
 pub use grid::{LeftOut, Size};
 pub use page::own_settings;
@@ -108,6 +109,25 @@ pub struct Plan {
     pub cpu: String,
     /// The version of the program.
     pub version: String,
+}
+
+impl Plan {
+    /// What made a chart, for its page.
+    fn provenance(&self, command: &str) -> Vec<(String, String)> {
+        vec![
+            ("Command".into(), format!("`{command}`")),
+            ("Version".into(), self.version.clone()),
+            ("Processor".into(), self.cpu.clone()),
+        ]
+    }
+}
+
+/// A length of the runs of a chart, τ: no shorter than `shortest`, and no longer than `longest` or the run that the scene plans. That
+/// would tell more than is asked.
+fn bounded(scene: &Scene, time: f64, shortest: f64, longest: f64) -> f64 {
+    let measured = scene.stages.iter().filter(|s| s.measure);
+    let planned: f64 = measured.map(|s| s.steps as f64 * scene.stage_dt(s)).sum();
+    time.clamp(shortest, longest.min(planned).max(shortest))
 }
 
 /// A chart: every point with its costs and errors.

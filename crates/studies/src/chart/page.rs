@@ -43,29 +43,27 @@ pub(super) fn page(chart: &Chart, command: &str) -> Page {
         ),
         command: Some(command.to_owned()),
         sections: vec![summary(chart)],
-        provenance: vec![
-            ("Command".into(), format!("`{command}`")),
-            ("Version".into(), plan.version.clone()),
-            ("Processor".into(), plan.cpu.clone()),
-            (
-                "Costs".into(),
-                format!(
-                    "the engine's main loop without observables and output, {}; median and range of {} timings, each round in \
-                     another order",
-                    lennard_report::counted(plan.threads, "thread"),
-                    plan.repeats
-                ),
-            ),
-            (
-                "Errors".into(),
-                format!(
-                    "runs of {} τ, the tightest of {} τ, in an order that is shuffled",
-                    significant(plan.time, 3),
-                    significant(plan.tight_time, 3)
-                ),
-            ),
-        ],
+        provenance: plan.provenance(command),
     };
+    page.provenance.extend([
+        (
+            "Costs".into(),
+            format!(
+                "the engine's main loop without observables and output, {}; median and range of {} timings, each round in \
+                 another order",
+                lennard_report::counted(plan.threads, "thread"),
+                plan.repeats
+            ),
+        ),
+        (
+            "Errors".into(),
+            format!(
+                "runs of {} τ, the tightest of {} τ, in an order that is shuffled",
+                significant(plan.time, 3),
+                significant(plan.tight_time, 3)
+            ),
+        ),
+    ]);
     if !chart.finished {
         page.sections[0].blocks.insert(
             0,

@@ -1,7 +1,9 @@
 //! One point of the chart, as it is stored.
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use crate::StudyError;
 use crate::lab::{Cost, Failed, ForceErrors, Measured, Timing, TrajectoryError};
 use crate::settings::Settings;
 
@@ -16,6 +18,14 @@ pub enum Outcome<T> {
 }
 
 impl<T> Outcome<T> {
+    /// A run that failed is a result; any other error is handed back.
+    pub(super) fn of(result: Result<T, StudyError>) -> Result<Self, StudyError> {
+        match result {
+            Ok(found) => Ok(Self::Found(found)),
+            Err(error) => Ok(Self::Failed(Failed::from_error(error)?)),
+        }
+    }
+
     /// What was found, if anything.
     pub fn found(&self) -> Option<&T> {
         match self {
@@ -23,6 +33,18 @@ impl<T> Outcome<T> {
             Self::Failed(_) => None,
         }
     }
+}
+
+/// A point of any chart: it is stored, measured and timed.
+pub(super) trait Charted: Serialize + DeserializeOwned + Send {
+    /// Its number, from 1.
+    fn number(&self) -> usize;
+    /// Whether a stored point is of the same settings as a fresh one.
+    fn is_of(&self, fresh: &Self) -> bool;
+    /// Whether all is known of it but its costs.
+    fn is_measured(&self) -> bool;
+    /// Whether it has `repeats` timings, or cannot be timed.
+    fn is_timed(&self, repeats: usize) -> bool;
 }
 
 /// All errors of one point.
@@ -86,15 +108,27 @@ impl ChartedPoint {
         Cost::of(&self.timings, self.pair_forces_per_atom_tau?)
     }
 
-    /// Whether the point has `repeats` timings, or cannot be timed.
-    #[must_use]
-    pub fn is_timed(&self, repeats: usize) -> bool {
-        self.not_timed.is_some() || self.timings.len() >= repeats
-    }
-
     /// What the run measured, where it came to its end.
     #[must_use]
     pub fn measured(&self) -> Option<&Measured> {
         self.errors.as_ref()?.measured.found()
+    }
+}
+
+impl Charted for ChartedPoint {
+    fn number(&self) -> usize {
+        self.number
+    }
+
+    fn is_of(&self, fresh: &Self) -> bool {
+        self.settings == fresh.settings
+    }
+
+    fn is_measured(&self) -> bool {
+        self.errors.is_some()
+    }
+
+    fn is_timed(&self, repeats: usize) -> bool {
+        self.not_timed.is_some() || self.timings.len() >= repeats
     }
 }

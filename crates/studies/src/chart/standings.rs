@@ -5,6 +5,7 @@ use lennard_engine::watchdog::rough_stable_dt;
 use lennard_report::significant;
 
 use super::panels::{Mark, Panel};
+use super::point::Charted;
 use super::{Chart, ChartedPoint};
 
 /// Standard errors within which a statistical error counts as known.
@@ -66,7 +67,7 @@ impl Done {
 pub fn done(chart: &Chart) -> Done {
     let count = |is: &dyn Fn(&ChartedPoint) -> bool| chart.points.iter().filter(|p| is(p)).count();
     Done {
-        errors: count(&|p| p.errors.is_some()),
+        errors: count(&|p| p.is_measured()),
         timed: count(&|p| p.is_timed(chart.plan.repeats)),
         of: chart.points.len(),
     }

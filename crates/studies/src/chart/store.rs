@@ -6,7 +6,8 @@ use lennard_scene::Scene;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::{ChartError, ChartedPoint, Plan};
+use super::point::Charted;
+use super::{ChartError, Plan};
 use crate::kept::{SCENE_FILE, same_scene};
 
 /// Folder of the stored points.
@@ -18,24 +19,6 @@ const PLAN_FILE: &str = "plan.toml";
 #[must_use]
 pub fn has_points(folder: &Path) -> bool {
     std::fs::read_dir(folder.join(POINTS)).is_ok_and(|mut points| points.next().is_some())
-}
-
-/// A point that can be stored.
-pub(super) trait Stored: Serialize + DeserializeOwned {
-    /// Its number, from 1.
-    fn number(&self) -> usize;
-    /// Whether a stored point is of the same settings as a fresh one.
-    fn is_of(&self, fresh: &Self) -> bool;
-}
-
-impl Stored for ChartedPoint {
-    fn number(&self) -> usize {
-        self.number
-    }
-
-    fn is_of(&self, fresh: &Self) -> bool {
-        self.settings == fresh.settings
-    }
 }
 
 /// Where points are stored.
@@ -107,13 +90,13 @@ impl Store {
     }
 
     /// The point as it was stored, if it was, and with the same settings.
-    pub(super) fn load<P: Stored>(&self, fresh: &P) -> Option<P> {
+    pub(super) fn load<P: Charted>(&self, fresh: &P) -> Option<P> {
         let stored: P = self.read(&self.file(fresh.number()))?;
         stored.is_of(fresh).then_some(stored)
     }
 
     /// Stores a point as it is.
-    pub(super) fn save(&self, point: &impl Stored) -> Result<(), ChartError> {
+    pub(super) fn save(&self, point: &impl Charted) -> Result<(), ChartError> {
         self.write(&self.file(point.number()), point)
     }
 
@@ -156,6 +139,7 @@ mod tests {
     use lennard_core::stopwatch::Spread;
 
     use super::super::grid::Size;
+    use super::super::point::ChartedPoint;
     use super::*;
     use crate::settings::Settings;
 

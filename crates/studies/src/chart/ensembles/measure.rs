@@ -1,10 +1,7 @@
 //! Running the choices: samples side by side, then costs one after the other.
 
-use std::sync::Mutex;
-use std::sync::atomic::Ordering;
-
 use lennard_core::Want;
-use lennard_core::stopwatch::{in_turn, shuffled, timed};
+use lennard_core::stopwatch::timed;
 use lennard_engine::{measured_stage, take};
 use lennard_integrators::dof_of_centers;
 use lennard_observables::statistics;
@@ -16,9 +13,9 @@ use super::point::{Baths, EnsemblePoint, Sampled};
 use super::reference::reference;
 use super::series::{Volumes, variance};
 use crate::chart::store::Store;
-use crate::chart::{ChartError, ChartOptions, Outcome, Plan, Size};
-use crate::jobs::{pool, side_by_side_on};
-use crate::lab::{Drift, Failed, Start, Value, modelled_work};
+use crate::chart::workshop::Workshop;
+use crate::chart::{ChartError, ChartOptions, Outcome, Plan, Size, bounded};
+use crate::lab::{Drift, Start, Value, modelled_work};
 use crate::settings::Settings;
 use crate::{Progress, StudyError};
 
@@ -58,37 +55,23 @@ pub(super) fn all(
     let Grid { all, left_out } = grid(scene, &own, options.size);
     let plan = plan(scene, &start, &all, options);
     store.begin(scene, &plan)?;
-    let points: Vec<Mutex<EnsemblePoint>> = (all.into_iter().enumerate())
-        .map(|(i, baths)| EnsemblePoint::new(i + 1, baths))
-        .map(|fresh| Mutex::new(store.load(&fresh).unwrap_or(fresh)))
-        .collect();
+    let fresh = all.into_iter().enumerate();
+    let fresh = fresh.map(|(i, baths)| EnsemblePoint::new(i + 1, baths));
+    let workshop = Workshop::new(fresh, scene, &store, options, &plan, SAMPLES_SHARE);
+    workshop.measure("sampling", progress, |point| {
+        point.sampled = Some(Outcome::of(sample(scene, &start, point, plan.time))?);
+        Ok(())
+    })?;
+    let wanted = steps_timed(scene, &start, &plan);
+    workshop.time(progress, |point| {
+        match Outcome::of(timing(scene, &start, &point.baths, wanted))? {
+            Outcome::Found(seconds) => point.timings.push(seconds),
+            Outcome::Failed(failed) => point.not_timed = Some(failed),
+        }
+        Ok(())
+    })?;
 
-    let waiting: Vec<usize> = shuffled(points.len(), scene.system.seed, usize::MAX)
-        .into_iter()
-        .filter(|i| get(&points[*i]).sampled.is_none())
-        .collect();
-    let sampled: Vec<Result<(), ChartError>> = side_by_side_on(
-        options.workers,
-        &waiting,
-        |i| {
-            if options.stop.load(Ordering::Relaxed) {
-                return Ok(());
-            }
-            let mut point = get(&points[*i]);
-            point.sampled = Some(outcome(sample(scene, &start, &point, plan.time))?);
-            store.save(&point)?;
-            *slot(&points[*i]) = point;
-            Ok(())
-        },
-        |share| progress.update("sampling", SAMPLES_SHARE * share),
-    );
-    sampled.into_iter().collect::<Result<Vec<()>, _>>()?;
-    time_all(scene, &start, &points, &plan, &store, options, progress)?;
-
-    let points: Vec<EnsemblePoint> = points.iter().map(get).collect();
-    let finished = points
-        .iter()
-        .all(|p| p.sampled.is_some() && p.is_timed(plan.repeats));
+    let (points, finished) = workshop.close();
     let temperature = measured_stage(scene).temperature;
     let simulation = start.simulation(scene.clone()).map_err(engine)?;
     let units = simulation.system.n_molecules() as f64;
@@ -110,16 +93,6 @@ pub(super) fn all(
     })
 }
 
-fn slot(point: &Mutex<EnsemblePoint>) -> std::sync::MutexGuard<'_, EnsemblePoint> {
-    point
-        .lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner)
-}
-
-fn get(point: &Mutex<EnsemblePoint>) -> EnsemblePoint {
-    slot(point).clone()
-}
-
 /// 1 − n_dof/3N of the centres of mass: by how much of ρT the mean pressure is above P₀.
 fn missing_freedom(simulation: &lennard_engine::Simulation) -> f64 {
     let n = simulation.system.n_molecules() as f64;
@@ -135,11 +108,8 @@ fn plan(scene: &Scene, start: &Start, all: &[Baths], options: &ChartOptions<'_>)
         Size::Default => (DEFAULT_SECONDS, 5),
         Size::Full => (FULL_SECONDS, 5),
     };
-    // Longer than the run that the scene plans would tell more than is asked.
-    let measured = scene.stages.iter().filter(|s| s.measure);
-    let planned: f64 = measured.map(|s| s.steps as f64 * scene.stage_dt(s)).sum();
     let time = seconds / (a_tau * all.len() as f64);
-    let time = time.clamp(SHORTEST, LONGEST.min(planned).max(SHORTEST));
+    let time = bounded(scene, time, SHORTEST, LONGEST);
     Plan {
         size: options.size,
         points: all.len(),
@@ -224,52 +194,22 @@ fn sample(
     })
 }
 
-/// A run that failed is a result.
-fn outcome<T>(result: Result<T, StudyError>) -> Result<Outcome<T>, StudyError> {
-    match result {
-        Ok(found) => Ok(Outcome::Found(found)),
-        Err(error) => Ok(Outcome::Failed(Failed::from_error(error)?)),
-    }
-}
-
-/// Times what is not timed often enough, one after the other, each round in another order.
-fn time_all(
-    scene: &Scene,
-    start: &Start,
-    points: &[Mutex<EnsemblePoint>],
-    plan: &Plan,
-    store: &Store,
-    options: &ChartOptions<'_>,
-    progress: &mut dyn Progress,
-) -> Result<(), ChartError> {
-    let pool = pool(plan.threads)?;
+/// Steps that take the wanted time by the model of costs.
+fn steps_timed(scene: &Scene, start: &Start, plan: &Plan) -> u64 {
     let dt = scene.stage_dt(measured_stage(scene));
     let per_step = modelled_work(scene, start, &Settings::of(scene)) * dt;
-    let wanted = (plan.timing_seconds / per_step) as u64;
-    in_turn(points.len(), plan.repeats, scene.system.seed, |turn| {
-        let mut point = get(&points[turn.item]);
-        if options.stop.load(Ordering::Relaxed) || point.is_timed(turn.round + 1) {
-            return Ok(());
-        }
-        // The cost of a change of the box is spread over whole intervals.
-        let interval = point.baths.barostat.interval().max(1);
-        let steps = wanted.max(FEWEST_STEPS).div_ceil(interval) * interval;
-        let warm_up = WARM_UP.div_ceil(interval) * interval;
-        let timing = || -> Result<f64, StudyError> {
-            let staged = staged(scene, &point.baths, warm_up + steps, 1, 1);
-            let mut simulation = start.simulation(staged)?;
-            take(&mut simulation, warm_up, Want::NOTHING)?;
-            let (seconds, taken) = timed(|| take(&mut simulation, steps, Want::NOTHING));
-            taken?;
-            Ok(seconds / (start.len() as f64 * steps as f64))
-        };
-        match outcome(pool.install(timing))? {
-            Outcome::Found(seconds) => point.timings.push(seconds),
-            Outcome::Failed(failed) => point.not_timed = Some(failed.reason),
-        }
-        store.save(&point)?;
-        *slot(&points[turn.item]) = point;
-        progress.update("timing", SAMPLES_SHARE + (1.0 - SAMPLES_SHARE) * turn.done);
-        Ok(())
-    })
+    ((plan.timing_seconds / per_step) as u64).max(FEWEST_STEPS)
+}
+
+/// The wall time of `wanted` steps or a few more with these baths, s for each particle and step.
+fn timing(scene: &Scene, start: &Start, baths: &Baths, wanted: u64) -> Result<f64, StudyError> {
+    // The cost of a change of the box is spread over whole intervals.
+    let interval = baths.barostat.interval().max(1);
+    let steps = wanted.div_ceil(interval) * interval;
+    let warm_up = WARM_UP.div_ceil(interval) * interval;
+    let mut simulation = start.simulation(staged(scene, baths, warm_up + steps, 1, 1))?;
+    take(&mut simulation, warm_up, Want::NOTHING)?;
+    let (seconds, taken) = timed(|| take(&mut simulation, steps, Want::NOTHING));
+    taken?;
+    Ok(seconds / (start.len() as f64 * steps as f64))
 }

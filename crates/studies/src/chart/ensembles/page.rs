@@ -10,6 +10,7 @@ use super::found::EnsembleChart;
 use super::point::{EnsemblePoint, Sampled, tau_of};
 use crate::chart::{ChartError, ChartOptions, Outcome};
 use crate::files;
+use crate::lab::Value;
 
 /// Standard errors beyond which a mean is called off.
 const OFF: f64 = 3.0;
@@ -41,27 +42,30 @@ pub fn summary(chart: &EnsembleChart) -> Table {
         .column("Accepted", |p| {
             Cell::rounded(p.found().and_then(|s| s.acceptance), 2)
         })
-        .measured("P − P₀ [(ε/σ³)]", |p| {
-            p.found()
-                .map(|s| (s.pressure_off.mean, s.pressure_off.standard_error))
-        })
-        .measured("ρ [σ⁻³]", |p| {
-            p.found()
-                .map(|s| (s.density.mean, s.density.standard_error))
-        })
+        .measured("P − P₀ [(ε/σ³)]", value(|s| s.pressure_off))
+        .measured("ρ [σ⁻³]", value(|s| s.density))
         .measured("var V over reference", |p| relative_variance(chart, p))
         .column("V per τ", |p| {
             Cell::rounded(p.found().map(Sampled::pace), 2)
         })
-        .measured("Drift [(ε/τ)]", |p| {
-            p.found().map(|s| (s.drift.slope, s.drift.standard_error))
-        })
+        .measured("Drift [(ε/τ)]", drift)
         .column("", |p| match (&p.sampled, off(chart, p)) {
             (Some(Outcome::Failed(_)), _) => Cell::words("failed").toned(Tone::Bad),
             (_, words) if words.is_empty() => Cell::default(),
             (_, words) => Cell::words(format!("off: {}", words.join(", "))).toned(Tone::Bad),
         })
         .table()
+}
+
+/// A mean of a point with its error.
+fn value(pick: fn(&Sampled) -> Value) -> impl Fn(&EnsemblePoint) -> Option<(f64, f64)> {
+    move |p| p.found().map(pick).map(|v| (v.mean, v.standard_error))
+}
+
+/// The drift of the conserved energy with its error, ε/τ per particle.
+fn drift(point: &EnsemblePoint) -> Option<(f64, f64)> {
+    let found = point.found()?.drift;
+    Some((found.slope, found.standard_error))
 }
 
 /// var V over the variance of the reference, with its error.
@@ -108,9 +112,6 @@ fn off(chart: &EnsembleChart, point: &EnsemblePoint) -> Vec<&'static str> {
 
 /// Everything as numbers.
 fn points(chart: &EnsembleChart) -> Table {
-    let value = |pick: fn(&Sampled) -> crate::lab::Value| {
-        move |p: &EnsemblePoint| p.found().map(pick).map(|v| (v.mean, v.standard_error))
-    };
     Table::rows_of("points", &chart.points)
         .column("number", |p| p.number)
         .column("baths", |p| p.label.clone())
@@ -141,12 +142,10 @@ fn points(chart: &EnsembleChart) -> Table {
         .column("independent volumes per tau", |p| {
             p.found().map(Sampled::pace)
         })
-        .measured("energy drift [epsilon/tau per atom]", |p| {
-            p.found().map(|s| (s.drift.slope, s.drift.standard_error))
-        })
-        .column("failure", |p| match &p.sampled {
-            Some(Outcome::Failed(failed)) => failed.reason.clone(),
-            _ => String::new(),
+        .measured("energy drift [epsilon/tau per atom]", drift)
+        .column("failure", |p| match (&p.sampled, &p.not_timed) {
+            (Some(Outcome::Failed(failed)), _) | (_, Some(failed)) => failed.reason.as_str(),
+            _ => "",
         })
         .table()
 }
@@ -165,24 +164,22 @@ fn page(chart: &EnsembleChart, command: &str) -> Page {
         ),
         command: Some(command.to_owned()),
         sections: Vec::new(),
-        provenance: vec![
-            ("Command".into(), format!("`{command}`")),
-            ("Version".into(), plan.version.clone()),
-            ("Processor".into(), plan.cpu.clone()),
-            (
-                "Costs".into(),
-                format!(
-                    "the engine's main loop with the changes of the box, without observables and output, {}; median of {} timings",
-                    counted(plan.threads, "thread"),
-                    plan.repeats
-                ),
-            ),
-            (
-                "Samples".into(),
-                format!("runs of {} τ", significant(plan.time, 3)),
-            ),
-        ],
+        provenance: plan.provenance(command),
     };
+    page.provenance.extend([
+        (
+            "Costs".into(),
+            format!(
+                "the engine's main loop with the changes of the box, without observables and output, {}; median of {} timings",
+                counted(plan.threads, "thread"),
+                plan.repeats
+            ),
+        ),
+        (
+            "Samples".into(),
+            format!("runs of {} τ", significant(plan.time, 3)),
+        ),
+    ]);
     let mut first = Section::new("All choices");
     if !chart.finished {
         first = first.with(Block::Remark(
@@ -238,6 +235,11 @@ fn group(chart: &EnsembleChart, point: &EnsemblePoint) -> usize {
 /// An ordinate of a point with its standard error.
 type Ordinate<'a> = &'a dyn Fn(&EnsemblePoint) -> Option<(f64, Option<f64>)>;
 
+/// A value with its error as a bar.
+fn barred((value, error): (f64, f64)) -> (f64, Option<f64>) {
+    (value, Some(error))
+}
+
 fn figures(chart: &EnsembleChart) -> Vec<Picture> {
     let Some(reference) = &chart.reference else {
         return Vec::new();
@@ -252,25 +254,22 @@ fn figures(chart: &EnsembleChart) -> Vec<Picture> {
         "pressure",
         "Mean pressure",
         Axis::linear("(P − P₀) / (ε/σ³)"),
-        &|p| {
-            p.found()
-                .map(|s| (s.pressure_off.mean, Some(s.pressure_off.standard_error)))
-        },
+        &|p| value(|s| s.pressure_off)(p).map(barred),
     );
     let density = drawn(
         "density",
         "Mean density",
         Axis::linear("(ρ − reference) / σ⁻³"),
         &|p| {
-            let found = p.found()?.density;
-            Some((found.mean - reference.density, Some(found.standard_error)))
+            let (density, error) = value(|s| s.density)(p)?;
+            Some(barred((density - reference.density, error)))
         },
     );
     let variance = drawn(
         "variance",
         "Variance of the volume",
         Axis::linear("var V over the reference"),
-        &|p| relative_variance(chart, p).map(|(v, e)| (v, Some(e))),
+        &|p| relative_variance(chart, p).map(barred),
     );
     let pace = drawn(
         "pace",
@@ -278,14 +277,11 @@ fn figures(chart: &EnsembleChart) -> Vec<Picture> {
         Axis::logarithmic("independent volumes per τ"),
         &|p| p.found().map(|s| (s.pace(), None)),
     );
-    let drift = drawn(
+    let drifts = drawn(
         "drift",
         "Drift of the conserved energy",
         Axis::linear("drift / (10⁻⁶ ε/τ per particle)"),
-        &|p| {
-            let drift = p.found()?.drift;
-            Some((1e6 * drift.slope, Some(1e6 * drift.standard_error)))
-        },
+        &|p| drift(p).map(|(slope, error)| barred((1e6 * slope, 1e6 * error))),
     );
     let zero = |figure: Figure| figure.guided(Guide::Horizontal(0.0, String::new()));
     vec![
@@ -303,7 +299,7 @@ fn figures(chart: &EnsembleChart) -> Vec<Picture> {
         ),
         picture(zero(density), format!("⟨ρ⟩ beside {}.", reference.source)),
         picture(
-            zero(drift),
+            zero(drifts),
             "Drift of E + V·P_tail − Σ heat, where heat includes the work of the barostat.".into(),
         ),
     ]

@@ -5,8 +5,8 @@ use lennard_integrators::{BarostatOptions, ThermostatOptions};
 use serde::{Deserialize, Serialize};
 
 use crate::chart::Outcome;
-use crate::chart::store::Stored;
-use crate::lab::{Drift, Value};
+use crate::chart::point::Charted;
+use crate::lab::{Drift, Failed, Value};
 
 /// A thermostat and a barostat with their keys.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -81,7 +81,7 @@ pub struct EnsemblePoint {
     pub timings: Vec<f64>,
     /// Why it could not be timed.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub not_timed: Option<String>,
+    pub not_timed: Option<Failed>,
     /// What it sampled, once that is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sampled: Option<Outcome<Sampled>>,
@@ -110,19 +110,23 @@ impl EnsemblePoint {
     pub fn cost(&self) -> Option<Spread> {
         Spread::of(self.timings.iter().copied())
     }
-
-    pub(super) fn is_timed(&self, repeats: usize) -> bool {
-        self.not_timed.is_some() || self.timings.len() >= repeats
-    }
 }
 
-impl Stored for EnsemblePoint {
+impl Charted for EnsemblePoint {
     fn number(&self) -> usize {
         self.number
     }
 
     fn is_of(&self, fresh: &Self) -> bool {
         self.baths == fresh.baths
+    }
+
+    fn is_measured(&self) -> bool {
+        self.sampled.is_some()
+    }
+
+    fn is_timed(&self, repeats: usize) -> bool {
+        self.not_timed.is_some() || self.timings.len() >= repeats
     }
 }
 
