@@ -116,7 +116,8 @@ pub enum Command {
     #[command(after_help = "Examples:\n  \
         lennard chart inputs/verlet-1967/triple-point.toml --quick\n  \
         lennard chart inputs/verlet-1967/triple-point.toml --out runs/chart\n  \
-        lennard chart inputs/fluid/accuracy.toml        with the settings that `lennard tune` found for it\n\n\
+        lennard chart inputs/fluid/accuracy.toml        with the settings that `lennard tune` found for it\n  \
+        lennard chart npt/baths --ensemble              interval and τ_p of the barostat, `mtk`, and τ of the thermostat\n\n\
         Finished points are kept in the output folder: the same command goes on where it was stopped.")]
     Chart(ChartArgs),
     /// Run many state points side by side; finished ones are not run again.

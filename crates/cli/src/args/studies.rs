@@ -131,13 +131,14 @@ pub struct ChartArgs {
     /// Lock file with the settings for the scene's `[accuracy]`; by default NAME.lock.toml beside NAME.toml.
     #[arg(long, value_name = "FILE")]
     pub lock: Option<PathBuf>,
-    /// Output folder; finished points in it are kept. By default `runs/<scene>-chart-<n>` with the first free n.
+    /// Output folder; finished points in it are kept. By default `runs/<scene>-chart-<n>` with the first free n,
+    /// or `runs/<scene>-ensemble-<n>`.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Begin anew where the folder holds any chart.
     #[arg(long)]
     pub force: bool,
-    /// Some 18 settings and short runs, for a first look.
+    /// Some 18 settings and short runs, for a first look; with `--ensemble` five choices at most.
     #[arg(long, conflicts_with = "full")]
     pub quick: bool,
     /// Every combination of settings; takes hours.

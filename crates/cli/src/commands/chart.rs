@@ -6,6 +6,7 @@ use lennard_io::Existing;
 use lennard_scene::Scene;
 use lennard_studies::chart::Size;
 use lennard_studies::chart::{self, ChartError, ChartOptions, ensembles};
+use serde::Serialize;
 
 use crate::args::ChartArgs;
 use crate::commands::{Inputs, output_folder, print_json};
@@ -29,16 +30,13 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
         inputs.not_in(folder)?;
         inputs.not_below(&folder.join(chart::POINTS))?;
     }
+    let kind = if args.ensemble { "ensemble" } else { "chart" };
     let folder = signals.claim(
         || {
             output_folder(
                 args.out.as_deref(),
                 Existing::Keep,
-                &format!(
-                    "{}-{}",
-                    scene.name,
-                    if args.ensemble { "ensemble" } else { "chart" }
-                ),
+                &format!("{}-{kind}", scene.name),
             )
         },
         |folder| Some(nothing().unless_kept(chart::has_points, kept_points(args, folder))),
@@ -62,20 +60,12 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
     let finished = if args.ensemble {
         let found = ensembles::run(&scene, &options, &mut display)?;
         drop(display);
-        if args.json {
-            print_json(&found)?;
-        } else if !args.quiet {
-            show::ensembles(&found, folder.path());
-        }
+        tell(args, &found, || show::ensembles(&found, folder.path()))?;
         found.finished
     } else {
         let found = chart::run(&scene, &options, &mut display)?;
         drop(display);
-        if args.json {
-            print_json(&found)?;
-        } else if !args.quiet {
-            show::chart(&found, folder.path());
-        }
+        tell(args, &found, || show::chart(&found, folder.path()))?;
         found.finished
     };
     if !finished {
@@ -83,6 +73,16 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
         return Ok(STOPPED);
     }
     Ok(DONE)
+}
+
+/// Prints a chart as it was asked for.
+fn tell(args: &ChartArgs, found: &impl Serialize, show: impl FnOnce()) -> Result<(), Failure> {
+    if args.json {
+        print_json(found)?;
+    } else if !args.quiet {
+        show();
+    }
+    Ok(())
 }
 
 fn kept_points(args: &ChartArgs, folder: &Path) -> String {

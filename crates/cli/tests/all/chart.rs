@@ -384,3 +384,31 @@ fn an_ensemble_without_a_barostat_is_refused_with_its_stage() {
     }
     assert!(!place.path().join("out").exists());
 }
+
+#[test]
+fn an_ensemble_is_refused_with_other_engines_and_for_two_phases_before_anything_is_written() {
+    let place = folder(HELD);
+    for (scene, more, words) in [
+        ("scene.toml", "--with-peers", "cannot be used with"),
+        (
+            "two-phase/melting",
+            "--quiet",
+            "`crystal` has no one density",
+        ),
+    ] {
+        let arguments = [
+            "chart",
+            scene,
+            "--ensemble",
+            "--quick",
+            "--out",
+            "out",
+            more,
+        ];
+        let output = lennard_in(place.path(), &arguments);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(words), "{said}");
+        assert!(!place.path().join("out").exists());
+    }
+}

@@ -25,14 +25,14 @@ pub(super) struct Grid {
 /// The pressure bath of the measured stage.
 ///
 /// # Errors
-/// [`SceneError`] where the scene has none, or where pressure or temperature change on the way.
+/// [`SceneError`] where the scene has none, where pressure or temperature change on the way, or where two phases stand side by side.
 pub(super) fn pressure_of(
     scene: &Scene,
 ) -> Result<(&PressureControl, &ThermostatOptions), SceneError> {
-    let index = scene.stages.iter().position(|s| s.measure).unwrap_or(0);
     let stage = measured_stage(scene);
+    let index = (scene.stages.iter().rposition(|s| s.measure)).unwrap_or(scene.stages.len() - 1);
     let key = |name: &str| format!("stage.{index}.{name}");
-    let allowed = "a stage that is measured with a thermostat and a barostat of one pressure; `lennard chart` without --ensemble for other scenes";
+    let allowed = "a stage that is measured with a thermostat and a barostat, at one temperature and one pressure; `lennard chart` without --ensemble for other scenes";
     let refused = |key: &str, message: &str, found: &str| {
         Err(scene.contradiction(key, message, found, allowed))
     };
@@ -45,12 +45,24 @@ pub(super) fn pressure_of(
         );
     };
     if stage.is_ramp() {
+        let ramped = match stage.temperature_from {
+            Some(_) => "temperature",
+            None => "barostat.pressure",
+        };
         let found = format!("a ramp in stage {:?}", stage.name);
         return refused(
-            &key("barostat"),
-            "has no one state for `lennard chart --ensemble`",
+            &key(ramped),
+            "has no one value for `lennard chart --ensemble`",
             &found,
         );
+    }
+    if scene.half_crystal().is_some() {
+        return Err(scene.contradiction(
+            "crystal",
+            "has no one density for `lennard chart --ensemble`",
+            "a crystal beside its liquid",
+            "a homogeneous fluid",
+        ));
     }
     Ok((control, thermostat))
 }
@@ -207,6 +219,8 @@ fn with_tau(of: &ThermostatOptions, factor: f64) -> ThermostatOptions {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     const TEXT: &str = "[system]\nn_atoms = 500\ndensity = 0.65\ntemperature = 1.2\n[truncation]\nkind = \"shift\"\nr_cut = 2.5\n\
@@ -267,6 +281,47 @@ mod tests {
         for baths in &found.all {
             assert!(all.all.contains(baths), "{}", baths.label());
         }
+    }
+
+    #[test]
+    fn the_last_measured_stage_is_the_one_that_is_named() {
+        let bare = TEXT.split("barostat").next().unwrap();
+        let measured = bare.replacen("name = \"p\"", "name = \"p\"\nmeasure = true", 1);
+        let stage = &measured[measured.find("[[stage]]").unwrap()..];
+        let text = format!("{measured}{}", stage.replace("\"p\"", "\"q\""));
+        let scene = Scene::parse(&text, "t.toml", &[]).unwrap();
+        let error = pressure_of(&scene).unwrap_err().to_string();
+        assert!(
+            error.contains("`stage.1.barostat` is missing") && error.contains("stage \"q\""),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_ramp_is_refused_by_its_key_and_a_crystal_beside_its_liquid_by_its_table() {
+        let refused = |text: &str| {
+            let scene = Scene::parse(text, "t.toml", &[]).unwrap();
+            pressure_of(&scene).unwrap_err().to_string()
+        };
+        let ramp = "{ from = 1.0, to = 1.2 }";
+        let warmer = TEXT.replace(
+            "steps = 1000",
+            &format!("steps = 1000\ntemperature = {ramp}"),
+        );
+        let error = refused(&warmer);
+        assert!(
+            error.contains("`stage.0.temperature` has no one value"),
+            "{error}"
+        );
+        let error = refused(&TEXT.replace("pressure = 1.0", &format!("pressure = {ramp}")));
+        assert!(
+            error.contains("`stage.0.barostat.pressure` has no one value"),
+            "{error}"
+        );
+        let file = lennard_scene::shipped::locate(Path::new("two-phase/melting"));
+        let error = pressure_of(&Scene::load(&file, &[]).unwrap()).unwrap_err();
+        let error = error.to_string();
+        assert!(error.contains("a crystal beside its liquid"), "{error}");
     }
 
     #[test]

@@ -21,10 +21,11 @@ use lennard_scene::Scene;
 use super::{ChartError, ChartOptions};
 use crate::Progress;
 
-/// Whether the measured stage of a scene holds a pressure whose settings can be crossed.
+/// Refuses a scene whose measured stage holds no pressure that can be sampled with other settings.
 ///
 /// # Errors
-/// [`lennard_scene::SceneError`] where it has no barostat, or where pressure or temperature change on the way.
+/// [`lennard_scene::SceneError`] where it has no barostat, where pressure or temperature change on the way, or where two phases stand side
+/// by side.
 pub fn suits(scene: &Scene) -> Result<(), lennard_scene::SceneError> {
     grid::pressure_of(scene).map(drop)
 }
