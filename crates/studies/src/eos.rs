@@ -2,11 +2,12 @@
 
 mod tables;
 
-use lennard_literature::{EquationOfState, FluidState, FreezingLine, Phase, Property, Saturation};
+use lennard_literature::{
+    EquationOfState, FluidState, FreezingLine, Phase, Property, Saturation, freezing_lines_of,
+};
 use serde::Serialize;
 use serde_json::Value;
 
-pub use lennard_literature::freezing_lines_of as lines_of;
 pub use tables::{coexistence, curve, freezing, single};
 
 /// By what a state is given besides its temperature.
@@ -137,7 +138,7 @@ pub fn freezing_at(equation: &dyn EquationOfState, temperature: f64) -> Vec<Free
             crystal_density: line.melting_density(temperature)?,
         })
     };
-    let lines = lines_of(equation).into_iter();
+    let lines = freezing_lines_of(equation).into_iter();
     lines.filter_map(on_line).collect()
 }
 
@@ -182,7 +183,7 @@ pub fn freezing_temperature(
 #[must_use]
 pub fn freezing_json(equation: &dyn EquationOfState, rows: &[Freezing]) -> Value {
     let spec = equation.spec();
-    let triple_points: Vec<Value> = lines_of(equation)
+    let triple_points: Vec<Value> = freezing_lines_of(equation)
         .into_iter()
         .filter_map(|line| {
             let point = line.triple_point(equation)?;

@@ -1,8 +1,8 @@
 //! `lennard eos`: any property of any equation of state at any state, without a run.
 
 use lennard_literature::{
-    BOND_LENGTHS, EquationOfState, Mie, ModelKind, PROPERTIES, Property, equations_for, list,
-    pohl_2023, property, two_center, virial_series,
+    BOND_LENGTHS, EquationOfState, Mie, ModelKind, PROPERTIES, Property, equations_for,
+    freezing_lines_of, list, pohl_2023, property, two_center, virial_series,
 };
 use lennard_studies::eos::{self, Coexistence, Evaluated, Freezing, Given};
 
@@ -157,7 +157,7 @@ const SATURATION: TwoPhases<Coexistence> = TwoPhases {
 
 const FREEZING: TwoPhases<Freezing> = TwoPhases {
     temperatures: |equation| {
-        let lines = eos::lines_of(equation);
+        let lines = freezing_lines_of(equation);
         let lowest = lines.iter().map(|line| line.t_triple).reduce(f64::max)?;
         let spec = equation.spec();
         let highest = (HIGHEST_OF_CRITICAL * spec.critical.temperature).min(spec.range.t_max);
@@ -167,7 +167,7 @@ const FREEZING: TwoPhases<Freezing> = TwoPhases {
     nothing: "nothing freezes there",
     limit: |equation| {
         let name = &equation.spec().name;
-        let lines = eos::lines_of(equation);
+        let lines = freezing_lines_of(equation);
         match lines.iter().map(|line| line.t_triple).reduce(f64::min) {
             Some(t) => format!("the lines beside {name} begin at the triple point, T = {t}"),
             None => format!("no freezing line is known for the model of {name}"),

@@ -1,6 +1,6 @@
 //! Equations of state for people.
 
-use lennard_literature::{EquationOfState, Property};
+use lennard_literature::{EquationOfState, Property, freezing_lines_of};
 use lennard_studies::eos::{self, Coexistence, Evaluated, Freezing};
 
 use super::{note, table};
@@ -61,7 +61,7 @@ pub fn freezing(equation: &dyn EquationOfState, rows: &[Freezing]) {
     );
     println!("{}", table(&shown));
     note(&shown.caption);
-    for line in eos::lines_of(equation) {
+    for line in freezing_lines_of(equation) {
         let doi = line.doi.as_ref();
         note(&format!(
             "{}: {}{} ({})",

@@ -1,9 +1,9 @@
 //! What equations of state give, for a reader.
 
 use lennard_core::{Cell, Column, Table, Tone};
-use lennard_literature::{EquationOfState, Property};
+use lennard_literature::{EquationOfState, Property, freezing_lines_of};
 
-use super::{Coexistence, Evaluated, Freezing, lines_of};
+use super::{Coexistence, Evaluated, Freezing};
 
 /// Digits that a reader sees.
 const DIGITS: usize = 6;
@@ -110,7 +110,7 @@ pub fn freezing(equation: &dyn EquationOfState, rows: &[Freezing]) -> Table {
             line.name, point.temperature, point.pressure, point.liquid_density
         ))
     };
-    let lines = lines_of(equation).into_iter();
+    let lines = freezing_lines_of(equation).into_iter();
     let triple: Vec<String> = lines.filter_map(triple).collect();
     Table::rows_of("freezing", rows)
         .caption(triple.join("; "))
