@@ -98,7 +98,9 @@ fn with_settings(path: &Path, overrides: &[(String, String)], chosen: &Chosen) -
         chosen.threads
     );
     let settings = chosen.overrides();
-    for (key, value) in overrides.iter().chain(&settings) {
+    let is_chosen = |key: &str| settings.iter().any(|(chosen, _)| chosen == key);
+    let fixed = overrides.iter().filter(|(key, _)| !is_chosen(key));
+    for (key, value) in fixed.chain(&settings) {
         command += &format!(" --set {key}={value}");
     }
     command

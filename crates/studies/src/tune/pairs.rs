@@ -4,8 +4,6 @@ use lennard_core::{Momentum, State, System};
 use lennard_observables::{count_distances, count_distances_by_species};
 use lennard_scene::Scene;
 
-use crate::lab::Start;
-
 /// Width of the bins of distance, σ.
 pub(super) const BIN_WIDTH: f64 = 0.02;
 
@@ -62,11 +60,6 @@ impl Fluid {
         }
     }
 
-    /// The fluid of a start.
-    pub fn at(scene: &Scene, start: &Start) -> Self {
-        Self::of(scene, start.system())
-    }
-
     /// What moves.
     pub fn system(&self) -> &System {
         &self.system
@@ -75,6 +68,14 @@ impl Fluid {
     /// Molecules; particles where there are none. Energies are given for each of them.
     pub fn units(&self) -> f64 {
         self.system.n_molecules() as f64
+    }
+
+    /// What energies are given for each of, in a word.
+    pub fn unit(&self) -> &'static str {
+        match self.has_bonds() {
+            true => "molecule",
+            false => "particle",
+        }
     }
 
     /// Whether there are molecules.

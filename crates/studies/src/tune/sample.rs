@@ -155,7 +155,7 @@ impl Sample {
             .push(canonical_stage(temperature, settling, false));
         let start = Start::equilibrate(&before)?;
         Ok(Self {
-            fluid: Fluid::at(&own, &start),
+            fluid: Fluid::of(&own, start.system()),
             fastest: pair_at(temperature),
             has_a_lattice,
             start,
@@ -173,14 +173,6 @@ impl Sample {
     pub fn comfortable_cutoff(&self) -> f64 {
         let longest = comfortable_cutoff(self.start.cell.largest_cutoff()).min(self.sight);
         longest / self.own.cutoff_unit()
-    }
-
-    /// What energies are given for each of.
-    pub fn start_system_unit(&self) -> &'static str {
-        match self.fluid.has_bonds() {
-            true => "molecule",
-            false => "particle",
-        }
     }
 
     /// Settings of survey and reference except for their cutoff.

@@ -121,7 +121,7 @@ pub(super) fn tune_and<T>(
         None => None,
     };
     let planned = advice::planned_errors(scene, &sample, &runs, settings.dt);
-    let each = sample.start_system_unit();
+    let each = sample.fluid.unit();
     let rows = rows(&accuracy, &candidate, &measured, &runs, planned, each);
     let relaxed = advice::relaxed(&accuracy, planned);
     let relaxed = search
