@@ -310,18 +310,23 @@ mod tests {
         );
         let error = refused(&warmer);
         assert!(
-            error.contains("`stage.0.temperature` has no one value"),
+            error.contains("`stage.0.temperature` has no one value for `lennard chart --ensemble`"),
             "{error}"
         );
         let error = refused(&TEXT.replace("pressure = 1.0", &format!("pressure = {ramp}")));
         assert!(
-            error.contains("`stage.0.barostat.pressure` has no one value"),
+            error.contains(
+                "`stage.0.barostat.pressure` has no one value for `lennard chart --ensemble`"
+            ),
             "{error}"
         );
         let file = lennard_scene::shipped::locate(Path::new("two-phase/melting"));
         let error = pressure_of(&Scene::load(&file, &[]).unwrap()).unwrap_err();
         let error = error.to_string();
-        assert!(error.contains("a crystal beside its liquid"), "{error}");
+        assert!(
+            error.contains("`crystal` has no one density for `lennard chart --ensemble`"),
+            "{error}"
+        );
     }
 
     #[test]
