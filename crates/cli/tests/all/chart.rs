@@ -269,6 +269,14 @@ fn a_chart_that_is_interrupted_says_how_to_go_on() {
         "{told}"
     );
     assert!(!told.contains("cheapest that is no worse"), "{told}");
+    // A point is stored when its errors are known, and not only when it is timed.
+    for point in std::fs::read_dir(&first).unwrap() {
+        let point = std::fs::read_to_string(point.unwrap().path()).unwrap();
+        assert!(
+            point.contains("[errors") && !point.contains("[[timings]]"),
+            "{point}"
+        );
+    }
     assert!(
         words.contains("stopped on request; finished points are kept\n  to go on: lennard chart scene.toml --out out"),
         "{words}"
@@ -352,10 +360,14 @@ fn settings_of_an_ensemble_are_crossed_beside_the_equation_and_a_chart_goes_on()
 
     // What is there is kept, what is missing comes out the same.
     let stored = |n: usize| out.join(format!("points/{n:04}.toml"));
-    let kept = std::fs::read(stored(2)).unwrap();
+    // A mark in a stored point would be lost if it was sampled again.
+    let kept = std::fs::read_to_string(stored(2)).unwrap();
+    let marked = kept.replacen("\ntime = ", "\ntime = 1", 1);
+    assert_ne!(kept, marked);
+    std::fs::write(stored(2), &marked).unwrap();
     std::fs::remove_file(stored(1)).unwrap();
     let second = document(&chart(place.path(), &arguments));
-    assert_eq!(std::fs::read(stored(2)).unwrap(), kept);
+    assert_eq!(std::fs::read_to_string(stored(2)).unwrap(), marked);
     assert_eq!(
         first["points"][0]["sampled"],
         second["points"][0]["sampled"]
