@@ -73,15 +73,21 @@ def wheels() -> Path:
     return folder
 
 
+def libclang(folder: Path) -> dict[str, str]:
+    """Where the libclang of an environment is, as a variable; nothing where it has none."""
+    found = next(folder.glob("lib/python*/site-packages/clang/native"), None)
+    return {"LIBCLANG_PATH": str(found)} if found else {}
+
+
 def mpich() -> Mpi:
     """MPICH from PyPI."""
     folder = wheels()
-    clang = next(folder.glob("lib/python*/site-packages/clang/native"), None)
-    if clang is None:
+    clang = libclang(folder)
+    if not clang:
         raise NotHere("the wheel of libclang has no library for this machine")
     environment = {
         **os.environ,
-        "LIBCLANG_PATH": str(clang),
+        **clang,
         # The build of the Rust crate drops the path that `mpicc` gives to the linker.
         "LD_LIBRARY_PATH": str(folder / "lib"),
     }
@@ -93,10 +99,7 @@ def open_mpi() -> Mpi:
     """Open MPI of the system, installed where that is possible."""
     if not has_headers():
         install_packages(PACKAGES, "mpi.h of Open MPI")
-    environment = dict(os.environ)
-    if (FOLDER / "venv").exists():
-        clang = next((FOLDER / "venv").glob("lib/python*/site-packages/clang/native"), None)
-        environment |= {"LIBCLANG_PATH": str(clang)} if clang else {}
+    environment = {**os.environ, **libclang(FOLDER / "venv")}
     # The wheel of libclang has no headers of the language itself.
     asked = subprocess.run(["cc", "-print-file-name=include"], capture_output=True, text=True, check=False)
     environment["BINDGEN_EXTRA_CLANG_ARGS"] = f"-I{asked.stdout.strip()}"

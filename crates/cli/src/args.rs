@@ -12,19 +12,30 @@ mod studies;
 pub use eos::EosArgs;
 pub use studies::*;
 
+/// Help that ends with the exit codes of a program.
+macro_rules! with_exit_codes {
+    ($help:literal) => {
+        concat!(
+            $help,
+            "Exit codes: 0 done, 2 the input is wrong, 3 physics failed, 4 stopped on request and resumable, 1 anything else."
+        )
+    };
+}
+
 /// Molecular dynamics of Lennard-Jones fluids: fast, exact, and with error bars.
 #[derive(Debug, Parser)]
 #[command(
     name = "lennard",
     version,
     about,
-    after_help = "Examples:\n  \
+    after_help = with_exit_codes!(
+        "Examples:\n  \
         lennard run verlet-1967/liquid                  a scene that comes with the program\n  \
         lennard new my-fluid                            a scene of your own, with comments\n  \
         lennard run my-fluid.toml --set system.density=0.7\n  \
         lennard sweep sweep/isotherm                    pressure along an isotherm\n  \
-        lennard list scenes\n\n\
-        Exit codes: 0 done, 2 the input is wrong, 3 physics failed, 4 stopped on request and resumable, 1 anything else.",
+        lennard list scenes\n\n"
+    ),
     propagate_version = true,
     arg_required_else_help = true
 )]
@@ -40,11 +51,12 @@ pub struct Cli {
     name = "lennard-mpi",
     version,
     about,
-    after_help = "Examples:\n  \
+    after_help = with_exit_codes!(
+        "Examples:\n  \
         mpirun -n 4 lennard-mpi run big-fluid.toml --threads 16 --out runs/big\n  \
         mpirun -n 8 lennard-mpi resume runs/big\n\n\
-        Any other command is one of `lennard`, which reads what this program writes.\n\
-        Exit codes: 0 done, 2 the input is wrong, 3 physics failed, 4 stopped on request and resumable, 1 anything else.",
+        Any other command is one of `lennard`, which reads what this program writes.\n"
+    ),
     propagate_version = true,
     arg_required_else_help = true
 )]

@@ -48,9 +48,18 @@ pub fn share(team: Option<&Team>, simulation: &mut Simulation) -> Result<(), Fai
     together(Some(team), shared)
 }
 
+/// What rank 0 makes for the run; nothing on the other ranks. Where it fails, all ranks fail.
+pub fn made_by_first<T>(
+    team: Option<&Team>,
+    make: impl FnOnce() -> Result<T, Failure>,
+) -> Result<Option<T>, Failure> {
+    let leads = team.is_none_or(Team::leads);
+    together(team, leads.then(make).transpose())
+}
+
 /// Runs beside rank 0.
 pub fn beside(
-    team: &Team,
+    team: Option<&Team>,
     simulation: &mut Simulation,
     threads: usize,
     signals: &Signals,
@@ -58,7 +67,7 @@ pub fn beside(
     signals.under_way();
     let ended = on_threads(threads, || {
         let ended = run_beside(simulation, signals.stop());
-        ended.map_err(|error| failed(Some(team), error, Path::new("")))
+        ended.map_err(|error| failed(team, error, Path::new("")))
     });
     match ended {
         Ok(Ending::Finished) => Ok(DONE),
@@ -97,19 +106,13 @@ mod tests {
 
     #[test]
     fn the_lowest_rank_that_failed_tells_why_and_all_end_with_its_code() {
-        let found = std::thread::scope(|scope| {
-            let start = |team: Team| {
-                scope.spawn(move || {
-                    let got = match team.rank() {
-                        0 => Ok(()),
-                        rank => Err(Failure::new("reading", rank, 1 + rank as u8)),
-                    };
-                    together(Some(&team), got).unwrap_err()
-                })
+        let found = team_of_threads(3, |team| {
+            let got = match team.rank() {
+                0 => Ok(()),
+                rank => Err(Failure::new("reading", rank, 1 + rank as u8)),
             };
-            let running: Vec<_> = team_of_threads(3).into_iter().map(start).collect();
-            let joined = running.into_iter().map(|r| r.join().unwrap());
-            joined.map(|f| (f.message, f.code)).collect::<Vec<_>>()
+            let failure = together(Some(&team), got).unwrap_err();
+            (failure.message, failure.code)
         });
         let silent = (String::new(), 2);
         assert_eq!(
@@ -117,6 +120,10 @@ mod tests {
             [silent.clone(), ("reading: 1".to_owned(), 2), silent]
         );
         assert!(together(None, Ok(7)).is_ok_and(|got| got == 7));
+        let made = team_of_threads(2, |team| {
+            made_by_first(Some(&team), || Ok(team.rank())).ok()
+        });
+        assert_eq!(made, [Some(Some(0)), Some(None)]);
         assert_eq!(
             on_rank(2, "the disk is full"),
             "error on rank 2, which ends all: the disk is full"

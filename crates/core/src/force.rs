@@ -259,6 +259,8 @@ pub struct HaloSize {
     pub partners: f64,
     /// Bytes of its lists.
     pub lists: f64,
+    /// Bytes that it holds to share, besides what one process holds.
+    pub buffers: f64,
 }
 
 /// No force at all: free flight.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::Team;
-use crate::exact::{exact_sum, exact_sum_over};
+use crate::exact::exact_sum_over;
 use crate::species::SpeciesTable;
 
 /// The masses of the particles. A held particle, which never moves, has an infinite mass.
@@ -65,9 +65,7 @@ impl Masses {
     /// The kinetic energy K = Σ ½ m v² in ε, an exact total.
     #[must_use]
     pub fn kinetic_energy(&self, velocities: &[DVec3]) -> f64 {
-        exact_sum(velocities.len(), |i| {
-            self.kinetic_energy_of(i, velocities[i])
-        })
+        self.kinetic_energy_over(None, velocities)
     }
 
     /// As [`Masses::kinetic_energy`], where all masses are equal and each rank of a team has some of the velocities.

@@ -168,11 +168,11 @@ impl Team {
     #[must_use]
     pub fn first_that_differs(&self, words: &[u64]) -> Option<usize> {
         let all = self.concat(words);
-        let equal = |rank: &usize| all.get(rank * words.len()..(rank + 1) * words.len());
         if all.len() != self.ranks() * words.len() {
             return Some(self.ranks() - 1);
         }
-        (0..self.ranks()).find(|rank| equal(rank) != equal(&0))
+        let words_of = |rank: usize| &all[rank * words.len()..(rank + 1) * words.len()];
+        (0..self.ranks()).find(|rank| words_of(*rank) != words_of(0))
     }
 
     /// Gives the `k`th list of words to rank `k`; returns the lists that the ranks gave to this one.
@@ -249,20 +249,10 @@ mod tests {
     use super::*;
     use crate::exact::{exact_sum, exact_sum_over};
 
-    /// Runs `work` on each rank of a team of threads.
-    fn on_ranks<R: Send>(ranks: usize, work: impl Fn(Team) -> R + Sync) -> Vec<R> {
-        std::thread::scope(|scope| {
-            let work = &work;
-            let start = |team| scope.spawn(move || work(team));
-            let running: Vec<_> = team_of_threads(ranks).into_iter().map(start).collect();
-            running.into_iter().map(|r| r.join().unwrap()).collect()
-        })
-    }
-
     #[test]
     fn ranks_sum_and_choose_and_concatenate_alike() {
         for ranks in 1..5 {
-            let found = on_ranks(ranks, |team| {
+            let found = team_of_threads(ranks, |team| {
                 let rank = team.rank();
                 let mut sums = [rank as i64, -1];
                 team.sum(&mut sums);
@@ -290,7 +280,7 @@ mod tests {
     fn halos_arrive_while_work_is_done_and_arrays_become_whole() {
         let whole: Vec<DVec3> = (0..10).map(|k| DVec3::splat(f64::from(k))).collect();
         for ranks in 1..5 {
-            on_ranks(ranks, |team| {
+            team_of_threads(ranks, |team| {
                 let shares = team.shares(10);
                 let mine = &shares[team.rank()];
                 let mut array = vec![DVec3::NAN; 10];
@@ -334,7 +324,7 @@ mod tests {
         let n = 1000;
         let alone: [f64; 2] = exact_sum(n, |k| [term(k), -term(k)]);
         for ranks in 1..5 {
-            let found: Vec<[f64; 2]> = on_ranks(ranks, |team| {
+            let found: Vec<[f64; 2]> = team_of_threads(ranks, |team| {
                 let mine = team.shares(n)[team.rank()].clone();
                 exact_sum_over(Some(&team), mine.len(), |k| {
                     let x = term(mine.start + k);
@@ -344,7 +334,7 @@ mod tests {
             for sums in found {
                 assert_eq!(sums.map(f64::to_bits), alone.map(f64::to_bits));
             }
-            let infinite = on_ranks(ranks, |team| {
+            let infinite = team_of_threads(ranks, |team| {
                 let x = if team.rank() == 0 { f64::INFINITY } else { 1.0 };
                 exact_sum_over(Some(&team), 1, |_| x)
             });
@@ -354,7 +344,7 @@ mod tests {
 
     #[test]
     fn the_time_of_work_during_an_exchange_is_no_communication() {
-        let spent = on_ranks(2, |team| {
+        let spent = team_of_threads(2, |team| {
             let nap = std::time::Duration::from_millis(200);
             team.exchange(&[], &mut [], &mut || std::thread::sleep(nap));
             team.note_halo(3);

@@ -8,6 +8,7 @@ use lennard_scene::{SceneError, Source};
 
 use crate::failure::PhysicsFailure;
 use crate::names::SCENE;
+use crate::plan::NodesError;
 use crate::ranks_error::RanksError;
 
 /// Why a run did not start or did not end.
@@ -34,6 +35,9 @@ pub enum EngineError {
     /// Several ranks cannot run together: exit code 2, and 1 where their machines differ on the way.
     #[error(transparent)]
     Ranks(#[from] RanksError),
+    /// A scene cannot be planned for so many machines: exit code 2.
+    #[error(transparent)]
+    Nodes(#[from] NodesError),
 }
 
 impl EngineError {
@@ -48,7 +52,11 @@ impl EngineError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Folder(_) if self.is_of_lost_folder() => 1,
-            Self::Scene(_) | Self::Configuration(_) | Self::Folder(_) | Self::Resume(_) => 2,
+            Self::Scene(_)
+            | Self::Configuration(_)
+            | Self::Folder(_)
+            | Self::Resume(_)
+            | Self::Nodes(_) => 2,
             Self::Physics(_) => 3,
             Self::Write(_) => 1,
             Self::Ranks(error) => error.exit_code(),

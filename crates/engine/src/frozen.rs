@@ -1,6 +1,6 @@
 //! Whether the last state of a run is a crystal, which no equation of a fluid describes.
 
-use lennard_observables::solid_share;
+use lennard_observables::{SOLID_SHARE_BYTES, solid_share};
 
 use crate::Simulation;
 
@@ -9,12 +9,26 @@ const FROZEN: f64 = 0.3;
 /// Fewer particles say nothing.
 const FEWEST_PARTICLES: usize = 100;
 
+/// Whether a run of this simulation looks at its last state.
+fn looks(simulation: &Simulation) -> bool {
+    simulation.system.molecules.are_atoms() && simulation.state.len() >= FEWEST_PARTICLES
+}
+
+/// Bytes that the look takes.
+pub(crate) fn bytes(simulation: &Simulation) -> usize {
+    if looks(simulation) {
+        simulation.state.len() * SOLID_SHARE_BYTES
+    } else {
+        0
+    }
+}
+
 /// The remark that belongs beside the means of a run whose last state is a crystal, or has one in it.
 pub(crate) fn frozen(simulation: &Simulation) -> Option<String> {
-    let state = &simulation.state;
-    if !simulation.system.molecules.are_atoms() || state.len() < FEWEST_PARTICLES {
+    if !looks(simulation) {
         return None;
     }
+    let state = &simulation.state;
     let share = solid_share(&state.cell, &state.positions);
     (share > FROZEN).then(|| {
         format!(

@@ -81,9 +81,7 @@ pub use lammps::{LammpsExport, export_to_lammps};
 pub use moment::Moment;
 pub use overlaps::SMALLEST_START_DISTANCE;
 pub use own::OwnParts;
-pub use plan::{
-    Network, Nodes, NodesError, OnNodes, OneNode, Plan, PlanItem, plan, watching_seconds,
-};
+pub use plan::{Network, Nodes, NodesError, OnNodes, Plan, PlanItem, plan, watching_seconds};
 pub use ranks::run_beside;
 pub use ranks_error::RanksError;
 pub use recorded::responses_of_recorded;

@@ -8,6 +8,7 @@ use lennard_forcefield::{ForcePlan, Search};
 use lennard_scene::{Scene, Stage};
 use serde::Serialize;
 
+use crate::frozen;
 use crate::planar_tail::PlanarTail;
 use crate::run::SET_ASIDE_BYTES;
 use crate::simulation::Simulation;
@@ -15,7 +16,9 @@ use crate::watchdog;
 use crate::{EngineError, build};
 use shares::{Costs, barostat_name, bath_name};
 
-pub use nodes::{Network, Nodes, NodesError, OnNodes, OneNode};
+pub use nodes::{Network, Nodes, NodesError, OnNodes};
+
+use nodes::OneNode;
 pub use shares::watching_seconds;
 
 /// One part of the work.
@@ -53,7 +56,7 @@ pub struct Plan {
     /// Parts of the work.
     pub items: Vec<PlanItem>,
     /// Bytes that a run holds at most: its state and a second state set aside, the forces with their lists, and a checkpoint
-    /// under way. What observables gather is not counted.
+    /// under way, or at the end the neighbors that tell whether it froze. What observables gather is not counted.
     pub bytes: u64,
     /// Median time of a step with everything off, seconds.
     pub seconds_per_step: f64,
@@ -65,42 +68,30 @@ pub struct Plan {
     pub lengths: DVec3,
     /// The distance that forces and lists reach, σ.
     pub reach: f64,
-    /// What the parts of the scene would need of each other, for the numbers of ranks that were asked for.
-    #[serde(skip)]
-    pub one_node: OneNode,
     /// What several machines make of the scene, where the command asks for it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nodes: Option<Nodes>,
-}
-
-impl Plan {
-    /// The same plan with what several machines, each like this one, make of the scene.
-    ///
-    /// # Errors
-    /// [`NodesError`] where the work cannot be shared out so.
-    pub fn on(self, network: Network) -> Result<Self, NodesError> {
-        let nodes = Some(self.one_node.on(network)?);
-        Ok(Self { nodes, ..self })
-    }
 }
 
 /// Bytes of the state for each particle: position, velocity and force.
 const STATE_BYTES: usize = 3 * size_of::<DVec3>();
 
 /// Makes the plan of a scene. What is on and off follows from the scene alone; a short measurement of its first steps and
-/// of each part says what they cost. Halos are counted for the numbers of ranks in `ranks`.
+/// of each part says what they cost. `network` asks what several machines, each like this one, would make of the scene.
 ///
 /// # Errors
-/// [`EngineError`] for everything that is wrong with the scene.
+/// [`EngineError`] for everything that is wrong with the scene, and where its work cannot be shared out so.
 pub fn plan(
     simulation: &mut Simulation,
     threads: usize,
-    ranks: &[usize],
+    network: Option<Network>,
 ) -> Result<Plan, EngineError> {
     let scene = simulation.scene.clone();
     let (_, provider) = build::forces(&scene, simulation.state.cell, simulation.system.species())?;
     let mut items = items(&scene, simulation, provider.plan(), threads);
-    let costs = Costs::measure(simulation, ranks)?;
+    let most = lennard_forcefield::most_ranks(simulation.state.len());
+    let ranks = network.map_or(Vec::new(), |network| network.sizes(most));
+    let costs = Costs::measure(simulation, &ranks)?;
     let seconds = costs.of_run(&scene);
     let total: f64 = seconds.values().sum();
     for item in &mut items {
@@ -112,12 +103,14 @@ pub fn plan(
     let (n, molecules) = (simulation.state.len(), simulation.system.n_molecules());
     let state = n * STATE_BYTES;
     let set_aside = n * SET_ASIDE_BYTES;
-    let bytes = (state + set_aside + costs.checkpoint_bytes) as u64 + costs.force_bytes;
+    // A checkpoint and the last look at the final state come one after the other.
+    let at_times = costs.checkpoint_bytes.max(frozen::bytes(simulation));
+    let bytes = (state + set_aside + at_times) as u64 + costs.force_bytes;
     let one_node = OneNode {
         atoms: n,
         seconds_per_step: costs.median_step,
-        halos: costs.halos.clone(),
-        most: lennard_forcefield::most_ranks(n),
+        halos: costs.halos,
+        most,
         // Rows gather forces too, half as many bytes as the state.
         gathers: costs.builds + 1.5 / scene.output.thermo_every as f64,
         bytes,
@@ -138,8 +131,7 @@ pub fn plan(
         estimated_seconds: total,
         lengths: simulation.state.cell.lengths(),
         reach: provider.plan().r_list,
-        one_node,
-        nodes: None,
+        nodes: network.map(|network| one_node.on(network)).transpose()?,
     })
 }
 

@@ -1,7 +1,7 @@
 //! Several ranks in one run. Each has the whole state; rank 0 writes and prints, and the others take the same steps beside it.
 //!
 //! Clocks and signals differ between ranks, and no rank may act by its own. After some steps all ranks therefore agree
-//! whether to stop, and whether a checkpoint is due ([`agree`]). All else is computed alike from the same numbers.
+//! whether to stop, and whether a checkpoint is due ([`next`]). All else is computed alike from the same numbers.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -86,7 +86,7 @@ fn hash_of_state(state: &State) -> u64 {
     all.fold(state.step, fold)
 }
 
-/// What is decided after some steps.
+/// What a rank wishes after some steps, or all ranks together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Decision {
     /// Whether and why to stop.
@@ -95,10 +95,38 @@ pub(crate) struct Decision {
     pub checkpoint: bool,
 }
 
+/// What follows a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Next {
+    /// The run ends here.
+    Stop(Ending),
+    /// A checkpoint is due.
+    Checkpoint,
+    /// Neither.
+    GoOn,
+}
+
+/// What follows a step on all ranks. Every rank calls it after the same steps.
+pub(crate) fn next(
+    simulation: &Simulation,
+    schedule: &Schedule,
+    own: Decision,
+) -> Result<Next, EngineError> {
+    let decided = agree(simulation, own)?;
+    let step = simulation.state.step;
+    // A request that comes with the last step changes nothing any more.
+    if step < simulation.scene.total_steps()
+        && let Some(ending) = decided.stop
+    {
+        return Ok(Next::Stop(ending));
+    }
+    let measured = simulation.current_stage().measure;
+    let is_due = decided.checkpoint || schedule.does(Action::Checkpoint, step, measured);
+    Ok(if is_due { Next::Checkpoint } else { Next::GoOn })
+}
+
 /// What all ranks decide: a request to any rank stops all, and so does any clock. One process decides for itself.
-///
-/// Every rank calls it after the same steps.
-pub(crate) fn agree(simulation: &Simulation, own: Decision) -> Result<Decision, EngineError> {
+fn agree(simulation: &Simulation, own: Decision) -> Result<Decision, EngineError> {
     let Some(team) = &simulation.team else {
         return Ok(own);
     };
@@ -130,7 +158,6 @@ pub fn run_beside(simulation: &mut Simulation, stop: &AtomicBool) -> Result<Endi
     assert!(simulation.team.is_some(), "the simulation is shared");
     let mut companion = Companion {
         schedule: Schedule::of_output(&simulation.scene),
-        total: simulation.scene.total_steps(),
         stop,
         last_checkpoint: None,
         ending: Ending::Finished,
@@ -143,7 +170,6 @@ pub fn run_beside(simulation: &mut Simulation, stop: &AtomicBool) -> Result<Endi
 /// Follows the run as the recorder of rank 0 does, and writes nothing.
 struct Companion<'a> {
     schedule: Schedule,
-    total: u64,
     stop: &'a AtomicBool,
     last_checkpoint: Option<u64>,
     ending: Ending,
@@ -171,17 +197,13 @@ impl Follower for Companion<'_> {
             stop: stop.then_some(Ending::Stopped),
             checkpoint: false,
         };
-        let agreed = agree(simulation, own)?;
-        let step = simulation.state.step;
-        let measured = simulation.current_stage().measure;
-        if step < self.total
-            && let Some(ending) = agreed.stop
-        {
-            self.ending = ending;
-            return Ok(Verdict::Stop);
-        }
-        if self.schedule.does(Action::Checkpoint, step, measured) || agreed.checkpoint {
-            self.checkpoint(simulation)?;
+        match next(simulation, &self.schedule, own)? {
+            Next::Stop(ending) => {
+                self.ending = ending;
+                return Ok(Verdict::Stop);
+            }
+            Next::Checkpoint => self.checkpoint(simulation)?,
+            Next::GoOn => {}
         }
         Ok(Verdict::Continue)
     }

@@ -10,7 +10,7 @@ use crate::checkpointing::{Checkpointer, Past};
 use crate::failure::PhysicsFailure;
 use crate::files::RunFiles;
 use crate::follower::{Ending, Follower, Verdict};
-use crate::ranks::{Decision, agree};
+use crate::ranks::{Decision, Next, next};
 use crate::resume::Resumed;
 use crate::schedule::{Action, Schedule};
 use crate::simulation::Simulation;
@@ -343,16 +343,13 @@ impl Follower for Recorder<'_> {
             stop: self.told_to_stop(),
             checkpoint: self.checkpoints.time_is_up(),
         };
-        let decided = agree(simulation, own)?;
-        // A request that comes with the last step changes nothing any more.
-        if step < self.total
-            && let Some(ending) = decided.stop
-        {
-            self.ending = ending;
-            return Ok(Verdict::Stop);
-        }
-        if self.schedule.does(Action::Checkpoint, step, measured) || decided.checkpoint {
-            self.checkpoint(simulation)?;
+        match next(simulation, &self.schedule, own)? {
+            Next::Stop(ending) => {
+                self.ending = ending;
+                return Ok(Verdict::Stop);
+            }
+            Next::Checkpoint => self.checkpoint(simulation)?,
+            Next::GoOn => {}
         }
         Ok(Verdict::Continue)
     }

@@ -71,11 +71,7 @@ type ChunkWork<'a> =
     dyn Fn(usize, &mut [DVec3], Option<&mut [PerParticle]>, Option<&mut ParticleSums>) + Sync + 'a;
 
 /// Exact sums over particles.
-#[derive(Default)]
-struct ParticleSums {
-    numbers: ExactSums<{ ChunkTotals::NUMBERS }>,
-    pairs: u64,
-}
+type ParticleSums = ExactSums<{ ChunkTotals::NUMBERS }>;
 
 /// Runs all chunks and returns their totals, where they are wanted. One instance serves all potentials, since the loop is
 /// short.
@@ -94,8 +90,7 @@ fn run_chunks(
         run(chunk, forces, each, Some(&mut mine));
         let mut sums: MutexGuard<'_, ParticleSums> =
             sums.lock().unwrap_or_else(PoisonError::into_inner);
-        sums.numbers.merge(mine.numbers);
-        sums.pairs += mine.pairs;
+        sums.merge(mine);
     };
     let serial = rayon::current_num_threads() == 1 || forces.len() <= PARTICLES_PER_CHUNK;
     match each {
@@ -117,7 +112,7 @@ fn run_chunks(
         return Totals::NOTHING;
     };
     let sums = sums.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Totals::of_both_ends(sums.numbers.values(), sums.pairs)
+    Totals::of_both_ends(sums.values())
 }
 
 impl<I: Interaction> CanonicalJob<'_, I> {
@@ -158,8 +153,7 @@ impl<I: Interaction> CanonicalJob<'_, I> {
                 }
             };
             if let Some(sums) = &mut sums {
-                sums.numbers.add(mine.numbers());
-                sums.pairs += mine.pairs;
+                sums.add(mine.numbers());
             }
             if let Some(each) = &mut each {
                 each[k] = (0.5 * mine.energy, 0.5 * mine.virial);

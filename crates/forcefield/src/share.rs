@@ -18,7 +18,7 @@ use glam::DVec3;
 use lennard_core::parallel::equal_parts;
 use lennard_core::tasks::map_tasks;
 use lennard_core::{HaloSize, Parcel, Team, TooManyRanks};
-use lennard_neighbor::{ATOMS_PER_CHUNK, columns_of};
+use lennard_neighbor::{ATOMS_PER_CHUNK, Partners, slots_of};
 
 use crate::simd::{MotionSummary, PairList, SomeRows};
 
@@ -41,8 +41,8 @@ pub struct Share {
     inner_and_outer: [Vec<u32>; 2],
     /// The rows of this rank, and the rows of its halo.
     rows: [RowRuns; 2],
-    /// The columns of the sort with slots of this rank, along x and y.
-    columns: [Vec<bool>; 2],
+    /// The slots of this rank, as partners of far movers.
+    partners: Partners,
     /// Whether a force of this rank is not finite since all ranks asked last.
     broken: AtomicBool,
     buffers: Mutex<Buffers>,
@@ -87,7 +87,7 @@ impl Share {
             is_outer: Vec::new(),
             inner_and_outer: Default::default(),
             rows: Default::default(),
-            columns: Default::default(),
+            partners: Partners::default(),
             broken: AtomicBool::new(false),
             buffers: Mutex::default(),
         })
@@ -130,9 +130,9 @@ impl Share {
         SomeRows { slots, ghosts }
     }
 
-    /// The columns of the sort with slots of this rank, along x and y.
-    pub fn columns(&self) -> &[Vec<bool>; 2] {
-        &self.columns
+    /// The slots of this rank, as partners of far movers.
+    pub fn partners(&self) -> &Partners {
+        &self.partners
     }
 
     /// Memory that is used again.
@@ -156,16 +156,16 @@ impl Share {
         let (own, first) = (self.own(), self.chunks.start);
         let n = self.numbers.len();
         let is_named: Vec<AtomicBool> = (0..n).map(|_| AtomicBool::new(false)).collect();
-        let outside = list.outside_before(&own);
+        let name_beyond = list.beyond(&own);
         self.is_outer = map_tasks(self.chunks.len(), |(): &mut (), chunk| {
             let mut is_outer = false;
-            list.for_each_beyond(&own, &outside, first + chunk, |slot| {
+            name_beyond(first + chunk, &mut |slot| {
                 is_outer = true;
                 is_named[slot as usize].store(true, Ordering::Relaxed);
             });
             is_outer
         });
-        self.columns = columns_of(list.cells(), own.start as u32..own.end as u32);
+        self.partners = Partners::new(list.cells(), own.start as u32..own.end as u32);
         let is_named = |slot: &usize| is_named[*slot].load(Ordering::Relaxed);
         let named = |slots: &Range<usize>| slots.clone().filter(is_named).map(|slot| slot as u32);
         self.wanted = self.slots.iter().map(|s| named(s).collect()).collect();
@@ -197,7 +197,7 @@ impl Share {
         let me = self.team.rank();
         for [a, b] in pairs {
             for (own, other) in [(*a, *b), (*b, *a)] {
-                let (rank, rank_of_other) = (self.rank_of(own), self.rank_of(other));
+                let [rank, rank_of_other] = [own, other].map(|slot| rank_of(&self.slots, slot));
                 if rank == rank_of_other {
                     continue;
                 }
@@ -214,11 +214,6 @@ impl Share {
             }
         }
         self.sort_chunks();
-    }
-
-    fn rank_of(&self, slot: u32) -> usize {
-        self.slots
-            .partition_point(|range| range.end <= slot as usize)
     }
 
     fn sort_chunks(&mut self) {
@@ -331,11 +326,13 @@ pub fn most_ranks(n: usize) -> usize {
     n.div_ceil(ATOMS_PER_CHUNK)
 }
 
-/// The slots of some chunks of `n` particles.
-fn slots_of(chunks: &Range<usize>, n: usize) -> Range<usize> {
-    chunks.start * ATOMS_PER_CHUNK..(chunks.end * ATOMS_PER_CHUNK).min(n)
+/// The rank of a slot, where each rank has a range of them.
+fn rank_of(slots: &[Range<usize>], slot: u32) -> usize {
+    slots.partition_point(|range| range.end <= slot as usize)
 }
 
+/// Bytes of each particle in the buffers of a rank: its number, its force by slot, and a vector of it that is gathered.
+const BUFFER_BYTES: f64 = (size_of::<u32>() + 2 * size_of::<DVec3>()) as f64;
 /// Ranks whose halos are counted, at most; halos of many ranks are much alike.
 const COUNTED: usize = 8;
 
@@ -346,30 +343,34 @@ pub fn halo_on<P: PairList>(list: &P, n: usize, ranks: usize) -> Option<HaloSize
         return None;
     }
     let shares = equal_parts(chunks, ranks);
-    let rank_of = |slot: usize| shares.partition_point(|s| s.end * ATOMS_PER_CHUNK <= slot);
+    let slots: Vec<Range<usize>> = shares.iter().map(|chunks| slots_of(chunks, n)).collect();
     let counted = ranks.min(COUNTED);
     let mut named_by = vec![0; n];
     let mut sum = HaloSize::default();
     for k in 0..counted {
         let rank = k * ranks / counted;
-        let own = slots_of(&shares[rank], n);
-        let outside = list.outside_before(&own);
+        let name_beyond = list.beyond(&slots[rank]);
         let mut is_partner = vec![false; ranks];
         for chunk in shares[rank].clone() {
-            list.for_each_beyond(&own, &outside, chunk, |slot| {
+            name_beyond(chunk, &mut |slot| {
                 let last = std::mem::replace(&mut named_by[slot as usize], k + 1);
                 if last != k + 1 {
                     sum.particles += 1.0;
-                    is_partner[rank_of(slot as usize)] = true;
+                    is_partner[rank_of(&slots, slot)] = true;
                 }
             });
         }
         sum.partners += is_partner.iter().filter(|is| **is).count() as f64;
     }
+    let particles = sum.particles / counted as f64;
     Some(HaloSize {
-        particles: sum.particles / counted as f64,
+        particles,
         partners: sum.partners / counted as f64,
         lists: list.list_bytes() as f64 / ranks as f64,
+        buffers: match ranks {
+            1 => 0.0,
+            _ => BUFFER_BYTES * n as f64 + 2.0 * size_of::<DVec3>() as f64 * particles,
+        },
     })
 }
 

@@ -55,24 +55,26 @@ impl Totals {
     /// The sum over a chunk has the order of its list, which no cut into tasks changes. The exact sum begins here.
     /// With a team, each rank has some of the chunks.
     pub fn of_chunks(chunks: &[ChunkTotals], team: Option<&Team>) -> Self {
-        let sums = exact_sum_over(team, chunks.len(), |c| chunks[c].numbers());
-        let mut pairs = [chunks.iter().map(|chunk| chunk.pairs as i64).sum()];
-        if let Some(team) = team {
-            team.sum(&mut pairs);
-        }
-        Self::of_both_ends(sums, pairs[0] as u64)
+        Self::of_both_ends(exact_sum_over(team, chunks.len(), |c| chunks[c].numbers()))
     }
 
-    /// The totals where [`ChunkTotals::numbers`] and the number of pairs are summed over both ends of every pair.
-    pub fn of_both_ends(sums: [f64; ChunkTotals::NUMBERS], pairs: u64) -> Self {
-        let [energy, virial_trace, laplacian, at_cutoff, virial @ ..] = sums;
+    /// The totals where [`ChunkTotals::numbers`] are summed over both ends of every pair.
+    pub fn of_both_ends(sums: [f64; ChunkTotals::NUMBERS]) -> Self {
+        let [
+            energy,
+            virial_trace,
+            laplacian,
+            at_cutoff,
+            pairs,
+            virial @ ..,
+        ] = sums;
         Self {
             energy: 0.5 * energy,
             virial_trace: 0.5 * virial_trace,
             virial: 0.5 * DMat3::from_cols_array(&virial),
             laplacian,
             at_cutoff: 0.5 * at_cutoff,
-            pairs: pairs / 2,
+            pairs: pairs as u64 / 2,
         }
     }
 

@@ -277,8 +277,7 @@ impl ListValidity {
             built: &self.built,
             packed: None,
             largest2,
-            partners: own.start as u32..own.end as u32,
-            columns: Some(share.columns()),
+            partners: Some(share.partners()),
         };
         let inner = build.inner();
         let found = unlisted_pairs(&build.cell, build.r_list, inner, displacements, &far);
@@ -307,8 +306,7 @@ impl ListValidity {
             built: &self.built,
             packed,
             largest2: summary.largest2,
-            partners: 0..self.built.len() as u32,
-            columns: None,
+            partners: None,
         };
         let mut unlisted = unlisted_pairs(
             &build.cell,

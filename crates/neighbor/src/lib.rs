@@ -13,6 +13,7 @@
 
 mod brute;
 mod clusters;
+mod kept;
 mod room;
 mod rows;
 pub mod skin;
@@ -26,6 +27,7 @@ pub use clusters::{
     ClusterScanner, ENTRY_SCALE, ExcludedEntries, FIRST_HALF, GroupBounds, GroupCandidates, Reach,
     SECOND_HALF, ScalarClusterScanner, Span, THEMSELVES, cluster_center,
 };
+pub use kept::slots_of;
 pub use rows::{
     ATOMS_PER_CHUNK, Candidates, Center, Entries, Images, ListChunk, NeighborList, Numbering,
     RowScanner, ScalarScanner,
@@ -35,6 +37,6 @@ pub use sort::{
     RowCoordinates, RowTable, to_fixed,
 };
 pub use unlisted::{
-    DisplacementScale, Displacements, PackedDisplacement, columns_of, unlisted_pairs,
+    DisplacementScale, Displacements, PackedDisplacement, Partners, unlisted_pairs,
 };
 pub use validity::{Criterion, LARGE_SYSTEM, Validity};

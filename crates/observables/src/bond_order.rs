@@ -169,15 +169,17 @@ impl BondOrder {
     }
 }
 
+/// Bytes that [`solid_share`] takes for each particle: its moments, its neighbors, and its place in a cell.
+pub const SOLID_SHARE_BYTES: usize = 340;
+
 /// The share of solid-like particles in a configuration, by the rule of ten Wolde, Ruiz-Montero and Frenkel (1996).
 ///
 /// Neighbors are particles up to 1.42·ρ^{−1/3}. A crystal at rest has 1, a dense liquid some hundredths.
 #[must_use]
 pub fn solid_share(cell: &PeriodicBox, positions: &[DVec3]) -> f64 {
-    let orders = [Harmonics::new(4), Harmonics::new(6)];
-    let [four, six] = &orders;
+    let six = Harmonics::new(6);
     let reach = usual_reach(cell, positions.len());
-    let bonds = Bonds::new([four, six], cell, positions, reach);
+    let bonds = Bonds::new([&six], cell, positions, reach);
     bonds.solid(TEN_WOLDE) as f64 / positions.len().max(1) as f64
 }
 

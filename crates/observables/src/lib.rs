@@ -48,7 +48,7 @@ mod wall_pressure;
 mod wave_vectors;
 
 pub use blocks::BlockedSums;
-pub use bond_order::{BondOrder, BondOrderOptions, solid_share};
+pub use bond_order::{BondOrder, BondOrderOptions, SOLID_SHARE_BYTES, solid_share};
 pub use catalog::{ObservableOptions, build, observables};
 pub use changing_box::ChangingBox;
 pub use chemical_potential::{

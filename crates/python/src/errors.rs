@@ -56,7 +56,7 @@ pub fn of_engine(error: EngineError, from_file: bool) -> PyErr {
         EngineError::Configuration(_) => with_message("ConfigurationError", &error),
         EngineError::Folder(_) => with_message("FolderError", &error),
         EngineError::Resume(_) => with_message("CheckpointError", &error),
-        EngineError::Ranks(_) => PyRuntimeError::new_err(error.to_string()),
+        EngineError::Ranks(_) | EngineError::Nodes(_) => PyRuntimeError::new_err(error.to_string()),
     }
 }
 

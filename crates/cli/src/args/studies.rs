@@ -32,11 +32,13 @@ fn latency(text: &str) -> Result<Duration, String> {
     super::time(text, "2us or 500ns")
 }
 
+/// Units of a rate, in bytes per second.
+pub const RATES: [(&str, f64); 4] = [("GB/s", 1e9), ("MB/s", 1e6), ("kB/s", 1e3), ("B/s", 1.0)];
+
 /// Bytes per second: a number with a unit.
 fn bandwidth(text: &str) -> Result<f64, String> {
-    const UNITS: [(&str, f64); 4] = [("GB/s", 1e9), ("MB/s", 1e6), ("kB/s", 1e3), ("B/s", 1.0)];
     let wanted = || "wanted a rate above zero, such as 25GB/s, 800MB/s or 100kB/s".to_owned();
-    let unit = UNITS.iter().find(|(name, _)| text.ends_with(name));
+    let unit = RATES.iter().find(|(name, _)| text.ends_with(name));
     let (name, unit) = unit.ok_or_else(wanted)?;
     let number = text[..text.len() - name.len()].trim();
     let rate = number.parse::<f64>().map_or(f64::NAN, |x| x * unit);

@@ -4,7 +4,7 @@ use lennard_engine::Network;
 
 use crate::args::PlanArgs;
 use crate::commands::{load_locked, on_threads, print_json, threads_with};
-use crate::failure::{DONE, Failure, INPUT};
+use crate::failure::{DONE, Failure};
 use crate::show;
 
 /// Prints what a scene computes, what it leaves out and why, its memory and about how long it takes.
@@ -17,15 +17,9 @@ pub fn plan(args: &PlanArgs) -> Result<u8, Failure> {
         latency: args.latency.as_secs_f64(),
         bandwidth: args.bandwidth,
     });
-    let sizes = network.map_or(Vec::new(), |network| network.sizes());
-    let mut plan = on_threads(threads, || {
-        Ok(lennard_engine::plan(&mut simulation, threads, &sizes)?)
+    let plan = on_threads(threads, || {
+        Ok(lennard_engine::plan(&mut simulation, threads, network)?)
     })?;
-    if let Some(network) = network {
-        plan = plan
-            .on(network)
-            .map_err(|e| Failure::new("planning for several machines", e, INPUT))?;
-    }
     if args.scene.json {
         print_json(&plan)?;
     } else {

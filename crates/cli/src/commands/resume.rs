@@ -46,20 +46,16 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
             |_| Some(loading()),
         )
     };
-    let threads = |n: usize| ranks::threads(team, args.threads, |asked| threads(asked, n));
-    if let Some(team) = team.filter(|team| !team.leads()) {
-        ranks::together(Some(team), Ok(()))?;
-        let mut resumed = ranks::together(Some(team), resume())?;
-        let threads = threads(resumed.simulation.state.len());
-        ranks::share(Some(team), &mut resumed.simulation)?;
-        signals.under_way();
-        return ranks::beside(team, &mut resumed.simulation, threads, &signals);
-    }
-    let folder = ranks::together(team, claim())?;
+    let folder = ranks::made_by_first(team, claim)?;
     let mut resumed = ranks::together(team, resume())?;
     let quiet = args.control.quiet || args.json;
-    let threads = threads(resumed.simulation.state.len());
+    let threads = ranks::threads(team, args.threads, |asked| {
+        threads(asked, resumed.simulation.state.len())
+    });
     ranks::share(team, &mut resumed.simulation)?;
+    let Some(folder) = folder else {
+        return ranks::beside(team, &mut resumed.simulation, threads, &signals);
+    };
     let simulation = &resumed.simulation;
     let (step, total) = (simulation.state.step, simulation.scene.total_steps());
     if !quiet {

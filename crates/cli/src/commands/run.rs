@@ -41,16 +41,16 @@ pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
         threads_with(asked, lock.as_ref(), simulation.state.len())
     });
     ranks::share(team, &mut simulation)?;
-    if let Some(team) = team.filter(|team| !team.leads()) {
-        ranks::together(Some(team), Ok(()))?;
-        return ranks::beside(team, &mut simulation, threads, &signals);
-    }
     let name = &simulation.scene.name;
-    let claimed = signals.claim(
-        || output_folder(args.out.as_deref(), replace_if(args.force), name),
-        |_| Some(nothing().leaving(Leave::WithoutTheRun)),
-    );
-    let folder = ranks::together(team, claimed)?;
+    let claim = || {
+        signals.claim(
+            || output_folder(args.out.as_deref(), replace_if(args.force), name),
+            |_| Some(nothing().leaving(Leave::WithoutTheRun)),
+        )
+    };
+    let Some(folder) = ranks::made_by_first(team, claim)? else {
+        return ranks::beside(team, &mut simulation, threads, &signals);
+    };
     if !quiet {
         show::header(&simulation, threads, folder.path());
         if let Some(lock) = &lock {

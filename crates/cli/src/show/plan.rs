@@ -4,6 +4,7 @@ use lennard_core::{Cell, Table};
 use lennard_engine::{Nodes, Plan, PlanItem};
 
 use super::{bytes, duration, table};
+use crate::args::RATES;
 
 /// Parts with a smaller share than this are printed together.
 const SMALL_SHARE: f64 = 0.02;
@@ -43,7 +44,9 @@ pub fn plan(plan: &Plan, verbose: bool) {
     );
     if let Some(nodes) = &plan.nodes {
         println!("{}", table(&of_nodes(nodes)));
-        println!("  {}", in_words(nodes));
+        for line in in_words(nodes) {
+            println!("  {line}");
+        }
     }
 }
 
@@ -67,20 +70,32 @@ fn of_nodes(nodes: &Nodes) -> Table {
 }
 
 /// Where more machines stop paying, and what the numbers are.
-fn in_words(nodes: &Nodes) -> String {
-    let why = if nodes.ends_with_the_particles {
-        "for more there are too few particles: each machine takes 48 or more"
-    } else {
-        "with more, messages take more than half of the time"
+fn in_words(nodes: &Nodes) -> [String; 3] {
+    let why = match nodes.no_more_at {
+        None => "for more there are too few particles: each machine takes 48 or more".to_owned(),
+        Some(more) => format!("{more} machines spend more than half of their time on messages"),
     };
-    format!(
-        "more machines pay up to {} (efficiency {:.2}): {why}\n  \
-         predicted for `lennard-mpi` from the measured step, counted halos, {} and {:.3e} B/s; not measured",
-        nodes.pays_up_to,
-        nodes.efficiency_there,
+    let (latency, rate) = (
         duration(nodes.network.latency),
-        nodes.network.bandwidth
-    )
+        rate(nodes.network.bandwidth),
+    );
+    [
+        format!(
+            "more machines pay up to {} (efficiency {:.2})",
+            nodes.pays_up_to, nodes.efficiency_there
+        ),
+        why,
+        format!(
+            "predicted for `lennard-mpi` by the measured step, counted halos, {latency} and {rate}; not measured"
+        ),
+    ]
+}
+
+/// A rate, bytes per second, as the command line takes it.
+fn rate(bytes: f64) -> String {
+    let unit = RATES.iter().find(|(_, unit)| bytes >= *unit);
+    let (name, unit) = unit.unwrap_or(&("B/s", 1.0));
+    format!("{} {name}", bytes / unit)
 }
 
 fn percent(share: f64) -> String {
@@ -147,6 +162,13 @@ mod tests {
     use super::*;
 
     #[test]
+    fn rates_are_shown_as_they_are_typed() {
+        for (bytes, shown) in [(25e9, "25 GB/s"), (1.5e6, "1.5 MB/s"), (0.5, "0.5 B/s")] {
+            assert_eq!(rate(bytes), shown);
+        }
+    }
+
+    #[test]
     fn the_largest_parts_have_a_line_and_the_others_are_counted() {
         let item = |part: &str, why: &str, share| PlanItem {
             part: part.into(),
@@ -183,7 +205,6 @@ mod tests {
             estimated_seconds: 1.0,
             lengths: DVec3::ONE,
             reach: 1.0,
-            one_node: lennard_engine::OneNode::default(),
             nodes: None,
         };
         assert_eq!(

@@ -4,20 +4,15 @@ use std::ffi::OsString;
 use std::fs;
 use std::path::Path;
 
-use lennard_core::{Team, team_of_threads};
+use lennard_core::team_of_threads;
 
 use crate::common::{root, succeed};
 
 /// The exit codes of all ranks.
 fn on_ranks(ranks: usize, arguments: &[&str]) -> Vec<u8> {
-    std::thread::scope(|scope| {
-        let start = |team: Team| {
-            let words = ["lennard-mpi"].into_iter().chain(arguments.iter().copied());
-            let words: Vec<OsString> = words.map(OsString::from).collect();
-            scope.spawn(move || lennard_cli::main_on_ranks(words, &team))
-        };
-        let running: Vec<_> = team_of_threads(ranks).into_iter().map(start).collect();
-        running.into_iter().map(|r| r.join().unwrap()).collect()
+    team_of_threads(ranks, |team| {
+        let words = ["lennard-mpi"].into_iter().chain(arguments.iter().copied());
+        lennard_cli::main_on_ranks(words.map(OsString::from), &team)
     })
 }
 

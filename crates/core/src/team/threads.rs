@@ -1,6 +1,7 @@
 //! A team of threads in one process: channels in the place of a network.
 
 use std::ops::Range;
+use std::panic::resume_unwind;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Mutex, PoisonError};
 
@@ -19,11 +20,24 @@ struct Channels {
     from: Vec<Mutex<Receiver<Message>>>,
 }
 
-/// The ranks of a team, each for a thread of its own: for tests, and to see what a team does.
+/// Does work on each rank of a team, which is a thread of its own: for tests, and to see what a team does.
 ///
-/// Where one of the threads panics, the others panic at their next message.
-#[must_use]
-pub fn team_of_threads(ranks: usize) -> Vec<Team> {
+/// # Panics
+/// Where the work panics on a rank: the others panic at their next message.
+pub fn team_of_threads<R: Send>(ranks: usize, work: impl Fn(Team) -> R + Sync) -> Vec<R> {
+    let work = &work;
+    std::thread::scope(|scope| {
+        let start = |team| scope.spawn(move || work(team));
+        let running: Vec<_> = teams(ranks).map(start).collect();
+        let joined = running.into_iter().map(|rank| rank.join());
+        joined
+            .map(|done| done.unwrap_or_else(|panic| resume_unwind(panic)))
+            .collect()
+    })
+}
+
+/// The team as each of its ranks sees it.
+fn teams(ranks: usize) -> impl Iterator<Item = Team> {
     let mut to: Vec<_> = (0..ranks).map(|_| Vec::new()).collect();
     let mut from: Vec<_> = (0..ranks).map(|_| Vec::new()).collect();
     for senders in &mut to {
@@ -35,8 +49,7 @@ pub fn team_of_threads(ranks: usize) -> Vec<Team> {
     }
     let ends = (0..).zip(to.into_iter().zip(from));
     let all = ends.map(|(rank, (to, from))| Channels { rank, to, from });
-    let team = |channels| Team::new(Box::new(channels));
-    all.map(team).collect()
+    all.map(|channels| Team::new(Box::new(channels)))
 }
 
 /// What a rank panics with whose team has lost a rank.

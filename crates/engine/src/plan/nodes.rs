@@ -20,8 +20,6 @@ const POSITION_BYTES: f64 = 24.0;
 const STATE_BYTES: f64 = 48.0;
 /// More nodes pay while a node spends at least this share of its time on its particles.
 const PAYS: f64 = 0.5;
-/// The numbers of nodes that are looked at end here: 3·2ᵏ.
-const MOST_DOUBLINGS: u32 = 20;
 
 /// Machines of one kind, and the network between them.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -35,12 +33,14 @@ pub struct Network {
 }
 
 impl Network {
-    /// The numbers of machines at which the model looks: 2ᵏ, 3·2ᵏ, and the number itself.
-    #[must_use]
-    pub fn sizes(&self) -> Vec<usize> {
-        let mut sizes: Vec<usize> = (0..=MOST_DOUBLINGS)
+    /// The numbers of machines at which the model looks, up to the most that have something to do: 2ᵏ, 3·2ᵏ, the number
+    /// itself and the most.
+    pub(super) fn sizes(&self, most: usize) -> Vec<usize> {
+        let doublings = 0..=most.max(1).ilog2();
+        let mut sizes: Vec<usize> = doublings
             .flat_map(|k| [1 << k, 3 << k])
-            .chain([self.nodes])
+            .chain([self.nodes, most])
+            .filter(|nodes| *nodes <= most)
             .collect();
         sizes.sort_unstable();
         sizes.dedup();
@@ -49,8 +49,8 @@ impl Network {
 }
 
 /// A fluid as one machine computes it, and what its parts would need of each other.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct OneNode {
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct OneNode {
     /// Number of particles.
     pub atoms: usize,
     /// Measured time of a step, seconds.
@@ -76,7 +76,7 @@ pub struct OnNodes {
     pub ghosts: f64,
     /// Machines that a machine gets positions from.
     pub partners: f64,
-    /// Bytes that each machine holds.
+    /// Bytes that the machine holds which writes the files; others hold less.
     pub bytes: f64,
     /// Seconds of a step for the particles of a machine.
     pub computing: f64,
@@ -101,12 +101,12 @@ pub struct Nodes {
     pub network: Network,
     /// The powers of two below the number of machines, and the number itself.
     pub steps: Vec<OnNodes>,
-    /// The largest number of machines, of the form 2ᵏ or 3·2ᵏ, that spend half of their time on particles.
+    /// The largest number of machines, of those looked at, that spend half of their time on particles.
     pub pays_up_to: usize,
     /// The efficiency at that number.
     pub efficiency_there: f64,
-    /// Whether more machines do not pay because there are too few particles to share out.
-    pub ends_with_the_particles: bool,
+    /// The next number that was looked at, which does not pay; none where there are too few particles for more machines.
+    pub no_more_at: Option<usize>,
 }
 
 /// Why a number of machines is impossible.
@@ -153,15 +153,15 @@ impl OneNode {
         let steps = steps.chain([last]).collect();
         let all = self.halos.iter().map(|(nodes, _)| *nodes);
         let all: Vec<OnNodes> = all.filter_map(|n| self.step(n, network)).collect();
-        let pays = all.iter().filter(|step| step.efficiency >= PAYS);
-        let pays = pays.max_by_key(|step| step.nodes);
-        let (pays_up_to, efficiency_there) = pays.map_or((1, 1.0), |s| (s.nodes, s.efficiency));
+        let pays = all.iter().rposition(|step| step.efficiency >= PAYS);
+        // One machine has an efficiency of 1.
+        let pays = pays.unwrap_or(0);
         Ok(Nodes {
             network,
             steps,
-            pays_up_to,
-            efficiency_there,
-            ends_with_the_particles: all.iter().all(|step| step.nodes <= pays_up_to),
+            pays_up_to: all[pays].nodes,
+            efficiency_there: all[pays].efficiency,
+            no_more_at: all.get(pays + 1).map(|step| step.nodes),
         })
     }
 
@@ -182,7 +182,7 @@ impl OneNode {
             atoms: self.atoms as f64 / nodes as f64,
             ghosts: size.particles,
             partners: size.partners,
-            bytes: self.bytes as f64 - size.lists * (nodes as f64 - 1.0),
+            bytes: self.bytes as f64 - size.lists * (nodes as f64 - 1.0) + size.buffers,
             computing,
             halo,
             gathering,
@@ -210,17 +210,16 @@ mod tests {
             },
             partners: [0.0, 1.0, 2.0][ranks.min(3) - 1],
             lists: 300.0 * atoms as f64 / ranks as f64,
+            buffers: match ranks {
+                1 => 0.0,
+                _ => 50.0 * atoms as f64,
+            },
         };
-        let sizes = Network {
-            nodes: 1000,
-            ..FAST
-        }
-        .sizes()
-        .into_iter();
+        let sizes = FAST.sizes(most).into_iter();
         OneNode {
             atoms,
             seconds_per_step,
-            halos: sizes.filter(|n| *n <= most).map(|n| (n, halo(n))).collect(),
+            halos: sizes.map(|n| (n, halo(n))).collect(),
             most,
             gathers: 0.1,
             bytes: 600 * atoms as u64,
@@ -254,8 +253,8 @@ mod tests {
         let expected = 0.1 / 8.0 + halo + gathering + 3.0 * 2e-6;
         assert!((step.seconds_per_step - expected).abs() < 1e-15);
         assert!((step.efficiency - 0.1 / (8.0 * expected)).abs() < 1e-12);
-        // Of 600 bytes for each particle, half are lists, which eight share out.
-        assert!((step.bytes / 1e6 - 337.5).abs() < 1e-9);
+        // Of 600 bytes for each particle, half are lists, which eight share out. Sharing takes 50 more.
+        assert!((step.bytes / 1e6 - 387.5).abs() < 1e-9);
         let slow = Network {
             bandwidth: 1e8,
             ..FAST
@@ -264,11 +263,54 @@ mod tests {
     }
 
     #[test]
+    fn the_model_at_work_is_as_the_documents_say() {
+        let text = include_str!("../../../../docs/cluster.md");
+        let cells = |row: &str| -> Vec<String> {
+            let cells = row.trim_matches('|').split('|');
+            cells.map(|cell| cell.trim().to_owned()).collect()
+        };
+        let mut without = Vec::new();
+        for (atoms, name) in [
+            (1_000_000, "10⁶"),
+            (10_000_000, "10⁷"),
+            (100_000_000, "10⁸"),
+        ] {
+            // 60 ns on each of 64 cores; a list lasts 12 steps, and rows come every 100.
+            let one = OneNode {
+                gathers: 1.0 / 12.0 + 1.5 / 100.0,
+                ..liquid(atoms, 60e-9 / 64.0 * atoms as f64)
+            };
+            let efficiency = |n: usize| format!("{:.2}", one.step(n, FAST).unwrap().efficiency);
+            let row = text
+                .lines()
+                .find(|line| line.starts_with(&format!("| {name} |")));
+            let found = [2, 4, 8, 16].map(efficiency);
+            assert_eq!(cells(row.unwrap())[1..], found, "{name}");
+            let lists_last = OneNode {
+                gathers: 0.0,
+                ..one
+            };
+            let efficiency = lists_last.step(8, FAST).unwrap().efficiency;
+            without.push(format!("{efficiency:.2}"));
+        }
+        let [a, b, c] = &without[..] else {
+            panic!("three rows")
+        };
+        let words = format!("8 machines would have {a}, {b} and {c}.");
+        assert!(text.contains(&words), "{words}");
+    }
+
+    #[test]
     fn more_machines_pay_up_to_a_number_and_particles_have_an_end() {
         // 60 ns for each particle and step on one core, and 64 cores.
         let nodes = liquid(10_000_000, 0.6 / 64.0).on(FAST).unwrap();
         assert!(nodes.pays_up_to > 1 && nodes.pays_up_to < 1000, "{nodes:?}");
-        assert!(nodes.efficiency_there >= 0.5 && !nodes.ends_with_the_particles);
+        assert!(nodes.efficiency_there >= 0.5);
+        let more = FAST
+            .sizes(usize::MAX)
+            .into_iter()
+            .find(|n| *n > nodes.pays_up_to);
+        assert_eq!(nodes.no_more_at, more);
         let last = nodes.steps.last().unwrap();
         assert!(last.nodes == 1000 && last.efficiency < 0.5);
         let all = nodes.steps.windows(2);
@@ -287,7 +329,8 @@ mod tests {
             latency: 0.0,
             bandwidth: 1e20,
         };
-        assert!(small.on(slow).unwrap().ends_with_the_particles);
+        let nodes = small.on(slow).unwrap();
+        assert_eq!((nodes.pays_up_to, nodes.no_more_at), (18, None));
         let alone = OneNode {
             halos: Vec::new(),
             ..small

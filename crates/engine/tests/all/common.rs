@@ -1,7 +1,39 @@
 //! Scenes of the tests, and runs of them.
 
-use lennard_engine::{Simulation, Unfollowed, prepare};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use lennard_engine::{Progress, Simulation, Unfollowed, prepare};
 use lennard_scene::{Scene, SceneError};
+
+/// A dense fluid of dumbbells, the force shifted to zero at the cutoff.
+pub(crate) const DUMBBELLS: &str = r#"
+    [system]
+    lattice = "fcc"
+    n_molecules = 108
+    density = 0.4
+    temperature = 2.0
+    seed = 5
+    [molecule]
+    bond_length = 0.67
+    [truncation]
+    kind = "force-shift"
+    r_cut = 2.5
+    [integrator]
+    dt = 0.002
+    [[stage]]
+    name = "production"
+    steps = 100
+    [output]
+    thermo_every = 10
+    [[observable]]
+    kind = "molecules"
+    [[observable]]
+    kind = "rdf"
+    every = 10
+"#;
 
 /// The scene that a text and overrides make.
 pub(crate) fn parse(text: &str, overrides: &[(&str, &str)]) -> Result<Scene, SceneError> {
@@ -40,4 +72,42 @@ pub(crate) fn bits(simulation: &Simulation) -> Vec<[u64; 3]> {
 pub(crate) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     pool.build().unwrap().install(work)
+}
+
+/// Asks to stop once a step is done; several may be taken in one go.
+pub(crate) struct AskToStop<'a>(pub(crate) u64, pub(crate) &'a AtomicBool);
+
+impl Progress for AskToStop<'_> {
+    fn update(&mut self, _stage: &str, done: u64, _total: u64) {
+        if self.0 > 0 && done >= self.0 {
+            self.1.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// All files of a run by name: run.json without what depends on the clock, and of checkpoints what is asked for.
+pub(crate) fn contents(
+    folder: &Path,
+    of_checkpoint: impl Fn(&Path) -> Vec<u8>,
+) -> BTreeMap<String, Vec<u8>> {
+    let entry = |entry: fs::DirEntry| {
+        let name = entry.file_name().into_string().unwrap();
+        let path = entry.path();
+        if name.ends_with(".lennard") {
+            return (name, of_checkpoint(&path));
+        }
+        let mut bytes = fs::read(path).unwrap();
+        if name == "run.json" {
+            let mut record: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
+            for key in ["wall_s", "performance", "host"] {
+                record.as_object_mut().unwrap().remove(key).unwrap();
+            }
+            bytes = record.to_string().into_bytes();
+        }
+        (name, bytes)
+    };
+    fs::read_dir(folder)
+        .unwrap()
+        .map(|e| entry(e.unwrap()))
+        .collect()
 }

@@ -5,34 +5,7 @@ use lennard_core::{Configuration, DVec3, Part, PeriodicBox, Persist, StateArchiv
 use lennard_engine::{EngineError, Simulation, StopAt, Unfollowed, prepare};
 use lennard_scene::Scene;
 
-use crate::common::{self, bits, on_threads, prepared};
-
-/// A dense fluid of dumbbells, the force shifted to zero at the cutoff.
-const DUMBBELLS: &str = r#"
-    [system]
-    lattice = "fcc"
-    n_molecules = 108
-    density = 0.4
-    temperature = 2.0
-    seed = 5
-    [molecule]
-    bond_length = 0.67
-    [truncation]
-    kind = "force-shift"
-    r_cut = 2.5
-    [integrator]
-    dt = 0.002
-    [[stage]]
-    name = "production"
-    steps = 100
-    [output]
-    thermo_every = 10
-    [[observable]]
-    kind = "molecules"
-    [[observable]]
-    kind = "rdf"
-    every = 10
-"#;
+use crate::common::{self, DUMBBELLS, bits, on_threads, prepared};
 
 /// A rigid triangle, and a square ring with a tail, as overrides.
 const TRIANGLE: [(&str, &str); 6] = [

@@ -1,18 +1,17 @@
 //! Several ranks in one run: the same files as one process, whatever the number of ranks and threads.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use lennard_core::{Team, team_of_threads};
 use lennard_engine::{
-    Ending, EngineError, Progress, ResumeOptions, RunOptions, Simulation, go_on, prepare, resume,
-    run, run_beside,
+    Ending, EngineError, ResumeOptions, RunOptions, Simulation, go_on, prepare, resume, run,
+    run_beside,
 };
 use lennard_io::{Existing, create_named_folder};
 
-use crate::common;
+use crate::common::{self, AskToStop, DUMBBELLS};
 
 /// A liquid of few chunks, with rows, frames and checkpoints at odd places.
 const LIQUID: &str = r#"
@@ -46,17 +45,6 @@ const LIQUID: &str = r#"
     every = 40
 "#;
 
-/// Stops a run from outside once a step is done.
-struct StopAt<'a>(u64, &'a AtomicBool);
-
-impl Progress for StopAt<'_> {
-    fn update(&mut self, _stage: &str, done: u64, _total: u64) {
-        if self.0 > 0 && done >= self.0 {
-            self.1.store(true, Ordering::Relaxed);
-        }
-    }
-}
-
 /// A scene and its overrides.
 type Case<'a> = (&'a str, &'a [(&'a str, &'a str)]);
 
@@ -70,7 +58,7 @@ fn on_rank(case: Case<'_>, folder: &Path, until: u64, team: Option<&Team>) -> En
         assert!(!team.any(false));
     }
     let stop = AtomicBool::new(false);
-    let mut progress = StopAt(until, &stop);
+    let mut progress = AskToStop(until, &stop);
     let shared = |simulation: &mut Simulation| team.map_or(Ok(()), |team| simulation.share(team));
     if let Some(team) = team
         && !team.leads()
@@ -108,45 +96,25 @@ fn on_rank(case: Case<'_>, folder: &Path, until: u64, team: Option<&Team>) -> En
 
 /// The same on all ranks of a team of threads, each with a pool of its own.
 fn on_ranks(case: Case<'_>, folder: &Path, until: u64, [ranks, threads]: [usize; 2]) -> Vec<Ended> {
-    std::thread::scope(|scope| {
-        let start = |team: Team| {
-            let work = move || on_rank(case, folder, until, Some(&team));
-            scope.spawn(move || common::on_threads(threads, work))
-        };
-        let running: Vec<_> = team_of_threads(ranks).into_iter().map(start).collect();
-        running.into_iter().map(|r| r.join().unwrap()).collect()
+    team_of_threads(ranks, |team| {
+        common::on_threads(threads, || on_rank(case, folder, until, Some(&team)))
     })
 }
 
 /// Every file to the byte, without what a clock has measured.
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let entry = |entry: fs::DirEntry| {
-        let name = entry.file_name().into_string().unwrap();
-        let mut bytes = fs::read(entry.path()).unwrap();
-        if name == "run.json" {
-            let mut record: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
-            for key in ["wall_s", "performance", "host"] {
-                record.as_object_mut().unwrap().remove(key).unwrap();
-            }
-            bytes = record.to_string().into_bytes();
-        } else if name.ends_with(".lennard") {
-            let mut checkpoint = lennard_io::read_checkpoint(&entry.path()).unwrap();
-            let arrays = &mut checkpoint.archive.arrays;
-            let before = arrays.len();
-            arrays.retain(|name, _| !name.ends_with("seconds"));
-            assert_eq!(
-                before - arrays.len(),
-                2,
-                "clock times of the forces and of the run"
-            );
-            bytes = lennard_io::checkpoint_bytes(&checkpoint);
-        }
-        (name, bytes)
-    };
-    fs::read_dir(folder)
-        .unwrap()
-        .map(|e| entry(e.unwrap()))
-        .collect()
+    common::contents(folder, |path| {
+        let mut checkpoint = lennard_io::read_checkpoint(path).unwrap();
+        let arrays = &mut checkpoint.archive.arrays;
+        let before = arrays.len();
+        arrays.retain(|name, _| !name.ends_with("seconds"));
+        assert_eq!(
+            before - arrays.len(),
+            2,
+            "clock times of the forces and of the run"
+        );
+        lennard_io::checkpoint_bytes(&checkpoint)
+    })
 }
 
 fn same(expected: &Path, found: &Path, what: &str) {
@@ -235,36 +203,16 @@ fn more_kinds_of_fluids_have_the_bytes_of_one_process() {
     }
 }
 
-/// A dense fluid of rigid dumbbells.
-const DUMBBELLS: &str = r#"
-    [system]
-    lattice = "fcc"
-    n_molecules = 108
-    density = 0.4
-    temperature = 2.0
-    seed = 5
-    [molecule]
-    bond_length = 0.67
-    [truncation]
-    kind = "force-shift"
-    r_cut = 2.5
-    [integrator]
-    dt = 0.002
-    [[stage]]
-    name = "production"
-    steps = 300
-    thermostat = "bussi"
-    [output]
-    thermo_every = 10
-    [[observable]]
-    kind = "molecules"
-"#;
-
 #[test]
 fn dumbbells_have_the_bytes_of_one_process() {
     for precision in ["double", "mixed"] {
         for bonds in ["direct", "spring"] {
-            let overrides = [("kernel.precision", precision), ("bonds.method", bonds)];
+            let overrides = [
+                ("stage.production.steps", "300"),
+                ("stage.production.thermostat", "bussi"),
+                ("kernel.precision", precision),
+                ("bonds.method", bonds),
+            ];
             ranks_are_one_process((DUMBBELLS, &overrides), &[[2, 1], [3, 2]]);
         }
     }
@@ -291,18 +239,12 @@ fn a_failure_of_physics_is_met_by_all_ranks_and_one_of_them_tells_it() {
 #[test]
 fn ranks_that_cannot_run_together_are_told_apart() {
     let told = |overrides: [&[(&'static str, &'static str)]; 2]| -> Vec<String> {
-        std::thread::scope(|scope| {
-            let start = |team: Team| {
-                scope.spawn(move || {
-                    let of_rank = overrides[team.rank().min(1)];
-                    let mut simulation = prepare(common::scene(LIQUID, of_rank)).unwrap();
-                    let error = simulation.share(&team).unwrap_err();
-                    assert_eq!(error.exit_code(), 2);
-                    error.to_string()
-                })
-            };
-            let running: Vec<_> = team_of_threads(3).into_iter().map(start).collect();
-            running.into_iter().map(|r| r.join().unwrap()).collect()
+        team_of_threads(3, |team| {
+            let of_rank = overrides[team.rank().min(1)];
+            let mut simulation = prepare(common::scene(LIQUID, of_rank)).unwrap();
+            let error = simulation.share(&team).unwrap_err();
+            assert_eq!(error.exit_code(), 2);
+            error.to_string()
         })
     };
     for text in told([&[], &[("system.seed", "12")]]) {

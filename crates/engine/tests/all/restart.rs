@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use lennard_engine::{
-    Ending, Outcome, Progress, ResumeOptions, RunOptions, Simulation, go_on, prepare, resume, run,
+    Ending, Outcome, ResumeOptions, RunOptions, Simulation, go_on, prepare, resume, run,
 };
 use lennard_io::{Existing, create_named_folder};
 
-use crate::common;
+use crate::common::{self, AskToStop};
 
 /// A small liquid; short, since there are many of it.
 const LIQUID: &str = r#"
@@ -45,17 +45,6 @@ fn scene(overrides: &[(&str, &str)]) -> Option<Simulation> {
     prepare(scene).ok()
 }
 
-/// Asks to stop once a step is done; several may be taken in one go.
-struct StopAt<'a>(u64, &'a AtomicBool);
-
-impl Progress for StopAt<'_> {
-    fn update(&mut self, _stage: &str, done: u64, _total: u64) {
-        if self.0 > 0 && done >= self.0 {
-            self.1.store(true, Ordering::Relaxed);
-        }
-    }
-}
-
 /// Runs, or goes on, until a step.
 fn until(
     folder: &Path,
@@ -64,7 +53,7 @@ fn until(
     options: &ResumeOptions,
 ) -> Outcome {
     let stop = AtomicBool::new(false);
-    let progress = &mut StopAt(step, &stop);
+    let progress = &mut AskToStop(step, &stop);
     let held = &create_named_folder(folder, Existing::Keep).unwrap();
     let run_options = RunOptions {
         folder: held,
@@ -85,24 +74,7 @@ fn until(
 
 /// All files, run.json without what depends on the clock; checkpoints by their names alone.
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let entry = |entry: fs::DirEntry| {
-        let name = entry.file_name().into_string().unwrap();
-        let mut bytes = fs::read(entry.path()).unwrap();
-        if name == "run.json" {
-            let mut record: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
-            for key in ["wall_s", "performance", "host"] {
-                record.as_object_mut().unwrap().remove(key).unwrap();
-            }
-            bytes = record.to_string().into_bytes();
-        } else if name.ends_with(".lennard") {
-            bytes.clear();
-        }
-        (name, bytes)
-    };
-    fs::read_dir(folder)
-        .unwrap()
-        .map(|e| entry(e.unwrap()))
-        .collect()
+    common::contents(folder, |_| Vec::new())
 }
 
 fn same(whole: &Path, parts: &Path, what: &str) {

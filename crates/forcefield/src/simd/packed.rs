@@ -196,9 +196,6 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
         let few = are_few(evaluation.n) && evaluation.share.is_none();
         let copies = if few { rayon::current_num_threads() } else { 1 };
         self.0.resize_with(copies, Mutex::default);
-        if let Some(share) = evaluation.share {
-            return self.run_share(evaluation, share);
-        }
         if few {
             return self.run_few(evaluation);
         }
@@ -210,41 +207,10 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
         if status != ListStatus::Complete {
             return Outcome::without_sums(status);
         }
-        let (rows, next) = copy.for_chunks(evaluation);
-        let mut outcome = run_chunks(evaluation, evaluation.chunks, &|(), c| {
-            (evaluation.run)(rows, next.as_ref(), c)
-        });
-        outcome.status = status;
-        outcome
-    }
-
-    /// Packs the rows of this rank, judges the list with the other ranks, and runs the chunks of this rank.
-    fn run_share(&mut self, evaluation: &Evaluation<'_, Row>, share: &Share) -> Outcome {
-        let (mut copy, status) = match evaluation.request.prepared {
-            Prepared::Nothing => self.pack(0, By::All, evaluation),
-            Prepared::Packed => self.take_next(evaluation),
-            Prepared::Judged => (lock(&self.0[0]), ListStatus::Complete),
-        };
-        if status != ListStatus::Complete {
-            return Outcome::without_sums(status);
+        match evaluation.share {
+            None => copy.run(evaluation, evaluation.chunks, |c| c),
+            Some(share) => copy.run_share(evaluation, share),
         }
-        let run = |chunks: &[u32], copy: &mut PackedCopy<Row>| {
-            let (rows, next) = copy.for_chunks(evaluation);
-            run_chunks(evaluation, chunks.len(), &|(), k| {
-                (evaluation.run)(rows, next.as_ref(), chunks[k] as usize)
-            })
-        };
-        let [inner, outer] = share.inner_and_outer();
-        let mut first = Outcome::without_sums(status);
-        match evaluation.fetch {
-            Some(fetch) => fetch(&mut || first = run(inner, &mut copy)),
-            None => first = run(inner, &mut copy),
-        }
-        (evaluation.pack)(By::All, Which::Halo, &mut copy.rows, None);
-        let mut both = run(outer, &mut copy);
-        both.totals.append(&mut first.totals);
-        both.broken |= first.broken;
-        both
     }
 
     /// Each thread packs a copy of its own before its first chunk, and all threads come to the same judgment.
@@ -323,6 +289,35 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
     fn judge(&mut self, summary: &MotionSummary, evaluation: &Evaluation<'_, Row>) -> ListStatus {
         self.far = summary.far.len();
         (evaluation.judge)(summary, self.has_packed.then_some(&self.packed))
+    }
+
+    /// Runs so many chunks over the rows, where `chunk` gives the number of each.
+    fn run(
+        &mut self,
+        evaluation: &Evaluation<'_, Row>,
+        chunks: usize,
+        chunk: impl Fn(usize) -> usize + Sync,
+    ) -> Outcome {
+        let (rows, next) = self.for_chunks(evaluation);
+        run_chunks(evaluation, chunks, &|(), k| {
+            (evaluation.run)(rows, next.as_ref(), chunk(k))
+        })
+    }
+
+    /// Runs the chunks of this rank: the inner ones while the halo comes, and then the outer ones.
+    fn run_share(&mut self, evaluation: &Evaluation<'_, Row>, share: &Share) -> Outcome {
+        let [inner, outer] = share.inner_and_outer();
+        let mut first = Outcome::without_sums(ListStatus::Complete);
+        let mut run_inner = || first = self.run(evaluation, inner.len(), |k| inner[k] as usize);
+        match evaluation.fetch {
+            Some(fetch) => fetch(&mut run_inner),
+            None => run_inner(),
+        }
+        (evaluation.pack)(By::All, Which::Halo, &mut self.rows, None);
+        let mut both = self.run(evaluation, outer.len(), |k| outer[k] as usize);
+        both.totals.append(&mut first.totals);
+        both.broken |= first.broken;
+        both
     }
 
     /// The rows that chunks read, and the arrays that they write for the next step.

@@ -83,18 +83,8 @@ pub trait PairList: Sync {
     ) -> Self::Job<'_, I>;
     /// Keeps the lists of these chunks alone, in this build and in all later ones.
     fn keep(&mut self, chunks: Range<usize>);
-    /// Numbers that [`PairList::for_each_beyond`] needs, once for all chunks.
-    fn outside_before(&self, _own: &Range<usize>) -> Vec<u32> {
-        Vec::new()
-    }
-    /// Calls `name` with each slot outside `own` that the lists of a chunk name, as often as they do.
-    fn for_each_beyond(
-        &self,
-        own: &Range<usize>,
-        outside_before: &[u32],
-        chunk: usize,
-        name: impl FnMut(u32),
-    );
+    /// A function of a chunk, which calls its second argument with each slot outside `own` that its lists name, as often as they do.
+    fn beyond(&self, own: &Range<usize>) -> impl Fn(usize, &mut dyn FnMut(u32)) + Sync;
     /// The slot that each ghost repeats.
     fn slots_of_ghosts(&self) -> impl ExactSizeIterator<Item = u32>;
     /// Writes rows of some slots and ghosts, and packed displacements where given; summarizes the motion of the slots.
@@ -204,18 +194,8 @@ impl PairList for NeighborList {
         self.keep(chunks);
     }
 
-    fn outside_before(&self, own: &Range<usize>) -> Vec<u32> {
-        self.outside_before(own)
-    }
-
-    fn for_each_beyond(
-        &self,
-        own: &Range<usize>,
-        outside_before: &[u32],
-        chunk: usize,
-        name: impl FnMut(u32),
-    ) {
-        self.for_each_beyond(own, outside_before, chunk, name);
+    fn beyond(&self, own: &Range<usize>) -> impl Fn(usize, &mut dyn FnMut(u32)) + Sync {
+        self.beyond(own)
     }
 
     fn slots_of_ghosts(&self) -> impl ExactSizeIterator<Item = u32> {
@@ -320,14 +300,8 @@ impl PairList for ClusterList {
         self.keep(chunks);
     }
 
-    fn for_each_beyond(
-        &self,
-        own: &Range<usize>,
-        _outside_before: &[u32],
-        chunk: usize,
-        name: impl FnMut(u32),
-    ) {
-        self.for_each_beyond(own, chunk, name);
+    fn beyond(&self, own: &Range<usize>) -> impl Fn(usize, &mut dyn FnMut(u32)) + Sync {
+        self.beyond(own)
     }
 
     fn slots_of_ghosts(&self) -> impl ExactSizeIterator<Item = u32> {

@@ -47,10 +47,10 @@ impl ChunkTotals {
         broken: false,
     };
 
-    /// Numbers that are summed, besides counts.
-    pub const NUMBERS: usize = 13;
+    /// Numbers that are summed.
+    pub const NUMBERS: usize = 14;
 
-    /// Energy, trace of the virial, Laplacian, energy at the cutoff, and the components of the virial.
+    /// Energy, trace of the virial, Laplacian, energy at the cutoff, number of pairs, and the components of the virial.
     pub fn numbers(&self) -> [f64; Self::NUMBERS] {
         let [a, b, c, d, e, f, g, h, i] = self.virial.to_cols_array();
         [
@@ -58,6 +58,7 @@ impl ChunkTotals {
             self.virial_trace,
             self.laplacian,
             self.at_cutoff,
+            self.pairs as f64,
             a,
             b,
             c,

@@ -1,13 +1,17 @@
 //! Configurations and comparisons that the tests share.
 
 use lennard_core::{
-    Configuration, DVec3, Energetics, ForceError, ForceTerm, Part, PeriodicBox, Want,
+    BathStep, Configuration, DVec3, Energetics, ForceError, ForceTerm, Part, PeriodicBox, Persist,
+    RestoreError, StateReader, StateWriter, Thermostat, ThermostatSpec, Want,
 };
 use lennard_forcefield::{
     Conditions, ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, Mixture, Model,
     NeighborOptions, PairForces, PotentialOptions, Precision, SpeciesPair, Table, TablePath,
     TruncationKind, TruncationOptions, build,
 };
+
+/// The step of tests that move particles, τ.
+pub const DT: f64 = 0.004;
 
 /// Reproducible numbers in [0, 1): Weyl's sequence, with one irrational number per axis.
 pub fn scatter(n: usize, lengths: DVec3, seed: f64) -> Vec<DVec3> {
@@ -39,7 +43,7 @@ pub fn conditions(cell: PeriodicBox, n_atoms: usize) -> Conditions<'static> {
         cell,
         n_atoms,
         temperature: 1.0,
-        dt: 0.004,
+        dt: DT,
         mixture: None,
     }
 }
@@ -270,4 +274,35 @@ pub fn in_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T
         .build()
         .unwrap()
         .install(work)
+}
+
+/// A bath whose factor shows each bit of the kinetic energy, and how often it has acted.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Sensitive {
+    pub every: u64,
+    pub acted: u64,
+}
+
+impl Persist for Sensitive {
+    fn save(&self, _to: &mut StateWriter<'_>) {}
+    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
+        Ok(())
+    }
+}
+
+impl Thermostat for Sensitive {
+    fn spec(&self) -> &'static ThermostatSpec {
+        unreachable!("no step asks")
+    }
+    fn acts_after(&self, step: u64) -> bool {
+        step.is_multiple_of(self.every)
+    }
+    fn factor(&mut self, at: BathStep) -> f64 {
+        self.acted += 1;
+        assert!(at.n_dof == 12.0 && at.dt == DT && at.step.is_multiple_of(self.every));
+        1.0 + 0.002 * ((at.kinetic * 1e9).fract() - 0.4 - 0.1 * (self.acted % 3) as f64)
+    }
+    fn copy(&self) -> Box<dyn Thermostat> {
+        Box::new(self.clone())
+    }
 }

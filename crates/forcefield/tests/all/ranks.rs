@@ -5,53 +5,17 @@ use std::ops::Range;
 use crate::common::*;
 use lennard_core::random::Streams;
 use lennard_core::{
-    Backend, BathStep, Configuration, DVec3, ForceTerm, FrictionAndNoise, FusedBath, FusedNoise,
-    FusedSteps, Masses, Parcel, Part, PeriodicBox, Persist, RestoreError, StateArchive,
-    StateReader, StateWriter, Team, Thermostat, ThermostatSpec, Want, Wire, team_of_threads,
+    Backend, Configuration, DVec3, ForceTerm, FrictionAndNoise, FusedBath, FusedNoise, FusedSteps,
+    Masses, Parcel, Part, PeriodicBox, Persist, StateArchive, Team, Want, Wire, team_of_threads,
 };
 use lennard_forcefield::{
     ForceFieldOptions, KernelOptions, Mixture, PairForces, Precision, SplitOptions, TruncationKind,
     TruncationOptions, build,
 };
 
-const DT: f64 = 0.004;
-
 /// Runs `work` on each rank of a team, each with so many threads.
 fn on_ranks<R: Send>(ranks: usize, threads: usize, work: impl Fn(&Team) -> R + Sync) -> Vec<R> {
-    std::thread::scope(|scope| {
-        let work = &work;
-        let start = |team: Team| scope.spawn(move || in_threads(threads, || work(&team)));
-        let running: Vec<_> = team_of_threads(ranks).into_iter().map(start).collect();
-        running.into_iter().map(|r| r.join().unwrap()).collect()
-    })
-}
-
-/// A bath whose factor shows each bit of the kinetic energy.
-#[derive(Clone)]
-struct Sensitive {
-    every: u64,
-}
-
-impl Persist for Sensitive {
-    fn save(&self, _to: &mut StateWriter<'_>) {}
-    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
-        Ok(())
-    }
-}
-
-impl Thermostat for Sensitive {
-    fn spec(&self) -> &'static ThermostatSpec {
-        unreachable!("no step asks")
-    }
-    fn acts_after(&self, step: u64) -> bool {
-        step.is_multiple_of(self.every)
-    }
-    fn factor(&mut self, at: BathStep) -> f64 {
-        1.0 + 0.002 * ((at.kinetic * 1e9).fract() - 0.5)
-    }
-    fn copy(&self) -> Box<dyn Thermostat> {
-        Box::new(self.clone())
-    }
+    team_of_threads(ranks, |team| in_threads(threads, || work(&team)))
 }
 
 /// What happens between two evaluations.
@@ -87,7 +51,7 @@ fn history(start: &Fluid, forces: &mut PairForces, kind: Kind, rounds: usize) ->
     let (mut positions, mut velocities) = (start.positions.clone(), start.velocities.clone());
     let masses = Masses::Uniform(1.5);
     let mut bath = match kind {
-        Kind::Bath(every) => Some(Sensitive { every }),
+        Kind::Bath(every) => Some(Sensitive { every, acted: 0 }),
         _ => None,
     };
     let noise = FrictionAndNoise {
@@ -404,13 +368,26 @@ fn a_halo_is_as_large_as_was_foreseen() {
             let want = Want::NOTHING;
             evaluate(&mut alone, start.cell, &start.positions, Part::All, want).unwrap();
             let foreseen = alone.halo_on(ranks).unwrap();
-            let halos = on_ranks(ranks, 1, |team| {
+            let found = on_ranks(ranks, 1, |team| {
                 let mut forces = fresh();
                 assert!(forces.share(team).unwrap());
                 evaluate(&mut forces, start.cell, &start.positions, Part::All, want).unwrap();
-                team.statistics().halo
+                [team.statistics().halo, forces.statistics().bytes as f64]
             });
-            let mean = halos.iter().sum::<f64>() / ranks as f64;
+            let mean_of = |k: usize| found.iter().map(|f| f[k]).sum::<f64>() / ranks as f64;
+            let mean = mean_of(0);
+            if ranks > 1 {
+                // The team holds the array in which vectors are gathered.
+                let gathered = (size_of::<DVec3>() * n) as f64;
+                let others = foreseen.lists * (ranks - 1) as f64;
+                let bytes = alone.statistics().bytes as f64 - others + foreseen.buffers - gathered;
+                println!("{kernel:?} {ranks} {} {bytes} {foreseen:?}", mean_of(1));
+                assert!(
+                    (mean_of(1) / bytes - 1.0).abs() < 0.05,
+                    "{} {bytes}",
+                    mean_of(1)
+                );
+            }
             assert!(
                 (foreseen.particles - mean).abs() < 1e-9,
                 "{ranks}: {foreseen:?}, {mean}"

@@ -5,44 +5,11 @@ use lennard_core::random::Streams;
 use lennard_core::sweeps::{drift, kick, scale};
 use lennard_core::{
     Backend, BathStep, DVec3, ForceTerm, FrictionAndNoise, FusedBath, FusedNoise, FusedSteps,
-    Masses, Part, PeriodicBox, Persist, RestoreError, StateReader, StateWriter, Thermostat,
-    ThermostatSpec, Want,
+    Masses, Part, PeriodicBox, Thermostat, Want,
 };
 use lennard_forcefield::{ForceFieldOptions, PairForces, TruncationKind, TruncationOptions};
 
-const DT: f64 = 0.004;
 const MASS: f64 = 1.5;
-
-/// A bath whose factor shows each bit of the kinetic energy, and how often it has acted.
-#[derive(Clone, PartialEq, Debug)]
-struct Sensitive {
-    every: u64,
-    acted: u64,
-}
-
-impl Persist for Sensitive {
-    fn save(&self, _to: &mut StateWriter<'_>) {}
-    fn restore(&mut self, _from: &StateReader<'_>) -> Result<(), RestoreError> {
-        Ok(())
-    }
-}
-
-impl Thermostat for Sensitive {
-    fn spec(&self) -> &'static ThermostatSpec {
-        unreachable!("no step asks")
-    }
-    fn acts_after(&self, step: u64) -> bool {
-        step.is_multiple_of(self.every)
-    }
-    fn factor(&mut self, at: BathStep) -> f64 {
-        self.acted += 1;
-        assert!(at.n_dof == 12.0 && at.dt == DT && at.step.is_multiple_of(self.every));
-        1.0 + 0.002 * ((at.kinetic * 1e9).fract() - 0.4 - 0.1 * (self.acted % 3) as f64)
-    }
-    fn copy(&self) -> Box<dyn Thermostat> {
-        Box::new(self.clone())
-    }
-}
 
 #[derive(Clone, PartialEq, Debug)]
 struct Fluid {

@@ -22,6 +22,7 @@ use super::chunk::{ClusterBlocks, ClusterChunk};
 use super::format::{CLUSTER, Reach};
 use super::scan::ClusterScanner;
 use super::search::{Scratch, Search};
+use crate::kept::{Kept, slots_of};
 use crate::rows::ATOMS_PER_CHUNK;
 use crate::sort::{ColumnTable, GridError, Positions};
 
@@ -37,8 +38,7 @@ pub struct ClusterList {
     exclusions: Exclusions,
     /// The slot of each particle, `[N]`, where pairs are excluded.
     slot_of: Vec<u32>,
-    /// The chunks of this rank, where there are several ranks. All others stay empty.
-    own: Option<Range<usize>>,
+    kept: Kept,
 }
 
 impl ClusterList {
@@ -50,31 +50,26 @@ impl ClusterList {
 
     /// Keeps the lists of these chunks alone, in this build and in all later ones.
     pub fn keep(&mut self, own: Range<usize>) {
-        for (_, chunk) in self
-            .chunks
-            .iter_mut()
-            .enumerate()
-            .filter(|(c, _)| !own.contains(c))
-        {
-            *chunk = ClusterChunk::default();
-        }
-        self.own = Some(own);
+        self.kept = Kept::alone(own, &mut self.chunks);
     }
 
     /// The chunks whose lists are kept.
     #[must_use]
     pub fn own(&self) -> Range<usize> {
-        self.own.clone().unwrap_or(0..self.chunks.len())
+        self.kept.of(self.chunks.len())
     }
 
-    /// Calls `name` with each slot outside `own` that the lists of a chunk name, as often as they do.
-    pub fn for_each_beyond(&self, own: &Range<usize>, chunk: usize, name: impl FnMut(u32)) {
-        let chunk = &self.chunks[chunk];
-        let end = chunk.spans.last().map_or(0, |span| span.end as usize);
-        let named = chunk.blocks[..end].iter().flat_map(Block::slots);
-        named
-            .filter(|slot| !own.contains(&(*slot as usize)))
-            .for_each(name);
+    /// A function of a chunk, which calls `name` with each slot outside `own` that its lists name, as often as they do.
+    pub fn beyond(&self, own: &Range<usize>) -> impl Fn(usize, &mut dyn FnMut(u32)) + Sync {
+        let own = own.clone();
+        move |chunk, name| {
+            let chunk = &self.chunks[chunk];
+            let end = chunk.spans.last().map_or(0, |span| span.end as usize);
+            let named = chunk.blocks[..end].iter().flat_map(Block::slots);
+            named
+                .filter(|slot| !own.contains(&(*slot as usize)))
+                .for_each(name);
+        }
     }
 
     /// The sorted particles.
@@ -106,7 +101,7 @@ impl ClusterList {
     #[must_use]
     pub fn pairs(&self) -> u64 {
         let n = self.table.particle.len();
-        let own = self.own_slots();
+        let own = slots_of(&self.own(), n);
         let lists = self.chunks.iter().flat_map(ClusterChunk::lists);
         let of_cluster = |(first, list): (usize, ClusterBlocks<'_>)| -> u64 {
             (0..(n - first).min(CLUSTER))
@@ -119,12 +114,6 @@ impl ClusterList {
         let excluded = members.iter().map(|i| self.exclusions.of(*i).count());
         let not_pairs = members.len() + excluded.sum::<usize>();
         (lists.map(of_cluster).sum::<u64>() - not_pairs as u64) / 2
-    }
-
-    /// The slots of the chunks whose lists are kept.
-    fn own_slots(&self) -> Range<usize> {
-        let (own, n) = (self.own(), self.table.particle.len());
-        (own.start * ATOMS_PER_CHUNK).min(n)..(own.end * ATOMS_PER_CHUNK).min(n)
     }
 
     /// Number of bytes held.
@@ -163,7 +152,7 @@ impl ClusterList {
         }
         let exclusions = (&self.exclusions, &self.slot_of[..]);
         let search = Search::new(&self.table, cell, reach, scanner, exclusions);
-        let own = self.own.clone().unwrap_or(0..self.chunks.len());
+        let own = self.own();
         let chunks = self.chunks[own.clone()].iter_mut();
         for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
             let slots = part(own.start + c, ATOMS_PER_CHUNK, n);

@@ -9,6 +9,7 @@ use lennard_core::{Exclusions, PeriodicBox};
 use super::chunk::{ATOMS_PER_CHUNK, Entries, Images, ListChunk};
 use super::fill::{Filler, Scratch};
 use super::scan::RowScanner;
+use crate::kept::{Kept, slots_of};
 use crate::sort::{GridError, Positions, RowTable};
 
 /// A full Verlet list: for each particle, all particles within the list radius.
@@ -22,8 +23,7 @@ pub struct NeighborList {
     exclusions: Exclusions,
     table: RowTable,
     chunks: Vec<ListChunk>,
-    /// The chunks of this rank, where there are several ranks. All others stay empty.
-    own: Option<Range<usize>>,
+    kept: Kept,
 }
 
 impl NeighborList {
@@ -36,7 +36,7 @@ impl NeighborList {
             exclusions: Exclusions::NONE,
             table: RowTable::default(),
             chunks: Vec::new(),
-            own: None,
+            kept: Kept::default(),
         }
     }
 
@@ -48,26 +48,25 @@ impl NeighborList {
 
     /// Keeps the lists of these chunks alone, in this build and in all later ones.
     pub fn keep(&mut self, own: Range<usize>) {
-        for (_, chunk) in self
-            .chunks
-            .iter_mut()
-            .enumerate()
-            .filter(|(c, _)| !own.contains(c))
-        {
-            *chunk = ListChunk::default();
-        }
-        self.own = Some(own);
+        self.kept = Kept::alone(own, &mut self.chunks);
     }
 
     /// The chunks whose lists are kept.
     #[must_use]
     pub fn own(&self) -> Range<usize> {
-        self.own.clone().unwrap_or(0..self.chunks.len())
+        self.kept.of(self.chunks.len())
+    }
+
+    /// A function of a chunk, which calls `name` with each slot outside `own` that its lists name, as often as they do, by ghosts
+    /// too.
+    pub fn beyond(&self, own: &Range<usize>) -> impl Fn(usize, &mut dyn FnMut(u32)) + Sync {
+        let own = own.clone();
+        let outside_before = self.outside_before(&own);
+        move |chunk, name| self.name_beyond(&own, &outside_before, chunk, name)
     }
 
     /// For each row, and for the end, how many rows before it show a slot outside `own`.
-    #[must_use]
-    pub fn outside_before(&self, own: &Range<usize>) -> Vec<u32> {
+    fn outside_before(&self, own: &Range<usize>) -> Vec<u32> {
         let mut before = 0;
         let mut count = |slot: &u32| {
             let so_far = before;
@@ -79,15 +78,13 @@ impl NeighborList {
         all
     }
 
-    /// Calls `name` with each slot outside `own` that the lists of a chunk name, as often as they do, by ghosts too.
-    ///
-    /// `outside_before` is [`NeighborList::outside_before`] of `own`: most chunks need no look at their entries.
-    pub fn for_each_beyond(
+    /// [`NeighborList::beyond`] for one chunk, with [`NeighborList::outside_before`]: most chunks need no look at their entries.
+    fn name_beyond(
         &self,
         own: &Range<usize>,
         outside_before: &[u32],
         chunk: usize,
-        mut name: impl FnMut(u32),
+        name: &mut dyn FnMut(u32),
     ) {
         assert_eq!(self.images, Images::Ghosts, "entries number rows");
         let chunk = &self.chunks[chunk];
@@ -180,7 +177,7 @@ impl NeighborList {
             scanner,
             exclusions: self.exclusions,
         };
-        let own = self.own.clone().unwrap_or(0..self.chunks.len());
+        let own = self.own();
         let chunks = self.chunks[own.clone()].iter_mut();
         for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
             let slots = part(own.start + c, ATOMS_PER_CHUNK, n);
@@ -250,9 +247,10 @@ impl NeighborList {
     #[must_use]
     pub fn is_valid(&self) -> bool {
         let targets = self.targets() as u64;
-        let (own, n) = (self.own(), self.table.particle.len());
-        let mut slots = (own.start * ATOMS_PER_CHUNK).min(n);
-        for chunk in &self.chunks[own.clone()] {
+        let own = self.own();
+        let of_own = slots_of(&own, self.table.particle.len());
+        let mut slots = of_own.start;
+        for chunk in &self.chunks[own] {
             let padded = |count: &u32| (*count as usize).next_multiple_of(self.lanes);
             let used: usize = chunk.counts.iter().map(padded).sum();
             let fits = chunk.first_slot as usize == slots && used <= chunk.entries.len();
@@ -262,7 +260,7 @@ impl NeighborList {
             }
             slots += chunk.counts.len();
         }
-        slots == (own.end * ATOMS_PER_CHUNK).min(n)
+        slots == of_own.end
     }
 }
 

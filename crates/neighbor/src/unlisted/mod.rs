@@ -34,25 +34,39 @@ pub struct Displacements<'a, C, A> {
     pub packed: Option<&'a [PackedDisplacement]>,
     /// The largest |x − x⁰|², σ².
     pub largest2: f64,
-    /// The slots that a far mover may meet: all, or the slots of one rank, whose positions alone are asked for then.
-    pub partners: Range<u32>,
-    /// The columns that have partners, along x and y ([`columns_of`]); none where all have.
-    pub columns: Option<&'a [Vec<bool>; 2]>,
+    /// The slots that a far mover may meet; none where it may meet all. The positions of others are not asked for.
+    pub partners: Option<&'a Partners>,
 }
 
-/// The columns with some of these slots, along x and y: a column without is not in both.
-#[must_use]
-pub fn columns_of<C: Cells>(cells: &C, slots: Range<u32>) -> [Vec<bool>; 2] {
-    let [nx, ny, nz] = cells.count();
-    let mut columns = [vec![false; nx as usize], vec![false; ny as usize]];
-    for (x, y) in (0..nx).flat_map(|x| (0..ny).map(move |y| (x, y))) {
-        let found = cells.slots(x, y, [0, nz - 1]);
-        if found.start.max(slots.start) < found.end.min(slots.end) {
-            columns[0][x as usize] = true;
-            columns[1][y as usize] = true;
+/// The slots of one rank, as partners of far movers.
+#[derive(Debug, Clone, Default)]
+pub struct Partners {
+    slots: Range<u32>,
+    /// The columns with some of these slots, along x and y: a column without is not in both.
+    columns: [Vec<bool>; 2],
+}
+
+impl Partners {
+    /// Some slots of a sort.
+    #[must_use]
+    pub fn new<C: Cells>(cells: &C, slots: Range<u32>) -> Self {
+        let [nx, ny, nz] = cells.count();
+        let columns = [vec![false; nx as usize], vec![false; ny as usize]];
+        let mut partners = Self { slots, columns };
+        for (x, y) in (0..nx).flat_map(|x| (0..ny).map(move |y| (x, y))) {
+            if !partners.among(cells.slots(x, y, [0, nz - 1])).is_empty() {
+                partners.columns[0][x as usize] = true;
+                partners.columns[1][y as usize] = true;
+            }
         }
+        partners
     }
-    columns
+
+    /// Those that are among some slots.
+    fn among(&self, slots: Range<u32>) -> Range<u32> {
+        let start = slots.start.max(self.slots.start);
+        start..slots.end.min(self.slots.end).max(start)
+    }
 }
 
 impl<C: Cells, A: Fn(u32) -> DVec3> Displacements<'_, C, A> {
@@ -196,8 +210,10 @@ impl<C: Cells, A: Fn(u32) -> DVec3> Search<'_, C, A> {
             partners: {
                 let (x, y, z) = ahead.partners;
                 let slots = self.displacements.cells.slots(x, y, z);
-                let of = &self.displacements.partners;
-                slots.start.max(of.start)..slots.end.min(of.end)
+                match self.displacements.partners {
+                    None => slots,
+                    Some(partners) => partners.among(slots),
+                }
             },
         }));
         let mut look_at = |mover: u8, other: u32| {
@@ -241,8 +257,8 @@ impl<C: Cells, A: Fn(u32) -> DVec3> Search<'_, C, A> {
         let [x, y, z] = [axis(0), axis(1), axis(2)];
         let [nx, ny, nz] = self.count;
         let has = |axis: usize, column: u32| {
-            let columns = self.displacements.columns;
-            columns.is_none_or(|columns| columns[axis][column as usize])
+            let partners = self.displacements.partners;
+            partners.is_none_or(|partners| partners.columns[axis][column as usize])
         };
         for x in x.wrapped(nx).filter(|x| has(0, *x)) {
             for y in y.wrapped(ny).filter(|y| has(1, *y)) {
@@ -333,8 +349,7 @@ fn find_closer(
     } in slots
     {
         let of_mover = packed[movers[usize::from(*mover)].slot as usize];
-        let slots = partners.start as usize..partners.end as usize;
-        let of_partners = packed.get(slots).unwrap_or_default();
+        let of_partners = &packed[partners.start as usize..partners.end as usize];
         for (slot, other) in partners.clone().zip(of_partners) {
             if other.square > *below && of_mover.may_be_closer(*other) {
                 to.push((*mover, slot));

@@ -50,27 +50,25 @@ fn by_cells_of<C: Cells>(
         .map(|((slot, square), built)| scale.pack(at(slot) - *built, *square))
         .collect();
     let n = built.len() as u32;
-    let unlisted = |packed, partners: std::ops::Range<u32>| {
-        let columns = (partners != (0..n)).then(|| columns_of(cells, partners.clone()));
+    let unlisted = |packed, partners: Option<Partners>| {
         let displacements = Displacements {
             cells,
             at,
             built: &built,
             packed,
             largest2: squares.iter().copied().fold(0.0, f64::max),
-            columns: columns.as_ref(),
-            partners,
+            partners: partners.as_ref(),
         };
         unlisted_pairs(cell, radius, inner, displacements, &far)
     };
-    let found = unlisted(None, 0..n);
+    let found = unlisted(None, None);
     for packed in [None, Some(&packed[..])] {
-        assert_eq!(found, unlisted(packed, 0..n));
+        assert_eq!(found, unlisted(packed, None));
         // Ranks that own a range of slots each find all pairs together.
         let ends = [0, n / 3, n / 3, n / 2, n];
         let parts = ends
             .windows(2)
-            .map(|ends| unlisted(packed, ends[0]..ends[1]));
+            .map(|ends| unlisted(packed, Some(Partners::new(cells, ends[0]..ends[1]))));
         let mut together = parts.collect::<Vec<_>>().concat();
         together.sort_unstable();
         together.dedup();

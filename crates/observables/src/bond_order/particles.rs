@@ -29,25 +29,26 @@ pub(super) const TEN_WOLDE: SolidRule = SolidRule {
     bonds: 7,
 };
 
-/// Neighbors of all particles, with the moments of order 4 and 6 of their bonds.
-pub(super) struct Bonds<'a> {
-    pub orders: [&'a Harmonics; 2],
+/// Neighbors of all particles, with the moments of N orders of their bonds. The last order tells who is solid-like.
+pub(super) struct Bonds<'a, const N: usize> {
+    pub orders: [&'a Harmonics; N],
     /// The neighbors of each particle.
     pub neighbors: Vec<Vec<u32>>,
-    /// The mean over the bonds of each particle, of order 4 and of order 6; zero without neighbors.
-    pub moments: Vec<[Moments; 2]>,
+    /// The mean over the bonds of each particle, of each order; zero without neighbors.
+    pub moments: Vec<[Moments; N]>,
 }
 
-impl<'a> Bonds<'a> {
+impl<'a, const N: usize> Bonds<'a, N> {
     /// Looks at the neighbors up to `reach` σ, at most half the shortest side.
     pub(super) fn new(
-        orders: [&'a Harmonics; 2],
+        orders: [&'a Harmonics; N],
         cell: &PeriodicBox,
         positions: &[DVec3],
         reach: f64,
     ) -> Self {
         let numbered: Vec<(u32, DVec3)> = (0_u32..).zip(positions.iter().copied()).collect();
         let cells = Cells::new(&numbered, cell, reach);
+        drop(numbered);
         let of_particle = |i: usize| {
             let place = cell.wrap(positions[i]);
             let mut neighbors = Vec::new();
@@ -60,7 +61,7 @@ impl<'a> Bonds<'a> {
                     }
                 });
             }
-            let mut moments = [NOTHING; 2];
+            let mut moments = [NOTHING; N];
             for j in &neighbors {
                 let bond = cell.minimum_image(positions[*j as usize] - positions[i]);
                 for (harmonics, moments) in orders.iter().zip(&mut moments) {
@@ -70,10 +71,13 @@ impl<'a> Bonds<'a> {
             let share = 1.0 / neighbors.len().max(1) as f64;
             (neighbors, moments.map(|m| scaled(&m, share)))
         };
-        let all = parallel::map_ranges(positions.len(), |range| {
-            range.map(of_particle).collect::<Vec<_>>()
+        let mut neighbors = vec![Vec::new(); positions.len()];
+        let mut moments = vec![[NOTHING; N]; positions.len()];
+        parallel::for_each_piece_pair(&mut neighbors, &mut moments, |first, neighbors, moments| {
+            for (k, (neighbors, moments)) in neighbors.iter_mut().zip(moments).enumerate() {
+                (*neighbors, *moments) = of_particle(first + k);
+            }
         });
-        let (neighbors, moments) = all.into_iter().flatten().unzip();
         Self {
             orders,
             neighbors,
@@ -82,8 +86,8 @@ impl<'a> Bonds<'a> {
     }
 
     /// The mean moments over all bonds.
-    pub(super) fn of_all(&self) -> [Moments; 2] {
-        let mut sum = [NOTHING; 2];
+    pub(super) fn of_all(&self) -> [Moments; N] {
+        let mut sum = [NOTHING; N];
         let mut bonds = 0;
         for (neighbors, moments) in self.neighbors.iter().zip(&self.moments) {
             bonds += neighbors.len();
@@ -95,7 +99,7 @@ impl<'a> Bonds<'a> {
     }
 
     /// The moments of a particle averaged over itself and its neighbors.
-    pub(super) fn averaged(&self, i: usize) -> [Moments; 2] {
+    pub(super) fn averaged(&self, i: usize) -> [Moments; N] {
         let mut sum = self.moments[i];
         for j in &self.neighbors[i] {
             for (sum, other) in sum.iter_mut().zip(&self.moments[*j as usize]) {
@@ -108,13 +112,14 @@ impl<'a> Bonds<'a> {
 
     /// Whether a particle is solid-like.
     pub(super) fn is_solid(&self, i: usize, rule: SolidRule) -> bool {
-        let six = self.orders[1];
-        let size = |i: usize| six.product(&self.moments[i][1], &self.moments[i][1]).sqrt();
+        let order = self.orders[N - 1];
+        let product =
+            |i: usize, j: usize| order.product(&self.moments[i][N - 1], &self.moments[j][N - 1]);
+        let size = |i: usize| product(i, i).sqrt();
         let own = size(i);
         let in_order = |j: &&u32| {
             let j = **j as usize;
-            let product = six.product(&self.moments[i][1], &self.moments[j][1]);
-            product > rule.threshold * own * size(j)
+            product(i, j) > rule.threshold * own * size(j)
         };
         self.neighbors[i].iter().filter(in_order).count() >= rule.bonds
     }
