@@ -333,6 +333,8 @@ fn rank_of(slots: &[Range<usize>], slot: u32) -> usize {
 
 /// Bytes of each particle in the buffers of a rank: its number, its force by slot, and a vector of it that is gathered.
 const BUFFER_BYTES: f64 = (size_of::<u32>() + 2 * size_of::<DVec3>()) as f64;
+/// Bytes of each particle in the halo of a rank: the slot and the position, as the rank gets it and as it gives its own.
+const HALO_BYTES: f64 = 2.0 * (size_of::<u32>() + size_of::<DVec3>()) as f64;
 /// Ranks whose halos are counted, at most; halos of many ranks are much alike.
 const COUNTED: usize = 8;
 
@@ -369,7 +371,7 @@ pub fn halo_on<P: PairList>(list: &P, n: usize, ranks: usize) -> Option<HaloSize
         lists: list.list_bytes() as f64 / ranks as f64,
         buffers: match ranks {
             1 => 0.0,
-            _ => BUFFER_BYTES * n as f64 + 2.0 * size_of::<DVec3>() as f64 * particles,
+            _ => BUFFER_BYTES * n as f64 + HALO_BYTES * particles,
         },
     })
 }
