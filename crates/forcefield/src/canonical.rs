@@ -29,9 +29,7 @@ pub enum NeighborSource<'a> {
 }
 
 /// One evaluation.
-pub struct CanonicalJob<'a, I> {
-    /// The interaction.
-    pub interaction: I,
+pub struct CanonicalJob<'a> {
     /// The cutoff, σ.
     pub r_cut: f64,
     /// The box.
@@ -115,21 +113,23 @@ fn run_chunks(
     Totals::of_both_ends(sums.values())
 }
 
-impl<I: Interaction> CanonicalJob<'_, I> {
+impl CanonicalJob<'_> {
     /// Writes forces (and `each`); returns the totals that `detail` asks for.
-    pub fn run(
+    pub fn run<I: Interaction>(
         &self,
+        interaction: &I,
         detail: Detail,
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
     ) -> Totals {
         run_chunks(forces, each, detail, &|chunk, forces, each, sums| {
-            self.chunk(chunk, forces, each, sums);
+            self.chunk(interaction, chunk, forces, each, sums);
         })
     }
 
-    fn chunk(
+    fn chunk<I: Interaction>(
         &self,
+        interaction: &I,
         chunk: usize,
         forces: &mut [DVec3],
         mut each: Option<&mut [PerParticle]>,
@@ -142,15 +142,18 @@ impl<I: Interaction> CanonicalJob<'_, I> {
                 NeighborSource::AllBut(exclusions) => {
                     let others = (0..i).chain(i + 1..self.wrapped.len());
                     if exclusions.are_none() {
-                        self.particle(i, others, &mut mine)
+                        self.particle(interaction, i, others, &mut mine)
                     } else {
                         let others = others.filter(|j| !exclusions.exclude(i, *j));
-                        self.particle(i, others, &mut mine)
+                        self.particle(interaction, i, others, &mut mine)
                     }
                 }
-                NeighborSource::Listed(lists) => {
-                    self.particle(i, lists[i].iter().map(|j| *j as usize), &mut mine)
-                }
+                NeighborSource::Listed(lists) => self.particle(
+                    interaction,
+                    i,
+                    lists[i].iter().map(|j| *j as usize),
+                    &mut mine,
+                ),
             };
             if let Some(sums) = &mut sums {
                 sums.add(mine.numbers());
@@ -163,8 +166,9 @@ impl<I: Interaction> CanonicalJob<'_, I> {
 
     /// The force on particle `i` by its neighbors, ε/σ, whose other sums are added to `totals`.
     #[inline(always)]
-    fn particle(
+    fn particle<I: Interaction>(
         &self,
+        interaction: &I,
         i: usize,
         neighbors: impl Iterator<Item = usize>,
         totals: &mut ChunkTotals,
@@ -182,7 +186,7 @@ impl<I: Interaction> CanonicalJob<'_, I> {
             );
             let r2 = r_ij.length_squared();
             if r2 <= r_cut2
-                && let Some(pair) = self.interaction.between_in_epsilon(i, j, r2)
+                && let Some(pair) = interaction.between_in_epsilon(i, j, r2)
             {
                 let f_ij = pair.force * r_ij;
                 force += f_ij;
@@ -190,7 +194,7 @@ impl<I: Interaction> CanonicalJob<'_, I> {
                 totals.virial_trace += pair.force * r2;
                 totals.virial += outer(r_ij, f_ij);
                 totals.laplacian += pair.curvature - 2.0 * pair.force;
-                totals.at_cutoff += self.interaction.energy_at_cutoff(i, j);
+                totals.at_cutoff += interaction.energy_at_cutoff(i, j);
                 totals.pairs += 1;
             }
         }

@@ -7,11 +7,10 @@ use lennard_core::{ForceError, FusedBath, FusedSteps, Masses};
 use lennard_neighbor::Positions;
 
 use crate::clock::Clock;
-use crate::interaction::Interaction;
 use crate::share::Share;
 use crate::simd::{
-    Detail, Disjoint, KickDrift, ListStatus, Mover, PackedCopies, PairList, Prepared, Request,
-    SlotNoise, SlotState, are_few, by_slot, fused_step, to_particles,
+    Detail, Disjoint, KickDrift, ListStatus, LoopOver, Mover, PackedCopies, PairList, Prepared,
+    Request, SlotNoise, SlotState, are_few, by_slot, fused_step, to_particles,
 };
 use crate::validity::ListValidity;
 
@@ -41,11 +40,11 @@ impl FusedBuffers {
     /// Takes steps, and builds the list wherever it expires. Returns the number of steps taken.
     ///
     /// Where a number is not finite, it takes none.
-    pub fn advance<P: PairList, I: Interaction>(
+    pub fn advance<P: PairList>(
         &mut self,
         validity: &mut ListValidity,
         (list, copies): (&mut P, &mut PackedCopies<P::Row>),
-        interaction: I,
+        interaction: &dyn LoopOver<P>,
         steps: &mut FusedSteps<'_>,
         kick_drift: KickDrift,
         clock: &mut Clock,
@@ -63,7 +62,7 @@ impl FusedBuffers {
         loop {
             let most = steps.steps - taken;
             let (done, status) = validity.with_list(list, cell, |used| {
-                let job = list.job(interaction, used.r_cut, cell);
+                let over_list = interaction.over(list, used.r_cut, cell);
                 let mut done = 0;
                 while done < most {
                     let acts = steps.bath.as_ref().is_some_and(FusedBath::acts);
@@ -72,7 +71,7 @@ impl FusedBuffers {
                     let (particles, rest) = self.particles();
                     let mover = rest.mover(acts, steps, list.particles());
                     let how = (kick_drift, &mover);
-                    let status = fused_step(used, copies, &job, particles, how, request);
+                    let status = fused_step(used, copies, &*over_list, particles, how, request);
                     if status != ListStatus::Complete {
                         return (done, status);
                     }

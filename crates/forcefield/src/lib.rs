@@ -4,6 +4,7 @@
 //! reference loop stays for ever, and every other one is compared with it.
 
 mod all_pairs;
+mod any_interaction;
 mod canonical;
 mod clock;
 mod contact_law;

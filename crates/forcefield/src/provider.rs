@@ -10,16 +10,16 @@ use lennard_core::{
     ForceTerm, FusedSteps, HaloSize, Masses, Part, PeriodicBox, Team, TooManyRanks, Want,
 };
 
+use crate::any_interaction::{AnyInteraction, with_whole};
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
 use crate::clock::Clock;
 use crate::error::ForceFieldError;
-use crate::interaction::{Interaction, ManySpecies, OneSpecies, SplitWeights};
+use crate::interaction::{ManySpecies, OneSpecies, SplitWeights};
 use crate::listed::{Listed, Loop};
 use crate::non_finite;
 use crate::options::{ForceFieldOptions, SplitOptions};
 use crate::pair::{Laws, Model, with_form};
 use crate::plan::{Conditions, ForcePlan, Search, TIE_MARGIN, decide};
-use crate::reference;
 use crate::simd::{Detail, KickDrift, PerParticle};
 use crate::sums::Totals;
 
@@ -174,41 +174,10 @@ impl PairForces {
         Ok(Totals::NOTHING.deliver(want, 0.0, each))
     }
 
-    /// Evaluates the whole force.
-    fn run_whole<I: Interaction>(
+    /// Evaluates a part of the force, or the whole.
+    fn run(
         &mut self,
-        interaction: I,
-        at: Configuration<'_>,
-        detail: Detail,
-        forces: &mut [DVec3],
-        each: Option<&mut [PerParticle]>,
-    ) -> Result<Totals, ForceError> {
-        // The constant is alone in its condition: only then does the compiler drop the other instances, here and below.
-        if I::SHARES_LOOPS_OF_PARTS {
-            let whole = SplitWeights::WHOLE.of(interaction);
-            return self.run(whole, false, at, detail, forces, each);
-        }
-        self.run(interaction, false, at, detail, forces, each)
-    }
-
-    /// Takes fused steps with a list.
-    fn advance_list<I: Interaction>(
-        listed: &mut Listed,
-        interaction: I,
-        steps: &mut FusedSteps<'_>,
-        kick_drift: KickDrift,
-        clock: &mut Clock,
-    ) -> u64 {
-        if I::SHARES_LOOPS_OF_PARTS {
-            let whole = SplitWeights::WHOLE.of(interaction);
-            return listed.advance(whole, steps, kick_drift, clock);
-        }
-        listed.advance(interaction, steps, kick_drift, clock)
-    }
-
-    fn run<I: Interaction>(
-        &mut self,
-        interaction: I,
+        interaction: &dyn AnyInteraction,
         near: bool,
         at: Configuration<'_>,
         detail: Detail,
@@ -235,15 +204,14 @@ impl PairForces {
             Strategy::Direct { wrapped } => {
                 wrap(at.cell, at.positions, wrapped);
                 let job = CanonicalJob {
-                    interaction,
                     r_cut: model.r_cut,
                     cell: at.cell,
                     wrapped,
                     neighbors: NeighborSource::AllBut(exclusions),
                 };
-                job.run(detail, forces, each)
+                interaction.canonical(&job, detail, forces, each)
             }
-            _ => reference::evaluate(interaction, &model, exclusions, at, forces, each),
+            _ => interaction.reference(&model, exclusions, at, forces, each),
         });
         if !forces.iter().all(|f| f.is_finite()) {
             return Err(non_finite::force(forces));
@@ -290,8 +258,12 @@ impl ForceTerm for PairForces {
         // A copy of the pointer, which leaves the lists free to change.
         let laws = self.laws.clone();
         let mut totals = with_interaction!(self.model.form, &laws, interaction => match split {
-            None => self.run_whole(interaction, at, detail, forces, slots),
-            Some(weights) => self.run(weights.of(interaction), near, at, detail, forces, slots),
+            None => with_whole(interaction, |whole| {
+                self.run(whole, false, at, detail, forces, slots)
+            }),
+            Some(weights) => {
+                self.run(&weights.of(interaction), near, at, detail, forces, slots)
+            }
         })?;
         // The far part has the whole jump at the cutoff, since the near part is zero there.
         let jump = if near {
@@ -364,7 +336,7 @@ impl Backend for PairForces {
         };
         let clock = &mut self.clock;
         let taken = with_interaction!(self.model.form, &self.laws, interaction => {
-            Self::advance_list(listed, interaction, steps, kick_drift, clock)
+            with_whole(interaction, |whole| listed.advance(whole, steps, kick_drift, clock))
         });
         self.evaluations += taken;
         taken

@@ -10,7 +10,7 @@ use crate::sums::{Totals, outer};
 
 /// Writes forces and returns the totals; `each` takes the entries of each particle where they are wanted.
 pub fn evaluate<I: Interaction>(
-    interaction: I,
+    interaction: &I,
     model: &Model,
     exclusions: &Exclusions,
     at: Configuration<'_>,

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use lennard_neighbor::NeighborList;
 
+use crate::any_interaction::AnyInteraction;
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
-use crate::interaction::Interaction;
 use crate::simd::{Detail, ListInUse, ListStatus, MotionSummary, Ordered, PerParticle};
 use crate::sums::Totals;
 
@@ -33,10 +33,10 @@ impl Folded {
     }
 
     /// Folds positions, judges the list, and writes forces (and `each`) where the list is complete.
-    pub(super) fn evaluate<I: Interaction>(
+    pub(super) fn evaluate(
         &mut self,
         used: &ListInUse<'_, NeighborList>,
-        interaction: I,
+        interaction: &dyn AnyInteraction,
         positions: &[DVec3],
         detail: Detail,
         forces: &mut [DVec3],
@@ -60,13 +60,12 @@ impl Folded {
             };
         }
         let job = CanonicalJob {
-            interaction,
             r_cut: used.r_cut,
             cell: used.cell,
             wrapped: &self.wrapped,
             neighbors: NeighborSource::Listed(&self.lists),
         };
-        let totals = job.run(detail, forces, each);
+        let totals = interaction.canonical(&job, detail, forces, each);
         Evaluated {
             status,
             totals,

@@ -14,9 +14,9 @@ use lennard_neighbor::{ClusterList, Images, NeighborList, Positions};
 
 use self::evaluated::Evaluated;
 use self::folded::Folded;
+use crate::any_interaction::AnyInteraction;
 use crate::clock::Clock;
 use crate::fused::FusedBuffers;
-use crate::interaction::Interaction;
 use crate::non_finite;
 use crate::share::{Share, halo_on};
 use crate::simd::{
@@ -184,9 +184,9 @@ impl Listed {
     }
 
     /// Writes forces (and `each`) at a configuration, and returns the totals that `detail` asks for.
-    pub fn evaluate<I: Interaction>(
+    pub fn evaluate(
         &mut self,
-        interaction: I,
+        interaction: &dyn AnyInteraction,
         at: Configuration<'_>,
         detail: Detail,
         forces: &mut [DVec3],
@@ -224,9 +224,9 @@ impl Listed {
     }
 
     /// Judges the list where the request demands it, and evaluates where the list is complete.
-    fn attempt<I: Interaction>(
+    fn attempt(
         &mut self,
-        interaction: I,
+        interaction: &dyn AnyInteraction,
         at: Configuration<'_>,
         request: Request,
         forces: &mut [DVec3],
@@ -251,9 +251,9 @@ impl Listed {
     }
 
     /// Takes fused steps: see [`lennard_core::Backend::advance`].
-    pub fn advance<I: Interaction>(
+    pub fn advance(
         &mut self,
-        interaction: I,
+        interaction: &dyn AnyInteraction,
         steps: &mut FusedSteps<'_>,
         kick_drift: KickDrift,
         clock: &mut Clock,

@@ -14,10 +14,9 @@ use super::output::Output;
 use super::packed::{
     Evaluation, Fetch, ListStatus, Outcome, PackedCopies, Request, RunChunk, Which,
 };
-use super::pair_list::PairList;
+use super::pair_list::{LoopOver, PairList};
 use super::row::DoubleRow;
 use super::totals::{ChunkTotals, PerParticle};
-use crate::interaction::Interaction;
 use crate::share::Share;
 
 /// Positions and the index in them of each slot.
@@ -78,20 +77,20 @@ impl<P: PairList> ListInUse<'_, P> {
     }
 
     /// Packs rows, judges the list, and writes forces (and `each`) where it is complete.
-    pub fn evaluate<I: Interaction>(
+    pub fn evaluate(
         &self,
         copies: &mut PackedCopies<P::Row>,
-        interaction: I,
+        interaction: &dyn LoopOver<P>,
         positions: &[DVec3],
         request: Request,
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
     ) -> Outcome {
         let order = self.list.particles();
-        let job = self.list.job(interaction, self.r_cut, self.cell);
+        let over_list = interaction.over(self.list, self.r_cut, self.cell);
         let run = |output: &Output<'_>, rows: &[P::Row], chunk: usize| {
             // SAFETY: `PackedCopies::run` runs each chunk once.
-            unsafe { P::run(self.level, &job, rows, chunk, request.detail, output) }
+            unsafe { over_list.run(self.level, rows, chunk, request.detail, output) }
         };
         let at = || Ordered { positions, order };
         if let Some(share) = self.share {

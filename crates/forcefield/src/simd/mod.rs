@@ -75,6 +75,6 @@ pub use list_in_use::{ListInUse, Ordered};
 pub use motion::{MotionSummary, SomeRows};
 pub use mover::{Mover, SlotNoise};
 pub use packed::{ListStatus, Outcome, PackedCopies, Prepared, Request, are_few};
-pub use pair_list::PairList;
+pub use pair_list::{LoopOver, PairList};
 pub use row::{DoubleRow, FixedRow};
 pub use totals::{ChunkTotals, Detail, PerParticle};

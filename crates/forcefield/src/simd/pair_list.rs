@@ -35,12 +35,6 @@ pub trait PairList: Sync {
     type Row: Copy + Default + Send + Sync;
     /// The cells of the sort.
     type Cells: Cells;
-    /// One evaluation.
-    type Job<'a, I>: Sync
-    where
-        Self: 'a,
-        I: Interaction;
-
     /// Whether pairs can be inserted after the build.
     const INSERTS: bool = false;
 
@@ -74,13 +68,6 @@ pub trait PairList: Sync {
     fn chunks(&self) -> usize;
     /// Bytes of the lists themselves, without the sorted particles.
     fn list_bytes(&self) -> usize;
-    /// Prepares an evaluation in a box.
-    fn job<I: Interaction>(
-        &self,
-        interaction: I,
-        r_cut: f64,
-        cell: &PeriodicBox,
-    ) -> Self::Job<'_, I>;
     /// Keeps the lists of these chunks alone, in this build and in all later ones.
     fn keep(&mut self, chunks: Range<usize>);
     /// A function of a chunk, which calls its second argument with each slot outside `own` that its lists name, as often as they do.
@@ -105,27 +92,89 @@ pub trait PairList: Sync {
     }
     /// Inserts such a pair, where the list [`INSERTS`](PairList::INSERTS) pairs.
     fn insert(&mut self, _pair: [u32; 2]) {}
-    /// Runs one chunk.
+}
+
+/// The loop over the chunks of a list, for one interaction.
+///
+/// What calls it is compiled once for all interactions.
+pub trait ChunkLoop<Row>: Sync {
+    /// Runs one chunk over rows.
     ///
     /// # Safety
     /// No other thread runs the same chunk with the same output at the same time.
-    unsafe fn run<I: Interaction>(
+    unsafe fn run(
+        &self,
         level: Level,
-        job: &Self::Job<'_, I>,
-        rows: &[Self::Row],
+        rows: &[Row],
         chunk: usize,
         detail: Detail,
         output: &Output<'_>,
     ) -> ChunkTotals;
 }
 
+/// An interaction of any kind that has a loop over lists of this kind.
+pub trait LoopOver<P: PairList> {
+    /// The loop over a list with a cutoff, σ, in a box.
+    fn over<'a>(
+        &'a self,
+        list: &'a P,
+        r_cut: f64,
+        cell: &PeriodicBox,
+    ) -> Box<dyn ChunkLoop<P::Row> + 'a>;
+}
+
+impl<I: Interaction> LoopOver<NeighborList> for I {
+    fn over<'a>(
+        &'a self,
+        list: &'a NeighborList,
+        r_cut: f64,
+        _cell: &PeriodicBox,
+    ) -> Box<dyn ChunkLoop<DoubleRow> + 'a> {
+        Box::new(RowJob::new(*self, r_cut, list))
+    }
+}
+
+impl<I: Interaction> ChunkLoop<DoubleRow> for RowJob<'_, I> {
+    unsafe fn run(
+        &self,
+        level: Level,
+        rows: &[DoubleRow],
+        chunk: usize,
+        detail: Detail,
+        output: &Output<'_>,
+    ) -> ChunkTotals {
+        by_level!(level, run_double(self, rows, chunk, detail, output))
+    }
+}
+
+impl<I: Interaction> LoopOver<ClusterList> for I {
+    fn over<'a>(
+        &'a self,
+        list: &'a ClusterList,
+        r_cut: f64,
+        cell: &PeriodicBox,
+    ) -> Box<dyn ChunkLoop<FixedRow> + 'a> {
+        let scale = (cell.lengths() / FIXED_UNITS).to_array();
+        Box::new(ClusterJob::new(*self, r_cut, scale, list))
+    }
+}
+
+impl<I: Interaction> ChunkLoop<FixedRow> for ClusterJob<'_, I> {
+    unsafe fn run(
+        &self,
+        level: Level,
+        rows: &[FixedRow],
+        chunk: usize,
+        detail: Detail,
+        output: &Output<'_>,
+    ) -> ChunkTotals {
+        by_level!(level, run_cluster(self, rows, chunk, detail, output))
+    }
+}
+
 impl PairList for NeighborList {
     type Row = DoubleRow;
     type Cells = lennard_neighbor::RowTable;
-    type Job<'a, I>
-        = RowJob<'a, I>
-    where
-        I: Interaction;
 
     fn rounding(_cell: &PeriodicBox, _r_cut: f64) -> f64 {
         0.0
@@ -169,15 +218,6 @@ impl PairList for NeighborList {
         self.bytes() - self.table().bytes()
     }
 
-    fn job<I: Interaction>(
-        &self,
-        interaction: I,
-        r_cut: f64,
-        _cell: &PeriodicBox,
-    ) -> RowJob<'_, I> {
-        RowJob::new(interaction, r_cut, self)
-    }
-
     fn pack(
         &self,
         level: Level,
@@ -203,17 +243,6 @@ impl PairList for NeighborList {
         let ghosts = self.table().ghosts.iter();
         ghosts.map(|ghost| slots[ghost.row as usize])
     }
-
-    unsafe fn run<I: Interaction>(
-        level: Level,
-        job: &RowJob<'_, I>,
-        rows: &[DoubleRow],
-        chunk: usize,
-        detail: Detail,
-        output: &Output<'_>,
-    ) -> ChunkTotals {
-        by_level!(level, run_double(job, rows, chunk, detail, output))
-    }
 }
 
 impl PairList for ClusterList {
@@ -225,10 +254,6 @@ impl PairList for ClusterList {
 
     type Row = FixedRow;
     type Cells = lennard_neighbor::ColumnTable;
-    type Job<'a, I>
-        = ClusterJob<'a, I>
-    where
-        I: Interaction;
 
     /// Distances in fixed point are off by about one unit of the longest side, and singles by their last place.
     fn rounding(cell: &PeriodicBox, r_cut: f64) -> f64 {
@@ -274,16 +299,6 @@ impl PairList for ClusterList {
         self.bytes() - self.table().bytes()
     }
 
-    fn job<I: Interaction>(
-        &self,
-        interaction: I,
-        r_cut: f64,
-        cell: &PeriodicBox,
-    ) -> ClusterJob<'_, I> {
-        let scale = (cell.lengths() / FIXED_UNITS).to_array();
-        ClusterJob::new(interaction, r_cut, scale, self)
-    }
-
     fn pack(
         &self,
         level: Level,
@@ -314,16 +329,5 @@ impl PairList for ClusterList {
 
     fn insert(&mut self, pair: [u32; 2]) {
         self.insert(pair);
-    }
-
-    unsafe fn run<I: Interaction>(
-        level: Level,
-        job: &ClusterJob<'_, I>,
-        rows: &[FixedRow],
-        chunk: usize,
-        detail: Detail,
-        output: &Output<'_>,
-    ) -> ChunkTotals {
-        by_level!(level, run_cluster(job, rows, chunk, detail, output))
     }
 }

@@ -5,14 +5,13 @@ use lennard_core::parallel::part;
 use lennard_neighbor::ATOMS_PER_CHUNK;
 
 use super::pack_ahead::{Ahead, NextRows};
-use crate::interaction::Interaction;
 use crate::simd::disjoint::Disjoint;
 use crate::simd::kick_drift::KickDrift;
 use crate::simd::list_in_use::{ListInUse, Ordered};
 use crate::simd::mover::{Mover, Moving};
 use crate::simd::output::Output;
 use crate::simd::packed::{ListStatus, PackedCopies, Request, are_few};
-use crate::simd::pair_list::PairList;
+use crate::simd::pair_list::{ChunkLoop, PairList};
 use crate::simd::prefetch::Region;
 
 /// Particles by slot.
@@ -32,10 +31,10 @@ pub struct SlotState<'a> {
 /// With [`Mover::Kick`] the step ends with half a kick: positions stay, and chunks pack nothing.
 ///
 /// Where a number is not finite, the written arrays have no meaning.
-pub fn fused_step<P: PairList, I: Interaction>(
+pub fn fused_step<P: PairList>(
     used: &ListInUse<'_, P>,
     copies: &mut PackedCopies<P::Row>,
-    job: &P::Job<'_, I>,
+    over_list: &dyn ChunkLoop<P::Row>,
     particles: SlotState<'_>,
     (kick_drift, mover): (KickDrift, &Mover<'_>),
     request: Request,
@@ -91,7 +90,7 @@ pub fn fused_step<P: PairList, I: Interaction>(
         let next_chunk = unsafe { ahead.next_chunk(chunk, next_rows) };
         let output = Output::of_chunk(forces, order, slots.start, next_chunk);
         // SAFETY: as above.
-        let totals = unsafe { P::run(used.level, job, rows, chunk, request.detail, &output) };
+        let totals = unsafe { over_list.run(used.level, rows, chunk, request.detail, &output) };
         let step = match mover {
             Mover::Drift => kick_drift.apply(used.level, positions, velocities, forces),
             Mover::Noise(noise, gained) => {
