@@ -90,7 +90,7 @@ impl SceneError {
         }
     }
 
-    /// Without a place, where that is one of these overrides: the program added them, and nobody typed them.
+    /// Without a place, where that is one of these overrides: the program added them, and the user never typed them.
     pub(crate) fn not_typed(mut self, added: &[(String, String)]) -> Self {
         let is_added = |text: &str| added.iter().any(|(k, v)| format!("{k}={v}") == text);
         self.0.place = self
