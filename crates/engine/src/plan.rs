@@ -55,8 +55,8 @@ pub struct Plan {
     pub threads: usize,
     /// Parts of the work.
     pub items: Vec<PlanItem>,
-    /// Bytes that a run holds at most: its state and a second state set aside, the forces with their lists, and a checkpoint
-    /// under way, or at the end the neighbors that tell whether it froze. What observables gather is not counted.
+    /// Bytes that a run holds at most: its state, a second state set aside, and the forces with their lists. A checkpoint under
+    /// way comes on top, or the neighbors that tell at the end whether it froze. What observables gather is not counted.
     pub bytes: u64,
     /// Median time of a step with everything off, seconds.
     pub seconds_per_step: f64,
