@@ -3,22 +3,25 @@
 use std::path::Path;
 
 use lennard_core::{Cell, Table};
-use lennard_report::{signed, significant};
+use lennard_report::{counted, signed, significant};
+use lennard_scene::Scene;
 use lennard_studies::compare::{self, ComparedRun, Row, StateOfMatter, quantity_words};
 use lennard_studies::sweep::{self, Sweep, SweepRecord, workers};
 
 use super::{WIDTH, note, table, wrapped};
 
-/// What is about to run, with the points that are no single stable phase.
+/// What is about to run, with the points that are no single stable phase. Two phases that the start puts side by side are
+/// meant, and are judged by saturation.
 pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) {
     println!("{}", console::style(&sweep.name).bold());
     println!(
-        "  {} points, {} at a time, output in {}",
-        sweep.points.len(),
+        "  {}, {} at a time, output in {}",
+        counted(sweep.points.len(), "point"),
         workers(sweep.points.len(), threads),
         folder.display()
     );
-    for point in &sweep.points {
+    let is_meant = |scene: &Scene| scene.surfaces().is_some() || scene.half_crystal().is_some();
+    for point in sweep.points.iter().filter(|p| !is_meant(&p.scene)) {
         let state = planned(point);
         if !state.is_single_stable_phase() {
             println!(

@@ -437,3 +437,18 @@ fn a_crystal_beside_its_liquid_is_headed_by_the_phase_that_grows() {
     assert!(said.contains("No velocity is told, "), "{said}");
     assert!(said.contains("a crystal beside its liquid"), "{said}");
 }
+
+#[test]
+fn a_sweep_of_slabs_is_not_told_that_two_phases_are_not_judged() {
+    let folder = prepared(
+        "base = \"slab.toml\"\n[set]\n\"system.n_atoms\" = 300\n\"stage.equilibrate.steps\" = 10\n\
+         \"stage.production.steps\" = 20\n[grid]\ntemperature = [0.8]\n",
+    );
+    let copied = lennard_in(folder.path(), &["new", "slab", "--like", "interface/slab"]);
+    assert!(copied.status.success(), "{}", text(&copied.stderr));
+    let done = lennard_in(folder.path(), &["sweep", "sweep.toml", "--no-report"]);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    let told = text(&done.stdout);
+    assert!(told.contains("1 point, 1 at a time"), "{told}");
+    assert!(!told.contains("it is run and not judged"), "{told}");
+}
