@@ -64,6 +64,23 @@ fn finite_size(
     FiniteSize::of(equation, density, temperature, atoms, kept)
 }
 
+/// The model of a scene and the equation of state that describes it; else a comparison that says why there is none.
+pub(crate) fn equation_for(
+    scene: &Scene,
+) -> Result<(ModelKind, &'static dyn EquationOfState), Comparison> {
+    let model = model_kind(scene);
+    let equation = lennard_literature::equation_of_state_for(model);
+    let why = match (scene.not_homogeneous(), equation) {
+        (None, Ok(equation)) => return Ok((model, equation)),
+        (None, Err(none)) => none.to_string(),
+        (Some(why), _) => format!("not compared with any equation of state: {why}"),
+    };
+    Err(Comparison {
+        remarks: vec![why],
+        ..Comparison::default()
+    })
+}
+
 /// U and P of a run beside the equation of state that describes its model, at ρ and the measured temperature that
 /// belongs to the positions ([`Thermodynamics`]).
 ///
@@ -98,20 +115,11 @@ pub fn beside_equation_of_state(
     what: Compared,
 ) -> Comparison {
     let results = what == Compared::Results;
-    let mut comparison = Comparison::default();
-    if let Some(why) = scene.not_homogeneous() {
-        let remark = format!("not compared with any equation of state: {why}");
-        comparison.remarks.push(remark);
-        return comparison;
-    }
-    let model = model_kind(scene);
-    let equation = match lennard_literature::equation_of_state_for(model) {
-        Ok(equation) => equation,
-        Err(none) => {
-            comparison.remarks.push(none.to_string());
-            return comparison;
-        }
+    let (model, equation) = match equation_for(scene) {
+        Ok(found) => found,
+        Err(comparison) => return comparison,
     };
+    let mut comparison = Comparison::default();
     let equilibrium = thermodynamics.equilibrium();
     let ramp = scene.stages.iter().any(|s| s.measure && s.is_ramp());
     let scaled = ramp || measured_baths(scene).iter().any(|bath| !bath.canonical);

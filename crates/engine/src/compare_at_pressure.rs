@@ -4,9 +4,9 @@ use lennard_core::{Average, Observable};
 use lennard_io::StatePoint;
 use lennard_literature::EquationOfState;
 use lennard_observables::{ChangingBox, Thermodynamics};
-use lennard_scene::{Scene, model_kind};
+use lennard_scene::Scene;
 
-use crate::compare::Comparison;
+use crate::compare::{Comparison, equation_for};
 
 /// Density and U of a run at constant pressure beside the equation of state at the pressure of the barostat.
 ///
@@ -21,20 +21,11 @@ pub fn at_constant_pressure(
     thermodynamics: &Thermodynamics,
     changing: &ChangingBox,
 ) -> Comparison {
-    let mut comparison = Comparison::default();
-    if let Some(why) = scene.not_homogeneous() {
-        let remark = format!("not compared with any equation of state: {why}");
-        comparison.remarks.push(remark);
-        return comparison;
-    }
-    let model = model_kind(scene);
-    let equation = match lennard_literature::equation_of_state_for(model) {
-        Ok(equation) => equation,
-        Err(none) => {
-            comparison.remarks.push(none.to_string());
-            return comparison;
-        }
+    let (model, equation) = match equation_for(scene) {
+        Ok(found) => found,
+        Err(comparison) => return comparison,
     };
+    let mut comparison = Comparison::default();
     let stage = scene.stages.iter().find(|s| s.measure && !s.is_ramp());
     let Some(control) = stage.and_then(|s| s.barostat.as_ref()) else {
         comparison

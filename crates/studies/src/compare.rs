@@ -206,6 +206,11 @@ fn headline(rows: &[Row], no_reference: Option<&str>) -> String {
         (0, _) if no_reference.is_none() => "Nothing was held against a reference.".into(),
         (0, _) => String::new(),
         (1, 1) => format!("{} agrees with its reference.", capital(&names(&judged))),
+        (2, 2) => format!(
+            "{} and {} agree with their references.",
+            capital(&quantity_words(&judged[0].quantity)),
+            quantity_words(&judged[1].quantity)
+        ),
         (all, agree) if all == agree => {
             format!("All {all} quantities that have a reference agree with it.")
         }
@@ -239,4 +244,44 @@ fn capital(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| {
         first.to_uppercase().collect::<String>() + letters.as_str()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use lennard_io::AverageRecord;
+
+    use super::*;
+
+    fn agreeing(quantity: &str) -> Row {
+        let average = AverageRecord {
+            mean: 1.0,
+            standard_error: 0.1,
+            n_effective: 100.0,
+            freedom: 99.0,
+            equilibration_cut: 0,
+            unit: String::new(),
+            standing: lennard_io::SOUND.into(),
+            reason: String::new(),
+        };
+        Row {
+            verdict: Verdict::Agrees,
+            primary: true,
+            ..Row::measured(quantity, &average)
+        }
+    }
+
+    #[test]
+    fn few_quantities_that_agree_are_named() {
+        let rows = ["potential_energy", "pressure", "heat_capacity"].map(agreeing);
+        for (n, words) in [
+            (1, "Potential energy agrees with its reference."),
+            (
+                2,
+                "Potential energy and pressure agree with their references.",
+            ),
+            (3, "All 3 quantities that have a reference agree with it."),
+        ] {
+            assert_eq!(headline(&rows[..n], None), words);
+        }
+    }
 }
